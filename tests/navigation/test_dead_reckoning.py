@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -155,6 +155,43 @@ def test_the_covariance_of_the_path_is_that_of_its_causes(perfect, rig):
     faster = reckoned(replace(still, dvl=replace(still.dvl, velocity=1.1 * still.dvl.velocity)), rig, alone).trajectory
     moved = (faster.translation - base.translation)[:, :2]
     assert np.allclose(base.covariance[-1, :2, :2], np.outer(moved[-1], moved[-1]), atol=1e-5)
+
+
+def cut(record, keep):
+    """The rows of a record that are kept; beams are the instrument's."""
+    rows = {f.name: getattr(record, f.name) for f in fields(record)}
+    return replace(record, **{name: value[keep] for name, value in rows.items() if name != "beams"})
+
+
+def test_velocities_beyond_an_imu_that_stopped_are_counted(perfect, rig):
+    imu_s = (perfect.imu.t_ns - perfect.dvl.t_ns[0]) * 1e-9
+    found = reckoned(replace(perfect, imu=cut(perfect.imu, imu_s < 10), top=None, bottom=None), rig)
+    (velocities,) = [words for words in found.remarks if "of its velocities" in words]
+    assert velocities.startswith("DVL: 74 % of its velocities (588 of 800) lie where no attitude was read and are not used")
+    (ranges,) = [words for words in found.remarks if "of its ranges" in words]
+    assert ranges.endswith("of 3200) lie before or after the path and are not used")
+
+
+def test_an_imu_that_ran_on_under_water_without_a_velocity_is_said_and_one_on_deck_is_not(perfect, rig):
+    dvl_s = (perfect.dvl.t_ns - perfect.dvl.t_ns[0]) * 1e-9
+    stopped = replace(perfect, dvl=cut(perfect.dvl, dvl_s < 15), top=None, bottom=None)
+    (words,) = [words for words in reckoned(stopped, rig).remarks if "of its readings under water" in words]
+    assert float(words.split()[1]) == pytest.approx(25.5, abs=1.0)
+    depth = np.where((perfect.pressure.t_ns - perfect.dvl.t_ns[0]) * 1e-9 > 16, 0.0, perfect.pressure.depth)
+    on_deck = replace(stopped, pressure=replace(perfect.pressure, depth=depth))
+    assert not [words for words in reckoned(on_deck, rig).remarks if "under water" in words]
+
+
+def test_a_dive_that_dvl_and_imu_cover_leaves_nothing_out(noisy, rig):
+    assert not [words for words in reckoned(noisy, rig).remarks if "not used" in words or "under water" in words]
+
+
+def test_a_slow_dvl_has_no_outage_between_two_pings(perfect, rig):
+    slow = cut(perfect.dvl, np.arange(len(perfect.dvl.t_ns)) % 20 == 0)
+    assert not [words for words in reckoned(replace(perfect, dvl=slow), rig).remarks if "outage" in words]
+    holed = cut(slow, np.abs(np.arange(len(slow.t_ns)) - 20) > 2)
+    (words,) = [words for words in reckoned(replace(perfect, dvl=holed), rig).remarks if "outage" in words]
+    assert words.startswith("DVL: 1 outage bridged at constant velocity, the longest 6.0 s")
 
 
 def test_an_outage_is_bridged_reported_and_widens_the_covariance(simulated, perfect, rig, silenced):

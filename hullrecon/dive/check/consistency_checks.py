@@ -22,6 +22,9 @@ ABOVE_WATER_M = 0.5  # a return that far above the surface is not of the hull un
 MUCH = 0.05  # share of returns above water
 APART_DEG = 50.0  # between where a camera and the DVL look
 SAME_DEG = 5.0  # between two statements on how one sensor sits
+UNPLACED_SHARE = 0.01  # of the DVL's velocities without an attitude, from which on it is said
+UNPLACED_S = 10.0  # of readings under water without a velocity, from which on it is said
+UNDER_WATER_M = 0.5  # a sensor deeper than that is no longer on deck
 SLOW = 0.02  # m/s; below, depth's rate says nothing about the DVL
 
 
@@ -31,6 +34,8 @@ def check_consistency(config: DiveConfig, records: SensorRecords, images: Mappin
     dvl, imu, pressure = records.dvl, records.imu, records.pressure
     if imu is not None:
         out += _check_gravity(imu, config.imu.frame)
+    if dvl is not None and imu is not None and not images:
+        out += _check_reckoned(dvl, imu, pressure)
     if dvl is not None and imu is not None and pressure is not None:
         global_from_dvl = _global_from_dvl(config, dvl, imu, records.tray)
         out += _check_returns_below_water(dvl, pressure, global_from_dvl)
@@ -78,6 +83,35 @@ def _check_clocks(streams: Mapping[str, Stream]) -> list[str]:
         for name, seconds in apart.items()
         if seconds > 0
     ]  # fmt: skip
+
+
+def _check_reckoned(dvl: DvlPings, imu: ImuSamples, pressure: PressureSamples | None) -> list[str]:
+    """Return a sentence where DVL or IMU were lost for a part of a dive without images: the path ends there."""
+    heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
+    if not len(heard_ns) or not len(imu.t_ns):
+        return []
+    out = []
+    without = np.count_nonzero((heard_ns < imu.t_ns[0] - NS) | (heard_ns > imu.t_ns[-1] + NS))
+    if without >= UNPLACED_SHARE * len(heard_ns):
+        share = 100 * without / len(heard_ns)
+        out.append(f"{share:.0f} % of the DVL's velocities lie where no attitude was read: a run cannot use them")
+    unheard_s = seconds_beyond(imu.t_ns, pressure, (int(heard_ns[0]), int(heard_ns[-1])))
+    if unheard_s >= UNPLACED_S:
+        out.append(
+            f"the IMU was read for {unheard_s:.1f} s under water before the first or after the last velocity of the DVL: "
+            "no image tells where the vehicle was then, and a run leaves that part out"
+        )
+    return out
+
+
+def seconds_beyond(t_ns: Ints, pressure: PressureSamples | None, span_ns: tuple[int, int]) -> float:
+    """Return how long a sensor was read (t_ns, in time order) before and after a span, s, and under water where a pressure says
+    so: a logger that runs on deck misses nothing."""
+    wet = np.ones(len(t_ns), bool)
+    if pressure is not None and len(pressure.t_ns):
+        wet = np.interp(t_ns, pressure.t_ns, pressure.depth) > UNDER_WATER_M
+    away = (t_ns[:-1] < span_ns[0]) | (t_ns[1:] > span_ns[1])
+    return float(np.diff(t_ns)[away & wet[:-1] & wet[1:]].sum()) / NS
 
 
 def _check_gravity(imu: ImuSamples, frame: str) -> list[str]:

@@ -18,6 +18,7 @@ from hullrecon.navigation.dead_reckoning.odometry import odometry, widen_for_tra
 from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning, reckon
 from hullrecon.navigation.dead_reckoning.remarks import remarks_of
 from hullrecon.navigation.dead_reckoning.returns import flag_ranges, returns
+from hullrecon.navigation.dead_reckoning.unplaced import describe_unplaced
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import attitude_history
 from hullrecon.navigation.sensors.clock import in_order
@@ -84,6 +85,7 @@ def dead_reckon(
     flagged = flag_ranges(logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigmas.range_m)
     beams = returns(logs.dvl, path, at, flagged)
     notes, facts = remarks_of(logs.dvl.t_ns, path, nodes, depth, beams)
+    notes += describe_unplaced(logs.dvl, logs.imu, logs.pressure, velocities, nodes.t_ns, beams)
     poses = _poses(path, at, depth)
     errors = dead_reckoning_errors(path, at, poses, depth, sigmas)
     covariance = trajectory_covariance(errors, poses)

@@ -16,6 +16,8 @@ from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array, Ints
 
+FEW_PERIODS = 2.5  # of the DVL, to the next velocity: one ping may be lost
+
 
 def remarks_of(
     pings_ns: Ints, path: Reckoning, nodes: Nodes, depth: Depth | None, returns: Returns
@@ -32,12 +34,9 @@ def remarks_of(
     steps = np.zeros(0, np.int64) if depth is None else depth.steps
     no_depth = "" if depth is None else depth.silence
     no_angle = path.servo.silence(nodes.t_ns)
-    no_velocity, no_attitude = _silent_dvl(v, nodes.t_ns), _silent_imu(path.attitude, nodes.t_ns)
+    bridged, no_velocity, no_attitude = _bridged(v), _silent_dvl(v, nodes.t_ns), _silent_imu(path.attitude, nodes.t_ns)
     sentences = [
-        (
-            len(v.outages),
-            f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}{_unsure(v)}",
-        ),
+        (bridged, bridged),
         (no_velocity, no_velocity),
         (no_attitude, no_attitude),
         (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
@@ -77,6 +76,16 @@ def remarks_of(
         "path_length_m": round(float(way_m[-1]), 3),
     }
     return [sentence for holds, sentence in sentences if holds], facts
+
+
+def _bridged(velocities: Velocities) -> str:
+    """Return how many outages were bridged that last longer than a few periods of the DVL; between two pings of a slow one
+    nothing was lost."""
+    few_ns = FEW_PERIODS * float(np.median(np.diff(velocities.t_ns))) if len(velocities.t_ns) > 1 else 0.0
+    outages = velocities.outages[np.diff(velocities.outages, axis=1)[:, 0] > few_ns]
+    if not len(outages):
+        return ""
+    return f"DVL: {_times(len(outages), 'outage')} bridged at constant velocity, {_longest(outages)}{_unsure(velocities)}"
 
 
 def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -134,3 +136,22 @@ def test_the_first_image_is_told_against_the_first_ping():
         "the first camera image is 1.0 s before the first DVL ping"
     ]
     assert describe_start_offset(SensorRecords(**records), {}) == []
+
+
+def test_an_imu_that_ended_midway_is_a_warning_where_no_image_carries_on():
+    records = dive()
+    imu = records["imu"]
+    half = ImuSamples(**{f.name: getattr(imu, f.name)[:50] for f in fields(imu)})
+    records["imu"] = half
+    (words,) = check_consistency(config(), SensorRecords(**records), {})
+    assert words == "45 % of the DVL's velocities lie where no attitude was read: a run cannot use them"
+    assert check_consistency(config(), SensorRecords(**records), {"camera_top": index(T)}) == []
+
+
+def test_a_dvl_that_ended_midway_is_a_warning_but_for_a_logger_on_deck():
+    records = dive()
+    records["dvl"].velocity[30:] = np.nan
+    (words,) = check_consistency(config(), SensorRecords(**records), {})
+    assert words.startswith("the IMU was read for 14.0 s under water before the first or after the last velocity of the DVL")
+    records["pressure"].depth[30:] = 0.1
+    assert not [words for words in check_consistency(config(), SensorRecords(**records), {}) if "IMU was read" in words]
