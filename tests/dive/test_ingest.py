@@ -102,6 +102,18 @@ def test_seconds_of_a_window_count_from_the_earliest_table(tmp_path):
     assert found.records.dvl.t_ns[0] == found.records.imu.t_ns[0] == int(START.timestamp() + 10) * 10**9
 
 
+@pytest.mark.parametrize("rows", [[(2, 0.5)], [(1, 0.1), (2, 0.5), (12, 0.7), (19, 0.2)]], ids=["once", "as it turns"])
+def test_a_joint_is_at_the_start_of_a_window_as_it_was_last_read(tmp_path, rows):
+    write_tables(tmp_path / "logs", imu=0, dvl=0)
+    lines = [f"{START.timestamp() + t:.0f},tray,{rad}" for t, rad in rows]
+    (tmp_path / "logs" / "joints.csv").write_text("\n".join(["t,name,rad", *lines]) + "\n")
+    found, _ = run(tmp_path, logs=("logs",), topics={}, calibration={}, start=10.0, end=15.0, joints={"tray": "tray"})
+    expected = [(10, 0.5), *((t, rad) for t, rad in rows if 10 < t < 15)]
+    assert [int(t - START.timestamp() * 1e9) // 10**9 for t in found.records.tray.t_ns.tolist()] == [t for t, _ in expected]
+    assert found.records.tray.angle.tolist() == [rad for _, rad in expected]
+    assert "joint tray: at the start of the time window as last read, at 2026-05-04T09:30:02.000Z" in found.remarks
+
+
 def test_a_window_in_which_nothing_was_measured_is_an_input_error(package):
     with pytest.raises(InputError, match=r"nothing was measured from 2026-05-04T10:30:00\.000Z") as caught:
         run(package, start=START + timedelta(hours=1))

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -15,8 +15,9 @@ from hullrecon.dive.logs.messages.decode import decode, describe, type_name
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
-from hullrecon.dive.logs.samples import ImageSample, Sample, SonarSample
+from hullrecon.dive.logs.samples import ImageSample, JointSample, Sample, SonarSample
 from hullrecon.dive.logs.time_window import TimeWindow
+from hullrecon.dive.logs.timeline import GAP_S, NS, format_time
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 
@@ -32,8 +33,9 @@ SENSORS = tuple(TYPES)
 @dataclass(kw_only=True)
 class LogContents:
     """What the logs held. samples, logged_ns and log (the number of the log that holds it) by sensor ("dvl", ...; images go to
-    their sinks); counts by topic; used: topics of which a message could be used; outside: samples that lie outside the time
-    window; definitions: the channels by which a topic was decoded."""
+    their sinks); counts by topic; used: topics of which a message could be used; inside, outside: samples in and
+    outside of the time window; joints_before: by name, the last angle of a joint before it, when that was logged, and its log;
+    definitions: the channels by which a topic was decoded."""
 
     samples: dict[str, list[Sample]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     logged_ns: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
@@ -43,7 +45,9 @@ class LogContents:
     unstamped: Counter[str] = field(default_factory=Counter)
     passed_over: Counter[Channel] = field(default_factory=Counter)
     losses: list[tuple[str, Loss]] = field(default_factory=list)
+    inside: int = 0
     outside: int = 0
+    joints_before: dict[str, tuple[JointSample, int, int]] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
     definitions: dict[str, set[Channel]] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
@@ -88,6 +92,7 @@ def read_streams(
         f"{topic}: {n} messages have no stamp; their logging time was used" for topic, n in sorted(out.unstamped.items())
     ]
     if window is not None:
+        _start_joints(out, window)
         out.remarks.append(f"dive: only what was measured {window.describe()} is used; {out.outside} readings were left aside")
     out.remarks += [
         f"{c.type}: its {n} readings were left aside, as topics.{c.topic} is set" for c, n in out.passed_over.items()
@@ -109,12 +114,44 @@ def _sort(
     for sensor, sample in _samples(message, topics, out):
         if window is not None and not window.holds(sample.t_ns + offset_ns.get(sensor, 0)):
             out.outside += 1
-        elif isinstance(sample, ImageSample):
+            if isinstance(sample, JointSample) and np.isfinite(sample.angle):
+                _note_joint_before(sample, message.t_ns, log, out, window)
+            continue
+        out.inside += 1
+        if isinstance(sample, ImageSample):
             take_image(sample, message.t_ns, log)
         else:
             out.samples[sensor].append(keep_ping(sample) if isinstance(sample, SonarSample) else sample)
             out.logged_ns[sensor].append(message.t_ns)
             out.log[sensor].append(log)
+
+
+def _note_joint_before(sample: JointSample, logged_ns: int, log: int, out: LogContents, window: TimeWindow) -> None:
+    """Keep a reading of a joint outside of the window where it is the last one before it."""
+    known = out.joints_before.get(sample.name)
+    if window.first_ns is not None and sample.t_ns < window.first_ns and (known is None or sample.t_ns >= known[0].t_ns):
+        out.joints_before[sample.name] = sample, logged_ns, log
+
+
+def _start_joints(out: LogContents, window: TimeWindow) -> None:
+    """Put the last reading of each joint before the window at its start: a joint that is logged once, or as it turns, stands
+    there since. Where nothing was measured in the window they tell nothing."""
+    if not out.inside:
+        return
+    first: dict[str, int] = {}
+    for sample in out.samples["joints"]:
+        if isinstance(sample, JointSample):
+            first[sample.name] = min(sample.t_ns, first.get(sample.name, sample.t_ns))
+    for name, (sample, logged_ns, log) in out.joints_before.items():
+        start_ns = window.first_ns
+        if start_ns is None or first.get(name) == start_ns:
+            continue
+        out.outside -= 1
+        out.samples["joints"].insert(0, replace(sample, t_ns=start_ns))
+        out.logged_ns["joints"].insert(0, logged_ns + start_ns - sample.t_ns)
+        out.log["joints"].insert(0, log)
+        if start_ns - sample.t_ns > GAP_S * NS:
+            out.remarks.append(f"joint {name}: at the start of the time window as last read, at {format_time(sample.t_ns)}")
 
 
 def _samples(message: Message, topics: Mapping[str, Sequence[str]], out: LogContents) -> Iterator[tuple[str, Sample]]:
