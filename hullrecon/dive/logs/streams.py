@@ -18,7 +18,7 @@ from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample, Joint
 from hullrecon.dive.logs.sonar_geometry import choose_directions, image_in_ranges, pings_of_one_window
 from hullrecon.errors import InputError
 from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 FASTEST = 15.0  # m/s; no vehicle at a hull is faster
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
@@ -127,15 +127,18 @@ def describe_left_aside(sensor: str, count: int) -> str:
 @np.errstate(all="ignore")
 def pressure_samples(
     samples: Sequence[PressureSample | DepthSample], model: PressureModel, remarks: list[str]
-) -> PressureSamples:
-    """Return the depth of the sensor, positive down; readings that are not finite are left out. All samples are those of one
-    sensor."""
+) -> PressureSamples | None:
+    """Return the depth of the sensor, positive down; readings that are not finite are left out, None where all are. All samples
+    are those of one sensor."""
     if any(is_of_dvl(s) for s in samples):
         remarks.append("pressure: depth comes from the DVL's own sensor; pressure.origin is that sensor's")
     depth = np.array([_depth(s, model) for s in samples])
     good = np.isfinite(depth)
+    remarks += _describe_lost("pressure", good)
+    if not good.any():
+        return None
     depth = depth[good]
-    if len(depth) and np.median(depth) < -1.0:
+    if np.median(depth) < -1.0:
         advice = (
             "is pressure.z_axis right?" if isinstance(samples[0], DepthSample) else "is the pressure absolute and in pascal?"
         )
@@ -151,13 +154,22 @@ def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:
 
 
 @np.errstate(all="ignore")
-def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str]) -> JointSamples:
-    """Return one servo's angle; readings that are not finite are left out."""
+def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str]) -> JointSamples | None:
+    """Return one servo's angle; readings that are not finite are left out, None where all are."""
     angle = np.array([s.angle for s in samples])
     good = np.isfinite(angle)
-    if good.any() and np.abs(angle[good]).max() > 2 * np.pi:
+    remarks += _describe_lost(f"joint {name}", good)
+    if not good.any():
+        return None
+    if np.abs(angle[good]).max() > 2 * np.pi:
         remarks.append(f"joint {name}: angles reach {np.abs(angle[good]).max():.1f} rad; are they in degrees?")
     return JointSamples(t_ns=_times(samples)[good], angle=angle[good])
+
+
+def _describe_lost(name: str, good: Mask) -> list[str]:
+    """Return a sentence on readings (n,) that are not finite."""
+    lost = int(np.count_nonzero(~good))
+    return [f"{name}: {lost} of {len(good)} readings are no finite numbers and were left out"] if lost else []
 
 
 def keep_in_memory(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:

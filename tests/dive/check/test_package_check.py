@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,17 @@ def test_a_package_is_told_with_what_it_lacks(package):
     assert "no camera_bottom: one camera: scale and depth come from the DVL" in lines
     assert "no hull: without a CAD model the run maps onto its own surface, in the frame global" in lines
     assert not any(line.startswith(("no dvl", "no imu", "no joints")) for line in lines)
+
+
+def test_a_pressure_sensor_that_never_gave_a_number_is_none(package, kit):
+    lost = [
+        dataclasses.replace(e, message=kit.pressure(e.t_ns, float("nan"))) if e.topic == "/pressure" else e for e in kit.dive()
+    ]
+    kit.mcap(package / "logs" / "dive.mcap", lost)
+    lines = check(package).lines()
+    assert "note: pressure: 20 of 20 readings are no finite numbers and were left out" in lines
+    assert any(line.startswith("no pressure") for line in lines)
+    assert lines[-1].startswith("verdict: ready")
 
 
 def test_a_topic_that_dive_toml_does_not_name_is_told_with_the_reason(package, kit):

@@ -93,9 +93,21 @@ MODEL = streams.PressureModel(1025.0, 9.81, 101325.0)
 
 
 def test_a_hundredth_of_a_megapascal_is_a_metre_of_sea_water():
-    found = streams.pressure_samples([PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, [])
+    remarks = []
+    found = streams.pressure_samples([PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, remarks)
     assert found.depth == pytest.approx([2.0])
     assert found.t_ns.tolist() == [0]
+    assert remarks == ["pressure: 1 of 2 readings are no finite numbers and were left out"]
+
+
+def test_a_sensor_of_which_no_reading_is_a_number_has_no_record():
+    remarks = []
+    assert streams.pressure_samples([PressureSample(0, np.nan), PressureSample(1, np.inf)], MODEL, remarks) is None
+    assert streams.joint_samples([JointSample(0, "tray", np.nan)], "tray", remarks) is None
+    assert remarks == [
+        "pressure: 2 of 2 readings are no finite numbers and were left out",
+        "joint tray: 1 of 1 readings are no finite numbers and were left out",
+    ]
 
 
 def test_a_gauge_pressure_or_another_unit_is_suspected():
@@ -108,7 +120,8 @@ def test_joint_angles_in_degrees_are_suspected_and_lost_ones_left_out():
     remarks = []
     found = streams.joint_samples([JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", remarks)
     assert found.angle.tolist() == [45.0]
-    assert "in degrees?" in remarks[0]
+    assert remarks[0] == "joint tray: 1 of 2 readings are no finite numbers and were left out"
+    assert "in degrees?" in remarks[1]
 
 
 def sonar(t, image, reach=3.0):
