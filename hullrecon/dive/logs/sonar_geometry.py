@@ -10,17 +10,20 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.logs.dvl_beams import unit
 from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
 from hullrecon.typing import Array
 
 SAME_REACH = 0.01  # share of the range by which windows of one setting differ, as the water's temperature changes
+SAME_FAN = 0.01  # of beams' unit vectors: half a degree; the fans of two modes differ by tens of degrees
 MEANING = "the azimuth of each beam in degrees from the middle of the fan, growing from port to starboard"
 
 
 def pings_of_one_window(samples: Sequence[SonarSample], remarks: list[str]) -> tuple[list[SonarSample], Array]:
-    """Return the pings of the most common number of beams and window, and the most common of their ranges; [] without any.
+    """Return the pings of the most common number of beams and window, of those the ones whose beams point where most do, and
+    the most common of their ranges; [] without any.
 
     Windows whose ends differ by 1 % at most are one: the speed of sound that a sonar reckons with changes with the temperature.
     """
@@ -28,15 +31,22 @@ def pings_of_one_window(samples: Sequence[SonarSample], remarks: list[str]) -> t
         return [], np.zeros(0)
     reach = np.array([s.range_m[-1] for s in samples])
     shapes = Counter(s.image.shape for s in samples)
-    best = max((_widest_agreement(samples, reach, shape) for shape in shapes), key=len)
+    agreed = max((_widest_agreement(samples, reach, shape) for shape in shapes), key=len)
+    best = _of_one_fan(samples, agreed)
     windows = Counter(round(float(reach[i]), 6) for i in best)
     common = windows.most_common(1)[0][0]
     kept = [samples[i] for i in best]
     first = next(s for s in kept if round(float(s.range_m[-1]), 6) == common)
-    if len(kept) < len(samples):
+    if len(agreed) < len(samples):
         remarks.append(
-            f"sonar: {len(samples) - len(kept)} of {len(samples)} pings have another range or number of beams than "
+            f"sonar: {len(samples) - len(agreed)} of {len(samples)} pings have another range or number of beams than "
             f"{first.image.shape[0]} beams to {first.range_m[-1]:.1f} m and were left out"
+        )
+    elsewhere = len(agreed) - len(best)
+    if elsewhere:
+        remarks.append(
+            f"sonar: the beams of {elsewhere} of {len(agreed)} pings point elsewhere, as in another mode of the sonar, than "
+            "those of the others; they were left out"
         )
     others = len(kept) - windows[common]
     if others:
@@ -58,6 +68,23 @@ def _widest_agreement(samples: Sequence[SonarSample], reach: Array, shape: tuple
     limit = float(margin[middle])
     near = [i for i in rows if abs(reach[i] - reach[rows[middle]]) <= limit and abs(samples[i].range_m[0] - start) <= limit]
     return [int(i) for i in near]
+
+
+def _of_one_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> list[int]:
+    """Return the rows of the pings whose beams point where the most common ones do; pings that do not say are one fan."""
+    fans: dict[int, Array | None] = {id(samples[i].directions): samples[i].directions for i in rows}  # pings share the arrays
+    key = {number: b"" if fan is None else fan.tobytes() for number, fan in fans.items()}
+    count = Counter(key[id(samples[i].directions)] for i in rows)
+    common = next(fans[number] for number in key if key[number] == count.most_common(1)[0][0])
+    same = {number for number, fan in fans.items() if _is_one_fan(fan, common)}
+    return [i for i in rows if id(samples[i].directions) in same]
+
+
+def _is_one_fan(directions: Array | None, other: Array | None) -> bool:
+    if directions is None or other is None:
+        return directions is other
+    # vectors of length 0, of beams that were never filled in, are like themselves only
+    return np.array_equal(directions, other) or bool(np.abs(unit(directions) - unit(other)).max() < SAME_FAN)
 
 
 def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,24 @@ def test_a_window_that_was_set_anew_is_left_out_and_counted():
 
 def test_of_two_windows_with_as_many_pings_the_first_stays():
     assert [s.t_ns for s in pings_of_one_window([ping(0, 8.0), ping(1), ping(2, 8.0), ping(3)], [])[0]] == [0, 2]
+
+
+def test_pings_of_another_mode_s_fan_are_left_out_and_counted():
+    wide = [dataclasses.replace(ping(t), directions=in_fan(np.radians(6 * AZIMUTH_DEG))) for t in (0, 2)]
+    nearly = dataclasses.replace(ping(5), directions=in_fan(np.radians(AZIMUTH_DEG + 0.1)))
+    remarks: list[str] = []
+    found = streams.sonar_pings([wide[0], ping(1), wide[1], ping(3), ping(4), nearly], remarks)
+    assert found.t_ns.tolist() == [1, 3, 4, 5]
+    np.testing.assert_allclose(found.directions, ping(1).directions)
+    assert remarks == [
+        "sonar: the beams of 2 of 6 pings point elsewhere, as in another mode of the sonar, than those of the others; "
+        "they were left out"
+    ]
+
+
+def test_pings_whose_directions_were_never_filled_in_are_one_fan():
+    empty = [dataclasses.replace(ping(t), directions=np.zeros((BEAMS, 3))) for t in range(3)]
+    assert len(pings_of_one_window(empty, [])[0]) == 3
 
 
 def test_pings_of_one_window_stay_as_they_are():
