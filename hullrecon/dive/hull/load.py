@@ -13,7 +13,7 @@ from hullrecon.dive.check.messages import count_noun
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.files import MIB, gunzip, read_regular
 from hullrecon.dive.hull.cleaning import clean_mesh
-from hullrecon.dive.hull.mirrors import find_boundary
+from hullrecon.dive.hull.mirrors import ends_at_a_plane, find_boundary
 from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.dive.hull.parser_limits import check_instances, prepare
 from hullrecon.errors import InputError
@@ -45,6 +45,8 @@ def read_hull(path: Path, units: str, messages: list[str]) -> Mesh:
     open_edges = len(find_boundary(mesh.faces))
     if open_edges:
         messages.append(f"the mesh is not watertight: {count_noun(open_edges, 'boundary edge')}")
+        if ends_at_a_plane(mesh):
+            messages.append("the mesh ends open along a plane: what lies beyond, as a half hull's other half, is not added")
     else:
         messages.append("the mesh is watertight")
     return mesh

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Complete half hulls and hulls cut at a plane by reflection, so that rays tell inside from outside."""
+"""Reflect half hulls and hulls cut at a plane while rays tell inside from outside; the mesh itself stays as it is."""
 
 from __future__ import annotations
 
@@ -49,6 +49,18 @@ def find_possible_cuts(mesh: Mesh) -> list[Plane]:
         if length[lies].sum() >= OPEN_SHARE * length.sum() and area[plated].sum() < PLATED_SHARE * area.sum():
             found.append((axis, level))
     return found
+
+
+def ends_at_a_plane(mesh: Mesh) -> bool:
+    """Return whether the mesh was cut at a plane across most of its own size there, as a half hull is; a seam at the bow lies
+    in such a plane too, but is narrow."""
+    edges, extent = find_boundary(mesh.faces), np.ptp(mesh.vertices, axis=0)
+    for axis, level in find_possible_cuts(mesh):
+        ends = mesh.vertices[edges].reshape(-1, 3)
+        rim = ends[np.abs(ends[:, axis] - level) < ON_PLANE * float(extent.max())]
+        if (np.delete(np.ptp(rim, axis=0), axis) > 0.5 * np.delete(extent, axis)).all():
+            return True
+    return False
 
 
 def find_boundary(faces: Ints32) -> Ints:

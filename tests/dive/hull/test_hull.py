@@ -15,6 +15,8 @@ from hullrecon.dive.hull.mirrors import find_boundary, find_possible_cuts, refle
 from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.errors import HullreconError, InputError
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.synthetic.spec import Ship
+from hullrecon.synthetic.world.hull_shapes import hull_shape
 
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 
@@ -151,6 +153,20 @@ def test_separate_patches_of_one_hull_each_come_out_outward():
     faces = [(p.faces[:, ::-1] if k % 2 else p.faces) + shift[k] for k, p in enumerate(parts)]
     mesh = Mesh(np.vstack([p.vertices for p in parts]), np.vstack(faces).astype(np.int32))
     assert faces_away(orient_outward(mesh, [])) > 0.99
+
+
+def test_a_half_hull_stays_one_and_that_is_said(tmp_path):
+    half = tube(arc=(-np.pi / 2, np.pi / 2), caps=False)
+    said = "the mesh ends open along a plane: what lies beyond, as a half hull's other half, is not added"
+    messages = []
+    mesh = read_hull(save(tmp_path / "half.stl", half), "m", messages)
+    assert len(mesh.faces) == len(clean_mesh(half, []).faces)
+    assert said in messages
+    messages = []
+    read_hull(save(tmp_path / "whole.stl", tube()), "m", messages)
+    read_hull(save(tmp_path / "seam.stl", hull_shape(Ship())), "m", messages)  # open at its bow, by faces without an area
+    assert any("not watertight" in message for message in messages)
+    assert said not in messages
 
 
 def test_a_half_hull_was_cut_at_its_middle_plane_and_is_whole_when_reflected_there():
