@@ -295,6 +295,17 @@ def test_a_dvl_s_own_attitude_and_another_start_do_not_move_the_imu(tmp_path, or
     assert not [remark for remark in found.remarks if "jumps" in remark]
 
 
+def test_two_recordings_that_overlap_keep_their_stamps(tmp_path):
+    for name, start_s in {"a": 0.0, "b": 25.3}.items():
+        (tmp_path / name).mkdir()
+        rows = [f"{START.timestamp() + start_s + 0.5 * k:.3f},101325" for k in range(60)]
+        (tmp_path / name / "pressure.csv").write_text("\n".join(["t,pascal", *rows]) + "\n")
+    found, _ = run(tmp_path, logs=("a", "b"), topics={}, calibration={})
+    t_s = (found.records.pressure.t_ns - int(START.timestamp()) * 10**9) / 1e9
+    assert t_s[-1] == pytest.approx(25.3 + 29.5, abs=1e-3)
+    assert any("logs were read in another order than they were recorded, or overlap" in remark for remark in found.remarks)
+
+
 def test_a_dvl_topic_wins_over_a_pd0_file_and_that_is_said(package):
     pd0(package / "logs" / "dvl.pd0")
     found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.pd0"))
