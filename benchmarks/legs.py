@@ -107,7 +107,7 @@ def without_cad_model(package: Path, run: Path) -> tuple[Path, Path]:
         (free / "dive.toml").unlink()
         (free / "dive.toml").write_text(re.sub(r"\[hull\]\n(?:[^\[\n][^\n]*\n|\n)*", "", text))
     if not (runs / package.name).exists():
-        shutil.copytree(run, runs / package.name)
+        shutil.copytree(run, runs / package.name, ignore=shutil.ignore_patterns("workspace.json"))  # it names the other package
     return free, runs
 
 

@@ -58,7 +58,7 @@ def report(context: Context) -> None:
 
 
 def logs(settings: Mapping[str, Any], source: Path) -> list[Path]:
-    return [source / name for name in settings["logs"].files]
+    return [Path(name) for name in settings["logs"].files]
 
 
 STAGES = (

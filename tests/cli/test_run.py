@@ -50,6 +50,47 @@ def test_a_second_run_makes_nothing(program, package: Path, runs: Path) -> None:
     assert set(states(answer).values()) == {"up to date"}
 
 
+def test_a_second_package_of_the_same_name_is_refused_and_the_first_ones_results_stay(
+    program, package: Path, runs: Path, tmp_path: Path
+) -> None:
+    program("run", package, "--runs", runs)
+    other = Path(shutil.copytree(package, tmp_path / "other"))
+    (other / "log.txt").write_text("one two\n")
+    answer = program("run", other, "--runs", runs)
+    assert answer.code == 2
+    assert answer.err == (
+        f"error: the run's folder holds the results of another dive package, {package} ({runs / 'toy'}): "
+        "choose another folder with --runs, or another dive.name\n"
+    )
+    assert json.loads((runs / "toy/deliver/report.txt").read_text())["words"] == 3
+    assert set(states(program("run", package, "--runs", runs, "--json")).values()) == {"up to date"}
+    assert program("run", other, "--runs", runs, "--set", "dive.name=other").code == 0
+    assert program("run", other, "--runs", tmp_path / "more").code == 0
+
+
+def test_a_package_is_the_same_by_a_relative_path_by_a_link_and_by_its_run(
+    program, package: Path, runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program("run", package, "--runs", runs)
+    (tmp_path / "link").symlink_to(package)
+    monkeypatch.chdir(tmp_path)
+    for target in ("package", "link", "runs/toy", "package/../link"):
+        assert set(states(program("run", target, "--runs", "runs", "--json")).values()) == {"up to date"}
+
+
+@pytest.mark.parametrize("left", ["nothing", "an empty folder", "a link to where it is"])
+def test_a_package_that_was_moved_goes_on_in_its_run(left: str, program, package: Path, runs: Path, tmp_path: Path) -> None:
+    program("run", package, "--runs", runs)
+    moved = package.rename(tmp_path / "moved")
+    if left == "an empty folder":
+        package.mkdir()
+    elif left == "a link to where it is":
+        package.symlink_to(moved)
+    answer = program("run", moved, "--runs", runs, "--json")
+    assert set(states(answer).values()) == {"up to date"}
+    assert Workspace(runs / "toy").package == moved
+
+
 def test_a_run_up_to_a_step_stops_there(program, package: Path, runs: Path) -> None:
     assert states(program("run", package, "--runs", runs, "--to", "navigate", "--json")) == {
         "ingest": "made",

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from hullrecon.artifacts.storage.claim import PRIVATE, refuse_foreign, refuse_package
+from hullrecon.artifacts.storage.claim import PRIVATE, refuse_foreign, refuse_other_package, refuse_package
 from hullrecon.artifacts.storage.delivery import PUBLISHED, Delivery, delivered_records, unlike_files
 from hullrecon.artifacts.storage.disk import (
     existing_folder,
@@ -76,6 +76,11 @@ class Workspace:
         """Raise UsageError where this folder is the dive package, or holds it."""
         with storage_errors(self.root):
             refuse_package(self.root, package)
+
+    def refuse_other_package(self, package: Path, files: Iterable[str]) -> None:
+        """Raise UsageError where the last run read another package that is still there. files: what a package has to hold."""
+        with storage_errors(self.root):
+            refuse_other_package(self.root, self.package, package, files)
 
     def remember_package(self, package: Path) -> None:
         if self.package != package.resolve():

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 from types import ModuleType
 
@@ -99,6 +100,20 @@ def test_a_package_is_never_written_into(inside: str, toy: ModuleType, tmp_path:
     with pytest.raises(UsageError, match=r"the run's folder (is|holds) the dive package"):
         toy.run(package, Workspace(root))
     assert sorted(root.rglob("*")) == before
+
+
+def test_the_run_of_another_package_is_not_taken_over(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+    toy.run(package, workspace)
+    before = contents(workspace.root)
+    other = toy.make_package(package.parent / "other")
+    with pytest.raises(UsageError, match=f"holds the results of another dive package, {package}"):
+        toy.run(other, workspace)
+    assert {name: data for name, data in contents(workspace.root).items() if not name.endswith("lock")} == {
+        name: data for name, data in before.items() if not name.endswith("lock")
+    }
+    shutil.rmtree(package)
+    toy.run(other, workspace)
+    assert workspace.package == other
 
 
 def test_a_run_may_lie_inside_its_package(toy: ModuleType, package: Path) -> None:
