@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -52,3 +53,64 @@ def test_a_folder_with_something_in_it_is_refused_before_any_work(tmp_path: Path
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(StorageError, match="not empty"), new_folder(tmp_path):
         raise AssertionError("no work may be done")
+
+
+@pytest.mark.parametrize("name", [".", "empty", "empty/.", "../here", "link"])
+def test_an_empty_folder_is_filled_and_stays_the_same(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever stands in it sees what was written."""
+    here = tmp_path / "here"
+    target = here if name in (".", "../here") else here / "empty"
+    target.mkdir(parents=True)
+    if name == "link":
+        (here / "link").symlink_to("empty")
+    monkeypatch.chdir(here)
+    before = target.stat().st_ino
+    with new_folder(Path(name)) as place:
+        (place / "logs").mkdir()
+        (place / "logs" / "a.txt").write_text("a")
+        (place / "b.txt").write_text("b")
+        assert not (target / "b.txt").exists()
+    assert sorted(os.listdir(target)) == ["b.txt", "logs"]
+    assert (Path(name) / "logs" / "a.txt").read_text() == "a"
+    assert target.stat().st_ino == before
+    assert os.listdir(tmp_path) == ["here"]
+
+
+def test_a_link_to_nothing_leads_to_the_new_folder(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to("dive")
+    with new_folder(tmp_path / "link") as place:
+        (place / "a.txt").write_text("a")
+    assert (tmp_path / "dive" / "a.txt").read_text() == "a"
+    assert sorted(os.listdir(tmp_path)) == ["dive", "link"]
+
+
+def test_an_empty_folder_stays_empty_where_the_work_fails(tmp_path: Path) -> None:
+    def fail() -> None:
+        with new_folder(tmp_path) as place:
+            (place / "a.txt").write_text("a")
+            raise KeyError("a")
+
+    with pytest.raises(KeyError):
+        fail()
+    assert os.listdir(tmp_path) == []
+
+
+def test_what_came_into_an_empty_folder_meanwhile_is_kept(tmp_path: Path) -> None:
+    def meddle() -> None:
+        with new_folder(tmp_path) as place:
+            (place / "mine.txt").write_text("ours")
+            (tmp_path / "mine.txt").write_text("mine")
+
+    with pytest.raises(StorageError, match="not empty"):
+        meddle()
+    assert os.listdir(tmp_path) == ["mine.txt"]
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["file", "loop", "file/dive", "x" * 300])
+def test_a_place_that_can_be_no_folder_is_refused_before_any_work(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(StorageError), new_folder(tmp_path / name):
+        raise AssertionError("no work may be done")
+    assert (tmp_path / "file").read_text() == "mine"
