@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.config.config_errors import shorten
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import Ship
@@ -33,14 +35,23 @@ def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
 def hull_from_mesh(path: Path, length_m: float | None = None) -> Mesh:
     """Return any mesh as hull, moved so that its aft end is x = 0 and its lowest point z = 0, and scaled to that length.
 
-    Raises InputError when the file holds no triangles."""
+    Raises InputError when there is no such file, and when it holds no triangles or none with a length."""
     import trimesh
 
-    loaded = trimesh.load(path, force="mesh", process=True)
+    if not os.path.isfile(path):  # also of names that no file can have
+        raise InputError("there is no such hull mesh", where=str(path), remedy="correct --hull")
+    remedy = "give an STL, PLY, OBJ or OFF file"
+    try:
+        loaded = trimesh.load(path, force="mesh", process=True)
+    except Exception as error:  # trimesh's parsers raise whatever damaged bytes lead them to
+        reason = shorten(f"{type(error).__name__} {error}", 120)
+        raise InputError(f"the hull mesh cannot be read, {reason}", where=str(path), remedy=remedy) from None
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
-        raise InputError("the hull mesh holds no triangles", where=str(path), remedy="give an STL, PLY, OBJ or OFF file")
+        raise InputError("the hull mesh holds no triangles", where=str(path), remedy=remedy)
     vertices = np.asarray(loaded.vertices, float)
     low, high = vertices.min(0), vertices.max(0)
+    if not high[0] > low[0]:
+        raise InputError("the hull mesh has no length along x", where=str(path), remedy="give one with the bow towards +x")
     scale = 1.0 if length_m is None else length_m / (high[0] - low[0])
     return Mesh((vertices - [low[0], 0.0, low[2]]) * scale, np.asarray(loaded.faces, np.int32))
 

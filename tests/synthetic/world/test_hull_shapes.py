@@ -83,3 +83,30 @@ def test_a_mesh_without_triangles_is_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(InputError, match="no triangles"):
         hull_from_mesh(tmp_path / "points.ply")
+
+
+FLAT = "OFF\n3 1 0\n0 0 0\n0 1 0\n0 0 1\n3 0 1 2\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("gone.stl", None, "there is no such hull mesh .*gone.stl.: correct --hull"),
+        ("hull.txt", "hello", "cannot be read, NotImplementedError file_type 'txt' not supported"),
+        ("hull.glb", "hello", "cannot be read, "),
+        ("hull.stl", "solid hull\nnonsense", "no triangles"),
+        ("hull.off", FLAT, "no length along x"),
+    ],
+)
+def test_a_file_that_is_no_hull_is_one_line(tmp_path: Path, name: str, content: str | None, message: str) -> None:
+    if content is not None:
+        (tmp_path / name).write_text(content)
+    with pytest.raises(InputError, match=message) as refused:
+        hull_from_mesh(tmp_path / name, length_m=20)
+    assert str(tmp_path / name) in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_folder_is_no_hull(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such hull mesh"):
+        hull_from_mesh(tmp_path)
