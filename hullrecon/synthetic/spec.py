@@ -9,8 +9,10 @@ import zlib
 from dataclasses import dataclass, field, fields
 from typing import ClassVar, Literal, TypeVar
 
+import msgspec
 import numpy as np
 
+from hullrecon.dive.config.schema import Dive
 from hullrecon.errors import UsageError
 from hullrecon.synthetic.world.items import Item
 
@@ -206,6 +208,15 @@ class DiveSpec(Checked):
     items: Items = Items()
     paint: Paint = Paint()
     positions: Positions = Positions()
+
+    def __post_init__(self) -> None:
+        """Raise UsageError also for a name that no dive.toml may have."""
+        super().__post_init__()
+        try:
+            msgspec.convert({"name": self.name}, Dive)
+        except msgspec.ValidationError:
+            remedy = "choose up to 100 ASCII letters, digits, dots, hyphens and underscores, neither a dot nor a hyphen first"
+            raise UsageError(f"name is {self.name!r}", remedy=remedy) from None
 
     def random(self, purpose: str) -> np.random.Generator:
         """Return a stream of its own for each purpose, so that one more draw here changes nothing there."""

@@ -128,3 +128,15 @@ def test_a_seed_that_may_be_absent_is_a_whole_number() -> None:
     (option,) = (option for option in options() if option.name == "hull_seed")
     assert option.kind is int
     assert option.default is None
+
+
+@pytest.mark.parametrize("name", ["bad name/x", "", ".dive", "-dive", "dive\n", "d\u00efve", "x" * 101])
+def test_a_name_that_no_command_accepts_is_refused(name: str) -> None:
+    with pytest.raises(UsageError, match=r"name is '.*': choose up to 100 ASCII letters") as refused:
+        spec_from(name=name)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["x" * 100, "_dive", "2026-05.Dive_3"])
+def test_a_name_of_dive_toml_is_taken(name: str) -> None:
+    assert spec_from(name=name).name == name

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -84,7 +82,7 @@ def _head(dive: Dive) -> str:
     topics = "\n".join(f'{name} = "{TOPICS[name][0]}"' for name in carried)
     files = '["logs/dive.mcap"]' if spec.form == "mcap" else '["logs"]'
     return f"""[dive]
-name = {json.dumps(spec.name)}
+name = "{spec.name}"
 vessel = "Simulated {spec.ship.length_m:.0f} m vessel"
 date = 2026-05-04T09:30:00Z
 

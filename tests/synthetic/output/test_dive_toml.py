@@ -88,8 +88,3 @@ def test_dive_toml_tells_an_instruments_class_where_its_errors_are_smaller(dive:
     config = told(dive, heading_drift_deg_per_hour=0.0, dvl_scale_error=0.0, backlash_deg=0.0, servo_sigma_deg=0.0)
     assert config == decode(dive_toml(dive))
     assert (config.imu.heading_drift_deg_per_hour, config.dvl.scale_sigma, config.tray.sigma_deg) == (1.0, 0.005, 0.8)
-
-
-@pytest.mark.parametrize("name", ['the "old" lady', "back\\slash", "Møkster 7", "two\nlines"])
-def test_any_name_gives_a_file_that_can_be_read(dive: Dive, name: str) -> None:
-    assert tomllib.loads(dive_toml(replace(dive, spec=with_options(dive.spec, name=name))))["dive"]["name"] == name
