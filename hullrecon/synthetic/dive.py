@@ -6,8 +6,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from hullrecon.dive.check.messages import count_noun
+from hullrecon.errors import UsageError
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.spec import DiveSpec, Survey
 from hullrecon.synthetic.vehicle.motion import Motion, ticks
 from hullrecon.synthetic.vehicle.rig import Rig, true_rig
 from hullrecon.synthetic.vehicle.simulate_path import leg_corners, simulate_path
@@ -20,6 +22,7 @@ from hullrecon.typing import Array
 
 Window = tuple[float, float]
 BELOW_M, BEYOND_M = 3.0, 2.6  # skin kept around the legs, for the sonar
+BESIDE_M = 0.1  # what middles of items lie above the first leg and below the last one at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,17 +42,21 @@ class Dive:
 
 
 def simulate_dive(spec: DiveSpec) -> Dive:
-    """Return the hull, the items, the path and the rig of a dive."""
+    """Return the hull, the items, the path and the rig of a dive. Raises UsageError where the hull is too small for it."""
     ship, survey = spec.ship, spec.survey
     cad_model = hull_shape(ship)
     middle = survey.along_m if survey.along_m is not None else (1 - ship.entrance) * ship.length_m
     half = 0.5 * survey.leg_length_m
     surface_z = ship.draught_m - survey.top_m
     depth = (survey.legs - 1) * survey.leg_spacing_m
+    if surface_z <= 0:
+        remedy = f"choose less than {ship.draught_m:g} m, which the keel lies below the water"
+        raise UsageError(f"top_m is {survey.top_m:g}", remedy=remedy)
     top_z = min(float(cad_model.vertices[:, 2].max()), surface_z + 2.0) - 1e-3
     span = (middle - half - BEYOND_M, middle + half + BEYOND_M)
     skin = HullSkin(cad_model, span, zero_z_m=surface_z, top_z_m=top_z, down_m=depth + BELOW_M)
-    items = place_items(spec, (middle - half + 0.1, middle + half - 0.1), (-depth - 0.1, 0.1))
+    _refuse_legs_beyond(skin, survey)
+    items = place_items(spec, (middle - half + 0.1, middle + half - 0.1), (-depth - BESIDE_M, BESIDE_M))
     motion = simulate_path(spec, skin, leg_corners(survey, middle, 0.0))
     return Dive(
         spec=spec,
@@ -62,6 +69,17 @@ def simulate_dive(spec: DiveSpec) -> Dive:
         seen_girth=(-depth - 0.9, 0.9),
         frame_s=ticks(motion, _frame_rate(spec), spec.random("frames"), 0.45),
     )
+
+
+def _refuse_legs_beyond(skin: HullSkin, survey: Survey) -> None:
+    """Raise UsageError where legs, or items beside them, have no skin: the path and the truth would be those of its edge."""
+    low, high = float(skin.girth_m[0]), float(skin.girth_m[-1])
+    if high < BESIDE_M:
+        raise UsageError("the hull ends below the first leg", remedy="choose a larger --top-m, or less --draught-m")
+    fit = max(0, int((-low - BESIDE_M) / survey.leg_spacing_m) + 1)
+    if fit < survey.legs:
+        remedy = "choose fewer --legs, less --leg-spacing-m, or another place by --along-m and --top-m"
+        raise UsageError(f"the hull has skin for {count_noun(fit, 'leg')} there, not for {survey.legs}", remedy=remedy)
 
 
 def _frame_rate(spec: DiveSpec) -> float:

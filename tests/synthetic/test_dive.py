@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
+from hullrecon.errors import UsageError
 from hullrecon.synthetic import dive as dive_module
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.options import spec_from
@@ -33,6 +35,32 @@ def test_a_dive_on_another_hull_follows_its_waterline() -> None:
     depth = dive.motion.position[:, 2]
     first = dive.motion.t_s < 9
     assert np.ptp(depth[first]) < 0.35
+
+
+SHORT = {"leg_length_m": 1.0, "structures": 0, "marks": 0, "barnacles": 0, "cameras": "none"}
+BOAT = {"length_m": 14.0, "beam_m": 1.2, "depth_m": 0.8, "draught_m": 0.6, "bilge_radius_m": 0.2, "top_m": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"legs": 26}, "the hull has skin for 19 legs there, not for 26: choose fewer --legs"),
+        (BOAT, "the hull has skin for 2 legs there, not for 5: choose fewer --legs"),
+        (BOAT | {"leg_spacing_m": 1.5}, "the hull has skin for 1 leg there, not for 5: choose fewer --legs"),
+        ({"top_m": 6.0}, "top_m is 6: choose less than 3.8 m, which the keel lies below the water"),
+        ({"top_m": 3.8}, "top_m is 3.8: choose less than 3.8 m"),
+        ({"draught_m": 8.0}, "the hull ends below the first leg: choose a larger --top-m"),
+    ],
+)
+def test_a_dive_for_which_the_hull_is_too_small_is_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        simulate_dive(spec_from(**(SHORT | options)))
+
+
+def test_as_many_legs_as_the_hull_is_said_to_have_skin_for_are_flown_on_it() -> None:
+    dive = simulate_dive(spec_from(**(SHORT | BOAT), legs=2))
+    assert dive.hull.skin.girth_m[0] <= -dive.spec.survey.leg_spacing_m - 0.1
+    assert dive.hull.skin.girth_m[-1] >= 0.1
 
 
 def test_a_dive_along_a_hull_in_blocks_is_the_same_dive(dive: Dive, monkeypatch: pytest.MonkeyPatch) -> None:
