@@ -22,6 +22,8 @@ from hullrecon.synthetic.world.items import MARKS, Item
 from hullrecon.synthetic.world.relief import height_of
 from hullrecon.typing import Array
 
+BEHIND_M = 1.35  # a point so far behind the standoff lies round the bilge, where the hull hides it
+
 
 def write_truth(folder: Path, dive: Dive) -> None:
     """Write poses.csv, alignment.json, servo.csv, sonar_servo.csv, extrinsics.json, objects.json, as_built.ply."""
@@ -116,8 +118,8 @@ def _views(dive: Dive, point: Array) -> int:
     inside = at.inverse().apply(np.tile(point, (len(at), 1)))
     pixel = camera.project(inside)
     with np.errstate(invalid="ignore"):
-        seen = (pixel >= 0).all(1) & (pixel[:, 0] < camera.width) & (pixel[:, 1] < camera.height) & (inside[:, 2] < 2.5)
-    return int(seen.sum())
+        seen = (pixel >= 0).all(1) & (pixel[:, 0] < camera.width) & (pixel[:, 1] < camera.height)
+    return int((seen & (inside[:, 2] < dive.spec.survey.standoff_m + BEHIND_M)).sum())
 
 
 def _place(motion: Poses) -> dict[str, Any]:

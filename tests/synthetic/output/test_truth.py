@@ -13,8 +13,9 @@ from mcap.reader import make_reader
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, tray_poses
-from hullrecon.synthetic.dive import Dive
-from hullrecon.synthetic.output.truth import write_ply
+from hullrecon.synthetic.dive import Dive, simulate_dive
+from hullrecon.synthetic.options import with_options
+from hullrecon.synthetic.output.truth import write_ply, write_truth
 from hullrecon.synthetic.sensors.recorder import START_NS
 from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
 
@@ -76,6 +77,14 @@ def test_objects_stand_on_the_surface_that_is_written(package: Path, as_built: S
         assert way[0] == pytest.approx(0.4, abs=1e-3)
         assert o["painted"] == (o["height"] == 0)
         assert o["views"] >= 1
+
+
+@pytest.mark.parametrize("standoff_m", [2.4, 3.0])
+def test_objects_are_seen_from_farther_off_too(dive: Dive, standoff_m: float, tmp_path: Path) -> None:
+    """In 3 images a leg, as `views` asks for, and in some of the other leg's."""
+    write_truth(tmp_path, simulate_dive(with_options(dive.spec, standoff_m=standoff_m)))
+    objects = json.loads((tmp_path / "objects.json").read_text())["objects"]
+    assert min(o["views"] for o in objects) >= 3
 
 
 def test_the_surface_covers_what_the_cameras_see(package: Path, as_built: Scene) -> None:
