@@ -2,9 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
+from hullrecon.mosaic.imagery import radiometry
 from hullrecon.mosaic.imagery.radiometry import FIELD, LightModel, LightSamples, first_fields, solve_light
 
 
@@ -61,3 +64,26 @@ def test_the_first_field_is_the_cameras_own_median() -> None:
     fields = first_fields(thumbnails, np.array([0, 0, 0, 1, 1, 1]))
     np.testing.assert_allclose(fields[0], 0, atol=1e-9)
     assert fields[1][12, 4, 0] - fields[1][12, 28, 0] == pytest.approx(np.log(0.25), abs=0.02)
+
+
+def test_the_first_field_takes_no_more_memory_for_more_images(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(radiometry, "MOST_IMAGES", 60)
+    peaks = []
+    for count in (60, 600):
+        thumbnails = [np.full((48, 64, 3), 100, np.uint8)] * count
+        tracemalloc.start()
+        first_fields(thumbnails, np.zeros(count, np.int64))
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.1 * peaks[0]
+
+
+def test_the_images_of_the_first_field_are_chosen_from_the_first_to_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two thirds of the dive have the lamp to the left: the median is theirs wherever they lie."""
+    left, right = (np.full((48, 64, 3), 100, np.uint8) for _ in range(2))
+    left[:, 32:], right[:, :32] = 40, 40
+    for thumbnails in ([left] * 400 + [right] * 200, [right] * 200 + [left] * 400):
+        whole = first_fields(thumbnails, np.zeros(600, np.int64))
+        with monkeypatch.context() as patched:
+            patched.setattr(radiometry, "MOST_IMAGES", 7)
+            np.testing.assert_allclose(first_fields(thumbnails, np.zeros(600, np.int64)), whole, atol=1e-12)
