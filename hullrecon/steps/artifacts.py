@@ -287,6 +287,11 @@ class DetectArtifact(StepArtifact):
         return self._optional("as_found.npz", Surface)
 
     @property
+    def is_found_by_images(self) -> bool:
+        """Return whether the hull as found, where there is one, is that of landmarks, else of the DVL's returns."""
+        return self.facts.get("as_found") is None
+
+    @property
     def deviation(self) -> DeviationSplit | None:
         """Return offset, tilt and form of the deviation; None without a CAD model."""
         return self._optional("deviation.npz", DeviationSplit)

@@ -27,13 +27,15 @@ MosaicContext = Context[OpticalOptions] | Context[SonarOptions]
 class MosaicInputs:
     """The surface with its chart, and the vehicle over it, in one frame (M, or g without a CAD model).
 
-    outside: the map that rasters are written in; as_found: the hull as found and its deviation, None without; mounts: as
-    adjusted, None before the adjustment; surface_name: which surface it is, for captions.
+    outside: the map that rasters are written in; as_found: the hull as found and its deviation, None without; by_images:
+    whether images are what it was found by; mounts: as adjusted, None before the adjustment; surface_name: which surface it
+    is, for captions.
     """
 
     surface: MosaicSurface
     outside: OutsideMap
     as_found: Surface | None
+    by_images: bool
     deviation: DeviationSplit | None
     track: VehicleTrack
     mounts: Mounts | None
@@ -50,6 +52,7 @@ def read_mosaic_inputs(inputs: InputArtifacts, reach_m: float) -> MosaicInputs:
         surface=build_mosaic_surface(surface.mesh(), chart, reach_m),
         outside=outside_map(chart, inputs.surface.surface.vertices, track.frame),
         as_found=as_found,
+        by_images=inputs.detect is not None and inputs.detect.is_found_by_images,
         deviation=inputs.detect.deviation if inputs.detect is not None else None,
         track=track,
         mounts=None if solution is None else solution.mounts,
@@ -100,4 +103,4 @@ def _write_surface_rasters(context: MosaicContext, layout: RasterLayout, inputs:
         return
     for name, tiles in surface_tiles(inputs.surface, surface_values(inputs.as_found, inputs.deviation), layout).items():
         with context.out.path(f"{name}.tif") as path:
-            write_raster(path, tiles, layout, surface_bands(name))
+            write_raster(path, tiles, layout, surface_bands(name, by_images=inputs.by_images))

@@ -64,3 +64,9 @@ def test_each_raster_says_what_it_holds(name: str, unit: str, dtype: str) -> Non
     bands = surface_bands(name)
     assert (bands.names, bands.unit, bands.dtype) == ((name,), unit, dtype)
     assert bands.title
+
+
+def test_the_support_says_whether_it_counts_images_or_returns() -> None:
+    assert surface_bands("support").title == "images that saw the surface where landmarks measured it"
+    assert surface_bands("support", by_images=False).title == "DVL returns within reach of the surface"
+    assert surface_bands("form", by_images=False).title == surface_bands("form").title

@@ -135,6 +135,25 @@ def test_a_mosaic_run_twice_gives_the_same_bytes(passed: dict[str, Path], tmp_pa
         assert (one / name).read_bytes() == (two / name).read_bytes(), name
 
 
+@pytest.mark.parametrize(
+    ("facts", "title"),
+    [
+        ({}, "images that saw the surface where landmarks measured it"),
+        ({"as_found": "from the DVL's surface"}, "DVL returns within reach of the surface"),
+    ],
+)
+def test_the_raster_of_the_support_says_what_it_counts(
+    passed: dict[str, Path], facts: dict[str, str], title: str, tmp_path: Path
+) -> None:
+    save(tmp_path / "detect", "as_found.npz", to_arrays(wall()))
+    (tmp_path / "detect" / "detect.json").write_text(json.dumps(facts))
+    out = run_stage(
+        mosaic_optical.STAGE, settings(), {**passed, "detect": tmp_path / "detect"}, tmp_path / "out", source=tmp_path
+    )
+    with tifffile.TiffFile(out / "support.tif") as file:
+        assert title in file.pages[0].tags["ImageDescription"].value
+
+
 def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Path) -> None:
     bearing = np.radians(np.linspace(-40, 40, 33))
     ranges = np.linspace(0.5, 2.5, 101)

@@ -25,6 +25,7 @@ SURFACE_BANDS = {
     "form_sigma": "one sigma of the form, which the hull's position hardly enters",
     "support": "images that saw the surface where landmarks measured it",
 }
+SUPPORT_BY_RETURNS = "DVL returns within reach of the surface"
 
 
 def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, Array]:
@@ -75,13 +76,13 @@ def face_shares(mesh: Mesh, scene: Scene, points: Array) -> tuple[Ints, Array]:
     return corners, np.clip(np.stack([1 - of_b - of_c, of_b, of_c], axis=1), 0.0, 1.0)
 
 
-def surface_bands(name: str) -> RasterBands:
-    """Return what the raster of that name holds."""
+def surface_bands(name: str, *, by_images: bool = True) -> RasterBands:
+    """Return what the raster of that name holds. by_images: what the support counts, else returns of the DVL."""
     counts = name == "support"
     return RasterBands(
         names=(name,),
         unit="" if counts else "m",
         dtype="uint16" if counts else "float32",
-        title=SURFACE_BANDS[name],
+        title=SUPPORT_BY_RETURNS if counts and not by_images else SURFACE_BANDS[name],
         nodata=0 if counts else float("nan"),
     )
