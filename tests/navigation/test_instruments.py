@@ -145,6 +145,35 @@ def test_a_jump_is_a_stray_and_a_steady_acceleration_is_none() -> None:
     assert len(found.t_ns) == 59
 
 
+def pausing(hz: float, pause_s: float) -> np.ndarray:
+    """Velocities of a vehicle that goes at 0.35 m/s and pauses every 20 s; it stops, and goes on, within half a second."""
+    since = np.mod(np.arange(round(60 * hz)) / hz - 10.0, 20.0)
+    along = 0.35 * np.clip(np.maximum(1 - since / 0.5, (since - pause_s) / 0.5), 0, 1)
+    return np.column_stack([along, np.zeros((len(along), 2))])
+
+
+@pytest.mark.parametrize(("hz", "pause_s"), [(1.0, 1.0), (1.0, 4.0), (2.0, 1.0), (2.0, 2.0), (3.0, 1.5), (5.0, 1.5)])
+def test_a_stop_is_no_stray_however_slow_the_dvl(hz: float, pause_s: float) -> None:
+    assert len(usable_velocities(pings(pausing(hz, pause_s), hz), ALWAYS, 1.5).outliers) == 0
+
+
+@pytest.mark.parametrize(("hz", "jump_m_s"), [(0.5, 1.3), (1.0, 0.8), (2.0, 0.4), (8.0, 0.4)])
+def test_a_single_jump_is_a_stray_however_slow_the_dvl(hz: float, jump_m_s: float) -> None:
+    velocity = np.tile([0.3, 0.0, 0.0], (40, 1))
+    velocity[20, 1] += jump_m_s
+    found = usable_velocities(pings(velocity, hz), ALWAYS, 3.0)
+    assert found.outliers.tolist() == stamps([20 / hz]).tolist()
+
+
+@pytest.mark.parametrize("hz", [5.0, 8.0, 20.0])
+def test_a_usual_dvl_is_compared_with_the_median_of_nine_pings(hz: float) -> None:
+    velocity = np.tile([0.3, 0.0, 0.0], (40, 1))
+    velocity[20:24, 1] += 0.4
+    assert len(usable_velocities(pings(velocity, hz), ALWAYS, 1.5).outliers) == 4
+    velocity[24, 1] += 0.4
+    assert len(usable_velocities(pings(velocity, hz), ALWAYS, 1.5).outliers) == 0
+
+
 WALK = Agitation(lag_s=np.array([1.0]), rate=np.array([0.01]))
 
 

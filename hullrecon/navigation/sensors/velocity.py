@@ -14,8 +14,10 @@ from hullrecon.navigation.sensors.smoothing import running_median
 from hullrecon.records.sensors import DvlPings
 from hullrecon.typing import Array, Ints, Mask
 
-OUTLIER_M_S = 0.25  # no inspection vehicle leaves the median of its neighbours by more in a second
+OUTLIER_M_S = 0.25  # no inspection vehicle leaves the median of its neighbours by more within half a second
+OUTLIER_WITHIN_S = 0.5
 OUTLIER_SIGMAS = 8.0
+NEIGHBOURS, NEAR_S = 4, 0.9  # before a ping and after it; farther in time none counts, but for the nearest
 LEAST_AGITATION = 1e-4  # m2/s3: 0.01 m/s in a second
 FIRST_LAG_S = 1.0
 
@@ -69,7 +71,7 @@ def usable_velocities(dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: fl
     finite = np.isfinite(dvl.velocity).all(axis=1) & np.isfinite(dvl.velocity_sigma) & (dvl.velocity_sigma > 0)
     finite &= (dvl.t_ns >= span_ns[0]) & (dvl.t_ns <= span_ns[1])
     t, v, sigma = dvl.t_ns[finite], dvl.velocity[finite], dvl.velocity_sigma[finite]
-    outlier = _find_outliers(v)
+    outlier = _find_outliers(t, v)
     t_good, v_good, sigma_good = t[~outlier], v[~outlier], sigma[~outlier]
     return Velocities(
         t_ns=t_good,
@@ -81,12 +83,21 @@ def usable_velocities(dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: fl
     )
 
 
-def _find_outliers(velocity: Array, count: int = 9) -> Mask:
-    """Return pings that leave the running median by a jump and by many robust sigma of that."""
+def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
+    """Return pings that leave the running median by a jump and by many robust sigma of that.
+
+    A stop that takes less than half of the window is no different from outliers, so that the window of a slow DVL has fewer
+    pings: nine of them are 9 s at 1 Hz. Between its pings a vehicle may change its velocity by more.
+    """
+    if len(velocity) < 3:
+        return np.zeros(len(velocity), bool)
+    period_s = float(np.median(np.diff(t_ns))) * 1e-9
+    count = 2 * min(NEIGHBOURS, max(1, int(NEAR_S / period_s))) + 1
     if len(velocity) < count:
         return np.zeros(len(velocity), bool)
     away = np.linalg.norm(velocity - running_median(velocity, count), axis=1)
-    return np.asarray(away > max(OUTLIER_M_S, OUTLIER_SIGMAS * NORMAL_MAD * float(np.median(away))))
+    jump = OUTLIER_M_S * max(1.0, period_s / OUTLIER_WITHIN_S)
+    return np.asarray(away > max(jump, OUTLIER_SIGMAS * NORMAL_MAD * float(np.median(away))))
 
 
 def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
