@@ -152,8 +152,7 @@ def main() -> int:
         trajectory=navigate.trajectory, errors=navigate.error_model, returns=navigate.returns, tray_sigma_rad=0.0
     )
     nodes = [replace(node, stereo=MatchStereo(dive.worker)(node)[1]) for node in dive.nodes]
-    bottom = dive.worker.bottom_leads(navigated.trajectory.image)
-    scene = LinkedScene(worker=dive.worker, dive=navigated, nodes=nodes, depth_m=dive.depth_m, bottom=bottom)
+    scene = LinkedScene(worker=dive.worker, dive=navigated, nodes=nodes, depth_m=dive.depth_m, bottom=dive.bottom)
     pairs = links.pairs
     keyframes = np.unique(np.r_[pairs.first[~pairs.across], pairs.second[~pairs.across]])
     keyframes = keyframes[[dive.worker.saliency(scene.nodes[k]) >= dive.worker.options.min_saliency for k in keyframes]]

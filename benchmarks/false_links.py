@@ -35,9 +35,10 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.pose_graph.graph import GraphSolution
 from hullrecon.rig import RIG_KEYS, rig_from_settings
-from hullrecon.steps.artifacts import IngestArtifact, NavigateArtifact
+from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
 from hullrecon.steps.chain import stages
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
+from hullrecon.vision.match_images import stereo_by_node
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import PairMatch, Reason
 from hullrecon.vision.pairs.camera_track import CameraTrack, depth_priors, leading_cameras, track_cameras
@@ -67,13 +68,15 @@ class Offer:
 
 @dataclass(frozen=True, kw_only=True)
 class Dive:
-    """A dive as run. cameras: T_M_c of the leading camera at every node, true; depth_m (n,) along its axis, true."""
+    """A dive as run. bottom (n,): nodes where the bottom camera leads. cameras: T_M_c of the leading camera at every node,
+    true; depth_m (n,) along its axis, true."""
 
     package: Path
     run: Path
     config: LoadedConfig
     worker: MatchWorker
     nodes: list[MatchNode]
+    bottom: Mask
     cameras: Poses
     depth_m: Array
 
@@ -88,15 +91,17 @@ def read_dive(package: Path, run: Path) -> Dive:
     assert isinstance(tray, Tray)
     worker = MatchWorker(features=run / "features", rig=CameraRig(rig), options=options)
     reckoned, returns = navigate.trajectory, navigate.returns
-    track = track_cameras(
-        reckoned, navigate.error_model, worker.rig, float(np.radians(tray.sigma_deg)), worker.bottom_leads(reckoned.image)
-    )
-    depths = [None] * len(track) if returns is None else depth_priors(track, reckoned, returns, rig, options.range_margin)
     images = [(int(top), int(bottom)) for top, bottom in reckoned.image]
+    stereo = stereo_by_node(LinksArtifact(run / "links").stereo)
+    bottom = worker.bottom_leads([MatchNode(image=i, depth=None, stereo=s) for i, s in zip(images, stereo, strict=True)])
+    track = track_cameras(reckoned, navigate.error_model, worker.rig, float(np.radians(tray.sigma_deg)), bottom)
+    depths = [None] * len(track) if returns is None else depth_priors(track, reckoned, returns, rig, options.range_margin)
     bare = [MatchNode(image=i, depth=d, stereo=no_matches()) for i, d in zip(images, depths, strict=True)]
     cameras = true_cameras(truth, reckoned.t_ns / 1e9)
     depth_m = cast(truth.built, cameras.translation, cameras.rotation.as_matrix()[:, :, 2])
-    return Dive(package=package, run=run, config=config, worker=worker, nodes=bare, cameras=cameras, depth_m=depth_m)
+    return Dive(
+        package=package, run=run, config=config, worker=worker, nodes=bare, bottom=bottom, cameras=cameras, depth_m=depth_m
+    )
 
 
 def true_cameras(truth: Truth, t_s: Array) -> Poses:
@@ -190,9 +195,8 @@ def row_of(matches: Sequence[PairMatch]) -> dict[str, object]:
 
 def as_run(dive: Dive, offer: Offer, solved: GraphSolution) -> Offer:
     """Return the pairs with what the path that images and navigation give says of them."""
-    bottom = dive.worker.bottom_leads(NavigateArtifact(dive.run / "navigate").trajectory.image)
-    poses = leading_cameras(dive.worker.rig, solved.path, bottom)
-    track = CameraTrack(global_from_camera=poses, errors=solved.relative_errors(bottom))
+    poses = leading_cameras(dive.worker.rig, solved.path, dive.bottom)
+    track = CameraTrack(global_from_camera=poses, errors=solved.relative_errors(dive.bottom))
     return replace(offer, expected=track.motions(offer.first, offer.second))
 
 

@@ -90,11 +90,11 @@ def measure(package: Path, run: Path) -> dict[str, object]:
     navigate, links = NavigateArtifact(run / "navigate"), LinksArtifact(run / "links")
     first, second = links.pairs.first[links.pairs.joined], links.pairs.second[links.pairs.joined]
     in_common = shared(truth.built, dive.worker.rig.model(Camera.TOP), dive.cameras, first, second)
-    bottom = dive.worker.bottom_leads(navigate.trajectory.image)
-    reckoned = track_cameras(navigate.trajectory, navigate.error_model, dive.worker.rig, 0.0, bottom)
+    reckoned = track_cameras(navigate.trajectory, navigate.error_model, dive.worker.rig, 0.0, dive.bottom)
     solved = solved_graph(run, dive.config)
-    poses = leading_cameras(dive.worker.rig, solved.path, bottom)
-    before, after = (CameraTrack(global_from_camera=poses, errors=e) for e in (reckoned.errors, solved.relative_errors(bottom)))
+    poses = leading_cameras(dive.worker.rig, solved.path, dive.bottom)
+    both = reckoned.errors, solved.relative_errors(dive.bottom)
+    before, after = (CameraTrack(global_from_camera=poses, errors=errors) for errors in both)
     end = np.array([0]), np.array([len(reckoned) - 1])
     start = np.arange(len(reckoned) - STEPS)
     local, at = after.relative_sigma(start, start + STEPS), dive.cameras.translation[:, 0]

@@ -104,10 +104,8 @@ def link_images(
 ) -> tuple[LinkedImages, Solved]:
     """Return the images of a dive linked, and the solution that the links and navigation give. max_rounds: across legs;
     appearance: whether it is asked where the path is known too badly for these."""
-    bottom = worker.bottom_leads(dive.trajectory.image)
-    track = track_cameras(dive.trajectory, dive.errors, worker.rig, dive.tray_sigma_rad, bottom)
     usable = np.asarray((dive.trajectory.image >= 0).any(axis=1))
-    nodes, count = _match_stereo(worker, _nodes(worker, dive, track), np.flatnonzero(usable), map_items)
+    nodes, count, bottom, track = _match_cameras(worker, dive, np.flatnonzero(usable), map_items)
     depth_m = np.array([_scene_depth(node) for node in nodes])
     scene = LinkedScene(worker=worker, dive=dive, nodes=nodes, depth_m=depth_m, bottom=bottom)
     keyframes = select_keyframes(track, usable, scene.depth_m, scene.camera, worker.options)
@@ -242,6 +240,25 @@ def _collect_links(
         path=solved.record(),
         keyframes=keyframes,
     )
+
+
+def _match_cameras(
+    worker: MatchWorker, dive: NavigatedDive, usable: Ints, map_items: Map
+) -> tuple[list[MatchNode], Ints, Mask, CameraTrack]:
+    """Return the nodes with the matches of their two cameras, the number of the leading camera's features (n,), where that is
+    the bottom one (n,), and the leading cameras as dead reckoning has them."""
+
+    def track_with(bottom: Mask) -> CameraTrack:
+        return track_cameras(dive.trajectory, dive.errors, worker.rig, dive.tray_sigma_rad, bottom)
+
+    track = track_with(np.zeros(len(dive.trajectory.t_ns), bool))  # stereo is sought at the depths that the top camera has
+    nodes, count = _match_stereo(worker, _nodes(worker, dive, track), usable, map_items)
+    bottom = worker.bottom_leads(nodes)
+    if bottom.any():
+        track = track_with(bottom)
+        seen = zip(_nodes(worker, dive, track), nodes, strict=True)
+        nodes = [replace(node, stereo=before.stereo) for node, before in seen]
+    return nodes, count, bottom, track
 
 
 def _nodes(worker: MatchWorker, dive: NavigatedDive, track: CameraTrack) -> list[MatchNode]:

@@ -95,32 +95,37 @@ def join_images(
     """
     if not pairs.joined.any():
         raise StageError("no two images could be matched", where=f"links: {_most_frequent_reason(pairs)}", remedy=NO_IMAGES)
-    size, start = np.diff(features.start), first_numbers(stereo.features)
+    size, start, by_node = np.diff(features.start), first_numbers(stereo.features), stereo_by_node(stereo)
     tracks = build_tracks(
         stereo.features,
-        _by_node(stereo),
+        by_node,
         FeatureMatches(
             first=np.repeat(start[links.first], size) + features.first,
             second=np.repeat(start[links.second], size) + features.second,
             distance=features.distance,
         ),
-        lambda k: worker.read((int(image[k, 0]), int(image[k, 1]))),
+        lambda k: worker.read((int(image[k, 0]), int(image[k, 1])), by_node[k]),
         worker.options.single_node,
         partial(_find_contradictions, worker.rig, _verified_links(links), worker.options),
     )
     inliers = np.zeros(len(pairs), np.int64)
     inliers[pairs.joined] = size
-    corners = _count_corners(worker, image, pairs, links, features)
+    corners = _count_corners(worker, image, by_node, pairs, links, features)
     return MatchedImages(tracks=tracks, pairs=pairs, inliers=inliers, keyframes=keyframes, nodes=len(image), corners=corners)
 
 
 def _count_corners(
-    worker: MatchWorker, image: Ints, pairs: NodePairs, links: CameraLinks, features: PairFeatures
+    worker: MatchWorker,
+    image: Ints,
+    stereo: list[StereoMatches],
+    pairs: NodePairs,
+    links: CameraLinks,
+    features: PairFeatures,
 ) -> Ints | None:
     """Return how many of the features that each pair has in common (m,) are corners; None where there are none."""
     if worker.options.harris_share == 0:
         return None  # no image is read for it
-    views = (worker.read((int(top), int(bottom))).leading for top, bottom in image)
+    views = (worker.read((int(top), int(low)), found).leading for (top, low), found in zip(image, stereo, strict=True))
     rows, corners = np.array([(len(view), view.corners) for view in views], np.int64).T
     if not corners.any():
         return None
@@ -129,7 +134,8 @@ def _count_corners(
     return np.bincount(pair[features.first >= (rows - corners)[node]], minlength=len(pairs)).astype(np.int64)
 
 
-def _by_node(stereo: NodeStereo) -> list[StereoMatches]:
+def stereo_by_node(stereo: NodeStereo) -> list[StereoMatches]:
+    """Return the matches between the two cameras of each node."""
     rows = [slice(a, b) for a, b in zip(stereo.start[:-1], stereo.start[1:], strict=True)]
     return [StereoMatches(top=stereo.top[k], bottom=stereo.bottom[k], point=stereo.point[k]) for k in rows]
 

@@ -134,7 +134,7 @@ def link(drift, *, max_rounds=12, wrong=(), saliency=1.0, turn_sigma=LINK_SIGMA[
         rig=rig,
         options=MatchOptions(**{"sequential": 2} | options),
         saliency=lambda node: saliency,
-        bottom_leads=lambda images: np.zeros(len(images), bool),
+        bottom_leads=lambda nodes: np.zeros(len(nodes), bool),
     )
     navigated = NavigatedDive(
         trajectory=dive.trajectory, errors=error_model(dive, max(abs(drift), 1e-4)), returns=None, tray_sigma_rad=1e-3

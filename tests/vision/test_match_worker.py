@@ -63,11 +63,12 @@ def test_the_bottom_camera_leads_where_the_top_one_saw_nothing(tmp_path, rig):
             with GrowingArray(tmp_path / f"{kind}_camera_{camera}.npy", width, dtype) as file:
                 file.append(np.zeros((sum(count), width), dtype))
     np.savez(tmp_path / "index.npz", **index)
-    images = np.array([[0, 0], [1, 1], [2, 2], [-1, 0], [0, -1], [-1, 2], [-1, -1], [1, 2]])
+    images = [(0, 0), (1, 1), (2, 2), (-1, 0), (0, -1), (-1, 2), (-1, -1), (1, 2)]
     worker = MatchWorker(features=tmp_path, rig=rig, options=MatchOptions())
-    assert worker.bottom_leads(images).tolist() == [False, True, False, True, False, False, False, False]
+    nodes = [MatchNode(image=(top, bottom), depth=None, stereo=no_matches()) for top, bottom in images]
+    assert worker.bottom_leads(nodes).tolist() == [False, True, False, True, False, False, False, False]
     alone = MatchWorker(features=tmp_path, rig=camera_rig(rig.model(Camera.TOP)), options=MatchOptions())
-    assert not alone.bottom_leads(images).any()
+    assert not alone.bottom_leads(nodes).any()
 
 
 def test_a_block_gives_each_pair_what_it_gets_alone(worker, rig, nodes):
@@ -105,6 +106,6 @@ def test_a_node_without_an_image_has_nothing_to_match(worker):
 
 def test_a_mono_worker_reads_no_bottom_images(worker, nodes):
     mono = MatchWorker(features=worker.features, rig=camera_rig(worker.rig.model(Camera.TOP)), options=worker.options)
-    assert len(mono.read((0, 0)).bottom) == 0
-    assert len(mono.read((0, 0)).top) == len(nodes[0].top)
+    assert len(mono.read((0, 0), no_matches()).bottom) == 0
+    assert len(mono.read((0, 0), no_matches()).top) == len(nodes[0].top)
     assert not mono.view(MatchNode(image=(0, 0), depth=PRIOR, stereo=no_matches())).stereo.any()

@@ -88,9 +88,9 @@ def test_the_two_cameras_of_a_node_match_by_kind_too(rig, two):
 def test_places_are_recognised_by_sift_alone(two):
     def words(view):
         worker = SimpleNamespace(
-            read=lambda k: NodeFeatures(top=view(two[k].top), bottom=no_features()), options=MatchOptions()
+            read=lambda k, stereo: NodeFeatures(top=view(two[k].top), bottom=no_features()), options=MatchOptions()
         )
-        nodes = [SimpleNamespace(image=k) for k in range(2)]
+        nodes = [SimpleNamespace(image=k, stereo=no_matches()) for k in range(2)]
         return learn_words(worker, nodes)
 
     both, sift = words(lambda features: features), words(lambda features: features.without_corners())

@@ -179,7 +179,7 @@ def learn_words(worker: MatchWorker, nodes: Sequence[MatchNode]) -> tuple[Vocabu
 
 def _strongest(worker: MatchWorker, node: MatchNode, most: int) -> Descriptors:
     """Return the descriptors (at most `most`, 128) of the leading image's strongest features."""
-    features = worker.read(node.image).leading.without_corners()
+    features = worker.read(node.image, node.stereo).leading.without_corners()
     return features.descriptors[np.sort(np.argsort(-features.keypoints[:, 3], kind="stable")[:most])]
 
 

@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from hullrecon.geometry.frames import Camera
-from hullrecon.typing import Ints, Mask
+from hullrecon.typing import Mask
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.features.store import FeatureStore
 from hullrecon.vision.options import MatchOptions
@@ -18,7 +19,7 @@ from hullrecon.vision.pair_match import PairMatch
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.stereo.camera_rig import CameraRig
-from hullrecon.vision.stereo.matching import StereoMatches
+from hullrecon.vision.stereo.matching import StereoMatches, no_matches
 from hullrecon.vision.stereo.node_view import DepthPrior, NodeView, stereo_of_node, view_of_node
 from hullrecon.vision.tracks.landmarks import NodeFeatures
 
@@ -50,27 +51,24 @@ class MatchWorker:
     rig: CameraRig
     options: MatchOptions
 
-    def read(self, image: tuple[int, int]) -> NodeFeatures:
-        """Return the features of both cameras; none for a camera that was not carried."""
+    def read(self, image: tuple[int, int], stereo: StereoMatches) -> NodeFeatures:
+        """Return the features of both cameras; none for a camera that was not carried. stereo: the matches between them."""
         bottom = FeatureStore(self.features, Camera.BOTTOM).read(image[1]) if self.rig.stereo else no_features()
-        return NodeFeatures(top=FeatureStore(self.features, Camera.TOP).read(image[0]), bottom=bottom)
+        return NodeFeatures(top=FeatureStore(self.features, Camera.TOP).read(image[0]), bottom=bottom, stereo=stereo)
 
-    def bottom_leads(self, images: Ints) -> Mask:
-        """Return at which nodes (n,) the bottom camera saw something and the top one nothing. images (n, 2): rows in the
-        cameras' indices, or -1."""
-        if not self.rig.stereo:
-            return np.zeros(len(images), bool)
-        top, bottom = (FeatureStore(self.features, camera).counts(images[:, k]) for k, camera in enumerate(Camera))
-        return np.asarray((top == 0) & (bottom > 0))
+    def bottom_leads(self, nodes: Sequence[MatchNode]) -> Mask:
+        """Return at which nodes (n,) the bottom camera leads."""
+        return np.array([self.read(node.image, node.stereo).bottom_leads for node in nodes], bool)
 
     def saliency(self, node: MatchNode) -> float:
         """Return the local saliency of the image that leads."""
-        top = FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
+        blind = self.read(node.image, node.stereo).bottom_leads
+        top = 0.0 if blind else FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
         return top or (FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1]) if self.rig.stereo else 0.0)
 
     def view(self, node: MatchNode) -> NodeView:
         """Return the node as pair matching wants it."""
-        features = self.read(node.image)
+        features = self.read(node.image, node.stereo)
         return view_of_node(self.rig, features.top, features.bottom, node.stereo, node.depth, self.options.sigma_px)
 
 
@@ -82,9 +80,9 @@ class MatchStereo:
 
     def __call__(self, node: MatchNode) -> tuple[int, StereoMatches]:
         """Return the number of the leading camera's features, and the matches between the two."""
-        features = self.worker.read(node.image)
+        features = self.worker.read(node.image, no_matches())
         stereo = stereo_of_node(self.worker.rig, features.top, features.bottom, node.depth, self.worker.options)
-        return len(features.leading), stereo
+        return len(replace(features, stereo=stereo).leading), stereo
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from hullrecon.vision.features.descriptors import to_unit
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.stereo.camera_rig import CameraRig
+from hullrecon.vision.stereo.leading import bottom_leads, is_fair_share
 from hullrecon.vision.stereo.matching import StereoLimits, StereoMatches, StereoSide, match_stereo, no_matches
 from hullrecon.vision.stereo.rectification import Rectification, rectify
 
@@ -33,7 +34,7 @@ class DepthPrior:
 
 @dataclass(frozen=True, kw_only=True)
 class NodeView:
-    """A node for pair matching. camera: the leading one, the bottom one where the top has no feature.
+    """A node for pair matching. camera: the leading one.
 
     xy (n, 2) ideal coordinates in the leading camera, descriptor (n, 128) unit, corner (n,): not of SIFT, place (n,): the row
     that stands for all at its pixel. other (n, 2): ideal coordinates in the bottom camera of the stereo match, NaN where none;
@@ -65,7 +66,8 @@ class NodeView:
 def stereo_of_node(
     rig: CameraRig, top: Features, bottom: Features, prior: DepthPrior | None, options: MatchOptions
 ) -> StereoMatches:
-    """Return the matches between a node's two cameras; none for a mono rig or a lost image."""
+    """Return the matches between a node's two cameras; none for a mono rig or a lost image, nor where there are no more than
+    noise has with an image."""
     if rig.top_from_bottom is None or not len(top) or not len(bottom):
         return no_matches()
     nearest, farthest = (prior.nearest, prior.farthest) if prior else (options.nearest_m, options.farthest_m)
@@ -84,7 +86,8 @@ def stereo_of_node(
         for k, f in zip(Camera, (top, bottom), strict=True)
     ]
     found = match_stereo(rectify(rig.top_from_bottom), sides[0], sides[1], limits)
-    return drop_isolated_depths(found, sides[0].xy[found.top])
+    found = drop_isolated_depths(found, sides[0].xy[found.top])
+    return found if is_fair_share(len(found), top, bottom) else no_matches()
 
 
 def drop_isolated_depths(matches: StereoMatches, xy: Array, neighbours: int = 8, factor: float = 6.0) -> StereoMatches:
@@ -107,8 +110,8 @@ def drop_isolated_depths(matches: StereoMatches, xy: Array, neighbours: int = 8,
 def view_of_node(
     rig: CameraRig, top: Features, bottom: Features, stereo: StereoMatches, prior: DepthPrior | None, sigma_px: float
 ) -> NodeView:
-    """Return the node as pair matching wants it; the bottom camera leads where the top one has no features."""
-    camera = Camera.TOP if len(top) or not len(bottom) else Camera.BOTTOM
+    """Return the node as pair matching wants it."""
+    camera = Camera.BOTTOM if bottom_leads(top, bottom, stereo) else Camera.TOP
     lead = top if camera is Camera.TOP else bottom
     xy = rig.model(camera).undistort(lead.keypoints[:, :2]) if len(lead) else np.zeros((0, 2))
     other, point = np.full((len(lead), 2), np.nan), np.full((len(lead), 3), np.nan)

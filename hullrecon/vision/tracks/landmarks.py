@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +13,18 @@ from numpy.typing import NDArray
 from hullrecon.records.tracks import Tracks
 from hullrecon.typing import Array, Floats32, Ints, Mask
 from hullrecon.vision.features.extraction import Features
-from hullrecon.vision.stereo.matching import StereoMatches
+from hullrecon.vision.stereo.leading import bottom_leads
+from hullrecon.vision.stereo.matching import StereoMatches, no_matches
 from hullrecon.vision.tracks.union import join_matches
 
 
 @dataclass(frozen=True, kw_only=True)
 class NodeFeatures:
-    """Features of a node's two cameras; empty where one has no image. The top leads unless it is empty."""
+    """Features of a node's two cameras, empty where one has no image, and the matches between the two."""
 
     top: Features
     bottom: Features
+    stereo: StereoMatches = field(default_factory=no_matches)
 
     @property
     def leading(self) -> Features:
@@ -31,8 +33,8 @@ class NodeFeatures:
 
     @property
     def bottom_leads(self) -> bool:
-        """Return whether the bottom camera saw something and the top one nothing."""
-        return len(self.top) == 0 and len(self.bottom) > 0
+        """Return whether the bottom camera leads."""
+        return bottom_leads(self.top, self.bottom, self.stereo)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -116,7 +116,7 @@ def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatc
     rig = camera_rig(CAMERA, *((CAMERA, TOP_FROM_BOTTOM) if rig_of == 2 else (None, None)), TRAY_ORIGIN_M, TRAY_FROM_TOP)
     features, asked = paint(dive, repeats_m), []
 
-    def read(image):
+    def read(image, stereo):
         asked.append(image)
         return SimpleNamespace(leading=features[image[0]])
 
@@ -125,7 +125,7 @@ def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatc
         options=MatchOptions(sequential=2),
         saliency=lambda node: 1.0,
         read=read,
-        bottom_leads=lambda images: np.zeros(len(images), bool),
+        bottom_leads=lambda nodes: np.zeros(len(nodes), bool),
     )
     errors = error_model(dive, 1e-4)
     walk = errors.walk.copy()
