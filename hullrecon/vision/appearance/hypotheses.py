@@ -22,6 +22,8 @@ APART = 2.0  # footprints between these
 GATE_CHI2 = 16.3  # of the offset of two scenes, three numbers, 99.9 %
 STATIONS = 100  # keyframes at which the path is asked, evenly along it
 QUERIES = 300  # keyframes for which appearance is asked, evenly
+PART_STATIONS, PART_QUERIES = 3, 10  # of each part of the path, however short, beside its share of these
+MOST_STATIONS, MOST_QUERIES = 600, 1000  # for the parts, in all
 CANDIDATES = 20  # of each, whose offset is computed
 PLACES = 5  # of these, each away from the others, that are compared
 MOST_PAIRS = 200  # compared, in all
@@ -31,8 +33,10 @@ CONTROLS = 60  # pairs of places known to be two, that are compared as well
 @dataclass(frozen=True, kw_only=True)
 class OpenPlaces:
     """What the path says of pairs of m keyframes, by the station next to either: station (m,); open and apart (s, s): the two
-    may be one place, beyond the search; they are known to be two. reach_m: the largest distance that is known."""
+    may be one place, beyond the search; they are known to be two. edges (p + 1,): where parts of the keyframes begin, and m.
+    reach_m: the largest distance that is known."""
 
+    edges: Ints
     station: Ints
     open: Mask
     apart: Mask
@@ -78,8 +82,9 @@ def open_places(track: CameraTrack, keyframes: Ints, depth_m: Array, camera: Cam
     middle = np.full(len(keyframes), keyframes[len(keyframes) // 2])
     if 2 * np.sqrt(3) * track.relative_sigma(keyframes, middle).max() < BEYOND * size:
         return None
-    rank = np.unique(np.linspace(0, len(keyframes) - 1, STATIONS).round().astype(np.int64))
-    station = np.abs(np.arange(len(keyframes))[:, None] - rank).argmin(axis=1)
+    edges = _edges_of_parts(track, keyframes, depth_m, size)
+    rank = _spread(edges, STATIONS, PART_STATIONS, MOST_STATIONS)
+    station = _nearest_of_part(edges, rank)
     at = track.global_from_camera.translation[keyframes]
     slack = float(np.median(np.linalg.norm(at - at[rank[station]], axis=1)))  # of a keyframe from its station
     a, b = np.triu_indices(len(rank), 1)
@@ -89,11 +94,42 @@ def open_places(track: CameraTrack, keyframes: Ints, depth_m: Array, camera: Cam
         return None
     known = largest_sigma(covariance) < KNOWN * size
     return OpenPlaces(
+        edges=edges,
         station=station,
         open=_symmetric(pairs_open, a, b, len(rank)),
         apart=_symmetric(_is_apart(offset, covariance, size, slack), a, b, len(rank)),
         reach_m=float(np.linalg.norm(offset[known], axis=1).max(initial=0.0)),
     )
+
+
+def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m: float) -> Ints:
+    """Return where the parts (p + 1,) of the keyframes begin, and their number: between two parts the path does not know one
+    step to a footprint, as over an outage."""
+    _, covariance = scene_offsets(track, keyframes[:-1], keyframes[1:], depth_m)
+    return np.concatenate([[0], np.flatnonzero(largest_sigma(covariance) > BEYOND * size_m) + 1, [len(keyframes)]])
+
+
+def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
+    """Return ranks of keyframes, evenly along each part: `total` by the parts' lengths, but at least `each` of every part, or
+    as many as make `most` of all; where there are more parts than that, as if there were one."""
+    length, parts = np.diff(edges), len(edges) - 1
+    if parts > most:
+        edges, length, parts = edges[[0, -1]], edges[[-1]], 1
+    count = np.rint(total * length / length.sum()).astype(np.int64)
+    if parts > 1:
+        count = np.maximum(count, min(each, most // parts))
+    ranks = [np.linspace(a, b - 1, n).round() for a, b, n in zip(edges[:-1], edges[1:], count, strict=True)]
+    return np.unique(np.concatenate(ranks).astype(np.int64))
+
+
+def _nearest_of_part(edges: Ints, rank: Ints) -> Ints:
+    """Return for each keyframe the station (m,) next to it, of its own part where that has one."""
+    number = np.arange(edges[-1])
+    after = np.searchsorted(rank, number)
+    beside = np.clip([after - 1, after], 0, len(rank) - 1)
+    part, of_station = (np.searchsorted(edges, values, side="right") for values in (number, rank[beside]))
+    away = np.abs(number - rank[beside]) + edges[-1] * (part != of_station)
+    return np.asarray(np.where(away[0] <= away[1], *beside))
 
 
 def _symmetric(values: Mask, a: Ints, b: Ints, count: int) -> Mask:
@@ -107,7 +143,7 @@ def likeliest_pairs(
 ) -> tuple[Array, Array]:
     """Return the pairs of ranks among the keyframes (m, 2) that may be one place and look most alike, and pairs (c, 2) that
     look most alike and are known to be two: first < second, sorted."""
-    queries = np.unique(np.linspace(0, len(keyframes) - 1, QUERIES).round().astype(np.int64))
+    queries = _spread(places.edges, QUERIES, PART_QUERIES, MOST_QUERIES)
     scores, size = images.scores(queries), footprint_m(depth_m[keyframes], camera)
 
     def pairs_where(mask: Mask, wanted: Callable[[Array, Array], Mask], places_each: int, most: int) -> Array:

@@ -11,6 +11,7 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.vision.appearance.hypotheses import (
     APART,
+    STATIONS,
     footprint_m,
     largest_sigma,
     likeliest_pairs,
@@ -118,6 +119,55 @@ def test_an_outage_beside_a_station_makes_no_control_of_its_first_image(monkeypa
     found = open_places(track, ALL, DEPTHS, CAMERA)
     _, control = likeliest_pairs(track, ALL, DEPTHS, CAMERA, found, words(np.mod(truth, 3.2)))
     assert ((control < EACH).all(axis=1) | (control >= EACH).all(axis=1)).all()
+
+
+LONG, SHORT = 400, 12
+
+
+@dataclass(frozen=True)
+class ShortPart:
+    """Three parts, known well within and to 3 m between them: the second is SHORT and shows what the middle of the first
+    does."""
+
+    edges: tuple[int, ...] = (0, LONG, LONG + SHORT, 2 * LONG)
+
+    def relative_covariance(self, first, second):
+        a, b = (np.searchsorted(self.edges, nodes, side="right") for nodes in (first, second))
+        return np.where(a != b, 9.0, 1e-6)[:, None, None] * np.diag([1.0, 0.01, 0.01, 0, 0, 0])
+
+
+def test_each_part_is_asked_however_short_it_is():
+    errors = ShortPart()
+    truth = np.arange(2 * LONG) * STEP_M
+    truth[LONG : LONG + SHORT] = (LONG // 2 + np.arange(SHORT)) * STEP_M
+    at = np.column_stack([truth, np.zeros((2 * LONG, 2))])
+    at[LONG : LONG + SHORT, 0] += 1.5
+    track = CameraTrack(global_from_camera=Poses(np.tile([0, 0, 0, 1.0], (2 * LONG, 1)), at), errors=errors)
+    depths, keyframes = np.full(2 * LONG, DEPTH_M), np.arange(2 * LONG)
+    found = open_places(track, keyframes, depths, CAMERA)
+    assert found.edges.tolist() == list(errors.edges)
+    part = np.searchsorted(errors.edges, keyframes, side="right")
+    assert len(np.unique(found.station[part == 2])) == 3
+    assert not np.isin(found.station[part == 2], found.station[part != 2]).any()
+    images = invert([np.floor(x / 0.4).astype(int) + np.arange(3) for x in truth], 1000)
+    pairs, _ = likeliest_pairs(track, keyframes, depths, CAMERA, found, images)
+    of_part = pairs[(part[pairs] == 2).any(axis=1)]
+    assert len(np.unique(of_part[part[of_part] == 2])) >= 10
+    assert (np.abs(np.diff(truth[of_part])) < 1.5).all()
+
+
+def test_one_part_is_asked_evenly():
+    class Walk:
+        def relative_covariance(self, first, second):
+            return 1e-3 * np.abs(first - second)[:, None, None] ** 2 * np.eye(6)
+
+    n = 1000
+    at = np.column_stack([0.01 * np.arange(n), np.zeros((n, 2))])
+    track = CameraTrack(global_from_camera=Poses(np.tile([0, 0, 0, 1.0], (n, 1)), at), errors=Walk())
+    found = open_places(track, np.arange(n), np.full(n, DEPTH_M), CAMERA)
+    assert found.edges.tolist() == [0, n]
+    stations = np.linspace(0, n - 1, STATIONS).round()
+    np.testing.assert_array_equal(found.station, np.abs(np.arange(n)[:, None] - stations).argmin(axis=1))
 
 
 def test_pairs_are_bounded_and_take_each_image_s_best_place_first(monkeypatch):
