@@ -255,6 +255,18 @@ def test_a_pressure_sensor_that_stopped_measures_no_depth_afterwards(simulated, 
     assert "pressure: no reading for 24.4 s of the path's 39.0; there the depth is counted on by the DVL" in found.remarks
 
 
+def test_what_nodes_say_of_the_depth_is_no_more_than_a_slow_pressure_sensor_did(simulated, noisy, rig, frames):
+    many = replace(noisy, top=frames(np.arange(0.25, 39.5, 0.1)))
+    usual = dead_reckon(many, rig, SIGMAS, NavigateOptions()).attitude.sigma[:, 0]
+    assert usual[50:-50] == pytest.approx(SIGMAS.depth_m, rel=0.01)
+    pressure = replace(noisy.pressure, t_ns=noisy.pressure.t_ns[::10], depth=noisy.pressure.depth[::10])
+    slow = replace(many, pressure=pressure)
+    sigma = dead_reckon(slow, rig, SIGMAS, NavigateOptions()).attitude.sigma[:, 0]
+    assert (1 / sigma**2).sum() == pytest.approx(40 / SIGMAS.depth_m**2, rel=0.1)
+    rare = dead_reckon(noisy, rig, SIGMAS, NavigateOptions()).attitude.sigma[:, 0]
+    assert (rare == SIGMAS.depth_m).all()
+
+
 def test_a_pressure_sensor_that_never_ran_beside_the_dvl_is_none(perfect, rig):
     late = replace(perfect.pressure, t_ns=perfect.pressure.t_ns + 10**12)
     found = reckoned(replace(perfect, pressure=late), rig)

@@ -211,6 +211,12 @@ def test_a_pressure_sensor_that_stopped_holds_no_depth_under_the_cameras(rig) ->
     assert "pressure: no reading for 2.6 s of the path's 5.0; there the depth is counted on by the cameras" in found.remarks
 
 
+def test_nodes_that_share_a_reading_of_the_pressure_share_what_it_says(rig) -> None:
+    slow = PressureSamples(t_ns=START_NS + 3 * 10**9 * np.arange(-4, 8), depth=np.full(12, 3.0))
+    found = navigated(rig, Aids(pressure=slow))
+    assert found.attitude.sigma[:, 0] == pytest.approx(np.full(6, SIGMAS.depth_m * np.sqrt(6 / 5)), rel=1e-9)
+
+
 def test_a_pair_that_sees_nothing_is_stepped_over(rig) -> None:
     found = navigated(rig, Aids(), blind=(3,))
     assert found.facts["lost_steps"] == [2]

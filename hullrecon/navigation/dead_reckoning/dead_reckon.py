@@ -206,18 +206,20 @@ def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
 
 
 def _attitude(path: Reckoning, at: Instant, depth: Depth | None, sigmas: NavigationSigmas) -> Attitude:
-    """Return depth, roll and pitch of the nodes; what no reading is near was counted on, not measured, and has a wide sigma."""
+    """Return depth, roll and pitch of the nodes; what no reading is near was counted on, not measured, and has a wide sigma.
+    Nodes that share a reading of the pressure have together what it says."""
     n = len(at.t_ns)
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T
     measured = np.zeros(n) if depth is None else depth.measured
     depth_is_measured = np.zeros(n, bool) if depth is None else depth.unread_s == 0
+    depth_sigma = sigmas.depth_m * (1.0 if depth is None else np.sqrt(depth.shared))
     tilt = np.hypot(sigmas.tilt_rad, path.attitude.unread_sigma(at.t_ns))
     return Attitude(
         node=np.arange(n),
         depth=measured,
         roll=roll,
         pitch=pitch,
-        sigma=np.stack([np.where(depth_is_measured, sigmas.depth_m, UNKNOWN_SIGMA_M), tilt, tilt], axis=1),
+        sigma=np.stack([np.where(depth_is_measured, depth_sigma, UNKNOWN_SIGMA_M), tilt, tilt], axis=1),
         tray_direction=at.direction.copy(),
         tray_sigma=path.servo.unread_sigma(at.t_ns),
     )

@@ -19,6 +19,7 @@ from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
 from hullrecon.navigation.sensors.clock import in_order, seconds
+from hullrecon.navigation.sensors.depth import nodes_per_reading
 from hullrecon.navigation.sensors.servo import Servo, servo
 from hullrecon.navigation.sensors.silence import describe_silence, unread_s
 from hullrecon.navigation.sigmas import NavigationSigmas
@@ -57,11 +58,13 @@ class Aids:
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredDepth:
-    """depth (n,) m of the pressure sensor at the nodes; is_read (n,): False where it was silent; silence: that in words."""
+    """depth (n,) m of the pressure sensor at the nodes; is_read (n,): False where it was silent; silence: that in
+    words. shared (n,): how many nodes come to a reading, 1 at least."""
 
     depth: Array
     is_read: Mask
     silence: str
+    shared: Array
 
 
 def stereo_navigate(
@@ -152,7 +155,9 @@ def _depths(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | Non
     start = int(t_ns[0])
     read_ns = record.t_ns[known]
     depth = np.interp(seconds(t_ns, start), seconds(read_ns, start), record.depth[known])
-    return MeasuredDepth(depth=depth, is_read=unread_s(read_ns, t_ns) == 0, silence=describe_silence(read_ns, t_ns))
+    is_read = unread_s(read_ns, t_ns) == 0
+    shared = nodes_per_reading(read_ns, t_ns, is_read)
+    return MeasuredDepth(depth=depth, is_read=is_read, silence=describe_silence(read_ns, t_ns), shared=shared)
 
 
 def _edges(step: Poses, covariance: Array, lost: Ints) -> Odometry:
@@ -206,12 +211,13 @@ def _attitude(
     roll, pitch = np.zeros((2, n)) if history is None else roll_pitch_yaw(history.rotation(t_ns)).T[:2]
     tilt = np.full(n, np.pi) if history is None else np.hypot(sigmas.tilt_rad, history.unread_sigma(t_ns))
     is_read = np.zeros(n, bool) if depth is None else depth.is_read
+    depth_sigma = sigmas.depth_m * (1.0 if depth is None else np.sqrt(depth.shared))
     return Attitude(
         node=np.arange(n),
         depth=np.zeros(n) if depth is None else depth.depth,
         roll=roll,
         pitch=pitch,
-        sigma=np.stack([np.where(is_read, sigmas.depth_m, UNKNOWN_SIGMA_M), tilt, tilt], axis=1),
+        sigma=np.stack([np.where(is_read, depth_sigma, UNKNOWN_SIGMA_M), tilt, tilt], axis=1),
         tray_direction=direction,
         tray_sigma=tray_sigma,
     )
