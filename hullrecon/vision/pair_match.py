@@ -41,7 +41,8 @@ REASON_TEXTS = {
 
 @dataclass(frozen=True, kw_only=True)
 class PairMatch:
-    """first, second (m,): rows of the two views' features that show one point; distance (m,) of their descriptors.
+    """first, second (m,): rows of the two views' features that show one point, none when the pair failed but for NO_MOTION;
+    distance (m,) of their descriptors.
 
     motion: between the leading cameras, None when the pair failed; scaled: whether its translation has a measured length
     (mono: navigation's, or one). calibration: what errors of the calibration, which all pairs of a dive share, do to a scaled

@@ -15,7 +15,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import identity
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Pixels
-from hullrecon.vision.continuity import continuity
+from hullrecon.vision.continuity import continuity, fills_most
 from hullrecon.vision.image_motion import image_motion
 
 MODEL = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
@@ -58,6 +58,31 @@ def test_nothing_goes_on_in_open_water_or_elsewhere(after: Pixels | None) -> Non
     images = [look(10, seabed()), after]
     assert not goes_on(images, 0, 1)
     assert not goes_on([water(), water()], 0, 1)
+
+
+def with_part_of_vehicle(seed: int, side_px: tuple[int, int]) -> Pixels:
+    """Open water, and in it a part of the vehicle, of so many pixels high and wide."""
+    image = np.random.default_rng(seed).normal(40, 4, (256, 320, 1)).clip(0, 255).astype(np.uint8).repeat(3, axis=2)
+    height, width = side_px
+    image[-height:, 40 : 40 + width] = seabed()[:height, :width]
+    return image
+
+
+@pytest.mark.parametrize("side_px", [(80, 160), (110, 220)])
+def test_a_part_of_the_vehicle_carries_no_walk_through_open_water(side_px: tuple[int, int]) -> None:
+    assert not goes_on([with_part_of_vehicle(1, side_px), with_part_of_vehicle(2, side_px)], 0, 1)
+
+
+def test_points_fill_most_of_an_image_that_lie_all_over_it() -> None:
+    rng = np.random.default_rng(1)
+    place = rng.uniform(0.05, 0.95, (200, 2))
+    ideal = (place * [MODEL.width, MODEL.height] - [MODEL.cx, MODEL.cy]) / [MODEL.fx, MODEL.fy]
+    for count in (15, 30, 200):
+        assert fills_most(ideal[:count], MODEL)
+    patch = np.abs(place - [0.55, 0.7]).max(axis=1) < 0.25  # in parts of most cells
+    assert not fills_most(ideal[patch], MODEL)
+    rim = (place[:, 0] < 0.2) | (place[:, 0] > 0.8)  # two skids
+    assert not fills_most(ideal[rim], MODEL)
 
 
 def test_each_image_is_read_once_along_a_walk() -> None:

@@ -109,6 +109,8 @@ def test_one_image_twice_has_no_direction_of_motion(rig, two):
     found = PairMatcher(mono, OPTIONS).match(mono_view(mono, first), mono_view(mono, first), None, (1,), True)
     assert found.reason is Reason.NO_MOTION
     assert found.motion is None
+    assert len(found.first) > 0.9 * len(first.top)
+    np.testing.assert_array_equal(found.first, found.second)
 
 
 def test_a_mono_motion_has_the_covariance_of_its_five_numbers(rig, two):

@@ -215,7 +215,13 @@ class PairMatcher:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
         possible = [p for p in possible if p.motion[:3, 3].any()]
         if not possible:
-            return failed_match(len(seeds), Reason.NO_MOTION)
+            return PairMatch(
+                first=seeds.first[found.inlier],
+                second=seeds.second[found.inlier],
+                distance=seeds.distance[found.inlier],
+                putative=len(seeds),
+                reason=Reason.NO_MOTION,
+            )
         motion = mono_inliers.choose(possible, (xy[0][found.inlier], xy[1][found.inlier]), prior, first.normal)
         motion, inlier = mono_inliers.gather(motion, *xy, prior, tolerance)
         if inlier.sum() < self.options.min_inliers:
