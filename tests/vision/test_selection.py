@@ -275,7 +275,7 @@ def test_pairs_within_reach_are_those_of_all_pairs(seed):
     """One node that is known badly widens the search for its own pairs, not for all."""
     rng = np.random.default_rng(seed)
     middle, more = rng.uniform(0, 8, (2300, 3)) * [1, 1, 0.1], np.where(rng.uniform(size=2300) < 0.01, 0.9, 0.02)
-    first, second = selection._within_reach(middle, 0.4, more)
+    first, second = selection._within_reach(middle, 0.4, more, 1.2)
     apart = np.linalg.norm(middle[:, None] - middle, axis=2)
-    wanted = np.argwhere(np.triu(apart <= 0.4 + more[:, None] + more, 1))
+    wanted = np.argwhere(np.triu(apart <= 0.4 + np.minimum(more[:, None] + more, 1.2), 1))
     np.testing.assert_array_equal(np.column_stack([first, second]), wanted)

@@ -218,15 +218,15 @@ def _near(track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, 
     middle = track.global_from_camera[at].apply(np.stack([0 * depth_m[at], 0 * depth_m[at], depth_m[at]], axis=1))
     size = float(np.median(depth_m[at])) * np.hypot(camera.width / camera.fx, camera.height / camera.fy)
     # Two nodes' relative sigma is at most the sum of theirs relative to a third one.
-    sigma_m = np.minimum(track.relative_sigma(at, np.full(len(at), at[len(at) // 2])), 0.5 * size)
-    first, second = _within_reach(middle, size, 3 * sigma_m)
+    sigma_m = track.relative_sigma(at, np.full(len(at), at[len(at) // 2]))
+    first, second = _within_reach(middle, size, 3 * sigma_m, 3 * size)
     apart = known[second] - known[first] > reach
     return at[first[apart]].astype(np.int64), at[second[apart]].astype(np.int64)
 
 
-def _within_reach(middle: Array, size: float, more: Array) -> tuple[Ints, Ints]:
-    """Return the pairs first < second of points (n, 3) that are no farther apart than size and what either has more (n,),
-    sorted."""
+def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple[Ints, Ints]:
+    """Return the pairs first < second of points (n, 3) that are no farther apart than size and what the two have more (n,), but
+    no more than `most`, sorted."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(middle)
@@ -234,9 +234,9 @@ def _within_reach(middle: Array, size: float, more: Array) -> tuple[Ints, Ints]:
     for start in range(0, len(middle), BLOCK):
         rows = np.arange(start, min(start + BLOCK, len(middle)))
         # twice its own: the pair is found from that end which has more
-        found = tree.query_ball_point(middle[rows], size + 2 * more[rows])
+        found = tree.query_ball_point(middle[rows], size + np.minimum(2 * more[rows], most))
         one, other = np.repeat(rows, [len(near) for near in found]), np.concatenate([*found]).astype(np.int64)
-        near = np.linalg.norm(middle[one] - middle[other], axis=1) <= size + more[one] + more[other]
+        near = np.linalg.norm(middle[one] - middle[other], axis=1) <= size + np.minimum(more[one] + more[other], most)
         keep = near & ((more[one] > more[other]) | ((more[one] == more[other]) & (one < other)))
         parts.append(np.sort(np.column_stack([one, other])[keep], axis=1))
     pairs = np.concatenate(parts)
