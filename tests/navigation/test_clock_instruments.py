@@ -14,9 +14,9 @@ from navigation.wall_dive import AlongWall, late, logs_along_wall
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.clocks.clock_errors import ClockError, Sensor, on_time
-from hullrecon.navigation.clocks.images import ImageMotions, shift_of_dvl_from_images, shift_of_imu_from_images
+from hullrecon.navigation.clocks.images import ImageMotions, dvl_beside_images, imu_beside_images
 from hullrecon.navigation.clocks.instruments import hull_normals, imu_beside_dvl, pressure_beside_dvl
-from hullrecon.navigation.clocks.time_shift import find_time_shift
+from hullrecon.navigation.clocks.time_shift import find_far_shift, find_time_shift
 from hullrecon.navigation.sensors.attitude import attitude_history
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
@@ -116,12 +116,12 @@ def test_the_attitude_that_levels_the_dvl_is_that_of_the_clock_that_the_imu_shar
     assert abs(wrong.seconds + 1.5) > abs(right.seconds + 1.5)
 
 
-def test_a_minute_is_too_short_to_say_how_sure_a_shift_is(logged, attitude):
+def test_less_than_a_minute_is_too_short_to_say_how_sure_a_shift_is(logged, attitude):
     few = logged.dvl.t_ns < START_NS + 50 * 10**9
     rows = {name: getattr(logged.dvl, name)[few] for name in ("t_ns", "velocity", "velocity_sigma", "ranges")}
     pings, joint = replace(logged.dvl, **rows), servo(logged.tray, START_NS)
-    assert imu_beside_dvl(pings, attitude, joint, RIG) is None
-    assert pressure_beside_dvl(pings, attitude, logged.pressure, joint, RIG) is None
+    assert not imu_beside_dvl(pings, attitude, joint, RIG).is_enough
+    assert not pressure_beside_dvl(pings, attitude, logged.pressure, joint, RIG).is_enough
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.4, -2.0])
@@ -129,10 +129,12 @@ def test_images_tell_the_times_of_attitude_and_velocity(logged, attitude, motion
     early = replace(
         motions, first_ns=motions.first_ns - round(seconds * 1e9), second_ns=motions.second_ns - round(seconds * 1e9)
     )
-    imu = shift_of_imu_from_images(early, attitude, servo(logged.tray, START_NS), RIG)
+    turns = imu_beside_images(early, attitude, servo(logged.tray, START_NS), RIG)
+    imu = find_far_shift(turns.residuals, turns.block)
     assert imu.seconds == pytest.approx(seconds, abs=0.02)
     velocities = usable_velocities(logged.dvl, (START_NS, START_NS + 240 * 10**9), 0.6)
-    dvl = shift_of_dvl_from_images(early, velocities, RIG)
+    steps = dvl_beside_images(early, velocities, RIG)
+    dvl = find_far_shift(steps.residuals, steps.block)
     assert dvl.seconds == pytest.approx(seconds, abs=0.1)
 
 
@@ -144,8 +146,8 @@ def test_few_motions_tell_nothing(logged, attitude, motions):
         sigma_rad=motions.sigma_rad[:5],
     )
     velocities = usable_velocities(logged.dvl, (START_NS, START_NS + 240 * 10**9), 0.6)
-    assert shift_of_imu_from_images(few, attitude, servo(logged.tray, START_NS), RIG) is None
-    assert shift_of_dvl_from_images(few, velocities, RIG) is None
+    assert not imu_beside_images(few, attitude, servo(logged.tray, START_NS), RIG).is_enough
+    assert not dvl_beside_images(few, velocities, RIG).is_enough
 
 
 def test_stamps_are_moved_within_the_error_and_of_its_sensor_alone():

@@ -85,6 +85,18 @@ def test_with_images_every_clock_is_told_by_most_of_the_others(logged, measure, 
         np.testing.assert_array_equal(getattr(found.logs, name).t_ns, getattr(logged, name).t_ns)
 
 
+@pytest.mark.parametrize("seconds", [-6.0, 8.0, 37.0])
+def test_without_images_an_imu_off_by_many_seconds_is_put_right_by_those(logged, seconds):
+    found = put_right(late(logged, Sensor.IMU, seconds))
+    assert [error.sensor for error in found.errors] == [Sensor.IMU]
+    assert off_s(found, logged, Sensor.IMU) < 0.15
+
+
+@pytest.mark.parametrize("seconds", [70.0, -90.0])
+def test_without_images_an_imu_off_by_more_than_a_minute_is_not_put_right_to_what_is_false(logged, seconds):
+    assert put_right(late(logged, Sensor.IMU, seconds)).errors == []
+
+
 def test_a_fifth_of_a_second_of_the_dvl_is_told_by_images_and_depth_together(logged, measure):
     found = put_right(late(logged, Sensor.DVL, 0.2), measure)
     assert [(one.sensor, one.beside) for one in found.errors] == [(Sensor.DVL, (Sensor.IMU, Sensor.PRESSURE, Sensor.IMAGES))]
@@ -163,6 +175,40 @@ def test_pauses_without_a_jump_change_nothing(logged, measure):
         assert found.errors == []
 
 
+def without_pings(logs: NavigationLogs, *spans: tuple[float, float]) -> NavigationLogs:
+    """Return the logs without the DVL's pings from so many seconds to so many."""
+    t_s = (logs.dvl.t_ns - START_NS) * 1e-9
+    kept = ~np.any([(t_s > begin) & (t_s < end) for begin, end in spans], axis=0)
+    rows = {name: getattr(logs.dvl, name)[kept] for name in ("t_ns", "velocity", "velocity_sigma", "ranges")}
+    return replace(logs, dvl=replace(logs.dvl, **rows))
+
+
+@pytest.mark.parametrize("spans", [[(200, 202)], [(60, 62), (120, 122), (190, 192)]], ids=["one pause", "three"])
+@pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU, Sensor.PRESSURE])
+def test_a_clock_that_is_late_all_along_is_put_right_over_pauses_too(logged, sensor, spans):
+    """Stretches of less than a minute tell nothing by themselves."""
+    true = without_pings(logged, *spans)
+    found = put_right(late(true, sensor, 1.5))
+    assert [one.sensor for one in found.errors] == [sensor]
+    ours, stamps = (getattr(logs, STREAMS[sensor]).t_ns for logs in (found.logs, true))
+    assert np.abs(ours - stamps).max() < 0.15e9
+
+
+def test_with_images_a_pressure_sensor_that_is_late_is_put_right_beside_a_short_stretch_too(logged, measure):
+    true = without_pings(logged, (200, 202))
+    found = put_right(late(true, Sensor.PRESSURE, 1.5), measure)
+    assert np.abs(found.logs.pressure.t_ns - true.pressure.t_ns).max() < 0.2e9
+
+
+def test_a_short_stretch_before_a_jump_is_left_as_it_is(logged):
+    """It is too short to tell a shift, and yet says that the one behind the jump is not its own."""
+    found = put_right(late(logged, Sensor.IMU, 2.0, from_s=40.0))
+    assert [error.sensor for error in found.errors] == [Sensor.IMU]
+    before = logged.imu.t_ns < START_NS + 40 * 10**9
+    np.testing.assert_array_equal(found.logs.imu.t_ns[before], logged.imu.t_ns[before])
+    assert np.abs(found.logs.imu.t_ns - logged.imu.t_ns).max() < 0.15e9
+
+
 def error(sensor: Sensor, begin_s: float, end_s: float, late_s: float) -> ClockError:
     return ClockError(
         sensor=sensor, from_ns=round(begin_s * 1e9), to_ns=round(end_s * 1e9), late_s=late_s, sigma_s=0.01, beside=(Sensor.IMU,)
@@ -223,8 +269,8 @@ def test_the_shift_of_a_signal_is_found_with_its_sigma():
     assert 0.002 < found.sigma_s < 0.03
     assert found.is_sure(5.0)
     assert not found.is_sure(1000.0)
-    assert preference(apart, block, 0.7, 0.0) > 5
-    assert preference(apart, block, 0.0, 0.7) < -5
+    assert preference(apart(0.7), apart(0.0), block) > 5
+    assert preference(apart(0.0), apart(0.7), block) < -5
 
 
 def test_a_shift_beyond_reach_is_found_far_away_or_not_at_all():
@@ -232,6 +278,20 @@ def test_a_shift_beyond_reach_is_found_far_away_or_not_at_all():
     assert find_far_shift(lambda shift: apart(shift - 30), block).seconds == pytest.approx(30.7, abs=0.1)
     found = find_far_shift(lambda shift: apart(shift - 300), block)
     assert found is None or not found.is_unique()
+
+
+def test_rows_without_data_are_for_no_shift():
+    """Of a signal that ends, a far shift leaves few rows: they must not make it the better one, nor hide the right one."""
+    t, block = np.arange(0, 120, 0.5), np.arange(240) // 20
+
+    def ended(shift: float) -> np.ndarray:
+        found = apart(shift)
+        found[(t + shift < 0) | (t + shift > 120)] = np.nan
+        return found
+
+    found = find_time_shift(ended, block, 60.0)
+    assert found.seconds == pytest.approx(0.7, abs=4 * found.sigma_s)
+    assert found.is_sure(5.0)
 
 
 def test_noise_has_no_shift():

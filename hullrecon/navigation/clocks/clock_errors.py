@@ -50,6 +50,12 @@ def on_time(t_ns: Ints, errors: Iterable[ClockError], sensor: Sensor) -> Ints:
     return out
 
 
+def late_beside(errors: Iterable[ClockError], sensor: Sensor, other: Sensor) -> float:
+    """Return by how many seconds a sensor is later than another one, of errors in one stretch."""
+    late_s = {error.sensor: error.late_s for error in errors}
+    return late_s.get(sensor, 0.0) - late_s.get(other, 0.0)
+
+
 def put_images_right(
     top: ImageIndex | None, bottom: ImageIndex | None, errors: Sequence[ClockError]
 ) -> tuple[ImageIndex | None, ImageIndex | None]:

@@ -11,14 +11,14 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, tray_poses
-from hullrecon.navigation.clocks.time_shift import TimeShift, find_far_shift
+from hullrecon.navigation.clocks.time_shift import Disagreement
 from hullrecon.navigation.dead_reckoning.integral import integral
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.clock import seconds
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.rig import SensorRig
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 LEAST_MOTIONS = 10
 TURN_SIGMA_RAD = 0.0015  # of the attitude's turn between two images
@@ -43,14 +43,13 @@ class ImageMotions:
         return len(self.first_ns)
 
 
-def shift_of_imu_from_images(
-    motions: ImageMotions, attitude: AttitudeHistory, servo: Servo, rig: SensorRig
-) -> TimeShift | None:
-    """Return what is to be added to the images' stamps to find the attitude; None where they do not tell.
+def imu_beside_images(motions: ImageMotions, attitude: AttitudeHistory, servo: Servo, rig: SensorRig) -> Disagreement | None:
+    """Return how the attitude's turns, looked up at the images' stamps and a shift, differ from the camera's; None without any
+    motions.
 
     Turns about the tray's axis are left aside, for the play of its servo looks like a clock that is late.
     """
-    if len(motions) < LEAST_MOTIONS:
+    if not len(motions):
         return None
     tray_from_camera = rig.tray_from(Camera.TOP).rotation
     axis = tray_from_camera.inv().apply(TRAY_AXIS)
@@ -64,17 +63,19 @@ def shift_of_imu_from_images(
         shift_ns = round(shift_s * 1e9)
         first, second = (cameras(t_ns + shift_ns) for t_ns in (motions.first_ns, motions.second_ns))
         turn = (seen.inv() * second.inv() * first).as_rotvec()
+        turn[_outside(motions, shift_ns, attitude.t_ns)] = np.nan
         return np.asarray((turn - (turn * axis).sum(axis=1, keepdims=True) * axis) / sigma)
 
-    return find_far_shift(residuals, np.arange(len(motions)))
+    return Disagreement(residuals=residuals, block=np.arange(len(motions)), is_enough=len(motions) >= LEAST_MOTIONS)
 
 
-def shift_of_dvl_from_images(motions: ImageMotions, velocities: Velocities, rig: SensorRig) -> TimeShift | None:
-    """Return what is to be added to the images' stamps to find the DVL's velocity; None where they do not tell.
+def dvl_beside_images(motions: ImageMotions, velocities: Velocities, rig: SensorRig) -> Disagreement | None:
+    """Return how the directions of the DVL's steps, looked up at the images' stamps and a shift, differ from the camera's; None
+    without any motions.
 
     Both sit on the tray, so that no attitude is needed, and what the lever arm between them sweeps follows from the images.
     """
-    if len(motions) < LEAST_MOTIONS or len(velocities.t_ns) < 2:
+    if not len(motions) or len(velocities.t_ns) < 2:
         return None
     start = int(velocities.t_ns[0])
     way = integral(seconds(velocities.t_ns, start), velocities.velocity)
@@ -99,11 +100,20 @@ def shift_of_dvl_from_images(motions: ImageMotions, velocities: Velocities, rig:
 
     def residuals(shift_s: float) -> Array:
         aside = np.cross(went, _directions(step(shift_s)))
+        unknown = _outside(motions, round(shift_s * 1e9), velocities.t_ns)
+        aside[unknown] = 0.0
         trusted = np.clip(aside, -TRUSTED * sigma[:, None], TRUSTED * sigma[:, None])
         mount = np.linalg.solve(information, (weight[:, :, 0] * trusted).sum(axis=0))
-        return np.asarray((aside - turned @ mount) / sigma[:, None])
+        found = (aside - turned @ mount) / sigma[:, None]
+        found[unknown] = np.nan
+        return np.asarray(found)
 
-    return find_far_shift(residuals, np.arange(len(motions)))
+    return Disagreement(residuals=residuals, block=np.arange(len(motions)), is_enough=len(motions) >= LEAST_MOTIONS)
+
+
+def _outside(motions: ImageMotions, shift_ns: int, t_ns: Ints) -> Mask:
+    """Return which motions (m,), moved by a shift, reach beyond a sensor's stamps in order."""
+    return np.asarray((motions.first_ns + shift_ns < t_ns[0]) | (motions.second_ns + shift_ns > t_ns[-1]))
 
 
 def _directions(vectors: Array) -> Array:

@@ -8,13 +8,11 @@ right shift alone. The DVL's velocity along the vertical, summed, is the depth t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import tray_poses
-from hullrecon.navigation.clocks.time_shift import Residuals
+from hullrecon.navigation.clocks.time_shift import Disagreement
 from hullrecon.navigation.dead_reckoning.integral import integral
 from hullrecon.navigation.dead_reckoning.returns import mark_lost
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
@@ -36,16 +34,8 @@ SMOOTH_S = 0.3  # of the pressure
 ACROSS = np.array([0.0, 1.0, 0.0])  # the tray turns about this axis of the vehicle: along it its angle changes no direction
 
 
-@dataclass(frozen=True, kw_only=True)
-class Disagreement:
-    """How two clocks part: residuals of a shift, and the numbers (n,) of the blocks in which errors go together."""
-
-    residuals: Residuals
-    block: Ints
-
-
 def imu_beside_dvl(dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: SensorRig) -> Disagreement | None:
-    """Return how the IMU's attitude, looked up at the DVL's stamps and a shift, lets the hull turn; None where too few pings
+    """Return how the IMU's attitude, looked up at the DVL's stamps and a shift, lets the hull turn; None where no pings
     have returns.
 
     Turns about the tray's own axis are left aside: its servo's play looks like a clock that is late.
@@ -55,7 +45,7 @@ def imu_beside_dvl(dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: 
         return None
     in_vehicle = _vehicle_from_dvl(servo, rig, t_ns).apply(normal)
     rows = _rows_apart(t_ns, APART_S)
-    if not _enough(t_ns, rows):
+    if not len(rows):
         return None
     used = np.unique(rows)
     of = np.searchsorted(used, rows)
@@ -68,7 +58,7 @@ def imu_beside_dvl(dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: 
         bend = seen[of[:, 0]] - 2 * seen[of[:, 1]] + seen[of[:, 2]]
         return np.asarray((bend * across[of[:, 1]]).sum(axis=1, keepdims=True))
 
-    return Disagreement(residuals=residuals, block=_blocks(t_ns[rows[:, 0]]))
+    return Disagreement(residuals=residuals, block=_blocks(t_ns[rows[:, 0]]), is_enough=_enough(t_ns, rows))
 
 
 def pressure_beside_dvl(
@@ -79,8 +69,8 @@ def pressure_beside_dvl(
     rig: SensorRig,
     imu_late_s: float | None = 0.0,
 ) -> Disagreement | None:
-    """Return how the depth, looked up at the DVL's stamps and a shift, differs from what the DVL sank; None where too few pings
-    and readings are there.
+    """Return how the depth, looked up at the DVL's stamps and a shift, differs from what the DVL sank; None where no pings
+    or too few readings are there.
 
     imu_late_s: how late the IMU is, by whose attitude the DVL's velocity is level or not, beside the DVL; None: as late as the
     pressure sensor.
@@ -88,10 +78,10 @@ def pressure_beside_dvl(
     known = np.isfinite(dvl.velocity).all(axis=1)
     read = np.isfinite(pressure.depth)
     t_ns, sounded_ns = dvl.t_ns[known], pressure.t_ns[read]
-    if len(t_ns) < LEAST_ROWS or len(sounded_ns) < LEAST_ROWS:
+    if len(t_ns) < 2 or len(sounded_ns) < LEAST_ROWS:
         return None
     rows = _rows_apart(t_ns, SUNK_S)
-    if not _enough(t_ns, rows):
+    if not len(rows):
         return None
     used = np.unique(rows)
     of = np.searchsorted(used, rows)
@@ -118,7 +108,7 @@ def pressure_beside_dvl(
         apart = depth - (sunk(shift_s) if known_sunk is None else known_sunk)
         return np.asarray((apart[of[:, 0]] - 2 * apart[of[:, 1]] + apart[of[:, 2]])[:, None])
 
-    return Disagreement(residuals=residuals, block=_blocks(t_ns[rows[:, 0]]))
+    return Disagreement(residuals=residuals, block=_blocks(t_ns[rows[:, 0]]), is_enough=_enough(t_ns, rows))
 
 
 def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -16,13 +17,25 @@ from hullrecon.navigation.clocks.clock_errors import (
     Sensor,
     describe_errors,
     join_errors,
+    late_beside,
     on_time,
     put_images_right,
 )
-from hullrecon.navigation.clocks.images import ImageMotions, shift_of_dvl_from_images, shift_of_imu_from_images
-from hullrecon.navigation.clocks.instruments import Disagreement, imu_beside_dvl, pressure_beside_dvl
-from hullrecon.navigation.clocks.stretches import stretches
-from hullrecon.navigation.clocks.time_shift import TimeShift, find_far_shift, find_time_shift, preference
+from hullrecon.navigation.clocks.images import ImageMotions, dvl_beside_images, imu_beside_images
+from hullrecon.navigation.clocks.instruments import imu_beside_dvl, pressure_beside_dvl
+from hullrecon.navigation.clocks.stretches import PREFERRED, Decision, Span, decide_by_stretch, stretches
+from hullrecon.navigation.clocks.time_shift import Disagreement, find_far_shift, find_time_shift, preference, sum_of_sigmas
+from hullrecon.navigation.clocks.whose_clock import (
+    LEAST_BY_HULL_S,
+    LEAST_S,
+    Late,
+    against_most,
+    agree,
+    by_depth_too,
+    by_turn_and_depth,
+    error_of,
+    usable,
+)
 from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs, sort_streams, usable_frames
 from hullrecon.navigation.dead_reckoning.image_walk import STRIDE_S
 from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
@@ -32,18 +45,8 @@ from hullrecon.records.sensors import DvlPings
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints, Mask
 
-# An error that is put right, s; smaller ones are not told from none: bumps of the hull and waves look like some. Of the DVL's
-# clock where one sensor alone tells it, and where images and pressure sensor do, whose own errors have nothing in common.
-LEAST_S: Mapping[Sensor, float] = {Sensor.DVL: 0.25, Sensor.IMU: 0.05, Sensor.PRESSURE: 0.25, Sensor.IMAGES: 0.05}
-LEAST_BY_TWO_S = 0.08
-LEAST_BY_HULL_S = 0.2  # of an IMU that the form of the hull alone is held against
-SIGMAS = 5.0
-KNOWN_S = 0.1  # sigma of a shift that says something though it is none
-AGREE_S = 0.2  # shifts by two sensors that differ by less are one
-PREFERRED = 2.0  # sigmas by which one of two explanations has to be the better one
 RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6  # of images whose motion is looked at, spread over a stretch
 
-Span = tuple[int, int]  # first and last instant, ns
 # From two rows of the upper camera's images: second_from_first (4, 4), its translation of any length, and the sigmas (2,) rad
 # of its turn and direction; None where they do not tell.
 MeasureMotion = Callable[[int, int], tuple[Array, Array] | None]
@@ -59,28 +62,14 @@ class Synchronised:
     remarks: list[str]
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Late:
-    """By how much a sensor's clock is later than another one, s, with its sigma; sure: that it is at all."""
-
-    seconds: float
-    sigma_s: float
-    sure: bool
-
-    def and_later(self, more: _Late) -> _Late:
-        """Return how late a clock is that is later still than this one."""
-        sigma_s = float(np.hypot(self.sigma_s, more.sigma_s))
-        return _Late(seconds=self.seconds + more.seconds, sigma_s=sigma_s, sure=self.sure or more.sure)
-
-
 def synchronise(
     logs: NavigationLogs, rig: SensorRig, tilt_rad: float, longest_gap_s: float, measure: MeasureMotion | None = None
 ) -> Synchronised:
     """Return the logs with their clocks put right.
 
-    Each stretch between pauses that may be jumps is looked at by itself. With images (measure), IMU and DVL are held against
-    what these show of the camera's motion, and the pressure sensor against the DVL; the clocks that most sensors share are
-    right. Without images the DVL's ranges to the hull and the pressure sensor tell.
+    The dive is looked at as a whole, and each stretch between pauses that may be jumps for what contradicts that. With images
+    (measure), IMU and DVL are held against what these show of the camera's motion, and the pressure sensor against the DVL; the
+    clocks that most sensors share are right. Without images the DVL's ranges to the hull and the pressure sensor tell.
     """
     logs, messages = sort_streams(logs)
     look = _Look(logs, rig, tilt_rad, longest_gap_s, None if logs.top is None else measure)
@@ -104,16 +93,16 @@ class _Look:
         self._frames = usable_frames(logs.top)
         self.sees = measure is not None and len(self._frames[0]) > 1
 
-    def by_images(self) -> tuple[list[ClockError], list[str]]:
+    def by_images(self) -> Decision:
         """Return whose clocks are wrong beside those that most share, by what images show of the motion; by the hull where they
         show none."""
         motions = self._motions()
 
-        def of_imu(span: Span) -> _Late | None:
-            return _usable(shift_of_imu_from_images(_between(motions, span), self._attitude, self._servo, self._rig))
+        def of_imu(span: Span) -> Late | None:
+            return _late(imu_beside_images(_between(motions, span), self._attitude, self._servo, self._rig))
 
-        def of_dvl(span: Span) -> _Late | None:
-            return _usable(shift_of_dvl_from_images(_between(motions, span), self._velocities, self._rig))
+        def of_dvl(span: Span) -> Late | None:
+            return _late(dvl_beside_images(_between(motions, span), self._velocities, self._rig))
 
         imu, dvl = (
             _ByStretch(self._stretches(Sensor.IMAGES, Sensor.IMU), of_imu),
@@ -121,66 +110,111 @@ class _Look:
         )
         if not (imu.is_known or dvl.is_known):
             return self.by_hull()
-        errors: list[ClockError] = []
-        for span in self._stretches(*Sensor):
-            late = {Sensor.IMAGES: _Late(seconds=0.0, sigma_s=0.0, sure=False)}
+
+        def decide(span: Span) -> Decision:
+            late = {Sensor.IMAGES: Late(seconds=0.0, sigma_s=0.0, sure=False)}
             for sensor, found in ((Sensor.IMU, imu.at(span)), (Sensor.DVL, dvl.at(span))):
                 late |= {} if found is None else {sensor: found}
             if Sensor.DVL not in late:
-                errors += _against_most(span, late)
-                continue
+                return against_most(span, late), []
             imu_late_s = late[Sensor.IMU].seconds - late[Sensor.DVL].seconds if Sensor.IMU in late else 0.0
             sunk = self._sunk(span, imu_late_s)
             if sunk is not None:
                 late[Sensor.PRESSURE] = late[Sensor.DVL].and_later(sunk)
-            errors += _by_depth_too(span, late, sunk) or _against_most(span, late)
-        return errors, []
+            return by_depth_too(span, late, sunk) or against_most(span, late), []
 
-    def by_hull(self) -> tuple[list[ClockError], list[str]]:
+        def better(span: Span, first: Sequence[ClockError], second: Sequence[ClockError]) -> float:
+            seen = _between(motions, span)
+            return sum_of_sigmas(
+                [
+                    _prefer(
+                        imu_beside_images(seen, self._attitude, self._servo, self._rig),
+                        Sensor.IMU,
+                        Sensor.IMAGES,
+                        first,
+                        second,
+                    ),
+                    _prefer(dvl_beside_images(seen, self._velocities, self._rig), Sensor.DVL, Sensor.IMAGES, first, second),
+                    self._prefer_by_depth(span, first, second),
+                ]
+            )
+
+        return decide_by_stretch(self._stretches(*Sensor), decide, better)
+
+    def by_hull(self) -> Decision:
         """Return whose clocks are wrong, by the DVL's ranges to the hull, which stands still, and by depth."""
         imu = _ByStretch(self._stretches(Sensor.DVL, Sensor.IMU), self._turned)
-        errors: list[ClockError] = []
-        undecided: list[str] = []
-        for span in self._stretches(Sensor.DVL, Sensor.IMU, Sensor.PRESSURE):
-            turned = imu.at(span)
-            error = None
-            if turned is not None and turned.sure and abs(turned.seconds) >= LEAST_BY_HULL_S:
-                error = _by_turn_and_depth(span, turned, self._sunk(span, turned.seconds))
-            sunk = self._sunk(span) if error is None else None
-            if sunk is not None and sunk.sure and abs(sunk.seconds) >= LEAST_S[Sensor.PRESSURE]:
-                error = self._by_depth_alone(span, sunk)
-                if error is None:
-                    undecided.append(
-                        f"DVL and pressure: their clocks part by {abs(sunk.seconds):.2f} s (sigma {sunk.sigma_s:.3f} s); which"
-                        " of them is wrong is not known, and both were left as they are"
-                    )
-            errors += [] if error is None else [error]
-        return errors, list(dict.fromkeys(undecided))
 
-    def _by_depth_alone(self, span: Span, sunk: _Late) -> ClockError | None:
+        def decide(span: Span) -> Decision:
+            turned = imu.at(span)
+            if turned is not None and turned.sure and abs(turned.seconds) >= LEAST_BY_HULL_S:
+                error = by_turn_and_depth(span, turned, self._sunk(span, turned.seconds))
+            else:
+                error = self._by_turn_near_and_depth(span) if turned is None else None
+            return self._decide_by_depth(span) if error is None else ([error], [])
+
+        def better(span: Span, first: Sequence[ClockError], second: Sequence[ClockError]) -> float:
+            turn = _prefer(self._hull_turns(span), Sensor.IMU, Sensor.DVL, first, second)
+            return sum_of_sigmas([turn, self._prefer_by_depth(span, first, second)])
+
+        return decide_by_stretch(self._stretches(Sensor.DVL, Sensor.IMU, Sensor.PRESSURE), decide, better)
+
+    def _by_turn_near_and_depth(self, span: Span) -> ClockError | None:
+        """Return the error of the DVL's clock where the depth tells the same as the turns do among near shifts: these alone may
+        fit by chance, where far ones fit as well. None else."""
+        turn = self._hull_turns(span)
+        near = usable(find_time_shift(turn.residuals, turn.block)) if turn is not None and turn.is_enough else None
+        if near is None or not near.sure or abs(near.seconds) < LEAST_BY_HULL_S:
+            return None
+        sunk = self._sunk(span, near.seconds)
+        return by_turn_and_depth(span, near, sunk) if sunk is not None and sunk.sure and agree(near, sunk) else None
+
+    def _decide_by_depth(self, span: Span) -> Decision:
+        """Return which of DVL and pressure sensor is wrong, where they part."""
+        sunk = self._sunk(span)
+        if sunk is None or not sunk.sure or abs(sunk.seconds) < LEAST_S[Sensor.PRESSURE]:
+            return [], []
+        error = self._by_depth_alone(span, sunk)
+        if error is not None:
+            return [error], []
+        return [], [
+            f"DVL and pressure: their clocks part by {abs(sunk.seconds):.2f} s (sigma {sunk.sigma_s:.3f} s); which"
+            " of them is wrong is not known, and both were left as they are"
+        ]
+
+    def _prefer_by_depth(self, span: Span, first: Sequence[ClockError], second: Sequence[ClockError]) -> float:
+        """Return how many sigmas better the depth and what the DVL sank agree by some errors than by others."""
+        one, other = (self._sinking(span, late_beside(errors, Sensor.IMU, Sensor.DVL)) for errors in (first, second))
+        if one is None or other is None:
+            return 0.0
+        by_first, by_second = (late_beside(errors, Sensor.PRESSURE, Sensor.DVL) for errors in (first, second))
+        return preference(one.residuals(by_first), other.residuals(by_second), one.block)
+
+    def _by_depth_alone(self, span: Span, sunk: Late) -> ClockError | None:
         """Return which of DVL and pressure sensor, which part, is wrong: by where the hull stands more still. None where that
         does not tell."""
         turn = self._hull_turns(span)
-        better = 0.0 if turn is None else preference(turn.residuals, turn.block, sunk.seconds, 0.0)
+        better = 0.0 if turn is None else preference(turn.residuals(sunk.seconds), turn.residuals(0.0), turn.block)
         if better >= PREFERRED:
             late = self._sunk(span, None) or sunk  # with the attitude of the pressure sensor's time
-            return _error(Sensor.DVL, span, -late.seconds, late.sigma_s, [Sensor.IMU, Sensor.PRESSURE])
+            return error_of(Sensor.DVL, span, -late.seconds, late.sigma_s, [Sensor.IMU, Sensor.PRESSURE])
         if better <= -PREFERRED:
-            return _error(Sensor.PRESSURE, span, sunk.seconds, sunk.sigma_s, [Sensor.DVL, Sensor.IMU])
+            return error_of(Sensor.PRESSURE, span, sunk.seconds, sunk.sigma_s, [Sensor.DVL, Sensor.IMU])
         return None
 
-    def _sunk(self, span: Span, imu_late_s: float | None = 0.0) -> _Late | None:
+    def _sunk(self, span: Span, imu_late_s: float | None = 0.0) -> Late | None:
         """Return how late the pressure sensor is beside the DVL; imu_late_s: how late the IMU is; None: as late."""
+        return _late(self._sinking(span, imu_late_s))
+
+    def _sinking(self, span: Span, imu_late_s: float | None) -> Disagreement | None:
         pressure = self._logs.pressure
         if pressure is None:
             return None
-        found = pressure_beside_dvl(self._pings(span), self._attitude, pressure, self._servo, self._rig, imu_late_s)
-        return None if found is None else _usable(find_far_shift(found.residuals, found.block))
+        return pressure_beside_dvl(self._pings(span), self._attitude, pressure, self._servo, self._rig, imu_late_s)
 
-    def _turned(self, span: Span) -> _Late | None:
+    def _turned(self, span: Span) -> Late | None:
         """Return how late the IMU is beside the DVL."""
-        found = self._hull_turns(span)
-        return None if found is None else _usable(find_time_shift(found.residuals, found.block))
+        return _late(self._hull_turns(span))
 
     def _hull_turns(self, span: Span) -> Disagreement | None:
         return imu_beside_dvl(self._pings(span), self._attitude, self._servo, self._rig)
@@ -253,29 +287,42 @@ def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
     return out
 
 
-def _usable(found: TimeShift | None) -> _Late | None:
-    """Return by how much a clock is late, where that is known: surely so, or well enough to say that it is not."""
-    if found is None or not found.is_unique():
-        return None
-    sure = found.is_sure(SIGMAS)
-    return _Late(seconds=found.seconds, sigma_s=found.sigma_s, sure=sure) if sure or found.sigma_s <= KNOWN_S else None
-
-
 class _ByStretch:
     """What is known of two clocks, by the stretches between the pauses of their two sensors."""
 
-    def __init__(self, spans: Sequence[Span], late: Callable[[Span], _Late | None]) -> None:
-        self._spans, self._late = spans, [late(span) for span in spans]
+    def __init__(self, spans: Sequence[Span], late: Callable[[Span], Late | None]) -> None:
+        self._spans, self._late = spans, cache(late)
 
     @property
     def is_known(self) -> bool:
-        """Return whether anything is known in any stretch."""
-        return any(late is not None for late in self._late)
+        """Return whether anything is known of the whole or of any stretch."""
+        return any(self._late(span) is not None for span in [self._whole, *self._spans])
 
-    def at(self, span: Span) -> _Late | None:
-        """Return what is known in a span that lies within one of the stretches, or within them all."""
+    def at(self, span: Span) -> Late | None:
+        """Return what is known in a span that lies within one of the stretches, or of the whole where it covers them all."""
+        if span[0] <= self._whole[0] and span[1] >= self._whole[1]:
+            return self._late(self._whole)
         middle = (span[0] + span[1]) // 2
-        return next((late for (begin, end), late in zip(self._spans, self._late, strict=True) if begin <= middle <= end), None)
+        return next((self._late(own) for own in self._spans if own[0] <= middle <= own[1]), None)
+
+    @property
+    def _whole(self) -> Span:
+        return self._spans[0][0], self._spans[-1][1]
+
+
+def _late(found: Disagreement | None) -> Late | None:
+    """Return by how much a clock is late by how it parts from another one; None where that is not known."""
+    return None if found is None or not found.is_enough else usable(find_far_shift(found.residuals, found.block))
+
+
+def _prefer(
+    found: Disagreement | None, sensor: Sensor, other: Sensor, first: Sequence[ClockError], second: Sequence[ClockError]
+) -> float:
+    """Return how many sigmas better two sensors agree by some errors than by others."""
+    if found is None:
+        return 0.0
+    by_first, by_second = (found.residuals(late_beside(errors, sensor, other)) for errors in (first, second))
+    return preference(by_first, by_second, found.block)
 
 
 def _between(motions: ImageMotions, span: Span) -> ImageMotions:
@@ -286,52 +333,6 @@ def _between(motions: ImageMotions, span: Span) -> ImageMotions:
         second_from_first=motions.second_from_first[rows],
         sigma_rad=motions.sigma_rad[rows],
     )
-
-
-def _against_most(span: Span, late: Mapping[Sensor, _Late]) -> list[ClockError]:
-    """Return the errors of the clocks that are not those of most sensors; of as many, those with the IMU are right."""
-
-    def agree(group: Sequence[Sensor]) -> bool:
-        apart = {pair: abs(late[pair[0]].seconds - late[pair[1]].seconds) for pair in itertools.combinations(group, 2)}
-        return all(seconds < max(LEAST_S[sensor] for sensor in pair) for pair, seconds in apart.items())
-
-    groups = [g for size in range(1, len(late) + 1) for g in itertools.combinations(late, size) if agree(g)]
-    right = max(groups, key=lambda group: (len(group), Sensor.IMU in group))
-    best = late[min(right, key=lambda sensor: late[sensor].sigma_s)]
-    out = []
-    for sensor, own in late.items():
-        seconds, sigma_s = own.seconds - best.seconds, float(np.hypot(own.sigma_s, best.sigma_s))
-        if sensor not in right and abs(seconds) >= max(LEAST_S[sensor], SIGMAS * sigma_s):
-            out.append(_error(sensor, span, seconds, sigma_s, [other for other in Sensor if other in right]))
-    return out
-
-
-def _by_turn_and_depth(span: Span, turned: _Late, sunk: _Late | None) -> ClockError | None:
-    """Return whose clock is wrong where the IMU parts from the DVL: the pressure sensor tells; without it the DVL's is. None
-    where all three part: that one alone is wrong, and the turns deceive, is likelier."""
-    if sunk is None:
-        return _error(Sensor.DVL, span, -turned.seconds, turned.sigma_s, [Sensor.IMU])
-    if abs(sunk.seconds - turned.seconds) <= max(AGREE_S, 3 * turned.sigma_s):
-        return _error(Sensor.DVL, span, -sunk.seconds, sunk.sigma_s, [Sensor.IMU, Sensor.PRESSURE])
-    if not sunk.sure or abs(sunk.seconds) < LEAST_S[Sensor.PRESSURE]:
-        return _error(Sensor.IMU, span, turned.seconds, turned.sigma_s, [Sensor.DVL, Sensor.PRESSURE])
-    return None
-
-
-def _by_depth_too(span: Span, late: Mapping[Sensor, _Late], sunk: _Late | None) -> list[ClockError]:
-    """Return the error of the DVL's clock where images and pressure sensor both tell it and much the same, with images and IMU
-    that agree; none else. The depth tells it more exactly than the directions in which the camera went."""
-    dvl, imu = late[Sensor.DVL], late.get(Sensor.IMU)
-    if sunk is None or not (dvl.sure and sunk.sure) or (imu is not None and abs(imu.seconds) >= LEAST_S[Sensor.IMU]):
-        return []
-    if min(abs(dvl.seconds), abs(sunk.seconds)) < LEAST_BY_TWO_S or abs(dvl.seconds + sunk.seconds) > AGREE_S:
-        return []
-    others = [Sensor.IMU] * (imu is not None) + [Sensor.PRESSURE, Sensor.IMAGES]
-    return [_error(Sensor.DVL, span, -sunk.seconds, sunk.sigma_s, others)]
-
-
-def _error(sensor: Sensor, span: Span, late_s: float, sigma_s: float, beside: Sequence[Sensor]) -> ClockError:
-    return ClockError(sensor=sensor, from_ns=span[0], to_ns=span[1], late_s=late_s, sigma_s=sigma_s, beside=tuple(beside))
 
 
 def _put_right(logs: NavigationLogs, errors: Sequence[ClockError]) -> NavigationLogs:
