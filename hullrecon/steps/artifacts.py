@@ -20,7 +20,7 @@ import numpy as np
 
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.artifacts.graph.stage_settings import StageSettings
-from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts, with_value
+from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts, refuse_parted_tray, with_value
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.dive.logs.fixed_frames import FixedSensor
 from hullrecon.errors import InputError
@@ -366,9 +366,14 @@ class InputArtifacts:
         return ChangeArtifact(self.inputs["change"]) if "change" in self.inputs else None
 
     def mounts(self, settings: Mapping[str, object]) -> dict[str, ChosenMount]:
-        """Return the lever arms and mounts that these settings leave to the log."""
+        """Return the lever arms and mounts that these settings leave to the log. Raises InputError for a tray that carries but
+        one of DVL and camera."""
         declared = dict(settings)  # without a fault where the step declares no such key
-        return choose_mounts({key: _value(declared, key) for key in DEFAULTS}, self.ingest.sensors)
+        values = {key: _value(declared, key) for key in DEFAULTS}
+        tray = self.ingest.tray
+        if tray is not None and len(tray.t_ns):
+            refuse_parted_tray(values, self.ingest.sensors)
+        return choose_mounts(values, self.ingest.sensors)
 
     def mounted(self, settings: StageSettings) -> StageSettings:
         """Return the settings with the lever arms and mounts in place that they leave to the log."""

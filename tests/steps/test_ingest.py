@@ -241,3 +241,16 @@ def test_mounts_that_dive_toml_leaves_out_are_those_that_ingest_found_in_the_log
     assert found.read("dvl", Dvl).mount == pytest.approx((0.1, 0.0, 0.1, 0.0, 80.0, 0.0))
     assert (found["tray.origin"], found["pressure.origin"]) == ((0.4, 0.0, 0.1), (1.0, 2.0, 3.0))
     assert set(found) == set(settings)
+
+
+def test_a_dvl_that_is_fixed_beside_a_camera_on_a_servo_that_turns_ends_the_step(tmp_path):
+    folder = tmp_path / "ingest"
+    folder.mkdir()
+    fixed = {"frame": "d", "pose": [0.5, 0, 0.2, 0, 0, 0], "on_servo": False, "servo_origin": None}
+    turning = {"frame": "c", "pose": [0.1, 0, 0, 90, 0, 90], "on_servo": True, "servo_origin": None}
+    (folder / "mounts.json").write_text(json.dumps({"dvl": fixed, "camera_top": turning}))
+    inputs, settings = InputArtifacts({"ingest": folder}), StageSettings("x", {"dvl.mount": FROM_LOG, "tray.origin": FROM_LOG})
+    assert inputs.mounted(settings)["dvl.mount"] == (0.5, 0.0, 0.2, 0.0, 0.0, 0.0)
+    np.savez(folder / "tray.npz", t_ns=np.arange(3), angle=np.array([0.0, 0.1, 0.2]))
+    with pytest.raises(InputError, match="one tray carries DVL and cameras"):
+        inputs.mounted(settings)

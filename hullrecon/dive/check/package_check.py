@@ -20,7 +20,7 @@ from hullrecon.dive.check.sampled_images import SampledImages
 from hullrecon.dive.check.to_fill_in import to_fill_in
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
-from hullrecon.dive.config.mounts import DEFAULTS, choose_mounts, describe_mounts, filled_in
+from hullrecon.dive.config.mounts import DEFAULTS, choose_mounts, describe_mounts, filled_in, refuse_parted_tray
 from hullrecon.dive.config.schema import DiveConfig, Hull
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
@@ -122,7 +122,11 @@ def check_package(
     sampled: dict[str, SampledImages] = {}
     problems = Problems(go_on=True)
     found = ingest(loaded.package, request, lambda camera: sampled.setdefault(camera, SampledImages()), watch, problems)
-    mounts = choose_mounts({key: loaded.value(key) for key in DEFAULTS}, found.sensors)
+    declared = {key: loaded.value(key) for key in DEFAULTS}
+    if found.records.tray is not None and len(found.records.tray.t_ns):
+        with problems.collect():
+            refuse_parted_tray(declared, found.sensors)
+    mounts = choose_mounts(declared, found.sensors)
     taken = {key: mount for key, mount in mounts.items() if mount.source}
     loaded = filled_in(loaded, mounts)
     streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}

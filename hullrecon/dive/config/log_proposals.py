@@ -11,7 +11,7 @@ from types import MappingProxyType
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts
+from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts, parted_on_tray
 from hullrecon.dive.config.schema import FROM_LOG
 from hullrecon.dive.logs.dvl_beams import ask_for_beams
 from hullrecon.dive.logs.fixed_frames import fixed_sensors, frame_of
@@ -112,8 +112,11 @@ def proposed_mounts(summary: LogSummary, joints: Mapping[str, str] = MappingProx
         and type_name(note.channel) not in WITHOUT_HEADER and (frame := frame_of(note.first)) is not None
     }  # fmt: skip
     tree = frame_tree(message for note in summary.topics for message in note.frames)
-    found = choose_mounts(dict.fromkeys(DEFAULTS, FROM_LOG), fixed_sensors(tree, frames, joints))
-    return {key: mount for key, mount in found.items() if mount.source}
+    sensors = fixed_sensors(tree, frames, joints)
+    found = choose_mounts(dict.fromkeys(DEFAULTS, FROM_LOG), sensors)
+    # Proposed, they would be taken for what somebody has looked at; left to the log, `check` says what is wrong with them.
+    doubtful = () if parted_on_tray(sensors) is None else ("tray.origin", "dvl.mount", "camera.top.mount")
+    return {key: mount for key, mount in found.items() if mount.source and key not in doubtful}
 
 
 def find_calibration(folder: Path, camera: str) -> str | None:

@@ -15,6 +15,7 @@ from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import FROM_LOG, DiveConfig
 from hullrecon.dive.logs.fixed_frames import FixedSensor
 from hullrecon.dive.logs.messages.descriptions import mount_of
+from hullrecon.errors import InputError
 from hullrecon.geometry.poses import Poses, from_mount
 
 Numbers = tuple[float, ...]
@@ -46,8 +47,7 @@ def choose_mounts(values: Mapping[str, object], sensors: Mapping[str, FixedSenso
     """Return the mounts that stand in for the keys of DEFAULTS among `values` that are left to the log.
 
     values: by dotted key, as dive.toml has them; sensors: where tf_static has each ("dvl", "camera_top", ...). A mount on a
-    servo is counted from where that turns, by dive.toml, else by the servo's own frame, else from the vehicle's origin: what
-    has no servo's frame on its way turns with none.
+    servo is counted from where that turns, by dive.toml, else by the servo's own frame, else from the vehicle's origin.
     """
     chosen: dict[str, ChosenMount] = {}
     for key in ("tray.origin", "sonar.origin"):
@@ -55,8 +55,10 @@ def choose_mounts(values: Mapping[str, object], sensors: Mapping[str, FixedSenso
         named = next((s for s in servo if s.servo_origin is not None), None)
         if named is not None and named.servo_origin is not None:
             chosen[key] = ChosenMount(value=named.servo_origin, source=f"tf_static, on the way to {named.frame}")
-        elif any(not s.on_servo for s in servo):
-            chosen[key] = ChosenMount(value=DEFAULTS[key], source="tf_static: what is fixed there turns with no servo")
+        elif servo and not any(s.on_servo for s in servo):
+            chosen[key] = ChosenMount(
+                value=DEFAULTS[key], source="tf_static, which has no frame of the servo: the vehicle's origin"
+            )
     origins = {key: numbers_of(values[key]) for key in ("tray.origin", "sonar.origin") if _is_given(values.get(key))}
     for key, (sensor, origin) in ON_SERVO.items():
         if sensor in sensors:
@@ -73,6 +75,33 @@ def choose_mounts(values: Mapping[str, object], sensors: Mapping[str, FixedSenso
             value=tuple(mount_of(pose)), source=f"tf_static, frame {bottom.frame}"
         )
     return {key: chosen.get(key, ChosenMount(value=DEFAULTS[key])) for key in DEFAULTS if values.get(key) == FROM_LOG}
+
+
+def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, FixedSensor] | None:
+    """Return of DVL and upper camera the one that tf_static has on the tray's servo and the one that it fixes to the vehicle;
+    None where there are no such two."""
+    both = [sensors[sensor] for sensor, origin in ON_SERVO.values() if origin == "tray.origin" and sensor in sensors]
+    on, fixed = ([s for s in both if (s.on_servo or s.servo_origin is not None) == turns] for turns in (True, False))
+    return (on[0], fixed[0]) if on and fixed else None
+
+
+def refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, FixedSensor]) -> None:
+    """Raise InputError where one of DVL and upper camera is on the tray's servo, which turns, and the other one is not.
+
+    One tray carries both, so that what is fixed would turn as well.
+
+    values, sensors: as of choose_mounts. Where dive.toml gives the mounts, it is taken to know.
+    """
+    parted = parted_on_tray(sensors)
+    if parted is not None and FROM_LOG in [values.get(key) for key in ("dvl.mount", "camera.top.mount")]:
+        turning, fixed = parted
+        raise InputError(
+            f"tf_static has {turning.frame} on the tray's servo and {fixed.frame} fixed to the vehicle; one tray carries DVL "
+            "and cameras, so that both would turn",
+            where="dvl.mount, camera.top.mount",
+            remedy="give both mounts and tray.origin where tf_static is wrong; where it is right, the dive can be used only if "
+            'the servo stood still: tray.joint = "" and both mounts as they were',
+        )
 
 
 def describe_mounts(mounts: Mapping[str, ChosenMount]) -> list[str]:

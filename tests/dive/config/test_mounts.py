@@ -2,13 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lever arms and mounts that dive.toml leaves to the log."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.config.mounts import DEFAULTS, choose_mounts, describe_mounts, filled_in, numbers_of
+from hullrecon.dive.config.mounts import (
+    DEFAULTS,
+    choose_mounts,
+    describe_mounts,
+    filled_in,
+    numbers_of,
+    refuse_parted_tray,
+)
 from hullrecon.dive.config.schema import FROM_LOG
 from hullrecon.dive.logs.fixed_frames import FixedSensor
+from hullrecon.errors import InputError
 
 LEFT = dict.fromkeys(DEFAULTS, FROM_LOG)
 ORIGIN = (0.45, 0.0, 0.1)
@@ -42,17 +52,38 @@ def test_what_dive_toml_gives_goes_before_the_log_and_mounts_are_counted_from_it
     assert "dvl.mount" not in choose_mounts({**LEFT, "dvl.mount": (0.0,) * 6}, {"dvl": DVL})
 
 
-def test_what_has_no_servo_on_its_way_turns_with_none():
+def test_without_a_servo_on_the_way_it_is_taken_to_turn_about_the_vehicles_origin():
     fixed = FixedSensor(frame="d", pose=(1.0, 0.0, 0.0, 0.0, 90.0, 0.0))
     chosen = choose_mounts(LEFT, {"dvl": fixed})
     assert (chosen["tray.origin"].value, chosen["dvl.mount"].value) == ((0.0, 0.0, 0.0), fixed.pose)
-    assert "turns with no servo" in chosen["tray.origin"].source
+    assert chosen["tray.origin"].source == "tf_static, which has no frame of the servo: the vehicle's origin"
 
 
 def test_of_a_sensor_on_a_servo_that_the_log_moves_the_servos_place_stays_to_be_filled_in():
     chosen = choose_mounts(LEFT, {"dvl": FixedSensor(frame="d", pose=(0.0, 0.0, 0.08, 0.0, 90.0, 0.0), on_servo=True)})
     assert chosen["dvl.mount"].value == (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
     assert (chosen["tray.origin"].value, chosen["tray.origin"].source) == ((0.0, 0.0, 0.0), "")
+
+
+FIXED_DVL = FixedSensor(frame="dvl_link", pose=(0.0, 0.0, 0.1, 0.0, 0.0, 0.0))
+TILTED_CAMERA = FixedSensor(frame="optical", pose=(0.05, 0.0, 0.0, 90.0, 0.0, 90.0), on_servo=True)
+
+
+@pytest.mark.parametrize("camera", [TILTED_CAMERA, replace(TILTED_CAMERA, on_servo=False, servo_origin=(0.2, 0.0, 0.05))])
+def test_a_camera_on_a_servo_beside_a_dvl_that_is_fixed_is_refused(camera):
+    """One tray carries both: the DVL would turn with the camera."""
+    sensors = {"dvl": FIXED_DVL, "camera_top": camera}
+    with pytest.raises(InputError, match="optical on the tray's servo and dvl_link fixed to the vehicle") as error:
+        refuse_parted_tray(LEFT, sensors)
+    assert error.value.exit_code == 3
+    refuse_parted_tray({**LEFT, "dvl.mount": (0.0,) * 6, "camera.top.mount": (0.0,) * 6}, sensors)
+    refuse_parted_tray(LEFT, {"dvl": DVL, "camera_top": camera})
+    refuse_parted_tray(LEFT, {"dvl": FIXED_DVL})
+
+
+def test_the_origin_of_a_servo_that_carries_a_sensor_is_not_claimed_for_one_that_is_fixed():
+    chosen = choose_mounts(LEFT, {"dvl": FIXED_DVL, "camera_top": TILTED_CAMERA})
+    assert chosen["tray.origin"].source == ""
 
 
 def test_the_lower_camera_is_placed_in_the_upper_one():
