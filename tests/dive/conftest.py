@@ -122,7 +122,8 @@ class Kit:
         out = []
         for i in range(seconds * 10):
             t = START_NS + i * NS // 10
-            out.append(Entry("/imu", "sensor_msgs/msg/Imu", t, self.imu(t, ros)))
+            turned = (0.0, 0.0, 1e-6 * i, 1.0)  # an orientation that never changes is one that nobody has measured
+            out.append(Entry("/imu", "sensor_msgs/msg/Imu", t, self.imu(t, ros, turned)))
             if i % 2 == 0:
                 out.append(Entry("/pressure", "sensor_msgs/msg/FluidPressure", t, self.pressure(t, 101325 + 10055.25 * i, ros)))
                 out.append(

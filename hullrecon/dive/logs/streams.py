@@ -20,6 +20,7 @@ from hullrecon.errors import InputError
 from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
 from hullrecon.typing import Array, Ints, Mask
 
+UNFILLED, LEAST_ATTITUDES = (0.0, 0.0, 0.0, 1.0), 50  # ROS 2's default; as many alike, to the last digit, are no measurement
 FASTEST = 15.0  # m/s; no vehicle at a hull is faster
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
@@ -71,7 +72,8 @@ def imu_samples(
     forward-port-up in east-north-up; mount_deg: of the IMU in the vehicle. Rows without an attitude are left out. All samples
     are those of an IMU, or all of a DVL's own sensors.
 
-    Raises InputError when no row has an attitude, and for a DVL's attitude without mount_deg.
+    Raises InputError when no row has an attitude or all have one that is not filled in, and for a DVL's attitude without
+    mount_deg.
     """
     quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
     length = np.linalg.norm(quaternion, axis=1)
@@ -80,8 +82,9 @@ def imu_samples(
         raise InputError("the IMU's messages hold no attitude (no unit quaternion)", remedy="log an IMU that gives orientation")
     if not good.all():
         remarks.append(f"imu: {np.count_nonzero(~good)} of {len(good)} readings have no attitude and were left out")
-    rotation = Rotation.from_quat(quaternion[good])
     rates = np.array([s.rates for s in samples]).reshape(-1, 3)[good]
+    _refuse_unfilled(quaternion[good], rates)
+    rotation = Rotation.from_quat(quaternion[good])
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
     if any(s.of_dvl for s in samples):
         mount_deg = _mount_of_dvl(mount_deg, remarks)
@@ -95,6 +98,21 @@ def imu_samples(
     return ImuSamples(
         t_ns=_times(samples)[good], quaternion=rotation.as_quat(), angular_velocity=rates, acceleration=acceleration
     )
+
+
+def _refuse_unfilled(quaternion: Array, rates: Array) -> None:
+    """Raise InputError for orientations (n, 4) that are a constant that nobody has measured: a message's default, or one that
+    stands still while the rates (n, 3) do not. A simulated vehicle at rest has neither."""
+    if len(quaternion) < LEAST_ATTITUDES or (quaternion != quaternion[0]).any():
+        return
+    turns = bool((np.nan_to_num(rates) != 0).any())
+    if turns or np.array_equal(np.abs(quaternion[0]), UNFILLED):
+        shown = ", ".join(f"{value:g}" for value in quaternion[0])
+        why = "while its rates are not zero" if turns else "which is the default of a message that is not filled in"
+        raise InputError(
+            f"the IMU's orientation is the same, ({shown}), in all {len(quaternion)} readings, {why}",
+            remedy="log an IMU that gives orientation, or the topic of the filter that computes it",
+        )
 
 
 def _mount_of_dvl(mount_deg: tuple[float, float, float] | None, remarks: list[str]) -> tuple[float, float, float]:

@@ -17,6 +17,7 @@ from hullrecon.dive.logs.messages.samples import COMMON_TYPES, IMAGE_TYPES, TYPE
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import DepthSample, ImuSample
+from hullrecon.dive.logs.streams import LEAST_ATTITUDES, UNFILLED
 from hullrecon.dive.logs.timeline import NS, format_time
 from hullrecon.dive.logs.unused_topics import describe_unused, unread_dvls
 from hullrecon.geometry.frames import Camera
@@ -30,6 +31,7 @@ UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "c
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
 WITHOUT_CAMERAS = "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
 A_RUN_NEEDS = "a run needs a DVL with an IMU, or two cameras"
+IMU = "sensor_msgs/msg/Imu"
 MOST_REMARKS = 2  # sentences of a reader in one line
 UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
@@ -37,11 +39,12 @@ MOST_DECODED = 256  # channels whose first message is looked at: each definition
 
 @dataclass(kw_only=True)
 class TopicNote:
-    """One topic. first: its first message, decoded, or the sample; None where it does not decode. frames: the messages of
-    tf_static, of which there may be many with a part each."""
+    """One topic. first: its first message, decoded, or the sample; None where it does not decode. later: of an IMU, one that
+    follows. frames: the messages of tf_static, of which there may be many with a part each."""
 
     channel: Channel
     first: object = None
+    later: object = None
     frames: list[Fields] = field(default_factory=list)
     count: int = 0
     start_ns: int = 0
@@ -112,6 +115,8 @@ def summarise_log(log: Log) -> LogSummary:
         if is_static(note.channel) and note.count < MOST_FRAME_MESSAGES and isinstance(message.data, bytes):
             note.frames += _decode(message.channel, message.data)
         note.count += 1
+        if note.count == LEAST_ATTITUDES and note.first is not None and type_name(note.channel) == IMU:
+            note.later = _first(message)
         note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
     topics = sorted(notes.values(), key=lambda n: n.channel.topic)
     return LogSummary(
@@ -160,11 +165,14 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
 
 
 def _has_no_attitude(topic: TopicNote) -> bool:
-    """Tell whether an IMU's messages have rates and acceleration alone, as raw ones do."""
-    if type_name(topic.channel) != "sensor_msgs/msg/Imu" or topic.first is None:
+    """Tell whether an IMU's messages have rates and acceleration alone, as raw ones do; some leave the default of the type
+    where the orientation belongs, all along."""
+    if type_name(topic.channel) != IMU or topic.first is None:
         return False
-    samples = TYPES["imu"]["sensor_msgs/msg/Imu"](topic.first, 0, "imu")
-    return not any(isinstance(s, ImuSample) and abs(np.linalg.norm(s.quaternion) - 1) < UNIT for s in samples)
+    looked_at = [message for message in (topic.first, topic.later) if message is not None]
+    found = [s.quaternion for m in looked_at for s in TYPES["imu"][IMU](m, 0, "imu") if isinstance(s, ImuSample)]
+    unfilled = len(found) > 1 and all(np.array_equal(np.abs(quaternion), UNFILLED) for quaternion in found)
+    return unfilled or not abs(np.linalg.norm(found[0]) - 1) < UNIT
 
 
 def _never(topic: TopicNote) -> bool:

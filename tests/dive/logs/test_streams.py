@@ -92,6 +92,29 @@ def test_an_imu_without_any_attitude_is_refused():
 MODEL = streams.PressureModel(1025.0, 9.81, 101325.0)
 
 
+TURNED = np.array([0.0, 0.0, 0.6, 0.8])
+
+
+@pytest.mark.parametrize(
+    ("quaternion", "rates", "why"),
+    [
+        ([0, 0, 0, 1], (0, 0, 0), "the default of a message"),
+        ([0, 0, 0, -1], (np.nan,) * 3, "the default of a message"),
+        (TURNED, (0, 0, 0.01), "while its rates are not zero"),
+    ],
+)
+def test_an_orientation_that_is_never_filled_in_is_refused(quaternion, rates, why):
+    with pytest.raises(InputError, match=f"the same, .* in all 50 readings, .*{why}"):
+        streams.imu_samples([imu(t, quaternion, rates) for t in range(50)], "ned", [])
+
+
+def test_few_attitudes_alike_and_those_of_a_vehicle_at_rest_are_taken():
+    assert len(streams.imu_samples([imu(t, [0, 0, 0, 1]) for t in range(49)], "ned", []).t_ns) == 49
+    assert len(streams.imu_samples([imu(t, TURNED, (0, 0, 0)) for t in range(60)], "ned", []).t_ns) == 60
+    moved = [imu(t, [0, 0, 0, 1]) for t in range(59)] + [imu(59, TURNED)]
+    assert len(streams.imu_samples(moved, "ned", []).t_ns) == 60
+
+
 def test_a_hundredth_of_a_megapascal_is_a_metre_of_sea_water():
     remarks = []
     found = streams.pressure_samples([PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, remarks)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
+from dive.conftest import Entry
 
 from benchmarks.fuzz.seed_ad2cp import TEXT, block
 from hullrecon.dive.check.to_fill_in import to_fill_in
@@ -80,6 +81,19 @@ def test_a_depth_under_the_name_of_its_instrument_is_the_pressure_sensor(topic, 
 
 def test_of_several_imus_the_one_that_is_called_so_is_taken():
     assert guess_topics(notes(other="sensor_msgs/msg/Imu", my_imu="sensor_msgs/msg/Imu"))["imu"] == "/my_imu"
+
+
+@pytest.mark.parametrize(("count", "quaternions", "can_be"), [
+    (60, [(0.0, 0.0, 0.0, 1.0)], False),
+    (60, [(0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.6, 0.8)], True),
+    (20, [(0.0, 0.0, 0.0, 1.0)], True),
+])  # fmt: skip
+def test_an_imu_whose_orientation_is_never_filled_in_is_passed_over(kit, tmp_path, count, quaternions, can_be):
+    kind, t = "sensor_msgs/msg/Imu", kit.start_ns
+    each = [quaternions[min(k, len(quaternions) - 1)] for k in range(count)]
+    entries = [Entry("/imu", kind, t + k * 10**7, kit.imu(t + k * 10**7, quaternion=q)) for k, q in enumerate(each)]
+    path = kit.mcap(tmp_path / "x.mcap", entries)
+    assert ("imu" in guess_topics(summarise_log(open_log(path)).topics)) == can_be
 
 
 def test_what_is_missing_depends_on_what_else_there_is():
