@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, interpolate
 from hullrecon.geometry.robust import NORMAL_MAD
-from hullrecon.navigation.sensors.clock import gaps, seconds
+from hullrecon.navigation.sensors.clock import gaps, longest_step, period, seconds
 from hullrecon.navigation.sensors.heading_steps import BESIDE_S, NO_STEPS, HeadingSteps, find_heading_steps, find_jumps
 from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.records.sensors import ImuSamples
@@ -102,12 +102,20 @@ def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: floa
     imu = replace(imu, quaternion=steps.taken_off(imu.quaternion))
     gap = _disagreement(t, imu)
     white, walk = _noise(t, gap)
-    step = float(np.median(np.diff(t)))
+    step = period(t)
     width = float(np.clip(np.sqrt(white * step / max(walk, 1e-12)), 3 * step, 5.0))
     slow, _ = local_line(t, gap, t, width)
     smooth = Rotation.from_rotvec(slow - gap) * Rotation.from_quat(imu.quaternion)
     left = np.sqrt(2 * white * step / (2 * np.sqrt(np.pi) * width))
-    return AttitudeHistory(imu.t_ns, smooth.as_quat(), max(float(left), LEAST_SIGMA_RAD), walk, holes, True, steps)
+    sigma_rad = max(float(np.hypot(left, _stamps_turn(t, imu))), LEAST_SIGMA_RAD)
+    return AttitudeHistory(imu.t_ns, smooth.as_quat(), sigma_rad, walk, holes, True, steps)
+
+
+def _stamps_turn(t: Array, imu: ImuSamples) -> float:
+    """Return by how much, rad, the vehicle turns about an axis while stamps that come unevenly, as in bursts, are off."""
+    step, usual = np.diff(t), period(t)
+    uneven_s = np.sqrt(np.mean(np.square(step[step <= longest_step(usual)] - usual)))
+    return float(uneven_s * np.sqrt(np.nanmean(np.square(imu.angular_velocity))))
 
 
 def _disagreement(t: Array, imu: ImuSamples) -> Array:
@@ -122,7 +130,7 @@ def _disagreement(t: Array, imu: ImuSamples) -> Array:
     step = np.diff(t)[:, None]
     turned = (orientation[:-1].inv() * orientation[1:]).as_rotvec()
     more = turned - 0.5 * (rate[1:] + rate[:-1]) * step
-    usual = step[:, 0] < 5 * np.median(step)
+    usual = step[:, 0] < longest_step(period(t))
     bias = more[usual].sum(axis=0) / step[usual].sum()
     more = np.where(usual[:, None], more - bias * step, 0.0)
     return np.vstack([np.zeros(3), np.cumsum(orientation[1:].apply(more), axis=0)])
@@ -131,7 +139,7 @@ def _disagreement(t: Array, imu: ImuSamples) -> Array:
 def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
     """Return white variance (rad2) of the orientation and walk (rad2/s) of the rates: the variance of differences over a lag is
     twice the first plus the second times the lag. Medians, so that a jolt does not count."""
-    step = float(np.median(np.diff(t)))
+    step = period(t)
     lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))
     lags = lags[lags < len(t) // 2]
     spread = [np.mean((NORMAL_MAD * np.median(np.abs(gap[lag:] - gap[:-lag]), axis=0)) ** 2) for lag in lags]

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.navigation.sensors.clock import period
 from hullrecon.navigation.sensors.smoothing import running_median
 from hullrecon.typing import Array, Ints
 
@@ -51,7 +52,7 @@ NO_STEPS = HeadingSteps(np.zeros(0, np.int64), np.zeros(0), 0.0, np.zeros(0, np.
 
 def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD) -> HeadingSteps:
     """Return the steps of a heading (n,) rad less what the rates say of it. least_rad: of a step between two readings."""
-    count = round(BESIDE_S / float(np.median(np.diff(t_s)))) if len(t_s) > 2 else 0
+    count = round(BESIDE_S / period(t_s)) if len(t_s) > 2 else 0
     if count < 3 or len(t_s) < 4 * count:
         return NO_STEPS
     windows = np.lib.stride_tricks.sliding_window_view(gap, count)
@@ -60,7 +61,7 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     size = np.zeros(len(gap))  # by which the level after a reading exceeds that before it
     size[count : len(gap) - count + 1] = level[count:] - level[:-count]
     sigma = robust_sigma(size[count : len(gap) - count + 1], about=0.0)
-    near = max(1, round(SUDDEN_S / float(np.median(np.diff(t_s)))))
+    near = max(1, round(SUDDEN_S / period(t_s)))
     row: list[int] = []
     slow: list[int] = []
     left = np.where(np.abs(size) > max(least_rad, STEP_SIGMAS * sigma), np.abs(size), 0.0)
@@ -86,6 +87,6 @@ def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
     orientation, step = Rotation.from_quat(quaternion), np.diff(t_s)
     turn = orientation[1:].apply((orientation[:-1].inv() * orientation[1:]).as_rotvec())[:, 2]
     more = turn - running_median((turn / step)[:, None], 9)[:, 0] * step
-    least = max(LEAST_STEP_RAD, FASTEST_RAD_S * float(np.median(step)))
+    least = max(LEAST_STEP_RAD, FASTEST_RAD_S * period(t_s))
     found = find_heading_steps(t_s, np.concatenate([[0.0], np.cumsum(more)]), least)
     return HeadingSteps(found.row, found.size, found.sigma_rad, NO_STEPS.disagreement, NO_STEPS.disagreement_rad)
