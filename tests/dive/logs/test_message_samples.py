@@ -239,7 +239,9 @@ def test_a_simulators_ping_has_the_ranges_of_its_beams(vendors):
     assert ping.velocity.tolist() == [1, 2, 3]
 
 
-@pytest.mark.parametrize(("velocity", "merit", "lost"), [(0.5, 0.01, False), (-32.768, 0.01, True), (0.5, 10.0, True)])
+@pytest.mark.parametrize(
+    ("velocity", "merit", "lost"), [(0.5, 0.01, False), (0.5, 2.0, False), (-32.768, 0.01, True), (0.5, 10.0, True)]
+)
 def test_a_nortek_ping_is_lost_by_its_velocity_or_its_figure_of_merit(vendors, velocity, merit, lost):
     message = vendors.make(
         "nortek_dvl/msg/Dvl", header=vendors.header(T), velocity=vendors.vector(velocity, 0, 0), figureOfMerit=merit,
@@ -247,6 +249,7 @@ def test_a_nortek_ping_is_lost_by_its_velocity_or_its_figure_of_merit(vendors, v
     )  # fmt: skip
     (ping,) = translate("dvl", "nortek_dvl/msg/Dvl", message)
     assert np.isnan(ping.velocity).all() == lost
+    assert ping.sigma == pytest.approx(np.nan if lost else merit, nan_ok=True)
     np.testing.assert_array_equal(ping.ranges, [1, np.nan, 3, 4])
 
 
@@ -260,6 +263,15 @@ def report(**more):
         "status": 0, "format": "json_v3",
     }  # fmt: skip
     return SimpleNamespace(report=SimpleNamespace(**{**given, **more}))
+
+
+def test_a_velocity_of_water_linked_whose_figure_of_merit_is_too_large_is_lost():
+    kind = "waterlinked_a50/msg/TransducerReportStamped"
+    good, bad = (translate("dvl", kind, report(fom=merit))[0] for merit in (0.39, 0.41))
+    assert (good.velocity[0], good.sigma) == (0.1, 0.39)
+    assert np.isnan(bad.velocity).all()
+    assert np.isnan(bad.sigma)
+    assert bad.ranges.tolist() == [1, 2, 3, 4]
 
 
 def test_a_transducer_report_of_an_a50_has_its_beams_and_that_of_any_dvl_has_none():

@@ -66,8 +66,10 @@ def test_a_velocity_report_has_velocity_sigma_and_ranges_by_number(tmp_path):
     assert not log.losses()
 
 
-def test_a_velocity_that_is_not_valid_or_of_the_water_is_lost(tmp_path):
-    samples, _ = read(tmp_path / "x.json", velocity(velocity_valid=False), velocity(tracking_mode="water"))
+def test_a_velocity_that_is_not_valid_or_of_the_water_or_of_no_merit_is_lost(tmp_path):
+    lost = velocity(velocity_valid=False), velocity(tracking_mode="water"), velocity(fom=0.5)
+    samples, _ = read(tmp_path / "x.json", *lost)
+    assert all(np.isnan(s.sigma) for s in samples)
     assert all(np.isnan(s.velocity).all() and np.isnan(s.altitude) for s in samples)
     assert all(np.isfinite(s.ranges).all() for s in samples)
 

@@ -85,15 +85,17 @@ def _transducers(report: Fields, t_ns: int, instrument: str) -> DvlSample:
 
 
 def _water_linked(report: Fields, velocity: Array, distances: list[float], t_ns: int, instrument: str) -> DvlSample:
-    """Return what the reports of all of Water Linked's drivers have: x forward, y right, z out of the transducers."""
+    """Return what the reports of all of Water Linked's drivers have: x forward, y right, z out of the transducers. A velocity
+    whose figure of merit is too large is lost."""
     ranges = np.array(distances, float)
     ranges[~(ranges > 0)] = np.nan
-    is_valid, merit = bool(report.velocity_valid), float(report.fom)
+    merit = float(report.fom)
+    is_valid = bool(report.velocity_valid) and not merit >= FIGURE_OF_MERIT_LIMIT
     beams = a50_beams() if instrument == A50 and len(ranges) == len(a50_beams()) else None
     return DvlSample(
         t_ns,
         velocity if is_valid else LOST,
-        merit if 0 < merit < FIGURE_OF_MERIT_LIMIT else np.nan,
+        merit if is_valid and merit > 0 else np.nan,
         ranges,
         beams,
         instrument if beams is not None else "",
@@ -121,7 +123,7 @@ def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     velocity, merit = vector(message.velocity), float(message.figureOfMerit)
     lost = bool(np.any(velocity <= NORTEK_LOST)) or merit >= NORTEK_BAD_MERIT
     ranges = np.asarray(message.beamDistance, float)
-    sigma = merit if 0 < merit < FIGURE_OF_MERIT_LIMIT else np.nan
+    sigma = merit if merit > 0 and not lost else np.nan
     return [DvlSample(t_ns, LOST if lost else velocity, sigma, np.where(ranges > 0, ranges, np.nan), None)]
 
 

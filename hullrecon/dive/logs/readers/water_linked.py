@@ -96,13 +96,14 @@ def describe(timeless: int, offset_deg: float | None) -> list[str]:
 def to_velocity(report: Report) -> DvlSample:
     """Return velocity and ranges of a report of type velocity. Raises DamagedError."""
     is_valid = report.get("velocity_valid") is True and report.get("tracking_mode", "bottom") == "bottom"
-    velocity = np.array([number_of(report, key) for key in ("vx", "vy", "vz")]) if is_valid else LOST
     merit = number_of(report, "fom") if is_valid else np.nan
+    is_valid = is_valid and not merit >= FIGURE_OF_MERIT_LIMIT
+    velocity = np.array([number_of(report, key) for key in ("vx", "vy", "vz")]) if is_valid else LOST
     altitude = number_of(report, "altitude") if is_valid else np.nan
     return DvlSample(
         round(number_of(report, "time_of_validity")) * NS_PER_US,
         velocity,
-        merit if 0 < merit < FIGURE_OF_MERIT_LIMIT else np.nan,
+        merit if is_valid and merit > 0 else np.nan,
         _ranges(report.get("transducers")),
         None,
         altitude=altitude if altitude > 0 else np.nan,
