@@ -17,9 +17,9 @@ WALL_M = 1.4
 STREAMS = {Sensor.DVL: "dvl", Sensor.IMU: "imu", Sensor.PRESSURE: "pressure", Sensor.IMAGES: "top"}
 
 
-def unsteady(t: np.ndarray) -> np.ndarray:
+def unsteady(t: np.ndarray, seed: int = 11) -> np.ndarray:
     """Six signals that never repeat, of size one, as of a vehicle in a swell."""
-    rng = np.random.default_rng(11)
+    rng = np.random.default_rng(seed)
     rate, phase = 2 * np.pi * rng.uniform(0.03, 0.22, (7, 6)), rng.uniform(0, 2 * np.pi, (7, 6))
     return np.sum(np.sin(t[:, None, None] * rate + phase), axis=1) * np.sqrt(2 / 7)
 

@@ -24,7 +24,14 @@ from hullrecon.navigation.clocks.clock_errors import (
 from hullrecon.navigation.clocks.images import ImageMotions, dvl_beside_images, imu_beside_images
 from hullrecon.navigation.clocks.instruments import imu_beside_dvl, pressure_beside_dvl
 from hullrecon.navigation.clocks.stretches import PREFERRED, Decision, Span, decide_by_stretch, stretches
-from hullrecon.navigation.clocks.time_shift import Disagreement, find_far_shift, find_time_shift, preference, sum_of_sigmas
+from hullrecon.navigation.clocks.time_shift import (
+    FAR_S,
+    Disagreement,
+    find_far_shift,
+    find_time_shift,
+    preference,
+    sum_of_sigmas,
+)
 from hullrecon.navigation.clocks.whose_clock import (
     LEAST_BY_HULL_S,
     LEAST_S,
@@ -213,7 +220,13 @@ class _Look:
         return pressure_beside_dvl(self._pings(span), self._attitude, pressure, self._servo, self._rig, imu_late_s)
 
     def _turned(self, span: Span) -> Late | None:
-        """Return how late the IMU is beside the DVL."""
+        """Return how late the IMU is beside the DVL. None where it began and ended over a minute before the DVL, or after it.
+
+        That is a clock farther off than what is looked at, and some nearer shift might fit by chance.
+        """
+        began_s, ended_s = ((self._logs.imu.t_ns[end] - self._logs.dvl.t_ns[end]) * 1e-9 for end in (0, -1))
+        if min(abs(began_s), abs(ended_s)) > FAR_S and began_s * ended_s > 0:
+            return None
         return _late(self._hull_turns(span))
 
     def _hull_turns(self, span: Span) -> Disagreement | None:
