@@ -63,9 +63,7 @@ def register_cad_model(
         found, state = _register_stretches(solved, cad_model, stretches)
         points = _points_to_register(measured, state)
     report(f"registered {len(points)} points to the CAD model, {100 * found.fitness:.0f} % within three sigma")
-    hull = _hull_state(found, points, options)
-    if stretches is not None:
-        hull = replace(hull, placed_by=stretches.of_node == stretches.reference)
+    hull = replace(_hull_state(found, points, options), stretches=stretches)
     refusal = None
     if found.fitness < registration.GOOD_FITNESS:
         laid = (
@@ -247,13 +245,13 @@ def estimate_hull_pose(last: RoundResult, options: AdjustOptions) -> LaidModel:
     if hull is None or options.as_published:
         return LaidModel(ready=ready)
     points = estimate.collect_hull_points(ready.measured, ready.state, last.chosen, last.result.label)
-    evidence, best = estimate.fit_hull_pose(points, hull.global_from_hull, hull.cad_model, hull.survey_center)
+    evidence, best = estimate.fit_hull_pose(points.xyz, hull.global_from_hull, hull.cad_model, hull.survey_center, points.loose)
     form = compare_form(evidence, best)
     if form.contradicts:
         sigma = hull.cad_model.deviation_sigma * float(np.sqrt(form.deviation))
         wider = replace(hull.cad_model, deviation_sigma=sigma, contradicted=True)
         hull = replace(hull, cad_model=wider)
-        evidence, best = estimate.fit_hull_pose(points, best, wider, hull.survey_center)
+        evidence, best = estimate.fit_hull_pose(points.xyz, best, wider, hull.survey_center, points.loose)
     hull = replace(hull, global_from_hull=estimate.profile_mean_pose(evidence, best))
     return LaidModel(ready=replace(ready, state=replace(ready.state, hull=hull)), evidence=evidence, form=form)
 

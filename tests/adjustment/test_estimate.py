@@ -118,10 +118,10 @@ def test_the_answer_does_not_depend_on_where_the_search_starts():
 def test_the_points_of_a_dive_are_landmarks_on_the_hull_and_returns():
     found = solved()
     m, adjusted = found.dive.measured, found.adjusted
-    both = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
-    no_returns = estimate.collect_hull_points(replace(m, returns=None), adjusted.state, adjusted.chosen, adjusted.result.label)
-    none = estimate.collect_hull_points(
-        replace(m, returns=None), adjusted.state, adjusted.chosen, 0 * adjusted.result.label + 1
+    label, unranged = adjusted.result.label, replace(m, returns=None)
+    both, no_returns, none = (
+        estimate.collect_hull_points(measured, adjusted.state, adjusted.chosen, labelled).xyz
+        for measured, labelled in ((m, label), (unranged, label), (unranged, 0 * label + 1))
     )
     assert len(both) > len(no_returns) > 50
     assert len(none) > len(no_returns)  # those of the box

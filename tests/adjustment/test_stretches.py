@@ -85,7 +85,7 @@ def test_the_first_stretch_stays_where_the_dive_began():
     np.testing.assert_allclose(laid.estimate.state.nodes.translation[0], path.straight.state.nodes.translation[0], atol=1e-9)
     assert laid.registration.sigmas_off == 1.0
     assert laid.refusal is None
-    assert (laid.estimate.state.hull.placed_by == (found.of_node == 1)).all()
+    assert laid.estimate.state.hull.stretches is found
 
 
 def test_a_path_that_images_tie_is_one_stretch():

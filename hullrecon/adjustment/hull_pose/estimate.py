@@ -23,44 +23,105 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements, be
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
-from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32
+from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32, Mask
 
 MAX_PASSES = 3
 CELL_M, MAX_POINTS = 0.15, 800  # of the surface that one point stands for, at least; of all, at most
 
 
 @dataclass(frozen=True, kw_only=True)
+class LoosePoints:
+    """Points of a path in stretches: stretch (n,) of each point; step (s, 6, 6): covariance of each stretch relative to the one
+    that was registered, (translation, rotation) in g."""
+
+    stretch: Ints
+    step: Array
+
+    def rows(self, kept: Mask) -> LoosePoints:
+        """Return some of the points (n,)."""
+        return replace(self, stretch=self.stretch[kept])
+
+
+@dataclass(frozen=True, kw_only=True)
+class HullPoints:
+    """Points that lie on the hull: xyz (n, 3) in g; loose: of which stretch they are, None where the path holds together."""
+
+    xyz: Array
+    loose: LoosePoints | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class HullPoseEvidence:
     """What is known of the hull pose: points (n, 3) in g that lie on the hull, the CAD model and how wrong it may be, and the
-    survey's centre (3,) in M."""
+    survey's centre (3,) in M. loose: of which stretch of the path the points are, None where it holds together."""
 
     points: Array
     cad_model: CadModel
     center: Array
     cad_error_model: CadError
+    loose: LoosePoints | None = None
+
+    def distances_by_stretches(self, pose: Poses, index: native.MeshIndex) -> Array:
+        """Return how the points' distances to the CAD model change (n, k) by one sigma of each way in which the path leaves its
+        stretches free; k is 0 where it holds together."""
+        if self.loose is None:
+            return np.zeros((len(self.points), 0))
+        to_hull = np.eye(6)
+        to_hull[3:, 3:] = pose.rotation.inv().as_matrix()[0]
+        out = np.zeros((len(self.points), len(self.loose.step), 6))
+        for k, covariance in enumerate(self.loose.step):
+            own = self.loose.stretch == k
+            if own.any() and covariance.any():
+                at = self.points[own]
+                middle = pose.inverse().apply(at).mean(axis=0)
+                value, vector = np.linalg.eigh(to_hull @ covariance @ to_hull.T)
+                by_step = registration.signed_distances(at, pose, middle, index)[1]
+                out[own, k] = by_step @ (vector * np.sqrt(np.maximum(value, 0)))
+        return np.asarray(out.reshape(len(self.points), -1))
 
 
-def collect_hull_points(m: Measurements, state: State, chosen: Selection, label: Ints32) -> Array:
-    """Return points (n, 3) in g that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds.
-    Those of nodes that say where the CAD model lies.
+def collect_hull_points(m: Measurements, state: State, chosen: Selection, label: Ints32) -> HullPoints:
+    """Return points that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds, each stretch of a
+    path by itself. Those of no stretch are left out.
 
     Raises ValueError without a CAD model in the state."""
-    if state.hull is None:
+    hull = state.hull
+    if hull is None:
         raise ValueError("points on the hull are known by a CAD model")
     on_hull = chosen.landmarks[label == 1] if len(chosen.landmarks) == len(label) else chosen.landmarks[:0]
-    placed_by = state.hull.placed_by
-    if placed_by is not None and m.tracks is not None:
-        on_hull = on_hull[np.isin(on_hull, m.tracks.landmark[placed_by[m.tracks.node]])]
     parts = [state.landmark[on_hull]]
     if m.returns is not None:
         ends, _ = beam_ends(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
-        parts.append(ends[chosen.returns if placed_by is None else chosen.returns & placed_by[m.returns.node]])
-    return thin_over_surface(np.vstack(parts), state.hull.global_from_hull, state.hull.cad_model)
+        parts.append(ends[chosen.returns])
+    points, stretches = np.vstack(parts), hull.stretches
+    if stretches is None:
+        return HullPoints(xyz=thin_over_surface(points, hull.global_from_hull, hull.cad_model))
+    nodes = [_first_nodes(m, on_hull), *([] if m.returns is None else [m.returns.node[chosen.returns]])]
+    of_point, most = stretches.of_node[np.concatenate(nodes)], MAX_POINTS // len(stretches)
+    thinned = [
+        thin_over_surface(points[of_point == k], hull.global_from_hull, hull.cad_model, most) for k in range(len(stretches))
+    ]
+    return HullPoints(
+        xyz=np.vstack(thinned),
+        loose=LoosePoints(
+            stretch=np.repeat(np.arange(len(stretches)), [len(own) for own in thinned]),
+            step=np.stack([stretches.from_reference(k) for k in range(len(stretches))]),
+        ),
+    )
 
 
-def thin_over_surface(points: Array, pose: Poses, cad_model: CadModel) -> Array:
+def _first_nodes(m: Measurements, landmarks: Ints) -> Ints:
+    """Return the first node (L,) that saw each of some landmarks."""
+    if m.tracks is None:
+        return np.zeros(0, np.int64)
+    first = np.full(int(m.tracks.landmark.max(initial=-1)) + 1, np.iinfo(np.int64).max)
+    np.minimum.at(first, m.tracks.landmark, m.tracks.node)
+    return np.asarray(first[landmarks])
+
+
+def thin_over_surface(points: Array, pose: Poses, cad_model: CadModel, most: int = MAX_POINTS) -> Array:
     """Return of points (n, 3) in g one a cell of the CAD model's surface, the mean of the half of them whose distances lie in
-    the middle; cells are grown until at most MAX_POINTS are left.
+    the middle; cells are grown until at most `most` are left.
 
     Cells in space would give a few points that stand beside the surface cells of their own, and as much weight as all those
     that are right. Cells of M would hold other points wherever a first pose lies along the hull: they are cells of g."""
@@ -69,7 +130,7 @@ def thin_over_surface(points: Array, pose: Poses, cad_model: CadModel) -> Array:
     while True:
         _, owner = np.unique(np.floor(foot / cell_m).astype(np.int64), axis=0, return_inverse=True)
         count = np.bincount(owner)
-        if len(count) <= MAX_POINTS:
+        if len(count) <= most:
             return _middle_half_means(points, nearest.distance, owner, count)
         cell_m *= 1.25
 
@@ -86,9 +147,13 @@ def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints)
     return np.stack([np.bincount(owner[middle], points[middle, k]) / kept for k in range(3)], axis=1)
 
 
-def fit_hull_pose(points: Array, pose: Poses, cad_model: CadModel, center: Array) -> tuple[HullPoseEvidence, Poses]:
+def fit_hull_pose(
+    points: Array, pose: Poses, cad_model: CadModel, center: Array, loose: LoosePoints | None = None
+) -> tuple[HullPoseEvidence, Poses]:
     """Return points (n, 3) in g without their outliers as evidence, and T_g_M fitted to it from `pose`."""
-    evidence, index, along = _evidence(points, cad_model, center), _index(cad_model), cad_model.chart.ship_axes[0]
+    expected = cad_error.expected_cad_error(cad_model)
+    evidence = HullPoseEvidence(points=points, cad_model=cad_model, center=center, cad_error_model=expected, loose=loose)
+    index, along = _index(cad_model), cad_model.chart.ship_axes[0]
     for _ in range(MAX_PASSES):
         valley = _valley(evidence, pose, along, index)
         pose, _ = profile_likelihood.minimise_cost(valley, pose)
@@ -96,7 +161,8 @@ def fit_hull_pose(points: Array, pose: Poses, cad_model: CadModel, center: Array
         outlier = cad_error.find_outliers(valley.cost.factor, distance)
         if not outlier.any():
             break
-        evidence = replace(evidence, points=evidence.points[~outlier])
+        left = None if evidence.loose is None else evidence.loose.rows(~outlier)
+        evidence = replace(evidence, points=evidence.points[~outlier], loose=left)
     return evidence, pose
 
 
@@ -140,21 +206,15 @@ def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array, index: na
         cad_model=evidence.cad_model,
         center=evidence.center,
         index=index,
-        factor=_factor(evidence, pose),
+        factor=_factor(evidence, pose, index),
     )
     return profile_likelihood.Valley(cost=cost, direction=direction)
 
 
-def _factor(evidence: HullPoseEvidence, pose: Poses) -> CholeskyFactor:
-    return cho_factor(
-        cad_error.distance_covariance(evidence.cad_error_model, evidence.cad_model, pose.inverse().apply(evidence.points)),
-        lower=True,
-    )
-
-
-def _evidence(points: Array, cad_model: CadModel, center: Array) -> HullPoseEvidence:
-    expected = cad_error.expected_cad_error(cad_model)
-    return HullPoseEvidence(points=points, cad_model=cad_model, center=center, cad_error_model=expected)
+def _factor(evidence: HullPoseEvidence, pose: Poses, index: native.MeshIndex) -> CholeskyFactor:
+    at, by_stretches = pose.inverse().apply(evidence.points), evidence.distances_by_stretches(pose, index)
+    covariance = cad_error.distance_covariance(evidence.cad_error_model, evidence.cad_model, at)
+    return cho_factor(covariance + by_stretches @ by_stretches.T, lower=True)
 
 
 def _index(cad_model: CadModel) -> native.MeshIndex:

@@ -87,7 +87,8 @@ def compare_form(evidence: HullPoseEvidence, pose: Poses) -> Form:
     at = pose.inverse().apply(evidence.points)
     noise = expected.noise**2 + cad_error.facet_variance(cad_model, at, sigmas=1.0)
     plane = _distance_to_plane(at)
-    fitted = np.c_[_open_directions(jacobian, cad_model, noise), np.ones(len(at))]
+    loose = evidence.distances_by_stretches(pose, index)
+    fitted = np.c_[_open_directions(jacobian, cad_model, noise), _beyond_noise(loose, noise), np.ones(len(at))]
     used = _within_structures(distance, fitted, OUTSIDE_SIGMAS * float(np.hypot(expected.sigma, np.sqrt(noise))))
     field = cad_error.matern32(cad_error.chart_coordinates(cad_model, at[used]), expected.sigma, expected.length)
     patterns, variance = _resolved_patterns(field, fitted[used], noise)
@@ -112,7 +113,12 @@ def _open_directions(jacobian: Array, cad_model: CadModel, noise: float) -> Arra
     """Return how distances change (n, k) in the directions of the hull pose that its prior leaves open to more than the noise.
 
     jacobian (n, 6): by the step of `perturb_pose`."""
-    left, size, _ = np.linalg.svd(jacobian @ np.linalg.inv(registration.prior_rows(cad_model)), full_matrices=False)
+    return _beyond_noise(jacobian @ np.linalg.inv(registration.prior_rows(cad_model)), noise)
+
+
+def _beyond_noise(by_sigma: Array, noise: float) -> Array:
+    """Return the directions (n, k) in which one sigma of unknowns (n, q) moves distances by more than such a noise."""
+    left, size, _ = np.linalg.svd(by_sigma, full_matrices=False)
     return np.asarray(left[:, size > np.sqrt(noise)])
 
 

@@ -53,9 +53,14 @@ class Stretches:
         """Return the neighbour of a stretch that lies nearer to the reference."""
         return stretch + int(np.sign(self.reference - stretch))
 
+    def from_reference(self, stretch: int) -> Array:
+        """Return the covariance (6, 6) of a stretch relative to the reference, in g."""
+        low, high = sorted((stretch, self.reference))
+        return np.asarray(self.step[low : high + 1].sum(axis=0))
+
     def from_start(self) -> Array:
         """Return the covariance (6, 6) of the reference relative to the first stretch, in g."""
-        return np.asarray(self.step[: self.reference].sum(axis=0))
+        return self.from_reference(0)
 
     def outwards(self) -> list[int]:
         """Return all stretches but the reference, each after its neighbour towards it."""

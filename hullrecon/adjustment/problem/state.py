@@ -8,25 +8,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.adjustment.hull_pose.stretches import Stretches
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
-from hullrecon.typing import Array, Mask
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullState:
     """The hull as it is estimated: global_from_hull T_g_M (a batch of one), survey_center (3,) in M, and the field (size,) m
-    of its deviation from the CAD model on `grid` (None: no field). placed_by (n,): the nodes whose points say where the CAD
-    model lies (None: all); what others see was itself laid onto it."""
+    of its deviation from the CAD model on `grid` (None: no field). stretches: of the path, known loosely to each other
+    (None: it holds together)."""
 
     cad_model: CadModel
     global_from_hull: Poses
     survey_center: Array
     grid: DeviationGrid | None
     field: Array
-    placed_by: Mask | None = None
+    stretches: Stretches | None = None
 
     def to_hull(self, points: Array) -> Array:
         """Return points (n, 3) of g in M."""

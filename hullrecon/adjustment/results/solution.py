@@ -52,7 +52,7 @@ def marginal_covariances(
 def _evidence_afterwards(m: Measurements, adjusted: Adjusted, hull: HullState) -> estimate.HullPoseEvidence:
     """Return what a single solve, which held no hull pose, says of it."""
     points = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
-    return estimate.fit_hull_pose(points, hull.global_from_hull, hull.cad_model, hull.survey_center)[0]
+    return estimate.fit_hull_pose(points.xyz, hull.global_from_hull, hull.cad_model, hull.survey_center, points.loose)[0]
 
 
 def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> Solution:
