@@ -50,22 +50,17 @@ def test_a_second_run_makes_nothing(program, package: Path, runs: Path) -> None:
     assert set(states(answer).values()) == {"up to date"}
 
 
-def test_a_second_package_of_the_same_name_is_refused_and_the_first_ones_results_stay(
+def test_a_second_package_of_the_same_name_replaces_the_first_ones_results_with_a_word(
     program, package: Path, runs: Path, tmp_path: Path
 ) -> None:
     program("run", package, "--runs", runs)
     other = Path(shutil.copytree(package, tmp_path / "other"))
     (other / "log.txt").write_text("one two\n")
     answer = program("run", other, "--runs", runs)
-    assert answer.code == 2
-    assert answer.err == (
-        f"error: the run's folder holds the results of another dive package, {package} ({runs / 'toy'}): "
-        "choose another folder with --runs, or another dive.name\n"
-    )
-    assert json.loads((runs / "toy/deliver/report.txt").read_text())["words"] == 3
-    assert set(states(program("run", package, "--runs", runs, "--json")).values()) == {"up to date"}
-    assert program("run", other, "--runs", runs, "--set", "dive.name=other").code == 0
-    assert program("run", other, "--runs", tmp_path / "more").code == 0
+    assert answer.code == 0
+    assert f"{runs / 'toy'} holds the results of another dive package, {package}: what differs is replaced" in answer.err
+    assert json.loads((runs / "toy/deliver/report.txt").read_text())["words"] == 2
+    assert "another dive package" not in program("run", other, "--runs", runs).err
 
 
 def test_a_package_is_the_same_by_a_relative_path_by_a_link_and_by_its_run(

@@ -42,13 +42,15 @@ def run_chain(
     preflight gets the status of every step before anything is done; an error that it raises ends the run. keep_going: a step
     that fails alone leaves its failure in its outcome (`first_failure`), and the others go on. What an earlier run delivered is
     withdrawn when this one fails.
-    LockedError when another run holds the workspace; UsageError when results of another package lie there; InputError when the
-    package changed meanwhile; a stage's own errors pass, and what was finished before is kept.
+    LockedError when another run holds the workspace; InputError when the package changed meanwhile; a stage's own errors pass,
+    and what was finished before is kept.
     """
     refuse_small_address_space()
     workspace.refuse_package(chain.package)
     with workspace.lock(wait_s):
-        workspace.refuse_other_package(chain.package, chain.read_before)
+        other = workspace.other_package(chain.package, chain.read_before)
+        if other is not None:
+            log.warning("%s holds the results of another dive package, %s: what differs is replaced", workspace.root, other)
         workspace.tidy(stage.name for stage in chain.stages)
         workspace.remember_package(chain.package)
         try:

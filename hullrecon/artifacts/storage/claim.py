@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Refuse a folder that is not a run's own: the dive package, another package's run, somebody else's files, links that lead
-out of RUNS."""
+"""Refuse a folder that is not a run's own: the dive package, somebody else's files, links that lead out of RUNS; and tell
+whether the last run there read another package."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def refuse_package(root: Path, package: Path) -> None:
         raise UsageError(f"the run's folder {'is' if same else 'holds'} the dive package", where=str(root), remedy=_REMEDY)
 
 
-def refuse_other_package(root: Path, last: Path | None, package: Path, files: Iterable[str]) -> None:
-    """Raise UsageError where the last run read another package: its results would be replaced. One that has moved is the same:
-    nothing is left where it was. files: those without which a folder is no package, relative to it."""
+def other_package(last: Path | None, package: Path, files: Iterable[str]) -> Path | None:
+    """Return the package that the last run read where that is another one and still there; one that has moved is the same.
+
+    files: those without which a folder is no package, relative to it."""
     if last is None or not os.path.isdir(last) or os.path.samefile(last, package):
-        return
-    if all(os.path.isfile(last / name) for name in files):
-        raise UsageError(f"the run's folder holds the results of another dive package, {last}", where=str(root), remedy=_REMEDY)
+        return None
+    return last if all(os.path.isfile(last / name) for name in files) else None
 
 
 def refuse_foreign(root: Path) -> None:

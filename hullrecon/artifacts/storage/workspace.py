@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from hullrecon.artifacts.storage.claim import PRIVATE, refuse_foreign, refuse_other_package, refuse_package
+from hullrecon.artifacts.storage.claim import PRIVATE, other_package, refuse_foreign, refuse_package
 from hullrecon.artifacts.storage.delivery import PUBLISHED, Delivery, delivered_records, unlike_files
 from hullrecon.artifacts.storage.disk import (
     existing_folder,
@@ -77,10 +77,11 @@ class Workspace:
         with storage_errors(self.root):
             refuse_package(self.root, package)
 
-    def refuse_other_package(self, package: Path, files: Iterable[str]) -> None:
-        """Raise UsageError where the last run read another package that is still there. files: what a package has to hold."""
+    def other_package(self, package: Path, files: Iterable[str]) -> Path | None:
+        """Return the package that the last run read where that is another one and still there. files: what a package has to
+        hold."""
         with storage_errors(self.root):
-            refuse_other_package(self.root, self.package, package, files)
+            return other_package(self.package, package, files)
 
     def remember_package(self, package: Path) -> None:
         if self.package != package.resolve():

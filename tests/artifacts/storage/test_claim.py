@@ -102,18 +102,19 @@ def test_a_package_is_never_written_into(inside: str, toy: ModuleType, tmp_path:
     assert sorted(root.rglob("*")) == before
 
 
-def test_the_run_of_another_package_is_not_taken_over(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_run_that_another_package_takes_over_is_said_to(
+    toy: ModuleType, package: Path, workspace: Workspace, caplog: pytest.LogCaptureFixture
+) -> None:
     toy.run(package, workspace)
-    before = contents(workspace.root)
     other = toy.make_package(package.parent / "other")
-    with pytest.raises(UsageError, match=f"holds the results of another dive package, {package}"):
-        toy.run(other, workspace)
-    assert {name: data for name, data in contents(workspace.root).items() if not name.endswith("lock")} == {
-        name: data for name, data in before.items() if not name.endswith("lock")
-    }
-    shutil.rmtree(package)
+    assert workspace.other_package(other, ()) == package
     toy.run(other, workspace)
+    said = [record.getMessage() for record in caplog.records if "another dive package" in record.getMessage()]
+    assert said == [f"{workspace.root} holds the results of another dive package, {package}: what differs is replaced"]
     assert workspace.package == other
+    assert workspace.other_package(other, ()) is None
+    shutil.rmtree(other)
+    assert workspace.other_package(package, ()) is None
 
 
 def test_a_run_may_lie_inside_its_package(toy: ModuleType, package: Path) -> None:
