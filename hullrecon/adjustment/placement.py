@@ -66,14 +66,13 @@ def register_cad_model(
     hull = replace(_hull_state(found, points, options), stretches=stretches)
     refusal = None
     if found.fitness < registration.GOOD_FITNESS:
-        laid = (
-            "it is laid"
-            if stretches is None
-            else f"it and the {len(stretches)} stretches that outages leave of the path are laid"
-        )
+        laid, besides = "it is laid", ""
+        if stretches is not None:
+            laid = f"it and the {len(stretches)} stretches that outages leave of the path are laid"
+            besides = ", or the path of a stretch is wrong"
         refusal = (
             f"only {100 * found.fitness:.0f} % of the surveyed points lie within three sigma of it, wherever {laid}: it is "
-            "another ship's, in other units, or far from where hull.pose says"
+            f"another ship's, in other units, or far from where hull.pose says{besides}"
         )
     elif found.sigmas_off > MAX_SIGMAS_OFF:
         refusal = f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than hull.pose_sigma says"

@@ -62,7 +62,7 @@ def test_both_stretches_are_laid_onto_the_model_whatever_the_outage_did(shift_m)
     sigma = np.sqrt(np.einsum("nii->ni", outcome.solution.pose_covariance)[:, :3])
     assert np.abs(off).max() < 3 * sigma.max()
     (sentence,) = [w for w in outcome.warnings if "stretches" in w]
-    assert "Outages cut the path into 2 stretches, known to 1.00 m relative to each other" in sentence
+    assert "Outages cut the path into 2 stretches, known to 1.00 m from one to the next" in sentence
     assert np.abs(shift_m).max() < 3 * adjusted.stretches.loosest_m
 
 

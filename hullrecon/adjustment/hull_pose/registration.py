@@ -80,7 +80,8 @@ def _register_from(
     target = _target_cloud(cad_model.mesh, np.vstack([start.inverse().apply(points[::10]) for start in starts]), seed)
     candidates = [_gicp(points, target, start) for start in starts if len(target)]
     candidates.append(starts[0])
-    costs = [_trimmed_cost(points, pose, cad_model, center, index) for pose in candidates]
+    distances = [np.abs(index.closest(pose.inverse().apply(points)).distance) for pose in candidates]
+    costs = [trimmed_cost(*found, cad_model, center) for found in zip(distances, candidates, strict=True)]
     return fit_correlated(points, candidates[int(np.argmin(costs))], cad_model, center, index, sigma_range)
 
 
@@ -211,10 +212,9 @@ def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> A
     return np.asarray(((cad_model.guess @ frame_at(center)).inverse() @ global_from_hull @ frame_at(center)).log()[0])
 
 
-def _trimmed_cost(points: Array, global_from_hull: Poses, cad_model: CadModel, center: Array, index: MeshIndex) -> float:
-    """Return the mean square of the best 80 % of the distances over the CAD model's sigma, plus the prior's share."""
-    distance = np.sort(np.abs(index.closest(global_from_hull.inverse().apply(points)).distance))
-    trimmed = distance[: max(1, int(0.8 * len(distance)))]
+def trimmed_cost(distance: Array, global_from_hull: Poses, cad_model: CadModel, center: Array) -> float:
+    """Return the mean square of the best 80 % of the distances (n,) over the CAD model's sigma, plus the prior's share."""
+    trimmed = np.sort(distance)[: max(1, int(0.8 * len(distance)))]
     prior = prior_step(global_from_hull, cad_model, center) / cad_model.guess_sigma
     return float(np.mean(trimmed**2) / cad_model.deviation_sigma**2 + prior @ prior / len(cad_model.guess_sigma))
 

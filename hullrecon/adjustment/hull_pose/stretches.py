@@ -25,7 +25,7 @@ from hullrecon.typing import Array, Ints, Mask
 LOOSE_M = 0.3  # sigma of the way from one node with returns to the next, from which no pose of the CAD model fits both sides
 MIN_POINTS = 30  # of a stretch that is laid for itself
 MOST_POINTS = 800
-SEARCH_SIGMAS, SEARCH_STEP_M, MOST_STEPS = 2.5, 0.5, 41
+SEARCH_SIGMAS, SEARCH_STEP_M, MOST_STEPS = 2.5, 0.5, 41  # of the guess; m, wider where there would be more steps than these
 SEARCH_POINTS = 150
 LEAST_SIGMA = np.r_[0.02, 0.02, 0.02, np.radians([0.1, 0.1, 0.1])]
 WRONG_SIDE_M = 1.0  # counts for a point that lies on a face that its beam met from within
@@ -57,10 +57,6 @@ class Stretches:
         """Return the covariance (6, 6) of a stretch relative to the reference, in g."""
         low, high = sorted((stretch, self.reference))
         return np.asarray(self.step[low : high + 1].sum(axis=0))
-
-    def from_start(self) -> Array:
-        """Return the covariance (6, 6) of the reference relative to the first stretch, in g."""
-        return self.from_reference(0)
 
     def outwards(self) -> list[int]:
         """Return all stretches but the reference, each after its neighbour towards it."""
@@ -149,7 +145,7 @@ def lay_stretches(
 def _guess_of_reference(cad_model: CadModel, stretches: Stretches) -> CadModel:
     """Return the CAD model with the sigmas of its guess as they are for the reference: the guess is one of where the dive
     began."""
-    by_path = _sigma_in_hull(stretches.from_start(), cad_model.guess)
+    by_path = _sigma_in_hull(stretches.from_reference(0), cad_model.guess)
     return replace(cad_model, guess_sigma=np.hypot(cad_model.guess_sigma, by_path)) if stretches.reference else cad_model
 
 
@@ -185,10 +181,8 @@ def _search(points: Array, beams: Array, cad_model: CadModel, center: Array, ind
         step = np.r_[rotate @ (np.array([along, across]) @ level), 0.0, 0.0, 0.0]
         pose = registration.perturb_pose(cad_model.guess, center, step)
         distance = np.abs(index.closest(pose.inverse().apply(points)).distance)
-        distance = np.sort(np.where(_from_within(points, beams, pose, index), np.maximum(distance, WRONG_SIDE_M), distance))
-        trimmed = distance[: max(1, int(0.8 * len(distance)))]
-        prior = (along / sigma[0]) ** 2 + (across / sigma[1]) ** 2
-        costs.append((float(np.mean(trimmed**2) / cad_model.deviation_sigma**2 + prior / 6), len(costs), pose))
+        distance = np.where(_from_within(points, beams, pose, index), np.maximum(distance, WRONG_SIDE_M), distance)
+        costs.append((registration.trimmed_cost(distance, pose, cad_model, center), len(costs), pose))
     return min(costs, key=lambda entry: entry[:2])[2]
 
 

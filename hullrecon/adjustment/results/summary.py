@@ -201,8 +201,8 @@ def _stretch_warnings(adjusted: Adjusted) -> list[str]:
     if stretches is None:
         return []
     return [
-        f"Outages cut the path into {len(stretches)} stretches, known to {stretches.loosest_m:.2f} m relative to each other "
-        "(one sigma, the worst axis) before each was laid onto the CAD model for itself. Where the hull's form does not tell, "
+        f"Outages cut the path into {len(stretches)} stretches, known to {stretches.loosest_m:.2f} m from one to the next "
+        "(one sigma, the worst axis) before they were laid onto the CAD model. Where the hull's form does not tell, "
         "what one shows lies no better to what another shows than that."
     ]
 
