@@ -11,6 +11,14 @@ from hullrecon.native.curvature import curvature_difference, curvature_informati
 from hullrecon.native.feature_pairs import best_and_next, descriptor_distances, pairs_in_regions
 from hullrecon.native.links import LinkKernel, LinkTable, bearing_basis
 from hullrecon.native.mesh_index import Closest, Hits, MeshIndex
+from hullrecon.native.pair_motion import (
+    ReducedFeatures,
+    StereoRows,
+    linearise_stereo,
+    normal_of_reprojections,
+    reduce_stereo,
+    squared_reprojections,
+)
 from hullrecon.native.planes import PlanePairTable, PlaneRangeTable, PlaneSightingTable, PlaneTable
 from hullrecon.native.problem import (
     AttitudeTable,
@@ -77,8 +85,10 @@ __all__ = [
     "Priors",
     "Problem",
     "RangeTable",
+    "ReducedFeatures",
     "Result",
     "SparseRows",
+    "StereoRows",
     "StereoTable",
     "SurfaceTable",
     "TrayTable",
@@ -91,7 +101,11 @@ __all__ = [
     "curvature_information",
     "descriptor_distances",
     "evaluate",
+    "linearise_stereo",
+    "normal_of_reprojections",
     "pair_covariance",
     "pairs_in_regions",
+    "reduce_stereo",
     "solve",
+    "squared_reprojections",
 ]

@@ -130,7 +130,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=18,
+    version=19,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

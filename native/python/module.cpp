@@ -12,9 +12,9 @@
 
 #include "common/errors.h"
 #include "common/parallel.h"
-#include "matching/feature_pairs.h"
 #include "mesh/mesh_index.h"
 #include "python/convert.h"
+#include "python/matching.h"
 #include "solve/covariance.h"
 #include "solve/evaluate.h"
 #include "solve/pair_covariance.h"
@@ -26,9 +26,7 @@ namespace hullrecon {
 namespace {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Int32s = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
-using Int64s = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
 
 void expect(const py::array& array, const char* name) {
   if (array.ndim() != 2 || array.shape(1) != 3) throw InputError("the array must be (n, 3)", name, "");
@@ -42,60 +40,6 @@ std::vector<Vec3> rows(const Doubles& array, const char* name) {
     if (!row.allFinite()) throw InputError("a number is not finite", name, "");
   }
   return out;
-}
-
-template <class Number>
-std::span<const Number> span_of(const py::array_t<Number, py::array::c_style | py::array::forcecast>& array) {
-  return {array.data(), static_cast<size_t>(array.size())};
-}
-
-Int64s copied(const std::vector<int64_t>& values) {
-  return Int64s(static_cast<py::ssize_t>(values.size()), values.data());
-}
-
-py::tuple in_regions(const Doubles& regions, const Doubles& points) {
-  static_assert(sizeof(SearchRegion) == 7 * sizeof(double));
-  if (regions.ndim() != 2 || regions.shape(1) != 7) throw InputError("the array must be (n, 7)", "regions", "");
-  if (points.ndim() != 2 || points.shape(1) != 2) throw InputError("the array must be (n, 2)", "points", "");
-  std::vector<SearchRegion> sought(regions.shape(0));
-  if (!sought.empty()) std::memcpy(sought.data(), regions.data(), sizeof(SearchRegion) * sought.size());
-  FeaturePairs found;
-  {
-    py::gil_scoped_release free;
-    found = pairs_in_regions(sought, span_of(points));
-  }
-  return py::make_tuple(copied(found.first), copied(found.second));
-}
-
-void expect_rows(const Int64s& row, int64_t count, const char* name) {
-  for (const int64_t k : span_of(row)) {
-    if (k < 0 || k >= count) throw InputError("a row is not there", name, "");
-  }
-}
-
-Floats distances(const Floats& a, const Floats& b, const Int64s& first, const Int64s& second) {
-  if (a.ndim() != 2 || b.ndim() != 2 || a.shape(1) != b.shape(1)) throw InputError("descriptors differ in width", "b", "");
-  if (first.size() != second.size()) throw InputError("first and second differ in number", "second", "");
-  expect_rows(first, a.shape(0), "first"), expect_rows(second, b.shape(0), "second");
-  Floats out(first.size());
-  const std::span<float> distance{out.mutable_data(), static_cast<size_t>(out.size())};
-  {
-    py::gil_scoped_release free;
-    descriptor_distances(a.data(), b.data(), a.shape(1), span_of(first), span_of(second), distance);
-  }
-  return out;
-}
-
-py::tuple best_by_key(const Int64s& key, const Floats& distance) {
-  if (key.size() != distance.size()) throw InputError("keys and distances differ in number", "distance", "");
-  int64_t count = 0;
-  for (const int64_t k : span_of(key)) count = std::max(count, k + 1);
-  expect_rows(key, count, "key");
-  Int64s best(count);
-  Floats next(count);
-  best_and_next(span_of(key), span_of(distance), {best.mutable_data(), static_cast<size_t>(count)},
-                {next.mutable_data(), static_cast<size_t>(count)});
-  return py::make_tuple(best, next);
 }
 
 std::unique_ptr<MeshIndex> make_index(const Doubles& vertices, const Int32s& faces) {
@@ -312,9 +256,7 @@ PYBIND11_MODULE(_native, m) {
       .def("closest", &closest)
       .def("cast", &cast)
       .def("__len__", &MeshIndex::faces);
-  m.def("pairs_in_regions", &in_regions);
-  m.def("descriptor_distances", &distances);
-  m.def("best_and_next", &best_by_key);
+  bind_matching(m);
   m.def("solve", &run_solve);
   m.def("evaluate", &run_evaluate);
   m.def("covariance", &run_covariance);
