@@ -45,7 +45,7 @@ def find_structures(
     landmarks are in g; field: the adjustment's deviation field, None where it estimated none.
     """
     if views is None:
-        return _without_landmarks(base)
+        return _without_landmarks(base, "no camera was carried")
     # Landmarks as heights over the base
     measured = measure_surface(
         Scene(base.mesh),
@@ -57,7 +57,7 @@ def find_structures(
         base.hull_pose,
     )
     if len(measured) < options.min_landmarks:
-        return _without_landmarks(base)
+        return _without_landmarks(base, "the images gave too few landmarks on the surface")
     # The hull without structures, then with them
     background = _choose_background(base, field, measured, options)
     found = estimate_hull_as_found(base.mesh, measured, background, views, options)
@@ -90,12 +90,12 @@ def _choose_background(
     return median_background(measured.foot, measured.offset, options.background_width_m)
 
 
-def _without_landmarks(base: BaseSurface) -> Structures:
-    """Return the CAD model moved to the DVL's surface; nothing without a CAD model, where the surveyed surface is all."""
-    facts: Facts = {
-        "reference": base.description,
-        "objects": "no landmarks: structures are looked for with a camera",
-    }
+def _without_landmarks(base: BaseSurface, why: str) -> Structures:
+    """Return the CAD model moved to the DVL's surface; nothing without a CAD model, where the surveyed surface is all.
+
+    why: objects were not looked for; the report says it behind a colon.
+    """
+    facts: Facts = {"reference": base.description, "objects": why}
     if base.cad_model is None:
         facts["as_found"] = "no landmarks and no CAD model: the surface from the DVL is what was found"
         return Structures(as_found=None, deviation=None, objects=[], facts=facts)

@@ -64,6 +64,7 @@ def test_structures_on_the_wall_are_found_from_its_landmarks(scenery, base: Base
 def test_without_views_the_cad_model_is_moved_to_the_dvls_surface(base: BaseSurface, landmarks: Landmarks) -> None:
     structures = find_structures(base, landmarks, FIELD, None, DetectOptions())
     assert structures.objects == []
+    assert structures.facts["objects"] == "no camera was carried"
     assert structures.facts["as_found"] == "from the DVL's surface"
     assert structures.as_found is not None
     known = structures.as_found.support > 0
@@ -72,7 +73,8 @@ def test_without_views_the_cad_model_is_moved_to_the_dvls_surface(base: BaseSurf
 
 def test_too_few_landmarks_are_as_none(scenery, base: BaseSurface, landmarks: Landmarks) -> None:
     options = DetectOptions(min_landmarks=len(landmarks.position) + 1)
-    assert "no landmarks" in str(find_structures(base, landmarks, FIELD, scenery.views, options).facts["objects"])
+    facts = find_structures(base, landmarks, FIELD, scenery.views, options).facts
+    assert facts["objects"] == "the images gave too few landmarks on the surface"
 
 
 def test_with_neither_views_nor_cad_model_nothing_is_added_to_the_survey(base: BaseSurface, landmarks: Landmarks) -> None:

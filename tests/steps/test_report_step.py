@@ -97,10 +97,12 @@ def test_objects_that_were_not_looked_for_are_absent_not_none(navigated: dict[st
     detect = tmp_path / "detect"
     detect.mkdir()
     (detect / "objects.json").write_text(json.dumps({"objects": []}))
-    (detect / "detect.json").write_text(json.dumps({"objects": "no landmarks: structures are looked for with a camera"}))
+    (detect / "detect.json").write_text(json.dumps({"objects": "the images gave too few landmarks"}))
     deliver = run({**navigated, "detect": detect}, tmp_path / "report")
     assert not (deliver / "objects.json").exists()
-    assert "looked for with a camera" in json.loads((deliver / "summary.json").read_text())["absent"]["objects.json"]
+    assert json.loads((deliver / "summary.json").read_text())["absent"]["objects.json"] == "the images gave too few landmarks"
+    page = (deliver / "report" / "index.html").read_text()
+    assert "Objects were not looked for: the images gave too few landmarks." in page
 
 
 def test_the_facts_of_a_surface_without_a_cad_model_compare_it_with_nothing() -> None:
