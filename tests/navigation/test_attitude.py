@@ -5,11 +5,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.navigation.sensors.attitude import attitude_history
-from hullrecon.navigation.sensors.clock import period
 from hullrecon.records.sensors import ImuSamples
 
 RATE_HZ, LATENCY_S = 200, 0.016
@@ -25,16 +23,6 @@ def bursts(t_s: np.ndarray) -> np.ndarray:
 def orientation(t_s: np.ndarray) -> Rotation:
     angles = np.stack([0.3 * np.sin(2 * np.pi * t_s / 40), 0.05 * np.sin(2 * np.pi * t_s / 7), 0 * t_s], axis=1)
     return Rotation.from_euler("ZYX", angles)
-
-
-def test_the_period_of_readings_in_bursts_is_that_of_their_number():
-    even = np.arange(2000) / RATE_HZ
-    assert period(even) == pytest.approx(0.005)
-    assert period(bursts(even)) == pytest.approx(0.005, rel=0.01)
-    with_hole = np.where(even > 5, even + 100, even)
-    assert period(with_hole) == pytest.approx(0.005)
-    assert period(bursts(with_hole)) == pytest.approx(0.005, rel=0.02)
-    assert period(np.array([0.0, 3.0])) == 3.0
 
 
 def test_an_attitude_in_bursts_is_smoothed_and_as_sure_as_its_sigma():

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hullrecon.errors import InputError
-from hullrecon.typing import Ints, Mask
+from hullrecon.typing import Array, Ints, Mask
 
 NS = 1_000_000_000
 JUMP_S = 1.0  # a clock that moves that much against the logger's has jumped; logging delays stay below
@@ -24,6 +24,10 @@ STEADY = 0.1  # of a jump: what half of the offsets beside it may scatter by
 LASTING = 20  # readings before and after a jump, at least, of a clock that is then put right; fewer are a late delivery
 FAR_S = 86400.0  # from the stamps of the dive: a clock that was not set yet, or a stamp that is damaged
 FAR_SHARE = 0.05  # of a sensor's readings; more are another dive, which is not ours to leave out
+HOLE_PERIODS = 5.0  # between two readings: beyond, some are missing
+BURST_S = 0.05  # and this: USB's serial adapters hand readings on every 16 ms, several at once
+BURST = 20  # readings, over which the time between them is a first guess of their period, bursts or not
+ROUNDS = 3
 FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
 
 
@@ -222,8 +226,25 @@ def describe_ends(name: str, t_ns: Ints, start_ns: int, stop_ns: int) -> list[st
 
 
 def rate_hz(t_ns: Ints) -> float:
-    """Return the rate by the median step, Hz; 0 for fewer than two readings."""
-    return float(NS / np.median(np.diff(t_ns))) if len(t_ns) > 1 else 0.0
+    """Return how many readings come in a second outside of holes, Hz; 0 for fewer than two readings."""
+    return 1 / period((t_ns - t_ns[0]) / NS) if len(t_ns) > 1 else 0.0
+
+
+def period(t_s: Array) -> float:
+    """Return the usual time between readings at t_s (n,), n > 1, in order: the whole time by their number, without the holes.
+
+    The median would be far too short where a serial adapter hands readings on in bursts.
+    """
+    step, few = np.diff(t_s), min(BURST, max(1, len(t_s) // 4))
+    usual = step <= longest_step(float(np.median(t_s[few:] - t_s[:-few])) / few)
+    for _ in range(ROUNDS):
+        usual = step <= longest_step(float(step[usual].mean()))
+    return float(step[usual].mean())
+
+
+def longest_step(period_s: float) -> float:
+    """Return the time between two readings of an instrument beyond which some are missing."""
+    return max(HOLE_PERIODS * period_s, BURST_S)
 
 
 def format_time(t_ns: int) -> str:

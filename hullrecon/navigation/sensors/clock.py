@@ -13,9 +13,6 @@ from numpy.typing import NDArray
 from hullrecon.typing import Array, Ints
 
 Stream = TypeVar("Stream")
-HOLE_PERIODS = 5.0  # between two readings: beyond, some are missing
-BURST_S = 0.05  # and this: USB's serial adapters hand readings on every 16 ms, several at once
-ROUNDS = 3
 
 
 def in_order(record: Stream, name: str) -> tuple[Stream, list[str]]:
@@ -44,25 +41,6 @@ def gaps(t_ns: Ints, longest_s: float) -> Ints:
     """Return start and end (m, 2) of the intervals between stamps that are longer than that."""
     long = np.flatnonzero(np.diff(t_ns) > longest_s * 1e9)
     return np.stack([t_ns[long], t_ns[long + 1]], axis=1) if len(long) else np.zeros((0, 2), np.int64)
-
-
-def period(t_s: Array) -> float:
-    """Return the usual time between readings at t_s (n,), n > 1, in order: the whole time by their number, without the holes.
-
-    The median would be far too short where a serial adapter hands readings on in bursts.
-    """
-    step = np.diff(t_s)
-    usual = np.ones(len(step), bool)
-    for _ in range(ROUNDS):
-        usual = step <= longest_step(float(step[usual].mean()))
-        if not usual.any():
-            return float(np.median(step))
-    return float(step[usual].mean())
-
-
-def longest_step(period_s: float) -> float:
-    """Return the time between two readings of an instrument beyond which some are missing."""
-    return max(HOLE_PERIODS * period_s, BURST_S)
 
 
 def seconds(t_ns: Ints, start_ns: int) -> Array:

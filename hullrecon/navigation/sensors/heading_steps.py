@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.logs.timeline import period
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.navigation.sensors.clock import period
 from hullrecon.navigation.sensors.smoothing import running_median
 from hullrecon.typing import Array, Ints
 
