@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,13 +54,15 @@ class JointSamples:
 @dataclass(frozen=True, kw_only=True)
 class ImageIndex:
     """Images of one camera in time order. file (n,) str: path relative to the package, or "" when the bytes lie in the
-    ingest artifact's images_<camera>.bin at offset (n,), size (n,). usable (n,) bool: it decoded."""
+    ingest artifact's images_<camera>.bin at offset (n,), size (n,). usable (n,) bool: it decoded. bits (): that values of
+    images of 16 bits take, 8 to 16."""
 
     t_ns: Ints
     file: NDArray[np.str_]
     offset: Ints
     size: Ints
     usable: Mask
+    bits: Ints = field(default_factory=lambda: np.array(16))
 
 
 @dataclass(frozen=True, kw_only=True)

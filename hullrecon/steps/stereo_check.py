@@ -50,7 +50,7 @@ def describe_rig_problem(loaded: LoadedConfig, found: IngestResult, sampled: Map
 
     def read(camera: Camera, row: int) -> Pixels | None:
         data = encoded(camera, row)
-        return None if data is None else decode(data)
+        return None if data is None else decode(data, int(index[camera].bits))
 
     models = {camera: found.cameras[camera.key] for camera in Camera if camera.key in found.cameras}
     rig = rig_from_settings({key: loaded.value(key) for key in RIG_KEYS}, models)

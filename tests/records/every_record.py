@@ -46,7 +46,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
     ImuSamples: {"t_ns": "n", "quaternion": "n 4", "angular_velocity": "n 3", "acceleration": "n 3"},
     PressureSamples: {"t_ns": "n", "depth": "n"},
     JointSamples: {"t_ns": "n", "angle": "n"},
-    ImageIndex: {"t_ns": "n", "file": "n", "offset": "n", "size": "n", "usable": "n"},
+    ImageIndex: {"t_ns": "n", "file": "n", "offset": "n", "size": "n", "usable": "n", "bits": ""},
     SonarPings: {"t_ns": "n", "image": "n b r", "directions": "b 3", "range_m": "r"},
     PositionFixes: {"t_ns": "n", "north_east": "n 2", "sigma": "n"},
     SensorRecords: {

@@ -46,6 +46,7 @@ IMAGES = ImageIndex(
     offset=np.array([0, 0, 120]),
     size=np.array([0, 120, 80]),
     usable=np.array([True, True, False]),
+    bits=np.array(12),
 )
 ALL = SensorRecords(dvl=DVL, imu=IMU, pressure=PRESSURE, tray=TRAY, sonar_tray=TRAY, sonar=SONAR)
 

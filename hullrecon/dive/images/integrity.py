@@ -5,9 +5,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from hullrecon.dive.images.deep import decode_deep, is_deep
 from hullrecon.dive.images.header import Size, fits, header_size
 
 MARKER = re.compile(rb"\xff([\x01-\xfe])")
@@ -15,18 +18,32 @@ START, END, SCAN = 0xD8, 0xD9, 0xDA
 RESTART = range(0xD0, 0xD8)
 
 
-def size_of(encoded: bytes, wanted: Size | None = None) -> Size | None:
-    """Return (width, height) of a whole image; None for a damaged one or for other bytes.
+@dataclass(frozen=True)
+class CheckedImage:
+    """size: (width, height) of a whole image, None for a damaged one or for other bytes. largest: value of an image whose
+    samples have 16 bits, None of any other."""
+
+    size: Size | None
+    largest: int | None = None
+
+
+def check_image(encoded: bytes, wanted: Size | None = None) -> CheckedImage:
+    """Return what is found of an image.
 
     wanted: of an image whose header says another size nothing is decoded; that size is returned. So it is for one that is too
     large to be decoded at all.
     """
     size = header_size(encoded)
     if size is None or not fits(size) or wanted not in (None, size):
-        return size
+        return CheckedImage(size)
     if encoded[:2] == b"\xff\xd8" and not jpeg_is_whole(encoded):
-        return None
-    return _decoded_size(encoded)
+        return CheckedImage(None)
+    return _decoded(encoded)
+
+
+def size_of(encoded: bytes, wanted: Size | None = None) -> Size | None:
+    """Return the size that check_image finds."""
+    return check_image(encoded, wanted).size
 
 
 def jpeg_is_whole(encoded: bytes) -> bool:
@@ -64,11 +81,14 @@ def _behind_scan(encoded: bytes, at: int) -> int | None:
     return None
 
 
-def _decoded_size(encoded: bytes) -> Size | None:
+def _decoded(encoded: bytes) -> CheckedImage:
     import cv2
 
+    image: NDArray[np.integer] | None = decode_deep(encoded) if is_deep(encoded) else None
+    if image is not None:
+        return CheckedImage((image.shape[1], image.shape[0]), int(image.max()))
     try:
         image = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
     except cv2.error:
-        return None
-    return None if image is None else (int(image.shape[1]), int(image.shape[0]))
+        return CheckedImage(None)
+    return CheckedImage(None if image is None else (int(image.shape[1]), int(image.shape[0])))

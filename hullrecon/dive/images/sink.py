@@ -12,7 +12,8 @@ from typing import BinaryIO
 import numpy as np
 
 from hullrecon.dive.files import read_regular
-from hullrecon.dive.images.integrity import size_of
+from hullrecon.dive.images.deep import significant_bits
+from hullrecon.dive.images.integrity import check_image
 from hullrecon.dive.images.store import LARGEST_BYTES
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.logs.timeline import put_in_order
@@ -33,13 +34,17 @@ class ImageSink:
         self._file: BinaryIO | None = None
         self._rows: list[tuple[int, int, int, str, int, int, bool]] = []
         self._sizes: Counter[tuple[int, int]] = Counter()
+        self._largest: int | None = None  # value of the images of 16 bits
 
     def take(self, sample: ImageSample, logged_ns: int, log: int) -> None:
         """Check one image of the log of that number and keep its bytes, unless they lie in a file of the package."""
         encoded = self._bytes(sample)
-        size = size_of(encoded, self._size)
+        found = check_image(encoded, self._size)
+        size = found.size
         if size is not None:
             self._sizes[size] += 1
+        if found.largest is not None and size == self._size:
+            self._largest = max(found.largest, self._largest or 0)
         offset, kept = (0, 0) if sample.file else (self._keep(encoded), len(encoded))
         stamp = sample.t_ns + self._offset_ns
         self._rows.append((stamp, logged_ns + self._offset_ns, log, sample.file, offset, kept, size == self._size))
@@ -59,11 +64,12 @@ class ImageSink:
             raise InputError(f"{many} of {self._camera} can be read", remedy="see that the files are there and whole")
         stamp, logged, log, file, offset, size, usable = (list(column) for column in zip(*self._rows, strict=True))
         line = put_in_order(self._camera, stamp, logged, log)
-        remarks += line.remarks + self._bad(usable)
+        bits = significant_bits(self._largest)
+        remarks += line.remarks + self._bad(usable) + self._deep(bits)
         rows = line.keep
         return ImageIndex(
             t_ns=line.t_ns, file=np.array(file, np.str_)[rows], offset=np.array(offset, np.int64)[rows],
-            size=np.array(size, np.int64)[rows], usable=np.array(usable, bool)[rows],
+            size=np.array(size, np.int64)[rows], usable=np.array(usable, bool)[rows], bits=np.array(bits),
         )  # fmt: skip
 
     def _bytes(self, sample: ImageSample) -> bytes:
@@ -88,6 +94,12 @@ class ImageSink:
                 f"the images of {self._camera} have {logged} pixels, its calibration is for {self._size[0]} x {self._size[1]}",
                 remedy="give the calibration of this camera at this size",
             )
+
+    def _deep(self, bits: int) -> list[str]:
+        if self._largest is None:
+            return []
+        what = f"its images have 16 bits with values up to {self._largest}; the upper 8 of {bits} bits are used"
+        return [f"{self._camera}: {what}"]
 
     def _bad(self, usable: list[bool]) -> list[str]:
         count, other = len(usable), sum(self._sizes.values()) - self._sizes[self._size]

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from hullrecon.dive.files import read_regular
+from hullrecon.dive.images.deep import decode_deep, is_deep, upper_eight
 from hullrecon.dive.images.header import LARGEST_PIXELS, fits, header_size
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
@@ -62,19 +63,23 @@ class ImageStore:
 
     def read(self, i: int) -> Pixels | None:
         """Return image i (h, w, 3) RGB; None for one that ingest found unusable or that does not decode."""
-        return decode(self.bytes(i)) if self.index.usable[i] else None
+        return decode(self.bytes(i), int(self.index.bits)) if self.index.usable[i] else None
 
 
-def decode(encoded: bytes) -> Pixels | None:
+def decode(encoded: bytes, bits: int = 16) -> Pixels | None:
     """Return the image (h, w, 3) RGB of JPEG, PNG, TIFF, BMP, PNM, WebP, GIF or JPEG 2000, without EXIF rotation.
 
-    None for bytes that are none of these, that are damaged beyond decoding, or that say a size of more than LARGEST_PIXELS.
+    bits: of samples of 16 bits the upper 8 of so many lower ones are returned, larger values as 255. None for bytes that are
+    none of these, that are damaged beyond decoding, or that say a size of more than LARGEST_PIXELS.
     """
     import cv2
 
     size = header_size(encoded)
     if size is None or not fits(size):
         return None
+    deep = decode_deep(encoded) if bits < 16 and is_deep(encoded) else None
+    if deep is not None:
+        return upper_eight(deep, bits)
     flags = cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION
     try:
         image = cv2.imdecode(np.frombuffer(encoded, np.uint8), flags)

@@ -47,7 +47,7 @@ def no_decoder(monkeypatch):
     def fail(*_):
         raise AssertionError("it was decoded")
 
-    monkeypatch.setattr(integrity, "_decoded_size", fail)
+    monkeypatch.setattr(integrity, "_decoded", fail)
     monkeypatch.setattr(cv2, "imdecode", fail)
 
 

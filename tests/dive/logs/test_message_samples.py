@@ -151,10 +151,13 @@ def test_a_raw_gray_image_keeps_its_pixels_and_loses_its_padding(kit):
     np.testing.assert_array_equal(picture(kit, padded, "mono8", width=5), padded[:, :5])
 
 
-def test_sixteen_bits_keep_the_upper_eight_in_either_byte_order(kit):
-    pixels = np.array([[0x1234, 0xFF00]])
-    np.testing.assert_array_equal(picture(kit, pixels.astype("<u2"), "mono16"), [[0x12, 0xFF]])
-    np.testing.assert_array_equal(picture(kit, pixels.astype(">u2"), "mono16", is_bigendian=1), [[0x12, 0xFF]])
+@pytest.mark.parametrize("encoding", ["mono16", "16UC1"])
+def test_sixteen_bits_keep_their_values_in_either_byte_order(kit, encoding):
+    pixels = np.array([[0x1234, 0xFF00, 0x03FF]])
+    for order, is_bigendian in (("<u2", 0), (">u2", 1)):
+        read = picture(kit, pixels.astype(order), encoding, is_bigendian=is_bigendian)
+        np.testing.assert_array_equal(read, pixels)
+        assert read.dtype == np.uint16
 
 
 @pytest.mark.parametrize("encoding", ["bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8"])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Convert sensor_msgs/Image to PNG, without loss of what eight bits hold."""
+"""Convert sensor_msgs/Image to PNG, without loss."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ def _pixels(message: Fields) -> NDArray[np.integer]:
     )
 
 
-def _to_bgr(pixels: NDArray[np.integer], encoding: str) -> NDArray[np.uint8]:
-    """Return it as OpenCV writes it: gray, or blue, green, red."""
+def _to_bgr(pixels: NDArray[np.integer], encoding: str) -> NDArray[np.integer]:
+    """Return it as OpenCV writes it: gray, or blue, green, red. How many of 16 bits a camera uses only all its images tell."""
     import cv2
 
     if pixels.dtype.itemsize == 2:
-        return np.asarray(pixels >> 8, np.uint8)
+        return np.asarray(pixels, np.uint16)
     codes = {
         "rgb8": cv2.COLOR_RGB2BGR, "rgba8": cv2.COLOR_RGBA2BGR, "bgra8": cv2.COLOR_BGRA2BGR, "8uc4": cv2.COLOR_BGRA2BGR,
         "bayer_rggb8": cv2.COLOR_BayerRGGB2BGR, "bayer_bggr8": cv2.COLOR_BayerBGGR2BGR, "bayer_gbrg8": cv2.COLOR_BayerGBRG2BGR,
