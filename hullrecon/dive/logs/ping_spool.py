@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.typing import Array
 
+BRIGHT_PERCENT = 99.5  # of a ping's pixels are no brighter than its bright one: a few may be saturated
 Images = NDArray[np.uint8]  # (pings, beams, ranges)
 KeepImages = Callable[[tuple[int, int, int], Iterator[Images]], Images]  # from their shape, one (beams, ranges) after the other
 
@@ -29,7 +30,7 @@ class PingStorage:
 
 @dataclass(frozen=True, slots=True)
 class SpooledPing(SonarSample):
-    """A ping whose image lies in a spool from byte `at` on. What stands for it has its shape, type and brightest pixel, and no
+    """A ping whose image lies in a spool from byte `at` on. What stands for it has its shape, type and bright pixel, and no
     memory."""
 
     at: int = 0
@@ -56,7 +57,7 @@ class PingSpool:
             self._file.seek(at)
             self._file.write(image.data)
             self._size += image.nbytes
-        stand_in = np.broadcast_to(_brightest(image), image.shape)
+        stand_in = np.broadcast_to(bright_pixel(image), image.shape)
         return SpooledPing(sample.t_ns, stand_in, self._directions, self._range_m, at)
 
     def load(self, ping: SonarSample) -> SonarSample:
@@ -69,7 +70,11 @@ class PingSpool:
         return SonarSample(ping.t_ns, image, ping.directions, ping.range_m)
 
 
-def _brightest(image: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Return the largest pixel as an array without axes; NaN counts where there is nothing else."""
-    with np.errstate(all="ignore"):
-        return np.asarray(np.fmax.reduce(image, axis=None), image.dtype)
+def bright_pixel(image: NDArray[np.generic]) -> NDArray[np.generic]:
+    """Return the pixel () that is brighter than nearly all that are not black of an image (beams, ranges), 0 where none is; of
+    one of 8 bits, which need no scale, the brightest. Of what stands for an image in a spool it is its one value."""
+    pixels = np.asarray(image[:1, :1] if not any(image.strides) else image)
+    if pixels.dtype == np.uint8:
+        return np.asarray(pixels.max(), np.uint8)
+    bright = pixels[np.isfinite(pixels) & (pixels > 0)]
+    return np.asarray(np.percentile(bright, BRIGHT_PERCENT, method="higher") if len(bright) else 0, image.dtype)

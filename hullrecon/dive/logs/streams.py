@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import check_beams, choose_beams, unit
-from hullrecon.dive.logs.ping_spool import Images, KeepImages
+from hullrecon.dive.logs.ping_spool import Images, KeepImages, bright_pixel
 from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample, JointSample, PressureSample, SonarSample
 from hullrecon.dive.logs.sonar_geometry import choose_directions, image_in_ranges, pings_of_one_window
 from hullrecon.errors import InputError
@@ -21,6 +21,7 @@ from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples, Pressu
 from hullrecon.typing import Array, Ints, Mask
 
 UNFILLED, LEAST_ATTITUDES = (0.0, 0.0, 0.0, 1.0), 50  # ROS 2's default; as many alike, to the last digit, are no measurement
+BRIGHT_PINGS_PERCENT = 99.0  # of pings have no brighter bright pixel than the one that is white: a few may be disturbed
 FASTEST = 15.0  # m/s; no vehicle at a hull is faster
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
@@ -213,7 +214,7 @@ def sonar_pings(
 ) -> SonarPings | None:
     """Return pings of the most common geometry, as 8 bits; None without any. azimuth_deg (beams,): of dive.toml, for logs that
     do not say where the beams point; keep: keeps the images; load: gives a ping with its image, where samples have
-    another of the same shape and brightest pixel. Raises InputError for beams that nothing describes."""
+    another of the same shape and bright pixel. Raises InputError for beams that nothing describes."""
     kept, range_m = pings_of_one_window(samples, remarks)
     if not kept:
         return None
@@ -225,12 +226,14 @@ def sonar_pings(
 
 
 def _scale_to_eight_bits(samples: Sequence[SonarSample], remarks: list[str]) -> float | None:
-    """Return the factor that brings the brightest pixel to 255; None where all pixels have 8 bits."""
+    """Return the factor that brings the bright pixel of nearly all pings to 255; None where all pixels have 8 bits."""
     if all(sample.image.dtype == np.uint8 for sample in samples):
         return None
-    brightest = max(float(np.nanmax(sample.image.astype(float))) for sample in samples)
-    remarks.append(f"sonar: {samples[0].image.dtype} pixels were scaled to 8 bits, {brightest:g} to 255")
-    return 255.0 / brightest if brightest > 0 else 0.0
+    bright = np.array([float(bright_pixel(sample.image)) for sample in samples])
+    bright = bright[bright > 0]
+    white = float(np.percentile(bright, BRIGHT_PINGS_PERCENT, method="higher")) if len(bright) else 0.0
+    remarks.append(f"sonar: {samples[0].image.dtype} pixels were scaled to 8 bits, {white:g} and more to 255")
+    return 255.0 / white if white > 0 else 0.0
 
 
 def _eight_bits(image: NDArray[np.generic], scale: float | None) -> NDArray[np.uint8]:

@@ -169,6 +169,37 @@ def test_sonar_pixels_of_more_bits_are_scaled_to_eight_by_the_brightest():
     assert "scaled to 8 bits" in remarks[0]
 
 
+@pytest.mark.parametrize("dtype", [np.uint16, np.uint32, np.float32])
+def test_few_saturated_sonar_pixels_leave_the_others_their_brightness(dtype):
+    pixels = np.tile(np.linspace(0, 2000, 400).astype(dtype), (10, 1))
+    saturated = pixels.copy()
+    saturated[3:5, 7] = 65535
+    found = streams.sonar_pings([sonar(0, pixels), sonar(1, saturated)], [])
+    assert found.image[0, 0, -1] == 255
+    assert found.image[0, 0, 200] == pytest.approx(128, abs=1)
+    np.testing.assert_array_equal(found.image[1][saturated < 3000], found.image[0][saturated < 3000])
+    assert (found.image[1][saturated > 3000] == 255).all()
+
+
+def test_few_pings_that_are_too_bright_leave_the_others_their_brightness():
+    pixels = np.tile(np.linspace(0, 2000, 20).astype(np.uint16), (10, 1))
+    found = streams.sonar_pings([sonar(t, pixels + (60000 if t == 50 else 0)) for t in range(200)], [])
+    assert found.image[0].max() == 255
+    assert found.image[50].min() == 255
+
+
+def test_pixels_that_are_no_finite_numbers_set_no_scale():
+    pixels = np.array([[np.nan, 500, np.inf], [1000, 250, 0]], np.float32)
+    assert streams.sonar_pings([sonar(0, pixels)], []).image.tolist() == [[[0, 128, 255], [255, 64, 0]]]
+
+
+def test_a_few_echoes_in_black_are_not_black():
+    pixels = np.zeros((100, 100), np.uint16)
+    pixels[50, 50:53] = [300, 150, 600]
+    found = streams.sonar_pings([sonar(0, pixels)], [])
+    assert found.image[0, 50, 50:53].tolist() == [128, 64, 255]
+
+
 def test_black_pings_stay_black():
     assert not streams.sonar_pings([sonar(0, np.zeros((2, 2), np.float32))], []).image.any()
 
