@@ -14,6 +14,7 @@ from pathlib import Path
 import click
 
 from hullrecon.api.dive_run import DiveRun
+from hullrecon.api.preflight import refuse_wrong_bow
 from hullrecon.artifacts.execution.chain_runner import StepOutcome, first_failure, run_chain
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import choose_progress
@@ -124,12 +125,14 @@ def execute(dive: DiveRun, last: str | None, options: RunOptions) -> None:
 
 
 def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
-    """Log what is to be done. Raises StorageError where the disk is too full.
+    """Log what is to be done. Raises InputError for a bow that the CAD model does not have, StorageError where the disk is too
+    full.
 
     A step is built beside its old artifact, so about that much space must be free.
     """
     to_do = [step.stage.name for step in plan if step.to_do]
     log.info("%s: %s", dive.name, f"to do: {', '.join(to_do)}" if to_do else "everything is up to date")
+    refuse_wrong_bow(dive, plan)
     needed = sum(r.size for s in plan if s.to_do and s.manifest is not None for r in s.manifest.outputs.values())
     free = shutil.disk_usage(dive.workspace.root).free
     if needed > free:

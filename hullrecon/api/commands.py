@@ -18,6 +18,7 @@ from hullrecon.api.method_variants import (
     read_solutions,
     solve_all,
 )
+from hullrecon.api.preflight import refuse_wrong_bow
 from hullrecon.artifacts.execution.chain_runner import first_failure, run_chain
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import Progress, Silent
@@ -55,7 +56,10 @@ def run_dive(
     dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
     chain = dive.chain if last_step is None else dive.chain.up_to(last_step)
     with _run_context(dive, jobs, progress) as run_context:
-        failure = first_failure(run_chain(chain, dive.workspace, run_context, keep_going=True))
+        outcomes = run_chain(
+            chain, dive.workspace, run_context, preflight=lambda plan: refuse_wrong_bow(dive, plan), keep_going=True
+        )
+    failure = first_failure(outcomes)
     if failure is not None:
         raise failure
     return dive

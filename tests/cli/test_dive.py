@@ -14,6 +14,9 @@ import pytest
 from datasets import dataset
 from hullrecon_cli.main import main
 
+from hullrecon.api.commands import run_dive
+from hullrecon.errors import InputError
+
 TOML = """[dive]
 name = "small"
 vessel = "MV Small"
@@ -305,6 +308,20 @@ def test_a_bow_across_the_ship_is_one_line_and_code_three(capsys, package):
     assert 'the bow cannot lie at +y: the CAD model is 20.0 m along x, 5.0 m along y (hull.bow): give "+x" or "-x"' in line
     (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "x"'))
     assert complaint(capsys, "check", package)[0] == 2
+
+
+def test_a_run_refuses_a_bow_across_the_ship_before_it_reads_a_log(capsys, package, tmp_path):
+    (package / "hull.off").write_text(TETRAHEDRON.format(20).replace("0 20 0", "0 5 0"))
+    (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "+y"'))
+    code, line = complaint(capsys, "run", package, "--runs", tmp_path / "runs")
+    assert code == 3
+    assert "the bow cannot lie at +y" in line
+    assert not list((tmp_path / "runs").glob("*/ingest"))
+    with pytest.raises(InputError, match="the bow cannot lie at"):
+        run_dive(package, tmp_path / "runs")
+    assert not list((tmp_path / "runs").glob("*/ingest"))
+    code, out, _ = call(capsys, "run", package, "--runs", tmp_path / "runs", "--to", "ingest")  # which does not ask for it
+    assert (code, out.split()[:2]) == (0, ["ingest", "ran"])
 
 
 def test_a_calibration_of_another_size_is_one_line_with_both_sizes_and_code_three(capsys, package):
