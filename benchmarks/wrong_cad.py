@@ -29,6 +29,7 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.dive.config import schema
 from hullrecon.dive.config.load import load_config
+from hullrecon.dive.hull.pose_guess import guess_sigma
 from hullrecon.errors import StageError
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
@@ -69,7 +70,7 @@ def measurements(package: Path, run: Path) -> tuple[Measurements, AdjustOptions]
             mesh=ingest.hull,
             chart=chart_for_hull(ingest.hull),
             guess=poses.from_mount(hull.pose),
-            guess_sigma=np.array(hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)],
+            guess_sigma=guess_sigma(hull.pose, hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)],
             deviation_sigma=hull.deviation_sigma,
             deviation_length=hull.deviation_length,
         ),

@@ -21,6 +21,7 @@ from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.artifacts.execution.memory_limit import refuse_small_address_space
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.dive.config import schema
+from hullrecon.dive.hull.pose_guess import guess_sigma
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
@@ -83,7 +84,7 @@ def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
     """Return the CAD model with the package's guess of its pose; None where the dive has none."""
     if hull is None or mesh is None:
         return None
-    sigma = np.array(hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)]
+    sigma = guess_sigma(hull.pose, hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)]
     guess = poses.from_mount(hull.pose)
     return CadModel(
         mesh=mesh,
@@ -135,6 +136,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=25,
+    version=26,
     run=run,
 )

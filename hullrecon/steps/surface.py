@@ -5,10 +5,9 @@ carried, from the landmarks."""
 
 from __future__ import annotations
 
-import numpy as np
-
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.dive.hull.pose_guess import guess_sigma
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_mount, up_in
 from hullrecon.records.serialisation import to_arrays
@@ -65,7 +64,7 @@ def _dead_reckoned_track(inputs: InputArtifacts, settings: StageSettings) -> tup
     track, pose = inputs.navigate.trajectory.track(), settings.read_optional("hull.pose", tuple)
     if inputs.ingest.hull is None or pose is None:
         return track, "dead reckoned"
-    sigma_m = np.array(settings.read("hull.pose_sigma", tuple)[:3])
+    sigma_m = guess_sigma(pose, settings.read_optional("hull.pose_sigma", tuple))[:3]
     return move_to_hull_frame(track, from_mount(pose), sigma_m), "dead reckoned, placed by hull.pose"
 
 
@@ -75,7 +74,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("adjust",),
     parameters=SurfaceOptions,
-    version=7,
+    version=8,
     run=run,
     fails_alone=True,
     uses=(*DVL_KEYS, "dvl.sigma_range", "hull.pose", "hull.pose_sigma", "hull.bow", "hull.aft_perpendicular"),

@@ -179,6 +179,16 @@ def test_the_chart_has_the_bow_and_the_stations_of_dive_toml():
     np.testing.assert_allclose(found[known, 0], 50.0 - along[known], atol=1e-6)
 
 
+def test_the_height_of_a_model_with_y_up_is_known_best():
+    mesh = cad_hull()
+    turned = replace(mesh, vertices=mesh.vertices @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]).T)
+    found = _cad_model(turned, schema.Hull(mesh="hull.stl", pose=(0, 0, 0, -90, 0, 0)))
+    forward, port, up = np.abs(found.chart.ship_axes)
+    shift, turn = found.guess_sigma[:3], np.degrees(found.guess_sigma[3:])
+    assert [float(axis @ shift) for axis in (forward, port, up)] == pytest.approx([1, 1, 0.3])
+    assert [float(axis @ turn) for axis in (forward, port, up)] == pytest.approx([1, 1, 5])
+
+
 def test_pycolmap_opens_the_model_and_finds_images_and_points_in_the_hull_frame(stereo):
     dive, out = stereo
     found, model = solution_in(out), pycolmap.Reconstruction(str(out / "colmap"))

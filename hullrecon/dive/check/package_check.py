@@ -22,6 +22,7 @@ from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.mounts import DEFAULTS, choose_mounts, describe_mounts, filled_in, refuse_parted_tray
 from hullrecon.dive.config.schema import DiveConfig, Hull
+from hullrecon.dive.hull.pose_guess import guess_sigma
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
@@ -231,8 +232,9 @@ def defaults_of(loaded: LoadedConfig, with_positions: bool = False) -> dict[str,
     """Return the keys of the vehicle's sections that dive.toml leaves to their defaults, with these values;
     with_positions: there are some from outside, by [position]."""
     names = (*VEHICLE_SECTIONS, "position") if with_positions else VEHICLE_SECTIONS
-    sections = {name: loaded.sections[name] for name in names}
-    return {
+    sections, hull = {name: loaded.sections[name] for name in names}, loaded.config.hull
+    by_pose = {} if hull is None or hull.pose_sigma is not None else {"hull.pose_sigma": guess_sigma(hull.pose, None).tolist()}
+    return by_pose | {
         f"{name}.{key}": value
         for name, section in sections.items()
         if isinstance(section, Struct)

@@ -99,7 +99,7 @@ units = "m"                      # of the file: m, mm, cm, ft, in
 # bow = "-x"                     # where the bow lies, if it is not where the long axis of the file grows
 # aft_perpendicular = 0.0        # where on that axis stations and frames count from, if that is not its zero
 # pose = [x, y, z, 180.0, 0.0, yaw]          # to fill in: first guess of the CAD model's frame in the global one
-pose_sigma = [1.0, 1.0, 0.3, 1.0, 1.0, 5.0]  # how good that guess is, at the middle of the survey
+# pose_sigma = [1.0, 1.0, 0.3, 1.0, 1.0, 5.0]  # how good that guess is, at the middle of the survey, by the axes of the file
 """
 
 NO_HULL = """

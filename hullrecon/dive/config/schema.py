@@ -258,8 +258,12 @@ class Hull(Section, frozen=True):
     units: Annotated[Literal["m", "mm", "cm", "ft", "in"], Meta(description="of the mesh")] = "m"
     pose: Annotated[Six, Meta(description="m and deg, first guess of T_g_M")] = (0.0, 0.0, 0.0, 180.0, 0.0, 0.0)
     pose_sigma: Annotated[
-        Six, Meta(description="m and deg, of the guess, in M's axes: the translation is that of the middle of the survey")
-    ] = (1.0, 1.0, 0.3, 1.0, 1.0, 5.0)
+        Six | None,
+        Meta(
+            description="m and deg, of the guess, in M's axes: the translation is that of the middle of the survey; absent: "
+            "1 m, vertically 0.3 m, 1 degree of heel and trim, 5 of heading, by the axis that `hull.pose` turns up"
+        ),
+    ] = None
     bow: Annotated[
         Literal["+x", "-x", "+y", "-y", "+z", "-z"] | None,
         Meta(description="where along the mesh's long axis the bow lies; absent: where that axis grows"),

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Hull
+from hullrecon.dive.hull.pose_guess import guess_sigma
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.solution import HullPose, Solution
 from hullrecon.records.surface import DeviationSplit, Surface
@@ -72,6 +73,6 @@ def alignment_document(hull_pose: HullPose, hull: Hull, weak_directions: Sequenc
         "covariance": hull_pose.covariance.tolist(),
         "covariance_order": "translation x y z in g (m), rotation x y z perturbed on the right (rad), about survey_center",
         "survey_center": hull_pose.survey_center.tolist(),
-        "prior": {**motion_document(from_mount(hull.pose)), "sigma_m_deg": list(hull.pose_sigma)},
+        "prior": {**motion_document(from_mount(hull.pose)), "sigma_m_deg": guess_sigma(hull.pose, hull.pose_sigma).tolist()},
         "weak_directions": list(weak_directions),
     }

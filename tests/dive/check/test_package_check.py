@@ -98,6 +98,14 @@ def test_defaults_are_those_keys_that_nobody_gave(package):
     assert "camera.top.calibration" not in defaults
 
 
+@pytest.mark.parametrize(("roll_deg", "sigma"), [(180, [1, 1, 0.3, 1, 1, 5]), (-90, [1, 0.3, 1, 1, 5, 1])])
+def test_the_sigma_of_the_hulls_pose_is_shown_by_the_axis_that_is_up(package, roll_deg, sigma):
+    given = ["hull.mesh='ship.stl'", f"hull.pose=[0,0,0,{roll_deg},0,0]"]
+    assert defaults_of(load_config(package, {}, given))["hull.pose_sigma"] == sigma
+    given.append("hull.pose_sigma=[2,2,2,2,2,2]")
+    assert "hull.pose_sigma" not in defaults_of(load_config(package, {}, given))
+
+
 def positions(kit, entry, count, step_m):
     """Points of a USBL, each some metres east of the last."""
     at = [kit.start_ns + k * 500_000_000 for k in range(count)]
