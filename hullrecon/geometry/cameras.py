@@ -43,9 +43,8 @@ class CameraModel:
     def project(self, points: ArrayLike) -> Array:
         """Return pixels (n, 2) of points (n, 3) in the camera frame; NaN behind the camera."""
         p = np.atleast_2d(np.asarray(points, float))
-        front = p[:, 2] > 1e-9
         xy = np.full((len(p), 2), np.nan)
-        xy[front] = p[front, :2] / p[front, 2:]
+        np.divide(p[:, :2], p[:, 2:], out=xy, where=p[:, 2:] > 1e-9)
         return self.distort(xy)
 
     def distort(self, xy: ArrayLike) -> Array:

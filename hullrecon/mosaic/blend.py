@@ -16,6 +16,7 @@ from hullrecon.mosaic.imagery.image_view import ImageView
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
 from hullrecon.typing import Array, Floats32, Ints32, Mask
 
+Part = tuple[slice, slice]
 VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
 
 
@@ -69,34 +70,74 @@ def choose_views(
     windows: dict[int, Window],
     limits: ViewLimits,
 ) -> BestViews:
-    """Return the best views first by distance from the image's best place, plus the slant of the view."""
-    best = BestViews(
-        view=np.full((VIEWS, *window.shape), -1, np.int32), cost=np.full((VIEWS, *window.shape), np.inf, np.float32)
-    )
-    for k, image_view in image_views.items():
-        part = windows[k].meet(window).within(window)
-        cost = view_cost(surface, patch, part, image_view, limits)
-        _insert(best, part, k, cost)
+    """Return the best views first by distance from the image's best place, plus the slant of the view.
+
+    Whether something stands in the way is asked of the views that would be the best, and of all only where it does: most of the
+    time goes into these rays.
+    """
+    parts = {k: w.meet(window).within(window) for k, w in windows.items()}
+    best = _rank(None, patch, parts, image_views, limits)
+    hidden = _find_hidden(surface, patch, best, parts, image_views, limits)
+    if hidden.any():
+        again = _rank(surface, patch.only(hidden), parts, image_views, limits)
+        best.view[:, hidden], best.cost[:, hidden] = again.view[:, hidden], again.cost[:, hidden]
     return best
 
 
+def _rank(
+    surface: MosaicSurface | None,
+    patch: SurfacePatch,
+    parts: dict[int, Part],
+    image_views: dict[int, ImageView],
+    limits: ViewLimits,
+) -> BestViews:
+    """Return the best views of each texel of the patch; surface: as for view_cost."""
+    shape = patch.point.shape[:2]
+    best = BestViews(view=np.full((VIEWS, *shape), -1, np.int32), cost=np.full((VIEWS, *shape), np.inf, np.float32))
+    for k, image_view in image_views.items():
+        if np.isfinite(patch.point[parts[k]][..., 0]).any():
+            _insert(best, parts[k], k, view_cost(surface, patch, parts[k], image_view, limits))
+    return best
+
+
+def _find_hidden(
+    surface: MosaicSurface,
+    patch: SurfacePatch,
+    best: BestViews,
+    parts: dict[int, Part],
+    image_views: dict[int, ImageView],
+    limits: ViewLimits,
+) -> Mask:
+    """Return at which texels (h, w) something stands in the way of one of the best views."""
+    hidden = np.zeros(best.view.shape[1:], bool)
+    for k in np.unique(best.view[best.view >= 0]).tolist():
+        rows = patch.rows(parts[k])[(best.view[(slice(None), *parts[k])] == k).any(axis=0)]
+        free, _ = seen(surface, patch, rows, image_views[k].center, limits.min_cosine)
+        hidden.ravel()[rows[~free]] = True
+    return hidden
+
+
 def view_cost(
-    surface: MosaicSurface, patch: SurfacePatch, part: tuple[slice, slice], image_view: ImageView, limits: ViewLimits
+    surface: MosaicSurface | None, patch: SurfacePatch, part: Part, image_view: ImageView, limits: ViewLimits
 ) -> Floats32:
-    """Return the cost (h, w) of a view for the part: lower is better, inf where the view does not see the texel."""
-    inside = patch.part(part)
-    point = inside.point.reshape(-1, 3)
-    cost = np.full(len(point), np.inf, np.float32)
-    rows = np.flatnonzero(np.isfinite(point[:, 0]))
-    _, ratio = image_view.project(point[rows])
+    """Return the cost (h, w) of a view for the part: lower is better, inf where the view does not see the texel. surface: what
+    may stand in its way, None to ask of nothing."""
+    known = np.isfinite(patch.point[part][..., 0])
+    place, rows = np.flatnonzero(known), patch.rows(part)[known]
+    _, ratio = image_view.project(patch.point.reshape(-1, 3)[rows])
     held = np.isfinite(ratio)
-    rows, ratio = rows[held], ratio[held]
-    free, cosine = seen(surface, inside, rows, image_view.center, limits.min_cosine)
-    cost[rows[free]] = ratio[free] + limits.slant * (1 - cosine[free])
-    return cost.reshape(inside.point.shape[:2])
+    place, rows, ratio = place[held], rows[held], ratio[held]
+    if surface is None:
+        cosine = patch.cosines(rows, image_view.center)
+        free = cosine > limits.min_cosine
+    else:
+        free, cosine = seen(surface, patch, rows, image_view.center, limits.min_cosine)
+    cost = np.full(known.shape, np.inf, np.float32)
+    cost.ravel()[place[free]] = ratio[free] + limits.slant * (1 - cosine[free])
+    return cost
 
 
-def _insert(best: BestViews, part: tuple[slice, slice], view: int, cost: Floats32) -> None:
+def _insert(best: BestViews, part: Part, view: int, cost: Floats32) -> None:
     """Insert into the sorted list of each texel."""
     names = np.full(cost.shape, view, np.int32)
     for place in range(VIEWS):
@@ -126,7 +167,7 @@ def blend(
         picture = image_views[k].picture()
         if picture is None:
             continue
-        part = windows[k].meet(window).within(window)
+        part = _bounds(choice, k, windows[k].meet(window).within(window))
         chosen = (choice.view[(slice(None), *part)] == k).any(axis=0)
         pixel, ratio = _project(patch, part, chosen, image_views[k])
         share = [band_weight(ratio, s) for s in STEEPNESS]
@@ -140,7 +181,17 @@ def blend(
     return Tile(value=_normalise(total, weights), variance=_variance(moments), views=count)
 
 
-def _project(patch: SurfacePatch, part: tuple[slice, slice], chosen: Mask, image_view: ImageView) -> tuple[Floats32, Array]:
+def _bounds(choice: BestViews, view: int, part: Part) -> Part:
+    """Return the rows and columns, within the part, of the texels that the view was chosen for."""
+    chosen = (choice.view[(slice(None), *part)] == view).any(axis=0)
+    rows, columns = (np.flatnonzero(chosen.any(axis=axis)) for axis in (1, 0))
+    return (
+        slice(part[0].start + int(rows[0]), part[0].start + int(rows[-1]) + 1),
+        slice(part[1].start + int(columns[0]), part[1].start + int(columns[-1]) + 1),
+    )
+
+
+def _project(patch: SurfacePatch, part: Part, chosen: Mask, image_view: ImageView) -> tuple[Floats32, Array]:
     """Return pixels (h, w, 2) and r/R (h, w) at the chosen texels of the part; NaN at the others."""
     pixel = np.full((*chosen.shape, 2), -1.0, np.float32)
     ratio = np.full(chosen.shape, np.nan)

@@ -55,6 +55,22 @@ class SurfacePatch:
         """Return the patch of some of its rows and columns."""
         return SurfacePatch(point=self.point[which], normal=self.normal[which], hidden_from=self.hidden_from[which])
 
+    def only(self, which: Mask) -> SurfacePatch:
+        """Return the patch with no surface but at those texels (h, w)."""
+        return replace(self, point=np.where(which[..., None], self.point, np.nan))
+
+    def rows(self, which: tuple[slice, slice]) -> Ints:
+        """Return the flat rows (h, w) of some of its rows and columns."""
+        height, width = self.point.shape[:2]
+        rows: Ints = np.arange(height * width).reshape(height, width)[which]
+        return rows
+
+    def cosines(self, rows: Ints, sensor: Array) -> Array:
+        """Return the cosines of the incidence (n,) of a sensor (3,) at flat rows of the patch."""
+        away = sensor - self.point.reshape(-1, 3)[rows]
+        normal = self.normal.reshape(-1, 3)[rows]
+        return np.asarray(np.einsum("ni,ni->n", away, normal) / np.linalg.norm(away, axis=1))
+
 
 def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
     """Return the outermost surface at each texel of the grid: a ray along the chart's normal from outside."""
@@ -101,13 +117,12 @@ def seen(surface: MosaicSurface, patch: SurfacePatch, rows: Ints, sensor: Array,
     line between them: for a sonar, nothing nearer in the same direction, so at the same bearing (docs/methods.md 14). Rays are
     cast only where the horizon reaches up to the line.
     """
-    point, normal = patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows]
-    away = sensor - point
-    cosine = np.einsum("ni,ni->n", away, normal) / np.linalg.norm(away, axis=1)
+    cosine = patch.cosines(rows, sensor)
     free = cosine > min_cosine
     tangent = np.sqrt(np.maximum(1 - cosine**2, 0)) / np.maximum(cosine, 1e-6)
     doubtful = free & (tangent >= patch.hidden_from.ravel()[rows])
-    free[doubtful] = find_unobstructed(surface, point[doubtful], normal[doubtful], sensor)
+    rows = rows[doubtful]
+    free[doubtful] = find_unobstructed(surface, patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows], sensor)
     return free, cosine
 
 

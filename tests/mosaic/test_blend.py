@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import CameraModel
@@ -12,7 +13,8 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import VIEWS, ViewLimits, blend_tile, choose_views
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.imagery.image_view import CameraView
-from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, find_unobstructed, sample_surface
+from hullrecon.typing import Array
 
 GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.004, height=150, width=200)
 LIMITS = ViewLimits()
@@ -81,6 +83,54 @@ def test_a_view_behind_a_block_is_not_chosen(
     choice = choose_views(surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
     beside = round((0.03 - GRID.west) / GRID.step_m)  # 1 cm behind the block, seen from the first camera
     np.testing.assert_array_equal(choice.view[:2, 75, beside], [1, -1])
+
+
+def ranked(surface: MosaicSurface, patch: SurfacePatch, image_views: dict[int, CameraView]) -> tuple[Array, Array]:
+    """Return views and costs (4, h, w) by a ray for each texel of each view: the plain twin of choose_views."""
+    point, normal = patch.point.reshape(-1, 3), patch.normal.reshape(-1, 3)
+    cost = np.full((len(image_views), len(point)), np.inf, np.float32)
+    for k, image_view in image_views.items():
+        ratio = image_view.project(point)[1]
+        away = image_view.center - point
+        cosine = np.einsum("ni,ni->n", away, normal) / np.linalg.norm(away, axis=1)
+        free = np.isfinite(ratio) & (cosine > LIMITS.min_cosine)
+        free[free] = find_unobstructed(surface, point[free], normal[free], image_view.center)
+        cost[k, free] = (ratio + LIMITS.slant * (1 - cosine))[free]
+    order = np.argsort(cost, axis=0, kind="stable")[:VIEWS]
+    cost = np.take_along_axis(cost, order, axis=0)
+    return np.where(np.isfinite(cost), order, -1).reshape(VIEWS, *GRID.whole.shape), cost.reshape(VIEWS, *GRID.whole.shape)
+
+
+def test_the_best_views_are_those_of_rays_for_all(
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
+) -> None:
+    surface = flat_surface(([-0.02, -0.3, 0.0], [0.02, 0.3, 0.2]))
+    shifts = (-0.1503, -0.0807, 0.0311, 0.1219, 0.1623, -0.0191, 0.0927)  # no texel lies half way between two
+    image_views = {k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None) for k, x in enumerate(shifts)}
+    patch = sample_surface(surface, GRID, GRID.whole)
+    choice = choose_views(surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
+    view, cost = ranked(surface, patch, image_views)
+    np.testing.assert_array_equal(choice.view, view)
+    np.testing.assert_allclose(choice.cost, cost, rtol=1e-6)
+    free = ranked(flat_surface(), sample_surface(flat_surface(), GRID, GRID.whole), image_views)[0]
+    assert (view != free).sum() > 1_000  # the block decides somewhere
+
+
+def test_rays_are_cast_for_the_views_that_are_chosen(
+    flat_surface: Callable[..., MosaicSurface],
+    camera: CameraModel,
+    above: Callable[..., Poses],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    surface = flat_surface()
+    patch = sample_surface(surface, GRID, GRID.whole)
+    shifts = np.linspace(-0.2, 0.2, 12)
+    image_views = {k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None) for k, x in enumerate(shifts)}
+    rays: list[int] = []
+    cast = surface.scene.cast
+    monkeypatch.setattr(surface.scene, "cast", lambda start, way: rays.append(len(way)) or cast(start, way))
+    choice = choose_views(surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
+    assert 0 < sum(rays) == (choice.view >= 0).sum()
 
 
 def test_an_image_that_cannot_be_read_is_left_out(
