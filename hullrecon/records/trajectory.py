@@ -96,9 +96,6 @@ class Trajectory:
         )
 
 
-UNKNOWN_DEPTH_M = 1.0  # sigma of a depth beyond which none was measured
-
-
 @dataclass(frozen=True, kw_only=True)
 class TrajectoryErrorModel:
     """What makes the poses of a Trajectory wrong, by cause, so that errors which two nodes share can cancel.
@@ -187,19 +184,21 @@ class PositionTies:
 @dataclass(frozen=True, kw_only=True)
 class Attitude:
     """Depth, roll and pitch at the nodes, as measured: node (m,), depth (m,) of the pressure sensor, roll, pitch (m,) rad,
-    and one sigma of the white part of each (m, 3). tray_direction (n_nodes,): +1 or -1, the sense in which the tray last
-    moved (for the servo's backlash); tray_sigma (n_nodes,): rad, beside the servo's own, of what the tray may have turned
-    while its angle was not read. Where no pressure sensor was read, the sigma of the depth is beyond UNKNOWN_DEPTH_M."""
+    and one sigma of the white part of each (m, 3). nodes_per_reading (m,): nodes that a reading of the pressure sensor comes
+    to, 1 at least, by whose square root the sigma of their depths is the larger; 0 where none was read. tray_direction
+    (n_nodes,): +1 or -1, the sense in which the tray last moved (for the servo's backlash); tray_sigma (n_nodes,): rad, beside
+    the servo's own, of what the tray may have turned while its angle was not read."""
 
     node: Ints
     depth: Array
     roll: Array
     pitch: Array
     sigma: Array
+    nodes_per_reading: Array
     tray_direction: Array
     tray_sigma: Array
 
     @property
     def has_depth(self) -> Mask:
         """Return at which rows (m,) a depth was measured."""
-        return np.asarray(self.sigma[:, 0] <= UNKNOWN_DEPTH_M)
+        return np.asarray(self.nodes_per_reading > 0)

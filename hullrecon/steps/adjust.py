@@ -136,6 +136,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=26,
+    version=27,
     run=run,
 )

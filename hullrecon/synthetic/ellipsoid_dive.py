@@ -98,6 +98,7 @@ def _attitude(rng: np.random.Generator, truth: Poses, navigation: Array) -> Atti
         roll=measured[:, 1],
         pitch=measured[:, 2],
         sigma=np.tile(ATTITUDE_SIGMA, (n, 1)),
+        nodes_per_reading=np.ones(n),
         tray_direction=np.ones(n),
         tray_sigma=np.zeros(n),
     )

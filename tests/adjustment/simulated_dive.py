@@ -259,6 +259,7 @@ def _attitude(rng, poses, sense):
         roll=roll_pitch[:, 0],
         pitch=roll_pitch[:, 1],
         sigma=sigma,
+        nodes_per_reading=np.ones(n),
         tray_direction=sense,
         tray_sigma=np.zeros(n),
     )

@@ -27,7 +27,7 @@ GIVEN_M = 0.02
 OPTIONS = AdjustOptions()
 
 
-def dive(scene, depth, noise_m, given_m=GIVEN_M):
+def dive(scene, depth, noise_m, given_m=GIVEN_M, nodes_per_reading=1):
     """Measurements and state of a dive at depths (n,) m, its pressure read with white noise, its tray as logged."""
     n = len(depth)
     noise = noise_m * np.random.default_rng(1).standard_normal(n)
@@ -37,7 +37,8 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M):
         depth=depth + noise,
         roll=level,
         pitch=level,
-        sigma=sigma,
+        sigma=sigma * np.sqrt([nodes_per_reading, 1, 1]),
+        nodes_per_reading=np.full(n, float(nodes_per_reading)),
         tray_direction=np.ones(n),
         tray_sigma=np.zeros(n),
     )
@@ -103,6 +104,18 @@ def test_depths_get_the_sigma_of_their_residuals(depth_weight) -> None:
     assert depth_weight(np.full(400, 3.0), noise_m=0.004) == pytest.approx(0.004 / GIVEN_M, rel=0.1)
 
 
+def test_nodes_that_share_a_reading_do_not_tell_its_sigma_the_better(depth_weight) -> None:
+    """The sigma at a node is that of the reading times the root of the nodes that share it, before and after."""
+    found = depth_weight(np.full(400, 3.0), noise_m=0.004, nodes_per_reading=25)
+    assert found == pytest.approx(depth_weight(np.full(400, 3.0), noise_m=0.004))
+
+
+def test_readings_that_many_nodes_share_count_once_against_the_waters_density(scene, depth_weight) -> None:
+    depth = np.linspace(2.0, 3.0, 400)
+    found = depth_weight(depth, noise_m=0.0, nodes_per_reading=25)
+    assert found == pytest.approx(scene.rig.density_sigma * 4 * np.std(depth) / GIVEN_M)
+
+
 def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_known(scene, depth_weight) -> None:
     depth = np.linspace(2.0, 3.0, 400)
     assert depth_weight(depth, noise_m=0.0) == pytest.approx(scene.rig.density_sigma * 20 * np.std(depth) / GIVEN_M)
@@ -116,7 +129,7 @@ def test_where_the_density_was_measured_many_depths_tell_more(scene, depth_weigh
 
 def test_depths_that_were_not_measured_do_not_count(scene) -> None:
     measured, _ = dive(scene, np.full(400, 3.0), 0.004)
-    measured.attitude.sigma[:300, 0] = 1e3
+    measured.attitude.sigma[:300, 0], measured.attitude.nodes_per_reading[:300] = 1e3, 0
     assert depth_sigma(measured, replace(WEIGHTS, depth=0.5)) == pytest.approx(0.5 * GIVEN_M)
 
 
@@ -125,7 +138,7 @@ def test_no_sigma_grows_beyond_what_navigation_gave(depth_weight) -> None:
 
 
 def test_depths_that_no_pressure_gave_keep_their_sigma(depth_weight) -> None:
-    assert depth_weight(np.full(400, 3.0), noise_m=0.004, given_m=10.0) == 1.0
+    assert depth_weight(np.full(400, 3.0), noise_m=0.004, given_m=10.0, nodes_per_reading=0) == 1.0
 
 
 @pytest.mark.parametrize(("options", "camera"), [(AdjustOptions(as_published=True), True), (OPTIONS, False)])

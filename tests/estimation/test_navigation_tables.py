@@ -83,7 +83,7 @@ def whitened(prior, start, step):
     return np.linalg.norm(prior.sqrt_information[0] @ local)
 
 
-def attitude(nodes, depth_sigma_m=0.01):
+def attitude(nodes, depth_sigma_m=0.01, nodes_per_reading=1.0):
     """As an IMU and a pressure sensor measure it at that many nodes."""
     return Attitude(
         node=np.arange(nodes),
@@ -91,15 +91,21 @@ def attitude(nodes, depth_sigma_m=0.01):
         roll=np.zeros(nodes),
         pitch=np.zeros(nodes),
         sigma=np.tile([depth_sigma_m, 1e-3, 1e-3], (nodes, 1)),
+        nodes_per_reading=np.full(nodes, nodes_per_reading),
         tray_direction=np.ones(5),
         tray_sigma=np.zeros(5),
     )
 
 
-@pytest.mark.parametrize("measured", ["depth and attitude", "attitude", "nothing"])
+@pytest.mark.parametrize("measured", ["depth and attitude", "coarse depth and attitude", "attitude", "nothing"])
 def test_the_gauge_fixes_place_and_heading_and_what_no_sensor_measures(measured):
     start = exp([[5.0, -3.0, 2.0, 0.3, -0.2, 1.1]])
-    levels = {"depth and attitude": attitude(5), "attitude": attitude(5, depth_sigma_m=1e3), "nothing": attitude(0)}
+    levels = {
+        "depth and attitude": attitude(5),
+        "coarse depth and attitude": attitude(5, depth_sigma_m=2.0, nodes_per_reading=25.0),
+        "attitude": attitude(5, depth_sigma_m=1e3, nodes_per_reading=0.0),
+        "nothing": attitude(0),
+    }
     prior = gauge_prior(start, levels[measured])
     assert prior.node.tolist() == [0]
     np.testing.assert_allclose(prior.value[0, :3], start.translation[0])
@@ -107,7 +113,7 @@ def test_the_gauge_fixes_place_and_heading_and_what_no_sensor_measures(measured)
         assert whitened(prior, start, 1e-4 * np.eye(6)[axis]) == pytest.approx(1, rel=1e-6)
     assert whitened(prior, start, 1e-5 * np.eye(6)[5]) == pytest.approx(1, rel=1e-4)
     depth, roll = (whitened(prior, start, step * np.eye(6)[axis]) for axis, step in ((2, 1e-4), (3, 1e-5)))
-    assert depth == pytest.approx(1e-5 if measured == "depth and attitude" else 1, rel=1e-3)
+    assert depth == pytest.approx(1e-5 if "depth" in measured else 1, rel=1e-3)
     assert roll == pytest.approx(1 if measured == "nothing" else 1e-5, rel=1e-3)
 
 

@@ -75,6 +75,7 @@ def simulate(seed: int, per_leg: int = 30, drift: float | None = None) -> Linked
         roll=measured[:, 1],
         pitch=measured[:, 2],
         sigma=np.tile(ATTITUDE_SIGMA, (len(truth), 1)),
+        nodes_per_reading=np.ones(len(truth)),
         tray_direction=np.ones(len(truth)),
         tray_sigma=np.zeros(len(truth)),
     )

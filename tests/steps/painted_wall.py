@@ -124,6 +124,7 @@ def level(record):
         roll=np.zeros(n),
         pitch=np.zeros(n),
         sigma=sigma,
+        nodes_per_reading=np.ones(n),
         tray_direction=np.ones(n),
         tray_sigma=np.zeros(n),
     )

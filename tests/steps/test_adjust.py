@@ -156,9 +156,9 @@ def test_a_guess_of_the_hulls_pose_without_a_depth_is_spoken_of():
     sigma = np.full((3, 3), 1e3)
     attitude = Attitude(
         node=np.arange(3), depth=np.zeros(3), roll=np.zeros(3), pitch=np.zeros(3), sigma=sigma,
-        tray_direction=np.ones(3), tray_sigma=np.zeros(3),
+        nodes_per_reading=np.zeros(3), tray_direction=np.ones(3), tray_sigma=np.zeros(3),
     )  # fmt: skip
-    measured = replace(attitude, sigma=np.vstack([[0.02, 0.002, 0.002], sigma[1:]]))
+    measured = replace(attitude, nodes_per_reading=np.array([25.0, 0, 0]), sigma=np.vstack([[2.0, 0.002, 0.002], sigma[1:]]))
     assert "take that depth off it" in guess_without_depth(object(), attitude)[0]
     assert guess_without_depth(object(), measured) == guess_without_depth(None, attitude) == []
 

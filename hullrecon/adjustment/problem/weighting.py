@@ -119,16 +119,18 @@ def depth_sigma(m: Measurements, weights: Weights) -> float:
 
 
 def _depth_weight(m: Measurements, state: State) -> float:
-    """Return the sigma of the depths from their residuals, in the sigma that navigation gave them. The water's density scales
-    all of them: n readings do not tell the dive's scale better than it is known."""
+    """Return the sigma of the depths from their residuals, in the sigma that navigation gave them: that of a reading, which
+    nodes that share it do not make smaller. The water's density scales all of them: n readings do not tell the dive's scale
+    better than it is known."""
     rows = _measured_depths(m)
     if not m.attitude.has_depth.any():
         return 1.0
     z = state.nodes[m.attitude.node[rows]].apply(m.rig.pressure_origin)[:, 2]
-    given = float(np.median(m.attitude.sigma[rows, 0]))
+    nodes = m.attitude.nodes_per_reading[rows]
+    given = float(np.median(m.attitude.sigma[rows, 0] / np.sqrt(nodes)))
     white = robust_sigma(z - m.attitude.depth[rows])
-    shared = m.rig.density_sigma * np.sqrt(len(z)) * float(np.std(z))
-    return float(np.clip(max(white, shared, 1e-3) / given, 0.0, 1.0))
+    by_density = m.rig.density_sigma * np.sqrt((1 / nodes).sum()) * float(np.std(z))
+    return float(np.clip(max(white, by_density, 1e-3) / given, 0.0, 1.0))
 
 
 def _measured_depths(m: Measurements) -> Ints:

@@ -211,15 +211,16 @@ def _attitude(path: Reckoning, at: Instant, depth: Depth | None, sigmas: Navigat
     n = len(at.t_ns)
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T
     measured = np.zeros(n) if depth is None else depth.measured
-    depth_is_measured = np.zeros(n, bool) if depth is None else depth.unread_s == 0
-    depth_sigma = sigmas.depth_m * (1.0 if depth is None else np.sqrt(depth.shared))
+    shared = np.zeros(n) if depth is None else np.where(depth.unread_s == 0, depth.shared, 0.0)
+    depth_sigma = np.where(shared > 0, sigmas.depth_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
     tilt = np.hypot(sigmas.tilt_rad, path.attitude.unread_sigma(at.t_ns))
     return Attitude(
         node=np.arange(n),
         depth=measured,
         roll=roll,
         pitch=pitch,
-        sigma=np.stack([np.where(depth_is_measured, depth_sigma, UNKNOWN_SIGMA_M), tilt, tilt], axis=1),
+        sigma=np.stack([depth_sigma, tilt, tilt], axis=1),
+        nodes_per_reading=shared,
         tray_direction=at.direction.copy(),
         tray_sigma=path.servo.unread_sigma(at.t_ns),
     )

@@ -204,20 +204,22 @@ def _attitude(
             roll=none,
             pitch=none,
             sigma=np.zeros((0, 3)),
+            nodes_per_reading=none,
             tray_direction=direction,
             tray_sigma=tray_sigma,
         )
     n = len(t_ns)
     roll, pitch = np.zeros((2, n)) if history is None else roll_pitch_yaw(history.rotation(t_ns)).T[:2]
     tilt = np.full(n, np.pi) if history is None else np.hypot(sigmas.tilt_rad, history.unread_sigma(t_ns))
-    is_read = np.zeros(n, bool) if depth is None else depth.is_read
-    depth_sigma = sigmas.depth_m * (1.0 if depth is None else np.sqrt(depth.shared))
+    shared = np.zeros(n) if depth is None else np.where(depth.is_read, depth.shared, 0.0)
+    depth_sigma = np.where(shared > 0, sigmas.depth_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
     return Attitude(
         node=np.arange(n),
         depth=np.zeros(n) if depth is None else depth.depth,
         roll=roll,
         pitch=pitch,
-        sigma=np.stack([np.where(is_read, depth_sigma, UNKNOWN_SIGMA_M), tilt, tilt], axis=1),
+        sigma=np.stack([depth_sigma, tilt, tilt], axis=1),
+        nodes_per_reading=shared,
         tray_direction=direction,
         tray_sigma=tray_sigma,
     )
