@@ -26,7 +26,7 @@ struct Image {
 };
 
 // Behind the camera the image is NaN.
-Image project(const Placement& camera, const Vector3d& point) {
+Image project(const Transform& camera, const Vector3d& point) {
   const Vector3d seen = camera.turn * point + camera.shift;
   const double depth = seen.z() > kAhead ? seen.z() : std::numeric_limits<double>::quiet_NaN();
   Image out;
@@ -50,7 +50,7 @@ Vector2d at(std::span<const double, 8> seen, int camera) {
   return {seen[2 * camera], seen[2 * camera + 1]};
 }
 
-const Placement kSame{Eigen::Matrix3d::Identity(), Vector3d::Zero()};
+const Transform kSame{Eigen::Matrix3d::Identity(), Vector3d::Zero()};
 
 // Its point in the leading camera of each node.
 std::array<Vector3d, 2> in_nodes(const StereoCameras& cameras, const Vector3d& point) {
@@ -59,7 +59,7 @@ std::array<Vector3d, 2> in_nodes(const StereoCameras& cameras, const Vector3d& p
 
 }  // namespace
 
-void squared_reprojections(const Placement& camera_from_point, std::span<const double> point, std::span<const double> xy,
+void squared_reprojections(const Transform& camera_from_point, std::span<const double> point, std::span<const double> xy,
                            std::span<double> squared) {
   for (size_t k = 0; k < squared.size(); ++k) {
     const Vector3d seen = camera_from_point.turn * Eigen::Map<const Vector3d>(&point[3 * k]) + camera_from_point.shift;
@@ -68,7 +68,7 @@ void squared_reprojections(const Placement& camera_from_point, std::span<const d
   }
 }
 
-void add_reprojections(const Placement& motion, const SeenPoints& seen, std::span<const bool> counts, MotionNormal& sum) {
+void add_reprojections(const Transform& motion, const SeenPoints& seen, std::span<const bool> counts, MotionNormal& sum) {
   const Eigen::Matrix3d back = motion.turn.transpose();
   for (size_t k = 0; k < counts.size(); ++k) {
     if (!counts[k]) continue;
@@ -116,7 +116,7 @@ StereoRows linearise_stereo(const StereoCameras& cameras, const Vector3d& point,
 
 CalibrationRows linearise_calibration(const StereoCameras& cameras, const Vector3d& point, std::span<const double, 8> seen) {
   CalibrationRows out = CalibrationRows::Zero();
-  const Placement& bottom = cameras.bottom_from_top;
+  const Transform& bottom = cameras.bottom_from_top;
   const Vector3d from_bottom = bottom.turn.transpose() * bottom.shift;
   const auto node = in_nodes(cameras, point);
   for (const int k : {1, 3}) {

@@ -12,7 +12,7 @@
 
 namespace hullrecon {
 
-struct Placement {  // moves a point from one frame into another: turn x + shift
+struct Transform {  // moves a point from one frame into another: turn x + shift
   Eigen::Matrix3d turn;
   Eigen::Vector3d shift;
 };
@@ -21,7 +21,7 @@ struct Placement {  // moves a point from one frame into another: turn x + shift
 struct SeenPoints {
   std::span<const double> point;  // three a point
   std::span<const double> xy;     // two a point
-  Placement camera_from_node;     // the camera in the frame that the points are moved into
+  Transform camera_from_node;     // the camera in the frame that the points are moved into
   bool backward;                  // the motion wanted carries these points with its inverse
   double baseline_m;              // of the rig that triangulated the points, for their uncertainty in depth
 };
@@ -34,12 +34,12 @@ struct MotionNormal {
 
 // Squared distances in the image of points (three each) as a camera sees them from where they saw it (two each): inf behind the
 // camera, 0 where not seen.
-void squared_reprojections(const Placement& camera_from_point, std::span<const double> point, std::span<const double> xy,
+void squared_reprojections(const Transform& camera_from_point, std::span<const double> point, std::span<const double> xy,
                            std::span<double> squared);
 
 // Adds what the points that `counts` tell of the motion: residuals whitened by an image's own error and that of the point's
 // depth, z^2 sqrt(2) / b for each unit of error in the image.
-void add_reprojections(const Placement& motion, const SeenPoints& seen, std::span<const bool> counts, MotionNormal& sum);
+void add_reprojections(const Transform& motion, const SeenPoints& seen, std::span<const bool> counts, MotionNormal& sum);
 
 // A feature of two stereo nodes: where the leading and the bottom camera of the first node saw it, then those of the second,
 // two numbers each.
@@ -47,7 +47,7 @@ constexpr int kStereoRows = 8;
 constexpr int kCalibration = 12;  // unknowns: of the rig (translation, rotation vector of T_ct_cb), of the disparity's field
 
 struct StereoCameras {
-  Placement motion, bottom_from_top;
+  Transform motion, bottom_from_top;
   double field;  // ideal units: the disparity's error is 1, x, y, x2, xy, y2 of the place in the leading image in units of it
 };
 

@@ -83,7 +83,7 @@ void expect_shape(const py::array& array, std::initializer_list<Index> shape, co
 }
 
 // A transform (4, 4), row by row.
-Placement placement(const double* matrix) {
+Transform transform_of(const double* matrix) {
   const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> m(matrix);
   return {m.topLeftCorner<3, 3>(), m.topRightCorner<3, 1>()};
 }
@@ -93,7 +93,7 @@ Doubles reprojections(const Doubles& motions, const Doubles& points, const Doubl
   expect_shape(motions, {trials, 4, 4}, "motions"), expect_shape(points, {n, 3}, "points"), expect_shape(xy, {n, 2}, "xy");
   Doubles out({trials, n});
   for (Index k = 0; k < trials; ++k) {
-    squared_reprojections(placement(motions.data(k, 0, 0)), span_of(points), span_of(xy),
+    squared_reprojections(transform_of(motions.data(k, 0, 0)), span_of(points), span_of(xy),
                           {out.mutable_data() + k * n, static_cast<size_t>(n)});
   }
   return out;
@@ -105,8 +105,8 @@ py::tuple normal_of_reprojections(const Doubles& motion, const Doubles& points, 
   expect_shape(motion, {4, 4}, "motion"), expect_shape(camera, {4, 4}, "camera_from_node");
   expect_shape(points, {n, 3}, "points"), expect_shape(xy, {n, 2}, "xy"), expect_shape(counts, {n}, "counts");
   MotionNormal sum;
-  const SeenPoints seen{span_of(points), span_of(xy), placement(camera.data()), backward, baseline_m};
-  add_reprojections(placement(motion.data()), seen, span_of(counts), sum);
+  const SeenPoints seen{span_of(points), span_of(xy), transform_of(camera.data()), backward, baseline_m};
+  add_reprojections(transform_of(motion.data()), seen, span_of(counts), sum);
   return py::make_tuple(Doubles({6, 6}, sum.information.data()), Doubles(6, sum.gradient.data()), sum.cost);
 }
 
@@ -119,7 +119,7 @@ struct StereoPair {
       : points(points), seen(seen) {
     expect_shape(motion, {4, 4}, "motion"), expect_shape(bottom_from_top, {4, 4}, "bottom_from_top");
     expect_shape(points, {points.shape(0), 3}, "points"), expect_shape(seen, {points.shape(0), kStereoRows}, "seen");
-    cameras = {placement(motion.data()), placement(bottom_from_top.data()), field};
+    cameras = {transform_of(motion.data()), transform_of(bottom_from_top.data()), field};
   }
 
   Index size() const { return points.shape(0); }

@@ -14,8 +14,8 @@ using namespace hullrecon;
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-const Placement kMotion{Eigen::AngleAxisd(0.1, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix(), {0.2, -0.05, 0.03}};
-const Placement kBottom{Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitX()).toRotationMatrix(), {0.0, -0.1, 0.0}};
+const Transform kMotion{Eigen::AngleAxisd(0.1, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix(), {0.2, -0.05, 0.03}};
+const Transform kBottom{Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitX()).toRotationMatrix(), {0.0, -0.1, 0.0}};
 
 std::array<double, 8> seen_of(const StereoCameras& cameras, const Eigen::Vector3d& point) {
   std::array<double, 8> out;

@@ -236,4 +236,9 @@ def test_what_is_delivered_in_place_of_a_refused_model_is_the_path_without_one()
     assert any(line.startswith("the CAD model is left out: only ") for line in told)
     outcome = summarise_adjustment(measured, refused, OPTIONS)
     assert outcome.summary["cad_model_refused"] == refused.refusal
-    assert any("The CAD model was left out" in warning for warning in outcome.warnings)
+    (said,) = [warning for warning in outcome.warnings if "The CAD model was left out" in warning]
+    assert "What is delivered comes from images and navigation alone" in said
+    blind = solved(camera=False, cad=False)
+    outcome = summarise_adjustment(blind.dive.measured, replace(blind.adjusted, refusal=refused.refusal), OPTIONS)
+    (said,) = [warning for warning in outcome.warnings if "The CAD model was left out" in warning]
+    assert "What is delivered comes from navigation alone" in said

@@ -337,8 +337,15 @@ def test_a_dvl_that_never_saw_the_bottom_is_an_error_in_words(perfect, rig, sile
 
 def test_an_imu_without_orientation_is_an_error_in_words(perfect, rig):
     blind = replace(perfect, imu=replace(perfect.imu, quaternion=np.full_like(perfect.imu.quaternion, np.nan)))
-    with pytest.raises(StageError, match="orientation"):
+    with pytest.raises(StageError, match="no orientation"):
         reckoned(blind, rig)
+
+
+def test_an_imu_with_a_single_orientation_is_not_said_to_have_none(perfect, rig):
+    quaternion = np.full_like(perfect.imu.quaternion, np.nan)
+    quaternion[0] = perfect.imu.quaternion[0]
+    with pytest.raises(StageError, match="a single orientation"):
+        reckoned(replace(perfect, imu=replace(perfect.imu, quaternion=quaternion)), rig)
 
 
 def test_the_same_logs_give_the_same_numbers(noisy, rig):

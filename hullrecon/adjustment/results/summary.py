@@ -177,11 +177,12 @@ def _left_out(m: Measurements, adjusted: Adjusted) -> int:
     return int(seen - adjusted.chosen.top.sum() - adjusted.chosen.bottom.sum())
 
 
-def _placement_warnings(adjusted: Adjusted) -> list[str]:
+def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     """Return what was found of the CAD model against what the package says of it."""
     if adjusted.refusal is not None:
+        sources = "images and navigation" if len(solution.landmarks) else "navigation"
         return [
-            f"The CAD model was left out: {adjusted.refusal}. What is delivered comes from images and navigation alone, in "
+            f"The CAD model was left out: {adjusted.refusal}. What is delivered comes from {sources} alone, in "
             "frame g: positions are relative to where the dive began. Check [hull] mesh, units and pose in dive.toml."
         ]
     found = adjusted.registration
@@ -233,7 +234,7 @@ def _form_warnings(adjusted: Adjusted) -> list[str]:
 
 def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     """Return what an inspector should know before trusting the result."""
-    found = _placement_warnings(adjusted)
+    found = _placement_warnings(adjusted, solution)
     if not adjusted.result.converged:
         found.append(f"The adjustment stopped before it converged ({adjusted.result.message}): raise adjust.max_iterations.")
     missed = float(np.mean(~adjusted.result.ray_hit)) if len(adjusted.result.ray_hit) else 0.0

@@ -27,7 +27,8 @@ def describe_bow(hull: Hull, mesh: Mesh) -> tuple[str, list[str]]:
     why = "hull.bow" if hull.bow is not None else f"where {axis} grows, as hull.bow is not given"
     counted = f"its {axis} = {zero:g}{' m' if zero else ''}"
     end = f"{abs(ahead):.1f} m {'forward' if ahead >= 0 else 'aft'} of its aft end"
-    line = f"bow: at {axis} = {bow * forward.sum():+.1f} m of the CAD model ({why}); stations count from {counted}, {end}"
+    at = round(float(bow * forward.sum()), 1) + 0.0  # no "-0.0"
+    line = f"bow: at {axis} = {at:+.1f} m of the CAD model ({why}); stations count from {counted}, {end}"
     if abs(ahead) <= AFT_SHARE * (bow - aft):
         return line, []
     return line, [

@@ -34,6 +34,8 @@ def check_consistency(config: DiveConfig, records: SensorRecords, images: Mappin
     dvl, imu, pressure = records.dvl, records.imu, records.pressure
     if imu is not None:
         out += _check_gravity(imu, config.imu.frame)
+        if len(imu.t_ns) == 1:
+            out.append("the IMU gave a single reading: a run needs two")
     if dvl is not None and imu is not None and not images:
         out += _check_reckoned(dvl, imu, pressure)
     if dvl is not None and imu is not None and pressure is not None:
@@ -71,8 +73,9 @@ def check_mount_of_attitude(config: DiveConfig, tray: JointSamples | None) -> li
 
 
 def _check_clocks(streams: Mapping[str, Stream]) -> list[str]:
-    """Return a sentence for each stream that does not overlap in time with the longest one."""
-    spans = {name: (int(s.t_ns[0]), int(s.t_ns[-1])) for name, s in streams.items() if len(s.t_ns)}
+    """Return a sentence for each stream that does not overlap in time with the longest one. A single reading, as of a joint
+    that stands still, says nothing about a clock."""
+    spans = {name: (int(s.t_ns[0]), int(s.t_ns[-1])) for name, s in streams.items() if len(s.t_ns) > 1}
     if not spans:
         return []
     main = max(spans, key=lambda name: spans[name][1] - spans[name][0])

@@ -129,9 +129,15 @@ def sort_streams(logs: NavigationLogs) -> tuple[NavigationLogs, list[str]]:
 def finite_attitude(imu: ImuSamples) -> ImuSamples:
     """Return the readings that have an orientation. Raises StageError where there are fewer than two."""
     known = np.isfinite(imu.quaternion).all(axis=1) & (np.linalg.norm(imu.quaternion, axis=1) > 0.5)
-    if known.sum() < 2:
+    if not known.any():
         raise StageError(
             "the IMU gave no orientation", where="imu", remedy="log sensor_msgs/Imu with its orientation filled in"
+        )
+    if known.sum() < 2:
+        raise StageError(
+            "the IMU gave a single orientation, and a path needs two",
+            where="imu",
+            remedy="look whether its log is whole, and whether dive.from and dive.to leave it out",
         )
     return ImuSamples(
         t_ns=imu.t_ns[known],

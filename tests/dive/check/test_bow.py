@@ -31,6 +31,11 @@ def test_the_end_that_is_taken_for_the_bow_is_named_with_the_reason():
     assert warnings == []
 
 
+def test_a_bow_at_zero_has_no_minus_sign():
+    line, _ = describe_bow(hull(bow="-x"), box((0.02, -4.5, 0), (50, 4.5, 5.5)))
+    assert line.startswith("bow: at x = +0.0 m")
+
+
 def test_a_bow_on_the_negative_axis_is_the_other_end():
     line, warnings = describe_bow(hull(bow="-x", aft_perpendicular=-1.5), box((-50, -4.5, 0), (0, 4.5, 5.5)))
     assert line == (

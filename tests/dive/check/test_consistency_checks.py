@@ -113,6 +113,19 @@ def test_clocks_that_do_not_overlap_are_named_with_how_far_they_are_apart():
     assert found == ["camera_top and pressure do not overlap in time: one of the clocks is off by 80.2 s or more"]
 
 
+def test_a_joint_that_was_read_once_says_nothing_about_clocks():
+    """As one that stands still, put at the start of a time window, before the IMU's first reading in it."""
+    once = JointSamples(t_ns=T[:1] - NS, angle=np.zeros(1))
+    assert check_consistency(config(), SensorRecords(**{**dive(), "tray": once}), {}) == []
+
+
+def test_an_imu_that_was_read_once_is_named():
+    imu = dive()["imu"]
+    single = ImuSamples(**{f.name: getattr(imu, f.name)[:1] for f in fields(imu)})
+    found = check_consistency(config(), SensorRecords(pressure=dive()["pressure"], imu=single), {})
+    assert found == ["the IMU gave a single reading: a run needs two"]
+
+
 def test_a_camera_that_looks_away_from_the_dvl_is_named():
     cameras = Cameras(top=CameraTop(calibration="c", mount=(0, 0, 0, 0, 0, 0)))
     assert "looks 90 degrees away" in check_consistency(config(camera=cameras), SensorRecords(), {})[0]
