@@ -15,9 +15,7 @@ from hullrecon.typing import Pixels
 
 GRAY_OR_TIFF = (b"P2", b"P5", b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")  # the first bytes of PGM and TIFF, which may have 16 bits
 BITS_PER_SAMPLE = 258  # TIFF's tag
-MOST_PIXELS = (
-    LARGEST_PIXELS // 2
-)  # in colour 12 bytes are taken for each: half a gigabyte; of larger ones the upper 8 bits are read
+MOST_PIXELS = LARGEST_PIXELS // 2  # of larger ones the upper 8 bits are read: in colour each takes 12 bytes, half a gigabyte
 DEPTHS = (8, 10, 12, 14)  # bits that cameras measure; 16 take all that two bytes hold
 
 
