@@ -143,10 +143,9 @@ def _cluster_factor(information: Array, gradient: Array, variance: float, cell: 
     independent features of that variance would leave once the motion is fitted to them.
     """
     whole = np.linalg.inv(information.sum(axis=0))
-    count, size = int(cell.max()) + 1, len(whole)
-    summed, own = np.zeros((count, size)), np.zeros((count, size, size))
-    np.add.at(summed, cell, gradient)
-    np.add.at(own, cell, information)
+    size, order = len(whole), np.argsort(cell, kind="stable")
+    first = np.flatnonzero(np.diff(cell[order], prepend=-1))
+    summed, own = np.add.reduceat(gradient[order], first), np.add.reduceat(information[order], first)
     share = whole @ own
     expected = variance * (size - float(np.einsum("cij,cji->", share, share)))
     found = float(np.einsum("ci,ij,cj->", summed, whole, summed))
