@@ -296,7 +296,8 @@ def test_the_first_pose_fixes_what_no_sensor_measures(levelled):
     attitude = dive.measured.attitude
     if not levelled:
         attitude = replace(attitude, node=attitude.node[:0], depth=attitude.depth[:0], roll=attitude.roll[:0],
-                           pitch=attitude.pitch[:0], sigma=attitude.sigma[:0])  # fmt: skip
+                           pitch=attitude.pitch[:0], sigma=attitude.sigma[:0],
+                           nodes_per_reading=attitude.nodes_per_reading[:0])  # fmt: skip
     measured = replace(dive.measured, attitude=attitude)
     problem, _, _ = problem_at(replace(dive, measured=measured), true_state(dive))
     to_global = Rotation.from_quat(measured.trajectory.quaternion[0]).as_matrix()

@@ -74,7 +74,10 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
         "anchor": "p", "plane": "p 3", "ranges": {}, "first": "m", "second": "m", "difference": "m 3", "information": "m 3 3",
         "point": "m 3", "place": "m 3", "by_place": "m 3 3",
     },
-    Attitude: {"node": "m", "depth": "m", "roll": "m", "pitch": "m", "sigma": "m 3", "tray_direction": "n", "tray_sigma": "n"},
+    Attitude: {
+        "node": "m", "depth": "m", "roll": "m", "pitch": "m", "sigma": "m 3", "nodes_per_reading": "m", "tray_direction": "n",
+        "tray_sigma": "n",
+    },
     Tracks: {"landmark": "m", "node": "m", "top": "m 2", "bottom": "m 2", "response": "m", "color": "k 3"},
     Surface: {"vertices": "n 3", "faces": "m 3", "deviation": "n", "sigma": "n", "support": "n"},
     DeviationSplit: {"offset": "", "offset_sigma": "", "tilt": "2", "tilt_sigma": "2", "form": "n", "form_sigma": "n"},
