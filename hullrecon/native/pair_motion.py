@@ -50,9 +50,6 @@ class StereoRows:
     by_motion: Array
     by_calibration: Array
 
-    def __getitem__(self, rows: Mask) -> StereoRows:
-        return StereoRows(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
-
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedFeatures:

@@ -35,7 +35,7 @@ def check_consistency(config: DiveConfig, records: SensorRecords, images: Mappin
     if imu is not None:
         out += _check_gravity(imu, config.imu.frame)
         if len(imu.t_ns) == 1:
-            out.append("the IMU gave a single reading: a run needs two")
+            out.append("the IMU gave a single reading, which tells no attitude")
     if dvl is not None and imu is not None and not images:
         out += _check_reckoned(dvl, imu, pressure)
     if dvl is not None and imu is not None and pressure is not None:

@@ -22,7 +22,7 @@ from hullrecon.navigation.dead_reckoning.unplaced import describe_unplaced
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import attitude_history
 from hullrecon.navigation.sensors.clock import in_order
-from hullrecon.navigation.sensors.depth import Depth, hold_to_pressure
+from hullrecon.navigation.sensors.depth import Depth, depth_at_nodes_sigma, hold_to_pressure
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
 from hullrecon.navigation.sigmas import NavigationSigmas
@@ -31,7 +31,6 @@ from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Ints
 
-UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
 LOST_SIGMA_M = 0.5  # of the way across an outage: from there on images that show nothing are not worth a pose
 
 
@@ -217,15 +216,14 @@ def _attitude(path: Reckoning, at: Instant, depth: Depth | None, sigmas: Navigat
     n = len(at.t_ns)
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T
     measured = np.zeros(n) if depth is None else depth.measured
-    shared = np.zeros(n) if depth is None else np.where(depth.unread_s == 0, depth.shared, 0.0)
-    depth_sigma = np.where(shared > 0, sigmas.depth_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
+    shared = np.zeros(n) if depth is None else depth.shared
     tilt = np.hypot(sigmas.tilt_rad, path.attitude.unread_sigma(at.t_ns))
     return Attitude(
         node=np.arange(n),
         depth=measured,
         roll=roll,
         pitch=pitch,
-        sigma=np.stack([depth_sigma, tilt, tilt], axis=1),
+        sigma=np.stack([depth_at_nodes_sigma(sigmas.depth_m, shared), tilt, tilt], axis=1),
         nodes_per_reading=shared,
         tray_direction=at.direction.copy(),
         tray_sigma=path.servo.unread_sigma(at.t_ns),

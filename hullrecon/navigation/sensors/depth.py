@@ -25,6 +25,7 @@ from hullrecon.typing import Array, Ints, Mask
 WIDTH_S = 5.0
 STEP_M = 0.3  # between two readings, beyond what the DVL saw
 LEAST_SIGMA_M = 1e-3
+UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
 AROUND_S, AROUND_PERIODS = 5.0, 2.5  # of a node, within which nodes and readings are counted: the longer of the two
 AT_AN_EDGE = 2.5  # sigma of a line fitted to one side with Gaussian weights over that of one fitted to both
 
@@ -32,9 +33,9 @@ AT_AN_EDGE = 2.5  # sigma of a line fitted to one side with Gaussian weights ove
 @dataclass(frozen=True, kw_only=True)
 class Depth:
     """z to add to the DVL's vertical path at the nodes: shift (n,) and its sigma (n,), m. measured (n,): depth of the sensor
-    there; shared (n,): how many nodes come to a reading, 1 at least. steps (k,): stamps where the pressure jumped against the
-    DVL; white: scatter of one reading, m. unread_s (n,): how far in time the next reading is, 0 where the depth was measured;
-    silence: the same in words, "" without any."""
+    there; shared (n,): how many nodes come to a reading, 0 where none was near. steps (k,): stamps where the pressure jumped
+    against the DVL; white: scatter of one reading, m. unread_s (n,): how far in time the next reading is, 0 where the depth was
+    measured; silence: the same in words, "" without any."""
 
     shift: Array
     sigma: Array
@@ -80,14 +81,20 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
 
 def nodes_per_reading(read_ns: Ints, nodes_ns: Ints, measured: Mask) -> Array:
     """Return how many nodes there are to a reading around each (n,), 1 where readings are more: by so many depths at nodes are
-    one and the same reading's. measured (n,): nodes whose depth was; the others are not counted."""
+    one and the same reading's. measured (n,): nodes whose depth was; the others are not counted, and have 0."""
     period_s = float(np.median(np.diff(read_ns))) * 1e-9 if len(read_ns) > 1 else 0.0
     half_ns = round(1e9 * max(AROUND_S, AROUND_PERIODS * period_s))
     nodes, readings = (
         np.searchsorted(stamps, nodes_ns + half_ns, side="right") - np.searchsorted(stamps, nodes_ns - half_ns)
         for stamps in (nodes_ns[measured], read_ns)
     )
-    return np.asarray(np.maximum(1.0, nodes / np.maximum(readings, 1)))
+    return np.asarray(np.where(measured, np.maximum(1.0, nodes / np.maximum(readings, 1)), 0.0))
+
+
+def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
+    """Return the sigma (n,) m of depths at nodes, shared (n,) to a reading of that sigma: together they say what it says. Wide
+    where none was read."""
+    return np.where(shared > 0, sigma_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
 
 
 def _smooth(t_s: Array, values: Array, at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:

@@ -13,13 +13,13 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, identity, tray_poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
-from hullrecon.navigation.dead_reckoning.dead_reckon import UNKNOWN_SIGMA_M, Navigated, finite_attitude
+from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, finite_attitude
 from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
 from hullrecon.navigation.sensors.clock import in_order, seconds
-from hullrecon.navigation.sensors.depth import nodes_per_reading
+from hullrecon.navigation.sensors.depth import depth_at_nodes_sigma, nodes_per_reading
 from hullrecon.navigation.sensors.servo import Servo, servo
 from hullrecon.navigation.sensors.silence import describe_silence, unread_s
 from hullrecon.navigation.sigmas import NavigationSigmas
@@ -36,7 +36,7 @@ from hullrecon.navigation.stereo_odometry.visual_odometry import (
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 from hullrecon.rig import SensorRig
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,11 +58,10 @@ class Aids:
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredDepth:
-    """depth (n,) m of the pressure sensor at the nodes; is_read (n,): False where it was silent; silence: that in
-    words. shared (n,): how many nodes come to a reading, 1 at least."""
+    """depth (n,) m of the pressure sensor at the nodes; shared (n,): how many nodes come to a reading, 0 where none was near;
+    silence: where that is, in words."""
 
     depth: Array
-    is_read: Mask
     silence: str
     shared: Array
 
@@ -155,9 +154,8 @@ def _depths(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | Non
     start = int(t_ns[0])
     read_ns = record.t_ns[known]
     depth = np.interp(seconds(t_ns, start), seconds(read_ns, start), record.depth[known])
-    is_read = unread_s(read_ns, t_ns) == 0
-    shared = nodes_per_reading(read_ns, t_ns, is_read)
-    return MeasuredDepth(depth=depth, is_read=is_read, silence=describe_silence(read_ns, t_ns), shared=shared)
+    shared = nodes_per_reading(read_ns, t_ns, unread_s(read_ns, t_ns) == 0)
+    return MeasuredDepth(depth=depth, silence=describe_silence(read_ns, t_ns), shared=shared)
 
 
 def _edges(step: Poses, covariance: Array, lost: Ints) -> Odometry:
@@ -211,14 +209,13 @@ def _attitude(
     n = len(t_ns)
     roll, pitch = np.zeros((2, n)) if history is None else roll_pitch_yaw(history.rotation(t_ns)).T[:2]
     tilt = np.full(n, np.pi) if history is None else np.hypot(sigmas.tilt_rad, history.unread_sigma(t_ns))
-    shared = np.zeros(n) if depth is None else np.where(depth.is_read, depth.shared, 0.0)
-    depth_sigma = np.where(shared > 0, sigmas.depth_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
+    shared = np.zeros(n) if depth is None else depth.shared
     return Attitude(
         node=np.arange(n),
         depth=np.zeros(n) if depth is None else depth.depth,
         roll=roll,
         pitch=pitch,
-        sigma=np.stack([depth_sigma, tilt, tilt], axis=1),
+        sigma=np.stack([depth_at_nodes_sigma(sigmas.depth_m, shared), tilt, tilt], axis=1),
         nodes_per_reading=shared,
         tray_direction=direction,
         tray_sigma=tray_sigma,

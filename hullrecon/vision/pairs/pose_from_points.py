@@ -61,7 +61,7 @@ def ransac(
 
 def _share(motion: Array, views: list[ObservedPoints], tolerance: float) -> float:
     seen = sum(int(np.isfinite(s.xy[:, 0]).sum()) for s in views)
-    good = sum(int((squared_errors(motion[None], s)[0][np.isfinite(s.xy[:, 0])] < tolerance**2).sum()) for s in views)
+    good = sum(int(rows.sum()) for rows in _inliers(motion, views, tolerance))
     return good / max(seen, 1)
 
 

@@ -123,7 +123,7 @@ def test_an_imu_that_was_read_once_is_named():
     imu = dive()["imu"]
     single = ImuSamples(**{f.name: getattr(imu, f.name)[:1] for f in fields(imu)})
     found = check_consistency(config(), SensorRecords(pressure=dive()["pressure"], imu=single), {})
-    assert found == ["the IMU gave a single reading: a run needs two"]
+    assert found == ["the IMU gave a single reading, which tells no attitude"]
 
 
 def test_a_camera_that_looks_away_from_the_dvl_is_named():
