@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "factors/motion.h"
+
 namespace hullrecon {
 
 namespace {
@@ -35,11 +37,9 @@ Image project(const Transform& camera, const Vector3d& point) {
   return out;
 }
 
-// Rows (a x b) of a point with each row of a derivative, or of each row with the point.
+// Vector products of a point with each row of a derivative.
 Matrix23 point_cross_rows(const Vector3d& point, const Matrix23& rows) {
-  Matrix23 out;
-  for (int k = 0; k < 2; ++k) out.row(k) = point.cross(rows.row(k).transpose()).transpose();
-  return out;
+  return -rows * hat(point);
 }
 
 bool is_seen(const Vector2d& residual) {
@@ -114,7 +114,8 @@ StereoRows linearise_stereo(const StereoCameras& cameras, const Vector3d& point,
   return out;
 }
 
-CalibrationRows linearise_calibration(const StereoCameras& cameras, const Vector3d& point, std::span<const double, 8> seen) {
+CalibrationRows linearise_calibration(const StereoCameras& cameras, double field, const Vector3d& point,
+                                      std::span<const double, 8> seen) {
   CalibrationRows out = CalibrationRows::Zero();
   const Transform& bottom = cameras.bottom_from_top;
   const Vector3d from_bottom = bottom.turn.transpose() * bottom.shift;
@@ -125,7 +126,7 @@ CalibrationRows linearise_calibration(const StereoCameras& cameras, const Vector
     out.block<2, 3>(2 * k, 0) = -image.by_point;
     out.block<2, 3>(2 * k, 3) = -point_cross_rows(node[k / 2] + from_bottom, image.by_point);
     const Vector2d along = image.by_point * node[k / 2];  // where a point goes that is nearer or farther
-    const Vector2d place = at(seen, k - 1) / cameras.field;
+    const Vector2d place = at(seen, k - 1) / field;
     const double x = place.x(), y = place.y();
     Eigen::Matrix<double, 1, 6> shape;
     shape << 1, x, y, x * x, x * y, y * y;

@@ -48,11 +48,10 @@ constexpr int kCalibration = 12;  // unknowns: of the rig (translation, rotation
 
 struct StereoCameras {
   Transform motion, bottom_from_top;
-  double field;  // ideal units: the disparity's error is 1, x, y, x2, xy, y2 of the place in the leading image in units of it
 };
 
-// Residuals of a feature with their derivatives by its point in the first leading camera, by the motion and by the calibration;
-// rows that were not seen are zero.
+// Residuals of a feature with their derivatives by its point in the first leading camera and by the motion; rows that were not
+// seen are zero.
 struct StereoRows {
   Eigen::Matrix<double, kStereoRows, 1> residual;
   Eigen::Matrix<double, kStereoRows, 3, Eigen::RowMajor> by_point;
@@ -61,7 +60,9 @@ struct StereoRows {
 using CalibrationRows = Eigen::Matrix<double, kStereoRows, kCalibration, Eigen::RowMajor>;
 
 StereoRows linearise_stereo(const StereoCameras& cameras, const Eigen::Vector3d& point, std::span<const double, 8> seen);
-CalibrationRows linearise_calibration(const StereoCameras& cameras, const Eigen::Vector3d& point,
+// Derivatives by the calibration. field, ideal units: the disparity's error is 1, x, y, x2, xy, y2 of the place in the leading
+// image in units of it.
+CalibrationRows linearise_calibration(const StereoCameras& cameras, double field, const Eigen::Vector3d& point,
                                       std::span<const double, 8> seen);
 
 // The same with the point eliminated. freedom: rows that were seen, less three; cost: of the best point; what a step s of the

@@ -115,11 +115,11 @@ struct StereoPair {
   StereoCameras cameras;
   Doubles points, seen;
 
-  StereoPair(const Doubles& motion, const Doubles& bottom_from_top, double field, const Doubles& points, const Doubles& seen)
+  StereoPair(const Doubles& motion, const Doubles& bottom_from_top, const Doubles& points, const Doubles& seen)
       : points(points), seen(seen) {
     expect_shape(motion, {4, 4}, "motion"), expect_shape(bottom_from_top, {4, 4}, "bottom_from_top");
     expect_shape(points, {points.shape(0), 3}, "points"), expect_shape(seen, {points.shape(0), kStereoRows}, "seen");
-    cameras = {transform_of(motion.data()), transform_of(bottom_from_top.data()), field};
+    cameras = {transform_of(motion.data()), transform_of(bottom_from_top.data())};
   }
 
   Index size() const { return points.shape(0); }
@@ -138,14 +138,14 @@ void put(Doubles& out, Index row, const Matrix& values) {
 
 py::dict stereo_rows(const Doubles& motion, const Doubles& bottom_from_top, double field, const Doubles& points,
                      const Doubles& seen) {
-  const StereoPair pair(motion, bottom_from_top, field, points, seen);
+  const StereoPair pair(motion, bottom_from_top, points, seen);
   const Index m = pair.size();
   Doubles residual({m, Index{8}}), by_point({m, Index{8}, Index{3}}), by_motion({m, Index{8}, Index{6}});
   Doubles by_calibration({m, Index{8}, Index{kCalibration}});
   for (Index k = 0; k < m; ++k) {
     const StereoRows rows = linearise_stereo(pair.cameras, pair.point(k), pair.views(k));
     put(residual, k, rows.residual), put(by_point, k, rows.by_point), put(by_motion, k, rows.by_motion);
-    put(by_calibration, k, linearise_calibration(pair.cameras, pair.point(k), pair.views(k)));
+    put(by_calibration, k, linearise_calibration(pair.cameras, field, pair.point(k), pair.views(k)));
   }
   py::dict out;
   out["residual"] = residual, out["by_point"] = by_point, out["by_motion"] = by_motion;
@@ -154,7 +154,7 @@ py::dict stereo_rows(const Doubles& motion, const Doubles& bottom_from_top, doub
 }
 
 py::dict reduce_stereo(const Doubles& motion, const Doubles& bottom_from_top, const Doubles& points, const Doubles& seen) {
-  const StereoPair pair(motion, bottom_from_top, 1.0, points, seen);
+  const StereoPair pair(motion, bottom_from_top, points, seen);
   const Index m = pair.size();
   Doubles information({m, Index{6}, Index{6}}), gradient({m, Index{6}}), cost(m), inverse({m, Index{3}, Index{3}});
   Doubles point_gradient({m, Index{3}}), by_motion({m, Index{6}, Index{3}});

@@ -31,25 +31,25 @@ std::array<double, 8> seen_of(const StereoCameras& cameras, const Eigen::Vector3
 }  // namespace
 
 TEST_CASE("a feature at its place has no residual, and a camera that missed it no rows") {
-  const StereoCameras cameras{kMotion, kBottom, 0.5};
+  const StereoCameras cameras{kMotion, kBottom};
   const Eigen::Vector3d point(0.2, -0.1, 1.4);
   auto seen = seen_of(cameras, point);
   CHECK(linearise_stereo(cameras, point, seen).residual.norm() < 1e-15);
   seen[2] = seen[3] = kNone;
   const StereoRows rows = linearise_stereo(cameras, point, seen);
   CHECK(rows.by_point.middleRows<2>(2).isZero(0));
-  CHECK(linearise_calibration(cameras, point, seen).middleRows<2>(2).isZero(0));
+  CHECK(linearise_calibration(cameras, 0.5, point, seen).middleRows<2>(2).isZero(0));
   CHECK(reduce(rows).freedom == 3);
 }
 
 TEST_CASE("a point behind every camera leaves finite numbers that say nothing") {
-  const StereoCameras cameras{kMotion, kBottom, 0.5};
+  const StereoCameras cameras{kMotion, kBottom};
   const auto seen = seen_of(cameras, {0.2, -0.1, 1.4});
   const ReducedFeature out = reduce(linearise_stereo(cameras, {0.2, -0.1, -9.0}, seen));
   CHECK(out.freedom == -3);
   CHECK(out.information.isZero(0));
   CHECK(out.point_inverse.allFinite());
-  CHECK(linearise_calibration(cameras, {0.2, -0.1, -9.0}, seen).isZero(0));
+  CHECK(linearise_calibration(cameras, 0.5, {0.2, -0.1, -9.0}, seen).isZero(0));
 }
 
 TEST_CASE("squared reprojections are inf behind the camera and nothing where not seen") {
