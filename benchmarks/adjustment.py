@@ -1,13 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The field's problem [Ozog2016 Table 4.1] by the three methods: python -m benchmarks.adjustment --size mono|stereo --json FILE
+"""The field's problem [Ozog2016 Table 4.1] by the three methods: python -m benchmarks.adjustment
+--size mono|stereo --json FILE
 
-The problem is made once, in a process of its own; each solve runs in another that does nothing else, so that its peak memory
-is the solver's. Prints a table, writes a list `methods` (with --repeat: the run of median total time, and all runs under
-`runs`).
+The problem is made once, in a process of its own; each solve runs in another that does nothing
+else, so that its peak memory is the solver's. Prints a table, writes a list `methods` (with
+--repeat: the run of median total time, and all runs under `runs`).
 
---same-iterations N   instead: naive and maxmix N iterations each, in turns, --repeat times; the median of maxmix / naive
---growth              instead: the whole problem against one of a sixteenth of the poses, ten iterations each; the ratio
+--same-iterations N   instead: naive and maxmix N iterations each, in turns, --repeat times; the
+median of maxmix / naive
+--growth              instead: the whole problem against one of a sixteenth of the poses, ten
+iterations each; the ratio
 """
 
 from __future__ import annotations
@@ -27,7 +30,9 @@ GROWTH, GROWTH_ITERATIONS = 16, 10
 
 
 def write_problem(size: str, share: int, out: Path) -> None:
-    """Of a size, or of a share of its poses at the same density; in the child process that `run` starts."""
+    """Of a size, or of a share of its poses at the same density; in the child process that `run`
+    starts.
+    """
     from benchmarks.problems import SIZES, simulate
     from benchmarks.subprocess_runner import save
 
@@ -35,7 +40,9 @@ def write_problem(size: str, share: int, out: Path) -> None:
     save(out, problem, position=truth.nodes.translation, off_hull=truth.off_hull)
 
 
-def in_turns(path: Path, methods: tuple[str, ...], repeat: int, options: dict[str, Any]) -> list[dict[str, Any]]:
+def in_turns(
+    path: Path, methods: tuple[str, ...], repeat: int, options: dict[str, Any]
+) -> list[dict[str, Any]]:
     """Rows of each method, `repeat` times, alternating so that what else runs falls on all alike."""
     rows = []
     for _ in range(repeat):
@@ -57,7 +64,10 @@ def line(row: dict[str, Any]) -> str:
 def medians(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The run of median total time of each method."""
     by_method = {row["method"]: [r for r in rows if r["method"] == row["method"]] for row in rows}
-    return [sorted(runs, key=lambda r: r["total_s"])[(len(runs) - 1) // 2] for runs in by_method.values()]
+    return [
+        sorted(runs, key=lambda r: r["total_s"])[(len(runs) - 1) // 2]
+        for runs in by_method.values()
+    ]
 
 
 def solve_all(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> dict[str, Any]:
@@ -66,13 +76,23 @@ def solve_all(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> 
 
 
 def overhead(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> dict[str, Any]:
-    """maxmix over naive for the same number of iterations: the total and an iteration, medians over pairs."""
-    rows = in_turns(path, ("naive", "maxmix"), args.repeat, unstoppable(options, args.same_iterations))
+    """maxmix over naive for the same number of iterations: the total and an iteration, medians over
+    pairs.
+    """
+    rows = in_turns(
+        path, ("naive", "maxmix"), args.repeat, unstoppable(options, args.same_iterations)
+    )
     pairs = list(zip(rows[::2], rows[1::2], strict=True))
     if any(row["iterations"] != args.same_iterations for row in rows):
         raise SystemExit(f"a solve ended before {args.same_iterations} iterations; ask for fewer")
-    ratio = {key: statistics.median(m[key] / n[key] for n, m in pairs) for key in ("total_s", "cpu_s", "iteration_s")}
-    print(", ".join(f"{key} {value:.3f}" for key, value in ratio.items()) + f": maxmix / naive, medians of {len(pairs)} pairs")
+    ratio = {
+        key: statistics.median(m[key] / n[key] for n, m in pairs)
+        for key in ("total_s", "cpu_s", "iteration_s")
+    }
+    print(
+        ", ".join(f"{key} {value:.3f}" for key, value in ratio.items())
+        + f": maxmix / naive, medians of {len(pairs)} pairs"
+    )
     return {"same_iterations": args.same_iterations, "maxmix_over_naive": ratio, "runs": rows}
 
 
@@ -90,7 +110,9 @@ def growth(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> dic
         for at in (part, path):
             rows += in_turns(at, ("maxmix",), 1, unstoppable(options, GROWTH_ITERATIONS))
         ratios.append(rows[-1]["iteration_s"] / rows[-2]["iteration_s"])
-    print(f"{GROWTH} times the poses: {statistics.median(ratios):.1f} times the time of an iteration")
+    print(
+        f"{GROWTH} times the poses: {statistics.median(ratios):.1f} times the time of an iteration"
+    )
     return {"growth": GROWTH, "iteration_ratio": statistics.median(ratios), "runs": rows}
 
 
@@ -103,7 +125,9 @@ def main() -> int:
     if sys.argv[1:2] == ["--write"]:
         write_problem(sys.argv[2], int(sys.argv[3]), Path(sys.argv[4]))
         return 0
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--size", choices=("small", "small_mono", "mono", "stereo"), default="mono")
     parser.add_argument("--core", choices=("schur", "ceres"), default="schur")
     parser.add_argument("--threads", type=int, default=2)
@@ -120,7 +144,9 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "problem.npz"
         make(args.size, 1, path)
-        found = {"size": args.size, "core": args.core, "threads": args.threads} | measure(path, args, options)
+        found = {"size": args.size, "core": args.core, "threads": args.threads} | measure(
+            path, args, options
+        )
     if args.json:
         args.json.write_text(json.dumps(found, indent=1))
     return 0

@@ -1,15 +1,18 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How well places are recognised by appearance: python -m benchmarks.appearance PACKAGE RUN [--json FILE]
+"""How well places are recognised by appearance: python -m benchmarks.appearance PACKAGE RUN [--json
+FILE]
 
-RUN: the folder of results of a simulated dive, run to `links`. For each keyframe that truly came back to a place (footprints
-overlapping by 30 %, 4 m of way or more between), all keyframes that are 4 m of way off are ranked by how alike they look: by
-words weighted as the step `links` does it, by FAB-MAP [CumminsNewman2008] with and without its tree, and at random. Recall at
-k: share of those queries with a true place among the first k; precision: share of true places among the first k; called new:
-share of them that FAB-MAP takes for a place never seen.
+RUN: the folder of results of a simulated dive, run to `links`. For each keyframe that truly came
+back to a place (footprints overlapping by 30 %, 4 m of way or more between), all keyframes that are
+4 m of way off are ranked by how alike they look: by words weighted as the step `links` does it, by
+FAB-MAP [CumminsNewman2008] with and without its tree, and at random. Recall at k: share of those
+queries with a true place among the first k; precision: share of true places among the first k;
+called new: share of them that FAB-MAP takes for a place never seen.
 
-Then the step's own way is gone again, from the path as neighbours alone leave it, and its links are compared with the truth:
-those that matched, and those that were accepted. Prints JSON; exit code 1 where a false link was accepted.
+Then the step's own way is gone again, from the path as neighbours alone leave it, and its links are
+compared with the truth: those that matched, and those that were accepted. Prints JSON; exit code 1
+where a false link was accepted.
 """
 
 from __future__ import annotations
@@ -49,7 +52,9 @@ def here(function: Callable[[Item], Result], items: Sequence[Item], label: str) 
 
 
 def ranked(scores: Array, candidate: Mask, true: Mask) -> Figures:
-    """Return recall and precision of the highest scores (q, n) among the candidates; true (q, n): of the same place."""
+    """Return recall and precision of the highest scores (q, n) among the candidates; true (q, n):
+    of the same place.
+    """
     order = np.argsort(-np.where(candidate, scores, -np.inf), axis=1, kind="stable")
     hit = np.take_along_axis(true & candidate, order, axis=1)
     out: Figures = {}
@@ -66,7 +71,9 @@ def at_random(candidate: Mask, true: Mask) -> Figures:
     for k in RANKS:
         wrong = count - right
         possible = wrong >= k
-        none = np.where(possible, np.exp(_log_choose(np.maximum(wrong, k), k) - _log_choose(count, k)), 0.0)
+        none = np.where(
+            possible, np.exp(_log_choose(np.maximum(wrong, k), k) - _log_choose(count, k)), 0.0
+        )
         out[f"recall_at_{k}"] = float((1 - none).mean())
         out[f"precision_at_{k}"] = float((right / count).mean())
     return out
@@ -101,7 +108,9 @@ def retrieval(dive: Dive, scene: LinkedScene, keyframes: Ints) -> Figures:
     for name, tree in (("fab_map", True), ("fab_map_naive_bayes", False)):
         likelihood = fabmap.log_likelihoods(learnt, shown, queries, tree)
         best = np.where(rows[0], likelihood[:, :-1], -np.inf).max(axis=1)
-        out[name] = ranked(likelihood[:, :-1], *rows) | {"called_new": float((likelihood[:, -1] > best).mean())}
+        out[name] = ranked(likelihood[:, :-1], *rows) | {
+            "called_new": float((likelihood[:, -1] > best).mean())
+        }
     return out | {"random": at_random(*rows)}
 
 
@@ -141,7 +150,9 @@ def truly_overlapping(dive: Dive, scene: LinkedScene, found: Recognition) -> Mas
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("package", type=Path)
     parser.add_argument("run", type=Path)
     parser.add_argument("--json", type=Path)
@@ -149,17 +160,30 @@ def main() -> int:
     dive, links = read_dive(args.package, args.run), LinksArtifact(args.run / "links")
     navigate = NavigateArtifact(args.run / "navigate")
     navigated = NavigatedDive(
-        trajectory=navigate.trajectory, errors=navigate.error_model, returns=navigate.returns, tray_sigma_rad=0.0
+        trajectory=navigate.trajectory,
+        errors=navigate.error_model,
+        returns=navigate.returns,
+        tray_sigma_rad=0.0,
     )
     nodes = [replace(node, stereo=MatchStereo(dive.worker)(node)[1]) for node in dive.nodes]
-    scene = LinkedScene(worker=dive.worker, dive=navigated, nodes=nodes, depth_m=dive.depth_m, bottom=dive.bottom)
+    scene = LinkedScene(
+        worker=dive.worker, dive=navigated, nodes=nodes, depth_m=dive.depth_m, bottom=dive.bottom
+    )
     pairs = links.pairs
     keyframes = np.unique(np.r_[pairs.first[~pairs.across], pairs.second[~pairs.across]])
-    keyframes = keyframes[[dive.worker.saliency(scene.nodes[k]) >= dive.worker.options.min_saliency for k in keyframes]]
+    keyframes = keyframes[
+        [
+            dive.worker.saliency(scene.nodes[k]) >= dive.worker.options.min_saliency
+            for k in keyframes
+        ]
+    ]
     solved = solved_graph(args.run, dive.config)
     neighbours = select(solved.links, ~pairs.across[pairs.joined])
     alone = solved.graph.solve(neighbours, None)
-    row: Figures = {"retrieval": retrieval(dive, scene, keyframes), "closed": closed(dive, scene, keyframes, alone)}
+    row: Figures = {
+        "retrieval": retrieval(dive, scene, keyframes),
+        "closed": closed(dive, scene, keyframes, alone),
+    }
     print(json.dumps(row))
     if args.json:
         args.json.write_text(json.dumps(row, indent=1))

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The reprojection part of an adjustment, as every bundle adjuster knows it: cameras, points, pixels. NumPy alone, because
-the peers run in an environment without hullrecon."""
+"""The reprojection part of an adjustment, as every bundle adjuster knows it: cameras, points,
+pixels. NumPy alone, because the peers run in an environment without hullrecon.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +19,12 @@ from hullrecon.typing import Array, Ints32
 
 @dataclass(frozen=True)
 class Bundle:
-    """pose (n, 7): T_g_ct x y z qx qy qz qw; point (L, 3) in g; T_ct_cb (7,) held; camera (9,) held, the same for every
-    image: fx fy cx cy k1 k2 p1 p2 k3.
+    """pose (n, 7): T_g_ct x y z qx qy qz qw; point (L, 3) in g; T_ct_cb (7,) held; camera (9,)
+    held, the same for every image: fx fy cx cy k1 k2 p1 p2 k3.
 
-    seen_from, seen (m,): pose and point of a row of pixel (m, 2) (top u v) or (m, 4) (top u v, bottom u v). Gauge: pose 0 is
-    held; without a pair, scale too, by coordinate `scale_axis` of pose `scale_pose` in the axes of pose 0.
+    seen_from, seen (m,): pose and point of a row of pixel (m, 2) (top u v) or (m, 4) (top u v,
+    bottom u v). Gauge: pose 0 is held; without a pair, scale too, by coordinate `scale_axis` of
+    pose `scale_pose` in the axes of pose 0.
     """
 
     pose: Array
@@ -38,7 +40,9 @@ class Bundle:
         return bool(self.pixel.shape[1] == 4)
 
     def baseline(self) -> tuple[int, int, float]:
-        """(pose, axis, metres): the coordinate that fixes a mono bundle's scale, the longest of the last pose's."""
+        """(pose, axis, metres): the coordinate that fixes a mono bundle's scale, the longest of the
+        last pose's.
+        """
         last = len(self.pose) - 1
         offset = rotation(self.pose[0, 3:]).T @ (self.pose[last, :3] - self.pose[0, :3])
         axis = int(np.argmax(np.abs(offset)))
@@ -65,7 +69,9 @@ def rotation(quaternion: Array) -> Array:
 
 
 def residuals(bundle: Bundle, pose: Array, point: Array) -> Array:
-    """(m, 2 or 4) predicted less measured, px; a point behind its camera gives what the pinhole's formula gives."""
+    """(m, 2 or 4) predicted less measured, px; a point behind its camera gives what the pinhole's
+    formula gives.
+    """
     at = pose[bundle.seen_from]
     in_top = np.einsum("nji,nj->ni", rotation(at[:, 3:]), point[bundle.seen] - at[:, :3])
     views = [in_top]
@@ -90,7 +96,9 @@ def rms_px(bundle: Bundle, pose: Array, point: Array) -> float:
 
 
 def peak_mb() -> float:
-    """Peak resident memory of this process. Not ru_maxrss: a child inherits its parent's through fork and exec."""
+    """Peak resident memory of this process. Not ru_maxrss: a child inherits its parent's through
+    fork and exec.
+    """
     status = Path("/proc/self/status").read_text()
     line = next(line for line in status.splitlines() if line.startswith("VmHWM"))
     return int(line.split()[1]) / 1024

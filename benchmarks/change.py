@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find what changed between two simulated dives of one hull: three objects added, one removed, one grown by 3 cm.
+"""Find what changed between two simulated dives of one hull: three objects added, one removed, one
+grown by 3 cm.
 
     python -m benchmarks.change FOLDER --seeds 10
 
-Each seed draws a hull with four structures and a patch of barnacles, and two dives of it whose errors are drawn apart. Packages
-and runs stay in FOLDER; what is there is not made again. Prints JSON: by seed what was found, missed and false, and the growth.
+Each seed draws a hull with four structures and a patch of barnacles, and two dives of it whose
+errors are drawn apart. Packages and runs stay in FOLDER; what is there is not made again. Prints
+JSON: by seed what was found, missed and false, and the growth.
 """
 
 from __future__ import annotations
@@ -26,9 +28,15 @@ from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.output.package import write_package
 
 SMALLEST: dict[str, Any] = {
-    "legs": 2, "leg_length_m": 4.0, "sonar": False, "structures": 4, "marks": 0, "image_width": 480, "image_height": 384,
+    "legs": 2,
+    "leg_length_m": 4.0,
+    "sonar": False,
+    "structures": 4,
+    "marks": 0,
+    "image_width": 480,
+    "image_height": 384,
     "views": 4.5,
-}  # fmt: skip
+}
 CHANGES: dict[str, Any] = {"added": 3, "removed": 1, "grown_m": 0.03}
 SECOND_SEED = 1000  # what is added to the seed of the first dive
 NEAR_M = 0.2  # a change so near to a true one is that one
@@ -38,7 +46,10 @@ Truth = dict[str, list[tuple[np.ndarray, float]]]
 def simulate(folder: Path, seed: int, options: dict[str, Any]) -> tuple[Path, Path]:
     """Return the packages of a hull's two dives, made where they are not there."""
     packages = []
-    for part, drawn in (("a", {"seed": seed}), ("b", {"seed": SECOND_SEED + seed, "hull_seed": seed, **CHANGES})):
+    for part, drawn in (
+        ("a", {"seed": seed}),
+        ("b", {"seed": SECOND_SEED + seed, "hull_seed": seed, **CHANGES}),
+    ):
         package = folder / "p" / f"s{seed}{part}"
         if not package.exists():
             write_package(package, spec_from(name=package.name, **options, **drawn))
@@ -61,30 +72,52 @@ def true_changes(first: Path, second: Path) -> Truth:
 
 
 def structures(package: Path) -> list[tuple[np.ndarray, float]]:
-    """Return center in M and height, m, of what stands on the hull of a package, or is sunken into it."""
+    """Return center in M and height, m, of what stands on the hull of a package, or is sunken into
+    it.
+    """
     rows = json.loads((package / "truth" / "objects.json").read_text())["objects"]
     return [(np.array(row["center"]), row["height"]) for row in rows if not row["painted"]]
 
 
 def score(change: HullChange, truth: Truth, placed: Poses) -> dict[str, Any]:
-    """Return how many true changes were found, those missed, and what was found that is none. placed: from the true hull frame
-    to that in which the first dive reports, which lies off it by its hull pose's error."""
+    """Return how many true changes were found, those missed, and what was found that is none.
+    placed: from the true hull frame to that in which the first dive reports, which lies off it by
+    its hull pose's error.
+    """
     found, missed, growth = 0, [], []
     left = list(change.changed())
     for status, rows in truth.items():
         for place, height in rows:
             there = placed.apply(place[None])[0]
-            near = [row for row in left if row.status == status and np.linalg.norm(row.center - there) < NEAR_M]
+            near = [
+                row
+                for row in left
+                if row.status == status and np.linalg.norm(row.center - there) < NEAR_M
+            ]
             if not near:
-                missed.append({"status": status, "center": place.round(2).tolist(), "change_m": round(height, 3)})
+                missed.append(
+                    {
+                        "status": status,
+                        "center": place.round(2).tolist(),
+                        "change_m": round(height, 3),
+                    }
+                )
                 continue
             found += 1
             left = [row for row in left if row is not near[0]]
             if status == "grown":
                 growth.append([round(near[0].change, 4), round(near[0].change_sigma, 4)])
-    false = [{"status": row.status, "center": row.center.round(2).tolist(), "change_m": round(row.change, 3)} for row in left]
+    false = [
+        {
+            "status": row.status,
+            "center": row.center.round(2).tolist(),
+            "change_m": round(row.change, 3),
+        }
+        for row in left
+    ]
     false += [
-        {"status": "surface moved", "change_m": round(move.move, 4), "area_m2": round(move.area, 2)} for move in change.moves
+        {"status": "surface moved", "change_m": round(move.move, 4), "area_m2": round(move.area, 2)}
+        for move in change.moves
     ]
     return {"found": found, "missed": missed, "false": false, "grown_m": growth}
 
@@ -98,18 +131,30 @@ def reported_from_true(survey: HullSurvey, package: Path) -> Poses:
 def run_both(folder: Path, seed: int, options: dict[str, Any]) -> RunComparison:
     """Return what changed between one hull's two dives, run where they have not been."""
     packages = simulate(folder, seed, options)
-    first, second = (run_dive(package, folder / "runs", last_step="detect").workspace.root for package in packages)
+    first, second = (
+        run_dive(package, folder / "runs", last_step="detect").workspace.root
+        for package in packages
+    )
     return diff(first, second)
 
 
 def compare(folder: Path, seed: int, options: dict[str, Any]) -> dict[str, Any]:
     """Return the figures of one hull's two dives, run where they have not been."""
     result, packages = run_both(folder, seed, options), simulate(folder, seed, options)
-    return {"seed": seed, **score(result.change, true_changes(*packages), reported_from_true(result.first.survey, packages[0]))}
+    return {
+        "seed": seed,
+        **score(
+            result.change,
+            true_changes(*packages),
+            reported_from_true(result.first.survey, packages[0]),
+        ),
+    }
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--first-seed", type=int, default=1)
@@ -119,7 +164,17 @@ def main() -> int:
         rows.append(compare(args.folder, seed, SMALLEST))
         print(json.dumps(rows[-1]), file=sys.stderr, flush=True)
     whole = sum(row["found"] == 5 and not row["missed"] and not row["false"] for row in rows)
-    print(json.dumps({"changes": CHANGES, "seeds": len(rows), "all_found_and_nothing_else": whole, "by_seed": rows}, indent=1))
+    print(
+        json.dumps(
+            {
+                "changes": CHANGES,
+                "seeds": len(rows),
+                "all_found_and_nothing_else": whole,
+                "by_seed": rows,
+            },
+            indent=1,
+        )
+    )
     return 0 if whole == len(rows) else 1
 
 

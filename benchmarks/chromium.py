@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The installed Chromium, driven by playwright-core: its wheel brings the driver, the browser comes from the system."""
+"""The installed Chromium, driven by playwright-core: its wheel brings the driver, the browser comes
+from the system.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,16 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_pla
 
 NAMES = ("chromium", "google-chrome-stable", "google-chrome", "chromium-browser")
 FLAGS = (
-    "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-    "--force-color-profile=srgb", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
-)  # fmt: skip
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--force-color-profile=srgb",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+)
 WIDE, NARROW = (1280, 900), (390, 844)
 PATIENCE_MS = 120_000
 
@@ -25,8 +34,9 @@ class NoBrowserError(RuntimeError):
 
 
 def find_browser() -> str:
-    """Return the path of a Chromium or Chrome. On Ubuntu `chromium` is a stub that starts a snap, which is no use without
-    snapd: Chrome serves there. Raises NoBrowserError."""
+    """Return the path of a Chromium or Chrome. On Ubuntu `chromium` is a stub that starts a snap,
+    which is no use without snapd: Chrome serves there. Raises NoBrowserError.
+    """
     for name in NAMES:
         path = shutil.which(name)
         if path is not None and not _is_snap_stub(Path(path)):
@@ -81,9 +91,13 @@ class Visit:
 
 
 @contextmanager
-def visit(chromium: Browser, report: Path, size: tuple[int, int] = WIDE, script: str = "") -> Iterator[Visit]:
+def visit(
+    chromium: Browser, report: Path, size: tuple[int, int] = WIDE, script: str = ""
+) -> Iterator[Visit]:
     """Open a report in a context of its own. script: runs before those of the page."""
-    context = chromium.new_context(viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce")
+    context = chromium.new_context(
+        viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce"
+    )
     if script:
         context.add_init_script(script)
     try:

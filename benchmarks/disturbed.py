@@ -1,13 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What sensors that fail do to the path: python -m benchmarks.disturbed PACKAGE FOLDER [--only NAME ...] [--free]
+"""What sensors that fail do to the path: python -m benchmarks.disturbed PACKAGE FOLDER [--only NAME
+...] [--free]
 
-PACKAGE is a simulated dive with an MCAP log. Copies of it are made in FOLDER, each disturbed in one way: no images for 50 s, no
-DVL for 60 s, neither DVL nor hull in the images for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees,
-each from the middle of the dive, a DVL whose log ends half a minute after it; throughout, a DVL set to a speed of sound 3 %
-too high, and a sensor whose clock is half a second late. Asked for by name, a stereo calibration that is off: the bottom camera
-by a tenth of a degree, the baseline by 2 mm. Each is run to `adjust` and compared with the truth: the vehicle's error in its
-own sigmas, and what was said of it.
+PACKAGE is a simulated dive with an MCAP log. Copies of it are made in FOLDER, each disturbed in one
+way: no images for 50 s, no DVL for 60 s, neither DVL nor hull in the images for 60 s, an IMU whose
+clock jumps by 2 s, a heading that steps by 3 degrees, each from the middle of the dive, a DVL whose
+log ends half a minute after it; throughout, a DVL set to a speed of sound 3 % too high, and a
+sensor whose clock is half a second late. Asked for by name, a stereo calibration that is off: the
+bottom camera by a tenth of a degree, the baseline by 2 mm. Each is run to `adjust` and compared
+with the truth: the vehicle's error in its own sigmas, and what was said of it.
 """
 
 from __future__ import annotations
@@ -37,7 +39,8 @@ LATE_S = 0.5
 FAST_SOUND = 1.03  # times the speed of sound that is right
 DVL_TYPE = "marine_acoustic_msgs/msg/Dvl"
 ENCAPSULATION = 4  # bytes before a message in CDR
-# From the topic, the time since the dive's middle in s and the message: the message as it is logged, or None where it is lost.
+# From the topic, the time since the dive's middle in s and the message: the message as it is
+# logged, or None where it is lost.
 Disturbance = Callable[[str, float, bytes], bytes | None]
 
 
@@ -49,7 +52,9 @@ def stamp(data: bytes) -> int:
 
 def with_stamp(data: bytes, t_ns: int) -> bytes:
     """Return a message with another stamp."""
-    return data[:ENCAPSULATION] + struct.pack("<iI", t_ns // NS, t_ns % NS) + data[ENCAPSULATION + 8 :]
+    return (
+        data[:ENCAPSULATION] + struct.pack("<iI", t_ns // NS, t_ns % NS) + data[ENCAPSULATION + 8 :]
+    )
 
 
 def turned(data: bytes, angle_deg: float) -> bytes:
@@ -58,7 +63,11 @@ def turned(data: bytes, angle_deg: float) -> bytes:
     at = ENCAPSULATION + (8 + 4 + length + 7) // 8 * 8
     quaternion = np.array(struct.unpack_from("<4d", data, at))
     turn = Rotation.from_euler("z", angle_deg, degrees=True)
-    return data[:at] + struct.pack("<4d", *(turn * Rotation.from_quat(quaternion)).as_quat()) + data[at + 32 :]
+    return (
+        data[:at]
+        + struct.pack("<4d", *(turn * Rotation.from_quat(quaternion)).as_quat())
+        + data[at + 32 :]
+    )
 
 
 def undisturbed(topic: str, since_s: float, data: bytes) -> bytes | None:
@@ -82,7 +91,9 @@ def open_water(topic: str, since_s: float, data: bytes) -> bytes | None:
 
 def water(width: int, height: int) -> bytes:
     """Return a JPEG that is darker from below to above, with noise."""
-    grey = np.linspace(60, 100, height)[:, None] + np.random.default_rng(0).normal(0, 2, (height, width))
+    grey = np.linspace(60, 100, height)[:, None] + np.random.default_rng(0).normal(
+        0, 2, (height, width)
+    )
     return bytes(cv2.imencode(".jpg", np.clip(grey, 0, 255).astype(np.uint8))[1])
 
 
@@ -92,7 +103,9 @@ def with_picture(data: bytes, size_to_picture: Callable[[int, int], bytes]) -> b
     for _ in range(2):  # frame_id and format
         (length,) = struct.unpack_from("<I", data, at)
         at = ENCAPSULATION + (at - ENCAPSULATION + 4 + length + 3) // 4 * 4
-    height, width = cv2.imdecode(np.frombuffer(data, np.uint8, offset=at + 4), cv2.IMREAD_GRAYSCALE).shape
+    height, width = cv2.imdecode(
+        np.frombuffer(data, np.uint8, offset=at + 4), cv2.IMREAD_GRAYSCALE
+    ).shape
     picture = size_to_picture(width, height)
     return data[:at] + struct.pack("<I", len(picture)) + picture
 
@@ -113,7 +126,11 @@ def fast_sound(topic: str, since_s: float, data: bytes) -> bytes | None:
 
 
 def clock_jump(topic: str, since_s: float, data: bytes) -> bytes | None:
-    return with_stamp(data, stamp(data) + round(CLOCK_JUMP_S * NS)) if topic == "/imu" and since_s >= 0 else data
+    return (
+        with_stamp(data, stamp(data) + round(CLOCK_JUMP_S * NS))
+        if topic == "/imu" and since_s >= 0
+        else data
+    )
 
 
 def heading_step(topic: str, since_s: float, data: bytes) -> bytes | None:
@@ -122,7 +139,9 @@ def heading_step(topic: str, since_s: float, data: bytes) -> bytes | None:
 
 def late(part: str) -> Disturbance:
     """Return what stamps the messages of topics with that in their name LATE_S late, all along."""
-    return lambda topic, since_s, data: with_stamp(data, stamp(data) + round(LATE_S * NS)) if part in topic else data
+    return lambda topic, since_s, data: (
+        with_stamp(data, stamp(data) + round(LATE_S * NS)) if part in topic else data
+    )
 
 
 DISTURBANCES: dict[str, Disturbance] = {
@@ -167,7 +186,9 @@ def disturb(package: Path, copy: Path, change: Disturbance, about_ns: int | None
     """Write a copy of a package whose log is disturbed, about its middle or another time."""
     shutil.copytree(package, copy, ignore=shutil.ignore_patterns("*.mcap"))
     text = (copy / "dive.toml").read_text()
-    (copy / "dive.toml").write_text(re.sub(r"(?m)^name = .*$", f'name = "{copy.name}"', text, count=1))
+    (copy / "dive.toml").write_text(
+        re.sub(r"(?m)^name = .*$", f'name = "{copy.name}"', text, count=1)
+    )
     (log,) = (package / "logs").glob("*.mcap")
     with log.open("rb") as source, (copy / "logs" / log.name).open("wb") as target:
         reader, writer = make_reader(source), Writer(target)
@@ -175,7 +196,9 @@ def disturb(package: Path, copy: Path, change: Disturbance, about_ns: int | None
         assert summary is not None
         assert summary.statistics is not None
         middle = (
-            (summary.statistics.message_start_time + summary.statistics.message_end_time) // 2 if about_ns is None else about_ns
+            (summary.statistics.message_start_time + summary.statistics.message_end_time) // 2
+            if about_ns is None
+            else about_ns
         )
         writer.start(profile="ros2")
         channels: dict[int, int] = {}
@@ -183,17 +206,29 @@ def disturb(package: Path, copy: Path, change: Disturbance, about_ns: int | None
             assert schema is not None
             if channel.id not in channels:
                 known = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channels[channel.id] = writer.register_channel(channel.topic, channel.message_encoding, known)
+                channels[channel.id] = writer.register_channel(
+                    channel.topic, channel.message_encoding, known
+                )
             data = change(channel.topic, (message.log_time - middle) / NS, message.data)
             if data is not None:
-                writer.add_message(channels[channel.id], message.log_time, data, message.publish_time)
+                writer.add_message(
+                    channels[channel.id], message.log_time, data, message.publish_time
+                )
         writer.finish()
 
 
 def said(run: Path) -> list[str]:
     """Return what the steps warned of, as the report has it."""
-    steps = [run / name / "manifest.json" for name in ("ingest", "navigate", "links", "matches", "adjust")]
-    return [sentence for step in steps if step.exists() for sentence in json.loads(step.read_text())["warnings"]]
+    steps = [
+        run / name / "manifest.json"
+        for name in ("ingest", "navigate", "links", "matches", "adjust")
+    ]
+    return [
+        sentence
+        for step in steps
+        if step.exists()
+        for sentence in json.loads(step.read_text())["warnings"]
+    ]
 
 
 def line(name: str, row: Figures) -> str:
@@ -206,7 +241,9 @@ def line(name: str, row: Figures) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("package", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--only", nargs="+", choices=NAMES, default=list(DISTURBANCES))
@@ -217,7 +254,9 @@ def main() -> int:
 
     def measure(name: str, package: Path, runs: Path, run: Path) -> None:
         code = hullrecon("run", "-q", str(package), "--runs", str(runs), "--to", "adjust")
-        rows[name] = {"exit_code": code} | ({} if code else figures(run, package) | {"said": said(run)})
+        rows[name] = {"exit_code": code} | (
+            {} if code else figures(run, package) | {"said": said(run)}
+        )
         print(f"{name}: ended with {code}" if code else line(name, rows[name]), flush=True)
 
     for name in args.only:

@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Accuracy and honesty on simulated dives: python -m benchmarks.dives FOLDER --hulls HULLS [--cameras mono] [--json FILE]
+"""Accuracy and honesty on simulated dives: python -m benchmarks.dives FOLDER --hulls HULLS
+[--cameras mono] [--json FILE]
 
-Ten dives of other hulls, curvatures, deviations, backlash, guesses and seeds are simulated into FOLDER (kept for next time),
-run, and scored against their truth. HULLS holds the meshes named in DIVES; without it only the analytic hulls are dived. `mono`
-is the same dive with its lower camera removed. Prints each figure by dive with median and worst, and the vehicle's NEES. With
---drawn the ten are others: their first guesses and the hull's deviation are drawn from the sigmas that their packages state, as
-a test of those sigmas needs.
+Ten dives of other hulls, curvatures, deviations, backlash, guesses and seeds are simulated into
+FOLDER (kept for next time), run, and scored against their truth. HULLS holds the meshes named in
+DIVES; without it only the analytic hulls are dived. `mono` is the same dive with its lower camera
+removed. Prints each figure by dive with median and worst, and the vehicle's NEES. With
+--drawn the ten are others: their first guesses and the hull's deviation are drawn from the sigmas
+that their packages state, as a test of those sigmas needs.
 """
 
 from __future__ import annotations
@@ -44,7 +46,8 @@ DIVES = {
     "d9": "--length-m 70 --beam-m 11 --depth-m 7 --draught-m 5 --entrance 0.45 --visibility-m 3.5 --backlash-deg 0.2",
     "d10": "--deviation-sigma-m 0.005 --deviation-mean-m 0 --standoff-m 1.4 --speed-m-per-s 0.4 --structures 8",
 }
-SHIPS = ("80 13 8 5.5 1.8", "30 6.5 4 3 1.0", "50 9 5.5 3.8 1.3")  # length, beam, depth, draught, bilge radius, m
+# length, beam, depth, draught, bilge radius, m
+SHIPS = ("80 13 8 5.5 1.8", "30 6.5 4 3 1.0", "50 9 5.5 3.8 1.3")
 
 
 def drawn_dives(count: int = 10) -> dict[str, str]:
@@ -56,7 +59,11 @@ def drawn_dives(count: int = 10) -> dict[str, str]:
     for k in range(1, count + 1):
         along, across = np.clip(random.normal(0, [1.0, 0.5]), -1, 1)
         turn, mean = np.clip(random.normal(0, 5), -5, 5), random.normal(0, 0.014)
-        ship = zip(("length", "beam", "depth", "draught", "bilge-radius"), SHIPS[(k - 1) % 3].split(), strict=True)
+        ship = zip(
+            ("length", "beam", "depth", "draught", "bilge-radius"),
+            SHIPS[(k - 1) % 3].split(),
+            strict=True,
+        )
         dives[f"n{k}"] = (
             "--leg-length-m 4 --views 5 --structures 2 --marks 1 --barnacles 1 --deviation-sigma-m 0.02 --deviation-length-m 3"
             f" --deviation-mean-m {mean:.4f} --guess-along-m {along:.3f} --guess-across-m {across:.3f}"
@@ -126,7 +133,9 @@ def without_lower_camera(package: Path) -> Path:
     text = (package / "dive.toml").read_text()
     text = re.sub(r"^name = .*$", f'name = "{mono.name}"', text, count=1, flags=re.M)
     text = re.sub(r"^camera_bottom = .*\n", "", text, flags=re.M)
-    (mono / "dive.toml").write_text(re.sub(r"\[camera\.bottom\]\n(?:[^\[\n][^\n]*\n|\n)*", "", text))
+    (mono / "dive.toml").write_text(
+        re.sub(r"\[camera\.bottom\]\n(?:[^\[\n][^\n]*\n|\n)*", "", text)
+    )
     return mono
 
 
@@ -136,17 +145,24 @@ def _hullrecon(*words: str) -> None:
 
 
 def nees(adjust: Path, package: Path) -> float:
-    """Return (x - x_true)' C^-1 (x - x_true) of the vehicle's pose in the hull (six freedoms) at the dive's middle pose.
+    """Return (x - x_true)' C^-1 (x - x_true) of the vehicle's pose in the hull (six freedoms) at
+    the dive's middle pose.
 
     One value a dive: errors of neighbouring poses are one and the same, that of the hull's pose.
     """
     solution = np.load(adjust / "solution.npz")
     middle = len(solution["t_ns"]) // 2
     pose, hull = (
-        Poses(np.atleast_2d(solution[f"{name}.quaternion"])[row], np.atleast_2d(solution[f"{name}.translation"])[row])
+        Poses(
+            np.atleast_2d(solution[f"{name}.quaternion"])[row],
+            np.atleast_2d(solution[f"{name}.translation"])[row],
+        )
         for name, row in (("global_from_vehicle", [middle]), ("hull_pose.global_from_hull", [0]))
     )
-    ours, true = hull.inverse() @ pose, read_truth(package).vehicle_at(solution["t_ns"][middle : middle + 1] / 1e9)
+    ours, true = (
+        hull.inverse() @ pose,
+        read_truth(package).vehicle_at(solution["t_ns"][middle : middle + 1] / 1e9),
+    )
     turn = (true.rotation.inv() * ours.rotation).as_rotvec()[0]
     error = np.r_[ours.translation[0] - true.translation[0], turn]
     return float(error @ np.linalg.solve(solution["pose_covariance"][middle], error))
@@ -190,7 +206,9 @@ def consistency(values: list[float]) -> dict[str, float]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--hulls", type=Path)
     parser.add_argument("--cameras", choices=("stereo", "mono"), default="stereo")
@@ -210,12 +228,19 @@ def main() -> int:
             print(f"{name}: left out, its hull's mesh is not in --hulls", flush=True)
             continue
         row = rows[name] = dive(package, args.folder, args.cameras == "mono", args.jobs)
-        print(f"{name}: rigid {1e3 * figure(row, 'trajectory.rigid_rmse_m'):.2f} mm, NEES {row['nees']:.1f}", flush=True)
+        print(
+            f"{name}: rigid {1e3 * figure(row, 'trajectory.rigid_rmse_m'):.2f} mm, NEES {row['nees']:.1f}",
+            flush=True,
+        )
     together = consistency([row["nees"] for row in rows.values()])
     print("\n".join(table(rows)))
     print("NEES {dives:.0f} dives: {sum:.1f}, 95 % band {low:.1f} to {high:.1f}".format(**together))
     if args.json:
-        args.json.write_text(json.dumps({"cameras": args.cameras, "dives": rows, "nees": together}, indent=1, default=float))
+        args.json.write_text(
+            json.dumps(
+                {"cameras": args.cameras, "dives": rows, "nees": together}, indent=1, default=float
+            )
+        )
     return 0
 
 

@@ -1,12 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Faults during runs of a small dive: python -m benchmarks.faults FOLDER [--to STEP] [--kills N] [--full N] [--json FILE]
+"""Faults during runs of a small dive: python -m benchmarks.faults FOLDER [--to STEP] [--kills N]
+[--full N] [--json FILE]
 
-Simulates a dive of two short legs into FOLDER (kept for next time) and runs it once undisturbed. Then: runs under limits of the
-address space; kill -9 in every step; a disk that is full at ever later moments (a tmpfs for root, else a limit of the size of
-files); Ctrl-C at different moments, in the import of libraries too; a package that changes meanwhile; one bit flipped in
-every file of a copied workspace, deliver/ included. Each must end in at most one line with the exit code of its kind, and the
-next run must leave the bytes of the undisturbed one. Prints a line a case and the sum; ends with 1 where a case fails.
+Simulates a dive of two short legs into FOLDER (kept for next time) and runs it once undisturbed.
+Then: runs under limits of the address space; kill -9 in every step; a disk that is full at ever
+later moments (a tmpfs for root, else a limit of the size of files); Ctrl-C at different moments, in
+the import of libraries too; a package that changes meanwhile; one bit flipped in every file of a
+copied workspace, deliver/ included. Each must end in at most one line with the exit code of its
+kind, and the next run must leave the bytes of the undisturbed one. Prints a line a case and the
+sum; ends with 1 where a case fails.
 """
 
 from __future__ import annotations
@@ -38,7 +41,9 @@ Preparation = Callable[[], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """What was done to a run, its exit code, what it said (last line), and why that is wrong; empty where it is right."""
+    """What was done to a run, its exit code, what it said (last line), and why that is wrong; empty
+    where it is right.
+    """
 
     fault: str
     exit_code: int | None
@@ -67,10 +72,16 @@ class Bench:
         """Return the command of a run."""
         return [*PROGRAM, "run", str(self.package), "--runs", str(runs), "--to", self.last, *more]
 
-    def run(self, fault: str, runs: Path, code: int, *more: str, prepare: Preparation | None = None) -> Case:
+    def run(
+        self, fault: str, runs: Path, code: int, *more: str, prepare: Preparation | None = None
+    ) -> Case:
         """Run to the end and hold the exit code and the one line against what is due."""
         done = subprocess.run(
-            self.command(runs, "--quiet", *more), capture_output=True, text=True, check=False, preexec_fn=prepare
+            self.command(runs, "--quiet", *more),
+            capture_output=True,
+            text=True,
+            check=False,
+            preexec_fn=prepare,
         )
         return judge(fault, done.returncode, done.stderr, code)
 
@@ -78,7 +89,11 @@ class Bench:
         """Run once more without a fault, and compare every file with the undisturbed run's."""
         case = self.run(f"{fault}: the run after it", runs, 0, *more)
         different = different_files(self.folder / "whole" / "faults", runs / "faults")
-        return case if not different else replace_wrong(case, f"not the same bytes: {', '.join(different[:3])}")
+        return (
+            case
+            if not different
+            else replace_wrong(case, f"not the same bytes: {', '.join(different[:3])}")
+        )
 
 
 def judge(fault: str, code: int, err: str, due: int) -> Case:
@@ -86,23 +101,34 @@ def judge(fault: str, code: int, err: str, due: int) -> Case:
     lines = [line for line in err.splitlines() if line.strip()]
     wrong = [] if code == due else [f"exit code {code}, not {due}"]
     wrong += [] if len(lines) == (due != 0) else [f"{len(lines)} lines"]
-    return Case(fault=fault, exit_code=code, said=lines[-1] if lines else "", wrong="; ".join(wrong))
+    return Case(
+        fault=fault, exit_code=code, said=lines[-1] if lines else "", wrong="; ".join(wrong)
+    )
 
 
 def replace_wrong(case: Case, wrong: str) -> Case:
     """Return the case with another reason."""
-    return Case(fault=case.fault, exit_code=case.exit_code, said=case.said, wrong="; ".join(filter(None, (case.wrong, wrong))))
+    return Case(
+        fault=case.fault,
+        exit_code=case.exit_code,
+        said=case.said,
+        wrong="; ".join(filter(None, (case.wrong, wrong))),
+    )
 
 
 def prepare(folder: Path, last: str) -> Bench:
     """Simulate the dive and run it undisturbed, where that is not done yet."""
     package, whole = folder / "dive", folder / "whole"
     if not package.exists():
-        subprocess.run([*PROGRAM, "simulate", str(package), "--name", "faults", *DIVE.split(), "--quiet"], check=True)
+        subprocess.run(
+            [*PROGRAM, "simulate", str(package), "--name", "faults", *DIVE.split(), "--quiet"],
+            check=True,
+        )
     bench = Bench(folder=folder, last=last, seconds={})
     subprocess.run(bench.command(whole, "--quiet"), check=True)
     seconds = {
-        name: json.loads((whole / "faults" / name / "manifest.json").read_text())["run"]["seconds"] for name in bench.steps
+        name: json.loads((whole / "faults" / name / "manifest.json").read_text())["run"]["seconds"]
+        for name in bench.steps
     }
     return Bench(folder=folder, last=last, seconds=seconds)
 
@@ -120,7 +146,9 @@ def memory(bench: Bench) -> Iterator[Case]:
 
 
 def kills(bench: Bench, count: int, chance: random.Random) -> Iterator[Case]:
-    """Kill runs in step after step, at random moments; each goes on where the one before was killed."""
+    """Kill runs in step after step, at random moments; each goes on where the one before was
+    killed.
+    """
     runs = fresh(bench.folder / "killed")
     for k in range(count):
         step = bench.steps[k * len(bench.steps) // count]
@@ -130,7 +158,12 @@ def kills(bench: Bench, count: int, chance: random.Random) -> Iterator[Case]:
             process.kill()
         found = check_workspace(Workspace(runs / "faults"), NAMES, read_data=True).damaged
         harmed = [sentence for sentence in found if not sentence.startswith("deliver/")]
-        yield Case(fault=f"kill -9 in {step} after {after_s:.1f} s", exit_code=None, said="", wrong="; ".join(harmed))
+        yield Case(
+            fault=f"kill -9 in {step} after {after_s:.1f} s",
+            exit_code=None,
+            said="",
+            wrong="; ".join(harmed),
+        )
     yield bench.healed("kill -9", runs)
 
 
@@ -140,7 +173,9 @@ def full_disks(bench: Bench, count: int) -> Iterator[Case]:
     whole = sum(p.stat().st_size for p in (bench.folder / "whole").rglob("*") if p.is_file())
     largest = max(p.stat().st_size for p in (bench.folder / "whole").rglob("*") if p.is_file())
     runs.mkdir()
-    mounted = subprocess.run([*MOUNT, "size=4k", "hullrecon-faults", str(runs)], capture_output=True, check=False)
+    mounted = subprocess.run(
+        [*MOUNT, "size=4k", "hullrecon-faults", str(runs)], capture_output=True, check=False
+    )
     if mounted.returncode == 0:
         yield from _full_tmpfs(bench, runs, count, whole)
         return
@@ -159,7 +194,9 @@ def _full_tmpfs(bench: Bench, runs: Path, count: int, whole: int) -> Iterator[Ca
             size = 4096 + int(0.95 * whole * k / count)
             subprocess.run(["mount", "-o", f"remount,size={size}", str(runs)], check=True)
             yield bench.run(f"disk of {size / 1e6:.1f} MB", runs, 6)
-        subprocess.run(["mount", "-o", f"remount,size={4 * whole + (64 << 20)}", str(runs)], check=True)
+        subprocess.run(
+            ["mount", "-o", f"remount,size={4 * whole + (64 << 20)}", str(runs)], check=True
+        )
         yield bench.healed("full disk", runs)
     finally:
         subprocess.run(["umount", str(runs)], check=True)
@@ -175,9 +212,16 @@ def interruptions(bench: Bench, count: int, chance: random.Random) -> Iterator[C
             time.sleep(after_s)
             process.send_signal(signal.SIGINT)
             rest = process.communicate()[1]
-        errors = "\n".join(line for line in rest.splitlines() if line.startswith(("error:", "Traceback")))
+        errors = "\n".join(
+            line for line in rest.splitlines() if line.startswith(("error:", "Traceback"))
+        )
         ended = process.returncode == 0 and step == bench.last  # before it came
-        yield judge(f"Ctrl-C in {step} after {after_s:.1f} s", process.returncode, errors, 0 if ended else 130)
+        yield judge(
+            f"Ctrl-C in {step} after {after_s:.1f} s",
+            process.returncode,
+            errors,
+            0 if ended else 130,
+        )
     yield bench.healed("Ctrl-C", runs)
 
 
@@ -190,10 +234,14 @@ def changes(bench: Bench) -> Iterator[Case]:
         shutil.copytree(bench.folder / "whole", runs)
         shutil.rmtree(runs / "faults" / step)
         shutil.rmtree(runs / "faults" / "deliver", ignore_errors=True)
-        with start(bench, runs, step, "--from-scratch" if step == "ingest" else "--wait=0") as process:
+        with start(
+            bench, runs, step, "--from-scratch" if step == "ingest" else "--wait=0"
+        ) as process:
             log.write_bytes(whole + b"\0")
             rest = process.communicate()[1]
-        errors = "\n".join(line for line in rest.splitlines() if line.startswith(("error:", "Traceback")))
+        errors = "\n".join(
+            line for line in rest.splitlines() if line.startswith(("error:", "Traceback"))
+        )
         case = judge(f"the log grows in {step}", process.returncode, errors, 3)
         log.write_bytes(whole)
         yield replace_wrong(case, "delivered") if (runs / "faults" / "deliver").exists() else case
@@ -201,7 +249,9 @@ def changes(bench: Bench) -> Iterator[Case]:
 
 
 def flips(bench: Bench, chance: random.Random) -> Iterator[Case]:
-    """Flip one bit in every file of a copied workspace; then in all of deliver/, in one file a step, and in every file."""
+    """Flip one bit in every file of a copied workspace; then in all of deliver/, in one file a
+    step, and in every file.
+    """
     runs = fresh(bench.folder / "flipped")
     shutil.copytree(bench.folder / "whole", runs)
     workspace = Workspace(runs / "faults")
@@ -209,15 +259,30 @@ def flips(bench: Bench, chance: random.Random) -> Iterator[Case]:
     missed = []
     for path in files:
         bit = flip_bit(path, chance)
-        if not any(path.name in sentence for sentence in check_workspace(workspace, NAMES, read_data=True).damaged):
+        if not any(
+            path.name in sentence
+            for sentence in check_workspace(workspace, NAMES, read_data=True).damaged
+        ):
             missed.append(str(path.relative_to(workspace.root)))
         flip_bit(path, chance, bit)
     yield Case(
-        fault=f"a bit in each of {len(files)} files", exit_code=None, said="", wrong=f"not found: {missed}" if missed else ""
+        fault=f"a bit in each of {len(files)} files",
+        exit_code=None,
+        said="",
+        wrong=f"not found: {missed}" if missed else "",
     )
-    delivered = [p for p in files if p.is_relative_to(workspace.root / "deliver") or ".hullrecon" in p.parts]
-    one_each = [chance.choice([p for p in files if p.is_relative_to(workspace.root / step)]) for step in bench.steps]
-    for what, group in {"deliver/ and .hullrecon/": delivered, "one file a step": one_each, "every file": files}.items():
+    delivered = [
+        p for p in files if p.is_relative_to(workspace.root / "deliver") or ".hullrecon" in p.parts
+    ]
+    one_each = [
+        chance.choice([p for p in files if p.is_relative_to(workspace.root / step)])
+        for step in bench.steps
+    ]
+    for what, group in {
+        "deliver/ and .hullrecon/": delivered,
+        "one file a step": one_each,
+        "every file": files,
+    }.items():
         for path in group:
             flip_bit(path, chance)
         yield bench.healed(f"a bit in {what}", runs, "--read-data")
@@ -225,7 +290,9 @@ def flips(bench: Bench, chance: random.Random) -> Iterator[Case]:
 
 def start(bench: Bench, runs: Path, step: str, *more: str) -> subprocess.Popen[str]:
     """Start a run and return when it has begun a step; it may end before, where the step is done."""
-    process = subprocess.Popen(bench.command(runs, *more), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    process = subprocess.Popen(
+        bench.command(runs, *more), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
+    )
     assert process.stderr is not None
     for line in process.stderr:
         if line.startswith(f"{step}: started"):
@@ -240,9 +307,13 @@ def fresh(folder: Path) -> Path:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--to", default="report", choices=NAMES, help="last step of the chain that is run")
+    parser.add_argument(
+        "--to", default="report", choices=NAMES, help="last step of the chain that is run"
+    )
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--full", type=int, default=20)
     parser.add_argument("--interruptions", type=int, default=20)
@@ -258,7 +329,10 @@ def main() -> int:
     ):  # fmt: skip
         for case in group:
             cases.append(case)
-            print(f"{'WRONG' if case.wrong else 'ok':6}{case.fault}: {case.wrong or case.said or 'no damage'}", flush=True)
+            print(
+                f"{'WRONG' if case.wrong else 'ok':6}{case.fault}: {case.wrong or case.said or 'no damage'}",
+                flush=True,
+            )
     failed = sum(bool(case.wrong) for case in cases)
     print(f"{len(cases)} cases, {failed} wrong")
     if arguments.json is not None:

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How long searching and comparing the features of two images takes: python -m benchmarks.feature_pairs [--features N]
+"""How long searching and comparing the features of two images takes: python -m
+benchmarks.feature_pairs [--features N]
 
-Random features, each sought in an ellipse in the other image: the pairs in the ellipses, the distances of their descriptors and
-the best of each feature, in C++ and in plain NumPy, in turn. Prints JSON: median of the CPU seconds that a pair of images takes
-either, and whether they found the same.
+Random features, each sought in an ellipse in the other image: the pairs in the ellipses, the
+distances of their descriptors and the best of each feature, in C++ and in plain NumPy, in turn.
+Prints JSON: median of the CPU seconds that a pair of images takes either, and whether they found
+the same.
 """
 
 from __future__ import annotations
@@ -29,7 +31,9 @@ Found = tuple[Ints, Floats32]
 
 
 def scene(features: int) -> Scene:
-    """Return where features are sought (n, 2), its covariance, where features are (n, 2), and the descriptors of both."""
+    """Return where features are sought (n, 2), its covariance, where features are (n, 2), and the
+    descriptors of both.
+    """
     rng = np.random.default_rng(1)
     size = np.array([1.0, 0.8])  # of an image in ideal coordinates
     points = rng.uniform(0, 1, (features, 2)) * size
@@ -38,7 +42,13 @@ def scene(features: int) -> Scene:
     descriptors /= np.linalg.norm(descriptors, axis=1, keepdims=True)
     order = rng.permutation(features)
     wanted = points[order] + SIGMA * rng.standard_normal((features, 2))
-    return wanted, root @ root.swapaxes(1, 2), points, descriptors[order] + np.float32(0.01), descriptors
+    return (
+        wanted,
+        root @ root.swapaxes(1, 2),
+        points,
+        descriptors[order] + np.float32(0.01),
+        descriptors,
+    )
 
 
 def compiled(scene: Scene) -> Found:
@@ -75,7 +85,9 @@ def plain(scene: Scene) -> Found:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--features", type=int, default=2000, help="of an image")
     parser.add_argument("--repeat", type=int, default=15)
     args = parser.parse_args()
@@ -91,7 +103,12 @@ def main() -> int:
         same.append(bool((found["compiled"][0] == found["plain"][0]).all()))
     median = {name: float(np.median(values)) for name, values in seconds.items()}
     pairs = len(in_ellipse(*data[:3], CHI2)[0])
-    print(json.dumps({"features": args.features, "pairs": pairs, "seconds": median, "same": all(same)}, indent=1))
+    print(
+        json.dumps(
+            {"features": args.features, "pairs": pairs, "seconds": median, "same": all(same)},
+            indent=1,
+        )
+    )
     return 0
 
 

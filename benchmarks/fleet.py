@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Many tiny dives, five of them broken, through a fleet that is killed twice: python -m benchmarks.fleet [--dives 100]
+"""Many tiny dives, five of them broken, through a fleet that is killed twice: python -m
+benchmarks.fleet [--dives 100]
 
-One dive of two legs of a metre is simulated and copied, each copy with another vessel and sigma; five copies are broken in
-five ways. `hullrecon fleet` runs them, is killed with all its processes (SIGKILL after a third, SIGTERM after two thirds), runs
-to its end, and is called once more with nothing to do. Prints JSON: what was delivered, what failed, exit codes, seconds.
+One dive of two legs of a metre is simulated and copied, each copy with another vessel and sigma;
+five copies are broken in five ways. `hullrecon fleet` runs them, is killed with all its processes
+(SIGKILL after a third, SIGTERM after two thirds), runs to its end, and is called once more with
+nothing to do. Prints JSON: what was delivered, what failed, exit codes, seconds.
 """
 
 from __future__ import annotations
@@ -27,7 +29,11 @@ SMALL = (
     " --structures 1 --marks 0 --barnacles 0 --length-m 20 --beam-m 5 --depth-m 3.5 --draught-m 2.5 --bilge-radius-m 0.8"
     " --top-m 0.8"
 )
-PROGRAM = (sys.executable, "-c", "import sys; from hullrecon_cli.main import main; sys.exit(main())")
+PROGRAM = (
+    sys.executable,
+    "-c",
+    "import sys; from hullrecon_cli.main import main; sys.exit(main())",
+)
 MARK = "code-has-run"
 POLL_S = 0.2
 
@@ -51,7 +57,9 @@ def lose_imu(package: Path) -> None:
 
 def name_hostile(package: Path) -> None:
     path = package / "dive.toml"
-    path.write_text(path.read_text().replace(f'"{package.name}"', f'"x$(shell touch {MARK})`touch {MARK}`"'))
+    path.write_text(
+        path.read_text().replace(f'"{package.name}"', f'"x$(shell touch {MARK})`touch {MARK}`"')
+    )
 
 
 BREAKS = (cut_log, lose_cad, spoil_toml, lose_imu, name_hostile)
@@ -65,7 +73,9 @@ def make_dives(tiny: Path, dives: Path, count: int) -> dict[str, str]:
         shutil.copytree(tiny, package)
         path = package / "dive.toml"
         text = path.read_text().replace(f'name = "{tiny.name}"', f'name = "{package.name}"')
-        text = text.replace('vessel = "', f'vessel = "No. {k}, ').replace("sigma_deg = 0.8", f"sigma_deg = {0.8 + k / 1e4:.4f}")
+        text = text.replace('vessel = "', f'vessel = "No. {k}, ').replace(
+            "sigma_deg = 0.8", f"sigma_deg = {0.8 + k / 1e4:.4f}"
+        )
         path.write_text(text)
     for k, spoil in enumerate(BREAKS):
         package = dives / f"dive-{(2 * k + 1) * count // (2 * len(BREAKS)):03d}"
@@ -82,7 +92,16 @@ class Fleet:
     """`hullrecon fleet` over a folder, in a group of processes of its own."""
 
     def __init__(self, program: Sequence[str], dives: Path, runs: Path, jobs: int) -> None:
-        self._command = [*program, "--json", "fleet", str(dives), "--runs", str(runs), "--jobs", str(jobs)]
+        self._command = [
+            *program,
+            "--json",
+            "fleet",
+            str(dives),
+            "--runs",
+            str(runs),
+            "--jobs",
+            str(jobs),
+        ]
         self._runs = runs
 
     def call(self, until: int | None = None, number: int = signal.SIGKILL) -> dict[str, Any]:
@@ -99,7 +118,9 @@ class Fleet:
             out.seek(0)
             err.seek(0)
             document = out.read()
-            lines = [line for line in err.read().decode().splitlines() if line.startswith("failed: ")]
+            lines = [
+                line for line in err.read().decode().splitlines() if line.startswith("failed: ")
+            ]
         found = json.loads(document) if until is None else {}
         return {
             "exit_code": code,
@@ -113,11 +134,21 @@ class Fleet:
 def _counts(document: dict[str, Any]) -> dict[str, Any]:
     if not document:
         return {}
-    failed = {dive["package"].rpartition("/")[2]: dive["exit_code"] for dive in document["dives"] if dive["state"] == "failed"}
-    return {"reported": document["delivered"], "failed": failed, "ran": sum(dive["ran"] for dive in document["dives"])}
+    failed = {
+        dive["package"].rpartition("/")[2]: dive["exit_code"]
+        for dive in document["dives"]
+        if dive["state"] == "failed"
+    }
+    return {
+        "reported": document["delivered"],
+        "failed": failed,
+        "ran": sum(dive["ran"] for dive in document["dives"]),
+    }
 
 
-def measure(folder: Path, tiny: Path, count: int, jobs: int, program: Sequence[str] = PROGRAM) -> dict[str, Any]:
+def measure(
+    folder: Path, tiny: Path, count: int, jobs: int, program: Sequence[str] = PROGRAM
+) -> dict[str, Any]:
     """Return how the fleet of `count` copies of a package went, killed twice."""
     dives, runs = folder / "dives", folder / "runs"
     broken = make_dives(tiny, dives, count)
@@ -134,7 +165,9 @@ def measure(folder: Path, tiny: Path, count: int, jobs: int, program: Sequence[s
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--dives", type=int, default=100)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--cameras", choices=("stereo", "mono", "none"), default="none")
@@ -143,7 +176,16 @@ def main() -> int:
         parser.error(f"give at least {2 * len(BREAKS)} dives")
     with tempfile.TemporaryDirectory(prefix="hullrecon-fleet-") as folder:
         tiny = Path(folder) / "tiny"
-        words = ["--quiet", "simulate", str(tiny), "--name", "tiny", "--cameras", args.cameras, *SMALL.split()]
+        words = [
+            "--quiet",
+            "simulate",
+            str(tiny),
+            "--name",
+            "tiny",
+            "--cameras",
+            args.cameras,
+            *SMALL.split(),
+        ]
         subprocess.run([*PROGRAM, *words], check=True)
         print(json.dumps(measure(Path(folder), tiny, args.dives, args.jobs), indent=1))
     return 0

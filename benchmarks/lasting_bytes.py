@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Compare two runs byte by byte, without what differs between equal runs, and flip bits as a failing disk does."""
+"""Compare two runs byte by byte, without what differs between equal runs, and flip bits as a
+failing disk does.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,9 @@ def _lasting(path: Path) -> bytes:
         document.get("deliverables", {}).pop("report/index.html", None)
         return json.dumps(document, sort_keys=True).encode()
     if path.suffix == ".html":
-        return "".join(line for line in path.read_text().splitlines() if "data-volatile" not in line).encode()
+        return "".join(
+            line for line in path.read_text().splitlines() if "data-volatile" not in line
+        ).encode()
     return path.read_bytes()
 
 

@@ -1,11 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether long, drifting legs close: python -m benchmarks.legs FOLDER [--dives NAME ...] [--seeds N ...] [--drifts D ...]
+"""Whether long, drifting legs close: python -m benchmarks.legs FOLDER [--dives NAME ...] [--seeds N
+...] [--drifts D ...]
 
-Simulates dives out and back along a hull into FOLDER (kept for next time; the drifts of one seed share their images), adjusts
-each with its CAD model and, with --free, without, and compares the path with the truth: dead reckoned, tied by links, adjusted.
-Prints a line a dive, and with --json all figures: rms of the vehicle after rigid alignment, errors in sigmas by axis of the
-hull, share of the pairs of images overlapping by 30 % across legs that were matched, and what was said of the CAD model.
+Simulates dives out and back along a hull into FOLDER (kept for next time; the drifts of one seed
+share their images), adjusts each with its CAD model and, with --free, without, and compares the
+path with the truth: dead reckoned, tied by links, adjusted. Prints a line a dive, and with --json
+all figures: rms of the vehicle after rigid alignment, errors in sigmas by axis of the hull, share
+of the pairs of images overlapping by 30 % across legs that were matched, and what was said of the
+CAD model.
 """
 
 from __future__ import annotations
@@ -51,7 +54,14 @@ DIVES: dict[str, dict[str, Any]] = {
     "stereo18": {"legs": 4, "leg_length_m": 18.0, "length_m": 120.0},
     "stereo45": {"legs": 2, "leg_length_m": 45.0, "length_m": 160.0},
     "stereo60": {"legs": 2, "leg_length_m": 60.0, "length_m": 200.0},
-    "stereo100": {"legs": 2, "leg_length_m": 100.0, "length_m": 300.0, "beam_m": 40.0, "depth_m": 20.0, "draught_m": 14.0},
+    "stereo100": {
+        "legs": 2,
+        "leg_length_m": 100.0,
+        "length_m": 300.0,
+        "beam_m": 40.0,
+        "depth_m": 20.0,
+        "draught_m": 14.0,
+    },
     "mono18": {"cameras": "mono", "legs": 4, "leg_length_m": 18.0, "length_m": 120.0},
     "mono45": {"cameras": "mono", "legs": 2, "leg_length_m": 45.0, "length_m": 160.0},
 }
@@ -73,11 +83,15 @@ def hullrecon(*words: str) -> int:
 
 
 def simulate(name: str, seed: int, drift: float, folder: Path, like: Path | None = None) -> Path:
-    """Return the package, made once. like: one of the same dive and seed with another drift, which has the same images."""
+    """Return the package, made once. like: one of the same dive and seed with another drift, which
+    has the same images.
+    """
     package = folder / f"{name}-{seed}-{drift:g}"
     if (package / "truth").exists():
         return package
-    spec = spec_from(name=package.name, sonar=False, seed=seed, heading_drift_deg_per_hour=drift, **DIVES[name])
+    spec = spec_from(
+        name=package.name, sonar=False, seed=seed, heading_drift_deg_per_hour=drift, **DIVES[name]
+    )
     if like is None:
         write_package(package, spec)
         return package
@@ -85,7 +99,9 @@ def simulate(name: str, seed: int, drift: float, folder: Path, like: Path | None
     with new_folder(package) as partial:
         dive = simulate_dive(spec)
         streams = record(dive)
-        frames = zip(*[logged_images(log, TOPICS[camera][0]) for camera in streams.cameras], strict=True)
+        frames = zip(
+            *[logged_images(log, TOPICS[camera][0]) for camera in streams.cameras], strict=True
+        )
         write_parts(partial, dive, replace(streams, frames=InTurn(frames)))
     return package
 
@@ -99,7 +115,9 @@ def logged_images(log: Path, topic: str) -> Iterator[bytes]:
 
 
 def without_cad_model(package: Path, run: Path) -> tuple[Path, Path]:
-    """Return the same dive as a package that names no CAD model, and a folder of runs that holds what is known of it."""
+    """Return the same dive as a package that names no CAD model, and a folder of runs that holds
+    what is known of it.
+    """
     free, runs = package.with_name(f"free-{package.name}"), run.parent.with_name("runs-without")
     if not free.exists():
         shutil.copytree(package, free, copy_function=os.link)
@@ -107,7 +125,8 @@ def without_cad_model(package: Path, run: Path) -> tuple[Path, Path]:
         (free / "dive.toml").unlink()
         (free / "dive.toml").write_text(re.sub(r"\[hull\]\n(?:[^\[\n][^\n]*\n|\n)*", "", text))
     if not (runs / package.name).exists():
-        shutil.copytree(run, runs / package.name, ignore=shutil.ignore_patterns("workspace.json"))  # it names the other package
+        # it names the other package
+        shutil.copytree(run, runs / package.name, ignore=shutil.ignore_patterns("workspace.json"))
     return free, runs
 
 
@@ -124,8 +143,9 @@ def rigid_rms_mm(t_ns: Ints, positions: Array, truth: Truth) -> tuple[float, flo
 
 
 def in_sigmas(solution: Solution, truth: Truth) -> list[float]:
-    """Return the rms of the vehicle's errors in their own sigmas, by axis of the hull; without a CAD model by axis of g, from
-    where the path begins."""
+    """Return the rms of the vehicle's errors in their own sigmas, by axis of the hull; without a
+    CAD model by axis of g, from where the path begins.
+    """
     track = solution.track()
     t_s = track.t_ns / 1e9
     inside = (t_s >= truth.t_s[0]) & (t_s <= truth.t_s[-1])
@@ -137,8 +157,9 @@ def in_sigmas(solution: Solution, truth: Truth) -> list[float]:
 
 
 def true_revisits(run: Path, truth: Truth) -> tuple[Ints, Ints, int]:
-    """Return the pairs of nodes (first, second) of different legs that have top images that truly overlap, and the number of
-    nodes."""
+    """Return the pairs of nodes (first, second) of different legs that have top images that truly
+    overlap, and the number of nodes.
+    """
     from scipy.spatial import cKDTree
 
     solution = np.load(run / "adjust" / "solution.npz")
@@ -150,19 +171,28 @@ def true_revisits(run: Path, truth: Truth) -> tuple[Ints, Ints, int]:
     depth = np.asarray(cast(truth.built, cameras.translation, axis))
     along_path = np.r_[0, np.cumsum(np.linalg.norm(np.diff(vehicle.translation, axis=0), axis=1))]
     seen = cameras.translation + np.where(np.isfinite(depth), depth, 0)[:, None] * axis
-    reach = float(np.nanmedian(depth)) * np.hypot(camera.width / camera.fx, camera.height / camera.fy)
+    reach = float(np.nanmedian(depth)) * np.hypot(
+        camera.width / camera.fx, camera.height / camera.fy
+    )
     first, second = cKDTree(seen).query_pairs(reach, output_type="ndarray").T
     has_image = NavigateArtifact(run / "navigate").trajectory.image[:, 0] >= 0
-    apart = (along_path[second] - along_path[first] > OTHER_LEG_M) & has_image[first] & has_image[second]
+    apart = (
+        (along_path[second] - along_path[first] > OTHER_LEG_M)
+        & has_image[first]
+        & has_image[second]
+    )
     first, second = first[apart], second[apart]
     track = CameraTrack(global_from_camera=cameras, errors=NoErrors())
-    overlap = footprint_overlap(track, first, second, np.where(np.isfinite(depth), depth, np.nan), camera)
+    overlap = footprint_overlap(
+        track, first, second, np.where(np.isfinite(depth), depth, np.nan), camera
+    )
     return first[overlap >= OVERLAPPING], second[overlap >= OVERLAPPING], len(t_s)
 
 
 def nearest_frames(frame_s: Array, t_s: Array) -> Ints:
-    """Return the frames (n,) nearest in time; the frame after a time is the wrong one where the two differ by rounding.
-    frame_s: ascending."""
+    """Return the frames (n,) nearest in time; the frame after a time is the wrong one where the two
+    differ by rounding. frame_s: ascending.
+    """
     after = np.clip(np.searchsorted(frame_s, t_s), 1, len(frame_s) - 1)
     return np.asarray(after - (t_s - frame_s[after - 1] < frame_s[after] - t_s))
 
@@ -182,7 +212,10 @@ def figures(run: Path, package: Path) -> Figures:
     """Return the figures of one run."""
     truth = read_truth(package)
     said = json.loads((run / "adjust" / "adjust.json").read_text())
-    navigate, links = np.load(run / "navigate" / "trajectory.npz"), np.load(run / "links" / "path.npz")
+    navigate, links = (
+        np.load(run / "navigate" / "trajectory.npz"),
+        np.load(run / "links" / "path.npz"),
+    )
     arrays = dict(np.load(run / "adjust" / "solution.npz"))
     solution = from_arrays(Solution, arrays)
     rms, scale = rigid_rms_mm(solution.t_ns, arrays["global_from_vehicle.translation"], truth)
@@ -208,10 +241,16 @@ def dive(package: Path, folder: Path, free: bool) -> Figures:
     row = figures(run, package)
     first, second, nodes = true_revisits(run, read_truth(package))
     row["revisits"] = len(first)
-    row["revisits_matched"] = float(matched(run, first, second, nodes).mean()) if len(first) else None
+    row["revisits_matched"] = (
+        float(matched(run, first, second, nodes).mean()) if len(first) else None
+    )
     if free:
         bare, bare_runs = without_cad_model(package, run)
-        row["without_cad"] = figures(bare_runs / package.name, package) if run_to_adjust(bare, bare_runs) else {"failed": True}
+        row["without_cad"] = (
+            figures(bare_runs / package.name, package)
+            if run_to_adjust(bare, bare_runs)
+            else {"failed": True}
+        )
     return row
 
 
@@ -221,7 +260,11 @@ def line(name: str, row: Figures) -> str:
         return f"{name}: FAILED"
     sigmas = " ".join(f"{x:.2f}" for x in row.get("errors_in_sigmas", []))
     free = row.get("without_cad")
-    beside = f", without CAD {free['adjust_mm']:.2f}" if isinstance(free, dict) and "adjust_mm" in free else ""
+    beside = (
+        f", without CAD {free['adjust_mm']:.2f}"
+        if isinstance(free, dict) and "adjust_mm" in free
+        else ""
+    )
     share = 100 * (row["revisits_matched"] or 0)
     return (
         f"{name}: {row['nodes']} nodes, rigid rms mm: dead reckoning {row['dead_reckoning_mm']:.0f}, links"
@@ -232,7 +275,9 @@ def line(name: str, row: Figures) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--dives", nargs="+", choices=DIVES, default=["stereo18", "stereo45"])
     parser.add_argument("--seeds", nargs="+", type=int, default=[1])

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bundles from libmv's problem files (Ceres' own examples, real tracks of Blender's 'Tears of Steel').
+"""Bundles from libmv's problem files (Ceres' own examples, real tracks of Blender's 'Tears of
+Steel').
 
-Little-endian 'v', markers in pixels 'P'; f cx cy k1 k2 k3 p1 p2; cameras: image, camera_from_global by columns, translation;
-points: track, xyz; markers: image, track, pixel. All float32 and int32.
+Little-endian 'v', markers in pixels 'P'; f cx cy k1 k2 k3 p1 p2; cameras: image, camera_from_global
+by columns, translation; points: track, xyz; markers: image, track, pixel. All float32 and int32.
 """
 
 from __future__ import annotations
@@ -24,10 +25,14 @@ _MARKER = np.dtype([("image", "<i4"), ("track", "<i4"), ("pixel", "<f4", 2)])
 
 
 def read(path: Path) -> Bundle:
-    """Points with fewer than two markers are left out. Raises InputError when the file is of another kind or length."""
+    """Points with fewer than two markers are left out. Raises InputError when the file is of
+    another kind or length.
+    """
     data = path.read_bytes()
     if data[:2] != b"vP":
-        raise InputError("not a little-endian libmv problem with markers in pixels", where=str(path))
+        raise InputError(
+            "not a little-endian libmv problem with markers in pixels", where=str(path)
+        )
     intrinsics = np.frombuffer(data, "<f4", 8, 2).astype(float)
     offset = 34
     tables: list[NDArray[Any]] = []
@@ -40,10 +45,18 @@ def read(path: Path) -> Bundle:
     return _bundle(intrinsics, *tables)
 
 
-def _bundle(intrinsics: NDArray[np.float64], cameras: NDArray[Any], points: NDArray[Any], markers: NDArray[Any]) -> Bundle:
+def _bundle(
+    intrinsics: NDArray[np.float64],
+    cameras: NDArray[Any],
+    points: NDArray[Any],
+    markers: NDArray[Any],
+) -> Bundle:
     f, cx, cy, k1, k2, k3, p1, p2 = intrinsics
     matrix = np.tile(np.eye(4), (len(cameras), 1, 1))
-    matrix[:, :3, :3], matrix[:, :3, 3] = cameras["columns"].transpose(0, 2, 1), cameras["translation"]
+    matrix[:, :3, :3], matrix[:, :3, 3] = (
+        cameras["columns"].transpose(0, 2, 1),
+        cameras["translation"],
+    )
     g_from_camera = poses.from_matrix(matrix).inverse()
     used = np.isin(markers["image"], cameras["image"]) & np.isin(markers["track"], points["track"])
     markers = markers[used]

@@ -24,16 +24,26 @@ RIGHT, MOST_GRAPHS = 20, 10  # links of the run to a false one; graphs that are 
 
 
 def solved_graph(run: Path, config: LoadedConfig) -> GraphSolution:
-    """Return the pose graph as the step `links` had it, without planes, solved with the links of the run."""
+    """Return the pose graph as the step `links` had it, without planes, solved with the links of
+    the run.
+    """
     ingest, navigate = IngestArtifact(run / "ingest"), NavigateArtifact(run / "navigate")
-    rig = rig_priors_from_settings({name: config.value(name) for name in RIG_SECTIONS}, ingest.camera_models)
-    graph = PoseGraph(trajectory=navigate.trajectory, odometry=navigate.odometry, attitude=navigate.attitude, rig=rig)
+    rig = rig_priors_from_settings(
+        {name: config.value(name) for name in RIG_SECTIONS}, ingest.camera_models
+    )
+    graph = PoseGraph(
+        trajectory=navigate.trajectory,
+        odometry=navigate.odometry,
+        attitude=navigate.attitude,
+        rig=rig,
+    )
     return graph.solve(LinksArtifact(run / "links").links, graph.solve(no_links(), None))
 
 
 def kept_by_graph(run: Path, solved: GraphSolution, false: CameraLinks) -> dict[str, int]:
-    """Return how many false links were added to those of the run, one to RIGHT of these, and how many are left when cycles and
-    the solved path have had their say."""
+    """Return how many false links were added to those of the run, one to RIGHT of these, and how
+    many are left when cycles and the solved path have had their say.
+    """
     right, pairs = solved.links, LinksArtifact(run / "links").pairs
     across = pairs.across[pairs.joined]
     most = max(1, len(right) // RIGHT)
@@ -72,4 +82,6 @@ def select(links: CameraLinks, rows: Ints | Mask) -> CameraLinks:
 def joined(first: CameraLinks, second: CameraLinks) -> CameraLinks:
     """Return these links and those."""
     names = [f.name for f in fields(CameraLinks)]
-    return CameraLinks(**{name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in names})
+    return CameraLinks(
+        **{name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in names}
+    )

@@ -1,13 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A survey by one camera that is hard to link: python -m benchmarks.mono_survey FOLDER [--legs N] [--leg-length-m L]
+"""A survey by one camera that is hard to link: python -m benchmarks.mono_survey FOLDER [--legs N]
+[--leg-length-m L]
 
-Seven legs of 30 m half a metre apart, 1.5 m off, an image every 0.16 m; bare paint over the sternward third, no images over
-half of the second leg, a DVL 1 % too long and a heading that drifts [KimEustice2009 IV]. Simulates it into FOLDER (kept for
-next time), runs it to `adjust` and prints JSON with what is asked: the vehicle's error after rigid alignment, links between
-images that share nothing, true revisits that were linked, the sigma at the end over that of dead reckoning, and on bare paint
-over elsewhere; besides, where the CAD model was not refused, the NEES of the middle pose. Exit code 1 where one of them is not
-as asked.
+Seven legs of 30 m half a metre apart, 1.5 m off, an image every 0.16 m; bare paint over the
+sternward third, no images over half of the second leg, a DVL 1 % too long and a heading that drifts
+[KimEustice2009 IV]. Simulates it into FOLDER (kept for next time), runs it to `adjust` and prints
+JSON with what is asked: the vehicle's error after rigid alignment, links between images that share
+nothing, true revisits that were linked, the sigma at the end over that of dead reckoning, and on
+bare paint over elsewhere; besides, where the CAD model was not refused, the NEES of the middle
+pose. Exit code 1 where one of them is not as asked.
 """
 
 from __future__ import annotations
@@ -50,13 +52,35 @@ def simulate(folder: Path, legs: int, length_m: float, seed: int, more: list[str
     package = folder / f"survey-{legs}x{length_m:g}-{seed}"
     whole = package.with_name(f"whole-{package.name}")
     if not (whole / "truth").exists():
-        size = ["--legs", str(legs), "--leg-length-m", str(length_m), "--length-m", str(max(80.0, 5 * length_m))]
+        size = [
+            "--legs",
+            str(legs),
+            "--leg-length-m",
+            str(length_m),
+            "--length-m",
+            str(max(80.0, 5 * length_m)),
+        ]
         paint = ["--paint-bare-share", str(BARE_SHARE), "--seed", str(seed)]
-        if hullrecon("simulate", "-q", str(whole), "--name", whole.name, *OPTIONS.split(), *size, *paint, *more):
+        if hullrecon(
+            "simulate",
+            "-q",
+            str(whole),
+            "--name",
+            whole.name,
+            *OPTIONS.split(),
+            *size,
+            *paint,
+            *more,
+        ):
             raise SystemExit(f"{whole} could not be simulated")
     if not package.exists():
         about_s, half_s = blank(read_truth(whole), length_m)
-        disturb(whole, package, lambda topic, s, data: None if "camera" in topic and abs(s) < half_s else data, about_s * NS)
+        disturb(
+            whole,
+            package,
+            lambda topic, s, data: None if "camera" in topic and abs(s) < half_s else data,
+            about_s * NS,
+        )
     return package
 
 
@@ -69,15 +93,26 @@ def blank(truth: Truth, length_m: float) -> tuple[int, float]:
 
 
 def shared(built: Scene, camera: CameraModel, cameras: Poses, first: Ints, second: Ints) -> Array:
-    """Return the share (m,) of each first image whose steel, as built, the second image has too. cameras (n): T_M_c."""
-    pixels = np.stack(np.meshgrid(np.linspace(0, camera.width - 1, GRID), np.linspace(0, camera.height - 1, GRID)), axis=2)
+    """Return the share (m,) of each first image whose steel, as built, the second image has too.
+    cameras (n): T_M_c.
+    """
+    pixels = np.stack(
+        np.meshgrid(
+            np.linspace(0, camera.width - 1, GRID), np.linspace(0, camera.height - 1, GRID)
+        ),
+        axis=2,
+    )
     rays = camera.rays(pixels.reshape(-1, 2))
     low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
     out = np.zeros(len(first))
     for k, (a, b) in enumerate(zip(first, second, strict=True)):
         direction = cameras[int(a)].rotation.apply(rays)
         origin = np.tile(cameras.translation[int(a)], (len(rays), 1))
-        seen = cameras[int(b)].inverse().apply(origin + built.cast(origin, direction)[:, None] * direction)
+        seen = (
+            cameras[int(b)]
+            .inverse()
+            .apply(origin + built.cast(origin, direction)[:, None] * direction)
+        )
         with np.errstate(invalid="ignore"):
             inside = (seen[:, :2] / seen[:, 2:] >= low) & (seen[:, :2] / seen[:, 2:] <= high)
         out[k] = np.mean(inside.all(axis=1) & (seen[:, 2] > 0))
@@ -90,7 +125,9 @@ def measure(package: Path, run: Path) -> dict[str, object]:
     navigate, links = NavigateArtifact(run / "navigate"), LinksArtifact(run / "links")
     first, second = links.pairs.first[links.pairs.joined], links.pairs.second[links.pairs.joined]
     in_common = shared(truth.built, dive.worker.rig.model(Camera.TOP), dive.cameras, first, second)
-    reckoned = track_cameras(navigate.trajectory, navigate.error_model, dive.worker.rig, 0.0, dive.bottom)
+    reckoned = track_cameras(
+        navigate.trajectory, navigate.error_model, dive.worker.rig, 0.0, dive.bottom
+    )
     solved = solved_graph(run, dive.config)
     poses = leading_cameras(dive.worker.rig, solved.path, dive.bottom)
     both = reckoned.errors, solved.relative_errors(dive.bottom)
@@ -111,8 +148,12 @@ def measure(package: Path, run: Path) -> dict[str, object]:
         "revisits_on_texture": int(on_texture.sum()),
         "revisits_on_texture_matched": float(recalled[on_texture].mean()),
         "end_sigma_m": float(after.relative_sigma(*end)[0]),
-        "end_sigma_over_dead_reckoning": float(after.relative_sigma(*end)[0] / before.relative_sigma(*end)[0]),
-        "sigma_on_bare_paint_over_elsewhere": float(np.median(local[bare]) / np.median(local[textured])),
+        "end_sigma_over_dead_reckoning": float(
+            after.relative_sigma(*end)[0] / before.relative_sigma(*end)[0]
+        ),
+        "sigma_on_bare_paint_over_elsewhere": float(
+            np.median(local[bare]) / np.median(local[textured])
+        ),
         "nees": None if row["cad_model_refused"] else nees(run / "adjust", package),
     }
 
@@ -133,12 +174,19 @@ def asked(row: dict[str, object]) -> dict[str, bool]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--legs", type=int, default=7)
     parser.add_argument("--leg-length-m", type=float, default=30.0)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--simulate", nargs="*", default=[], help="further options of `hullrecon simulate`, as image-width=320")
+    parser.add_argument(
+        "--simulate",
+        nargs="*",
+        default=[],
+        help="further options of `hullrecon simulate`, as image-width=320",
+    )
     parser.add_argument("--json", type=Path)
     args = parser.parse_args()
     args.folder.mkdir(parents=True, exist_ok=True)

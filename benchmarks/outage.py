@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a dive survives an outage of DVL and cameras: python -m benchmarks.outage PACKAGE FOLDER [--from-s S] [--to-s S]
+"""Whether a dive survives an outage of DVL and cameras: python -m benchmarks.outage PACKAGE FOLDER
+[--from-s S] [--to-s S]
 
 PACKAGE is a simulated dive with an MCAP log, such as
 
-    hullrecon simulate --no-sonar --heading-drift-deg-per-hour 100 --legs 2 --leg-length-m 20 --length-m 120 PACKAGE
+    hullrecon simulate --no-sonar --heading-drift-deg-per-hour 100 --legs 2 --leg-length-m 20
+    --length-m 120 PACKAGE
 
-A copy of it without DVL and images between two times, seconds from the dive's middle, is run to `links` without recognition by
-appearance and with it. Prints JSON: rms of the path after rigid alignment with the truth, parts, pairs joined across legs, and
-what appearance was asked.
+A copy of it without DVL and images between two times, seconds from the dive's middle, is run to
+`links` without recognition by appearance and with it. Prints JSON: rms of the path after rigid
+alignment with the truth, parts, pairs joined across legs, and what appearance was asked.
 """
 
 from __future__ import annotations
@@ -50,7 +52,9 @@ def figures(package: Path, run: Path) -> Figures:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("package", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--from-s", type=float, default=-20.0)
@@ -64,7 +68,17 @@ def main() -> int:
         runs = args.folder / f"runs-{name}"
         if name == "with" and not runs.exists():
             shutil.copytree(args.folder / "runs-without", runs)  # all but the links is the same
-        code = hullrecon("run", "-q", str(copy), "--runs", str(runs), "--to", "links", "--set", f"links.appearance={value}")
+        code = hullrecon(
+            "run",
+            "-q",
+            str(copy),
+            "--runs",
+            str(runs),
+            "--to",
+            "links",
+            "--set",
+            f"links.appearance={value}",
+        )
         rows[name] = {"exit_code": code} | ({} if code else figures(copy, runs / copy.name))
     print(json.dumps(rows))
     if args.json:

@@ -4,9 +4,9 @@
 
     python -m benchmarks.page RUN PACKAGE [--objects 500]
 
-RUN is the folder of a finished run over PACKAGE. Its report is measured as it is and again with that many objects (copies of
-its own, each at a place of its own). Prints JSON: bytes of the page and of all that it needs, time to the first paint, time of
-a sort measured inside the page.
+RUN is the folder of a finished run over PACKAGE. Its report is measured as it is and again with
+that many objects (copies of its own, each at a place of its own). Prints JSON: bytes of the page
+and of all that it needs, time to the first paint, time of a sort measured inside the page.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ SORTS = 5
 
 
 def crowded_report(run: Path, package: Path, out: Path, count: int) -> Path:
-    """Write the report of a run as if it had found `count` objects, copies of its own; return its page."""
+    """Write the report of a run as if it had found `count` objects, copies of its own; return its
+    page.
+    """
     from hullrecon.artifacts.execution.runner import run_stage
     from hullrecon.dive.config.load import load_config
     from hullrecon.steps.chain import stages
@@ -37,11 +39,22 @@ def crowded_report(run: Path, package: Path, out: Path, count: int) -> Path:
         if path.name not in ("objects.json", "manifest.json"):
             (detect / path.name).symlink_to(path)
     found = json.loads((run / "detect" / "objects.json").read_text())["objects"]
-    (detect / "objects.json").write_text(json.dumps({"objects": [_copy(found[k % len(found)], k) for k in range(count)]}))
-    inputs = {name: run / name for name in (*STAGE.inputs, *STAGE.optional) if (run / name).is_dir()} | {"detect": detect}
+    (detect / "objects.json").write_text(
+        json.dumps({"objects": [_copy(found[k % len(found)], k) for k in range(count)]})
+    )
+    inputs = {
+        name: run / name for name in (*STAGE.inputs, *STAGE.optional) if (run / name).is_dir()
+    } | {"detect": detect}
     config = load_config(package, {stage.name: stage.parameters for stage in stages()})
-    sections = {section: config.value(section) for section in {name.split(".")[0] for name in STAGE.uses}}
-    return run_stage(STAGE, sections, inputs, out / "report", source=package) / "deliver" / "report" / "index.html"
+    sections = {
+        section: config.value(section) for section in {name.split(".")[0] for name in STAGE.uses}
+    }
+    return (
+        run_stage(STAGE, sections, inputs, out / "report", source=package)
+        / "deliver"
+        / "report"
+        / "index.html"
+    )
 
 
 def _copy(found: dict[str, Any], k: int) -> dict[str, Any]:
@@ -49,7 +62,12 @@ def _copy(found: dict[str, Any], k: int) -> dict[str, Any]:
     height = 0.01 + (k * 7919 % 10_007) * 1e-5
     along = 0.02 * (k % 25)
     center = [found["center"][0] + along, *found["center"][1:]]
-    return found | {"id": k + 1, "height": height, "center": center, "along": found["along"] + along}
+    return found | {
+        "id": k + 1,
+        "height": height,
+        "center": center,
+        "along": found["along"] + along,
+    }
 
 
 def measure(page: Path) -> dict[str, Any]:
@@ -91,7 +109,9 @@ def _spread(values: list[float]) -> dict[str, float] | None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("run", type=Path)
     parser.add_argument("package", type=Path)
     parser.add_argument("--objects", type=int, default=500)
@@ -99,7 +119,10 @@ def main() -> None:
     run = options.run.resolve()
     with tempfile.TemporaryDirectory() as folder:
         crowded = crowded_report(run, options.package.resolve(), Path(folder), options.objects)
-        result = {"as_it_is": measure(run / "deliver/report/index.html"), f"{options.objects}_objects": measure(crowded)}
+        result = {
+            "as_it_is": measure(run / "deliver/report/index.html"),
+            f"{options.objects}_objects": measure(crowded),
+        }
     print(json.dumps(result, indent=1))
 
 

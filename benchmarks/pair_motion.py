@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How long the motion between two stereo nodes takes: python -m benchmarks.pair_motion [--features N]
+"""How long the motion between two stereo nodes takes: python -m benchmarks.pair_motion [--features
+N]
 
-The normal equations of triangulated points seen by the other node, the adjustment's features with their points eliminated, and
-the squared errors of a block of hypotheses, in C++ and in plain NumPy, in turn. Prints JSON: median of the CPU seconds of each,
-and the largest difference between the two, relative to the largest number.
+The normal equations of triangulated points seen by the other node, the adjustment's features with
+their points eliminated, and the squared errors of a block of hypotheses, in C++ and in plain NumPy,
+in turn. Prints JSON: median of the CPU seconds of each, and the largest difference between the two,
+relative to the largest number.
 """
 
 from __future__ import annotations
@@ -45,16 +47,23 @@ def moved(transform: Array, points: Array) -> Array:
 
 def scene(features: int) -> Scene:
     rng = np.random.default_rng(1)
-    points = np.column_stack([rng.uniform(-0.5, 0.5, (features, 2)), rng.uniform(1.2, 1.6, features)])
+    points = np.column_stack(
+        [rng.uniform(-0.5, 0.5, (features, 2)), rng.uniform(1.2, 1.6, features)]
+    )
     there = moved(MOTION, points)
     cameras = (points, moved(BOTTOM_FROM_TOP, points), there, moved(BOTTOM_FROM_TOP, there))
-    seen = np.hstack([at[:, :2] / at[:, 2:] for at in cameras]) + SIGMA * rng.standard_normal((features, 8))
-    seen[rng.random((features, 4)).repeat(2, axis=1) < 0.1] = np.nan  # a tenth was missed by each camera
+    seen = np.hstack([at[:, :2] / at[:, 2:] for at in cameras]) + SIGMA * rng.standard_normal(
+        (features, 8)
+    )
+    # a tenth was missed by each camera
+    seen[rng.random((features, 4)).repeat(2, axis=1) < 0.1] = np.nan
     return Scene(points=points, seen=seen)
 
 
 def projected(camera: Array, points: Array) -> tuple[Array, Array]:
-    """Return the image (m, 2) of points, NaN behind the camera, and its derivative (m, 2, 3) by them."""
+    """Return the image (m, 2) of points, NaN behind the camera, and its derivative (m, 2, 3) by
+    them.
+    """
     at = moved(camera, points)
     depth = np.where(at[:, 2] > 1e-6, at[:, 2], np.nan)
     image = at[:, :2] / depth[:, None]
@@ -69,7 +78,13 @@ def plain_squared(camera_from_points: Array, points: Array, xy: Array) -> Array:
 
 
 def plain_normal(
-    motion: Array, points: Array, xy: Array, camera: Array, backward: bool, baseline_m: float, counts: Mask
+    motion: Array,
+    points: Array,
+    xy: Array,
+    camera: Array,
+    backward: bool,
+    baseline_m: float,
+    counts: Mask,
 ) -> tuple[Array, Array, float]:
     points, xy, turn = points[counts], xy[counts], motion[:3, :3]
     there = (points - motion[:3, 3]) @ turn if backward else moved(motion, points)
@@ -80,7 +95,10 @@ def plain_normal(
     by_turn = cross(by_moved, there[:, None]) if backward else cross(points[:, None], by_point)
     jacobian = np.concatenate([-by_point if backward else by_moved, by_turn], axis=2)
     by_depth = np.einsum("nij,nj->ni", by_point, points * (np.sqrt(2) / baseline_m * points[:, 2:]))
-    residual, jacobian = plain_whitened((image - xy)[:, :, None], by_depth), plain_whitened(jacobian, by_depth)
+    residual, jacobian = (
+        plain_whitened((image - xy)[:, :, None], by_depth),
+        plain_whitened(jacobian, by_depth),
+    )
     flat, left = jacobian.reshape(-1, 6), residual.ravel()
     return flat.T @ flat, flat.T @ left, float(left @ left)
 
@@ -93,18 +111,26 @@ def plain_whitened(values: Array, u: Array) -> Array:
     return np.asarray(values - u[:, :, None] * along[:, None, :])
 
 
-def plain_rows(motion: Array, bottom_from_top: Array, field: float, points: Array, seen: Array) -> native.StereoRows:
+def plain_rows(
+    motion: Array, bottom_from_top: Array, field: float, points: Array, seen: Array
+) -> native.StereoRows:
     count, there, same = len(points), moved(motion, points), np.eye(4)
     residual, by_point = np.empty((count, 4, 2)), np.empty((count, 4, 2, 3))
     by_motion, by_calibration = np.zeros((count, 4, 2, 6)), np.zeros((count, 4, 2, 12))
-    for k, (at, camera) in enumerate([(points, same), (points, bottom_from_top), (there, same), (there, bottom_from_top)]):
+    for k, (at, camera) in enumerate(
+        [(points, same), (points, bottom_from_top), (there, same), (there, bottom_from_top)]
+    ):
         image, by_lead = projected(camera, at)
         residual[:, k] = image - seen[:, 2 * k : 2 * k + 2]
         by_point[:, k] = by_lead if k < 2 else by_lead @ motion[:3, :3]
         if k >= 2:
-            by_motion[:, k] = np.concatenate([by_lead, cross(points[:, None], by_point[:, k])], axis=2)
+            by_motion[:, k] = np.concatenate(
+                [by_lead, cross(points[:, None], by_point[:, k])], axis=2
+            )
         if k % 2:
-            by_calibration[:, k] = plain_calibration(camera, at, by_lead, seen[:, 2 * k - 2 : 2 * k] / field)
+            by_calibration[:, k] = plain_calibration(
+                camera, at, by_lead, seen[:, 2 * k - 2 : 2 * k] / field
+            )
     hidden = ~np.isfinite(residual)
     for values in (residual, by_point, by_motion, by_calibration):
         values[hidden] = 0
@@ -117,8 +143,9 @@ def plain_rows(motion: Array, bottom_from_top: Array, field: float, points: Arra
 
 
 def plain_calibration(bottom_from_top: Array, at: Array, by_lead: Array, place: Array) -> Array:
-    """Return (m, 2, 12) of one node's bottom camera. at (m, 3): the points in its leading one; place (m, 2): there, in units of
-    the field."""
+    """Return (m, 2, 12) of one node's bottom camera. at (m, 3): the points in its leading one;
+    place (m, 2): there, in units of the field.
+    """
     along = np.einsum("mij,mj->mi", by_lead, at)
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     x, y = place.T
@@ -127,7 +154,9 @@ def plain_calibration(bottom_from_top: Array, at: Array, by_lead: Array, place: 
     return np.concatenate([-by_lead, by_turn, along[:, :, None] * shape[:, None]], axis=2)
 
 
-def plain_reduced(motion: Array, bottom_from_top: Array, points: Array, seen: Array) -> native.ReducedFeatures:
+def plain_reduced(
+    motion: Array, bottom_from_top: Array, points: Array, seen: Array
+) -> native.ReducedFeatures:
     rows = plain_rows(motion, bottom_from_top, 1.0, points, seen)
     own = rows.by_point.swapaxes(1, 2) @ rows.by_point
     trace = np.trace(own, axis1=1, axis2=2)
@@ -139,8 +168,10 @@ def plain_reduced(motion: Array, bottom_from_top: Array, points: Array, seen: Ar
     carried = of_motion @ inverse
     return native.ReducedFeatures(
         information=turned @ rows.by_motion - carried @ of_motion.swapaxes(1, 2),
-        gradient=np.einsum("mri,mr->mi", rows.by_motion, rows.residual) - np.einsum("mij,mj->mi", carried, gradient),
-        cost=(rows.residual**2).sum(axis=1) - np.einsum("mi,mij,mj->m", gradient, inverse, gradient),
+        gradient=np.einsum("mri,mr->mi", rows.by_motion, rows.residual)
+        - np.einsum("mij,mj->mi", carried, gradient),
+        cost=(rows.residual**2).sum(axis=1)
+        - np.einsum("mi,mij,mj->m", gradient, inverse, gradient),
         freedom=(rows.by_point != 0).any(axis=2).sum(axis=1) - 3,
         point_inverse=inverse,
         point_gradient=gradient,
@@ -179,11 +210,16 @@ def compared(data: Scene) -> dict[str, tuple[Callable[[], list[Array]], Callable
 
 def difference(found: list[Array], plain: list[Array]) -> float:
     """Return the largest difference, relative to the largest number of its array."""
-    return max(float(np.abs(a - b).max() / max(np.abs(b).max(), 1e-300)) for a, b in zip(found, plain, strict=True))
+    return max(
+        float(np.abs(a - b).max() / max(np.abs(b).max(), 1e-300))
+        for a, b in zip(found, plain, strict=True)
+    )
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--features", type=int, default=500, help="that both nodes have")
     parser.add_argument("--repeat", type=int, default=50)
     args = parser.parse_args()

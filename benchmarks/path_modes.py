@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What limits the shape of a path: python -m benchmarks.path_modes PACKAGE RUN
 
-Adjusts a simulated dive with a CAD model again from what RUN (its folder of results, up to the step matches) holds, that model
-left out, and prints as JSON how well the measurements tell the slow shapes of the path: its scale, and bends with one and with
-two turns across its longest axis, along the hull and off it. Of each it prints the sigma by the information of all factors,
-landmarks and all other unknowns eliminated; the true error; and each kind of factor's share of the information. Sigma and error
-are the rms in mm that they give the path after rigid alignment.
+Adjusts a simulated dive with a CAD model again from what RUN (its folder of results, up to the step
+matches) holds, that model left out, and prints as JSON how well the measurements tell the slow
+shapes of the path: its scale, and bends with one and with two turns across its longest axis, along
+the hull and off it. Of each it prints the sigma by the information of all factors, landmarks and
+all other unknowns eliminated; the true error; and each kind of factor's share of the information.
+Sigma and error are the rms in mm that they give the path after rigid alignment.
 """
 
 from __future__ import annotations
@@ -42,15 +43,18 @@ class Mode:
 
 @dataclass(frozen=True, kw_only=True)
 class Known:
-    """How well a mode is known: sigma, m rms of the path; share of the information that each kind of factor has."""
+    """How well a mode is known: sigma, m rms of the path; share of the information that each kind
+    of factor has.
+    """
 
     sigma: float
     share: dict[str, float]
 
 
 def modes_of(positions: Array) -> list[Mode]:
-    """Return the scale of a path (n, 3) and its bends, quadratic and cubic along its longest axis, across both others: free of
-    what a rigid motion does, and of each other's lower order."""
+    """Return the scale of a path (n, 3) and its bends, quadratic and cubic along its longest axis,
+    across both others: free of what a rigid motion does, and of each other's lower order.
+    """
     gap = positions - positions.mean(axis=0)
     axes = np.linalg.svd(gap, full_matrices=False)[2]
     along = gap @ axes[0] / np.abs(gap @ axes[0]).max()
@@ -61,7 +65,10 @@ def modes_of(positions: Array) -> list[Mode]:
             shape = along**order
             shape = shape - lower @ np.linalg.lstsq(lower, shape, rcond=None)[0]
             found.append((f"{kind} {name}", shape[:, None] * axis))
-    return [Mode(name=name, displacement=shape / np.sqrt((shape**2).sum(axis=1).mean())) for name, shape in found]
+    return [
+        Mode(name=name, displacement=shape / np.sqrt((shape**2).sum(axis=1).mean()))
+        for name, shape in found
+    ]
 
 
 def component(mode: Mode, displacement: Array) -> float:
@@ -69,15 +76,24 @@ def component(mode: Mode, displacement: Array) -> float:
     return float((mode.displacement * displacement).sum() / len(displacement))
 
 
-def how_well_known(problem: native.Problem, settings: native.Options, modes: list[Mode]) -> list[Known]:
+def how_well_known(
+    problem: native.Problem, settings: native.Options, modes: list[Mode]
+) -> list[Known]:
     """Return of each mode how well the problem, at its solution, knows its component."""
     at = native.evaluate(problem, settings)
-    rows = sparse.csr_matrix((at.jacobian_value, at.jacobian_column, at.jacobian_start), shape=(len(at.residual), at.width))
+    rows = sparse.csr_matrix(
+        (at.jacobian_value, at.jacobian_column, at.jacobian_start),
+        shape=(len(at.residual), at.width),
+    )
     jacobian = (sparse.diags(at.weight) @ rows).tocsc()
     is_landmark = _landmark_columns(at.columns, at.width)
     points, rest = jacobian[:, is_landmark], jacobian[:, ~is_landmark]
     inverse, coupling = _block_inverse(points), (points.T @ rest).tocsr()
-    reduced = splu((rest.T @ rest - coupling.T @ (inverse @ coupling) + DAMPING * sparse.eye(rest.shape[1])).tocsc())
+    reduced = splu(
+        (
+            rest.T @ rest - coupling.T @ (inverse @ coupling) + DAMPING * sparse.eye(rest.shape[1])
+        ).tocsc()
+    )
     out = []
     for mode in modes:
         functional = np.zeros(at.width)
@@ -87,7 +103,12 @@ def how_well_known(problem: native.Problem, settings: native.Options, modes: lis
         sigma = float(np.sqrt(functional[~is_landmark] @ of_rest))
         seen = (rest @ of_rest - points @ (inverse @ (coupling @ of_rest))) / sigma
         share = np.bincount(at.factor, seen**2, minlength=len(native.FACTORS))
-        out.append(Known(sigma=sigma, share={native.FACTORS[k]: float(share[k]) for k in np.flatnonzero(share > 5e-4)}))
+        out.append(
+            Known(
+                sigma=sigma,
+                share={native.FACTORS[k]: float(share[k]) for k in np.flatnonzero(share > 5e-4)},
+            )
+        )
     return out
 
 
@@ -101,13 +122,17 @@ def _landmark_columns(columns: dict[str, tuple[int, int]], width: int) -> Mask:
 
 
 def _block_inverse(points: sparse.csc_matrix) -> sparse.csr_matrix:
-    """Return the inverse of the landmarks' own information, blocks of three, from their Jacobian (R, 3 L)."""
+    """Return the inverse of the landmarks' own information, blocks of three, from their Jacobian
+    (R, 3 L).
+    """
     own = (points.T @ points).tocoo()
     count = points.shape[1] // 3
     blocks = np.zeros((count, 3, 3))
     blocks[own.row // 3, own.row % 3, own.col % 3] = own.data
     inverse = np.linalg.inv(blocks + DAMPING * np.eye(3))
-    return sparse.csr_matrix(sparse.bsr_matrix((inverse, np.arange(count), np.arange(count + 1)), shape=2 * (3 * count,)))
+    return sparse.csr_matrix(
+        sparse.bsr_matrix((inverse, np.arange(count), np.arange(count + 1)), shape=2 * (3 * count,))
+    )
 
 
 def figures(package: Path, run: Path) -> dict[str, object]:
@@ -125,7 +150,11 @@ def figures(package: Path, run: Path) -> dict[str, object]:
         "nodes": len(positions),
         "error_mm": 1e3 * float(np.sqrt((error**2).sum(axis=1).mean())),
         "modes": {
-            mode.name: {"error_mm": 1e3 * component(mode, error), "sigma_mm": 1e3 * known.sigma, "information": known.share}
+            mode.name: {
+                "error_mm": 1e3 * component(mode, error),
+                "sigma_mm": 1e3 * known.sigma,
+                "information": known.share,
+            }
             for mode, known in zip(modes, how_well_known(problem, settings, modes), strict=True)
         },
     }
@@ -140,7 +169,9 @@ def _settings(options: AdjustOptions) -> native.Options:
 
 def main() -> None:
     """Print the modes of one run."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("package", type=Path, help="the simulated dive")
     parser.add_argument("run", type=Path, help="its folder of results")
     args = parser.parse_args()

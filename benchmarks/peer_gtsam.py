@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """GTSAM's Levenberg-Marquardt (Ceres' defaults, multifrontal Cholesky, COLAMD) on a bundle.
 
-A pair is two projection factors on one pose, the bottom camera as `body_P_sensor`: the same four rows as everywhere else.
-With `--stereo-factor` it is GTSAM's own GenericStereoFactor3D instead, in axes whose x runs along the baseline: three rows
-a pair, because the coordinate across the baseline is given once (the mean of both, sigma 1/sqrt 2).
+A pair is two projection factors on one pose, the bottom camera as `body_P_sensor`: the same four
+rows as everywhere else. With `--stereo-factor` it is GTSAM's own GenericStereoFactor3D instead, in
+axes whose x runs along the baseline: three rows a pair, because the coordinate across the baseline
+is given once (the mean of both, sigma 1/sqrt 2).
 """
 
 from __future__ import annotations
@@ -29,7 +30,11 @@ def _pose3(seven: Array) -> Any:
 
 def graph_of(bundle: Bundle, stereo_factor: bool) -> Any:
     graph = gtsam.NonlinearFactorGraph()
-    graph.add(gtsam.PriorFactorPose3(X(0), _pose3(bundle.pose[0]), gtsam.noiseModel.Isotropic.Sigma(6, 1e-6)))
+    graph.add(
+        gtsam.PriorFactorPose3(
+            X(0), _pose3(bundle.pose[0]), gtsam.noiseModel.Isotropic.Sigma(6, 1e-6)
+        )
+    )
     if not bundle.stereo:
         _hold_scale(graph, bundle)
     if stereo_factor:
@@ -38,11 +43,16 @@ def graph_of(bundle: Bundle, stereo_factor: bool) -> Any:
     fx, fy, cx, cy, *distortion, k3 = bundle.camera
     camera, factor = gtsam.Cal3_S2(fx, fy, 0.0, cx, cy), gtsam.GenericProjectionFactorCal3_S2
     if any(distortion):
-        camera, factor = gtsam.Cal3DS2(fx, fy, 0.0, cx, cy, *distortion), gtsam.GenericProjectionFactorCal3DS2
+        camera, factor = (
+            gtsam.Cal3DS2(fx, fy, 0.0, cx, cy, *distortion),
+            gtsam.GenericProjectionFactorCal3DS2,
+        )
     if k3:
         raise ValueError("GTSAM's Cal3DS2 has no k3")
     bottom, noise = _pose3(bundle.T_ct_cb), gtsam.noiseModel.Isotropic.Sigma(2, 1.0)
-    for pixel, pose, point in zip(bundle.pixel, bundle.seen_from.tolist(), bundle.seen.tolist(), strict=True):
+    for pixel, pose, point in zip(
+        bundle.pixel, bundle.seen_from.tolist(), bundle.seen.tolist(), strict=True
+    ):
         graph.add(factor(pixel[:2], noise, X(pose), L(point), camera))
         if bundle.stereo:
             graph.add(factor(pixel[2:], noise, X(pose), L(point), camera, bottom))
@@ -50,7 +60,9 @@ def graph_of(bundle: Bundle, stereo_factor: bool) -> Any:
 
 
 def _hold_scale(graph: Any, bundle: Bundle) -> None:
-    """One coordinate of the far pose, seen from the first; a prior reads in its own pose's axes, so those are turned."""
+    """One coordinate of the far pose, seen from the first; a prior reads in its own pose's axes, so
+    those are turned.
+    """
     far, axis, _ = bundle.baseline()
     offset = bundles.rotation(bundle.pose[0, 3:])[:, axis]
     in_far = bundles.rotation(bundle.pose[far, 3:]).T @ offset
@@ -70,12 +82,16 @@ def _add_pairs(graph: Any, bundle: Bundle) -> None:
     camera = gtsam.Cal3_S2Stereo(fy, fx, 0.0, cy, -cx, float(bundle.T_ct_cb[1]))
     noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([1.0, 1.0, np.sqrt(0.5)]))
     turned = _pose3(_TURNED)
-    for pixel, pose, point in zip(bundle.pixel, bundle.seen_from.tolist(), bundle.seen.tolist(), strict=True):
+    for pixel, pose, point in zip(
+        bundle.pixel, bundle.seen_from.tolist(), bundle.seen.tolist(), strict=True
+    ):
         seen = gtsam.StereoPoint2(pixel[1], pixel[3], -0.5 * (pixel[0] + pixel[2]))
         graph.add(gtsam.GenericStereoFactor3D(seen, noise, X(pose), L(point), camera, turned))
 
 
-def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path, stereo_factor: bool) -> None:
+def main(
+    path: Path, threads: int, iterations: int, tolerance: float, out: Path, stereo_factor: bool
+) -> None:
     bundles.keep_to(threads)
     bundle = bundles.load(path)
     values = gtsam.Values()
@@ -95,7 +111,12 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path,
     peak, count = bundles.peak_mb(), optimizer.iterations()
     poses = [found.atPose3(X(k)) for k in range(len(bundle.pose))]
     turns = [p.rotation().toQuaternion() for p in poses]
-    pose = np.array([np.r_[p.translation(), q.x(), q.y(), q.z(), q.w()] for p, q in zip(poses, turns, strict=True)])
+    pose = np.array(
+        [
+            np.r_[p.translation(), q.x(), q.y(), q.z(), q.w()]
+            for p, q in zip(poses, turns, strict=True)
+        ]
+    )
     point = np.array([found.atPoint3(L(k)) for k in range(len(bundle.point))])
     bundles.answer(
         out,

@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""GTSAM's Levenberg-Marquardt (Ceres' defaults, multifrontal Cholesky) on the graph of benchmarks.pose_graph, in the peers'
-environment: BetweenFactorPose3, and LocalOrientedPlane3Factor, whose planes are held in an anchor as ours are. Its residual of
-a plane is a direction and a distance; sigmas are ours, over the distance for the direction.
+"""GTSAM's Levenberg-Marquardt (Ceres' defaults, multifrontal Cholesky) on the graph of
+benchmarks.pose_graph, in the peers' environment: BetweenFactorPose3, and LocalOrientedPlane3Factor,
+whose planes are held in an anchor as ours are. Its residual of a plane is a direction and a
+distance; sigmas are ours, over the distance for the direction.
 """
 
 from __future__ import annotations
@@ -43,15 +44,26 @@ def graph_of(tables: Any) -> Any:
     pose, sigma = tables["priors.pose.value"][0], _sigmas(tables["priors.pose.sqrt_information"][0])
     graph.add(gtsam.PriorFactorPose3(X(0), _pose3(pose), sigma))
     noise = _sigmas(tables["links.sqrt_information"][0])
-    ends = zip(tables["links.first"].tolist(), tables["links.second"].tolist(), tables["links.measured"], strict=True)
+    ends = zip(
+        tables["links.first"].tolist(),
+        tables["links.second"].tolist(),
+        tables["links.measured"],
+        strict=True,
+    )
     for first, second, measured in ends:
         graph.add(gtsam.BetweenFactorPose3(X(first), X(second), _pose3(measured), noise))
     anchor, of = tables["planes.anchor"].tolist(), tables["plane_sightings.plane"].tolist()
     sigma_m = 1 / tables["plane_sightings.sqrt_information"][0, 0, 0]
-    for node, plane, pi in zip(tables["plane_sightings.node"].tolist(), of, tables["plane_sightings.measured"], strict=True):
+    for node, plane, pi in zip(
+        tables["plane_sightings.node"].tolist(), of, tables["plane_sightings.measured"], strict=True
+    ):
         away = np.linalg.norm(pi)
-        sigma = gtsam.noiseModel.Diagonal.Sigmas(np.array([sigma_m / away, sigma_m / away, sigma_m]))
-        seen = gtsam_unstable.LocalOrientedPlane3Factor(_plane3(pi), sigma, X(node), X(anchor[plane]), L(plane))
+        sigma = gtsam.noiseModel.Diagonal.Sigmas(
+            np.array([sigma_m / away, sigma_m / away, sigma_m])
+        )
+        seen = gtsam_unstable.LocalOrientedPlane3Factor(
+            _plane3(pi), sigma, X(node), X(anchor[plane]), L(plane)
+        )
         graph.add(seen)
     return graph
 
@@ -75,7 +87,9 @@ def main(path: Path, threads: int, out: Path) -> None:
     found = optimizer.optimizeSafely()
     ended, cpu = time.perf_counter(), time.process_time() - cpu
     peak = bundles.peak_mb()
-    place = np.array([found.atPose3(X(k)).translation() for k in range(len(tables["unknowns.pose"]))])
+    place = np.array(
+        [found.atPose3(X(k)).translation() for k in range(len(tables["unknowns.pose"]))]
+    )
     bundles.answer(
         out,
         solve_s=ended - began,

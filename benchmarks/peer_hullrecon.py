@@ -15,7 +15,16 @@ from benchmarks import bundle as bundles
 from benchmarks.bundle import Bundle
 from hullrecon import native
 
-HELD = ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "intrinsics_top", "intrinsics_bottom", "tray")
+HELD = (
+    "T_g_M",
+    "T_s_ct",
+    "T_ct_cb",
+    "T_s_d",
+    "navigation",
+    "intrinsics_top",
+    "intrinsics_bottom",
+    "tray",
+)
 GAUGE = 1e6  # one over sigma: a micrometre, a microradian
 
 
@@ -28,11 +37,23 @@ def problem_of(bundle: Bundle) -> native.Problem:
         intrinsics_top=bundle.camera,
         intrinsics_bottom=bundle.camera,
     )
-    problem = native.Problem(unknowns=unknowns, constant=HELD, priors=native.Priors(pose=_gauge(bundle)))
+    problem = native.Problem(
+        unknowns=unknowns, constant=HELD, priors=native.Priors(pose=_gauge(bundle))
+    )
     if bundle.stereo:
-        return replace(problem, stereo=native.StereoTable(node=bundle.seen_from, landmark=bundle.seen, pixel=bundle.pixel))
+        return replace(
+            problem,
+            stereo=native.StereoTable(
+                node=bundle.seen_from, landmark=bundle.seen, pixel=bundle.pixel
+            ),
+        )
     top = np.zeros(len(bundle.seen), np.int32)
-    return replace(problem, mono=native.MonoTable(node=bundle.seen_from, landmark=bundle.seen, camera=top, pixel=bundle.pixel))
+    return replace(
+        problem,
+        mono=native.MonoTable(
+            node=bundle.seen_from, landmark=bundle.seen, camera=top, pixel=bundle.pixel
+        ),
+    )
 
 
 def _gauge(bundle: Bundle) -> native.PosePriors:
@@ -45,7 +66,9 @@ def _gauge(bundle: Bundle) -> native.PosePriors:
         nodes.append(far)
         weights.append(np.zeros((6, 6)))
         weights[1][0, :3] = GAUGE * turn[axis]
-    return native.PosePriors(node=np.array(nodes, np.int32), value=bundle.pose[nodes], sqrt_information=np.array(weights))
+    return native.PosePriors(
+        node=np.array(nodes, np.int32), value=bundle.pose[nodes], sqrt_information=np.array(weights)
+    )
 
 
 def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path) -> None:
@@ -77,4 +100,6 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4]), Path(sys.argv[5]))
+    main(
+        Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4]), Path(sys.argv[5])
+    )

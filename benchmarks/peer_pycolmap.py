@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""pycolmap's bundle adjustment on a bundle. A pair is a rig of two cameras whose baseline and intrinsics are held.
+"""pycolmap's bundle adjustment on a bundle. A pair is a rig of two cameras whose baseline and
+intrinsics are held.
 
-COLMAP itself would solve more than 1,000 images with ITERATIVE_SCHUR; SPARSE_SCHUR is several times faster here, so that is
-what it is measured by (`--default` as the last argument leaves the choice to COLMAP).
+COLMAP itself would solve more than 1,000 images with ITERATIVE_SCHUR; SPARSE_SCHUR is several times
+faster here, so that is what it is measured by (`--default` as the last argument leaves the choice
+to COLMAP).
 """
 
 from __future__ import annotations
@@ -52,12 +54,20 @@ def _add_frames(model: Any, bundle: Bundle, cameras: int) -> None:
     order = np.argsort(bundle.seen_from, kind="stable")
     bounds = np.searchsorted(bundle.seen_from[order], np.arange(len(bundle.pose) + 1))
     for pose in range(len(bundle.pose)):
-        frame = pycolmap.Frame(frame_id=pose + 1, rig_id=1, rig_from_world=_rigid(bundle.pose[pose]).inverse())
+        frame = pycolmap.Frame(
+            frame_id=pose + 1, rig_id=1, rig_from_world=_rigid(bundle.pose[pose]).inverse()
+        )
         images = []
         for camera in range(cameras):
             number = pose + 1 + camera * len(bundle.pose)
-            pixels = bundle.pixel[order[bounds[pose] : bounds[pose + 1]], 2 * camera : 2 * camera + 2]
-            images.append(pycolmap.Image(name=f"{number}", keypoints=pixels, camera_id=camera + 1, image_id=number))
+            pixels = bundle.pixel[
+                order[bounds[pose] : bounds[pose + 1]], 2 * camera : 2 * camera + 2
+            ]
+            images.append(
+                pycolmap.Image(
+                    name=f"{number}", keypoints=pixels, camera_id=camera + 1, image_id=number
+                )
+            )
             images[-1].frame_id = pose + 1
             frame.add_data_id(images[-1].data_id)
         model.add_frame(frame)
@@ -67,35 +77,49 @@ def _add_frames(model: Any, bundle: Bundle, cameras: int) -> None:
 
 
 def _add_points(model: Any, bundle: Bundle, cameras: int) -> None:
-    """Point ids are added in order; the place of a row among its image's pixels follows from a stable sort."""
+    """Point ids are added in order; the place of a row among its image's pixels follows from a
+    stable sort.
+    """
     order = np.argsort(bundle.seen_from, kind="stable")
     place = np.empty(len(order), int)
     starts = np.searchsorted(bundle.seen_from[order], np.arange(len(bundle.pose)))
     place[order] = np.arange(len(order)) - starts[bundle.seen_from[order]]
-    rows = np.split(np.argsort(bundle.seen, kind="stable"), np.cumsum(np.bincount(bundle.seen))[:-1])
+    rows = np.split(
+        np.argsort(bundle.seen, kind="stable"), np.cumsum(np.bincount(bundle.seen))[:-1]
+    )
     for point, mine in zip(bundle.point, rows, strict=True):
         track = pycolmap.Track()
         for row in mine:
             for camera in range(cameras):
-                track.add_element(int(bundle.seen_from[row]) + 1 + camera * len(bundle.pose), int(place[row]))
+                track.add_element(
+                    int(bundle.seen_from[row]) + 1 + camera * len(bundle.pose), int(place[row])
+                )
         model.add_point3D(point, track)
 
 
 def _options(threads: int, iterations: int, tolerance: float, choose: bool) -> Any:
     options = pycolmap.BundleAdjustmentOptions()
-    options.refine_focal_length = options.refine_extra_params = options.refine_sensor_from_rig = False
+    options.refine_focal_length = options.refine_extra_params = options.refine_sensor_from_rig = (
+        False
+    )
     options.print_summary = False
     options.ceres.auto_select_solver_type = choose
     options.ceres.min_num_residuals_for_cpu_multi_threading = 0
     solver = options.ceres.solver_options
     solver.linear_solver_type = type(solver.linear_solver_type).SPARSE_SCHUR
     solver.num_threads, solver.max_num_iterations = threads, iterations
-    solver.function_tolerance, solver.gradient_tolerance, solver.parameter_tolerance = tolerance, 1e-10, 1e-8
+    solver.function_tolerance, solver.gradient_tolerance, solver.parameter_tolerance = (
+        tolerance,
+        1e-10,
+        1e-8,
+    )
     options.ceres.solver_options = solver
     return options
 
 
-def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path, choose: bool) -> None:
+def main(
+    path: Path, threads: int, iterations: int, tolerance: float, out: Path, choose: bool
+) -> None:
     bundles.keep_to(threads)
     bundle = bundles.load(path)
     model = reconstruction_of(bundle)
@@ -109,11 +133,14 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path,
         config.set_constant_rig_from_world_pose(1)
     else:
         config.fix_gauge(pycolmap.BundleAdjustmentGauge.TWO_CAMS_FROM_WORLD)
-    adjuster = pycolmap.create_default_ceres_bundle_adjuster(_options(threads, iterations, tolerance, choose), config, model)
+    adjuster = pycolmap.create_default_ceres_bundle_adjuster(
+        _options(threads, iterations, tolerance, choose), config, model
+    )
     before = time.process_time()
     summary = adjuster.solve().ceres_summary
     cpu, peak = time.process_time() - before, bundles.peak_mb()
-    count = summary.num_successful_steps + summary.num_unsuccessful_steps - 1  # Ceres counts the start as a step
+    # Ceres counts the start as a step
+    count = summary.num_successful_steps + summary.num_unsuccessful_steps - 1
     back = [model.frame(k + 1).rig_from_world.inverse() for k in range(len(bundle.pose))]
     pose = np.array([np.r_[t.translation, t.rotation.quat] for t in back])
     point = np.array([model.points3D[k].xyz for k in sorted(model.points3D)])
@@ -121,7 +148,8 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path,
         out,
         iterations=count,
         solve_s=summary.total_time_in_seconds,
-        iteration_s=(summary.total_time_in_seconds - summary.preprocessor_time_in_seconds) / max(1, count),
+        iteration_s=(summary.total_time_in_seconds - summary.preprocessor_time_in_seconds)
+        / max(1, count),
         cpu_s=cpu,
         peak_rss_mb=peak,
         peak_before_solve_mb=built,
@@ -132,4 +160,11 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path,
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4]), Path(sys.argv[-1]), "--default" in sys.argv)
+    main(
+        Path(sys.argv[1]),
+        int(sys.argv[2]),
+        int(sys.argv[3]),
+        float(sys.argv[4]),
+        Path(sys.argv[-1]),
+        "--default" in sys.argv,
+    )

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bundle adjusters on the reprojection part of the field's problem: python -m benchmarks.peers --size mono|stereo --json FILE
+"""Bundle adjusters on the reprojection part of the field's problem: python -m benchmarks.peers
+--size mono|stereo --json FILE
 
-The same start, no robust loss, the same gauge, one process each on the same cores, one after the other; `make bench-peers`
-makes the peers' environment. Stops by the relative change of the cost. An iteration's seconds leave out the preparation
-(orderings, symbolic factors) and everything in Python.
+The same start, no robust loss, the same gauge, one process each on the same cores, one after the
+other; `make bench-peers` makes the peers' environment. Stops by the relative change of the cost. An
+iteration's seconds leave out the preparation (orderings, symbolic factors) and everything in
+Python.
 """
 
 from __future__ import annotations
@@ -32,7 +34,9 @@ SOLVERS: dict[str, tuple[str, list[str], bool]] = {
 
 
 def bundle_of(problem: Any) -> Bundle:
-    """Of a field problem: top cameras of the poses that carry images, from dead reckoning, the tray as measured."""
+    """Of a field problem: top cameras of the poses that carry images, from dead reckoning, the tray
+    as measured.
+    """
     from benchmarks.survey import T_CT_CB, TRAY_ORIGIN
     from hullrecon.geometry import poses
     from hullrecon.geometry.poses import Poses
@@ -62,10 +66,16 @@ def write_bundle(size: str, path: Path, libmv: Path | None) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--libmv", type=Path, help="a libmv problem file instead of a field problem")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--libmv", type=Path, help="a libmv problem file instead of a field problem"
+    )
     parser.add_argument("--size", choices=("small", "small_mono", "mono", "stereo"), default="mono")
-    parser.add_argument("--solvers", default="hullrecon,pycolmap,gtsam", help=f"of {', '.join(SOLVERS)}")
+    parser.add_argument(
+        "--solvers", default="hullrecon,pycolmap,gtsam", help=f"of {', '.join(SOLVERS)}"
+    )
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--iterations", type=int, default=100)
     parser.add_argument("--tolerance", type=float, default=1e-6)
@@ -83,14 +93,25 @@ def main() -> int:
             rows.append(solve(solver, path, args))
             print(f"{name} {line(rows[-1])}", flush=True)
     if args.json:
-        args.json.write_text(json.dumps({"problem": name, "threads": args.threads, "solvers": rows}, indent=1))
+        args.json.write_text(
+            json.dumps({"problem": name, "threads": args.threads, "solvers": rows}, indent=1)
+        )
     return 0
 
 
 def solve(solver: str, path: Path, args: argparse.Namespace) -> dict[str, Any]:
     module, flags, ours = SOLVERS[solver]
     python = sys.executable if ours else str(THEIRS)
-    row = run(module, path, args.threads, args.iterations, args.tolerance, *flags, python=python, threads=args.threads)
+    row = run(
+        module,
+        path,
+        args.threads,
+        args.iterations,
+        args.tolerance,
+        *flags,
+        python=python,
+        threads=args.threads,
+    )
     return {"solver": solver} | row
 
 

@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Planes of the hull without a camera: python -m benchmarks.planes FOLDER [--dives N] [--json FILE]
 
-Simulates dives without a camera into FOLDER (kept for next time), four legs of 12 m half a metre apart, heading drifts of 15 to
-150 degrees an hour, takes their CAD model away, and solves each path without planes and with them. Prints JSON: errors of the
-path after rigid alignment, whole and by axis of g (across the hull, along it, down), the worst ratio of error to sigma. Of the
-last dive FOLDER/distance_to_cad_model.png shows its DVL returns laid onto the CAD model [Ozog2016 Figs 2.22, 2.23].
+Simulates dives without a camera into FOLDER (kept for next time), four legs of 12 m half a metre
+apart, heading drifts of 15 to 150 degrees an hour, takes their CAD model away, and solves each path
+without planes and with them. Prints JSON: errors of the path after rigid alignment, whole and by
+axis of g (across the hull, along it, down), the worst ratio of error to sigma. Of the last dive
+FOLDER/distance_to_cad_model.png shows its DVL returns laid onto the CAD model [Ozog2016 Figs 2.22,
+2.23].
 """
 
 from __future__ import annotations
@@ -43,9 +45,15 @@ def simulate(folder: Path, number: int) -> Path:
     package = folder / f"dive{number}"
     if not (package / "truth").exists():
         spec = spec_from(
-            name=package.name, seed=number, cameras="none", sonar=False, legs=4, leg_length_m=12.0, leg_spacing_m=0.5,
+            name=package.name,
+            seed=number,
+            cameras="none",
+            sonar=False,
+            legs=4,
+            leg_length_m=12.0,
+            leg_spacing_m=0.5,
             heading_drift_deg_per_hour=float(DRIFTS[(number - 1) % len(DRIFTS)]),
-        )  # fmt: skip
+        )
         write_package(package, spec)
     return package
 
@@ -63,12 +71,16 @@ def without_cad_model(package: Path) -> Path:
 def solve(package: Path, runs: Path, planes: bool) -> tuple[LinkedPath, DeadReckoning]:
     """Return the path of the step links, and what it started from."""
     name = "with" if planes else "without"
-    dive = run_dive(package, runs / name, last_step="links", overrides=[f"links.planes={str(planes).lower()}"])
+    dive = run_dive(
+        package, runs / name, last_step="links", overrides=[f"links.planes={str(planes).lower()}"]
+    )
     return LinksArtifact(dive.workspace.artifact("links")).path, read_dead_reckoning(dive)
 
 
 def score(path: LinkedPath, t_ns: Ints, truth: Truth) -> dict[str, float]:
-    """Return the errors of a path (m), in whole and by axis, and its worst error over sigma, from where it begins."""
+    """Return the errors of a path (m), in whole and by axis, and its worst error over sigma, from
+    where it begins.
+    """
     track = TimedPoses(t_s=t_ns / 1e9, poses=path.path().poses)
     inside = (track.t_s >= truth.t_s[0]) & (track.t_s <= truth.t_s[-1])
     true_poses = hull_from_start(track, truth).inverse() @ truth.vehicle_at(track.t_s[inside])
@@ -86,7 +98,9 @@ def score(path: LinkedPath, t_ns: Ints, truth: Truth) -> dict[str, float]:
 
 def main() -> int:
     """Print the figures of all dives; write the picture of the last."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--dives", type=int, default=len(DRIFTS))
     parser.add_argument("--json", type=Path)
@@ -102,12 +116,19 @@ def main() -> int:
             path, start = solve(bare, chosen.folder / "runs", planes)
             rows[package.name][name] = score(path, start.trajectory.t_ns, truth)
             if number == chosen.dives:
-                ingest = run_dive(package, chosen.folder / "cad", last_step="ingest").workspace.artifact("ingest")
+                ingest = run_dive(
+                    package, chosen.folder / "cad", last_step="ingest"
+                ).workspace.artifact("ingest")
                 mesh = IngestArtifact(ingest).hull
                 assert mesh is not None
                 on_hull[name] = lay_onto_cad_model(path.path(), start, mesh, truth.global_from_hull)
-    ratio = {name: row["with planes"]["rigid_m"] / row["without planes"]["rigid_m"] for name, row in rows.items()}
-    text = json.dumps({"dives": rows, "ratio": ratio, "median_ratio": statistics.median(ratio.values())}, indent=1)
+    ratio = {
+        name: row["with planes"]["rigid_m"] / row["without planes"]["rigid_m"]
+        for name, row in rows.items()
+    }
+    text = json.dumps(
+        {"dives": rows, "ratio": ratio, "median_ratio": statistics.median(ratio.values())}, indent=1
+    )
     print(text)
     if chosen.json:
         chosen.json.write_text(text)

@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A pose graph of the field's size: python -m benchmarks.pose_graph [--nodes N] [--threads T] [--json FILE]
+"""A pose graph of the field's size: python -m benchmarks.pose_graph [--nodes N] [--threads T]
+[--json FILE]
 
-45,000 nodes on 30 legs of 156 m along a wall, 200,000 links (sequential and to the neighbouring legs), 97,000 sightings of
-9,000 planes, each held in its anchor; started from dead reckoning. Solved by our core with the options of the step links, and,
-where `make bench-peers` has made the peers' environment, by GTSAM's Levenberg-Marquardt on the same graph. One process each on
-the same cores, one after the other; prints JSON. `error_m` is that of the nodes after the rigid motion that brings them nearest
-to the truth.
+45,000 nodes on 30 legs of 156 m along a wall, 200,000 links (sequential and to the neighbouring
+legs), 97,000 sightings of 9,000 planes, each held in its anchor; started from dead reckoning.
+Solved by our core with the options of the step links, and, where `make bench-peers` has made the
+peers' environment, by GTSAM's Levenberg-Marquardt on the same graph. One process each on the same
+cores, one after the other; prints JSON. `error_m` is that of the nodes after the rigid motion that
+brings them nearest to the truth.
 """
 
 from __future__ import annotations
@@ -31,11 +33,21 @@ from hullrecon.navigation.pose_graph.graph import OPTIONS
 from hullrecon.typing import Array, Ints
 
 LINKS_A_NODE, SIGHTINGS_A_NODE = 200_000 / 45_000, 97_000 / 45_000
-LEG_NODES, SPACING_M, LEG_SPACING_M = 1500, 0.104, 0.5  # 4,661 m of path [Ozog2016 Table 4.1] along a ship of 160 m
+# 4,661 m of path [Ozog2016 Table 4.1] along a ship of 160 m
+LEG_NODES, SPACING_M, LEG_SPACING_M = 1500, 0.104, 0.5
 LINK_SIGMA = np.repeat([0.005, 0.001], 3)  # m, rad
 PLANE_SIGMA_M = 0.01
 HEADING_WALK_RAD, DVL_SCALE = 1e-4, 0.003  # a step; of dead reckoning
-HELD = ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "intrinsics_top", "intrinsics_bottom", "tray")
+HELD = (
+    "T_g_M",
+    "T_s_ct",
+    "T_ct_cb",
+    "T_s_d",
+    "navigation",
+    "intrinsics_top",
+    "intrinsics_bottom",
+    "tray",
+)
 
 
 def path_of(nodes: int) -> tuple[Poses, Ints]:
@@ -47,22 +59,31 @@ def path_of(nodes: int) -> tuple[Poses, Ints]:
     column = np.where(leg % 2 == 0, column, LEG_NODES - 1 - column)
     along, down = SPACING_M * column, LEG_SPACING_M * leg
     place = np.c_[along, 1.5 + 0.2 * np.sin(0.3 * along + leg), down + 0.05 * np.cos(0.5 * along)]
-    turn = np.c_[0.05 * np.sin(0.2 * along), 0.05 * np.cos(0.3 * along + leg), 0.1 * np.sin(0.1 * along)]
+    turn = np.c_[
+        0.05 * np.sin(0.2 * along), 0.05 * np.cos(0.3 * along + leg), 0.1 * np.sin(0.1 * along)
+    ]
     return from_rpy(place, turn), order
 
 
 def link_ends(at: Ints) -> tuple[Ints, Ints]:
-    """Sequential ones first, then to the leg below, then over one node, cut to the number that the field has."""
+    """Sequential ones first, then to the leg below, then over one node, cut to the number that the
+    field has.
+    """
     n = at.size
     ends = [np.c_[np.arange(n - 1), np.arange(1, n)], np.c_[at[:-1].ravel(), at[1:].ravel()]]
-    ends += [np.c_[at[:-1, 1:].ravel(), at[1:, :-1].ravel()], np.c_[at[:-1, :-1].ravel(), at[1:, 1:].ravel()]]
+    ends += [
+        np.c_[at[:-1, 1:].ravel(), at[1:, :-1].ravel()],
+        np.c_[at[:-1, :-1].ravel(), at[1:, 1:].ravel()],
+    ]
     ends.append(np.c_[np.arange(n - 2), np.arange(2, n)])
     first, second = np.vstack(ends)[: round(LINKS_A_NODE * n)].T
     return first, second
 
 
 def sightings(at: Ints) -> tuple[Ints, Ints, Ints]:
-    """Anchors of the planes, one for five columns of a leg; node and plane of each sighting, none from the anchor."""
+    """Anchors of the planes, one for five columns of a leg; node and plane of each sighting, none
+    from the anchor.
+    """
     legs, columns = at.shape
     anchor = at[:, 2::5].ravel()
     plane = np.arange(anchor.size).reshape(legs, columns // 5)
@@ -70,7 +91,12 @@ def sightings(at: Ints) -> tuple[Ints, Ints, Ints]:
     for below, offsets in ((0, (-2, -1, 1, 2)), (1, (-2, -1, 0, 1, 2)), (-1, (0, -1, 1))):
         for offset in offsets:
             rows = np.arange(max(0, -below), legs - max(0, below))
-            seen.append(np.c_[at[rows + below, 2 + offset :: 5][:, : plane.shape[1]].ravel(), plane[rows].ravel()])
+            seen.append(
+                np.c_[
+                    at[rows + below, 2 + offset :: 5][:, : plane.shape[1]].ravel(),
+                    plane[rows].ravel(),
+                ]
+            )
     node, of = np.vstack(seen)[: round(SIGHTINGS_A_NODE * at.size)].T
     return anchor, node, of
 
@@ -80,7 +106,9 @@ def make(nodes: int, seed: int = 0) -> tuple[native.Problem, Poses]:
     rng = np.random.default_rng(seed)
     truth, at = path_of(nodes)
     first, second = link_ends(at)
-    measured = truth[first].inverse() @ truth[second] @ exp(LINK_SIGMA * rng.normal(size=(len(first), 6)))
+    measured = (
+        truth[first].inverse() @ truth[second] @ exp(LINK_SIGMA * rng.normal(size=(len(first), 6)))
+    )
     start = dead_reckoned(truth, rng)
     anchor, node, plane = sightings(at)
 
@@ -107,10 +135,16 @@ def make(nodes: int, seed: int = 0) -> tuple[native.Problem, Poses]:
     )
     pose = np.c_[start.translation, start.quaternion, np.zeros(at.size)]
     problem = native.Problem(
-        unknowns=native.Unknowns(pose=pose, plane=wall(truth[anchor]) + 0.05 * rng.normal(size=(len(anchor), 3))),
+        unknowns=native.Unknowns(
+            pose=pose, plane=wall(truth[anchor]) + 0.05 * rng.normal(size=(len(anchor), 3))
+        ),
         constant=HELD,
         priors=native.Priors(
-            pose=native.PosePriors(node=np.zeros(1, np.int32), value=pose[:1, :7], sqrt_information=1e3 * np.eye(6)[None])
+            pose=native.PosePriors(
+                node=np.zeros(1, np.int32),
+                value=pose[:1, :7],
+                sqrt_information=1e3 * np.eye(6)[None],
+            )
         ),
         links=links,
         planes=native.PlaneTable(anchor=anchor.astype(np.int32)),
@@ -120,13 +154,22 @@ def make(nodes: int, seed: int = 0) -> tuple[native.Problem, Poses]:
 
 
 def dead_reckoned(truth: Poses, rng: np.random.Generator) -> Poses:
-    """The path as navigation has it: depth, roll and pitch bounded; heading and position in the plane drift."""
+    """The path as navigation has it: depth, roll and pitch bounded; heading and position in the
+    plane drift.
+    """
     n = len(truth)
     rpy = truth.rotation.as_euler("xyz") + 0.002 * rng.normal(size=(n, 3))
     rpy[:, 2] += np.cumsum(HEADING_WALK_RAD * rng.normal(size=n))
     found = from_rpy(truth.translation, rpy)
-    step = (truth[:-1].inverse() @ truth[1:]).translation * (1 + DVL_SCALE) + 0.001 * rng.normal(size=(n - 1, 3))
-    place = np.vstack([truth.translation[:1], truth.translation[0] + np.cumsum(found[:-1].rotation.apply(step), axis=0)])
+    step = (truth[:-1].inverse() @ truth[1:]).translation * (1 + DVL_SCALE) + 0.001 * rng.normal(
+        size=(n - 1, 3)
+    )
+    place = np.vstack(
+        [
+            truth.translation[:1],
+            truth.translation[0] + np.cumsum(found[:-1].rotation.apply(step), axis=0),
+        ]
+    )
     place[:, 2] = truth.translation[:, 2] + 0.01 * rng.normal(size=n)
     return Poses(found.quaternion, place)
 
@@ -139,9 +182,17 @@ def solve(path: Path, threads: int, out: Path) -> None:
     options = replace(OPTIONS, threads=threads)
     began, cpu = time.perf_counter(), time.process_time()
     result = native.solve(problem, options)
-    row = {"solve_s": time.perf_counter() - began, "cpu_s": time.process_time() - cpu, "peak_rss_mb": peak_mb()}
+    row = {
+        "solve_s": time.perf_counter() - began,
+        "cpu_s": time.process_time() - cpu,
+        "peak_rss_mb": peak_mb(),
+    }
     record, truth = result.iterations, load_truth(path)["position"]
-    row |= {"iterations": len(record.cost) - 1, "first_cost": float(record.cost[0]), "final_cost": float(record.cost[-1])}
+    row |= {
+        "iterations": len(record.cost) - 1,
+        "first_cost": float(record.cost[0]),
+        "final_cost": float(record.cost[-1]),
+    }
     row |= {"start_error_m": rigid_rmse_m(problem.unknowns.pose[:, :3], truth)}
     row |= {"error_m": rigid_rmse_m(result.unknowns.pose[:, :3], truth)}
     began = time.perf_counter()
@@ -166,7 +217,9 @@ def measure(nodes: int, threads: int) -> dict[str, Any]:
             }
         found["hullrecon"] = run("benchmarks.pose_graph", "--solve", path, threads, threads=threads)
         if THEIRS.exists():
-            found["gtsam"] = run("benchmarks.peer_gtsam_graph", path, threads, python=str(THEIRS), threads=threads)
+            found["gtsam"] = run(
+                "benchmarks.peer_gtsam_graph", path, threads, python=str(THEIRS), threads=threads
+            )
         else:
             found["gtsam"] = "not run: the peers' environment is missing (make bench-peers)"
     return found
@@ -180,7 +233,9 @@ def main() -> int:
     if sys.argv[1:2] == ["--solve"]:
         solve(Path(sys.argv[2]), int(sys.argv[3]), Path(sys.argv[4]))
         return 0
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--nodes", type=int, default=45_000, help=f"a multiple of {LEG_NODES}")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--json", type=Path)

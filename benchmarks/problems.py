@@ -1,18 +1,21 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Adjustment problems of the field's size [Ozog2016 Table 4.1] on a ship's side, with truth, started from dead reckoning.
+"""Adjustment problems of the field's size [Ozog2016 Table 4.1] on a ship's side, with truth,
+started from dead reckoning.
 
-Each landmark is seen from two poses: neighbours on a leg, one in eight from the neighbouring leg (a loop closure,
-[Ozog2016 4.4]).
+Each landmark is seen from two poses: neighbours on a leg, one in eight from the neighbouring leg (a
+loop closure, [Ozog2016 4.4]).
 
-Realistic: the counts; legs of 115 m, 0.25 m apart, on a side with curvature both ways; a start by the raw log (DVL scale and
-mounting angle, a gyro's bias and random walk: decimetres between neighbouring legs, a metre or so in the whole); landmarks
-triangulated from that start; noise of 1 px; mounts, tray and the place on the CAD model off by what a rig and a registration
-leave; one landmark in twenty off the hull.
-Not realistic: the CAD model is right and the hull scatters by 5 mm about it, where sigma_1 is 2 cm; matches are all true; each
-landmark has exactly two views; scale and mounting angle are calibrated in the odometry's factors ([Ozog2016] has no such
-unknowns, the chain solves for them). With 2 cm of scatter the joint maximum over landmarks and scale would shrink the mono
-survey by 0.06 %: the scatter's cost falls with the scale by one unit a landmark, and odometry alone holds against it.
+Realistic: the counts; legs of 115 m, 0.25 m apart, on a side with curvature both ways; a start by
+the raw log (DVL scale and mounting angle, a gyro's bias and random walk: decimetres between
+neighbouring legs, a metre or so in the whole); landmarks triangulated from that start; noise of 1
+px; mounts, tray and the place on the CAD model off by what a rig and a registration leave; one
+landmark in twenty off the hull. Not realistic: the CAD model is right and the hull scatters by 5 mm
+about it, where sigma_1 is 2 cm; matches are all true; each landmark has exactly two views; scale
+and mounting angle are calibrated in the odometry's factors ([Ozog2016] has no such unknowns, the
+chain solves for them). With 2 cm of scatter the joint maximum over landmarks and scale would shrink
+the mono survey by 0.06 %: the scatter's cost falls with the scale by one unit a landmark, and
+odometry alone holds against it.
 """
 
 from __future__ import annotations
@@ -104,7 +107,9 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
     pixel = stereo.pixel[::2] if size.stereo else mono.pixel
     seen_from = stereo.node if size.stereo else mono.node
     mount = poses.pose_from_vector(unknowns.T_s_ct)
-    first_landmarks = _start_landmarks(size, start, tray_table.measured, mount, ranges, seen_from, pixel)
+    first_landmarks = _start_landmarks(
+        size, start, tray_table.measured, mount, ranges, seen_from, pixel
+    )
     problem = Problem(
         unknowns=replace(unknowns, pose=pose, landmark=first_landmarks),
         constant=("T_ct_cb", "T_s_d", "intrinsics_bottom", "intrinsics_top", "navigation"),
@@ -118,13 +123,17 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
         mono=mono,
         sigma_px=NOISE_PX,
         ranges=ranges,
-        surface=SurfaceTable(landmark=np.arange(size.landmarks, dtype=np.int32), weight=np.ones(size.landmarks)),
+        surface=SurfaceTable(
+            landmark=np.arange(size.landmarks, dtype=np.int32), weight=np.ones(size.landmarks)
+        ),
     )
     return problem, truth
 
 
 def _mounts(T_g_M: Poses, rng: np.random.Generator) -> tuple[Unknowns, Priors]:
-    """T_g_M starts where a registration left it (0.3 m along the hull), T_s_ct at the rig's CAD model; both priors say so."""
+    """T_g_M starts where a registration left it (0.3 m along the hull), T_s_ct at the rig's CAD
+    model; both priors say so.
+    """
     guess = poses.pose_vector(T_g_M @ poses.exp(np.r_[0.3, 0.1, 0.05, 0.002, 0.002, 0.005]))
     guess_rows = np.diag(1 / np.r_[0.5, 0.2, 0.1, 0.005, 0.005, 0.01])
     camera = poses.pose_vector(T_S_CT @ mount_error(rng, 0.003, 0.004))
@@ -150,7 +159,9 @@ def _attitude(nodes: Poses, rng: np.random.Generator) -> AttitudeTable:
     sigma = np.r_[0.02, np.radians([0.1, 0.1])]
     truth = np.c_[nodes.translation[:, 2], roll_pitch_yaw(nodes.rotation)[:, :2]]
     measured = truth + sigma * rng.standard_normal((n, 3))
-    return AttitudeTable(node=np.arange(n, dtype=np.int32), measured=measured, sigma=np.tile(sigma, (n, 1)))
+    return AttitudeTable(
+        node=np.arange(n, dtype=np.int32), measured=measured, sigma=np.tile(sigma, (n, 1))
+    )
 
 
 def _tray(tray: Array, rng: np.random.Generator) -> TrayTable:
@@ -159,7 +170,9 @@ def _tray(tray: Array, rng: np.random.Generator) -> TrayTable:
     backlash = BACKLASH_RAD * np.sign(np.diff(tray, prepend=tray[0]))
     measured = tray + backlash + np.radians(0.05) * rng.standard_normal(n)
     node = np.arange(n, dtype=np.int32)
-    return TrayTable(node=node, measured=measured, direction=np.zeros(n), sigma=np.full(n, BACKLASH_RAD))
+    return TrayTable(
+        node=node, measured=measured, direction=np.zeros(n), sigma=np.full(n, BACKLASH_RAD)
+    )
 
 
 def _odometry(measured: Poses) -> OdometryTable:
@@ -201,7 +214,9 @@ def _ranges(hull: MeshIndex, in_hull: Poses, tray: Array, rng: np.random.Generat
 
 
 def _pairs(size: Size, rng: np.random.Generator) -> tuple[Ints, Ints]:
-    """The two poses of each landmark: the next image, or one in eight the nearest image at the same place of the next leg."""
+    """The two poses of each landmark: the next image, or one in eight the nearest image at the same
+    place of the next leg.
+    """
     images = size.images()
     number = np.sort(rng.integers(0, size.imaged - 1, size.landmarks))
     first, second = images[number], images[number + 1]
@@ -215,22 +230,44 @@ def _pairs(size: Size, rng: np.random.Generator) -> tuple[Ints, Ints]:
 
 
 def _landmarks(
-    size: Size, hull: MeshIndex, in_hull: Poses, tray: Array, first: Ints, second: Ints, rng: np.random.Generator
+    size: Size,
+    hull: MeshIndex,
+    in_hull: Poses,
+    tray: Array,
+    first: Ints,
+    second: Ints,
+    rng: np.random.Generator,
 ) -> tuple[Array, Mask]:
-    """(L, 3) in M, seen by both poses; one in twenty stands 0.1 to 0.3 m off the hull [Ozog2016 Fig. 4.15], the rest
-    scatter."""
+    """(L, 3) in M, seen by both poses; one in twenty stands 0.1 to 0.3 m off the hull [Ozog2016
+    Fig. 4.15], the rest scatter.
+    """
     x, z = tracks(size)
     points = np.empty((size.landmarks, 3))
     off = rng.random(size.landmarks) < OFF_HULL
-    height = np.where(off, rng.uniform(0.1, 0.3, size.landmarks), SCATTER_M * rng.standard_normal(size.landmarks))
+    height = np.where(
+        off, rng.uniform(0.1, 0.3, size.landmarks), SCATTER_M * rng.standard_normal(size.landmarks)
+    )
     wanted, spread = np.arange(size.landmarks), 1.0
     while len(wanted):
         a, b = first[wanted], second[wanted]
         shift = spread * rng.uniform([-0.3, -0.2], [0.3, 0.2], (len(wanted), 2))
-        origin = np.stack([0.5 * (x[a] + x[b]) + shift[:, 0], np.full(len(a), 30.0), 0.5 * (z[a] + z[b]) + shift[:, 1]], 1)
+        origin = np.stack(
+            [
+                0.5 * (x[a] + x[b]) + shift[:, 0],
+                np.full(len(a), 30.0),
+                0.5 * (z[a] + z[b]) + shift[:, 1],
+            ],
+            1,
+        )
         hits = hull.cast(origin, np.tile([0.0, -1.0, 0.0], (len(a), 1)))
-        points[wanted] = origin - np.c_[np.zeros(len(a)), hits.range, np.zeros(len(a))] + height[wanted, None] * hits.normal
-        seen = _seen(in_hull, tray, a, points[wanted], size.stereo) & _seen(in_hull, tray, b, points[wanted], size.stereo)
+        points[wanted] = (
+            origin
+            - np.c_[np.zeros(len(a)), hits.range, np.zeros(len(a))]
+            + height[wanted, None] * hits.normal
+        )
+        seen = _seen(in_hull, tray, a, points[wanted], size.stereo) & _seen(
+            in_hull, tray, b, points[wanted], size.stereo
+        )
         wanted, spread = wanted[~seen], 0.9 * spread
         height[wanted] *= 0.9
     return points, off
@@ -252,9 +289,16 @@ def _project(nodes: Poses, tray: Array, points: Array, T_s_ct: Poses, stereo: bo
     return np.hstack(pixels)
 
 
-def _images(size: Size, truth: Truth, first: Ints, second: Ints, rng: np.random.Generator) -> tuple[StereoTable, MonoTable]:
-    node, landmark = np.stack([first, second], 1).ravel(), np.repeat(np.arange(size.landmarks).astype(np.int32), 2)
-    pixels = _project(truth.nodes[node], truth.tray[node], truth.landmark[landmark], T_S_CT, size.stereo)
+def _images(
+    size: Size, truth: Truth, first: Ints, second: Ints, rng: np.random.Generator
+) -> tuple[StereoTable, MonoTable]:
+    node, landmark = (
+        np.stack([first, second], 1).ravel(),
+        np.repeat(np.arange(size.landmarks).astype(np.int32), 2),
+    )
+    pixels = _project(
+        truth.nodes[node], truth.tray[node], truth.landmark[landmark], T_S_CT, size.stereo
+    )
     pixels += NOISE_PX * rng.standard_normal(pixels.shape)
     seen_from = node.astype(np.int32)
     if size.stereo:
@@ -264,7 +308,13 @@ def _images(size: Size, truth: Truth, first: Ints, second: Ints, rng: np.random.
 
 
 def _start_landmarks(
-    size: Size, start: Poses, tray: Array, mount: Poses, ranges: RangeTable, seen_from: Ints32, pixel: Array
+    size: Size,
+    start: Poses,
+    tray: Array,
+    mount: Poses,
+    ranges: RangeTable,
+    seen_from: Ints32,
+    pixel: Array,
 ) -> Array:
     """A stereo front end starts a landmark from its first pair, a mono one from its two images."""
     node = seen_from.reshape(-1, 2)
@@ -275,5 +325,8 @@ def _start_landmarks(
         at = node[:, 0 if size.stereo else k]
         camera = start[at] @ poses.tray_poses(TRAY_ORIGIN, tray[at]) @ mount
         camera = camera @ T_CT_CB if size.stereo and k == 1 else camera
-        origins[:, k], rays[:, k] = camera.translation, camera.rotation.apply(CAMERA.rays(pixel[:, k]))
+        origins[:, k], rays[:, k] = (
+            camera.translation,
+            camera.rotation.apply(CAMERA.rays(pixel[:, k])),
+        )
     return triangulate(origins, rays, range_m)

@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One method on one problem in this process, which does nothing else: python -m benchmarks.solve_one PROBLEM OPTIONS OUT
+"""One method on one problem in this process, which does nothing else: python -m
+benchmarks.solve_one PROBLEM OPTIONS OUT
 
-PROBLEM: an .npz of benchmarks.subprocess_runner; OPTIONS: native.Options as JSON; OUT: the row as JSON.
+PROBLEM: an .npz of benchmarks.subprocess_runner; OPTIONS: native.Options as JSON; OUT: the row as
+JSON.
 """
 
 from __future__ import annotations
@@ -28,7 +30,9 @@ def rigid_rmse_m(points: Array, truth: Array) -> float:
     return float(np.sqrt(((a @ turn - b) ** 2).sum(1).mean()))
 
 
-def row_of(problem: native.Problem, options: native.Options, truth: dict[str, Array]) -> dict[str, Any]:
+def row_of(
+    problem: native.Problem, options: native.Options, truth: dict[str, Array]
+) -> dict[str, Any]:
     """What the tables of the benchmark print; seconds an iteration leave out the preparation."""
     began, before = time.perf_counter(), time.process_time()
     result = native.solve(problem, options)
@@ -44,21 +48,28 @@ def row_of(problem: native.Problem, options: native.Options, truth: dict[str, Ar
         "final_cost": float(record.cost[-1]),
         "peak_rss_mb": peak,
         "seconds_by_part": result.seconds,
-        "iteration_s": (result.seconds["total"] - result.seconds["preprocess"]) / max(1, iterations),
+        "iteration_s": (result.seconds["total"] - result.seconds["preprocess"])
+        / max(1, iterations),
         "first_cost": float(record.cost[0]),
         "rejected": int((~record.accepted).sum()),
         "converged": result.converged,
         "message": result.message,
-        "final_cost_by_factor": {name: float(cost[-1]) for name, cost in record.cost_by_factor.items()},
+        "final_cost_by_factor": {
+            name: float(cost[-1]) for name, cost in record.cost_by_factor.items()
+        },
         "on_surface": int(on.sum()),
-        "labels_wrong": float(np.mean(on == truth["off_hull"])) if options.method != "naive" else None,
+        "labels_wrong": float(np.mean(on == truth["off_hull"]))
+        if options.method != "naive"
+        else None,
         "start_rmse_m": rigid_rmse_m(problem.unknowns.pose[:, :3], truth["position"]),
         "rigid_rmse_m": rigid_rmse_m(result.unknowns.pose[:, :3], truth["position"]),
     }
 
 
 def main(path: Path, options: str, out: Path) -> None:
-    out.write_text(json.dumps(row_of(load(path), native.Options(**json.loads(options)), load_truth(path))))
+    out.write_text(
+        json.dumps(row_of(load(path), native.Options(**json.loads(options)), load_truth(path)))
+    )
 
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, Ints
 
 SPEED_MPS = 0.25
-SIGMA_ODOMETRY = np.r_[np.full(3, 0.004), 2e-4, 2e-4, 1e-4]  # m, rad a step: a DVL ping of 5 mm/s, a gyro of 0.4 deg/sqrt(h)
+# m, rad a step: a DVL ping of 5 mm/s, a gyro of 0.4 deg/sqrt(h)
+SIGMA_ODOMETRY = np.r_[np.full(3, 0.004), 2e-4, 2e-4, 1e-4]
 DVL_SCALE, DVL_MOUNT_RAD = 0.003, np.radians(0.3)
 GYRO_BIAS_RADPS = np.radians(0.05) / 3600
 
@@ -24,7 +25,9 @@ def steps(nodes: Poses) -> Poses:
 
 
 def measure(nodes: Poses, rng: np.random.Generator) -> Poses:
-    """Steps with the odometry's white noise: translation in the axes of the first, rotation perturbed on the right."""
+    """Steps with the odometry's white noise: translation in the axes of the first, rotation
+    perturbed on the right.
+    """
     true = steps(nodes)
     noise = SIGMA_ODOMETRY * rng.standard_normal((len(true), 6))
     turned = true.rotation * Rotation.from_rotvec(noise[:, 3:])
@@ -32,18 +35,22 @@ def measure(nodes: Poses, rng: np.random.Generator) -> Poses:
 
 
 def dead_reckoned(nodes: Poses, measured: Poses, rng: np.random.Generator) -> Poses:
-    """The track (T_g_v, n) before any calibration: the factors' own white noise, and what they do not have, a scale error
-    of 0.3 %, a mounting angle of 0.3 deg and a gyro bias of 0.05 deg/h. Depth, roll and pitch stay bounded: slow errors of
-    1 cm and 0.05 deg.
+    """The track (T_g_v, n) before any calibration: the factors' own white noise, and what they do
+    not have, a scale error of 0.3 %, a mounting angle of 0.3 deg and a gyro bias of 0.05 deg/h.
+    Depth, roll and pitch stay bounded: slow errors of 1 cm and 0.05 deg.
     """
     number = np.arange(len(nodes))
-    turn = np.r_[0, np.cumsum((measured.rotation.as_rotvec() - steps(nodes).rotation.as_rotvec())[:, 2])]
+    turn = np.r_[
+        0, np.cumsum((measured.rotation.as_rotvec() - steps(nodes).rotation.as_rotvec())[:, 2])
+    ]
     heading = turn + GYRO_BIAS_RADPS * STEP_M / SPEED_MPS * number
     tilt = np.stack([_slow(number, rng), _slow(number, rng)], 1) * np.radians(0.05)
     wrong = Rotation.from_rotvec(np.c_[tilt, np.zeros(len(nodes))])
     rotation = Rotation.from_euler("z", heading[:, None]) * nodes.rotation * wrong
     raw = Rotation.from_euler("z", DVL_MOUNT_RAD).apply(measured.translation * (1 + DVL_SCALE))
-    position = nodes.translation[0] + np.vstack([np.zeros(3), np.cumsum(rotation[:-1].apply(raw), 0)])
+    position = nodes.translation[0] + np.vstack(
+        [np.zeros(3), np.cumsum(rotation[:-1].apply(raw), 0)]
+    )
     position[:, 2] = nodes.translation[:, 2] + 0.01 * _slow(number, rng)
     return Poses(rotation.as_quat(), position)
 
@@ -57,12 +64,13 @@ def _slow(number: Ints, rng: np.random.Generator, every: int = 200) -> Array:
 def triangulate(origins: Array, rays: Array, depth_m: Array) -> Array:
     """(L, 3) the point nearest to each landmark's rays: origins and unit rays (L, k, 3) in g.
 
-    Where it would lie out of half to twice the range that the DVL gave, (L,), a front end trusts that range along the first
-    ray instead, and so does this.
+    Where it would lie out of half to twice the range that the DVL gave, (L,), a front end trusts
+    that range along the first ray instead, and so does this.
     """
     across = np.eye(3) - rays[..., :, None] * rays[..., None, :]
     normal, right = across.sum(1), np.einsum("lkij,lkj->li", across, origins)
-    # A thousandth of a ray's weight keeps parallel rays from falling on a singular matrix; it moves no good point visibly.
+    # A thousandth of a ray's weight keeps parallel rays from falling on a singular matrix; it moves
+    # no good point visibly.
     first = origins[:, 0] + depth_m[:, None] * rays[:, 0]
     point = np.linalg.solve(normal + 1e-6 * np.eye(3), (right + 1e-6 * first)[..., None])[..., 0]
     depth = np.einsum("lkj,lkj->lk", point[:, None] - origins, rays)

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A problem from the process that makes it to those that solve it.
 
-A solving process loads the tables alone, so that its peak memory is the solver's: no generator, no SciPy.
+A solving process loads the tables alone, so that its peak memory is the solver's: no generator, no
+SciPy.
 """
 
 from __future__ import annotations
@@ -26,24 +27,38 @@ ROOT = Path(__file__).resolve().parent.parent
 
 def save(path: Path, problem: Problem, **truth: Any) -> None:
     """Every table, and arrays named truth_*."""
-    np.savez(path, **to_arrays(problem), **{f"truth_{name}": array for name, array in truth.items()})  # type: ignore[arg-type]
+    np.savez(
+        path, **to_arrays(problem), **{f"truth_{name}": array for name, array in truth.items()}
+    )  # type: ignore[arg-type]
 
 
 def load(path: Path) -> Problem:
     """What `save` wrote, without the truth."""
     with np.load(path) as archive:
-        problem = from_arrays(Problem, {name: archive[name] for name in archive.files if not name.startswith("truth_")})
-    return dataclasses.replace(problem, constant=tuple(str(c) for c in problem.constant), sigma_px=float(problem.sigma_px))
+        problem = from_arrays(
+            Problem,
+            {name: archive[name] for name in archive.files if not name.startswith("truth_")},
+        )
+    return dataclasses.replace(
+        problem, constant=tuple(str(c) for c in problem.constant), sigma_px=float(problem.sigma_px)
+    )
 
 
 def load_truth(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     """The arrays given as truth."""
     with np.load(path) as archive:
-        return {name.removeprefix("truth_"): archive[name] for name in archive.files if name.startswith("truth_")}
+        return {
+            name.removeprefix("truth_"): archive[name]
+            for name in archive.files
+            if name.startswith("truth_")
+        }
 
 
-def run(module: str, *arguments: object, python: str = sys.executable, threads: int = 2) -> dict[str, Any]:
-    """A module's main in a process of its own; it writes JSON to the path given last, which this reads back.
+def run(
+    module: str, *arguments: object, python: str = sys.executable, threads: int = 2
+) -> dict[str, Any]:
+    """A module's main in a process of its own; it writes JSON to the path given last, which this
+    reads back.
 
     Raises RuntimeError with the end of its standard error when it fails.
     """
@@ -57,6 +72,8 @@ def call(module: str, *arguments: object, python: str = sys.executable, threads:
     """The same without an answer."""
     command = [python, "-m", module, *(str(a) for a in arguments)]
     limits = {"OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(command, cwd=ROOT, env=os.environ | limits, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=ROOT, env=os.environ | limits, capture_output=True, text=True, check=False
+    )
     if done.returncode:
         raise RuntimeError(f"{module}: {done.stderr.strip()[-2000:]}")

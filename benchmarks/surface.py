@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The DVL's surface of a long survey: python -m benchmarks.surface [--legs N] [--leg-length-m L] [--json FILE]
+"""The DVL's surface of a long survey: python -m benchmarks.surface [--legs N] [--leg-length-m L]
+[--json FILE]
 
-Legs half a metre apart along a flat plate that bulges by centimetres over metres, four beams, five pings a second at 0.3 m/s.
-Prints JSON: returns, observations, tiles, seconds, peak memory, and how far the surface lies off the plate in its own sigmas.
-The default is an hour: 10 legs of 100 m.
+Legs half a metre apart along a flat plate that bulges by centimetres over metres, four beams, five
+pings a second at 0.3 m/s. Prints JSON: returns, observations, tiles, seconds, peak memory, and how
+far the surface lies off the plate in its own sigmas. The default is an hour: 10 legs of 100 m.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ SHAPE_SIGMA_M, SHAPE_SEED = 0.02, 2
 
 
 def shape(at: Array, rng: np.random.Generator) -> Array:
-    """Return how far the plate bulges (n,) m at (n, 2): waves of 10 to 40 m along and 3 to 10 m in girth."""
+    """Return how far the plate bulges (n,) m at (n, 2): waves of 10 to 40 m along and 3 to 10 m in
+    girth.
+    """
     out = np.zeros(len(at))
     for _ in range(BULGES):
         wave = 2 * np.pi / np.array([rng.uniform(10, 40), rng.uniform(3, 10)])
@@ -38,7 +41,9 @@ def shape(at: Array, rng: np.random.Generator) -> Array:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--legs", type=int, default=10)
     parser.add_argument("--leg-length-m", type=float, default=100.0)
     parser.add_argument("--json", type=Path)
@@ -46,11 +51,15 @@ def main() -> int:
     rng = np.random.default_rng(1)
     along = np.arange(0, args.leg_length_m, PING_M)
     beams = BEAM_M * np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
-    legs = [np.column_stack([along, np.full(len(along), LEG_SPACING_M * k)]) for k in range(args.legs)]
+    legs = [
+        np.column_stack([along, np.full(len(along), LEG_SPACING_M * k)]) for k in range(args.legs)
+    ]
     at = (np.concatenate(legs)[:, None] + beams).reshape(-1, 2)
     plate = PlaneChart(origin=np.zeros(3), axes=np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]]))
     base, normal = plate.from_chart(at)
-    off = shape(at, np.random.default_rng(SHAPE_SEED)) + RANGE_SIGMA_M * rng.standard_normal(len(at))
+    off = shape(at, np.random.default_rng(SHAPE_SEED)) + RANGE_SIGMA_M * rng.standard_normal(
+        len(at)
+    )
     point = base + normal * off[:, None]
     row = measure(plate, at, point)
     print(json.dumps(row, indent=1))
@@ -63,7 +72,10 @@ def measure(plate: PlaneChart, at: Array, point: Array) -> dict[str, object]:
     """Return the figures of one survey."""
     everything = np.ones(len(at), bool)
     observed = SurfacePoints(
-        point=point, noise=np.full(len(at), RANGE_SIGMA_M), pose_sigma=np.zeros(len(at)), gives_support=everything
+        point=point,
+        noise=np.full(len(at), RANGE_SIGMA_M),
+        pose_sigma=np.zeros(len(at)),
+        gives_support=everything,
     )
     began = time.perf_counter()
     surface, facts = build_surface(observed, plate, SurfaceOptions())
@@ -71,10 +83,15 @@ def measure(plate: PlaneChart, at: Array, point: Array) -> dict[str, object]:
     charted = plate.to_chart(surface.vertices)
     off = (charted[:, 2] - shape(charted[:, :2], np.random.default_rng(SHAPE_SEED))) / surface.sigma
     return {
-        "returns": len(at), "observations": facts["observations"], "tiles": facts["tiles"], "lengths_m": facts["lengths_m"],
-        "vertices": len(surface.vertices), "seconds": round(seconds, 1), "peak_mb": peak_mb(),
+        "returns": len(at),
+        "observations": facts["observations"],
+        "tiles": facts["tiles"],
+        "lengths_m": facts["lengths_m"],
+        "vertices": len(surface.vertices),
+        "seconds": round(seconds, 1),
+        "peak_mb": peak_mb(),
         "error_in_sigmas_rms": float(np.sqrt((off**2).mean())),
-    }  # fmt: skip
+    }
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The truth of a field survey: a ship's side with curvature both ways, swept in horizontal legs from a metre."""
+"""The truth of a field survey: a ship's side with curvature both ways, swept in horizontal legs
+from a metre.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,10 @@ T_CT_CB = poses.from_mount([0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
 T_S_D = poses.from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])
 TRAY_ORIGIN = np.array([0.45, 0.0, 0.10])
 _TILT, _AZIMUTH = np.pi / 6, np.radians([180, 0, 90, -90])
-BEAMS = np.stack([np.sin(_TILT) * np.cos(_AZIMUTH), np.sin(_TILT) * np.sin(_AZIMUTH), np.full(4, np.cos(_TILT))], axis=1)
+BEAMS = np.stack(
+    [np.sin(_TILT) * np.cos(_AZIMUTH), np.sin(_TILT) * np.sin(_AZIMUTH), np.full(4, np.cos(_TILT))],
+    axis=1,
+)
 STEP_M, LEG_SPACING_M, MIDDLE_M = 0.195, 0.25, 7.6
 
 
@@ -39,11 +44,19 @@ class Size:
         return -(-self.poses // self.legs)
 
     def part(self, share: int) -> Size:
-        """A problem of one `share`-th of the poses at the same density: legs a quarter as long and a quarter as many for 16."""
+        """A problem of one `share`-th of the poses at the same density: legs a quarter as long and
+        a quarter as many for 16.
+        """
         cut = round(share**0.5)
         if cut * cut != share:
             raise ValueError("share must be a square")
-        return Size(self.poses // share, self.imaged // share, self.landmarks // share, self.stereo, max(1, self.legs // cut))
+        return Size(
+            self.poses // share,
+            self.imaged // share,
+            self.landmarks // share,
+            self.stereo,
+            max(1, self.legs // cut),
+        )
 
     def images(self) -> Ints:
         """(imaged,) poses that carry images, spread evenly."""
@@ -59,7 +72,9 @@ SIZES = {
 
 
 def side(x: Array, z: Array) -> Array:
-    """Half-breadth y (m) of the port side at x (m from amidships, hull 180 m) and height z above the keel (hull 14 m deep)."""
+    """Half-breadth y (m) of the port side at x (m from amidships, hull 180 m) and height z above
+    the keel (hull 14 m deep).
+    """
     ends = 1 - 0.75 * np.abs(x / 90.0) ** 3
     section = (1 - np.clip(1 - z / 9.0, 0, 1) ** 3) ** 0.5
     return np.asarray(16.0 * ends * np.maximum(section, 0.05))
@@ -84,7 +99,9 @@ def normals(x: Array, z: Array) -> Array:
 
 
 def tracks(size: Size) -> tuple[Array, Array]:
-    """Where on the hull each pose looks: x along, z above the keel, both (n,); every second leg runs back."""
+    """Where on the hull each pose looks: x along, z above the keel, both (n,); every second leg
+    runs back.
+    """
     number = np.arange(size.poses)
     leg, place = number // size.per_leg, (number % size.per_leg + 0.5) / size.per_leg
     x = 0.5 * STEP_M * size.per_leg * (2 * place - 1) * np.where(leg % 2 == 0, 1, -1)
@@ -92,13 +109,18 @@ def tracks(size: Size) -> tuple[Array, Array]:
 
 
 def fly(size: Size) -> tuple[Poses, Array]:
-    """T_M_v (n), the tray's pivot a metre off the hull, swaying a degree; the tray's angle (n,) that faces the hull."""
+    """T_M_v (n), the tray's pivot a metre off the hull, swaying a degree; the tray's angle (n,)
+    that faces the hull.
+    """
     x, z = tracks(size)
     normal, number = normals(x, z), np.arange(size.poses)
     standoff = 1.0 + 0.05 * np.sin(x / 2 + number // size.per_leg)
     pivot = np.stack([x, side(x, z), z], 1) + standoff[:, None] * normal
-    heading = np.arctan2(normal[:, 1], -normal[:, 0])  # of the vehicle's z-down frame seen in M, where z is up
-    sway = np.radians(1.0) * np.stack([np.sin(0.13 * number), np.cos(0.11 * number), np.sin(0.07 * number)], 1)
+    # of the vehicle's z-down frame seen in M, where z is up
+    heading = np.arctan2(normal[:, 1], -normal[:, 0])
+    sway = np.radians(1.0) * np.stack(
+        [np.sin(0.13 * number), np.cos(0.11 * number), np.sin(0.07 * number)], 1
+    )
     upright = Rotation.from_euler("x", np.pi) * Rotation.from_euler("z", heading[:, None])
     rotation = upright * Rotation.from_euler("xyz", sway)
     tray = np.arctan2(-normal[:, 2], np.linalg.norm(normal[:, :2], axis=1))

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""List the commands of `hullrecon --help` with their modules and summaries, so that the help imports none of them."""
+"""List the commands of `hullrecon --help` with their modules and summaries, so that the help
+imports none of them.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,11 @@ class Entry:
 
 ON_A_DIVE = {
     "init": Entry("package", "init", "write a dive.toml by looking into a log"),
-    "check": Entry("package", "check", "say what a dive package or a run's folder holds and what is wrong with it"),
+    "check": Entry(
+        "package",
+        "check",
+        "say what a dive package or a run's folder holds and what is wrong with it",
+    ),
     "run": Entry("run", "run", "run the chain: every step that is not up to date"),
     "fleet": Entry("fleet", "fleet", "run every dive of a folder that is new or out of date"),
     "status": Entry("run", "status", "say which steps are up to date"),
@@ -29,7 +35,11 @@ STEPS = {
     "ingest": Entry("steps", "ingest", "read the logs, the calibration and the CAD model"),
     "navigate": Entry("steps", "navigate", "compute the dead-reckoned trajectory"),
     "features": Entry("steps", "features", "find features in every image"),
-    "links": Entry("steps", "links", "link images in rounds, tie passes by the hull, and straighten the path with them"),
+    "links": Entry(
+        "steps",
+        "links",
+        "link images in rounds, tie passes by the hull, and straighten the path with them",
+    ),
     "matches": Entry("steps", "matches", "join matches of linked images to feature tracks"),
     "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the CAD model together"),
     "surface": Entry("steps", "surface", "make a surface of the DVL's returns"),
@@ -41,11 +51,19 @@ STEPS = {
 }
 AROUND = {
     "simulate": Entry("simulate", "simulate", "make a dive package with truth"),
-    "evaluate": Entry("score", "evaluate", "figures of a run against the truth of a simulated dive"),
+    "evaluate": Entry(
+        "score", "evaluate", "figures of a run against the truth of a simulated dive"
+    ),
     "diff": Entry("diff", "diff", "what changed on a hull between two runs"),
-    "export": Entry("export", "export", "results in forms for other programs: undistorted images for COLMAP"),
-    "compare-methods": Entry("score", "compare_methods", "naive, geva and maxmix on a simulated dive, in one table"),
-    "figures": Entry("score", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
+    "export": Entry(
+        "export", "export", "results in forms for other programs: undistorted images for COLMAP"
+    ),
+    "compare-methods": Entry(
+        "score", "compare_methods", "naive, geva and maxmix on a simulated dive, in one table"
+    ),
+    "figures": Entry(
+        "score", "figures", "the sources' figures on a simulated dive, as pictures and tables"
+    ),
     "completion": Entry("completion", "completion", "the shell's completion script"),
 }
 SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}

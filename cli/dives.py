@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turn the arguments of a command into a dive with its chain and workspace, and name --set in the errors that it caused."""
+"""Turn the arguments of a command into a dive with its chain and workspace, and name --set in the
+errors that it caused.
+"""
 
 from __future__ import annotations
 
@@ -27,15 +29,22 @@ CONFIGURATION = "dive.toml"
 def runs_option(command: Command) -> Command:
     """Add --runs to a command."""
     return click.option(
-        "--runs", type=FOLDER, default=Path("runs"), envvar="HULLRECON_RUNS", show_default=True, show_envvar=True,
+        "--runs",
+        type=FOLDER,
+        default=Path("runs"),
+        envvar="HULLRECON_RUNS",
+        show_default=True,
+        show_envvar=True,
         help="folder of all runs; this dive's is RUNS/<its name>",
-    )(command)  # fmt: skip
+    )(command)
 
 
 def set_option(command: Command) -> Command:
     """Add --set to a command."""
     text = "use this value instead of that of dive.toml; may be repeated"
-    return click.option("--set", "overrides", multiple=True, metavar="SECTION.KEY=VALUE", help=text)(command)
+    return click.option(
+        "--set", "overrides", multiple=True, metavar="SECTION.KEY=VALUE", help=text
+    )(command)
 
 
 def allow_outside_option(command: Command) -> Command:
@@ -46,11 +55,14 @@ def allow_outside_option(command: Command) -> Command:
     )(command)  # fmt: skip
 
 
-def open_dive(target: Path, runs: Path, overrides: Sequence[str] = (), *, allow_outside: bool = False) -> DiveRun:
-    """Return the dive of a target: a package, or the folder of a run, whose package is the one that it last read.
+def open_dive(
+    target: Path, runs: Path, overrides: Sequence[str] = (), *, allow_outside: bool = False
+) -> DiveRun:
+    """Return the dive of a target: a package, or the folder of a run, whose package is the one that
+    it last read.
 
-    Raises InputError when it is neither, or names files outside its folder that are not allowed; UsageError for a wrong
-    configuration.
+    Raises InputError when it is neither, or names files outside its folder that are not allowed;
+    UsageError for a wrong configuration.
     """
     from hullrecon.api.dive_run import open_dive as open_dive_run
     from hullrecon.steps.chain import stages
@@ -62,14 +74,22 @@ def open_dive(target: Path, runs: Path, overrides: Sequence[str] = (), *, allow_
 
 
 def find_workspace(target: Path, runs: Path) -> Workspace:
-    """Return the workspace of a run, given by its own folder or by its package; the former needs no valid configuration."""
+    """Return the workspace of a run, given by its own folder or by its package; the former needs no
+    valid configuration.
+    """
     workspace = Workspace(target)
-    return workspace if workspace.exists() else open_dive(target, runs, allow_outside=True).workspace
+    return (
+        workspace if workspace.exists() else open_dive(target, runs, allow_outside=True).workspace
+    )
 
 
 @contextmanager
-def name_overrides(step_sections: Mapping[str, type[msgspec.Struct]], overrides: Sequence[str]) -> Iterator[None]:
-    """Rewrite the UsageErrors of `load_config`: list the choices, and name --set where the value was given by it."""
+def name_overrides(
+    step_sections: Mapping[str, type[msgspec.Struct]], overrides: Sequence[str]
+) -> Iterator[None]:
+    """Rewrite the UsageErrors of `load_config`: list the choices, and name --set where the value
+    was given by it.
+    """
     try:
         yield
     except UsageError as error:
@@ -87,7 +107,9 @@ def name_overrides(step_sections: Mapping[str, type[msgspec.Struct]], overrides:
 
 
 def _choices(step_sections: Mapping[str, type[msgspec.Struct]], key: str) -> tuple[str, ...]:
-    """Return the values that the option `section.key` of a step may take, none when it is not a choice."""
+    """Return the values that the option `section.key` of a step may take, none when it is not a
+    choice.
+    """
     section, _, name = key.rpartition(".")
     if section not in step_sections:
         return ()

@@ -22,34 +22,60 @@ _LONG = 100  # characters of a name that is shown
 
 
 def exit_code_of(error: BaseException, state: CallState) -> int:
-    """Print in one line on standard error what happened and return the exit code (docs/deliverables.md)."""
+    """Print in one line on standard error what happened and return the exit code
+    (docs/deliverables.md).
+    """
     if isinstance(error, KeyboardInterrupt | click.Abort) or is_requested():
-        return _report(state, "interrupted: what is finished is kept, run again to go on", "Interrupted", INTERRUPTED)
+        return _report(
+            state,
+            "interrupted: what is finished is kept, run again to go on",
+            "Interrupted",
+            INTERRUPTED,
+        )
     known = _as_known(error)
     if known is not None:
-        return _report(state, known.line(), type(known).__name__, known.exit_code, where=known.where, remedy=known.remedy)
+        return _report(
+            state,
+            known.line(),
+            type(known).__name__,
+            known.exit_code,
+            where=known.where,
+            remedy=known.remedy,
+        )
     if isinstance(error, click.ClickException):
         context = getattr(error, "ctx", None)
         remedy = f"see {context.command_path} --help" if context is not None else ""
-        return _report(state, f"{error.format_message()} ({remedy})" if remedy else error.format_message(), "UsageError", USAGE)
+        return _report(
+            state,
+            f"{error.format_message()} ({remedy})" if remedy else error.format_message(),
+            "UsageError",
+            USAGE,
+        )
     if isinstance(
         error, SystemExit
     ):  # click: completion has been printed, or the reader of our output has left, as `head` does
         return error.code if isinstance(error.code, int) else UNEXPECTED
     path = write_fault_file(error, state.workspace)
-    place = f"traceback in {path}" if path is not None else f"{type(error).__name__}: {error} (no place for its traceback)"
+    place = (
+        f"traceback in {path}"
+        if path is not None
+        else f"{type(error).__name__}: {error} (no place for its traceback)"
+    )
     return _report(state, f"internal error; {place}", "InternalError", UNEXPECTED)
 
 
 def _as_known(error: BaseException) -> HullreconError | None:
-    """Return the error that a user can act on: as raised, or what a full disk, a missing permission or a lack of memory means
-    wherever it was met; None for a fault of ours."""
+    """Return the error that a user can act on: as raised, or what a full disk, a missing permission
+    or a lack of memory means wherever it was met; None for a fault of ours.
+    """
     from hullrecon.artifacts.execution.memory_limit import is_lack_of_memory
 
     if isinstance(error, HullreconError):
         return error
     if is_lack_of_memory(error):
-        return StageError("the memory ran out", remedy="give the program more, or look at `ulimit -v`")
+        return StageError(
+            "the memory ran out", remedy="give the program more, or look at `ulimit -v`"
+        )
     if not isinstance(error, OSError) or error.errno is None:
         return None
     what, name = os.strerror(error.errno), str(error.filename or "")
@@ -67,7 +93,10 @@ def _report(state: CallState, line: str, kind: str, code: int, **more: str) -> i
         click.echo(f"error: {one_line}", err=True)
         log_to_file(f"error: {one_line}")
         if state.json and not state.is_emitted:
-            state.emit({"error": {"kind": kind, "message": one_line, "exit_code": code, **more}}, ())
-    except OSError:  # nobody can be told: standard error or output is full or closed; the exit code remains
+            state.emit(
+                {"error": {"kind": kind, "message": one_line, "exit_code": code, **more}}, ()
+            )
+    # nobody can be told: standard error or output is full or closed; the exit code remains
+    except OSError:
         pass
     return code

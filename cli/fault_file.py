@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The traceback of an internal error, in a file of the dive's run or, without one, of the user's state."""
+"""The traceback of an internal error, in a file of the dive's run or, without one, of the user's
+state.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +19,18 @@ _HOMES = re.compile(r"/(?:home|Users)/[^/\s\"']+|/root(?=[/\"'])")
 
 
 def write_fault_file(error: BaseException, workspace: Path | None) -> Path | None:
-    """Write the traceback without the names of users and return its path; None where no place takes it.
+    """Write the traceback without the names of users and return its path; None where no place takes
+    it.
 
     workspace: RUNS/<dive>, where it goes once a run has begun there.
     """
     text = _without_places("".join(traceback.format_exception(error)))
-    started = workspace is not None and (workspace / ".hullrecon").is_dir() and not workspace.is_symlink()
-    for folder in ([workspace / "logs"] if workspace is not None and started else []) + [_state_folder()]:
+    started = (
+        workspace is not None and (workspace / ".hullrecon").is_dir() and not workspace.is_symlink()
+    )
+    for folder in ([workspace / "logs"] if workspace is not None and started else []) + [
+        _state_folder()
+    ]:
         try:
             return write_private_file(folder, "fault", text)
         except OSError:
@@ -33,13 +40,22 @@ def write_fault_file(error: BaseException, workspace: Path | None) -> Path | Non
 
 def _state_folder() -> Path:
     given = os.environ.get("XDG_STATE_HOME", "")
-    return (Path(given) if os.path.isabs(given) else Path(os.path.expanduser("~/.local/state"))) / "hullrecon"
+    return (
+        Path(given) if os.path.isabs(given) else Path(os.path.expanduser("~/.local/state"))
+    ) / "hullrecon"
 
 
 def _without_places(text: str) -> str:
-    """Replace what says whose machine it was: where the program is installed, the current folder and homes."""
+    """Replace what says whose machine it was: where the program is installed, the current folder
+    and homes.
+    """
     installed = Path(hullrecon.__file__).resolve().parents[1]
-    places = {str(installed): "<hullrecon>", sys.prefix: "<python>", sys.base_prefix: "<python>", os.getcwd(): "."}
+    places = {
+        str(installed): "<hullrecon>",
+        sys.prefix: "<python>",
+        sys.base_prefix: "<python>",
+        os.getcwd(): ".",
+    }
     for place in sorted(places, key=len, reverse=True):
         if len(place) > 1:
             text = text.replace(f"{place}/", f"{places[place]}/")

@@ -33,16 +33,23 @@ class LazyGroup(click.Group):
         if entry is None:
             return None
         module = import_module(f".commands.{entry.module}", __package__)
-        command: click.Command = module.command(cmd_name) if entry.module == "steps" else getattr(module, entry.name)
+        command: click.Command = (
+            module.command(cmd_name) if entry.module == "steps" else getattr(module, entry.name)
+        )
         add_common_options(command)
         return command
 
-    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             from difflib import get_close_matches
 
             near = get_close_matches(args[0], COMMANDS, 1)
-            ctx.fail(f"no command is called {args[0]!r}" + (f"; did you mean {near[0]!r}?" if near else ""))
+            ctx.fail(
+                f"no command is called {args[0]!r}"
+                + (f"; did you mean {near[0]!r}?" if near else "")
+            )
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -57,14 +64,27 @@ def _version(context: click.Context, parameter: click.Parameter, value: bool) ->
         context.exit()
 
 
-@click.group(cls=LazyGroup, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="print the version")
+@click.group(
+    cls=LazyGroup,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_version,
+    help="print the version",
+)
 @click.pass_context
 def cli(context: click.Context) -> None:
-    """Reconstruct a ship's hull as found from the logs of an underwater inspection and the CAD model.
+    """Reconstruct a ship's hull as found from the logs of an underwater inspection and the CAD
+    model.
 
-    Exit codes: 0 done, 1 an internal error, 2 usage or configuration, 3 the input cannot be used, 4 a step reached no result,
-    5 the dive is locked by another run, 6 no space or no permission, 130 interrupted.
+    Exit codes: 0 done, 1 an internal error, 2 usage or configuration, 3 the input cannot be used, 4
+    a step reached no result, 5 the dive is locked by another run, 6 no space or no permission, 130
+    interrupted.
     """
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
@@ -75,7 +95,8 @@ cli.params += common_options()
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code."""
-    # One thread for BLAS: sums must not depend on the number of cores, and worker processes take the same.
+    # One thread for BLAS: sums must not depend on the number of cores, and worker processes take
+    # the same.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     listen()
     write_out_what_cannot_be_encoded()

@@ -8,13 +8,17 @@ import io
 import re
 import sys
 
-# Control characters but tab and line feed; those of C1, which some terminals obey; what turns the direction of writing;
-# bytes of file names that are no UTF-8.
-_UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+# Control characters but tab and line feed; those of C1, which some terminals obey; what turns the
+# direction of writing; bytes of file names that are no UTF-8.
+_UNPRINTABLE = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
+)
 
 
 def printable(text: str) -> str:
-    r"""Return the text with what a terminal would obey written out, `\u001b` for an escape; JSON stays the same JSON."""
+    r"""Return the text with what a terminal would obey written out, `\u001b` for an escape; JSON
+    stays the same JSON.
+    """
     return _UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The process of the program: it ends with the exit code that was reported, also where Ctrl-C met its imports."""
+"""The process of the program: it ends with the exit code that was reported, also where Ctrl-C met
+its imports.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ def start() -> NoReturn:
         from .main import main
 
         code = main()
-        for number in (signal.SIGINT, signal.SIGTERM):  # all is said: one that comes now changes nothing
+        # all is said: one that comes now changes nothing
+        for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)
     except KeyboardInterrupt:  # before there was a command
         print("error: interrupted", file=sys.stderr)
@@ -28,7 +31,8 @@ def start() -> NoReturn:
         with suppress(OSError, ValueError):
             stream.flush()
     if code:
-        # Libraries whose import was cut short end the process with codes of their own, and a full standard output with 120.
+        # Libraries whose import was cut short end the process with codes of their own, and a full
+        # standard output with 120.
         os._exit(code)
     sys.exit(code)
 

@@ -24,8 +24,9 @@ _LONG = 100  # characters of a path that is shown
 
 @dataclass(kw_only=True)
 class CallState:
-    """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes. is_emitted: the result has been
-    printed, one document with --json."""
+    """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes.
+    is_emitted: the result has been printed, one document with --json.
+    """
 
     verbose: bool = False
     quiet: bool = False
@@ -35,7 +36,9 @@ class CallState:
     is_emitted: bool = False
 
     def emit(self, document: object, lines: Iterable[str]) -> None:
-        """Print the result on standard output: the document with --json, else the lines, nothing when quiet."""
+        """Print the result on standard output: the document with --json, else the lines, nothing
+        when quiet.
+        """
         self.is_emitted = True
         if self.json:
             from hullrecon.artifacts.storage.documents import encode
@@ -72,14 +75,18 @@ class _MessageFormatter(logging.Formatter):
 
 
 def configure_logging(state: CallState) -> None:
-    """Set up logging: standard error as --quiet and --verbose ask, the log file with everything and the time."""
+    """Set up logging: standard error as --quiet and --verbose ask, the log file with everything and
+    the time.
+    """
     logger = logging.getLogger("hullrecon")
     for handler in logger.handlers[:]:
         logger.removeHandler(handler)
         handler.close()
     screen = _Stderr()
     screen.setFormatter(_MessageFormatter("%(message)s"))
-    screen.setLevel(logging.ERROR if state.quiet else logging.DEBUG if state.verbose else logging.INFO)
+    screen.setLevel(
+        logging.ERROR if state.quiet else logging.DEBUG if state.verbose else logging.INFO
+    )
     logger.addHandler(screen)
     logger.setLevel(logging.DEBUG)
     if state.log_file is not None:
@@ -90,7 +97,9 @@ def log_to_file(line: str) -> None:
     """Write what was printed already to the log file too, where there is one."""
     for handler in logging.getLogger("hullrecon").handlers:
         if isinstance(handler, logging.FileHandler):
-            handler.handle(logging.LogRecord("hullrecon.cli", logging.ERROR, __file__, 0, line, None, None))
+            handler.handle(
+                logging.LogRecord("hullrecon.cli", logging.ERROR, __file__, 0, line, None, None)
+            )
 
 
 class _LogFile(logging.FileHandler):
@@ -102,24 +111,36 @@ class _LogFile(logging.FileHandler):
         logging.getLogger("hullrecon").removeHandler(self)
         with suppress(OSError):
             self.close()
-        logging.getLogger("hullrecon.cli").warning("the log file ends here (%s): %s", self.baseFilename, error)
+        logging.getLogger("hullrecon.cli").warning(
+            "the log file ends here (%s): %s", self.baseFilename, error
+        )
 
 
 def _file_handler(path: Path) -> logging.Handler:
-    """Return the handler of a log file. Raises UsageError where its folder does not exist, StorageError where it is refused."""
+    """Return the handler of a log file. Raises UsageError where its folder does not exist,
+    StorageError where it is refused.
+    """
     try:
         handler = _LogFile(path, encoding="utf-8", errors="backslashreplace")
     except OSError as error:
-        kind = UsageError if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ENAMETOOLONG) else StorageError
+        kind = (
+            UsageError
+            if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ENAMETOOLONG)
+            else StorageError
+        )
         where = str(path) if len(str(path)) <= _LONG else f"{str(path)[:_LONG]}..."
         remedy = "give --log-file in a folder that exists and may be written"
-        raise kind(f"the log file cannot be written: {error.strerror}", where=where, remedy=remedy) from error
+        raise kind(
+            f"the log file cannot be written: {error.strerror}", where=where, remedy=remedy
+        ) from error
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     return handler
 
 
 def add_common_options(command: click.Command) -> None:
-    """Add --verbose, --quiet, --json and --log-file to a command too, so that they may stand at either place."""
+    """Add --verbose, --quiet, --json and --log-file to a command too, so that they may stand at
+    either place.
+    """
     taken = {name for parameter in command.params for name in parameter.opts}
     for option in common_options():
         if not taken.intersection(option.opts):
@@ -139,7 +160,14 @@ def common_options() -> list[click.Option]:
 def _option(name: str, flags: list[str], text: str, file: click.Path | None = None) -> click.Option:
     """Return a flag, or the option of a file, that sets the field `name` of the call's state."""
     callback = _setter(name)
-    return click.Option([*flags, name], help=text, expose_value=False, callback=callback, is_flag=file is None, type=file)
+    return click.Option(
+        [*flags, name],
+        help=text,
+        expose_value=False,
+        callback=callback,
+        is_flag=file is None,
+        type=file,
+    )
 
 
 def _setter(name: str) -> Callable[[click.Context, click.Parameter, object], object]:

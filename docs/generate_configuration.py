@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/configuration.md, every key of dive.toml, from the declarations: python docs/generate_configuration.py
+"""Writes docs/configuration.md, every key of dive.toml, from the declarations: python
+docs/generate_configuration.py
 
 A description that begins with a unit and a comma gives the unit; a key without one has none.
 """
@@ -19,7 +20,9 @@ from msgspec import inspect as types
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.steps.chain import stages
 
-UNIT = re.compile(r"(m and deg|m/s2|m/s|kg/m3|deg/h|deg|Pa|m2|m|s|px|share|ratio|sigmas|probability|chi2|bytes|rad|Hz)(?:, |$)")
+UNIT = re.compile(
+    r"(m and deg|m/s2|m/s|kg/m3|deg/h|deg|Pa|m2|m|s|px|share|ratio|sigmas|probability|chi2|bytes|rad|Hz)(?:, |$)"
+)
 BOUNDS = {"ge": "≥ {}", "gt": "> {}", "le": "≤ {}", "lt": "< {}", "multiple_of": "multiple of {}"}
 HEAD = """# Configuration
 
@@ -37,7 +40,9 @@ docs/generate_configuration.py`) and a test holds it to the code; what a dive pa
 
 @dataclass(frozen=True, kw_only=True)
 class Key:
-    """One key of dive.toml: its dotted name, unit, kind with bounds, default and meaning; "" where there is none."""
+    """One key of dive.toml: its dotted name, unit, kind with bounds, default and meaning; "" where
+    there is none.
+    """
 
     name: str
     unit: str
@@ -62,7 +67,13 @@ def tables() -> list[Table]:
         info = _struct(stage.parameters)
         if info.fields:
             about = f"Options of the step: {stage.summary}."
-            found.append(Table(name=stage.name, about=about, keys=tuple(_key(stage.name, f) for f in info.fields)))
+            found.append(
+                Table(
+                    name=stage.name,
+                    about=about,
+                    keys=tuple(_key(stage.name, f) for f in info.fields),
+                )
+            )
     return found
 
 
@@ -73,7 +84,10 @@ def text() -> str:
         parts.append(
             f"\n## [{table.name}]\n\n{table.about}\n\n| key | unit | values | default | meaning |\n|---|---|---|---|---|\n"
         )
-        parts += [f"| `{k.name}` | {k.unit} | {k.kind} | {k.default} | {k.meaning} |\n" for k in table.keys]
+        parts += [
+            f"| `{k.name}` | {k.unit} | {k.kind} | {k.default} | {k.meaning} |\n"
+            for k in table.keys
+        ]
     return "".join(parts)
 
 
@@ -124,7 +138,9 @@ def _kind(kind: types.Type) -> str:
     """What may be given, in words."""
     kind, _ = _inner(kind)
     if isinstance(kind, types.UnionType):
-        return " or ".join(_kind(member) for member in kind.types if not isinstance(member, types.NoneType))
+        return " or ".join(
+            _kind(member) for member in kind.types if not isinstance(member, types.NoneType)
+        )
     if isinstance(kind, types.LiteralType):
         return ", ".join(f'`"{v}"`' for v in kind.values)
     if isinstance(kind, types.TupleType):
@@ -132,16 +148,23 @@ def _kind(kind: types.Type) -> str:
     if isinstance(kind, types.VarTupleType):
         return f"list of {_plural(kind.item_type)}"
     names = {
-        types.BoolType: "`true`, `false`", types.IntType: "whole number", types.FloatType: "number", types.StrType: "text",
+        types.BoolType: "`true`, `false`",
+        types.IntType: "whole number",
+        types.FloatType: "number",
+        types.StrType: "text",
         types.DateTimeType: "date and time",
-    }  # fmt: skip
+    }
     return names[type(kind)] + _bounds(kind)
 
 
 def _plural(kind: types.Type) -> str:
     inner, _ = _inner(kind)
     words = {types.StrType: "texts", types.FloatType: "numbers", types.StructType: "tables, below"}
-    return f"{len(inner.item_types)} numbers each" if isinstance(inner, types.TupleType) else words[type(inner)]
+    return (
+        f"{len(inner.item_types)} numbers each"
+        if isinstance(inner, types.TupleType)
+        else words[type(inner)]
+    )
 
 
 def _bounds(kind: types.Type) -> str:
@@ -162,7 +185,13 @@ def _toml(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, tuple | list):
         return f"[{', '.join(_toml(v) for v in value)}]"
-    return f'"{value}"' if isinstance(value, str) else f"{value:g}" if isinstance(value, float) else str(value)
+    return (
+        f'"{value}"'
+        if isinstance(value, str)
+        else f"{value:g}"
+        if isinstance(value, float)
+        else str(value)
+    )
 
 
 if __name__ == "__main__":

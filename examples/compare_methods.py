@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Run a dive, score it against its truth, and compare the methods: python examples/compare_methods.py [PACKAGE] [RUNS]
+"""Run a dive, score it against its truth, and compare the methods: python
+examples/compare_methods.py [PACKAGE] [RUNS]
 
-PACKAGE is a simulated dive (default: the sample in the repository). Remove `compare_methods` to stop after the chain: it solves
-the adjustment six times.
+PACKAGE is a simulated dive (default: the sample in the repository). Remove `compare_methods` to
+stop after the chain: it solves the adjustment six times.
 """
 
 from __future__ import annotations

@@ -2,14 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Underwater hull inspection: from a vehicle's logs and the ship's CAD model to the hull as found.
 
-In a notebook: `hullrecon.run_dive`, `evaluate`, `diff`, `compare_methods`, `draw_figures`, `export_colmap` (hullrecon.api;
-examples/). They are loaded when they are first used, so that importing the package costs nothing.
+In a notebook: `hullrecon.run_dive`, `evaluate`, `diff`, `compare_methods`, `draw_figures`,
+`export_colmap` (hullrecon.api; examples/). They are loaded when they are first used, so that
+importing the package costs nothing.
 """
 
 import importlib
 
 __version__ = "0.1.0"
-_API = ("compare_methods", "diff", "draw_figures", "evaluate", "export_colmap", "open_dive", "run_dive")
+_API = (
+    "compare_methods",
+    "diff",
+    "draw_figures",
+    "evaluate",
+    "export_colmap",
+    "open_dive",
+    "run_dive",
+)
 __all__ = ["__version__", *_API]
 
 

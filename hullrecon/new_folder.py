@@ -17,11 +17,18 @@ from hullrecon.errors import StorageError
 def new_folder(folder: Path) -> Iterator[Path]:
     """Yield an empty folder whose content is in `folder` at the end; an exception removes it.
 
-    Raises StorageError when `folder` is there and not an empty folder, or when something cannot be written."""
+    Raises StorageError when `folder` is there and not an empty folder, or when something cannot be
+    written.
+    """
     try:
-        place = Path(os.path.realpath(folder))  # "." and links have no name that could be taken beside them
+        # "." and links have no name that could be taken beside them
+        place = Path(os.path.realpath(folder))
         is_there = _is_there(place, folder)
-        temporary = place / f".partial-{os.getpid()}" if is_there else place.parent / f".{place.name}.partial-{os.getpid()}"
+        temporary = (
+            place / f".partial-{os.getpid()}"
+            if is_there
+            else place.parent / f".{place.name}.partial-{os.getpid()}"
+        )
         try:
             temporary.mkdir(parents=True)
             yield temporary
@@ -32,11 +39,15 @@ def new_folder(folder: Path) -> Iterator[Path]:
         finally:
             shutil.rmtree(temporary, ignore_errors=True)
     except OSError as error:
-        raise StorageError("cannot write there", where=str(folder), remedy=str(error.strerror or error)) from error
+        raise StorageError(
+            "cannot write there", where=str(folder), remedy=str(error.strerror or error)
+        ) from error
 
 
 def _is_there(place: Path, folder: Path) -> bool:
-    """Return whether a place, as folder names it, is an empty folder. Raises StorageError when it is anything else."""
+    """Return whether a place, as folder names it, is an empty folder. Raises StorageError when it
+    is anything else.
+    """
     if not os.path.lexists(place):
         return False
     if not place.is_dir():
@@ -46,9 +57,13 @@ def _is_there(place: Path, folder: Path) -> bool:
 
 
 def _move_up(temporary: Path, folder: Path) -> None:
-    """Move all that lies in a folder into the one above. That one is not replaced: it may be a mount point, which cannot be, or
-    the folder that somebody's shell is in, which would stay in the old one. Raises StorageError when more lies there."""
-    _refuse_content([name for name in os.listdir(temporary.parent) if name != temporary.name], folder)
+    """Move all that lies in a folder into the one above. That one is not replaced: it may be a
+    mount point, which cannot be, or the folder that somebody's shell is in, which would stay in the
+    old one. Raises StorageError when more lies there.
+    """
+    _refuse_content(
+        [name for name in os.listdir(temporary.parent) if name != temporary.name], folder
+    )
     for path in sorted(temporary.iterdir()):
         path.rename(temporary.parent / path.name)
 

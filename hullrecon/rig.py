@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where every sensor sits on the vehicle: from a path of the vehicle to poses of cameras, DVL and sonar, in batches.
+"""Where every sensor sits on the vehicle: from a path of the vehicle to poses of cameras, DVL and
+sonar, in batches.
 
 T_v_s = Trans(tray origin) Ry(tray angle); cameras and DVL are fixed to the tray (docs/concepts.md).
 """
@@ -41,8 +42,8 @@ class DvlPoints:
 class SensorRig:
     """Lever arms (3,) m in the vehicle frame, mounts as batches of one, and the cameras' models.
 
-    Mounts are None where the sensor was not carried. sonar_joint_from_sonar: the sonar on its own servo, which turns about y at
-    sonar_origin.
+    Mounts are None where the sensor was not carried. sonar_joint_from_sonar: the sonar on its own
+    servo, which turns about y at sonar_origin.
     """
 
     tray_origin: Array
@@ -62,8 +63,14 @@ class SensorRig:
 
     def tray_from(self, camera: Camera) -> Poses:
         """Return T_s_ct or T_s_cb. Raises InputError for a camera without a mount."""
-        if self.tray_from_camera is None or (camera is Camera.BOTTOM and self.top_from_bottom is None):
-            raise InputError(f"the {camera} camera has no mount", where=camera.section, remedy="give its mount in dive.toml")
+        if self.tray_from_camera is None or (
+            camera is Camera.BOTTOM and self.top_from_bottom is None
+        ):
+            raise InputError(
+                f"the {camera} camera has no mount",
+                where=camera.section,
+                remedy="give its mount in dive.toml",
+            )
         if camera is Camera.BOTTOM and self.top_from_bottom is not None:
             return self.tray_from_camera @ self.top_from_bottom
         return self.tray_from_camera
@@ -73,7 +80,9 @@ class SensorRig:
         return path.poses @ tray_poses(self.tray_origin, path.tray)
 
     def camera_poses(self, path: VehiclePath, camera: Camera) -> Poses:
-        """Return T_x_c (n) of a camera along a path in frame x. Raises InputError for a camera without a mount."""
+        """Return T_x_c (n) of a camera along a path in frame x. Raises InputError for a camera
+        without a mount.
+        """
         return self.tray_poses(path) @ self.tray_from(camera)
 
     def dvl_poses(self, path: VehiclePath) -> Poses:
@@ -91,16 +100,20 @@ class SensorRig:
         )
         dvl = self.dvl_poses(at_ping)
         return DvlPoints(
-            points=dvl.apply(returns.beam * returns.range_m[:, None]), directions=np.asarray(dvl.rotation.apply(returns.beam))
+            points=dvl.apply(returns.beam * returns.range_m[:, None]),
+            directions=np.asarray(dvl.rotation.apply(returns.beam)),
         )
 
     def sonar_poses(self, vehicle: Poses, joint_rad: ArrayLike) -> Poses:
-        """Return T_x_o (n) of the sonar: vehicle T_x_v (n) and the angle of the sonar's servo (n,) at its pings.
+        """Return T_x_o (n) of the sonar: vehicle T_x_v (n) and the angle of the sonar's servo (n,)
+        at its pings.
 
         Raises InputError where no sonar was described.
         """
         if self.sonar_origin is None or self.sonar_joint_from_sonar is None:
-            raise InputError("the sonar has no mount", where="sonar", remedy="describe the sonar in dive.toml")
+            raise InputError(
+                "the sonar has no mount", where="sonar", remedy="describe the sonar in dive.toml"
+            )
         return vehicle @ tray_poses(self.sonar_origin, joint_rad) @ self.sonar_joint_from_sonar
 
     def with_mounts(self, mounts: Mounts) -> SensorRig:
@@ -113,8 +126,12 @@ class SensorRig:
         )
 
 
-def rig_from_settings(settings: Mapping[str, object], camera_models: Mapping[Camera, CameraModel] | None = None) -> SensorRig:
-    """Return the rig of a dive from the values of dive.toml by dotted key (RIG_KEYS), None or absent where not carried."""
+def rig_from_settings(
+    settings: Mapping[str, object], camera_models: Mapping[Camera, CameraModel] | None = None
+) -> SensorRig:
+    """Return the rig of a dive from the values of dive.toml by dotted key (RIG_KEYS), None or
+    absent where not carried.
+    """
 
     def mount(key: str) -> Poses | None:
         return None if settings.get(key) is None else from_mount(numbers_of(settings[key]))

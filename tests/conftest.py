@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One thread for BLAS, as the commands have it: its threads wait by spinning, and a test took two minutes instead of six
-seconds beside another process. Set here, before anything imports numpy, for a pytest that is called by itself."""
+"""One thread for BLAS, as the commands have it: its threads wait by spinning, and a test took two
+minutes instead of six seconds beside another process. Set here, before anything imports numpy, for
+a pytest that is called by itself.
+"""
 
 import fcntl
 import os
@@ -14,20 +16,24 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import pytest
 
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell's `make test &`: what the tests start would not hear Ctrl-C
+# a shell's `make test &`: what the tests start would not hear Ctrl-C
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the files that hold slow tests: the last of them would else run on one worker while the others have ended."""
+    """Begin with the files that hold slow tests: the last of them would else run on one worker
+    while the others have ended.
+    """
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: item.path not in slow)
 
 
 @pytest.fixture(autouse=True)
 def _signals_end_with_their_test() -> Iterator[None]:
-    """Give SIGINT and SIGTERM back after a test that calls the program in this process, and forget those that came: the next
-    test's steps would end as interrupted."""
+    """Give SIGINT and SIGTERM back after a test that calls the program in this process, and forget
+    those that came: the next test's steps would end as interrupted.
+    """
     from hullrecon.artifacts.execution import interruption
 
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
@@ -39,7 +45,9 @@ def _signals_end_with_their_test() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def demo_run(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
-    """The folder of a whole run over sample_data/demo, made once for all workers of a session: to be read, not changed."""
+    """The folder of a whole run over sample_data/demo, made once for all workers of a session: to
+    be read, not changed.
+    """
     from end_to_end.shell import SAMPLE
 
     return _run_once(SAMPLE, tmp_path_factory, worker_id)
@@ -47,15 +55,18 @@ def demo_run(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
 
 @pytest.fixture(scope="session")
 def dive_a_run(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
-    """The folder of a whole run over the evaluation data's simulated dive, made once for all workers of a session: to be read,
-    not changed. The test is skipped where the data are not there."""
+    """The folder of a whole run over the evaluation data's simulated dive, made once for all
+    workers of a session: to be read, not changed. The test is skipped where the data are not there.
+    """
     from datasets import dataset
 
     return _run_once(dataset("dive-a"), tmp_path_factory, worker_id)
 
 
 def _run_once(package: Path, tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
-    """Run the chain over a package unless a worker of this session has; workers that ask for the same run wait for it."""
+    """Run the chain over a package unless a worker of this session has; workers that ask for the
+    same run wait for it.
+    """
     from end_to_end.shell import Shell
 
     base = tmp_path_factory.getbasetemp()

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-FOLDER = Path(os.environ.get("HULLRECON_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
+FOLDER = Path(
+    os.environ.get("HULLRECON_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")
+)
 
 
 def dataset(part: str = "") -> Path:

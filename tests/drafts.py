@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A problem that a test may change field by field: `draft.stereo.pixel = ...`, `draft.unknowns.pose[0, 2] = ...`.
+"""A problem that a test may change field by field: `draft.stereo.pixel = ...`,
+`draft.unknowns.pose[0, 2] = ...`.
 
 A Problem is frozen, and that is right for those who solve one. Tests damage and rearrange theirs.
 """
@@ -34,7 +35,12 @@ class Draft:
     def build(self) -> Any:
         """The record of the fields as they are now."""
         values = {name: getattr(self, name) for name in self._kind.__dataclass_fields__}
-        return self._kind(**{name: value.build() if isinstance(value, Draft) else value for name, value in values.items()})
+        return self._kind(
+            **{
+                name: value.build() if isinstance(value, Draft) else value
+                for name, value in values.items()
+            }
+        )
 
 
 def built(problem: Problem | Draft) -> Problem:
@@ -58,7 +64,11 @@ def leaves(draft: Draft, prefix: str = "") -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name in draft._kind.__dataclass_fields__:
         value = getattr(draft, name)
-        found |= leaves(value, f"{prefix}{name}.") if isinstance(value, Draft) else {prefix + name: value}
+        found |= (
+            leaves(value, f"{prefix}{name}.")
+            if isinstance(value, Draft)
+            else {prefix + name: value}
+        )
     return found
 
 

@@ -56,7 +56,9 @@ def test_a_folder_with_something_in_it_is_refused_before_any_work(tmp_path: Path
 
 
 @pytest.mark.parametrize("name", [".", "empty", "empty/.", "../here", "link"])
-def test_an_empty_folder_is_filled_and_stays_the_same(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_empty_folder_is_filled_and_stays_the_same(
+    tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Whoever stands in it sees what was written."""
     here = tmp_path / "here"
     target = here if name in (".", "../here") else here / "empty"
@@ -108,7 +110,9 @@ def test_what_came_into_an_empty_folder_meanwhile_is_kept(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("name", ["file", "loop", "file/dive", "x" * 300])
-def test_a_place_that_can_be_no_folder_is_refused_before_any_work(tmp_path: Path, name: str) -> None:
+def test_a_place_that_can_be_no_folder_is_refused_before_any_work(
+    tmp_path: Path, name: str
+) -> None:
     (tmp_path / "file").write_text("mine")
     (tmp_path / "loop").symlink_to("loop")
     with pytest.raises(StorageError), new_folder(tmp_path / name):

@@ -47,7 +47,12 @@ def shift(offset: object) -> Array:
 
 def mount(key: str) -> Array:
     x, y, z, roll, pitch, yaw = SETTINGS[key]  # type: ignore[misc]
-    return shift([x, y, z]) @ turn(2, np.radians(yaw)) @ turn(1, np.radians(pitch)) @ turn(0, np.radians(roll))
+    return (
+        shift([x, y, z])
+        @ turn(2, np.radians(yaw))
+        @ turn(1, np.radians(pitch))
+        @ turn(0, np.radians(roll))
+    )
 
 
 def tray(k: int) -> Array:
@@ -64,16 +69,23 @@ def test_cameras_sit_on_the_tray(rig: SensorRig) -> None:
     for k in range(len(PATH)):
         expected = tray(k) @ mount("camera.top.mount")
         np.testing.assert_allclose(top[k], expected, atol=1e-12)
-        np.testing.assert_allclose(bottom[k], expected @ mount("camera.bottom.pose_in_top"), atol=1e-12)
+        np.testing.assert_allclose(
+            bottom[k], expected @ mount("camera.bottom.pose_in_top"), atol=1e-12
+        )
 
 
 def test_the_ends_of_beams_count_the_motion_between_node_and_ping(rig: SensorRig) -> None:
     since = exp(RNG.normal(scale=0.1, size=(3, 6)))
     returns = Returns(
-        t_ns=np.zeros(3, np.int64), node=np.array([4, 0, 2]), quaternion=since.quaternion, translation=since.translation,
-        tray_offset=np.array([0.1, 0.0, -0.2]), beam=np.array([[0, 0, 1.0], [0.6, 0, 0.8], [0, -0.6, 0.8]]),
-        range_m=np.array([1.0, 2.0, 3.0]), flagged=np.zeros(3, bool),
-    )  # fmt: skip
+        t_ns=np.zeros(3, np.int64),
+        node=np.array([4, 0, 2]),
+        quaternion=since.quaternion,
+        translation=since.translation,
+        tray_offset=np.array([0.1, 0.0, -0.2]),
+        beam=np.array([[0, 0, 1.0], [0.6, 0, 0.8], [0, -0.6, 0.8]]),
+        range_m=np.array([1.0, 2.0, 3.0]),
+        flagged=np.zeros(3, bool),
+    )
     found = rig.dvl_points(returns, PATH)
     for row in range(3):
         k = returns.node[row]
@@ -81,25 +93,36 @@ def test_the_ends_of_beams_count_the_motion_between_node_and_ping(rig: SensorRig
         dvl = dvl @ turn(1, PATH.tray[k] + returns.tray_offset[row]) @ mount("dvl.mount")
         end = dvl @ np.r_[returns.beam[row] * returns.range_m[row], 1.0]
         np.testing.assert_allclose(found.points[row], end[:3], atol=1e-12)
-        np.testing.assert_allclose(found.directions[row], dvl[:3, :3] @ returns.beam[row], atol=1e-12)
+        np.testing.assert_allclose(
+            found.directions[row], dvl[:3, :3] @ returns.beam[row], atol=1e-12
+        )
 
 
 def test_the_sonar_turns_on_its_own_servo(rig: SensorRig) -> None:
     angle = np.array([0.0, 0.1, 0.2, 0.3, 0.4])
     found = rig.sonar_poses(PATH.poses, angle).matrix()
     for k in range(5):
-        expected = PATH.poses.matrix()[k] @ shift(SETTINGS["sonar.origin"]) @ turn(1, angle[k]) @ mount("sonar.mount")
+        expected = (
+            PATH.poses.matrix()[k]
+            @ shift(SETTINGS["sonar.origin"])
+            @ turn(1, angle[k])
+            @ mount("sonar.mount")
+        )
         np.testing.assert_allclose(found[k], expected, atol=1e-12)
 
 
 def test_a_fixed_tray_stands_at_zero_in_the_vehicle(rig: SensorRig) -> None:
     still = VehiclePath(poses=Poses(np.array([[0, 0, 0, 1.0]]), np.zeros((1, 3))), tray=np.zeros(1))
-    np.testing.assert_allclose(rig.tray_poses(still).matrix()[0], shift(SETTINGS["tray.origin"]), atol=1e-15)
+    np.testing.assert_allclose(
+        rig.tray_poses(still).matrix()[0], shift(SETTINGS["tray.origin"]), atol=1e-15
+    )
 
 
 def test_adjusted_mounts_replace_those_of_the_package(rig: SensorRig) -> None:
     dvl, camera = exp(RNG.normal(size=(1, 6))), exp(RNG.normal(size=(1, 6)))
-    moved = rig.with_mounts(Mounts(tray_from_dvl=dvl, tray_from_camera=camera, top_from_bottom=None))
+    moved = rig.with_mounts(
+        Mounts(tray_from_dvl=dvl, tray_from_camera=camera, top_from_bottom=None)
+    )
     assert moved.tray_from_dvl is dvl
     assert moved.tray_from_camera is camera
     assert moved.top_from_bottom is rig.top_from_bottom

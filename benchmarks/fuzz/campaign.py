@@ -78,22 +78,37 @@ class Campaign:
         """Return the figures, and each failure with the cases that reproduce it."""
         cases = sum(sum(counts.values()) for counts in self.verdicts.values())
         return {
-            "seed": self.seed, "first": self.first, "cases": cases, "seconds": round(self.seconds, 1),
+            "seed": self.seed,
+            "first": self.first,
+            "cases": cases,
+            "seconds": round(self.seconds, 1),
             "cases_per_second": round(cases / max(self.seconds, 1e-9), 1),
-            "formats": {form: dict(sorted(counts.items())) for form, counts in sorted(self.verdicts.items())},
+            "formats": {
+                form: dict(sorted(counts.items())) for form, counts in sorted(self.verdicts.items())
+            },
             "worst": {form: asdict(worst) for form, worst in sorted(self.worst.items())},
             "failures": [
-                {"format": f.form, "verdict": f.kind, "count": f.count, "cases": f.cases, "text": f.text[-3000:]}
+                {
+                    "format": f.form,
+                    "verdict": f.kind,
+                    "count": f.count,
+                    "cases": f.cases,
+                    "text": f.text[-3000:],
+                }
                 for f in sorted(self.findings.values(), key=lambda f: (f.form, f.kind, f.cases))
             ],
-        }  # fmt: skip
+        }
 
 
 def signature(verdict: Verdict) -> str:
-    """Return what failures of one cause share: of a traceback the innermost place of ours, and its type."""
+    """Return what failures of one cause share: of a traceback the innermost place of ours, and its
+    type.
+    """
     if verdict.kind not in ("traceback", "hang", "memory"):
         return ""
-    places = [line.strip() for line in verdict.text.splitlines() if line.strip().startswith('File "')]
+    places = [
+        line.strip() for line in verdict.text.splitlines() if line.strip().startswith('File "')
+    ]
     ours = [place for place in places if "/hullrecon/" in place]
     last = verdict.text.strip().splitlines()[-1] if verdict.text.strip() else ""
     return f"{(ours or places or [''])[-1]} {last.partition(':')[0]}"
@@ -112,7 +127,11 @@ def read_campaign(path: Path) -> Campaign:
 
 
 def run_campaign(
-    out: Campaign, forms: Sequence[str], cases: int, jobs: int, keep: Callable[[], None] = lambda: None
+    out: Campaign,
+    forms: Sequence[str],
+    cases: int,
+    jobs: int,
+    keep: Callable[[], None] = lambda: None,
 ) -> Campaign:
     """Add cases to a campaign until it has so many, shared among the formats, by `jobs` processes.
 
@@ -120,8 +139,13 @@ def run_campaign(
     """
     start, before, kept = time.monotonic(), out.seconds, time.monotonic()
     share = {form: cases // len(forms) + (k < cases % len(forms)) for k, form in enumerate(forms)}
-    left = {form: range(out.first + out.count(form), out.first + count) for form, count in share.items()}
-    with tempfile.TemporaryDirectory(prefix="hullrecon-fuzz-") as folder, ThreadPoolExecutor(jobs) as pool:
+    left = {
+        form: range(out.first + out.count(form), out.first + count) for form, count in share.items()
+    }
+    with (
+        tempfile.TemporaryDirectory(prefix="hullrecon-fuzz-") as folder,
+        ThreadPoolExecutor(jobs) as pool,
+    ):
         workers = SimpleQueue[Worker]()
         for _ in range(jobs):
             workers.put(Worker(Path(folder)))

@@ -24,14 +24,16 @@ from hullrecon.errors import HullreconError
 SECONDS = 2.0  # of the processor: other programs on the machine do not count
 LARGEST_BYTES = 512 << 20
 LONGEST_LINE = 1000
-GOOD = ("same", "refused", "named", "unnoticed")  # unnoticed: other data without a word, where the format has no checksum
+# unnoticed: other data without a word, where the format has no checksum
+GOOD = ("same", "refused", "named", "unnoticed")
 BAD = ("traceback", "hang", "memory", "crash", "silence", "lines")
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """kind: one of GOOD or BAD; text: the error, the traceback, or what was lost; what reading took of the processor and of
-    memory, which differs from run to run."""
+    """kind: one of GOOD or BAD; text: the error, the traceback, or what was lost; what reading took
+    of the processor and of memory, which differs from run to run.
+    """
 
     kind: str
     text: str = ""
@@ -61,7 +63,11 @@ class Bench:
         place = self._place(form, number)
         _put(place / sound.target, sound.finish(data))
         verdict = judge(sound, start, place)
-        return replace(verdict, kind="unnoticed") if verdict.kind == "silence" and sound.blind(data) else verdict
+        return (
+            replace(verdict, kind="unnoticed")
+            if verdict.kind == "silence" and sound.blind(data)
+            else verdict
+        )
 
     def _place(self, form: str, number: int) -> Path:
         return self._folder / f"{form}-{number}"
@@ -79,12 +85,16 @@ class Bench:
 
 
 def damaged_input(form: str, seed: int, case: int) -> tuple[int, bytes]:
-    """Return the number of a sound input of the format and the bytes that stand in for its target, before they are finished."""
+    """Return the number of a sound input of the format and the bytes that stand in for its target,
+    before they are finished.
+    """
     dice = Random(f"{form} {seed} {case}")
     number = dice.randrange(len(seeds()[form]))
     sound, other = seeds()[form][number], dice.choice(seeds()[form])
     marks = record_starts(sound.files[sound.target])
-    return number, mutate(sound.files[sound.target], other.files[other.target], dice, text=sound.text, marks=marks)
+    return number, mutate(
+        sound.files[sound.target], other.files[other.target], dice, text=sound.text, marks=marks
+    )
 
 
 def judge(sound: Seed, start: Reading, place: Path) -> Verdict:
@@ -104,7 +114,9 @@ def _outcome(sound: Seed, start: Reading, place: Path) -> Verdict:
     except HullreconError as error:
         return _judge_line(str(error))
     except _TimeIsUpError:
-        return Verdict("hang", f"more than {SECONDS:g} s of the processor\n{traceback.format_exc()}")
+        return Verdict(
+            "hang", f"more than {SECONDS:g} s of the processor\n{traceback.format_exc()}"
+        )
     except MemoryError:
         return Verdict("memory", traceback.format_exc())
     except Exception:

@@ -19,8 +19,9 @@ GAP = 16  # bytes that agree between two edits
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """A damaged input. number: of the sound input of its format; edits: (offset, count of bytes taken out, bytes put in), from
-    the end to the start, the last as zlib in base 85."""
+    """A damaged input. number: of the sound input of its format; edits: (offset, count of bytes
+    taken out, bytes put in), from the end to the start, the last as zlib in base 85.
+    """
 
     form: str
     number: int
@@ -28,7 +29,9 @@ class Entry:
     edits: tuple[tuple[int, int, str], ...]
 
     def data(self) -> bytes:
-        """Return the damaged bytes. Where the sound input has changed since, they are another damage of it."""
+        """Return the damaged bytes. Where the sound input has changed since, they are another
+        damage of it.
+        """
         sound = seeds()[self.form][self.number]
         out = bytearray(sound.files[sound.target])
         for at, taken, put in self.edits:
@@ -37,7 +40,9 @@ class Entry:
 
 
 def describe(form: str, number: int, data: bytes, found: str) -> Entry:
-    """Return the entry for damaged bytes: what differs, run by run where the length is the same, else all between the ends."""
+    """Return the entry for damaged bytes: what differs, run by run where the length is the same,
+    else all between the ends.
+    """
     sound = seeds()[form][number]
     whole = sound.files[sound.target]
     runs = _runs(whole, data) if len(whole) == len(data) else [_middle(whole, data)]
@@ -49,7 +54,10 @@ def read_corpus(path: Path) -> list[Entry]:
     """Return the entries of a corpus file; none where there is no file."""
     if not path.is_file():
         return []
-    return [Entry(**{**row, "edits": tuple(map(tuple, row["edits"]))}) for row in json.loads(path.read_text())]
+    return [
+        Entry(**{**row, "edits": tuple(map(tuple, row["edits"]))})
+        for row in json.loads(path.read_text())
+    ]
 
 
 def write_corpus(path: Path, entries: list[Entry]) -> None:
@@ -80,10 +88,14 @@ def _runs(whole: bytes, data: bytes) -> list[tuple[int, int, int]]:
 
 
 def _middle(whole: bytes, data: bytes) -> tuple[int, int, int]:
-    """Return (offset, length in the first, length in the second) of what lies between the equal ends of two strings."""
+    """Return (offset, length in the first, length in the second) of what lies between the equal
+    ends of two strings.
+    """
     shorter = min(len(whole), len(data))
     start = next((k for k in range(shorter) if whole[k] != data[k]), shorter)
-    end = next((k for k in range(shorter - start) if whole[-1 - k] != data[-1 - k]), shorter - start)
+    end = next(
+        (k for k in range(shorter - start) if whole[-1 - k] != data[-1 - k]), shorter - start
+    )
     return start, len(whole) - end - start, len(data) - end - start
 
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Damage bytes: bits, bytes, cuts, length fields, splices, insertions, duplications; fields, records and text besides."""
+"""Damage bytes: bits, bytes, cuts, length fields, splices, insertions, duplications; fields,
+records and text besides.
+"""
 
 from __future__ import annotations
 
@@ -32,11 +34,13 @@ SIZES = (
 BYTES = bytes((0, 1, 2, 6, 0x0F, 0x20, 0x7F, 0x80, 0xFF))
 
 
-def mutate(data: bytes, other: bytes, dice: Random, *, text: bool, marks: Sequence[int] = ()) -> bytes:
+def mutate(
+    data: bytes, other: bytes, dice: Random, *, text: bool, marks: Sequence[int] = ()
+) -> bytes:
     """Return the bytes with one to four damages.
 
-    other: a sound input of the same format, for splices. text: the bytes are lines of tokens. marks: offsets where records
-    start, which are damaged at times before all else.
+    other: a sound input of the same format, for splices. text: the bytes are lines of tokens.
+    marks: offsets where records start, which are damaged at times before all else.
     """
     out = bytearray(data)
     if marks and dice.random() < 0.3:
@@ -67,7 +71,9 @@ def _at_mark(data: bytearray, at: int, dice: Random) -> bytearray:
 
 
 def _place(data: bytearray, dice: Random) -> int:
-    """Return an offset, often near the start, where headers lie, or the end, where closing records do."""
+    """Return an offset, often near the start, where headers lie, or the end, where closing records
+    do.
+    """
     where = dice.random()
     if where < 0.2:
         return dice.randrange(min(len(data), 64) or 1)
@@ -84,14 +90,18 @@ def _flip_bit(data: bytearray, other: bytes, dice: Random) -> bytearray:
 
 def _set_byte(data: bytearray, other: bytes, dice: Random) -> bytearray:
     if data:
-        data[_place(data, dice)] = dice.choice(BYTES) if dice.random() < 0.5 else dice.randrange(256)
+        data[_place(data, dice)] = (
+            dice.choice(BYTES) if dice.random() < 0.5 else dice.randrange(256)
+        )
     return data
 
 
 def _set_run(data: bytearray, other: bytes, dice: Random) -> bytearray:
     at, length = _place(data, dice), dice.choice((2, 8, 64, 512))
     length = min(length, len(data) - at)
-    data[at : at + length] = dice.randbytes(length) if dice.random() < 0.5 else bytes([dice.choice(BYTES)]) * length
+    data[at : at + length] = (
+        dice.randbytes(length) if dice.random() < 0.5 else bytes([dice.choice(BYTES)]) * length
+    )
     return data
 
 
@@ -154,9 +164,21 @@ def _change_length(data: bytearray, other: bytes, dice: Random) -> bytearray:
     found = np.flatnonzero((values > 0) & (values <= len(data)))
     k = int(found[dice.randrange(len(found))]) if len(found) else dice.randrange(len(values))
     old = int(values[k])
-    new = dice.choice((*SIZES, old + 1, old - 1, 2 * old, old + 8, len(data), old ^ (1 << dice.randrange(8 * width))))
+    new = dice.choice(
+        (
+            *SIZES,
+            old + 1,
+            old - 1,
+            2 * old,
+            old + 8,
+            len(data),
+            old ^ (1 << dice.randrange(8 * width)),
+        )
+    )
     at = shift + k * width
-    data[at : at + width] = (new % (1 << (8 * width))).to_bytes(width, "little" if order == "<" else "big")
+    data[at : at + width] = (new % (1 << (8 * width))).to_bytes(
+        width, "little" if order == "<" else "big"
+    )
     return data
 
 
@@ -165,6 +187,18 @@ def _length(data: bytes | bytearray, dice: Random) -> int:
 
 
 BINARY: list[Mutator] = [
-    _flip_bit, _flip_bit, _set_byte, _set_run, _cut_end, _cut_out, _insert, _insert_zeros, _splice, _go_on_with, _duplicate,
-    _swap, _change_length, _change_length,
-]  # fmt: skip
+    _flip_bit,
+    _flip_bit,
+    _set_byte,
+    _set_run,
+    _cut_end,
+    _cut_out,
+    _insert,
+    _insert_zeros,
+    _splice,
+    _go_on_with,
+    _duplicate,
+    _swap,
+    _change_length,
+    _change_length,
+]

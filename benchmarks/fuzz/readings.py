@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read an input as the program does, and boil it down to a digest of its data and to what was said about it."""
+"""Read an input as the program does, and boil it down to a digest of its data and to what was said
+about it.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ from hullrecon.dive.logs.summary import summarise_logs
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.chain import stages
 
-BEAMS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
+BEAMS = np.array(
+    [[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]]
+)
 CALIBRATION = "camera_top.yaml"
 AZIMUTH_DEG = np.linspace(-14, 14, 48)  # of the beams of a DIDSON
 
@@ -52,14 +56,25 @@ def read_log(folder: Path, name: str) -> Reading:
     """Read a log of any form with all its sensors, images and pings, as `ingest` does."""
     kept: dict[str, BytesIO] = {}
     request = IngestRequest(
-        logs=(name,), topics=TOPICS, joints={"tray": "tray"}, imu_frame="ned", imu_mount_deg=(0.0, 0.0, 0.0),
-        pressure=PressureModel(1025.0, 9.81, 101325.0), beams=BEAMS, sigma_velocity=0.003,
-        calibration={"camera_top": CALIBRATION}, offset_ns={"camera_top": 0}, mesh=None, units="m",
+        logs=(name,),
+        topics=TOPICS,
+        joints={"tray": "tray"},
+        imu_frame="ned",
+        imu_mount_deg=(0.0, 0.0, 0.0),
+        pressure=PressureModel(1025.0, 9.81, 101325.0),
+        beams=BEAMS,
+        sigma_velocity=0.003,
+        calibration={"camera_top": CALIBRATION},
+        offset_ns={"camera_top": 0},
+        mesh=None,
+        units="m",
         sonar_azimuth_deg=AZIMUTH_DEG,
-    )  # fmt: skip
+    )
     with TemporaryFile() as spool:
         storage = PingStorage(spool, keep_in_memory)
-        found = ingest(folder, request, lambda camera: kept.setdefault(camera, BytesIO()), pings=storage)
+        found = ingest(
+            folder, request, lambda camera: kept.setdefault(camera, BytesIO()), pings=storage
+        )
     parts = [("", np.frombuffer(b"".join(f.getvalue() for f in kept.values()), np.uint8))]
     for key, record in {**found.records.by_name(), **found.images}.items():
         parts += [(f"{key}.{field}", array) for field, array in to_arrays(record).items()]
@@ -67,7 +82,9 @@ def read_log(folder: Path, name: str) -> Reading:
 
 
 def look_into_log(folder: Path, name: str) -> Reading:
-    """Write a dive.toml from a log as `init` does: it has to be one that `check` takes, whatever names the log holds."""
+    """Write a dive.toml from a log as `init` does: it has to be one that `check` takes, whatever
+    names the log holds.
+    """
     logs = find_logs(folder / name)
     found = summarise_logs([open_log(path) for path in logs])
     text = fill_template(found, logs, folder)
@@ -76,14 +93,19 @@ def look_into_log(folder: Path, name: str) -> Reading:
         (Path(place) / "dive.toml").write_text(text, encoding="utf-8")
         load_config(Path(place))
     lines = [*found.lines(), text]
-    return Reading(hashlib.sha256("\n".join(lines).encode()).hexdigest(), frozenset([*found.lost, *found.remarks]))
+    return Reading(
+        hashlib.sha256("\n".join(lines).encode()).hexdigest(),
+        frozenset([*found.lost, *found.remarks]),
+    )
 
 
 def read_configuration(folder: Path, name: str) -> Reading:
     """Read a dive.toml with the sections of every step."""
     loaded = load_config(folder, {stage.name: stage.parameters for stage in stages()})
     sections = {key: msgspec.to_builtins(section) for key, section in loaded.sections.items()}
-    return Reading(hashlib.sha256(repr(sections).encode(errors="surrogatepass")).hexdigest(), frozenset())
+    return Reading(
+        hashlib.sha256(repr(sections).encode(errors="surrogatepass")).hexdigest(), frozenset()
+    )
 
 
 def read_calibration(folder: Path, name: str) -> Reading:
@@ -95,7 +117,9 @@ def read_cad_model(folder: Path, name: str) -> Reading:
     """Read a CAD model: what is said of it beyond its size counts as said."""
     messages: list[str] = []
     mesh = read_hull(folder / name, "m", messages)
-    return Reading(_digest([("vertices", mesh.vertices), ("faces", mesh.faces)]), frozenset(messages[1:]))
+    return Reading(
+        _digest([("vertices", mesh.vertices), ("faces", mesh.faces)]), frozenset(messages[1:])
+    )
 
 
 def read_image(folder: Path, name: str) -> Reading:
@@ -110,7 +134,9 @@ def read_image(folder: Path, name: str) -> Reading:
 
 
 def parse_each_yaml_once() -> None:
-    """Keep what YAML holds by its text in this process: a damaged log comes with the same sound calibration each time."""
+    """Keep what YAML holds by its text in this process: a damaged log comes with the same sound
+    calibration each time.
+    """
     bounded_yaml.parse_yaml = lru_cache(maxsize=32)(bounded_yaml.parse_yaml)
 
 
@@ -123,6 +149,10 @@ def _digest(parts: Iterable[tuple[str, np.ndarray]]) -> str:
 
 
 READERS: Mapping[str, Read] = {
-    "log": read_log, "configuration": read_configuration, "calibration": read_calibration, "cad": read_cad_model,
-    "image": read_image, "init": look_into_log,
-}  # fmt: skip
+    "log": read_log,
+    "configuration": read_configuration,
+    "calibration": read_calibration,
+    "cad": read_cad_model,
+    "image": read_image,
+    "init": look_into_log,
+}

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find where the records of a sound binary file start: those are the places where damage leads a reader astray."""
+"""Find where the records of a sound binary file start: those are the places where damage leads a
+reader astray.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,21 @@ ARIS, VIEW_POINT = b"DDF\x05", b"\x44\x33\x22\x11"
 
 @lru_cache(maxsize=64)
 def record_starts(data: bytes) -> tuple[int, ...]:
-    """Return the offsets of the records of an MCAP, ROS 1 bag, PNG, GLB, JPEG, zip, PD0, AD2CP, ARIS or ViewPoint log; none for
-    others."""
+    """Return the offsets of the records of an MCAP, ROS 1 bag, PNG, GLB, JPEG, zip, PD0, AD2CP,
+    ARIS or ViewPoint log; none for others.
+    """
     if data.startswith(MCAP):
-        return tuple(_walk(data, len(MCAP), len(data) - len(MCAP), lambda at: 9 + _number(data, at + 1, 8)))
+        return tuple(
+            _walk(data, len(MCAP), len(data) - len(MCAP), lambda at: 9 + _number(data, at + 1, 8))
+        )
     if data.startswith(BAG):
         return tuple(_walk(data, len(BAG), len(data), lambda at: 4 + _number(data, at, 4)))
     if data.startswith(PNG):
-        return tuple(_walk(data, len(PNG), len(data), lambda at: 12 + int.from_bytes(data[at : at + 4], "big")))
+        return tuple(
+            _walk(
+                data, len(PNG), len(data), lambda at: 12 + int.from_bytes(data[at : at + 4], "big")
+            )
+        )
     if data.startswith(GLB):
         return tuple(_walk(data, 12, len(data), lambda at: 8 + _number(data, at, 4)))
     if data.startswith(ARIS):

@@ -14,18 +14,38 @@ BEAMS = {1: 48, 3: 96, 6: 64, 9: 128}
 
 
 def frame(number: int = 0, samples: int = 8, **more: float) -> bytes:
-    """Return a frame of noise. more: mode (of pings), model, lens, time_us, period_us, delay_us, speed, ordered, on, pan,
-    claimed (samples a beam, where its header lies)."""
+    """Return a frame of noise. more: mode (of pings), model, lens, time_us, period_us, delay_us,
+    speed, ordered, on, pan, claimed (samples a beam, where its header lies).
+    """
     head = bytearray(HEADER)
     mode = int(more.get("mode", 6))
-    struct.pack_into("<IQ4s", head, 0, number, int(more.get("time_us", START_US + 200_000 * number)), b"DDF\x05")
+    struct.pack_into(
+        "<IQ4s", head, 0, number, int(more.get("time_us", START_US + 200_000 * number)), b"DDF\x05"
+    )
     struct.pack_into("<f", head, 244, more.get("pan", 0.0))
     struct.pack_into("<I", head, 436, mode)
-    struct.pack_into("<IIff", head, 452, int(more.get("period_us", 10)), int(more.get("on", 1)), 5.0, more.get("speed", 1500.0))
+    struct.pack_into(
+        "<IIff",
+        head,
+        452,
+        int(more.get("period_us", 10)),
+        int(more.get("on", 1)),
+        5.0,
+        more.get("speed", 1500.0),
+    )
     struct.pack_into("<I", head, 468, int(more.get("claimed", samples)))
-    struct.pack_into("<III", head, 476, int(more.get("delay_us", 2000)), int(more.get("lens", 0)), int(more.get("model", 1)))
+    struct.pack_into(
+        "<III",
+        head,
+        476,
+        int(more.get("delay_us", 2000)),
+        int(more.get("lens", 0)),
+        int(more.get("model", 1)),
+    )
     struct.pack_into("<I", head, 516, int(more.get("ordered", 1)))
-    pixels = np.random.default_rng(number).integers(0, 255, samples * BEAMS.get(mode, 48), dtype=np.uint8)
+    pixels = np.random.default_rng(number).integers(
+        0, 255, samples * BEAMS.get(mode, 48), dtype=np.uint8
+    )
     return bytes(head) + pixels.tobytes()
 
 

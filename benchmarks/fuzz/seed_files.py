@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Small sound inputs that are no ROS logs: PD0, plain tables, pings, dive.toml, calibrations, CAD models, images."""
+"""Small sound inputs that are no ROS logs: PD0, plain tables, pings, dive.toml, calibrations, CAD
+models, images.
+"""
 
 from __future__ import annotations
 
@@ -81,7 +83,7 @@ TABLES = {
     "joints": "t,name,rad\n1700000000,tray,0.1\n1700000001,tray,0.2\n1700000000,fan,0.3\n",
     "camera_top": 't,file\n1700000000,a.png\n1700000001,"b.png"\n1700000002,a.png\n',
     "sonar": "t,file\n1700000000,p.npz\n1700000001,p.npz\n",
-}  # fmt: skip
+}
 
 
 def pixels(seed: int) -> np.ndarray:
@@ -106,8 +108,12 @@ def images() -> dict[str, bytes]:
 
     return {
         "a.jpg": encode(".jpg", 1, cv2.IMWRITE_JPEG_QUALITY, 40),
-        "progressive.jpg": encode(".jpg", 2, cv2.IMWRITE_JPEG_PROGRESSIVE, 1, cv2.IMWRITE_JPEG_QUALITY, 40),
-        "restarts.jpg": encode(".jpg", 3, cv2.IMWRITE_JPEG_RST_INTERVAL, 2, cv2.IMWRITE_JPEG_QUALITY, 40),
+        "progressive.jpg": encode(
+            ".jpg", 2, cv2.IMWRITE_JPEG_PROGRESSIVE, 1, cv2.IMWRITE_JPEG_QUALITY, 40
+        ),
+        "restarts.jpg": encode(
+            ".jpg", 3, cv2.IMWRITE_JPEG_RST_INTERVAL, 2, cv2.IMWRITE_JPEG_QUALITY, 40
+        ),
         "a.png": encode(".png", 1),
         "a.bmp": encode(".bmp", 1),
         "a.ppm": encode(".ppm", 1),
@@ -152,12 +158,29 @@ def reports(count: int = 4) -> str:
     for number in range(count):
         t = 1_700_000_000.0 + number
         transducers = [{"id": i, "distance": 1.0 + 0.1 * i, "beam_valid": True} for i in range(4)]
-        out.append({
-            "type": "velocity", "vx": 0.1, "vy": 0.2, "vz": 0.01 * number, "fom": 0.002, "altitude": 0.9,
-            "velocity_valid": True, "transducers": transducers, "time_of_validity": round(1e6 * t), "format": "json_v3.1",
-        })  # fmt: skip
         out.append(
-            {"type": "position_local", "ts": t + 0.5, "roll": 1.0, "pitch": 2.0, "yaw": 3.0 * number, "format": "json_v3.1"}
+            {
+                "type": "velocity",
+                "vx": 0.1,
+                "vy": 0.2,
+                "vz": 0.01 * number,
+                "fom": 0.002,
+                "altitude": 0.9,
+                "velocity_valid": True,
+                "transducers": transducers,
+                "time_of_validity": round(1e6 * t),
+                "format": "json_v3.1",
+            }
+        )
+        out.append(
+            {
+                "type": "position_local",
+                "ts": t + 0.5,
+                "roll": 1.0,
+                "pitch": 2.0,
+                "yaw": 3.0 * number,
+                "format": "json_v3.1",
+            }
         )
     return "".join(json.dumps(report) + "\n" for report in out)
 
@@ -185,7 +208,9 @@ def _ensemble(number: int) -> bytes:
     struct.pack_into("<4h", bottom, 24, 100, 200, -300, number)
     parts = [bytes(fixed), bytes(variable), velocity, bytes(bottom)]
     offsets = np.cumsum([6 + 2 * len(parts), *map(len, parts)])
-    body = b"\x7f\x7f" + struct.pack("<HBB4H", int(offsets[-1]), 0, 4, *offsets[:-1]) + b"".join(parts)
+    body = (
+        b"\x7f\x7f" + struct.pack("<HBB4H", int(offsets[-1]), 0, 4, *offsets[:-1]) + b"".join(parts)
+    )
     return body + struct.pack("<H", sum(body) % 65536)
 
 
@@ -196,7 +221,9 @@ def hulls() -> dict[str, bytes]:
     x, angle = np.linspace(-10, 10, 5), np.linspace(0, 2 * np.pi, 7)[:-1]
     radius = 3.0 * (1.02 - (x / 10) ** 2)
     ring = np.stack([np.zeros(6), np.cos(angle), np.sin(angle)], axis=1)
-    vertices = np.vstack([[(a, 0, 0) + r * ring for a, r in zip(x, radius, strict=True)]]).reshape(-1, 3)
+    vertices = np.vstack([[(a, 0, 0) + r * ring for a, r in zip(x, radius, strict=True)]]).reshape(
+        -1, 3
+    )
     faces = [
         face for i in range(4) for j in range(6)
         for a, b, c, d in [(6 * i + j, 6 * i + (j + 1) % 6, 6 * i + 6 + j, 6 * i + 6 + (j + 1) % 6)]

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A dive of one second as ROS messages, and as MCAP, ROS 1 bag and ROS 2 folder; written by the writers of mcap and rosbags."""
+"""A dive of one second as ROS messages, and as MCAP, ROS 1 bag and ROS 2 folder; written by the
+writers of mcap and rosbags.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,14 @@ import numpy as np
 START_NS = 1_777_887_000_000_000_000
 NS = 1_000_000_000
 DVL, SONAR = "marine_acoustic_msgs/msg/Dvl", "marine_acoustic_msgs/msg/ProjectedSonarImage"
-TOPICS = {"dvl": "/dvl", "imu": "/imu", "pressure": "/pressure", "joints": "/joints", "camera_top": "/cam", "sonar": "/sonar"}
+TOPICS = {
+    "dvl": "/dvl",
+    "imu": "/imu",
+    "pressure": "/pressure",
+    "joints": "/joints",
+    "camera_top": "/cam",
+    "sonar": "/sonar",
+}
 
 
 @dataclass(frozen=True)
@@ -43,7 +52,9 @@ def store(ros: int) -> Any:
 
 
 def tiny_dive(ros: int, jpeg: bytes) -> list[LoggedMessage]:
-    """Return one second of a dive: ten IMU readings, four of pressure and joints, two DVL pings and images, a sonar ping."""
+    """Return one second of a dive: ten IMU readings, four of pressure and joints, two DVL pings and
+    images, a sonar ping.
+    """
     types = store(ros)
 
     def make(kind: str, **given: Any) -> Any:
@@ -54,32 +65,56 @@ def tiny_dive(ros: int, jpeg: bytes) -> list[LoggedMessage]:
 
     def header(t: int) -> Any:
         stamp = make("builtin_interfaces/msg/Time", sec=t // NS, nanosec=t % NS)
-        return make("std_msgs/msg/Header", stamp=stamp, frame_id="x", **({"seq": 0} if ros == 1 else {}))
+        return make(
+            "std_msgs/msg/Header", stamp=stamp, frame_id="x", **({"seq": 0} if ros == 1 else {})
+        )
 
     def imu(t: int) -> Any:
         return make(
-            "sensor_msgs/msg/Imu", header=header(t),
+            "sensor_msgs/msg/Imu",
+            header=header(t),
             orientation=make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-            angular_velocity=vector(0.1, 0.2, 0.3), linear_acceleration=vector(0, 0, -9.81),
-            **{f"{name}_covariance": np.zeros(9) for name in ("orientation", "angular_velocity", "linear_acceleration")},
-        )  # fmt: skip
+            angular_velocity=vector(0.1, 0.2, 0.3),
+            linear_acceleration=vector(0, 0, -9.81),
+            **{
+                f"{name}_covariance": np.zeros(9)
+                for name in ("orientation", "angular_velocity", "linear_acceleration")
+            },
+        )
 
     def dvl(t: int) -> Any:
         s, c = 0.5, 0.75**0.5
         beams = [vector(*b) for b in ((-s, 0, c), (s, 0, c), (0, s, c), (0, -s, c))]
         return make(
-            DVL, header=header(t), velocity_mode=1, dvl_type=0, velocity=vector(0.1, 0.2, 0.3),
-            velocity_covar=np.diag([4e-6, 4e-6, 4e-6]).ravel(), altitude=1.0, course_gnd=0.0, speed_gnd=0.0, num_good_beams=4,
-            sound_speed=1500.0, beam_ranges_valid=True, beam_velocities_valid=False, beam_unit_vec=beams,
-            range=np.array([1.0, 2.0, 3.0, 4.0]), range_covar=np.zeros(4, np.float32), beam_quality=np.zeros(4, np.float32),
-            beam_velocity=np.zeros(4, np.float32), beam_velocity_covar=np.zeros(4, np.float32),
-        )  # fmt: skip
+            DVL,
+            header=header(t),
+            velocity_mode=1,
+            dvl_type=0,
+            velocity=vector(0.1, 0.2, 0.3),
+            velocity_covar=np.diag([4e-6, 4e-6, 4e-6]).ravel(),
+            altitude=1.0,
+            course_gnd=0.0,
+            speed_gnd=0.0,
+            num_good_beams=4,
+            sound_speed=1500.0,
+            beam_ranges_valid=True,
+            beam_velocities_valid=False,
+            beam_unit_vec=beams,
+            range=np.array([1.0, 2.0, 3.0, 4.0]),
+            range_covar=np.zeros(4, np.float32),
+            beam_quality=np.zeros(4, np.float32),
+            beam_velocity=np.zeros(4, np.float32),
+            beam_velocity_covar=np.zeros(4, np.float32),
+        )
 
     def sonar(t: int) -> Any:
         info = make(
-            "marine_acoustic_msgs/msg/PingInfo", frequency=1e6, sound_speed=1500.0, tx_beamwidths=np.zeros(0, np.float32),
+            "marine_acoustic_msgs/msg/PingInfo",
+            frequency=1e6,
+            sound_speed=1500.0,
+            tx_beamwidths=np.zeros(0, np.float32),
             rx_beamwidths=np.zeros(0, np.float32),
-        )  # fmt: skip
+        )
         pixels = make(
             "marine_acoustic_msgs/msg/SonarImageData",
             is_bigendian=False,
@@ -89,23 +124,39 @@ def tiny_dive(ros: int, jpeg: bytes) -> list[LoggedMessage]:
         )
         directions = [vector(0, np.sin(a), np.cos(a)) for a in np.linspace(0.25, -0.25, 4)]
         ranges = np.array([1, 2, 3], np.float32)
-        return make(SONAR, header=header(t), ping_info=info, beam_directions=directions, ranges=ranges, image=pixels)
+        return make(
+            SONAR,
+            header=header(t),
+            ping_info=info,
+            beam_directions=directions,
+            ranges=ranges,
+            image=pixels,
+        )
 
     def joints(t: int) -> Any:
         none, angle = np.zeros(0), np.array([0.1, 9.0])
         return make(
-            "sensor_msgs/msg/JointState", header=header(t), name=["tray", "other"], position=angle, velocity=none, effort=none
+            "sensor_msgs/msg/JointState",
+            header=header(t),
+            name=["tray", "other"],
+            position=angle,
+            velocity=none,
+            effort=none,
         )
 
     def pressure(t: int) -> Any:
-        return make("sensor_msgs/msg/FluidPressure", header=header(t), fluid_pressure=111380.0, variance=0.0)
+        return make(
+            "sensor_msgs/msg/FluidPressure", header=header(t), fluid_pressure=111380.0, variance=0.0
+        )
 
     def image(t: int) -> Any:
         data = np.frombuffer(jpeg, np.uint8)
         return make("sensor_msgs/msg/CompressedImage", header=header(t), format="jpeg", data=data)
 
     def entry(topic: str, kind: str, t: int, message: Any) -> LoggedMessage:
-        serialised = types.serialize_cdr(message, kind) if ros == 2 else types.serialize_ros1(message, kind)
+        serialised = (
+            types.serialize_cdr(message, kind) if ros == 2 else types.serialize_ros1(message, kind)
+        )
         return LoggedMessage(topic, kind, t, bytes(serialised))
 
     out = []
@@ -124,7 +175,9 @@ def tiny_dive(ros: int, jpeg: bytes) -> list[LoggedMessage]:
 
 
 def as_mcap(entries: list[LoggedMessage], compression: str, **more: Any) -> bytes:
-    """Return an MCAP of some six chunks. compression: "none", "lz4" or "zstd"; more: options of mcap's writer."""
+    """Return an MCAP of some six chunks. compression: "none", "lz4" or "zstd"; more: options of
+    mcap's writer.
+    """
     from mcap.writer import CompressionType, Writer
 
     file = io.BytesIO()

@@ -11,12 +11,50 @@ from benchmarks.fuzz.field_mutators import Mutator
 
 TOKEN = re.compile(rb"[A-Za-z0-9_.+-]+|[^\sA-Za-z0-9_.+-]")
 TOKENS = (
-    b"", b"-1", b"0", b"nan", b"inf", b"-inf", b"1e308", b"1e999", b"-0.0", b"9223372036854775808", b"9" * 40, b"1" * 10_000,
-    b"0x" + b"f" * 6_000, b"[" * 900, b"{" * 900, b"a." * 900 + b"a", b"[[1]]", b"true", b"'''", b'"', b'"""', b"\\u0000",
-    b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b"\x1b[31m", b"&a [*a]", b"&a [1, 1]", b"*a", b"<<: *a", b"!!python/object:x y",
-    b"- - -", b"? ", b"1979-05-27T07:32:00Z", b"1/2/3", b"x" * 5_000, b"\n", b",,,,", b"\r", b"/dev/null", b"..", b"\xc3\xa9",
+    b"",
+    b"-1",
+    b"0",
+    b"nan",
+    b"inf",
+    b"-inf",
+    b"1e308",
+    b"1e999",
+    b"-0.0",
+    b"9223372036854775808",
+    b"9" * 40,
+    b"1" * 10_000,
+    b"0x" + b"f" * 6_000,
+    b"[" * 900,
+    b"{" * 900,
+    b"a." * 900 + b"a",
+    b"[[1]]",
+    b"true",
+    b"'''",
+    b'"',
+    b'"""',
+    b"\\u0000",
+    b"\0",
+    b"\xff\xfe",
+    b"\xef\xbb\xbf",
+    b"\x1b[31m",
+    b"&a [*a]",
+    b"&a [1, 1]",
+    b"*a",
+    b"<<: *a",
+    b"!!python/object:x y",
+    b"- - -",
+    b"? ",
+    b"1979-05-27T07:32:00Z",
+    b"1/2/3",
+    b"x" * 5_000,
+    b"\n",
+    b",,,,",
+    b"\r",
+    b"/dev/null",
+    b"..",
+    b"\xc3\xa9",
     b"\xe2\x80\xa8",
-)  # fmt: skip
+)
 SEPARATORS = (b",", b";", b"\t", b" ", b"\n")
 LONGEST = 200_000  # bytes of a text that is to be made longer
 
@@ -68,7 +106,9 @@ def _swap_columns(data: bytearray, other: bytes, dice: Random) -> bytearray:
 
 
 def _shuffle_lines(data: bytearray, other: bytes, dice: Random) -> bytearray:
-    """Move a block of lines elsewhere, or write it a second time there: a section that stands twice."""
+    """Move a block of lines elsewhere, or write it a second time there: a section that stands
+    twice.
+    """
     lines = data.splitlines(keepends=True)
     start = dice.randrange(len(lines) or 1)
     block = lines[start : start + 1 + dice.randrange(5)]
@@ -79,15 +119,21 @@ def _shuffle_lines(data: bytearray, other: bytes, dice: Random) -> bytearray:
 
 
 def encode_otherwise(data: bytearray, other: bytes, dice: Random) -> bytearray:
-    """Write the text with other line ends, a byte order mark, in UTF-16 or UTF-32, or with characters that are not ASCII."""
+    """Write the text with other line ends, a byte order mark, in UTF-16 or UTF-32, or with
+    characters that are not ASCII.
+    """
     text = bytes(data).decode("latin-1")
     how = dice.randrange(8)
     if how == 0:
         return bytearray(b"\xef\xbb\xbf" + data)
     if how == 1:
-        return bytearray(data.replace(b"\n", dice.choice((b"\r\n", b"\r", b"\n\r", b"\x0b", b"\x85", b"\0"))))
+        return bytearray(
+            data.replace(b"\n", dice.choice((b"\r\n", b"\r", b"\n\r", b"\x0b", b"\x85", b"\0")))
+        )
     if how == 2:
-        return bytearray(text.encode(dice.choice(("utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-7"))))
+        return bytearray(
+            text.encode(dice.choice(("utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-7")))
+        )
     if how == 3:
         return bytearray(text.replace(" ", dice.choice("\u00a0\u2003\u200b\t\u3000")).encode())
     if how == 4:
@@ -95,7 +141,8 @@ def encode_otherwise(data: bytearray, other: bytes, dice: Random) -> bytearray:
     if how == 5:
         return bytearray(data.translate(bytes.maketrans(b".,", b",.")))
     if how == 6:
-        digits = dice.choice((0x0660, 0x0966, 0xFF10))  # Arabic, Devanagari, wide: int() and float() take them
+        # Arabic, Devanagari, wide: int() and float() take them
+        digits = dice.choice((0x0660, 0x0966, 0xFF10))
         return bytearray(text.translate({48 + k: chr(digits + k) for k in range(10)}).encode())
     return bytearray(data.upper() if dice.random() < 0.5 else data.swapcase())
 
@@ -106,7 +153,14 @@ def _nest(data: bytearray, other: bytes, dice: Random) -> bytearray:
     if found:
         start, end = dice.choice(found).span()
         opening, closing = dice.choice(
-            ((b"[", b"]"), (b"{a = ", b"}"), (b"{a: ", b"}"), (b"(", b")"), (b"- ", b""), (b"!!str ", b""))
+            (
+                (b"[", b"]"),
+                (b"{a = ", b"}"),
+                (b"{a: ", b"}"),
+                (b"(", b")"),
+                (b"- ", b""),
+                (b"!!str ", b""),
+            )
         )
         times = dice.choice((1, 2, 30, 900, 20_000))
         data[start:end] = opening * times + data[start:end] + closing * times
@@ -128,11 +182,24 @@ def _set_separator(data: bytearray, other: bytes, dice: Random) -> bytearray:
     found = list(TOKEN.finditer(data))
     if found:
         at = dice.choice(found).start()
-        data[at:at] = dice.choice((*SEPARATORS, b'"', b"'", b"#", b"=", b":", b"\\", b"%", b"//", b"\x00"))
+        data[at:at] = dice.choice(
+            (*SEPARATORS, b'"', b"'", b"#", b"=", b":", b"\\", b"%", b"//", b"\x00")
+        )
     return data
 
 
 TEXT: list[Mutator] = [
-    _replace_token, _replace_token, _replace_token, _swap_tokens, _swap_tokens, _drop_or_double_line, _shorten_line,
-    _swap_columns, _shuffle_lines, encode_otherwise, _nest, _lengthen, _set_separator,
-]  # fmt: skip
+    _replace_token,
+    _replace_token,
+    _replace_token,
+    _swap_tokens,
+    _swap_tokens,
+    _drop_or_double_line,
+    _shorten_line,
+    _swap_columns,
+    _shuffle_lines,
+    encode_otherwise,
+    _nest,
+    _lengthen,
+    _set_separator,
+]

@@ -18,8 +18,11 @@ from typing import TextIO
 from benchmarks.fuzz.cases import LARGEST_BYTES, Bench, Verdict
 from benchmarks.fuzz.readings import parse_each_yaml_once
 
-ROOM_BYTES = 2 * LARGEST_BYTES  # of addresses beyond those at the start; what is used beyond LARGEST_BYTES is a failure already
-PATIENCE_S = 120.0  # of the clock: a case that waits for something uses no processor; one that only waits for it is let wait
+# of addresses beyond those at the start; what is used beyond LARGEST_BYTES is a failure already
+ROOM_BYTES = 2 * LARGEST_BYTES
+# of the clock: a case that waits for something uses no processor; one that only waits for it is let
+# wait
+PATIENCE_S = 120.0
 STUCK_S = 10.0  # of the processor, in native code that no signal of Python's ends
 START_S = 1800.0  # of the clock, for the imports on a machine that others use
 
@@ -36,7 +39,9 @@ class Worker:
         return next(verdict for _, verdict in self.run_batch(form, seed, range(case, case + 1)))
 
     def run_batch(self, form: str, seed: int, cases: range) -> Iterator[tuple[int, Verdict]]:
-        """Yield the verdict on each case. The process is not waited for between two of them; one that is lost is replaced."""
+        """Yield the verdict on each case. The process is not waited for between two of them; one
+        that is lost is replaced.
+        """
         while cases:
             with suppress(BrokenPipeError, ConnectionResetError):
                 self._connection.send((form, seed, cases))
@@ -58,7 +63,9 @@ class Worker:
                 before_s, (state, used_s) = used_s, _process_state(self.pid)
                 stuck = 0 <= before_s < used_s - STUCK_S
                 if state not in "R" or stuck:
-                    return Verdict("hang", f"no answer in {PATIENCE_S:g} s, the process is in state {state}"), True
+                    return Verdict(
+                        "hang", f"no answer in {PATIENCE_S:g} s, the process is in state {state}"
+                    ), True
             return Verdict(*self._connection.recv()), False
         except (EOFError, ConnectionResetError):
             self._process.join()
@@ -81,7 +88,9 @@ class Worker:
     def _start(self) -> None:
         context = get_context("spawn")
         self._connection, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs, str(self._folder)), daemon=True)
+        self._process = context.Process(
+            target=_serve, args=(theirs, str(self._folder)), daemon=True
+        )
         self._process.start()
         theirs.close()
         if not self._connection.poll(START_S):
@@ -90,7 +99,9 @@ class Worker:
 
 
 def _serve(connection: Connection, folder: str) -> None:
-    """Answer cases until the other side closes. Decoders print on standard error themselves; that goes to a file."""
+    """Answer cases until the other side closes. Decoders print on standard error themselves; that
+    goes to a file.
+    """
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
     parse_each_yaml_once()
     with tempfile.TemporaryDirectory(dir=folder) as own:
@@ -111,7 +122,9 @@ def _serve(connection: Connection, folder: str) -> None:
 
 
 def _process_state(pid: int) -> tuple[str, float]:
-    """Return the kernel's letter for what a process does, and the seconds of the processor that it has used."""
+    """Return the kernel's letter for what a process does, and the seconds of the processor that it
+    has used.
+    """
     words = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return words[0], (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 

@@ -21,12 +21,20 @@ from .run import refuse_unknown
 @click.argument("target", type=FOLDER)
 @click.argument("steps", nargs=-1, metavar="[STEP]...")
 @click.option("--dry-run", is_flag=True, help="list what would be removed, remove nothing")
-@click.option("--yes", "-y", is_flag=True, help="do not ask before removing the artifacts of all steps")
 @click.option(
-    "--wait", "wait_s", type=click.FloatRange(min=0), default=0.0, help="seconds to wait for another run on this dive"
+    "--yes", "-y", is_flag=True, help="do not ask before removing the artifacts of all steps"
+)
+@click.option(
+    "--wait",
+    "wait_s",
+    type=click.FloatRange(min=0),
+    default=0.0,
+    help="seconds to wait for another run on this dive",
 )
 @runs_option
-def clean(target: Path, steps: tuple[str, ...], runs: Path, dry_run: bool, yes: bool, wait_s: float) -> None:
+def clean(
+    target: Path, steps: tuple[str, ...], runs: Path, dry_run: bool, yes: bool, wait_s: float
+) -> None:
     """Remove the artifacts of the named STEPs, or of all steps after asking.
 
     The package is never touched, nor is what lies in quarantine.
@@ -46,7 +54,10 @@ def clean(target: Path, steps: tuple[str, ...], runs: Path, dry_run: bool, yes: 
     if there:
         with workspace.lock(wait_s):
             removed = [name for name in there if workspace.remove(name)]
-    state_of().emit({"workspace": str(workspace.root), "removed": removed}, [f"removed {name}" for name in removed])
+    state_of().emit(
+        {"workspace": str(workspace.root), "removed": removed},
+        [f"removed {name}" for name in removed],
+    )
 
 
 def _ask(root: Path, names: list[str]) -> None:
@@ -54,6 +65,10 @@ def _ask(root: Path, names: list[str]) -> None:
     listed = ", ".join(names)
     if not sys.stdin.isatty():
         remedy = "name the steps, or give --yes; --dry-run lists them"
-        raise UsageError(f"clean without steps would remove all artifacts: {listed}", where=str(root), remedy=remedy)
+        raise UsageError(
+            f"clean without steps would remove all artifacts: {listed}",
+            where=str(root),
+            remedy=remedy,
+        )
     if not click.confirm(printable(f"Remove the artifacts of {listed} in {root}?"), err=True):
         raise UsageError("nothing was removed")

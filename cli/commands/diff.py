@@ -19,9 +19,10 @@ from ..state import state_of
 def diff(first: Path, second: Path, out: Path | None) -> None:
     """Say what changed on a hull from RUN1 to RUN2, both RUNS/<dive> of one hull with a CAD model.
 
-    Objects that are new, gone, grown or shrunk, and bare hull that moved, each with its significance. How the two dives lie
-    beside each other is estimated from what both saw and is no change. What only one dive looked at is said to be so. Leaves
-    change.json, change.csv, layers for QGIS, a map and a page.
+    Objects that are new, gone, grown or shrunk, and bare hull that moved, each with its
+    significance. How the two dives lie beside each other is estimated from what both saw and is no
+    change. What only one dive looked at is said to be so. Leaves change.json, change.csv, layers
+    for QGIS, a map and a page.
     """
     from hullrecon.api.change import diff as diff_runs
     from hullrecon.api.change import write_change
@@ -32,5 +33,10 @@ def diff(first: Path, second: Path, out: Path | None) -> None:
     names = write_change(folder, found)
     lines = [verdict(found.change), *(object_sentence(row) for row in found.change.changed())]
     lines += [move_sentence(row) for row in found.change.moves]
-    document = {"verdict": lines[0], "changes": lines[1:], "folder": str(folder), "files": list(names)}
+    document = {
+        "verdict": lines[0],
+        "changes": lines[1:],
+        "folder": str(folder),
+        "files": list(names),
+    }
     state_of().emit(document, [*lines, f"files: {folder}"])

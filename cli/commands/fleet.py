@@ -21,8 +21,14 @@ log = logging.getLogger("hullrecon.cli")
 
 @click.command()
 @click.argument("dives", type=FOLDER)
-@click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="dives at a time")
-@click.option("--scheduler", metavar="ADDRESS", help="a Dask scheduler for the work inside the steps of all dives")
+@click.option(
+    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="dives at a time"
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="a Dask scheduler for the work inside the steps of all dives",
+)
 @click.option(
     "--time-limit",
     "time_limit_s",
@@ -30,7 +36,9 @@ log = logging.getLogger("hullrecon.cli")
     metavar="SECONDS",
     help="end a dive that takes longer; it has failed with exit code 4",
 )
-@click.option("--retry", is_flag=True, help="also run dives that failed before and have not changed since")
+@click.option(
+    "--retry", is_flag=True, help="also run dives that failed before and have not changed since"
+)
 @click.option("--dry-run", is_flag=True, help="say what would be run and why, run nothing")
 @allow_outside_option
 @runs_option
@@ -41,27 +49,43 @@ def fleet(
 ) -> None:  # fmt: skip
     """Run every dive package in the folder DIVES that is new or whose result is out of date.
 
-    A package is a folder with a dive.toml. Each dive runs in a process of its own; when one fails, the others are run all the
-    same. A failed dive is one line on standard error, and the exit code is 4 when there is one. A dive that failed is not tried
-    again before its package or hullrecon changes, it may do more, or a day has passed; with --quiet it is named once. Safe to
-    be killed and started again; a second one beside it ends with 5.
+    A package is a folder with a dive.toml. Each dive runs in a process of its own; when one fails,
+    the others are run all the same. A failed dive is one line on standard error, and the exit code
+    is 4 when there is one. A dive that failed is not tried again before its package or hullrecon
+    changes, it may do more, or a day has passed; with --quiet it is named once. Safe to be killed
+    and started again; a second one beside it ends with 5.
     """
     if dry_run:
-        result = preview_fleet(dives, runs, retry=retry, allow_outside=allow_outside, time_limit_s=time_limit_s)
-        _emit(result, [f"would run {d.package.name}: {d.reason}" for d in result.dives if d.state == "to do"])
+        result = preview_fleet(
+            dives, runs, retry=retry, allow_outside=allow_outside, time_limit_s=time_limit_s
+        )
+        _emit(
+            result,
+            [f"would run {d.package.name}: {d.reason}" for d in result.dives if d.state == "to do"],
+        )
         return
     progress = choose_progress(quiet=state_of().quiet)
     result = run_fleet(
-        dives, runs, jobs=jobs, scheduler=scheduler, retry=retry, progress=progress, on_failure=_print_failure,
-        allow_outside=allow_outside, time_limit_s=time_limit_s,
-    )  # fmt: skip
+        dives,
+        runs,
+        jobs=jobs,
+        scheduler=scheduler,
+        retry=retry,
+        progress=progress,
+        on_failure=_print_failure,
+        allow_outside=allow_outside,
+        time_limit_s=time_limit_s,
+    )
     _emit(result, [])
     context.exit(result.exit_code)
 
 
 def _emit(result: FleetResult, lines: list[str]) -> None:
     for skipped in result.skipped:
-        log.info("%s", one_line(f"skipped: {skipped.path.relative_to(result.dives_folder)}: {skipped.reason}"))
+        log.info(
+            "%s",
+            one_line(f"skipped: {skipped.path.relative_to(result.dives_folder)}: {skipped.reason}"),
+        )
     state = state_of()
     document = result.document() if state.json else {}  # it lists every file
     state.emit(document, [*map(one_line, lines), result.summary()])

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""init and check: write the dive.toml of a package, and check a package, a bare log or the folder of a run."""
+"""init and check: write the dive.toml of a package, and check a package, a bare log or the folder
+of a run.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,11 @@ from ..state import state_of
 
 @click.command()
 @click.argument("log", type=FOLDER)
-@click.option("--out", type=FOLDER, help="the package's folder  [default: LOG where it is a folder, else the current one]")
+@click.option(
+    "--out",
+    type=FOLDER,
+    help="the package's folder  [default: LOG where it is a folder, else the current one]",
+)
 @click.option("--force", is_flag=True, help=f"replace a {CONFIGURATION} that is there")
 @allow_outside_option
 def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
@@ -43,7 +49,9 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
     folder = out or (log if log.is_dir() else Path())
     path = folder / CONFIGURATION
     if path.exists() and not force:
-        raise UsageError(f"{CONFIGURATION} is there already", where=str(folder), remedy="--force replaces it")
+        raise UsageError(
+            f"{CONFIGURATION} is there already", where=str(folder), remedy="--force replaces it"
+        )
     with storage_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
         calibrations = missing_calibrations(found, folder)
@@ -54,9 +62,15 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
     write_file(path, fill_template(found, logs, folder).encode())
     outside = [] if allow_outside else [path for path in logs if not lies_inside(path, folder)]
     unknown = to_fill_in(load_config(folder), guess_topics(found.topics).keys(), frozenset())
-    unknown += [f"outside the package: {p}; put it there, or give --allow-outside to check and run" for p in outside]
+    unknown += [
+        f"outside the package: {p}; put it there, or give --allow-outside to check and run"
+        for p in outside
+    ]
     unknown += questions(found)
-    unknown += [f"to see to: {name} is the log's CameraInfo; it has to be that of the camera in water" for name in calibrations]
+    unknown += [
+        f"to see to: {name} is the log's CameraInfo; it has to be that of the camera in water"
+        for name in calibrations
+    ]
     lines = [
         *found.lines(),
         *(f"wrote {folder / name}" for name in calibrations),
@@ -75,7 +89,9 @@ def _require_utf8(paths: list[Path]) -> None:
         except UnicodeEncodeError:
             shown = os.fsencode(path).decode(errors="replace")
             raise InputError(
-                "the name is not UTF-8, and dive.toml could not tell it", where=shown, remedy="rename it"
+                "the name is not UTF-8, and dive.toml could not tell it",
+                where=shown,
+                remedy="rename it",
             ) from None
 
 
@@ -103,11 +119,18 @@ def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: b
     step_sections = {stage.name: stage.parameters for stage in (*stages(), STAGE)}
     with name_overrides(step_sections, overrides):
         loaded = load_config(package, step_sections, overrides)
-    check_files(loaded, allow_outside=allow_outside, trusted_keys=[text.partition("=")[0].strip() for text in overrides])
+    check_files(
+        loaded,
+        allow_outside=allow_outside,
+        trusted_keys=[text.partition("=")[0].strip() for text in overrides],
+    )
     request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))
     progress = choose_progress()
     found = check_package(
-        loaded, request, lambda messages: progress.track(messages, "check: messages", None), describe_rig_problem
+        loaded,
+        request,
+        lambda messages: progress.track(messages, "check: messages", None),
+        describe_rig_problem,
     )
     state_of().emit(found.document(), found.lines())
     if found.run_is_possible:
@@ -125,14 +148,19 @@ def _check_logs(path: Path, allow_outside: bool) -> None:
     try:
         logs = find_logs(path)
     except InputError as error:
-        raise InputError(f"no {CONFIGURATION} here, and {error.what}", where=error.where, remedy=error.remedy) from None
+        raise InputError(
+            f"no {CONFIGURATION} here, and {error.what}", where=error.where, remedy=error.remedy
+        ) from None
     for log in logs if path.is_dir() else ():
         check_log(log, path, allow_outside=allow_outside)
     found = summarise_logs([open_log(log) for log in logs])
     unwritten = f"no {CONFIGURATION} yet, `hullrecon init {path}` writes one"
     reasons = [unwritten, *found.needs()] if found.topics else [found.why_nothing(), A_RUN_NEEDS]
     verdict = f"not ready: {'; '.join(reasons)}"
-    state_of().emit({**found.document(), "run_is_possible": False, "verdict": verdict}, [*found.lines(), f"verdict: {verdict}"])
+    state_of().emit(
+        {**found.document(), "run_is_possible": False, "verdict": verdict},
+        [*found.lines(), f"verdict: {verdict}"],
+    )
     if state_of().json:
         click.get_current_context().exit(InputError.exit_code)
     raise InputError(f"no run is possible: {'; '.join(reasons)}")
@@ -144,15 +172,23 @@ class _Check(click.Command):
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         super().format_options(ctx, formatter)
         known = {parameter.name for parameter in self.get_params(ctx)}
-        options = [p for p in check_of_package.params if isinstance(p, click.Option) and p.name not in known]
+        options = [
+            p
+            for p in check_of_package.params
+            if isinstance(p, click.Option) and p.name not in known
+        ]
         more = [option.get_help_record(ctx) for option in options]
         with formatter.section("Options for a dive package"):
             formatter.write_dl([record for record in more if record is not None])
 
 
-@click.command(cls=_Check, context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
+@click.command(
+    cls=_Check, context_settings={"ignore_unknown_options": True, "allow_extra_args": True}
+)
 @click.argument("target", type=FOLDER)
-@click.option("--read-data", is_flag=True, help="run's folder: read every byte, those of the package too")
+@click.option(
+    "--read-data", is_flag=True, help="run's folder: read every byte, those of the package too"
+)
 @click.pass_context
 def check(context: click.Context, target: Path, read_data: bool) -> None:
     """Check TARGET, a dive package or the folder of a run, and name what is wrong."""
@@ -164,14 +200,23 @@ def check(context: click.Context, target: Path, read_data: bool) -> None:
         _check_run(target, read_data)
         return
     if read_data:
-        raise click.UsageError(f"--read-data is for the folder of a run, and {target} is none", context)
-    with check_of_package.make_context("check", [str(target), *context.args], parent=context) as inner, _verdict_in_any_case():
+        raise click.UsageError(
+            f"--read-data is for the folder of a run, and {target} is none", context
+        )
+    with (
+        check_of_package.make_context(
+            "check", [str(target), *context.args], parent=context
+        ) as inner,
+        _verdict_in_any_case(),
+    ):
         check_of_package.invoke(inner)
 
 
 @contextmanager
 def _verdict_in_any_case() -> Iterator[None]:
-    """End with a verdict too where an error came before it: of a dive.toml with a mistake, of what holds no log."""
+    """End with a verdict too where an error came before it: of a dive.toml with a mistake, of what
+    holds no log.
+    """
     try:
         yield
     except HullreconError as error:
@@ -187,10 +232,13 @@ def _check_run(folder: Path, read_data: bool) -> None:
 
     found = check_workspace(Workspace(folder), NAMES, read_data=read_data)
     how = "read" if read_data else "looked at"
-    summary = (
-        f"{found.artifacts} artifacts, {found.files} files {how}, {found.read_bytes / 1e6:.1f} MB, {len(found.damaged)} damaged"
-    )
-    document = {"artifacts": found.artifacts, "files": found.files, "read_data": read_data, "damaged": found.damaged}
+    summary = f"{found.artifacts} artifacts, {found.files} files {how}, {found.read_bytes / 1e6:.1f} MB, {len(found.damaged)} damaged"
+    document = {
+        "artifacts": found.artifacts,
+        "files": found.files,
+        "read_data": read_data,
+        "damaged": found.damaged,
+    }
     if found.damaged and state_of().json:
         state_of().emit(document, ())
         context = click.get_current_context()
@@ -198,4 +246,6 @@ def _check_run(folder: Path, read_data: bool) -> None:
     state_of().emit(document, [*(f"damaged: {sentence}" for sentence in found.damaged), summary])
     if found.damaged:
         remedy = "`hullrecon run --read-data` sets damaged artifacts apart and reruns their steps"
-        raise InputError(f"damaged: {'; '.join(found.damaged[:3])}", where=str(folder), remedy=remedy)
+        raise InputError(
+            f"damaged: {'; '.join(found.damaged[:3])}", where=str(folder), remedy=remedy
+        )

@@ -37,8 +37,9 @@ SCHEDULER_HELP = (
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """How a chain is run, whatever it computes. jobs: worker processes; scheduler: address of a Dask scheduler instead; wait_s:
-    s to wait for another run on this dive."""
+    """How a chain is run, whatever it computes. jobs: worker processes; scheduler: address of a
+    Dask scheduler instead; wait_s: s to wait for another run on this dive.
+    """
 
     from_scratch: bool
     read_data: bool
@@ -52,12 +53,24 @@ def run_options(command: Command) -> Command:
     for option in (
         click.option("--from-scratch", is_flag=True, help="rerun every step, up to date or not"),
         click.option(
-            "--read-data", is_flag=True, help="read every byte that a step depends on instead of trusting times and sizes"
+            "--read-data",
+            is_flag=True,
+            help="read every byte that a step depends on instead of trusting times and sizes",
         ),
-        click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="worker processes inside a step"),
+        click.option(
+            "--jobs",
+            type=click.IntRange(min=1),
+            default=1,
+            show_default=True,
+            help="worker processes inside a step",
+        ),
         click.option("--scheduler", metavar="ADDRESS", help=SCHEDULER_HELP),
         click.option(
-            "--wait", "wait_s", type=click.FloatRange(min=0), default=0.0, help="seconds to wait for another run on this dive"
+            "--wait",
+            "wait_s",
+            type=click.FloatRange(min=0),
+            default=0.0,
+            help="seconds to wait for another run on this dive",
         ),
         allow_outside_option,
         set_option,
@@ -70,7 +83,9 @@ def run_options(command: Command) -> Command:
 @click.command()
 @click.argument("package", type=FOLDER)
 @run_options
-@click.option("--to", "last", metavar="STEP", help="stop after this step, running only what it needs")
+@click.option(
+    "--to", "last", metavar="STEP", help="stop after this step, running only what it needs"
+)
 def run(
     package: Path, runs: Path, last: str | None, overrides: tuple[str, ...], from_scratch: bool, read_data: bool, jobs: int,
     scheduler: str | None, wait_s: float, allow_outside: bool,
@@ -78,7 +93,13 @@ def run(
     """Run the chain on a dive PACKAGE; steps that are up to date are left as they are."""
     dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
     _warn_of_defaults(dive, overrides)
-    options = RunOptions(from_scratch=from_scratch, read_data=read_data, jobs=jobs, scheduler=scheduler, wait_s=wait_s)
+    options = RunOptions(
+        from_scratch=from_scratch,
+        read_data=read_data,
+        jobs=jobs,
+        scheduler=scheduler,
+        wait_s=wait_s,
+    )
     execute(dive, last, options)
 
 
@@ -87,7 +108,9 @@ def _warn_of_defaults(dive: DiveRun, overrides: Sequence[str]) -> None:
     from hullrecon.dive.check.to_fill_in import configured_sensors, to_fill_in
     from hullrecon.dive.config.load import load_config
 
-    config = load_config(dive.chain.package, {stage.name: stage.parameters for stage in dive.chain.stages}, overrides)
+    config = load_config(
+        dive.chain.package, {stage.name: stage.parameters for stage in dive.chain.stages}, overrides
+    )
     for line in to_fill_in(config, configured_sensors(config)):
         log.warning("%s", line)
 
@@ -109,7 +132,8 @@ def execute(dive: DiveRun, last: str | None, options: RunOptions) -> None:
             keep_going=True,
         )
     shown = dive.workspace.root / PUBLISHED
-    is_delivered = any(o.manifest is not None and delivered_records(o.manifest) for o in outcomes)  # by this run, not before it
+    # by this run, not before it
+    is_delivered = any(o.manifest is not None and delivered_records(o.manifest) for o in outcomes)
     delivered = str(shown) if is_delivered else None
     document = {
         "dive": dive.name,
@@ -125,34 +149,67 @@ def execute(dive: DiveRun, last: str | None, options: RunOptions) -> None:
 
 
 def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
-    """Log what is to be done. Raises InputError for a bow that the CAD model does not have, StorageError where the disk is too
-    full.
+    """Log what is to be done. Raises InputError for a bow that the CAD model does not have,
+    StorageError where the disk is too full.
 
     A step is built beside its old artifact, so about that much space must be free.
     """
     to_do = [step.stage.name for step in plan if step.to_do]
-    log.info("%s: %s", dive.name, f"to do: {', '.join(to_do)}" if to_do else "everything is up to date")
+    log.info(
+        "%s: %s", dive.name, f"to do: {', '.join(to_do)}" if to_do else "everything is up to date"
+    )
     refuse_wrong_bow(dive, plan)
-    needed = sum(r.size for s in plan if s.to_do and s.manifest is not None for r in s.manifest.outputs.values())
+    needed = sum(
+        r.size
+        for s in plan
+        if s.to_do and s.manifest is not None
+        for r in s.manifest.outputs.values()
+    )
     free = shutil.disk_usage(dive.workspace.root).free
     if needed > free:
         remedy = f"the last run's artifacts took {needed / 1e6:.0f} MB: free some space, or choose another folder with --runs"
-        raise StorageError(f"only {free / 1e6:.0f} MB are free", where=str(dive.workspace.root), remedy=remedy)
+        raise StorageError(
+            f"only {free / 1e6:.0f} MB are free", where=str(dive.workspace.root), remedy=remedy
+        )
 
 
 def _outcome(outcome: StepOutcome) -> dict[str, object]:
     manifest = outcome.manifest
-    spent = {k: manifest.run.get(k) for k in ("seconds", "peak_rss_bytes")} if manifest is not None and outcome.made else {}
-    state = "failed" if outcome.failure is not None else "made" if outcome.made else outcome.before.state
+    spent = (
+        {k: manifest.run.get(k) for k in ("seconds", "peak_rss_bytes")}
+        if manifest is not None and outcome.made
+        else {}
+    )
+    state = (
+        "failed"
+        if outcome.failure is not None
+        else "made"
+        if outcome.made
+        else outcome.before.state
+    )
     warnings = manifest.warnings if manifest is not None else []
-    return {"name": outcome.before.stage.name, "state": state, "reasons": outcome.before.reasons, "warnings": warnings, **spent}
+    return {
+        "name": outcome.before.stage.name,
+        "state": state,
+        "reasons": outcome.before.reasons,
+        "warnings": warnings,
+        **spent,
+    }
 
 
 def _warning_lines(outcomes: Sequence[StepOutcome]) -> list[str]:
     """Repeat every warning in one place: those of the log have scrolled away."""
-    warnings = [(o.before.stage.name, w) for o in outcomes if o.manifest is not None for w in o.manifest.warnings]
+    warnings = [
+        (o.before.stage.name, w)
+        for o in outcomes
+        if o.manifest is not None
+        for w in o.manifest.warnings
+    ]
     return (
-        [f"{len(warnings)} warning{'s' if len(warnings) > 1 else ''}:", *(f"  {n}: {w}" for n, w in warnings)]
+        [
+            f"{len(warnings)} warning{'s' if len(warnings) > 1 else ''}:",
+            *(f"  {n}: {w}" for n, w in warnings),
+        ]
         if warnings
         else []
     )
@@ -161,10 +218,16 @@ def _warning_lines(outcomes: Sequence[StepOutcome]) -> list[str]:
 def _line(outcome: StepOutcome) -> str:
     step = outcome.before
     if outcome.failure is not None:
-        reason = outcome.failure.line() if isinstance(outcome.failure, HullreconError) else "internal error"
+        reason = (
+            outcome.failure.line()
+            if isinstance(outcome.failure, HullreconError)
+            else "internal error"
+        )
         return f"{step.stage.name:16}failed: {reason}"
     if outcome.made and outcome.manifest is not None:
-        return f"{step.stage.name:16}ran in {outcome.manifest.run['seconds']:.1f} s: {step.why_run()}"
+        return (
+            f"{step.stage.name:16}ran in {outcome.manifest.run['seconds']:.1f} s: {step.why_run()}"
+        )
     return _status_line(step)
 
 
@@ -186,11 +249,21 @@ def status(target: Path, runs: Path, overrides: tuple[str, ...], allow_outside: 
 @set_option
 @runs_option
 @allow_outside_option
-def explain(target: Path, steps: tuple[str, ...], runs: Path, overrides: tuple[str, ...], allow_outside: bool) -> None:
+def explain(
+    target: Path,
+    steps: tuple[str, ...],
+    runs: Path,
+    overrides: tuple[str, ...],
+    allow_outside: bool,
+) -> None:
     """Say why steps would run again: which option, input or file changed, and from what to what."""
     dive = open_dive(target, runs, overrides, allow_outside=allow_outside)
     refuse_unknown(steps, [stage.name for stage in dive.chain.stages])
-    plan = [s for s in assess_chain(dive.chain, dive.workspace, dive.workspace.hashes()) if not steps or s.stage.name in steps]
+    plan = [
+        s
+        for s in assess_chain(dive.chain, dive.workspace, dive.workspace.hashes())
+        if not steps or s.stage.name in steps
+    ]
     lines = (f"{s.stage.name}: {reason}" for s in plan for reason in s.reasons or (f"{s.state}",))
     state_of().emit(_document(dive, plan), lines)
 
@@ -201,7 +274,9 @@ def _document(dive: DiveRun, plan: Sequence[StepStatus]) -> dict[str, object]:
 
 
 def _status_line(step: StepStatus) -> str:
-    return f"{step.stage.name:16}{step.state}" + (f": {'; '.join(step.reasons)}" if step.reasons else "")
+    return f"{step.stage.name:16}{step.state}" + (
+        f": {'; '.join(step.reasons)}" if step.reasons else ""
+    )
 
 
 def refuse_unknown(steps: Sequence[str], names: Sequence[str]) -> None:
@@ -212,7 +287,9 @@ def refuse_unknown(steps: Sequence[str], names: Sequence[str]) -> None:
 
 
 def delivery_lines(deliver: Path) -> list[str]:
-    """Return the findings of the report and the paths of report and deliverables; none when nothing is delivered."""
+    """Return the findings of the report and the paths of report and deliverables; none when nothing
+    is delivered.
+    """
     if not deliver.is_dir():
         return []
     report = deliver / "report" / "index.html"
@@ -221,7 +298,9 @@ def delivery_lines(deliver: Path) -> list[str]:
 
 
 def _findings(summary: Path) -> list[str]:
-    """Return the sentences at the head of the report; none when the summary is missing or of another form."""
+    """Return the sentences at the head of the report; none when the summary is missing or of
+    another form.
+    """
     try:
         lines = json.loads(summary.read_text(encoding="utf-8"))["summary"]
     except (OSError, ValueError, KeyError, TypeError):

@@ -14,7 +14,13 @@ from hullrecon.artifacts.execution.progress import choose_progress
 from ..dives import FOLDER, allow_outside_option, open_dive, runs_option, set_option
 from ..state import state_of
 
-_JOBS = click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="worker processes inside a step")
+_JOBS = click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="worker processes inside a step",
+)
 
 
 @click.command()
@@ -26,7 +32,9 @@ def evaluate(run: Path, package: Path) -> None:
 
     figures = score_run(run, package)
     width = max(len(name) for name, _, _ in table_rows(figures))
-    lines = [f"{name:{width}}  {value} {unit}".rstrip() for name, value, unit in table_rows(figures)]
+    lines = [
+        f"{name:{width}}  {value} {unit}".rstrip() for name, value, unit in table_rows(figures)
+    ]
     state_of().emit(without_nan(figures), lines)
 
 
@@ -36,11 +44,15 @@ def evaluate(run: Path, package: Path) -> None:
 @set_option
 @runs_option
 @allow_outside_option
-def compare_methods(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool) -> None:
-    """Compare naive, geva and maxmix, each as published and as weighted by us, on one simulated dive, in one table.
+def compare_methods(
+    package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
+) -> None:
+    """Compare naive, geva and maxmix, each as published and as weighted by us, on one simulated
+    dive, in one table.
 
-    The steps before `adjust` run once if they are out of date; `adjust` runs six times. As published is one solve from
-    the registration on, without a deviation field, outliers left to the Huber loss.
+    The steps before `adjust` run once if they are out of date; `adjust` runs six times. As
+    published is one solve from the registration on, without a deviation field, outliers left to the
+    Huber loss.
     """
     from hullrecon.api.commands import compare_methods as compare_dive
     from hullrecon.evaluation.scoring.score import without_nan
@@ -56,14 +68,19 @@ def compare_methods(package: Path, runs: Path, overrides: tuple[str, ...], jobs:
 @set_option
 @runs_option
 @allow_outside_option
-def figures(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool) -> None:
-    """Draw the sources' figures on one simulated dive: pictures and their tables, in RUNS/<dive>/compare/figures.
+def figures(
+    package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
+) -> None:
+    """Draw the sources' figures on one simulated dive: pictures and their tables, in
+    RUNS/<dive>/compare/figures.
 
-    Cross-sections of the three methods, labels by iteration, cost by iteration and by time, the DVL's residuals before and
-    after, the height of a structure; the sigma along the path and its links, two-view models (one camera), DVL returns on the
-    CAD model with planes and without, the sonar mosaic's variance by source of poses; and, of scenes made for it, when a
-    homography explains two images, search ellipses, a sphere mapped by planes. Solves what `compare-methods` has not solved,
-    runs the chain up to `detect`, whose heights are the ones delivered, and with one camera `links` twice more.
+    Cross-sections of the three methods, labels by iteration, cost by iteration and by time, the
+    DVL's residuals before and after, the height of a structure; the sigma along the path and its
+    links, two-view models (one camera), DVL returns on the CAD model with planes and without, the
+    sonar mosaic's variance by source of poses; and, of scenes made for it, when a homography
+    explains two images, search ellipses, a sphere mapped by planes. Solves what `compare-methods`
+    has not solved, runs the chain up to `detect`, whose heights are the ones delivered, and with
+    one camera `links` twice more.
     """
     from hullrecon.api.commands import draw_figures
 
@@ -79,6 +96,7 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterable[str]
     widths = [max(len(row[k]) for row in cells) for k in range(len(heads))]
     for row in cells:
         first, *rest = (
-            f"{cell:<{w}}" if k == 0 else f"{cell:>{w}}" for k, (cell, w) in enumerate(zip(row, widths, strict=True))
+            f"{cell:<{w}}" if k == 0 else f"{cell:>{w}}"
+            for k, (cell, w) in enumerate(zip(row, widths, strict=True))
         )
         yield "  ".join([first, *rest])

@@ -29,7 +29,12 @@ def _click_option(option: Option) -> Callable[[Callable[..., None]], Callable[..
         kind = click.Choice(option.meta.choices)
     bounds = f" ({option.meta.bounds()})" if option.meta.bounds() else ""
     return click.option(
-        flags, option.name, type=kind, default=option.default, show_default=True, help=option.meta.description + bounds
+        flags,
+        option.name,
+        type=kind,
+        default=option.default,
+        show_default=True,
+        help=option.meta.description + bounds,
     )
 
 
@@ -39,11 +44,13 @@ def _click_option(option: Option) -> Callable[[Callable[..., None]], Callable[..
 def simulate(folder: Path, **values: object) -> None:
     """Make a dive package with truth in FOLDER.
 
-    A vehicle follows legs along the side of a ship. What its DVL, IMU, pressure cell, cameras and sonar measure goes to
-    FOLDER/logs; what is true goes to FOLDER/truth, for `hullrecon evaluate`. The same options give the same bytes. FOLDER must
-    be new or empty; it appears when all of it is written.
+    A vehicle follows legs along the side of a ship. What its DVL, IMU, pressure cell, cameras and
+    sonar measure goes to FOLDER/logs; what is true goes to FOLDER/truth, for `hullrecon evaluate`.
+    The same options give the same bytes. FOLDER must be new or empty; it appears when all of it is
+    written.
 
-    A second dive of the same hull has the same options, another --seed and the first one's seed as --hull-seed; --added,
+    A second dive of the same hull has the same options, another --seed and the first one's seed as
+    --hull-seed; --added,
     --removed and --grown-m say what has changed since.
     """
     from hullrecon.artifacts.execution.progress import choose_progress

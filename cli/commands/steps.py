@@ -16,7 +16,13 @@ from hullrecon.steps.chain import stage as find_stage
 from ..dives import FOLDER, open_dive
 from .run import RunOptions, execute, run_options
 
-_BOUNDS = {"ge": "at least", "gt": "above", "le": "at most", "lt": "below", "multiple_of": "a multiple of"}
+_BOUNDS = {
+    "ge": "at least",
+    "gt": "above",
+    "le": "at most",
+    "lt": "below",
+    "multiple_of": "a multiple of",
+}
 
 
 def command(name: str) -> click.Command:
@@ -30,9 +36,21 @@ def command(name: str) -> click.Command:
         package: Path, runs: Path, overrides: tuple[str, ...], from_scratch: bool, read_data: bool, jobs: int,
         scheduler: str | None, wait_s: float, allow_outside: bool, **own: object,
     ) -> None:  # fmt: skip
-        given = [f"{name}.{option}={_toml(value)}" for option, value in own.items() if value is not None]
-        options = RunOptions(from_scratch=from_scratch, read_data=read_data, jobs=jobs, scheduler=scheduler, wait_s=wait_s)
-        execute(open_dive(package, runs, [*overrides, *given], allow_outside=allow_outside), name, options)
+        given = [
+            f"{name}.{option}={_toml(value)}" for option, value in own.items() if value is not None
+        ]
+        options = RunOptions(
+            from_scratch=from_scratch,
+            read_data=read_data,
+            jobs=jobs,
+            scheduler=scheduler,
+            wait_s=wait_s,
+        )
+        execute(
+            open_dive(package, runs, [*overrides, *given], allow_outside=allow_outside),
+            name,
+            options,
+        )
 
     step.params = [*step.params, *(_option(f) for f in fields(stage))]
     return step
@@ -58,8 +76,16 @@ def _option(field: types.Field) -> click.Option:
     if isinstance(inner, types.BoolType):
         return click.Option([f"--{dashed}/--no-{dashed}", field.name], default=None, help=text)
     if isinstance(inner, types.LiteralType):
-        return click.Option([f"--{dashed}", field.name], type=click.Choice([str(v) for v in inner.values]), help=text)
-    return click.Option([f"--{dashed}", field.name], metavar=type(inner).__name__.removesuffix("Type").upper(), help=text)
+        return click.Option(
+            [f"--{dashed}", field.name],
+            type=click.Choice([str(v) for v in inner.values]),
+            help=text,
+        )
+    return click.Option(
+        [f"--{dashed}", field.name],
+        metavar=type(inner).__name__.removesuffix("Type").upper(),
+        help=text,
+    )
 
 
 def unwrap_type(kind: types.Type) -> tuple[types.Type, str]:

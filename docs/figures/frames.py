@@ -20,7 +20,9 @@ INK, HULL, BEAM, SEEN, OFF = "#222222", "#5b6b7a", "#c2571a", "#1f6fb2", "#b3261
 
 def main() -> None:
     """Write the picture beside this script."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(12.5, 4.4), gridspec_kw={"width_ratios": [1.12, 1.0]})
+    figure, (left, right) = plt.subplots(
+        1, 2, figsize=(12.5, 4.4), gridspec_kw={"width_ratios": [1.12, 1.0]}
+    )
     draw_frames(left)
     draw_chart(right)
     figure.tight_layout()
@@ -30,7 +32,13 @@ def main() -> None:
 def draw_frames(axes: Axes) -> None:
     """Section across the hull with the vehicle facing it, seen along the hull."""
     angle = np.linspace(-np.pi / 2, np.pi / 2, 80)
-    section = np.stack([6.2 - 2.4 * np.sign(np.cos(angle)) * np.abs(np.cos(angle)) ** 0.55, 0.2 + 2.9 * np.sin(angle)], axis=1)
+    section = np.stack(
+        [
+            6.2 - 2.4 * np.sign(np.cos(angle)) * np.abs(np.cos(angle)) ** 0.55,
+            0.2 + 2.9 * np.sin(angle),
+        ],
+        axis=1,
+    )
     section = section[section[:, 1] <= 1.5]
     skin = np.vstack([section, [[6.2, 1.5], [6.2, section[0, 1]]]])
     axes.add_patch(Polygon(skin, facecolor="#e6ebef", edgecolor="none"))
@@ -62,10 +70,25 @@ def frame(
     """Draw two axes of a frame: the first to the right (left with `flip`), the second down or up."""
     way = np.array([[-1.0 if flip else 1.0, 0.0], [0.0, -1.0 if down else 1.0]]) * size
     for (dx, dy), mark in zip(way, marks, strict=True):
-        axes.annotate("", (at[0] + dx, at[1] + dy), at, arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.3})
-        axes.text(at[0] + 1.22 * dx, at[1] + 1.22 * dy, mark, fontsize=9, ha="center", va="center", color=INK)
+        axes.annotate(
+            "",
+            (at[0] + dx, at[1] + dy),
+            at,
+            arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.3},
+        )
+        axes.text(
+            at[0] + 1.22 * dx,
+            at[1] + 1.22 * dy,
+            mark,
+            fontsize=9,
+            ha="center",
+            va="center",
+            color=INK,
+        )
     axes.plot(*at, "o", color=INK, ms=3.5)
-    axes.text(at[0] + place[0], at[1] + place[1], name, fontsize=12, weight="bold", ha="right", color=INK)
+    axes.text(
+        at[0] + place[0], at[1] + place[1], name, fontsize=12, weight="bold", ha="right", color=INK
+    )
 
 
 def _vehicle(axes: Axes, section: NDArray[np.float64]) -> None:
@@ -81,22 +104,56 @@ def _vehicle(axes: Axes, section: NDArray[np.float64]) -> None:
     axes.add_patch(Arc(tuple(origin), 2.3, 2.3, theta1=0, theta2=10, color=INK, lw=1))
     axes.plot([origin[0], origin[0] + 1.25], [origin[1], origin[1]], color=INK, lw=0.7, ls=":")
     normal = 1.25 * np.array([np.cos(tilt), np.sin(tilt)])
-    axes.plot([origin[0], origin[0] + normal[0]], [origin[1], origin[1] + normal[1]], color=INK, lw=0.7, ls=":")
+    axes.plot(
+        [origin[0], origin[0] + normal[0]],
+        [origin[1], origin[1] + normal[1]],
+        color=INK,
+        lw=0.7,
+        ls=":",
+    )
     axes.text(origin[0] + 1.27, origin[1] + 0.02, "θ", fontsize=11)
     axes.text(origin[0] - 0.3, origin[1] - 0.3, "s", fontsize=12, weight="bold")
-    axes.text(origin[0] - 0.35, origin[1] - 0.85, "tray: turns about\nthe vehicle's y", fontsize=9, ha="center", va="top")
-    for offset, name, color, half in ((-0.5, "d", BEAM, 22), (0.25, "cb", SEEN, 0), (0.62, "ct", SEEN, 17)):
+    axes.text(
+        origin[0] - 0.35,
+        origin[1] - 0.85,
+        "tray: turns about\nthe vehicle's y",
+        fontsize=9,
+        ha="center",
+        va="top",
+    )
+    for offset, name, color, half in (
+        (-0.5, "d", BEAM, 22),
+        (0.25, "cb", SEEN, 0),
+        (0.62, "ct", SEEN, 17),
+    ):
         at = np.array([0.12, offset]) @ turn + origin
         axes.plot(*at, "s", color=color, ms=7)
-        axes.text(at[0] - 0.2, at[1] + 0.02, name, fontsize=11, weight="bold", color=color, ha="right", va="center")
+        axes.text(
+            at[0] - 0.2,
+            at[1] + 0.02,
+            name,
+            fontsize=11,
+            weight="bold",
+            color=color,
+            ha="right",
+            va="center",
+        )
         for way in (-half, half) if half else ():
             end = _met(at, tilt + np.radians(way), section)
-            axes.plot([at[0], end[0]], [at[1], end[1]], color=color, lw=1.0, ls="-" if name == "d" else "--")
+            axes.plot(
+                [at[0], end[0]],
+                [at[1], end[1]],
+                color=color,
+                lw=1.0,
+                ls="-" if name == "d" else "--",
+            )
     axes.text(2.1, -2.5, "DVL beams:\nranges and velocity", color=BEAM, fontsize=9)
     axes.text(1.15, 0.42, "camera's\nfield of view", color=SEEN, fontsize=9)
 
 
-def _met(at: NDArray[np.float64], angle: float, section: NDArray[np.float64]) -> NDArray[np.float64]:
+def _met(
+    at: NDArray[np.float64], angle: float, section: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Where a ray meets the section: the first of its points that lies beyond the skin."""
     ray = at + np.linspace(0, 6, 1200)[:, None] * np.array([np.cos(angle), np.sin(angle)])
     skin = np.interp(ray[:, 1], section[:, 1], section[:, 0])
@@ -107,7 +164,12 @@ def _girth(axes: Axes, section: NDArray[np.float64]) -> None:
     inner = section + np.array([0.28, 0.0])
     part = inner[(inner[:, 1] > -2.6) & (inner[:, 1] < 0.4)]
     axes.plot(*part.T, color=INK, lw=1, ls="-")
-    axes.annotate("", tuple(part[-1]), tuple(part[-4]), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1})
+    axes.annotate(
+        "",
+        tuple(part[-1]),
+        tuple(part[-4]),
+        arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1},
+    )
     axes.text(4.5, -0.9, "girth: arc from\nthe keel up", fontsize=9)
     axes.text(4.6, 0.7, "CAD model", fontsize=9, color=HULL)
 
@@ -120,7 +182,15 @@ def draw_chart(axes: Axes) -> None:
         y = row + 0.04 * np.sin(2.2 * x)
         for k in range(0, 14, 3):
             axes.add_patch(
-                Rectangle((x[k] - 0.62, y[k] - 0.52), 1.24, 1.04, facecolor=SEEN, alpha=0.10, edgecolor=SEEN, lw=0.8)
+                Rectangle(
+                    (x[k] - 0.62, y[k] - 0.52),
+                    1.24,
+                    1.04,
+                    facecolor=SEEN,
+                    alpha=0.10,
+                    edgecolor=SEEN,
+                    lw=0.8,
+                )
             )
         axes.plot(x, y, color="#777777", lw=0.8, zorder=1)
         axes.plot(x, y, "o", color=INK, ms=3, zorder=2)
@@ -133,7 +203,13 @@ def draw_chart(axes: Axes) -> None:
     axes.text(0.95, 3.12, "○ keyframe, with its footprint", fontsize=9, color=SEEN)
     axes.text(0.0, 2.86, "· landmark on the hull (label 1)", fontsize=9, color="#4b8f4b")
     axes.text(0.0, 2.60, "· landmark off it (label 0): a structure", fontsize=9, color=OFF)
-    axes.annotate("along (m), forward", (3.0, -0.1), (0.0, -0.13), arrowprops={"arrowstyle": "-|>", "color": INK}, fontsize=9)
+    axes.annotate(
+        "along (m), forward",
+        (3.0, -0.1),
+        (0.0, -0.13),
+        arrowprops={"arrowstyle": "-|>", "color": INK},
+        fontsize=9,
+    )
     axes.annotate(
         "girth (m), up",
         (-0.22, 2.1),
@@ -149,7 +225,9 @@ def draw_chart(axes: Axes) -> None:
     axes.set_ylim(-0.4, 3.4)
     axes.set_aspect("equal")
     axes.axis("off")
-    axes.set_title("Hull chart: the side unrolled, with two legs of a dive", fontsize=11, loc="left")
+    axes.set_title(
+        "Hull chart: the side unrolled, with two legs of a dive", fontsize=11, loc="left"
+    )
 
 
 if __name__ == "__main__":

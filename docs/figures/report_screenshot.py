@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/images/report.png and report_phone.png, the README's pictures of a report, with a headless Chromium:
+"""Makes docs/images/report.png and report_phone.png, the README's pictures of a report, with a
+headless Chromium:
 
 hullrecon run sample_data/demo --runs RUNS
 python docs/figures/report_screenshot.py RUNS/demo/deliver/report/index.html
@@ -21,17 +22,26 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
-SIZES = {"report.png": (1280, 2735), "report_phone.png": (390, 2376)}  # ship, verdict, map and 3-D; on a phone up to the map
+# ship, verdict, map and 3-D; on a phone up to the map
+SIZES = {"report.png": (1280, 2735), "report_phone.png": (390, 2376)}
 COLOURS = 256
-KEY = "Report"  # of the text in a picture that says which report it shows: tests/end_to_end/test_readme.py compares it
+# of the text in a picture that says which report it shows: tests/end_to_end/test_readme.py compares
+# it
+KEY = "Report"
 
 
 def main() -> int:
     """Write the pictures; return 1 where no browser is installed."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("page", type=Path, help="report/index.html of a run")
     page = parser.parse_args().page.resolve()
-    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    browser = (
+        shutil.which("chromium")
+        or shutil.which("chromium-browser")
+        or shutil.which("google-chrome")
+    )
     if browser is None:
         print("no Chromium was found", file=sys.stderr)
         return 1
@@ -42,12 +52,26 @@ def main() -> int:
 
 
 def take_picture(browser: str, page: Path, size: tuple[int, int], target: Path) -> None:
-    """Write a picture of the top of a page at that window size, with few colours and the words of the page's summary."""
+    """Write a picture of the top of a page at that window size, with few colours and the words of
+    the page's summary.
+    """
     with tempfile.TemporaryDirectory() as folder:
         shot = Path(folder) / "shot.png"
-        flags = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--user-data-dir={folder}/profile"]
+        flags = [
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--hide-scrollbars",
+            f"--user-data-dir={folder}/profile",
+        ]
         flags += ["--no-first-run", "--disable-background-networking", "--virtual-time-budget=5000"]
-        command = [browser, *flags, f"--window-size={size[0]},{size[1]}", f"--screenshot={shot}", page.as_uri()]
+        command = [
+            browser,
+            *flags,
+            f"--window-size={size[0]},{size[1]}",
+            f"--screenshot={shot}",
+            page.as_uri(),
+        ]
         subprocess.run(command, check=True, capture_output=True)
         with Image.open(shot) as picture:
             write_picture(picture, target, summary_of(page.read_text(encoding="utf-8")))

@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Model-assisted bundle adjustment of a dive [Ozog2016 4.2] (docs/methods.md 6), from a first path to the adjusted dive.
+"""Model-assisted bundle adjustment of a dive [Ozog2016 4.2] (docs/methods.md 6), from a first path
+to the adjusted dive.
 
-First a path, from images and navigation; then a place, where the CAD model lies under that path; then labels and ranges, solved
-with the rest. A stage that explains the data of the one before worse is refused, and what the one before found is delivered.
+First a path, from images and navigation; then a place, where the CAD model lies under that path;
+then labels and ranges, solved with the rest. A stage that explains the data of the one before worse
+is refused, and what the one before found is delivered.
 """
 
 from __future__ import annotations
@@ -37,16 +39,20 @@ from hullrecon.adjustment.rounds import Estimate, Report, RoundResult, RoundSolv
 from hullrecon.adjustment.stereo_calibration import StereoContradiction, free_contradicted_rig
 from hullrecon.estimation.rig_priors import Rig
 
-FIRST_MAX_PX = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
+# dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
+FIRST_MAX_PX = 40.0
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Adjusted:
-    """The adjusted dive. start: the first round's problem as it began; problem and result: of the last round, at its solution;
-    rig: with the intrinsics found; evidence: what the hull pose was fitted to, form: whether that has the CAD model's form
-    (None where no round held it); stretches: into which outages cut the path, each laid onto the CAD model for itself; refusal:
-    why the CAD model was left out, None where it was not (or there is none); stereo and length_conflict: as of FirstPath."""
+    """The adjusted dive. start: the first round's problem as it began; problem and result: of the
+    last round, at its solution; rig: with the intrinsics found; evidence: what the hull pose was
+    fitted to, form: whether that has the CAD model's form (None where no round held it); stretches:
+    into which outages cut the path, each laid onto the CAD model for itself; refusal: why the CAD
+    model was left out, None where it was not (or there is none); stereo and length_conflict: as of
+    FirstPath.
+    """
 
     state: State
     weights: Weights
@@ -67,9 +73,11 @@ class Adjusted:
 
 @dataclass(frozen=True, kw_only=True)
 class FirstPath:
-    """The path from images and navigation: its rounds, the estimate after them, the solver that goes on. stereo: what
-    contradicts the stereo rig's calibration; length_conflict: share by which the DVL's velocities contradict all else about
-    lengths, where one camera cannot tell. Both None where nothing does."""
+    """The path from images and navigation: its rounds, the estimate after them, the solver that
+    goes on. stereo: what contradicts the stereo rig's calibration; length_conflict: share by which
+    the DVL's velocities contradict all else about lengths, where one camera cannot tell. Both None
+    where nothing does.
+    """
 
     solver: RoundSolver
     rounds: tuple[RoundResult, ...]
@@ -80,8 +88,9 @@ class FirstPath:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedModel:
-    """The CAD model laid under a path, the rounds solved with it, where their points lie on it (None after no round), and why
-    it is refused (None where it is not)."""
+    """The CAD model laid under a path, the rounds solved with it, where their points lie on it
+    (None after no round), and why it is refused (None where it is not).
+    """
 
     registered: RegisteredModel
     rounds: tuple[RoundResult, ...]
@@ -90,7 +99,8 @@ class CheckedModel:
 
 
 def adjust(measured: Measurements, options: AdjustOptions, report: Report) -> Adjusted:
-    """Return the dive adjusted in rounds, each with the outliers and sigmas that the one before found.
+    """Return the dive adjusted in rounds, each with the outliers and sigmas that the one before
+    found.
 
     Raises StageError when too little agrees to be adjusted.
     """
@@ -99,7 +109,9 @@ def adjust(measured: Measurements, options: AdjustOptions, report: Report) -> Ad
     return replace(adjusted, stereo=path.stereo, length_conflict=path.length_conflict)
 
 
-def _adjust_from(path: FirstPath, cad_model: CadModel | None, options: AdjustOptions, report: Report) -> Adjusted:
+def _adjust_from(
+    path: FirstPath, cad_model: CadModel | None, options: AdjustOptions, report: Report
+) -> Adjusted:
     if cad_model is None:
         return adjust_without_cad_model(path)
     checked = check_cad_model(path, cad_model, options, report)
@@ -107,13 +119,19 @@ def _adjust_from(path: FirstPath, cad_model: CadModel | None, options: AdjustOpt
         report(f"the CAD model is left out: {checked.refusal}")
         without = adjust_without_cad_model(path, checked.rounds)
         form = None if checked.laid is None else checked.laid.form
-        return replace(without, registration=checked.registered.registration, form=form, refusal=checked.refusal)
+        return replace(
+            without,
+            registration=checked.registered.registration,
+            form=form,
+            refusal=checked.refusal,
+        )
     return adjust_with_cad_model(path, checked)
 
 
 def find_path(measured: Measurements, options: AdjustOptions, report: Report) -> FirstPath:
-    """Return the path without the CAD model: some well-seen landmarks find poses, outliers and sigmas at a fraction of the
-    cost."""
+    """Return the path without the CAD model: some well-seen landmarks find poses, outliers and
+    sigmas at a fraction of the cost.
+    """
     solver = RoundSolver(calibrated=measured.rig, options=options, report=report)
     start = _start(measured, options)
     with_cad = measured.cad_model is not None
@@ -136,12 +154,18 @@ def find_path(measured: Measurements, options: AdjustOptions, report: Report) ->
     )
 
 
-def check_cad_model(path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report) -> CheckedModel:
+def check_cad_model(
+    path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report
+) -> CheckedModel:
     """Return the CAD model laid under that path, and whether what follows from it may be believed."""
     stretches = stretches_of_path(path.rounds[-1], options) if path.rounds else None
     registered = register_cad_model(path.straight, cad_model, options, report, stretches)
     refusal = registered.refusal or nothing_on_it(path.straight.measured, options)
-    rounds = [] if refusal else path.solver.coarse_rounds(registered.estimate, min(1, options.rounds - 1))
+    rounds = (
+        []
+        if refusal
+        else path.solver.coarse_rounds(registered.estimate, min(1, options.rounds - 1))
+    )
     refusal = refusal or (reason_against(rounds[-1], options) if rounds else None)
     laid = None if refusal or not rounds else estimate_hull_pose(rounds[-1], options)
     if laid is not None and laid.form is not None:
@@ -150,7 +174,9 @@ def check_cad_model(path: FirstPath, cad_model: CadModel, options: AdjustOptions
 
 
 def adjust_with_cad_model(path: FirstPath, checked: CheckedModel) -> Adjusted:
-    """Return the dive with labels: the hull pose at the mean of its profile, every landmark, all solved with it held."""
+    """Return the dive with labels: the hull pose at the mean of its profile, every landmark, all
+    solved with it held.
+    """
     laid = checked.laid or LaidModel(ready=checked.registered.estimate)
     last = path.solver.solve_round(laid.ready, final=True, hold_hull_pose=laid.evidence is not None)
     adjusted = _drop_lost_landmarks([*path.rounds, *checked.rounds, last])
@@ -165,8 +191,12 @@ def adjust_with_cad_model(path: FirstPath, checked: CheckedModel) -> Adjusted:
 
 
 def adjust_without_cad_model(path: FirstPath, refused: tuple[RoundResult, ...] = ()) -> Adjusted:
-    """Return the path solved with all landmarks; refused: rounds with a CAD model that is left out, for the history."""
-    return _drop_lost_landmarks([*path.rounds, *refused, path.solver.solve_round(path.straight, final=True)])
+    """Return the path solved with all landmarks; refused: rounds with a CAD model that is left out,
+    for the history.
+    """
+    return _drop_lost_landmarks(
+        [*path.rounds, *refused, path.solver.solve_round(path.straight, final=True)]
+    )
 
 
 def _start(measured: Measurements, options: AdjustOptions) -> Estimate:
@@ -183,12 +213,18 @@ def _start(measured: Measurements, options: AdjustOptions) -> Estimate:
         navigation=np.zeros(6),
         hull=None,
     )
-    return Estimate(measured=measured, state=state, weights=weighting.initial_weights(measured, options), max_px=FIRST_MAX_PX)
+    return Estimate(
+        measured=measured,
+        state=state,
+        weights=weighting.initial_weights(measured, options),
+        max_px=FIRST_MAX_PX,
+    )
 
 
 def _drop_lost_landmarks(rounds: list[RoundResult]) -> Adjusted:
-    """Return the adjusted dive without landmarks that the last solve pushed behind their cameras or metres off the hull:
-    nothing determines them."""
+    """Return the adjusted dive without landmarks that the last solve pushed behind their cameras or
+    metres off the hull: nothing determines them.
+    """
     last, state = rounds[-1], rounds[-1].after.state
     chosen, problem, result = last.chosen, last.problem, last.result
     sound = selection.select_measurements(last.after.measured, state, max_px=1e3).landmarks

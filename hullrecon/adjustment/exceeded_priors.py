@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Priors of sensors and mounts that a dive contradicts, widened to what it shows (docs/methods.md 6).
+"""Priors of sensors and mounts that a dive contradicts, widened to what it shows (docs/methods.md
+6).
 
-Where a package says that its DVL is right to half a per cent and it is not, by three, the solve ends somewhere between, with a
-sigma that the prior made small. Of an estimate x with prior sigma p and posterior variance P the dive alone gives x / g, with
-the variance P / g, where g = 1 - P / p^2; if the prior is right, x / g has the variance p^2 + P / g.
+Where a package says that its DVL is right to half a per cent and it is not, by three, the solve
+ends somewhere between, with a sigma that the prior made small. Of an estimate x with prior sigma p
+and posterior variance P the dive alone gives x / g, with the variance P / g, where g = 1 - P / p^2;
+if the prior is right, x / g has the variance p^2 + P / g.
 """
 
 from __future__ import annotations
@@ -24,53 +26,73 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
 MANY_SIGMAS = 4.0  # of what the package allows
-# Beyond so many of the sigmas with which the dive alone knows it, too, and the dive takes away that share of the prior's
-# variance: what it knows little of, as a lever arm along a straight leg, small errors of other sensors may seem to contradict.
+# Beyond so many of the sigmas with which the dive alone knows it, too, and the dive takes away that
+# share of the prior's variance: what it knows little of, as a lever arm along a straight leg, small
+# errors of other sensors may seem to contradict.
 MANY_OF_ITS_OWN = 8.0
 LEAST_GAINED = 0.25
 ROTATION = slice(3, 6)  # rows of a mount's prior
-CONSTANT_ERRORS = 5  # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
+# errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
+CONSTANT_ERRORS = 5
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Prior:
-    """Deviations (k,) from a prior in its sigmas, and to_sigmas (k, m): from the unknowns' tangent to them."""
+    """Deviations (k,) from a prior in its sigmas, and to_sigmas (k, m): from the unknowns' tangent
+    to them.
+    """
 
     deviation: Array
     to_sigmas: Array
 
     def may_be_exceeded(self) -> bool:
-        """Return whether a covariance is worth its time: no deviation below exceeds a prior, whatever was gained."""
-        return bool(np.abs(self.deviation).max() > MANY_OF_ITS_OWN * np.sqrt(LEAST_GAINED * (1 - LEAST_GAINED)))
+        """Return whether a covariance is worth its time: no deviation below exceeds a prior,
+        whatever was gained.
+        """
+        return bool(
+            np.abs(self.deviation).max()
+            > MANY_OF_ITS_OWN * np.sqrt(LEAST_GAINED * (1 - LEAST_GAINED))
+        )
 
     def widening(self, covariance: Array) -> Array:
-        """Return by how much each sigma is to grow (k,), 1 where the prior holds. covariance (m, m): of the unknowns."""
+        """Return by how much each sigma is to grow (k,), 1 where the prior holds. covariance (m,
+        m): of the unknowns.
+        """
         left = np.diag(self.to_sigmas @ covariance @ self.to_sigmas.T)
         gained = np.maximum(1 - left, 1e-9)
         of_the_dive = np.abs(self.deviation) / gained  # as it would be without the prior
         sigma = np.sqrt(np.maximum(left, 0) / gained)
-        surprising = (of_the_dive > MANY_SIGMAS * np.hypot(1, sigma)) & (of_the_dive > MANY_OF_ITS_OWN * sigma)
+        surprising = (of_the_dive > MANY_SIGMAS * np.hypot(1, sigma)) & (
+            of_the_dive > MANY_OF_ITS_OWN * sigma
+        )
         return np.where(surprising & (gained > LEAST_GAINED), of_the_dive, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class WidenedPriors:
-    """The round with the priors widened. length_conflict: share by which the DVL's velocities contradict all else about
-    lengths, which one camera cannot tell by itself; None where they do not, or there are two cameras."""
+    """The round with the priors widened. length_conflict: share by which the DVL's velocities
+    contradict all else about lengths, which one camera cannot tell by itself; None where they do
+    not, or there are two cameras.
+    """
 
     round: RoundResult
     length_conflict: float | None
 
 
-def widen_exceeded_priors(last: RoundResult, solved: Estimate, solver: RoundSolver) -> WidenedPriors | None:
-    """Return a round from a solved path with the priors widened that it contradicts; None where it contradicts none. last: the
-    round that solved it."""
+def widen_exceeded_priors(
+    last: RoundResult, solved: Estimate, solver: RoundSolver
+) -> WidenedPriors | None:
+    """Return a round from a solved path with the priors widened that it contradicts; None where it
+    contradicts none. last: the round that solved it.
+    """
     rig, state = solved.measured.rig, solved.state
     priors = _priors(rig, state)
     if not any(prior.may_be_exceeded() for prior in priors.values()):
         return None
     try:
-        covariance = native.covariance(last.problem, replace(native_settings(solver.options), method="naive"))
+        covariance = native.covariance(
+            last.problem, replace(native_settings(solver.options), method="naive")
+        )
     except StageError:
         return None  # something is not determined at all; the last round says what
     widening = {name: prior.widening(getattr(covariance, name)) for name, prior in priors.items()}
@@ -80,26 +102,33 @@ def widen_exceeded_priors(last: RoundResult, solved: Estimate, solver: RoundSolv
     widened = replace(solved, measured=replace(solved.measured, rig=_widen(rig, widening)))
     if widening["navigation"][DVL_SCALE] == 1:
         return WidenedPriors(round=solver.solve_round(widened), length_conflict=None)
-    # A wrong speed of sound scales the ranges as well: a second camera, depths and the CAD model decide
+    # A wrong speed of sound scales the ranges as well: a second camera, depths and the CAD model
+    # decide
     share = float(rig.navigation_sigma[DVL_SCALE] * widening["navigation"][DVL_SCALE])
     result = solver.solve_round(replace(widened, weights=widen_ranges(widened, share)))
     return WidenedPriors(round=result, length_conflict=share if rig.bottom is None else None)
 
 
 def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
-    """Return the priors by the unknowns' name, of mounts that are no constants the rotation alone: a focal length that is off
-    looks like a camera that stands nearer or farther."""
+    """Return the priors by the unknowns' name, of mounts that are no constants the rotation alone:
+    a focal length that is off looks like a camera that stands nearer or farther.
+    """
     rows = np.diag(1 / rig.navigation_sigma)[:CONSTANT_ERRORS]
     out = {"navigation": _Prior(deviation=rows @ state.navigation, to_sigmas=rows)}
-    for name, mount, found in (("T_s_ct", rig.T_s_ct, state.T_s_ct), ("T_s_d", rig.T_s_d, state.T_s_d)):
+    for name, mount, found in (
+        ("T_s_ct", rig.T_s_ct, state.T_s_ct),
+        ("T_s_d", rig.T_s_d, state.T_s_d),
+    ):
         if mount is not None and mount.sqrt_information is not None and found is not None:
             out[name] = _prior_of_mount(mount, found)
     return out
 
 
 def displacement(mount: Mount, found: Poses) -> tuple[Array, Array]:
-    """Return how far a mount was found from its nominal pose (6,), translation and rotation in the child's axes, and what takes
-    its unknowns' tangent there (6, 6), whose translation is in the parent's axes."""
+    """Return how far a mount was found from its nominal pose (6,), translation and rotation in the
+    child's axes, and what takes its unknowns' tangent there (6, 6), whose translation is in the
+    parent's axes.
+    """
     to_child = np.eye(6)
     to_child[:3, :3] = mount.nominal.rotation.inv().as_matrix()[0]
     shift = to_child[:3, :3] @ (found.translation - mount.nominal.translation)[0]
@@ -127,4 +156,6 @@ def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
 
 
 def _describe(widening: dict[str, Array]) -> str:
-    return ", ".join(f"{name} by {factor.max():.1f}" for name, factor in widening.items() if (factor > 1).any())
+    return ", ".join(
+        f"{name} by {factor.max():.1f}" for name, factor in widening.items() if (factor > 1).any()
+    )

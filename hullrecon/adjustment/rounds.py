@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One solve after the other: which measurements enter a round, with what weights, and what it leaves to the next."""
+"""One solve after the other: which measurements enter a round, with what weights, and what it
+leaves to the next.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,13 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.problem import hard_em, intrinsics, iteration_history, selection, weighting
+from hullrecon.adjustment.problem import (
+    hard_em,
+    intrinsics,
+    iteration_history,
+    selection,
+    weighting,
+)
 from hullrecon.adjustment.problem.assembly import Selection, assemble, state_from_unknowns
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
@@ -25,8 +33,9 @@ from hullrecon.typing import Array
 
 Report = Callable[[str], None]
 LEAST_MAX_PX = 2.0  # in rounds before the last, whose path may still be off
-# Damping holds what many measurements share, a single camera's scale and the bends of a long path, far more than it holds the
-# steps: with Ceres' 1e4 such a mode hardly moves while each iteration's gain falls below the tolerance.
+# Damping holds what many measurements share, a single camera's scale and the bends of a long path,
+# far more than it holds the steps: with Ceres' 1e4 such a mode hardly moves while each iteration's
+# gain falls below the tolerance.
 INITIAL_RADIUS = 1e8
 NO_STRUCTURE_M = 0.5  # off the hull: a mismatch, not something that stands on it
 log = logging.getLogger(__name__)
@@ -34,8 +43,10 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """What one round leaves to the next: measured, with the intrinsics found so far; the unknowns; sigmas and weights; the
-    largest reprojection error that counts, px, where the sigma is the pixel sigma."""
+    """What one round leaves to the next: measured, with the intrinsics found so far; the unknowns;
+    sigmas and weights; the largest reprojection error that counts, px, where the sigma is the pixel
+    sigma.
+    """
 
     measured: Measurements
     state: State
@@ -45,8 +56,9 @@ class Estimate:
 
 @dataclass(frozen=True, kw_only=True)
 class RoundResult:
-    """One solve: the measurements chosen and the weights that it used, the problem at its start and at its solution, its
-    history, and the estimate after it."""
+    """One solve: the measurements chosen and the weights that it used, the problem at its start and
+    at its solution, its history, and the estimate after it.
+    """
 
     chosen: Selection
     weights: Weights
@@ -59,7 +71,9 @@ class RoundResult:
 
 @dataclass(frozen=True, kw_only=True)
 class RoundSolver:
-    """Solves rounds, counts and reports them. calibrated: the rig with the intrinsics of the calibration."""
+    """Solves rounds, counts and reports them. calibrated: the rig with the intrinsics of the
+    calibration.
+    """
 
     calibrated: Rig
     options: AdjustOptions
@@ -74,10 +88,16 @@ class RoundSolver:
             rounds.append(self.solve_round(rounds[-1].after if rounds else start))
         return rounds
 
-    def solve_round(self, before: Estimate, *, final: bool = False, hold_hull_pose: bool = False) -> RoundResult:
-        """Return the round from an estimate: choose and weight measurements, solve, estimate the next sigmas."""
+    def solve_round(
+        self, before: Estimate, *, final: bool = False, hold_hull_pose: bool = False
+    ) -> RoundResult:
+        """Return the round from an estimate: choose and weight measurements, solve, estimate the
+        next sigmas.
+        """
         options, measured = self.options, before.measured
-        state = replace(before.state, landmark=selection.triangulate_landmarks(measured, before.state))
+        state = replace(
+            before.state, landmark=selection.triangulate_landmarks(measured, before.state)
+        )
         max_px = before.max_px * before.weights.pixel_ratio
         max_px = max_px if final else np.maximum(LEAST_MAX_PX, max_px)
         chosen = choose_measurements(measured, state, max_px, options, final)
@@ -98,11 +118,21 @@ class RoundSolver:
             problem=problem.started_from(result.unknowns),
             result=result,
             history=history,
-            after=Estimate(measured=measured, state=state, weights=found, max_px=options.outlier_sigmas * found.pixel),
+            after=Estimate(
+                measured=measured,
+                state=state,
+                weights=found,
+                max_px=options.outlier_sigmas * found.pixel,
+            ),
         )
 
     def _record(
-        self, measured: Measurements, result: native.Result, weights: Weights, chosen: Selection, began_s: float
+        self,
+        measured: Measurements,
+        result: native.Result,
+        weights: Weights,
+        chosen: Selection,
+        began_s: float,
     ) -> iteration_history.Round:
         """Return the round for the history; its table goes to the log (`--verbose`)."""
         done = iteration_history.Round(
@@ -120,8 +150,11 @@ class RoundSolver:
         return done
 
 
-def choose_measurements(measured: Measurements, state: State, max_px: Array, options: AdjustOptions, final: bool) -> Selection:
-    """Return anchor landmarks for a coarse round, all landmarks but isolated ones off the hull for the final one.
+def choose_measurements(
+    measured: Measurements, state: State, max_px: Array, options: AdjustOptions, final: bool
+) -> Selection:
+    """Return anchor landmarks for a coarse round, all landmarks but isolated ones off the hull for
+    the final one.
 
     Raises StageError when fewer than 20 agree with the navigation.
     """
@@ -131,7 +164,8 @@ def choose_measurements(measured: Measurements, state: State, max_px: Array, opt
         off_hull = off > hard_em.label_boundary(options.on_hull_sigma_m, options.off_hull_sigma_m)
         chosen = selection.drop_isolated_landmarks(measured, state, chosen, off_hull)
     if options.method == "geva" and state.hull is not None:
-        # pulled to the hull, a mismatch near the camera passes through the camera's plane, and the solve stalls there
+        # pulled to the hull, a mismatch near the camera passes through the camera's plane, and the
+        # solve stalls there
         far = np.abs(state.hull.deviation(state.landmark[chosen.landmarks])) > NO_STRUCTURE_M
         chosen = replace(chosen, landmarks=chosen.landmarks[~far])
     if not final:
@@ -145,7 +179,9 @@ def choose_measurements(measured: Measurements, state: State, max_px: Array, opt
 
 
 def _solve(problem: native.Problem, options: AdjustOptions, final: bool) -> native.Result:
-    solve = hard_em.solve if options.labels == "outer" and options.method == "maxmix" else native.solve
+    solve = (
+        hard_em.solve if options.labels == "outer" and options.method == "maxmix" else native.solve
+    )
     settings = replace(
         native_settings(options),
         max_iterations=options.max_iterations,

@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a dive contradicts the calibration of its stereo rig, and the rig as an unknown where it does (docs/methods.md 6).
+"""Whether a dive contradicts the calibration of its stereo rig, and the rig as an unknown where it
+does (docs/methods.md 6).
 
-The images of a dive tell the bottom camera's rotation and the direction of the baseline better than a calibration does, but not
-the baseline's length: there the DVL and depths speak, and the DVL may be wrong as the calibration may.
+The images of a dive tell the bottom camera's rotation and the direction of the baseline better than
+a calibration does, but not the baseline's length: there the DVL and depths speak, and the DVL may
+be wrong as the calibration may.
 """
 
 from __future__ import annotations
@@ -28,10 +30,12 @@ TRIAL_SHARE = 0.1  # of the baseline's length, of each coordinate of the bottom 
 MAX_CHI2 = 125.0  # of rotation and direction, five degrees of freedom: five sigmas in each
 MAX_LENGTH_SIGMAS = 3.5
 HELD = 1e-6  # m and rad
-# What a good calibration may be off by is not reported: a turn, and a shift as a share of the baseline's length.
+# What a good calibration may be off by is not reported: a turn, and a shift as a share of the
+# baseline's length.
 REPORTED_TURN_RAD = np.radians(0.03)
 REPORTED_SHARE = 0.005
-LEAST_SHOWN_MM, LEAST_SHOWN_DEG = 0.05, 0.005  # what does not show in a sentence's digits is left out of it
+# what does not show in a sentence's digits is left out of it
+LEAST_SHOWN_MM, LEAST_SHOWN_DEG = 0.05, 0.005
 DVL_SCALE = 0  # its place among the errors of navigation
 
 
@@ -39,9 +43,9 @@ DVL_SCALE = 0  # its place among the errors of navigation
 class StereoContradiction:
     """What a dive shows of its stereo rig against the calibration.
 
-    by_images: rotation or direction of the baseline are not as calibrated; else only lengths by stereo and by the DVL disagree.
-    turn_rad, shift_m: of the bottom camera; direction_rad: of the baseline; length: share by which it is longer than
-    calibrated.
+    by_images: rotation or direction of the baseline are not as calibrated; else only lengths by
+    stereo and by the DVL disagree. turn_rad, shift_m: of the bottom camera; direction_rad: of the
+    baseline; length: share by which it is longer than calibrated.
     """
 
     by_images: bool
@@ -53,7 +57,9 @@ class StereoContradiction:
 
 @dataclass(frozen=True, kw_only=True)
 class FreedRig:
-    """The round that found the rig, the estimate after it with the rig as an unknown, and what was found."""
+    """The round that found the rig, the estimate after it with the rig as an unknown, and what was
+    found.
+    """
 
     round: RoundResult
     estimate: Estimate
@@ -61,21 +67,29 @@ class FreedRig:
 
 
 def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | None:
-    """Return a solved path with the stereo rig as an unknown, where the dive contradicts its calibration by more than the
-    package says that may be off; None where it does not, or without a second camera."""
+    """Return a solved path with the stereo rig as an unknown, where the dive contradicts its
+    calibration by more than the package says that may be off; None where it does not, or without a
+    second camera.
+    """
     mount = solved.measured.rig.T_ct_cb
     if mount is None or solved.measured.rig.bottom is None:
         return None
     length_m = float(np.linalg.norm(mount.nominal.translation))
     loose = np.r_[np.full(3, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)]
-    fewer = msgspec.structs.replace(solver.options, anchors=min(solver.options.anchors, TRIAL_ANCHORS))
+    fewer = msgspec.structs.replace(
+        solver.options, anchors=min(solver.options.anchors, TRIAL_ANCHORS)
+    )
     quiet = replace(solver, options=fewer, report=lambda _: None, history=[])
-    trial = quiet.solve_round(_with_rig(solved, replace(solved.measured.rig, T_ct_cb=_unknown(mount, loose))))
+    trial = quiet.solve_round(
+        _with_rig(solved, replace(solved.measured.rig, T_ct_cb=_unknown(mount, loose)))
+    )
     found = trial.after.state.T_ct_cb
     if found is None or not len(trial.problem.stereo.node):
         return None
     try:
-        covariance = native.covariance(trial.problem, replace(native_settings(solver.options), method="naive")).T_ct_cb
+        covariance = native.covariance(
+            trial.problem, replace(native_settings(solver.options), method="naive")
+        ).T_ct_cb
     except StageError:
         return None  # something is not determined at all; the last round says what
     contradiction = compare_rigs(mount.nominal, found, covariance + _prior_covariance(mount))
@@ -83,12 +97,18 @@ def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | N
         return None
     solver.report(f"the stereo rig is an unknown: {describe_contradiction(contradiction)}")
     solver.history.append(trial.history)
-    return FreedRig(round=trial, estimate=_adopt(trial.after, solved.measured.rig, contradiction), contradiction=contradiction)
+    return FreedRig(
+        round=trial,
+        estimate=_adopt(trial.after, solved.measured.rig, contradiction),
+        contradiction=contradiction,
+    )
 
 
 def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoContradiction | None:
-    """Return what of a calibrated T_ct_cb is contradicted by one found, None where nothing. covariance (6, 6): of how far they
-    may lie apart, (translation in the top camera's axes, rotation perturbed on the right)."""
+    """Return what of a calibrated T_ct_cb is contradicted by one found, None where nothing.
+    covariance (6, 6): of how far they may lie apart, (translation in the top camera's axes,
+    rotation perturbed on the right).
+    """
     shift = (found.translation - calibrated.translation)[0]
     turn = (calibrated.rotation.inv() * found.rotation).as_rotvec()[0]
     axes, length_m = _axes(calibrated)
@@ -96,7 +116,10 @@ def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoCo
     to_five[:2, :3], to_five[2:, 3:] = axes[1:], np.eye(3)
     five = to_five @ np.r_[shift, turn]
     chi2 = float(five @ np.linalg.solve(to_five @ covariance @ to_five.T, five))
-    longer_m, sigma_m = float(axes[0] @ shift), float(np.sqrt(axes[0] @ covariance[:3, :3] @ axes[0]))
+    longer_m, sigma_m = (
+        float(axes[0] @ shift),
+        float(np.sqrt(axes[0] @ covariance[:3, :3] @ axes[0])),
+    )
     if chi2 < MAX_CHI2 and abs(longer_m) < MAX_LENGTH_SIGMAS * sigma_m:
         return None
     return StereoContradiction(
@@ -115,19 +138,28 @@ def describe_contradiction(found: StereoContradiction) -> str:
         if 1e3 * found.shift_m < LEAST_SHOWN_MM:
             return f"the images fit with the bottom camera turned by {turned} from its calibration"
         moved = f"the images fit with the bottom camera {1e3 * found.shift_m:.1f} mm from where its calibration has it"
-        return moved if np.degrees(found.turn_rad) < LEAST_SHOWN_DEG else f"{moved}, and turned by {turned}"
+        return (
+            moved
+            if np.degrees(found.turn_rad) < LEAST_SHOWN_DEG
+            else f"{moved}, and turned by {turned}"
+        )
     off = f"{100 * abs(found.length):.1f} % {_longer(found.length)}"
     return f"for the DVL's velocities the baseline would have to be {off} than calibrated"
 
 
-def stereo_warning(found: StereoContradiction, calibrated: Poses, adjusted: Poses, covariance: Array) -> str | None:
-    """Return a sentence for the report; None where what was found matters to nobody but the solver. calibrated, adjusted:
-    T_ct_cb, the latter with its covariance (6, 6)."""
+def stereo_warning(
+    found: StereoContradiction, calibrated: Poses, adjusted: Poses, covariance: Array
+) -> str | None:
+    """Return a sentence for the report; None where what was found matters to nobody but the solver.
+    calibrated, adjusted: T_ct_cb, the latter with its covariance (6, 6).
+    """
     axes, length_m = _axes(calibrated)
     sigma = float(np.sqrt(axes[0] @ covariance[:3, :3] @ axes[0])) / length_m
     known = f"lengths are known to {100 * sigma:.2g} % (one sigma)"
     if not found.by_images:
-        cause = _who_is_wrong(found, float(np.linalg.norm(adjusted.translation)) / length_m - 1, sigma)
+        cause = _who_is_wrong(
+            found, float(np.linalg.norm(adjusted.translation)) / length_m - 1, sigma
+        )
         return (
             f"Stereo images and the DVL disagree about lengths: {describe_contradiction(found)}. Both were doubted, and "
             f"{known}; {cause}."
@@ -141,8 +173,9 @@ def stereo_warning(found: StereoContradiction, calibrated: Poses, adjusted: Pose
 
 
 def _who_is_wrong(found: StereoContradiction, longer: float, sigma: float) -> str:
-    """Return which of stereo and DVL is wrong about lengths by what else was measured, the depths before all. longer: share by
-    which the baseline came out longer than calibrated, and its sigma."""
+    """Return which of stereo and DVL is wrong about lengths by what else was measured, the depths
+    before all. longer: share by which the baseline came out longer than calibrated, and its sigma.
+    """
     by_stereo, by_dvl = abs(longer) / sigma, abs(longer - found.length) / sigma
     if by_stereo > MAX_LENGTH_SIGMAS and by_dvl < MAX_LENGTH_SIGMAS:
         off = f"{100 * abs(longer):.1f} % {_longer(longer)}"
@@ -157,7 +190,9 @@ def _longer(share: float) -> str:
 
 
 def _axes(rig: Poses) -> tuple[Array, float]:
-    """Return the direction of the baseline and two across it, rows (3, 3) in the top camera's axes, and its length."""
+    """Return the direction of the baseline and two across it, rows (3, 3) in the top camera's axes,
+    and its length.
+    """
     length_m = float(np.linalg.norm(rig.translation))
     along = rig.translation[0] / length_m
     across = np.linalg.svd(along[None])[2][1:]
@@ -165,15 +200,21 @@ def _axes(rig: Poses) -> tuple[Array, float]:
 
 
 def _unknown(mount: Mount, sigma: Array) -> Mount:
-    """Return the mount with a prior; sigma (6,): along the baseline and twice across it, m, and of the rotation, rad."""
+    """Return the mount with a prior; sigma (6,): along the baseline and twice across it, m, and of
+    the rotation, rad.
+    """
     rows = np.zeros((6, 6))
-    rows[:3, :3], rows[3:, 3:] = _axes(mount.nominal)[0] @ mount.nominal.rotation.as_matrix()[0], np.eye(3)
+    rows[:3, :3], rows[3:, 3:] = (
+        _axes(mount.nominal)[0] @ mount.nominal.rotation.as_matrix()[0],
+        np.eye(3),
+    )
     return Mount(mount.nominal, rows / sigma[:, None])
 
 
 def _prior_covariance(mount: Mount) -> Array:
-    """Return how well the package knows a mount (6, 6): (translation in the top camera's axes, rotation perturbed on the
-    right); zeros where it is held."""
+    """Return how well the package knows a mount (6, 6): (translation in the top camera's axes,
+    rotation perturbed on the right); zeros where it is held.
+    """
     if mount.sqrt_information is None:
         return np.zeros((6, 6))
     to_parent = np.eye(6)
@@ -185,7 +226,9 @@ def _prior_covariance(mount: Mount) -> Array:
 def _prior_sigma(mount: Mount) -> Array:
     """Return the same as sigmas (6,), of the translation along the baseline and twice across it."""
     covariance, axes = _prior_covariance(mount), _axes(mount.nominal)[0]
-    return np.asarray(np.sqrt(np.r_[np.diag(axes @ covariance[:3, :3] @ axes.T), np.diag(covariance[3:, 3:])]))
+    return np.asarray(
+        np.sqrt(np.r_[np.diag(axes @ covariance[:3, :3] @ axes.T), np.diag(covariance[3:, 3:])])
+    )
 
 
 def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
@@ -195,27 +238,38 @@ def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
 def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Estimate:
     """Return the estimate with what is contradicted as an unknown.
 
-    A baseline whose direction is off may be off along it as much. Where lengths disagree and the images do not say that the
-    calibration is at fault, the DVL may be wrong as the rig may.
+    A baseline whose direction is off may be off along it as much. Where lengths disagree and the
+    images do not say that the calibration is at fault, the DVL may be wrong as the rig may.
     """
     mount = calibrated.T_ct_cb
     assert mount is not None
-    length_m, least = float(np.linalg.norm(mount.nominal.translation)), np.maximum(_prior_sigma(mount), HELD)
+    length_m, least = (
+        float(np.linalg.norm(mount.nominal.translation)),
+        np.maximum(_prior_sigma(mount), HELD),
+    )
     if found.by_images:
         length_sigma = max(abs(found.length), found.direction_rad)
-        loose = np.r_[length_sigma * length_m, np.full(2, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)]
-        return _with_rig(after, replace(calibrated, T_ct_cb=_unknown(mount, np.maximum(loose, least))))
+        loose = np.r_[
+            length_sigma * length_m, np.full(2, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)
+        ]
+        return _with_rig(
+            after, replace(calibrated, T_ct_cb=_unknown(mount, np.maximum(loose, least)))
+        )
     length_sigma = abs(found.length)
     navigation_sigma = calibrated.navigation_sigma.copy()
     navigation_sigma[DVL_SCALE] = max(navigation_sigma[DVL_SCALE], length_sigma)
     only_length = _unknown(mount, np.maximum(np.r_[length_sigma * length_m, np.zeros(5)], least))
-    widened = _with_rig(after, replace(calibrated, T_ct_cb=only_length, navigation_sigma=navigation_sigma))
+    widened = _with_rig(
+        after, replace(calibrated, T_ct_cb=only_length, navigation_sigma=navigation_sigma)
+    )
     return replace(widened, weights=widen_ranges(after, length_sigma))
 
 
 def widen_ranges(after: Estimate, share: float) -> Weights:
-    """Return the weights with which all ranges together tell lengths no better than to that share: a wrong speed of sound
-    scales them as it does the velocities, and n readings do not make it better known."""
+    """Return the weights with which all ranges together tell lengths no better than to that share:
+    a wrong speed of sound scales them as it does the velocities, and n readings do not make it
+    better known.
+    """
     returns = after.measured.returns
     if returns is None or not len(returns.range_m):
         return after.weights

@@ -25,25 +25,30 @@ class RunComparison:
     second: FinishedRun
 
 
-def diff(first: Path | str, second: Path | str, options: ChangeOptions = ChangeOptions()) -> RunComparison:  # noqa: B008
+def diff(
+    first: Path | str, second: Path | str, options: ChangeOptions = ChangeOptions()  # noqa: B008
+) -> RunComparison:
     """Return what changed on a hull from one run (RUNS/<dive>) to another.
 
-    Raises InputError when one of them is no finished run with a CAD model or when the CAD models are of different hulls,
-    StageError when they saw too little of the same hull.
+    Raises InputError when one of them is no finished run with a CAD model or when the CAD models
+    are of different hulls, StageError when they saw too little of the same hull.
     """
     before, after = read_run(Path(first)), read_run(Path(second))
     return RunComparison(change=compare_runs(before, after, options), first=before, second=after)
 
 
 def write_change(folder: Path, found: RunComparison) -> tuple[str, ...]:
-    """Write change.json, change.csv, the layers, the map and the page into a folder, and return their names.
+    """Write change.json, change.csv, the layers, the map and the page into a folder, and return
+    their names.
 
     Raises StorageError when the folder holds anything but an earlier comparison.
     """
     from hullrecon.report.change.deliver import comparison_files
 
     if folder.is_dir() and any(folder.iterdir()) and not (folder / DOCUMENT).is_file():
-        raise StorageError("the folder is not empty", where=str(folder), remedy="name a new one by --out")
+        raise StorageError(
+            "the folder is not empty", where=str(folder), remedy="name a new one by --out"
+        )
     files = comparison_files(found.change, map_of(found.first), found.second.last_t_ns)
     out = ArtifactWriter(folder)
     for name, data in files.items():

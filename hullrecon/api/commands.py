@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""run, evaluate, diff, export, compare-methods and figures as functions that return what the commands print."""
+"""run, evaluate, diff, export, compare-methods and figures as functions that return what the
+commands print.
+"""
 
 from __future__ import annotations
 
@@ -47,17 +49,23 @@ def run_dive(
     package: Path | str, runs: Path | str = "runs", *, last_step: str | None = None, overrides: Sequence[str] = (),
     jobs: int = 1, progress: Progress | None = None, allow_outside: bool = False,
 ) -> DiveRun:  # fmt: skip
-    """Run the chain on a dive package, as `hullrecon run` does, and return the dive; its `deliver` folder holds the results.
+    """Run the chain on a dive package, as `hullrecon run` does, and return the dive; its `deliver`
+    folder holds the results.
 
-    last_step: stop after this step. overrides: `section.key=value`. jobs: worker processes inside a step. allow_outside: the
-    package may name files outside its folder. Raises the errors of hullrecon.errors, all HullreconError; that of a step that
-    fails alone, such as a mosaic, when all else is delivered.
+    last_step: stop after this step. overrides: `section.key=value`. jobs: worker processes inside a
+    step. allow_outside: the package may name files outside its folder. Raises the errors of
+    hullrecon.errors, all HullreconError; that of a step that fails alone, such as a mosaic, when
+    all else is delivered.
     """
     dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
     chain = dive.chain if last_step is None else dive.chain.up_to(last_step)
     with _run_context(dive, jobs, progress) as run_context:
         outcomes = run_chain(
-            chain, dive.workspace, run_context, preflight=lambda plan: refuse_wrong_bow(dive, plan), keep_going=True
+            chain,
+            dive.workspace,
+            run_context,
+            preflight=lambda plan: refuse_wrong_bow(dive, plan),
+            keep_going=True,
         )
     failure = first_failure(outcomes)
     if failure is not None:
@@ -66,36 +74,45 @@ def run_dive(
 
 
 def evaluate(run: Path | str, package: Path | str) -> Score:
-    """Return the figures of a run (RUNS/<dive> or its deliver/) against the truth in a simulated dive's package."""
+    """Return the figures of a run (RUNS/<dive> or its deliver/) against the truth in a simulated
+    dive's package.
+    """
     from hullrecon.evaluation.scoring.score import score_run
 
     return score_run(Path(run), Path(package))
 
 
 def diff(first: Path | str, second: Path | str) -> RunComparison:
-    """Return what changed on a hull from one run (RUNS/<dive>) to another; hullrecon.api.change writes its files.
+    """Return what changed on a hull from one run (RUNS/<dive>) to another; hullrecon.api.change
+    writes its files.
 
-    Raises InputError when one of them is no finished run with a CAD model or when the CAD models are of different hulls,
-    StageError when they saw too little of the same hull.
+    Raises InputError when one of them is no finished run with a CAD model or when the CAD models
+    are of different hulls, StageError when they saw too little of the same hull.
     """
     from hullrecon.api.change import diff as diff_runs
 
     return diff_runs(first, second)
 
 
-def export_colmap(run: Path | str, folder: Path | str, *, jobs: int = 1, progress: Progress | None = None) -> ExportedModel:
-    """Write the undistorted images of a finished run (RUNS/<dive>) with their COLMAP model into a new folder.
+def export_colmap(
+    run: Path | str, folder: Path | str, *, jobs: int = 1, progress: Progress | None = None
+) -> ExportedModel:
+    """Write the undistorted images of a finished run (RUNS/<dive>) with their COLMAP model into a
+    new folder.
 
-    Raises InputError when the run is not finished, has no camera, or its images are gone; StorageError when the folder is not
-    empty or cannot be written.
+    Raises InputError when the run is not finished, has no camera, or its images are gone;
+    StorageError when the folder is not empty or cannot be written.
     """
     from hullrecon.api.export import export_colmap as export_undistorted
 
     return export_undistorted(Path(run), Path(folder), jobs=jobs, progress=progress or Silent())
 
 
-def compare_methods(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> MethodComparison:
-    """Solve a simulated dive by every method, as published and as weighted by us, and return the figures of each.
+def compare_methods(
+    dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None
+) -> MethodComparison:
+    """Solve a simulated dive by every method, as published and as weighted by us, and return the
+    figures of each.
 
     Raises InputError when the package holds no truth.
     """
@@ -111,11 +128,15 @@ def compare_methods(dive: DiveRun, *, jobs: int = 1, progress: Progress | None =
     return MethodComparison(figures=figures, heads=heads, rows=rows)
 
 
-def draw_figures(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> tuple[Path, list[PublishedFigure]]:
-    """Draw the sources' figures on a simulated dive; return their folder (RUNS/<dive>/compare/figures) and the figures.
+def draw_figures(
+    dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None
+) -> tuple[Path, list[PublishedFigure]]:
+    """Draw the sources' figures on a simulated dive; return their folder
+    (RUNS/<dive>/compare/figures) and the figures.
 
-    Solves what `compare_methods` has not solved, runs the chain up to `detect`, whose heights are the ones delivered, and with
-    one camera `links` for each two-view model. Raises InputError when the package holds no truth.
+    Solves what `compare_methods` has not solved, runs the chain up to `detect`, whose heights are
+    the ones delivered, and with one camera `links` for each two-view model. Raises InputError when
+    the package holds no truth.
     """
     from hullrecon.api.path_figures import draw_path_figures
     from hullrecon.api.scene_figures import draw_scene_figures

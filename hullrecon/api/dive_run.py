@@ -29,13 +29,18 @@ class DiveRun:
 
 
 def open_dive(
-    target: Path | str, runs: Path | str = "runs", overrides: Sequence[str] = (), *, allow_outside: bool = False
+    target: Path | str,
+    runs: Path | str = "runs",
+    overrides: Sequence[str] = (),
+    *,
+    allow_outside: bool = False,
 ) -> DiveRun:
-    """Return a dive, given its package, or the folder of a run, whose package is the one that it last read.
+    """Return a dive, given its package, or the folder of a run, whose package is the one that it
+    last read.
 
-    runs: folder of all runs. overrides: `section.key=value` in place of those of dive.toml. allow_outside: the package may name
-    files outside its folder. Raises InputError when the target is neither package nor run and for such files, UsageError for a
-    wrong configuration.
+    runs: folder of all runs. overrides: `section.key=value` in place of those of dive.toml.
+    allow_outside: the package may name files outside its folder. Raises InputError when the target
+    is neither package nor run and for such files, UsageError for a wrong configuration.
     """
     from hullrecon.dive.config.load import FILE, load_config
     from hullrecon.dive.package_files import check_files
@@ -47,9 +52,17 @@ def open_dive(
     steps = stages()
     read_before = {FILE: hash_file(package / FILE)} if (package / FILE).is_file() else {}
     config = load_config(package, {stage.name: stage.parameters for stage in steps}, overrides)
-    check_files(config, allow_outside=allow_outside, trusted_keys=[text.partition("=")[0].strip() for text in overrides])
+    check_files(
+        config,
+        allow_outside=allow_outside,
+        trusted_keys=[text.partition("=")[0].strip() for text in overrides],
+    )
     name = config.config.dive.name
-    return DiveRun(name, Chain(steps, config.sections, package, read_before), workspace or Workspace(Path(runs) / name))
+    return DiveRun(
+        name,
+        Chain(steps, config.sections, package, read_before),
+        workspace or Workspace(Path(runs) / name),
+    )
 
 
 def package_of(workspace: Workspace) -> Path:
@@ -57,6 +70,8 @@ def package_of(workspace: Workspace) -> Path:
     package = workspace.package
     if package is None:
         raise InputError(
-            "this run does not say which dive package it read", where=str(workspace.root), remedy="give the package's folder"
+            "this run does not say which dive package it read",
+            where=str(workspace.root),
+            remedy="give the package's folder",
         )
     return package

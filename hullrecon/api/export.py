@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""export: the undistorted images of a finished run with their COLMAP model, which deliver/ is not to be filled with."""
+"""export: the undistorted images of a finished run with their COLMAP model, which deliver/ is not
+to be filled with.
+"""
 
 from __future__ import annotations
 
@@ -25,14 +27,18 @@ if TYPE_CHECKING:
     from hullrecon.adjustment.results.undistorted_model import ImageNames, UndistortedModel
 
 JPEG_QUALITY = 95
-SPARSE = ("sparse", "sparse/0")  # where COLMAP and OpenMVS look for the model, and where trainers of Gaussian splats do
-STEREO = ("depth_maps", "normal_maps", "consistency_graphs")  # COLMAP's stereo fills them and does not make them
+# where COLMAP and OpenMVS look for the model, and where trainers of Gaussian splats do
+SPARSE = ("sparse", "sparse/0")
+# COLMAP's stereo fills them and does not make them
+STEREO = ("depth_maps", "normal_maps", "consistency_graphs")
 SOURCES = "__auto__, 20"  # COLMAP's own setting: the 20 images that share most points with one
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExportedModel:
-    """What was written: numbers of images, points and observations, and how many of these the smaller images lost."""
+    """What was written: numbers of images, points and observations, and how many of these the
+    smaller images lost.
+    """
 
     folder: Path
     images: int
@@ -56,19 +62,27 @@ class ImageWork:
 
         image = self.store.read(self.row)
         if image is None:
-            raise InputError(f"image {self.row} of {self.store.camera} does not decode", remedy="run the dive again")
+            raise InputError(
+                f"image {self.row} of {self.store.camera} does not decode",
+                remedy="run the dive again",
+            )
         _, data = cv2.imencode(
-            ".jpg", cv2.cvtColor(self.undistortion.resample(image), cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
+            ".jpg",
+            cv2.cvtColor(self.undistortion.resample(image), cv2.COLOR_RGB2BGR),
+            [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY],
         )
         return data.tobytes()
 
 
-def export_colmap(run: Path | str, folder: Path | str, *, jobs: int = 1, progress: Progress | None = None) -> ExportedModel:
-    """Write a COLMAP workspace of a finished run (RUNS/<dive>): undistorted images, the model with pinhole cameras, and what
-    COLMAP's stereo asks for. The folder must be new or empty and appears when all of it is written. jobs: worker processes.
+def export_colmap(
+    run: Path | str, folder: Path | str, *, jobs: int = 1, progress: Progress | None = None
+) -> ExportedModel:
+    """Write a COLMAP workspace of a finished run (RUNS/<dive>): undistorted images, the model with
+    pinhole cameras, and what COLMAP's stereo asks for. The folder must be new or empty and appears
+    when all of it is written. jobs: worker processes.
 
-    Raises InputError when the run is not finished, has no camera, or its images are gone; StorageError when the folder is not
-    empty or cannot be written.
+    Raises InputError when the run is not finished, has no camera, or its images are gone;
+    StorageError when the folder is not empty or cannot be written.
     """
     from hullrecon.adjustment.results.undistorted_model import undistort_model
 
@@ -76,14 +90,18 @@ def export_colmap(run: Path | str, folder: Path | str, *, jobs: int = 1, progres
     finished_steps(workspace, ("ingest", "adjust"))
     delivered = workspace.artifact("adjust") / "colmap"
     if not delivered.is_dir():
-        raise InputError("the run has no COLMAP model: no camera was carried", where=str(workspace.root))
+        raise InputError(
+            "the run has no COLMAP model: no camera was carried", where=str(workspace.root)
+        )
     with new_folder(out) as partial:
         model = undistort_model(delivered)
         work = _image_work(IngestArtifact(workspace.artifact("ingest")), workspace.package, model)
         (partial / "images").mkdir()
         with choose_executor(jobs) as executor:
             encoded = executor.map(ImageWork.encoded, work)
-            for item, data in zip(work, (progress or Silent()).track(encoded, "images", len(work)), strict=True):
+            for item, data in zip(
+                work, (progress or Silent()).track(encoded, "images", len(work)), strict=True
+            ):
                 (partial / "images" / item.name).write_bytes(data)
         for sparse in SPARSE:
             (partial / sparse).mkdir()
@@ -98,13 +116,23 @@ def export_colmap(run: Path | str, folder: Path | str, *, jobs: int = 1, progres
     )
 
 
-def _image_work(ingest: IngestArtifact, package: Path | None, model: UndistortedModel) -> list[ImageWork]:
+def _image_work(
+    ingest: IngestArtifact, package: Path | None, model: UndistortedModel
+) -> list[ImageWork]:
     """Return the work of each image of the model, sorted by name."""
-    stores = {camera.key: ingest.images(camera, package) for camera in Camera if ingest.image_index(camera) is not None}
-    return sorted((_work_of(stores, image, model) for image in model.images), key=lambda work: work.name)
+    stores = {
+        camera.key: ingest.images(camera, package)
+        for camera in Camera
+        if ingest.image_index(camera) is not None
+    }
+    return sorted(
+        (_work_of(stores, image, model) for image in model.images), key=lambda work: work.name
+    )
 
 
-def _work_of(stores: dict[str, ImageStore], image: ImageNames, model: UndistortedModel) -> ImageWork:
+def _work_of(
+    stores: dict[str, ImageStore], image: ImageNames, model: UndistortedModel
+) -> ImageWork:
     camera, _, stamp = image.delivered.removesuffix(".jpg").partition("/")
     index = stores[camera].index
     usable = np.flatnonzero(index.usable)
@@ -117,7 +145,9 @@ def _work_of(stores: dict[str, ImageStore], image: ImageNames, model: Undistorte
 
 
 def _write_stereo(folder: Path, names: Sequence[str]) -> None:
-    """Write the lists that COLMAP's patch_match_stereo and stereo_fusion read, and the folders that they fill."""
+    """Write the lists that COLMAP's patch_match_stereo and stereo_fusion read, and the folders that
+    they fill.
+    """
     for name in STEREO:
         (folder / name).mkdir(parents=True)
     (folder / "patch-match.cfg").write_text("".join(f"{name}\n{SOURCES}\n" for name in names))

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The variants of the method that `compare-methods` and `figures` need: solved when out of date, else read back."""
+"""The variants of the method that `compare-methods` and `figures` need: solved when out of date,
+else read back.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ WHOLE_SOLVE_ITERATIONS = 200  # 26 to 51 in [Ozog2016 Fig. 4.13]
 
 @dataclass(frozen=True, kw_only=True)
 class MethodVariant:
-    """A method of the adjustment with a weighting; as_published: without our weights, deviation field and rounds."""
+    """A method of the adjustment with a weighting; as_published: without our weights, deviation
+    field and rounds.
+    """
 
     method: str
     weighting: str
@@ -39,19 +43,28 @@ class MethodVariant:
     def chain(self, whole: Chain) -> Chain:
         """Return the chain with this variant's options of adjust.
 
-        As published is one solve from the registration on, as [Ozog2016] did it, so that its history is that of one function.
+        As published is one solve from the registration on, as [Ozog2016] did it, so that its
+        history is that of one function.
         """
         own = cast("AdjustOptions", whole.sections["adjust"])
         own = msgspec.structs.replace(own, method=self.method, as_published=self.as_published)
         if self.as_published:
-            own = msgspec.structs.replace(own, rounds=1, max_iterations=max(own.max_iterations, WHOLE_SOLVE_ITERATIONS))
+            own = msgspec.structs.replace(
+                own, rounds=1, max_iterations=max(own.max_iterations, WHOLE_SOLVE_ITERATIONS)
+            )
         return replace(whole, sections={**whole.sections, "adjust": own})
 
     def workspace(self, dive: DiveRun) -> Workspace:
-        """Return RUNS/<dive> for the variant that the chain itself solves, else RUNS/<dive>/compare/<variant>."""
+        """Return RUNS/<dive> for the variant that the chain itself solves, else
+        RUNS/<dive>/compare/<variant>.
+        """
         if self.chain(dive.chain).sections["adjust"] == dive.chain.sections["adjust"]:
             return dive.workspace
-        return Workspace(dive.workspace.root / COMPARE_FOLDER / f"{self.method}-{self.weighting.replace(' ', '-')}")
+        return Workspace(
+            dive.workspace.root
+            / COMPARE_FOLDER
+            / f"{self.method}-{self.weighting.replace(' ', '-')}"
+        )
 
 
 def variants() -> list[MethodVariant]:
@@ -72,21 +85,31 @@ def solve_all(dive: DiveRun, run_context: RunContext) -> None:
     run_chain(before, dive.workspace, run_context)
     with dive.workspace.lock():
         for variant in variants():
-            build_step("adjust", variant.chain(whole), dive.workspace, variant.workspace(dive), run_context)
+            build_step(
+                "adjust", variant.chain(whole), dive.workspace, variant.workspace(dive), run_context
+            )
         run_context.hashes.save()
 
 
 def find_objects(dive: DiveRun, run_context: RunContext) -> None:
-    """Bring the chain's own steps up to `detect` up to date, where the dive can have it: the heights that are delivered."""
+    """Bring the chain's own steps up to `detect` up to date, where the dive can have it: the
+    heights that are delivered.
+    """
     if any(s.name == "detect" for s in dive.chain.stages):
         run_chain(dive.chain.up_to("detect"), dive.workspace, run_context)
 
 
-def build_step(name: str, chain: Chain, upstream: Workspace, target: Workspace, run_context: RunContext) -> None:
+def build_step(
+    name: str, chain: Chain, upstream: Workspace, target: Workspace, run_context: RunContext
+) -> None:
     """Bring one step of a chain up to date in another workspace than that of the steps before it."""
     stage = chain.stage(name)
     job = make_job(
-        stage, chain.sections, inputs_of(stage, chain, upstream, chain.skip_reasons()), chain.package, run_context.hashes
+        stage,
+        chain.sections,
+        inputs_of(stage, chain, upstream, chain.skip_reasons()),
+        chain.package,
+        run_context.hashes,
     )
     if assess_step(job, target, run_context.hashes).to_do:
         build(job, target.root / stage.name, target.build_folder(stage.name), run_context)
@@ -107,7 +130,11 @@ def _read_solution(variant: MethodVariant, workspace: Workspace) -> SolvedVarian
     manifest = workspace.manifest("adjust")
     if manifest is None:
         name = f"{variant.method} {variant.weighting}"
-        raise InputError(f"{name} was not solved", where=str(workspace.root), remedy="run `hullrecon compare-methods`")
+        raise InputError(
+            f"{name} was not solved",
+            where=str(workspace.root),
+            remedy="run `hullrecon compare-methods`",
+        )
     artifact = AdjustArtifact(workspace.artifact("adjust"))
     registration = artifact.summary.get("registration")
     seven = registration.get("T_g_M") if isinstance(registration, dict) else None
@@ -124,13 +151,17 @@ def _read_solution(variant: MethodVariant, workspace: Workspace) -> SolvedVarian
 
 
 def read_dead_reckoning(dive: DiveRun) -> DeadReckoning:
-    """Return the dead-reckoned dive, the rig as configured or logged. Raises InputError where navigate left nothing."""
+    """Return the dead-reckoned dive, the rig as configured or logged. Raises InputError where
+    navigate left nothing.
+    """
     from hullrecon.artifacts.graph.stage_settings import StageSettings
     from hullrecon.evaluation.comparison.comparison import DeadReckoning
     from hullrecon.rig import RIG_KEYS, rig_from_settings
     from hullrecon.steps.artifacts import InputArtifacts
 
-    artifacts = InputArtifacts({name: dive.workspace.artifact(name) for name in ("ingest", "navigate")})
+    artifacts = InputArtifacts(
+        {name: dive.workspace.artifact(name) for name in ("ingest", "navigate")}
+    )
     artifact = artifacts.navigate
     given = StageSettings("navigate", {key: _setting(dive.chain.sections, key) for key in RIG_KEYS})
     rig = rig_from_settings(artifacts.mounted(given), {})

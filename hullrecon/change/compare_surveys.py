@@ -32,35 +32,55 @@ def compare_surveys(
     address: Address,
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> HullChange:
-    """Return what changed from the first survey of a hull to the second. address: of a point (3,) in M, no finer than a sigma.
+    """Return what changed from the first survey of a hull to the second. address: of a point (3,)
+    in M, no finer than a sigma.
 
     Raises StageError where they saw too little of the same hull.
     """
     chart = first.chart
     seen = [seen_points(survey, chart)[0][:, :2] for survey in (first, second)]
     if min(len(at) for at in seen) == 0:
-        raise StageError("one of the dives saw nothing of the hull", remedy="compare dives with cameras that found the hull")
+        raise StageError(
+            "one of the dives saw nothing of the hull",
+            remedy="compare dives with cameras that found the hull",
+        )
     lattice = _lattice(np.vstack(seen), options)
     options = replace(options, cell_m=lattice.step_m)
     # Where the second survey lies in the first one's frame
     before = relief_on(lattice, chart, first)
-    offset = estimate_offset(first, second, chart, lattice, (before, relief_on(lattice, chart, second)))
+    offset = estimate_offset(
+        first, second, chart, lattice, (before, relief_on(lattice, chart, second))
+    )
     # What differs there
     after = relief_on(lattice, chart, second, offset.first_from_second)
     found = difference(before, after, options)
     places = max(1, round(float(found.both.sum()) * options.cell_m**2 / options.min_area_m2))
     regions = changed_regions(found, places, options)
     # What that means for objects and for bare hull
-    on = ObjectComparison(chart=chart, lattice=lattice, offset=offset, difference=found, options=options, places=places)
+    on = ObjectComparison(
+        chart=chart,
+        lattice=lattice,
+        offset=offset,
+        difference=found,
+        options=options,
+        places=places,
+    )
     objects = compare_objects(first, second, regions, on)
     moves = surface_moves(found, regions, chart, lattice, offset, options)
-    place = AddressSigma(along=float(np.sqrt(offset.prior_covariance[0, 0] / 2)), girth=0.05, depth=0.1)
+    place = AddressSigma(
+        along=float(np.sqrt(offset.prior_covariance[0, 0] / 2)), girth=0.05, depth=0.1
+    )
     return HullChange(
         first=first.name,
         second=second.name,
         offset=offset,
-        objects=tuple(replace(row, address=address(row.center, _address_sigma(row.sigma))) for row in objects),
-        moves=tuple(replace(row, address=address(chart.from_chart(row.along_girth[None])[0][0], place)) for row in moves),
+        objects=tuple(
+            replace(row, address=address(row.center, _address_sigma(row.sigma))) for row in objects
+        ),
+        moves=tuple(
+            replace(row, address=address(chart.from_chart(row.along_girth[None])[0][0], place))
+            for row in moves
+        ),
         map=_change_map(lattice, found),
         area_both=_area(found.both, options),
         area_first=_area(np.isfinite(before.height), options),
@@ -73,7 +93,11 @@ def compare_surveys(
 def _lattice(seen: Array, options: ChangeOptions) -> Lattice:
     lattice = lattice_around(seen, options.cell_m, MARGIN_M)
     more = np.prod(lattice.shape) / MAX_CELLS
-    return lattice if more <= 1 else lattice_around(seen, options.cell_m * float(np.sqrt(more)), MARGIN_M)
+    return (
+        lattice
+        if more <= 1
+        else lattice_around(seen, options.cell_m * float(np.sqrt(more)), MARGIN_M)
+    )
 
 
 def _change_map(lattice: Lattice, found: Difference) -> ChangeMap:
@@ -87,7 +111,9 @@ def _change_map(lattice: Lattice, found: Difference) -> ChangeMap:
 
 
 def _address_sigma(sigma: Array) -> AddressSigma:
-    return AddressSigma(along=float(sigma[0]), girth=float(sigma[1]), depth=float(np.hypot(sigma[1], sigma[2])))
+    return AddressSigma(
+        along=float(sigma[0]), girth=float(sigma[1]), depth=float(np.hypot(sigma[1], sigma[2]))
+    )
 
 
 def _area(cells: Mask, options: ChangeOptions) -> float:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two surveys cell by cell: what of their difference is the hull's form, and what stands beyond where edges may be drawn."""
+"""Two surveys cell by cell: what of their difference is the hull's form, and what stands beyond
+where edges may be drawn.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +24,12 @@ TOP_SHARE = 0.8  # of the largest change: what reaches so much is its top
 
 @dataclass(frozen=True, kw_only=True)
 class Difference:
-    """Cells (a, g). first, second: the reliefs, the second in the first's frame. total m: second minus first; form: its part
-    wider than a structure; local: the rest; beyond: of that, what no cell of the first survey within an edge's reach reaches,
-    0 where one does; sigma m of local; both: both surveys looked at it well enough; bare: no structure of the first survey. NaN
-    where not both saw it."""
+    """Cells (a, g). first, second: the reliefs, the second in the first's frame. total m: second
+    minus first; form: its part wider than a structure; local: the rest; beyond: of that, what no
+    cell of the first survey within an edge's reach reaches, 0 where one does; sigma m of local;
+    both: both surveys looked at it well enough; bare: no structure of the first survey. NaN where
+    not both saw it.
+    """
 
     first: Relief
     second: Relief
@@ -62,27 +66,39 @@ def difference(first: Relief, second: Relief, options: ChangeOptions) -> Differe
 
 
 def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
-    """Return the cells (a, g) at which a survey would have shown a structure: enough images, a surface known well enough."""
+    """Return the cells (a, g) at which a survey would have shown a structure: enough images, a
+    surface known well enough.
+    """
     with np.errstate(invalid="ignore"):
         return (relief.views >= options.min_views) & (relief.sigma <= options.max_sigma_m)
 
 
 def _beyond(height: Array, of: Array, cells: int) -> Array:
-    """Return how far heights (a, g) lie above or below all of the other survey's within so many cells: docs/methods.md (71)."""
+    """Return how far heights (a, g) lie above or below all of the other survey's within so many
+    cells: docs/methods.md (71).
+    """
     from scipy.ndimage import maximum_filter, minimum_filter
 
     reach = np.hypot(*np.mgrid[-cells : cells + 1, -cells : cells + 1]) <= cells + 0.5
     known = np.isfinite(of)
-    top = maximum_filter(np.where(known, of, -np.inf), footprint=reach, mode="constant", cval=-np.inf)
-    bottom = minimum_filter(np.where(known, of, np.inf), footprint=reach, mode="constant", cval=np.inf)
+    top = maximum_filter(
+        np.where(known, of, -np.inf), footprint=reach, mode="constant", cval=-np.inf
+    )
+    bottom = minimum_filter(
+        np.where(known, of, np.inf), footprint=reach, mode="constant", cval=np.inf
+    )
     out = np.where(height > top, height - top, np.where(height < bottom, height - bottom, 0.0))
-    return np.where(np.isfinite(height) & known & np.isfinite(top) & np.isfinite(bottom), out, np.nan)
+    return np.where(
+        np.isfinite(height) & known & np.isfinite(top) & np.isfinite(bottom), out, np.nan
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChangedRegion:
-    """Cells that changed as a structure does. cells (a, g); top (a, g): where most; change m and its sigma; before, after m:
-    height of each survey above the hull around it; p_value over all places."""
+    """Cells that changed as a structure does. cells (a, g); top (a, g): where most; change m and
+    its sigma; before, after m: height of each survey above the hull around it; p_value over all
+    places.
+    """
 
     cells: Mask
     top: Mask
@@ -94,7 +110,9 @@ class ChangedRegion:
 
 
 def changed_regions(found: Difference, places: int, options: ChangeOptions) -> list[ChangedRegion]:
-    """Return the regions that changed by more than both surveys' errors explain at any of so many places."""
+    """Return the regions that changed by more than both surveys' errors explain at any of so many
+    places.
+    """
     from scipy import ndimage
 
     threshold = np.maximum(options.min_change_m, CELL_SIGMAS * found.sigma)
@@ -109,8 +127,14 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
             if part.sum() * options.cell_m**2 >= options.min_area_m2:
                 cells = np.zeros(label.shape, bool)
                 cells[window] = part
-                regions.append(measure(found, cells, _most(side * found.local, cells), places, options, off))
-    good = [r for r in regions if r.p_value <= options.max_p_value and abs(r.change) >= options.min_change_m]
+                regions.append(
+                    measure(found, cells, _most(side * found.local, cells), places, options, off)
+                )
+    good = [
+        r
+        for r in regions
+        if r.p_value <= options.max_p_value and abs(r.change) >= options.min_change_m
+    ]
     return sorted(good, key=lambda region: -abs(region.change))
 
 
@@ -121,16 +145,24 @@ def _most(values: Array, cells: Mask) -> Mask:
 
 
 def top_of(heights: Array, cells: Mask, side: float) -> Mask:
-    """Return the top of a structure with heights (a, g) over those cells; side: 1 raised, -1 sunken."""
+    """Return the top of a structure with heights (a, g) over those cells; side: 1 raised, -1
+    sunken.
+    """
     above = side * heights
     return _most(above - float(np.nanpercentile(above[cells], 2)), cells & np.isfinite(heights))
 
 
 def measure(
-    found: Difference, cells: Mask, top: Mask, places: int, options: ChangeOptions, off: Mask | None = None
+    found: Difference,
+    cells: Mask,
+    top: Mask,
+    places: int,
+    options: ChangeOptions,
+    off: Mask | None = None,
 ) -> ChangedRegion:
-    """Return what cells changed by at their top, above the hull around them; off (a, g): cells that changed anywhere, which are
-    no hull around."""
+    """Return what cells changed by at their top, above the hull around them; off (a, g): cells that
+    changed anywhere, which are no hull around.
+    """
     ring = ring_around(cells, np.zeros_like(cells) if off is None else off, found, options)
     level = spread = 0.0
     heights = [np.nan, np.nan]
@@ -148,16 +180,22 @@ def measure(
 
 
 def smallest_change(found: Difference, places: int, options: ChangeOptions) -> float:
-    """Return the median over the cells that both surveys saw of the smallest change of a structure's height, m, that would be
-    reported there; NaN without such cells. A structure stands in hull that is as rough as the rest."""
+    """Return the median over the cells that both surveys saw of the smallest change of a
+    structure's height, m, that would be reported there; NaN without such cells. A structure stands
+    in hull that is as rough as the rest.
+    """
     sigma = found.sigma[found.both] * np.sqrt(1 + 1 / RING_CELLS)
     if not len(sigma):
         return float("nan")
-    return float(np.median(np.maximum(options.min_change_m, significant_sigmas(places, options) * sigma)))
+    return float(
+        np.median(np.maximum(options.min_change_m, significant_sigmas(places, options) * sigma))
+    )
 
 
 def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOptions) -> Mask:
-    """Return the cells of hull around a region: beyond what edges blur, seen by both, unchanged, and no structure's."""
+    """Return the cells of hull around a region: beyond what edges blur, seen by both, unchanged,
+    and no structure's.
+    """
     from scipy.ndimage import distance_transform_edt
 
     within_m, reach_m = 2 * options.edge_m, 2 * options.edge_m + RING_M
@@ -169,16 +207,22 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
 
 
 def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
-    """Return the part of the lattice that holds those cells and so many around them; all of it without any."""
+    """Return the part of the lattice that holds those cells and so many around them; all of it
+    without any.
+    """
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return slice(None), slice(None)
-    along, girth = (slice(max(0, int(k[0]) - margin), int(k[-1]) + margin + 1) for k in (rows, columns))
+    along, girth = (
+        slice(max(0, int(k[0]) - margin), int(k[-1]) + margin + 1) for k in (rows, columns)
+    )
     return along, girth
 
 
 def corrected_p_value(value: float, sigma: float, places: int) -> float:
-    """Return the two-sided probability that any of so many places shows this value by its sigma alone: docs/methods.md (72)."""
+    """Return the two-sided probability that any of so many places shows this value by its sigma
+    alone: docs/methods.md (72).
+    """
     from scipy.special import log_ndtr
 
     one = np.log(2.0) + float(log_ndtr(-abs(value) / max(sigma, 1e-9)))
@@ -186,8 +230,9 @@ def corrected_p_value(value: float, sigma: float, places: int) -> float:
 
 
 def significant_sigmas(places: int, options: ChangeOptions) -> float:
-    """Return how many sigmas a structure must change by to be reported, at any of so many places: the inverse of (72), and what
-    a cell needs to be part of a region."""
+    """Return how many sigmas a structure must change by to be reported, at any of so many places:
+    the inverse of (72), and what a cell needs to be part of a region.
+    """
     from scipy.special import ndtri
 
     one = -np.expm1(np.log1p(-options.max_p_value) / max(1, places))

@@ -28,7 +28,9 @@ def surface_moves(
     offset: SurveyOffset,
     options: ChangeOptions,
 ) -> tuple[SurfaceMove, ...]:
-    """Return the stretches of bare hull that moved by more than the surveys' errors explain, the largest move first."""
+    """Return the stretches of bare hull that moved by more than the surveys' errors explain, the
+    largest move first.
+    """
     with np.errstate(invalid="ignore"):
         bare = found.both & (np.abs(found.local) < options.min_change_m)
     for region in regions:
@@ -41,16 +43,25 @@ def surface_moves(
     moved = (p_value <= options.max_p_value) & (np.abs(np.nan_to_num(move)) >= options.min_move_m)
     rows = []
     for side in (1.0, -1.0):
-        label, count = ndimage.label(moved & (side * np.nan_to_num(move) > 0), np.ones((3, 3), bool))
+        label, count = ndimage.label(
+            moved & (side * np.nan_to_num(move) > 0), np.ones((3, 3), bool)
+        )
         for number in range(1, count + 1):
             rows.append(_stretch(label == number, move, sigma, p_value, bare, size, lattice))
     return tuple(sorted(rows, key=lambda row: -abs(row.move)))
 
 
 def _patches(
-    found: Difference, bare: Mask, chart: Chart, lattice: Lattice, offset: SurveyOffset, options: ChangeOptions
+    found: Difference,
+    bare: Mask,
+    chart: Chart,
+    lattice: Lattice,
+    offset: SurveyOffset,
+    options: ChangeOptions,
 ) -> tuple[Array, Array, int]:
-    """Return by patch how far it moved, its sigma, m (NaN where too little was seen), and how many cells wide a patch is."""
+    """Return by patch how far it moved, its sigma, m (NaN where too little was seen), and how many
+    cells wide a patch is.
+    """
     size = max(1, round(options.patch_m / options.cell_m))
     shape = [-(-n // size) for n in found.total.shape]
     move, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -68,7 +79,9 @@ def _patches(
     return move, sigma, size
 
 
-def _stretch(which: Mask, move: Array, sigma: Array, p_value: Array, bare: Mask, size: int, lattice: Lattice) -> SurfaceMove:
+def _stretch(
+    which: Mask, move: Array, sigma: Array, p_value: Array, bare: Mask, size: int, lattice: Lattice
+) -> SurfaceMove:
     """Return neighbouring patches that moved to the same side as one."""
     cells = np.kron(which, np.ones((size, size), bool))[: bare.shape[0], : bare.shape[1]] & bare
     at = lattice.points()[cells].mean(axis=0)

@@ -30,7 +30,9 @@ SEEN_SHARE = 0.5  # of a footprint that must have been looked at
 
 @dataclass(frozen=True, kw_only=True)
 class _MovedObject:
-    """An object in the first survey's frame: center (3,), its footprint (a, g) on the lattice, and its outline (k, 2)."""
+    """An object in the first survey's frame: center (3,), its footprint (a, g) on the lattice, and
+    its outline (k, 2).
+    """
 
     found: ReportedObject
     center: Array
@@ -59,17 +61,25 @@ class ObjectComparison:
 def compare_objects(
     first: HullSurvey, second: HullSurvey, regions: Sequence[ChangedRegion], on: ObjectComparison
 ) -> tuple[ObjectChange, ...]:
-    """Return all objects of both surveys and the regions that changed without one, what changed most first."""
+    """Return all objects of both surveys and the regions that changed without one, what changed
+    most first.
+    """
     before = [_move_object(found, on, identity()) for found in first.objects]
     after = [_move_object(found, on, on.offset.first_from_second) for found in second.objects]
     pairs = match_objects(before, after, on)
     rows: list[ObjectChange] = []
     for region in regions:
         for a, b in _at(_nearest(region, before, on), _nearest(region, after, on), pairs):
-            rows.append(_describe_change(region, None if a is None else before[a], None if b is None else after[b], on))
+            rows.append(
+                _describe_change(
+                    region, None if a is None else before[a], None if b is None else after[b], on
+                )
+            )
     rows = _join_parts(rows)
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
-    left = [(a, pairs.get(a)) for a in range(len(before))] + [(None, b) for b in range(len(after)) if b not in pairs.values()]
+    left = [(a, pairs.get(a)) for a in range(len(before))] + [
+        (None, b) for b in range(len(after)) if b not in pairs.values()
+    ]
     compared = len(left)
     for a, b in left:
         one, other = (None if a is None else before[a], None if b is None else after[b])
@@ -77,25 +87,41 @@ def compare_objects(
             continue
         rows.append(_describe_rest(one, other, compared, on))
     order = {
-        "new": 0, "gone": 0, "grown": 1, "shrunk": 1, "uncertain": 2, "not seen before": 3, "not seen again": 3, "unchanged": 4
-    }  # fmt: skip
+        "new": 0,
+        "gone": 0,
+        "grown": 1,
+        "shrunk": 1,
+        "uncertain": 2,
+        "not seen before": 3,
+        "not seen again": 3,
+        "unchanged": 4,
+    }
     return tuple(sorted(rows, key=lambda row: (order[row.status], -abs(row.change))))
 
 
 def _at(a: int | None, b: int | None, pairs: dict[int, int]) -> list[tuple[int | None, int | None]]:
-    """Return the objects of the first and of the second survey that changed where a region overlaps these two: a pair of one
-    object, or what stands there in one survey only."""
+    """Return the objects of the first and of the second survey that changed where a region overlaps
+    these two: a pair of one object, or what stands there in one survey only.
+    """
     back = {second: first for first, second in pairs.items()}
     if a is not None and b is not None and pairs.get(a) != b:
         alone: list[tuple[int | None, int | None]] = [(a, None)] if a not in pairs else []
         alone += [(None, b)] if b not in back else []
         return alone or [(a, pairs[a])]
-    return [(a if a is not None or b is None else back.get(b), b if b is not None or a is None else pairs.get(a))]
+    return [
+        (
+            a if a is not None or b is None else back.get(b),
+            b if b is not None or a is None else pairs.get(a),
+        )
+    ]
 
 
-def match_objects(before: Sequence[_MovedObject], after: Sequence[_MovedObject], on: ObjectComparison) -> dict[int, int]:
-    """Return which object of the second survey is which of the first's: the best pairs by chi-square of their places, both
-    raised or both sunken, inside the gate."""
+def match_objects(
+    before: Sequence[_MovedObject], after: Sequence[_MovedObject], on: ObjectComparison
+) -> dict[int, int]:
+    """Return which object of the second survey is which of the first's: the best pairs by
+    chi-square of their places, both raised or both sunken, inside the gate.
+    """
     candidates = sorted(_candidates(before, after, on))
     pairs: dict[int, int] = {}
     for _, a, b in candidates:
@@ -132,22 +158,33 @@ def _move_object(found: ReportedObject, on: ObjectComparison, motion: Poses) -> 
     at = on.chart.to_chart(center[None])[0, :2]
     footprint = on.lattice.polygon(outline)
     if not footprint.any() and np.isfinite(at).all():
-        footprint = np.linalg.norm(on.lattice.points() - at, axis=-1) <= max(0.5 * max(found.extent), on.lattice.step_m)
-    return _MovedObject(found=found, center=center, along_girth=at, outline=outline, footprint=footprint)
+        footprint = np.linalg.norm(on.lattice.points() - at, axis=-1) <= max(
+            0.5 * max(found.extent), on.lattice.step_m
+        )
+    return _MovedObject(
+        found=found, center=center, along_girth=at, outline=outline, footprint=footprint
+    )
 
 
-def _nearest(region: ChangedRegion, moved: Sequence[_MovedObject], on: ObjectComparison) -> int | None:
+def _nearest(
+    region: ChangedRegion, moved: Sequence[_MovedObject], on: ObjectComparison
+) -> int | None:
     """Return the object that a region overlaps most, an edge's reach around it included."""
     from scipy.ndimage import binary_dilation
 
-    wide = binary_dilation(region.cells, iterations=max(1, round(on.options.edge_m / on.options.cell_m)))
+    wide = binary_dilation(
+        region.cells, iterations=max(1, round(on.options.edge_m / on.options.cell_m))
+    )
     shared = [int((wide & one.footprint).sum()) for one in moved]
     best = int(np.argmax(shared)) if shared else 0
     return best if shared and shared[best] >= 4 else None
 
 
 def _describe_change(
-    region: ChangedRegion, one: _MovedObject | None, other: _MovedObject | None, on: ObjectComparison
+    region: ChangedRegion,
+    one: _MovedObject | None,
+    other: _MovedObject | None,
+    on: ObjectComparison,
 ) -> ObjectChange:
     """Return what became of a place that changed."""
     before, after = region.before, region.after
@@ -168,19 +205,34 @@ def _describe_change(
 
 
 def _with_whole_height(row: ObjectChange) -> ObjectChange:
-    """Return what came or went with its whole height as change: the median over the top of a dome is less."""
-    change, sigma = row.height_after - row.height_before, np.hypot(row.height_before_sigma, row.height_after_sigma)
-    return replace(row, change=change, change_sigma=float(sigma)) if np.isfinite(change + sigma) else row
+    """Return what came or went with its whole height as change: the median over the top of a dome
+    is less.
+    """
+    change, sigma = (
+        row.height_after - row.height_before,
+        np.hypot(row.height_before_sigma, row.height_after_sigma),
+    )
+    return (
+        replace(row, change=change, change_sigma=float(sigma))
+        if np.isfinite(change + sigma)
+        else row
+    )
 
 
 def _stood_in_both(before: float, after: float) -> bool:
     """Return whether a structure with one of these heights stood in the other survey too."""
-    return before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(abs(before), abs(after))
+    return before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(
+        abs(before), abs(after)
+    )
 
 
-def _describe_rest(one: _MovedObject | None, other: _MovedObject | None, compared: int, on: ObjectComparison) -> ObjectChange:
-    """Return what became of an object at which no region changed by more than any place of the hull may; compared: how many
-    objects and pairs both surveys list. What one survey alone lists may be new or gone by that smaller number of places."""
+def _describe_rest(
+    one: _MovedObject | None, other: _MovedObject | None, compared: int, on: ObjectComparison
+) -> ObjectChange:
+    """Return what became of an object at which no region changed by more than any place of the hull
+    may; compared: how many objects and pairs both surveys list. What one survey alone lists may be
+    new or gone by that smaller number of places.
+    """
     there = [p for p in (one, other) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
     unseen: Status | None = None
@@ -192,7 +244,9 @@ def _describe_rest(one: _MovedObject | None, other: _MovedObject | None, compare
     if unseen is not None or not cells.any():
         return _row(unseen or "unchanged", None, one, other, on)
     region = _at_top(cells, there[0].side, compared, on)
-    certain = region.p_value <= on.options.max_p_value and abs(region.change) >= on.options.min_change_m
+    certain = (
+        region.p_value <= on.options.max_p_value and abs(region.change) >= on.options.min_change_m
+    )
     if certain and len(there) == 1:
         return _describe_change(region, one, other, on)
     status: Status = "unchanged"
@@ -204,10 +258,16 @@ def _describe_rest(one: _MovedObject | None, other: _MovedObject | None, compare
 
 
 def _at_top(cells: Mask, side: float, places: int, on: ObjectComparison) -> ChangedRegion:
-    """Return what an object changed by where it was a top before and after: edges may be drawn elsewhere."""
-    tops = [top_of(relief.height, cells, side) for relief in (on.difference.first, on.difference.second)]
+    """Return what an object changed by where it was a top before and after: edges may be drawn
+    elsewhere.
+    """
+    tops = [
+        top_of(relief.height, cells, side) for relief in (on.difference.first, on.difference.second)
+    ]
     both = tops[0] & tops[1]
-    return measure(on.difference, cells, both if both.any() else tops[0] | tops[1], places, on.options)
+    return measure(
+        on.difference, cells, both if both.any() else tops[0] | tops[1], places, on.options
+    )
 
 
 def _seen_share(footprint: Mask, relief: Relief, on: ObjectComparison) -> float:
@@ -216,11 +276,17 @@ def _seen_share(footprint: Mask, relief: Relief, on: ObjectComparison) -> float:
 
 
 def _row(
-    status: Status, region: ChangedRegion | None, one: _MovedObject | None, other: _MovedObject | None, on: ObjectComparison
+    status: Status,
+    region: ChangedRegion | None,
+    one: _MovedObject | None,
+    other: _MovedObject | None,
+    on: ObjectComparison,
 ) -> ObjectChange:
     moved = other if other is not None else one
     surface = (np.nan, np.nan) if region is None else (region.before, region.after)
-    before, after = (_height(p, height, region) for p, height in zip((one, other), surface, strict=True))
+    before, after = (
+        _height(p, height, region) for p, height in zip((one, other), surface, strict=True)
+    )
     if moved is None:
         assert region is not None
         at = on.lattice.points()[region.top].mean(axis=0)
@@ -246,9 +312,12 @@ def _row(
     )
 
 
-def _height(moved: _MovedObject | None, surface: float, region: ChangedRegion | None) -> tuple[float, float]:
-    """Return a height and its sigma, m: as the survey lists its object; of one that it does not list, that of its surface,
-    which is known no worse than the change."""
+def _height(
+    moved: _MovedObject | None, surface: float, region: ChangedRegion | None
+) -> tuple[float, float]:
+    """Return a height and its sigma, m: as the survey lists its object; of one that it does not
+    list, that of its surface, which is known no worse than the change.
+    """
     if moved is not None and moved.found.height_sigma is not None:
         return moved.found.height, moved.found.height_sigma
     sigma = np.nan if region is None or not np.isfinite(surface) else region.sigma
@@ -256,14 +325,20 @@ def _height(moved: _MovedObject | None, surface: float, region: ChangedRegion | 
 
 
 def _position_sigma(center: Array, moved: _MovedObject | None, on: ObjectComparison) -> Array:
-    """Return one sigma (3,) m of a place: as delivered with its object, else as the surveys' hull poses leave it."""
+    """Return one sigma (3,) m of a place: as delivered with its object, else as the surveys' hull
+    poses leave it.
+    """
     found = None if moved is None else moved.found
     if found is not None and None not in (found.sigma_along, found.sigma_girth, found.sigma_normal):
         return np.array([found.sigma_along, found.sigma_girth, found.sigma_normal], float)
     axes = [axis[0] for axis in tangents_at(on.chart, center[None])]
     axes.append(np.cross(axes[1], axes[0]))
-    rows = np.concatenate([np.stack(axes), np.cross(center - on.offset.center, np.stack(axes))], axis=1)
-    return np.asarray(np.sqrt(0.5 * np.einsum("ni,ij,nj->n", rows, on.offset.prior_covariance, rows)))
+    rows = np.concatenate(
+        [np.stack(axes), np.cross(center - on.offset.center, np.stack(axes))], axis=1
+    )
+    return np.asarray(
+        np.sqrt(0.5 * np.einsum("ni,ij,nj->n", rows, on.offset.prior_covariance, rows))
+    )
 
 
 def _join_parts(rows: Sequence[ObjectChange]) -> list[ObjectChange]:

@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the second survey lies in the first one's hull frame, from the form and the structures that both saw.
+"""Where the second survey lies in the first one's hull frame, from the form and the structures that
+both saw.
 
-Each dive places itself on the CAD model to centimetres, along a parallel side to decimetres. That offset is no change of the
-hull. It is estimated as one rigid motion: first its part along the hull and in girth, by trying all shifts that the hull poses
-leave open, then all six numbers by robust least squares on the heights of one survey over the other, held by the hull poses'
-covariances (docs/methods.md 19).
+Each dive places itself on the CAD model to centimetres, along a parallel side to decimetres. That
+offset is no change of the hull. It is estimated as one rigid motion: first its part along the hull
+and in girth, by trying all shifts that the hull poses leave open, then all six numbers by robust
+least squares on the heights of one survey over the other, held by the hull poses' covariances
+(docs/methods.md 19).
 """
 
 from __future__ import annotations
@@ -32,17 +34,21 @@ MIN_SHARED_SHARE = 0.25  # of the smaller survey, which both must have seen
 MIN_SHARED_CELLS = 200
 SCALE_M = 0.004  # heights that differ by some of these do not belong together
 TRUNCATED = 3.0  # of those, from where on a cell is a change and costs no more
-CORRELATED_M = 0.15  # errors of a hull as found are alike so far: a square of it counts as one measurement
+# errors of a hull as found are alike so far: a square of it counts as one measurement
+CORRELATED_M = 0.15
 STARTS, APART_M = 6, 0.1  # shifts from which the six numbers are fitted
-BLOCK_M = 0.8  # of the hull, over which errors of its form count as one where they enter the covariance
+# of the hull, over which errors of its form count as one where they enter the covariance
+BLOCK_M = 0.8
 BLURS = (2.0, 1.0, 1.0)  # cells, of both surveys, from round to round
 STEPS = 6
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Samples:
-    """Points (n, 3) of the second survey in its own M; axes (3, n, 3): along, girth and outward there; their weight in
-    independent measurements, their blocks, and one sigma of the errors of both surveys that a block shares."""
+    """Points (n, 3) of the second survey in its own M; axes (3, n, 3): along, girth and outward
+    there; their weight in independent measurements, their blocks, and one sigma of the errors of
+    both surveys that a block shares.
+    """
 
     points: Array
     axes: Array
@@ -59,7 +65,8 @@ class _Solved:
 
 @dataclass(frozen=True, kw_only=True)
 class _Fit:
-    """Robust least squares of the six numbers about a center (3,), held by their prior covariance (6, 6).
+    """Robust least squares of the six numbers about a center (3,), held by their prior covariance
+    (6, 6).
 
     docs/methods.md (68).
     """
@@ -70,14 +77,18 @@ class _Fit:
     prior: Array
 
     def solve(self, motion: Poses, samples: _Samples, height: Array) -> _Solved:
-        """Return the motion that fits samples of the second survey to heights (a, g) of the first, and its covariance.
+        """Return the motion that fits samples of the second survey to heights (a, g) of the first,
+        and its covariance.
 
-        Not geometry.pose_solver: each step has another set of cells that both surveys saw, and weights by its own scale.
+        Not geometry.pose_solver: each step has another set of cells that both surveys saw, and
+        weights by its own scale.
         """
         held: Array = np.asarray(np.linalg.inv(self.prior), float)
         covariance = self.prior
         for _ in range(STEPS):
-            residual, jacobian, known = self._residuals(motion.apply(samples.points), samples.axes, height)
+            residual, jacobian, known = self._residuals(
+                motion.apply(samples.points), samples.axes, height
+            )
             if known.sum() < MIN_SHARED_CELLS / 4:
                 raise _too_little()
             r, rows = residual[known], jacobian[known]
@@ -89,25 +100,33 @@ class _Fit:
             step = np.linalg.solve(information, gradient + held @ _vector(motion, self.center))
             motion = _apply_step(motion, np.asarray(-step), self.center)
             by_error = np.asarray(rows * weight[:, None]) * samples.shared_m
-            covariance = _covariance(np.asarray(information, float), held, by_error, samples.block[known])
+            covariance = _covariance(
+                np.asarray(information, float), held, by_error, samples.block[known]
+            )
         return _Solved(motion=motion, covariance=covariance)
 
     def cost(self, motion: Poses, samples: _Samples, height: Array) -> float:
-        """Return how badly a motion fits, as a chi-square: what changed costs no more than the largest error."""
+        """Return how badly a motion fits, as a chi-square: what changed costs no more than the
+        largest error.
+        """
         r, _, known = self._residuals(motion.apply(samples.points), samples.axes, height)
         x = _vector(motion, self.center)
-        return len(r) * samples.weight * _truncated_square(r[known]) + float(x @ np.linalg.solve(self.prior, x))
+        return len(r) * samples.weight * _truncated_square(r[known]) + float(
+            x @ np.linalg.solve(self.prior, x)
+        )
 
     def _residuals(self, at: Array, axes: Array, height: Array) -> tuple[Array, Array, Mask]:
-        """Return how far points (n, 3) with axes (3, n, 3) lie above the first survey (n,), the derivatives (n, 6), and which
-        rows are known."""
+        """Return how far points (n, 3) with axes (3, n, 3) lie above the first survey (n,), the
+        derivatives (n, 6), and which rows are known.
+        """
         from scipy.ndimage import map_coordinates
 
         on_chart = self.chart.to_chart(at)
         place = self.lattice.place(np.nan_to_num(on_chart[:, :2])).T
         slopes = np.gradient(height, self.lattice.step_m)
         below, by_along, by_girth = (
-            map_coordinates(values, place, order=1, mode="constant", cval=np.nan) for values in (height, *slopes)
+            map_coordinates(values, place, order=1, mode="constant", cval=np.nan)
+            for values in (height, *slopes)
         )
         residual = on_chart[:, 2] - below
         along, girth, normal = axes
@@ -118,19 +137,27 @@ class _Fit:
 
 
 def estimate_offset(
-    first: HullSurvey, second: HullSurvey, chart: Chart, lattice: Lattice, reliefs: tuple[Relief, Relief]
+    first: HullSurvey,
+    second: HullSurvey,
+    chart: Chart,
+    lattice: Lattice,
+    reliefs: tuple[Relief, Relief],
 ) -> SurveyOffset:
     """Return the offset of two surveys whose reliefs lie on one lattice.
 
     Raises StageError where they saw too little of the same hull.
     """
     center = _middle(chart, lattice, reliefs[1])
-    prior = hull_pose_covariance(first.hull_pose, center) + hull_pose_covariance(second.hull_pose, center)
+    prior = hull_pose_covariance(first.hull_pose, center) + hull_pose_covariance(
+        second.hull_pose, center
+    )
     fit = _Fit(chart=chart, lattice=lattice, center=center, prior=prior)
     # Of the shifts at which most agrees, the one that agrees best once all six numbers fit
     heights, samples = _blur_both(reliefs, BLURS[0], fit)
     starts = [fit.solve(motion, samples, heights) for motion in _shifts(reliefs, fit)]
-    motion = min((start.motion for start in starts), key=lambda motion: fit.cost(motion, samples, heights))
+    motion = min(
+        (start.motion for start in starts), key=lambda motion: fit.cost(motion, samples, heights)
+    )
     for cells in BLURS[1:]:
         heights, samples = _blur_both(reliefs, cells, fit)
         solved = fit.solve(motion, samples, heights)
@@ -140,13 +167,19 @@ def estimate_offset(
     from scipy.special import gammaincc  # not scipy.stats, which takes seconds to load
 
     return SurveyOffset(
-        first_from_second=motion, covariance=solved.covariance, prior_covariance=prior, center=center, chi_square=chi_square,
+        first_from_second=motion,
+        covariance=solved.covariance,
+        prior_covariance=prior,
+        center=center,
+        chi_square=chi_square,
         p_value=float(gammaincc(3.0, 0.5 * chi_square)),
-    )  # fmt: skip
+    )
 
 
 def hull_pose_covariance(pose: HullPose, center: Array) -> Array:
-    """Return what a hull pose leaves open (6, 6): of a translation and a rotation in M about a center (3,)."""
+    """Return what a hull pose leaves open (6, 6): of a translation and a rotation in M about a
+    center (3,).
+    """
     turn, carry = np.eye(6), np.eye(6)
     turn[:3, :3] = pose.global_from_hull.rotation.as_matrix()[0].T
     carry[:3, 3:] = -cross_matrix(center - pose.survey_center)
@@ -168,8 +201,9 @@ def _middle(chart: Chart, lattice: Lattice, relief: Relief) -> Array:
 
 
 def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
-    """Return the shifts of the second survey along and in girth at which most of what both saw agrees, apart from each other,
-    the best first."""
+    """Return the shifts of the second survey along and in girth at which most of what both saw
+    agrees, apart from each other, the best first.
+    """
     step = 2 * fit.lattice.step_m
     flat = [_without_form(relief.height)[::2, ::2] for relief in reliefs]
     along, girth = (axis[0] for axis in tangents_at(fit.chart, fit.center[None]))
@@ -195,24 +229,31 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
 
 
 def _truncated_square(gap: Array) -> float:
-    """Return the mean square of gaps (n,) m in scales; what belongs to a change costs no more than the largest error."""
+    """Return the mean square of gaps (n,) m in scales; what belongs to a change costs no more than
+    the largest error.
+    """
     return float(np.minimum((gap / SCALE_M) ** 2, TRUNCATED**2).mean())
 
 
 def _too_little() -> StageError:
     return StageError(
-        "the two dives saw too little of the same hull", remedy="compare dives that survey the same part of the ship"
+        "the two dives saw too little of the same hull",
+        remedy="compare dives that survey the same part of the ship",
     )
 
 
 def _without_form(height: Array) -> Array:
-    """Return heights without what is wider than a structure, in which the two surveys may be tilted."""
+    """Return heights without what is wider than a structure, in which the two surveys may be
+    tilted.
+    """
     return blur(height - local_median(height, 50), 2.0)
 
 
 def _overlap(first: Array, second: Array, i: int, j: int) -> Array:
     """Return the second survey's cells, moved by (i, j), minus the first's under them."""
-    rows, columns = (slice(max(0, k), n + min(0, k)) for k, n in zip((i, j), first.shape, strict=True))
+    rows, columns = (
+        slice(max(0, k), n + min(0, k)) for k, n in zip((i, j), first.shape, strict=True)
+    )
     moved = second[rows.start - i : rows.stop - i, columns.start - j : columns.stop - j]
     return np.asarray(moved - first[rows, columns])
 
@@ -244,10 +285,14 @@ def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> 
 
 
 def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -> Array:
-    """Return the covariance (6, 6) of a solution whose right-hand side each point's error enters by (n, 6): errors of a block
-    of the hull are one, beside what independent errors would leave: docs/methods.md (69)."""
+    """Return the covariance (6, 6) of a solution whose right-hand side each point's error enters by
+    (n, 6): errors of a block of the hull are one, beside what independent errors would leave:
+    docs/methods.md (69).
+    """
     inverse = np.linalg.inv(information)
-    total = np.stack([np.bincount(block, np.ascontiguousarray(by_error[:, k])) for k in range(6)], axis=1)
+    total = np.stack(
+        [np.bincount(block, np.ascontiguousarray(by_error[:, k])) for k in range(6)], axis=1
+    )
     spread = np.asarray(total.T @ total, float)
     return np.asarray(inverse @ (spread + held) @ inverse + inverse)
 

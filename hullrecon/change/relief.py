@@ -20,7 +20,9 @@ REACH_CELLS = 2.0  # a cell farther from any vertex that was seen was not
 
 @dataclass(frozen=True, kw_only=True)
 class Relief:
-    """Cells (a, g): height m over the CAD model, outward positive, NaN where unseen; sigma m of the form; views."""
+    """Cells (a, g): height m over the CAD model, outward positive, NaN where unseen; sigma m of the
+    form; views.
+    """
 
     height: Array
     sigma: Array
@@ -28,8 +30,9 @@ class Relief:
 
 
 def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> tuple[Array, Ints]:
-    """Return along, girth and offset (n, 3) of the vertices that were seen, after a rigid motion in M if one is given, and
-    their rows."""
+    """Return along, girth and offset (n, 3) of the vertices that were seen, after a rigid motion in
+    M if one is given, and their rows.
+    """
     found = survey.as_found
     rows = np.flatnonzero((found.support > 0) & np.isfinite(survey.form_sigma))
     vertices = found.vertices[rows] if move is None else move.apply(found.vertices[rows])
@@ -38,8 +41,12 @@ def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> 
     return at[known], rows[known]
 
 
-def relief_on(lattice: Lattice, chart: Chart, survey: HullSurvey, move: Poses | None = None) -> Relief:
-    """Return a survey on the cells of a lattice, moved rigidly first if asked; linear between vertices."""
+def relief_on(
+    lattice: Lattice, chart: Chart, survey: HullSurvey, move: Poses | None = None
+) -> Relief:
+    """Return a survey on the cells of a lattice, moved rigidly first if asked; linear between
+    vertices.
+    """
     from scipy.interpolate import LinearNDInterpolator
 
     at, rows = seen_points(survey, chart, move)
@@ -62,7 +69,9 @@ def relief_on(lattice: Lattice, chart: Chart, survey: HullSurvey, move: Poses | 
 
 
 def blur(height: Array, cells: float) -> Array:
-    """Return heights (a, g) after a Gaussian of so many cells, over what was seen; NaN where less than half of it was."""
+    """Return heights (a, g) after a Gaussian of so many cells, over what was seen; NaN where less
+    than half of it was.
+    """
     from scipy.ndimage import gaussian_filter
 
     seen = np.isfinite(height)
@@ -72,13 +81,18 @@ def blur(height: Array, cells: float) -> Array:
 
 
 def local_median(height: Array, window: int) -> Array:
-    """Return the running median (a, g) of heights over squares of so many cells, smooth between them; NaN where nothing near
-    was seen."""
+    """Return the running median (a, g) of heights over squares of so many cells, smooth between
+    them; NaN where nothing near was seen.
+    """
     coarse = max(1, window // 5)
     blocks = [-(-n // coarse) for n in height.shape]
     padded = np.full([n * coarse for n in blocks], np.nan)
     padded[: height.shape[0], : height.shape[1]] = height
-    cells = padded.reshape(blocks[0], coarse, blocks[1], coarse).transpose(0, 2, 1, 3).reshape(*blocks, -1)
+    cells = (
+        padded.reshape(blocks[0], coarse, blocks[1], coarse)
+        .transpose(0, 2, 1, 3)
+        .reshape(*blocks, -1)
+    )
     around = np.pad(cells, ((2, 2), (2, 2), (0, 0)), constant_values=np.nan)
     views = np.lib.stride_tricks.sliding_window_view(around, (5, 5), axis=(0, 1))
     middle = np.full(blocks, np.nan)
@@ -91,7 +105,9 @@ def local_median(height: Array, window: int) -> Array:
 
 
 def _between(middle: Array, coarse: int, shape: tuple[int, ...]) -> Array:
-    """Return values of blocks (i, j), so many cells wide, at every cell, linear between the blocks' middles."""
+    """Return values of blocks (i, j), so many cells wide, at every cell, linear between the blocks'
+    middles.
+    """
     from scipy.ndimage import gaussian_filter, map_coordinates
 
     known = np.isfinite(middle)

@@ -20,12 +20,13 @@ from hullrecon.typing import Array
 class BaseSurface:
     """The hull without structures, in the frame of the results (M, or g without a CAD model).
 
-    surveyed: the surface from the DVL, which is the base itself where there is no CAD model. result_from_global: T_M_g, a batch
-    of one (the identity without a CAD model). frame_spacing_m: between the ship's frames, None where it is not known.
-    hull_pose: where the hull lies in the dive's frame, None without a CAD model. depth_known: whether z = 0 of g is the water
-    surface (a pressure sensor was logged). from_dvl: whether the surveyed surface is the DVL's; else it is that of landmarks.
-    position_sigma: of the survey as a whole. depth_sigma_m: of the water surface in g, which covariances in M do not hold; None
-    in g, or where it is not known.
+    surveyed: the surface from the DVL, which is the base itself where there is no CAD model.
+    result_from_global: T_M_g, a batch of one (the identity without a CAD model). frame_spacing_m:
+    between the ship's frames, None where it is not known. hull_pose: where the hull lies in the
+    dive's frame, None without a CAD model. depth_known: whether z = 0 of g is the water surface (a
+    pressure sensor was logged). from_dvl: whether the surveyed surface is the DVL's; else it is
+    that of landmarks. position_sigma: of the survey as a whole. depth_sigma_m: of the water surface
+    in g, which covariances in M do not hold; None in g, or where it is not known.
     """
 
     cad_model: Mesh | None
@@ -55,12 +56,21 @@ class BaseSurface:
         return "the surface step's own surface" if self.cad_model is None else "the CAD model"
 
     def address_of(self, point: Array, sigma: AddressSigma | None = None) -> str:
-        """Return where a point (3,) lies on the hull, in words no finer than its sigma (that of the survey as a whole, if none
-        is given)."""
+        """Return where a point (3,) lies on the hull, in words no finer than its sigma (that of the
+        survey as a whole, if none is given).
+        """
         depth = self.depth_of(point)
         depths = None if depth is None else [depth]
-        return address(self.chart, point[None], self.frame_spacing_m, depths, sigma or self.position_sigma)[0]
+        return address(
+            self.chart, point[None], self.frame_spacing_m, depths, sigma or self.position_sigma
+        )[0]
 
     def depth_of(self, point: Array) -> float | None:
-        """Return how deep a point (3,) lies below the water surface, m; None where no depth was measured. g has z down."""
-        return float(self.result_from_global.inverse().apply(point[None])[0, 2]) if self.depth_known else None
+        """Return how deep a point (3,) lies below the water surface, m; None where no depth was
+        measured. g has z down.
+        """
+        return (
+            float(self.result_from_global.inverse().apply(point[None])[0, 2])
+            if self.depth_known
+            else None
+        )

@@ -33,9 +33,11 @@ CELL_M = 0.1
 PATCH_M = 0.12  # edges of the patches on which coverage is summed
 PATCHES_REACH_M = 2.0  # from what the survey saw; beyond, the CAD model's own faces are the patches
 DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
-BRIDGE_CELLS = 6  # gaps of up to twice as many cells at the rim of the surveyed area count as holes; inside it, any
+# gaps of up to twice as many cells at the rim of the surveyed area count as holes; inside it, any
+BRIDGE_CELLS = 6
 MIN_HOLE_M2 = 0.03
-MIN_HOLE_BY_DVL_M2 = 0.16  # its returns lie decimetres apart, its surface ends 0.4 m from one: less is a notch of the rim
+# its returns lie decimetres apart, its surface ends 0.4 m from one: less is a notch of the rim
+MIN_HOLE_BY_DVL_M2 = 0.16
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,8 +51,9 @@ class HullPatches:
 
 @dataclass(frozen=True, kw_only=True)
 class SonarSurvey:
-    """The pings of an imaging sonar, its poses T_x_o at each in the frame of the results, and half its aperture out of the
-    fan."""
+    """The pings of an imaging sonar, its poses T_x_o at each in the frame of the results, and half
+    its aperture out of the fan.
+    """
 
     pings: SonarPings
     poses: Poses
@@ -64,13 +67,17 @@ def summarise_coverage(
     track: VehicleTrack,
     regions: Sequence[HullRegion] = (),
 ) -> Facts:
-    """Return coverage.json: areas of the base surface that each sensor saw, and holes in what the camera (else the DVL) saw.
+    """Return coverage.json: areas of the base surface that each sensor saw, and holes in what the
+    camera (else the DVL) saw.
 
-    track: the path that it was seen from; regions: of the CAD model, whose own coverage is added where there are any (none
-    without a CAD model).
+    track: the path that it was seen from; regions: of the CAD model, whose own coverage is added
+    where there are any (none without a CAD model).
     """
     surveyed = base.surveyed.vertices
-    patches, scene = hull_patches(refine_near(base.mesh, surveyed[::7], PATCH_M, PATCHES_REACH_M)), Scene(base.mesh)
+    patches, scene = (
+        hull_patches(refine_near(base.mesh, surveyed[::7], PATCH_M, PATCHES_REACH_M)),
+        Scene(base.mesh),
+    )
     by_dvl = covered_by_surface(patches, surveyed[base.surveyed.support > 0], DVL_REACH_M)
     report: Facts = {"frame": str(base.frame), "dvl": None, "camera": None, "sonar": None}
     if base.from_dvl:
@@ -82,16 +89,22 @@ def summarise_coverage(
         seen, min_hole_m2 = by_camera.views > 0, MIN_HOLE_M2
     if sonar is not None:
         report["sonar"] = sonar_facts(patches, sonar, scene, base.hull_pose)
-    report["holes"] = find_holes(patches, seen, base.chart, lambda center: locate_hole(center, base, track), min_hole_m2)
+    report["holes"] = find_holes(
+        patches, seen, base.chart, lambda center: locate_hole(center, base, track), min_hole_m2
+    )
     report["min_hole_m2"] = min_hole_m2
     if regions and base.hull_pose is not None:
-        report["regions"] = [region_facts(region, base, views, sonar, scene, base.hull_pose) for region in regions]
+        report["regions"] = [
+            region_facts(region, base, views, sonar, scene, base.hull_pose) for region in regions
+        ]
     return report
 
 
 def locate_hole(center: Array, base: BaseSurface, track: VehicleTrack) -> Facts:
-    """Return where the middle (3,) of a hole lies, as members of coverage.json. Nothing was measured in it: it is known as well
-    as the pose of the path nearest to it, to a cell of the chart."""
+    """Return where the middle (3,) of a hole lies, as members of coverage.json. Nothing was
+    measured in it: it is known as well as the pose of the path nearest to it, to a cell of the
+    chart.
+    """
     near = int(np.argmin(np.linalg.norm(track.poses.translation - center, axis=1)))
     toward = track.poses.translation[near] - center
     normal = toward / max(float(np.linalg.norm(toward)), 1e-9)
@@ -107,33 +120,60 @@ def region_facts(
     scene: Scene,
     hull_pose: HullPose,
 ) -> Facts:
-    """Return the area of a region of the CAD model, and how much of it each sensor saw, with sigmas; None for one that was not
-    carried. Its limits are on the ship: how much of the survey lies within them depends on the hull pose."""
+    """Return the area of a region of the CAD model, and how much of it each sensor saw, with
+    sigmas; None for one that was not carried. Its limits are on the ship: how much of the survey
+    lies within them depends on the hull pose.
+    """
     cells = region_cells(base.chart, base.mesh, region.along, region.girth)
-    patches = HullPatches(mesh=Mesh(cells.middle, np.zeros((0, 3), np.int32)), normal=cells.normal, area=cells.area)
+    patches = HullPatches(
+        mesh=Mesh(cells.middle, np.zeros((0, 3), np.int32)), normal=cells.normal, area=cells.area
+    )
     surveyed = base.surveyed.vertices[base.surveyed.support > 0]
     seen: dict[str, Look | None] = {"camera": None, "dvl": None, "sonar": None}
     if views is not None:
         seen["camera"] = lambda off: (
-            find_visibility(replace(views, T_x_c=off.poses(views.T_x_c)), cells.middle, cells.normal, scene).views > 0
+            find_visibility(
+                replace(views, T_x_c=off.poses(views.T_x_c)), cells.middle, cells.normal, scene
+            ).views
+            > 0
         )
     if base.from_dvl:
         # Laid on the CAD model: a hull that lies off along its normal was seen as well as before
-        seen["dvl"] = lambda off: covered_by_surface(patches, scene.closest(off.points(surveyed)).foot, DVL_REACH_M)
+        seen["dvl"] = lambda off: covered_by_surface(
+            patches, scene.closest(off.points(surveyed)).foot, DVL_REACH_M
+        )
     if sonar is not None:
-        seen["sonar"] = lambda off: visible_to_sonar(patches, replace(sonar, poses=off.poses(sonar.poses)), scene)
-    shares = {name: None if look is None else _share(patches, look, hull_pose) for name, look in seen.items()}
+        seen["sonar"] = lambda off: visible_to_sonar(
+            patches, replace(sonar, poses=off.poses(sonar.poses)), scene
+        )
+    shares = {
+        name: None if look is None else _share(patches, look, hull_pose)
+        for name, look in seen.items()
+    }
     whole = round(float(cells.area.sum()), 4)
-    return {"name": region.name, "along": region.along, "girth": region.girth, "area_m2": whole, **shares}
+    return {
+        "name": region.name,
+        "along": region.along,
+        "girth": region.girth,
+        "area_m2": whole,
+        **shares,
+    }
 
 
 def _share(region: HullPatches, look: Look, hull_pose: HullPose) -> Facts:
-    """Return the area of a region that was seen, m2, and its share of the whole, each with its sigma."""
+    """Return the area of a region that was seen, m2, and its share of the whole, each with its
+    sigma.
+    """
     whole = float(region.area.sum())
     area = _area(region, look(HullError(hull_pose=hull_pose, error=np.zeros(6))))
     sigma = area_sigma(lambda off: _area(region, look(off)), hull_pose)
     share, share_sigma = (round(value / whole, 4) if whole else 0.0 for value in (area, sigma))
-    return {"area_m2": area, "area_sigma_m2": sigma, "share": min(share, 1.0), "share_sigma": share_sigma}
+    return {
+        "area_m2": area,
+        "area_sigma_m2": sigma,
+        "share": min(share, 1.0),
+        "share_sigma": share_sigma,
+    }
 
 
 def hull_patches(mesh: Mesh) -> HullPatches:
@@ -141,15 +181,20 @@ def hull_patches(mesh: Mesh) -> HullPatches:
 
 
 def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: int) -> Facts:
-    """Return area, metres per pixel on the surface and incidence, each at its best view; percentiles are of the area seen."""
+    """Return area, metres per pixel on the surface and incidence, each at its best view;
+    percentiles are of the area seen.
+    """
     which = seen.views > 0
     gsd = seen.distance[which] / focal_px
     incidence = np.degrees(np.arccos(np.clip(seen.cosine[which], -1, 1)))
     return {
-        "images": images, "area_m2": _area(hull, which), "area_twice_m2": _area(hull, seen.views > 1),
-        "gsd_m": _percentiles(gsd, hull.area[which]), "incidence_deg": _percentiles(incidence, hull.area[which]),
+        "images": images,
+        "area_m2": _area(hull, which),
+        "area_twice_m2": _area(hull, seen.views > 1),
+        "gsd_m": _percentiles(gsd, hull.area[which]),
+        "incidence_deg": _percentiles(incidence, hull.area[which]),
         "views": _percentiles(seen.views[which].astype(np.float64), hull.area[which]),
-    }  # fmt: skip
+    }
 
 
 def covered_by_surface(hull: HullPatches, vertices: Array, reach_m: float) -> Mask:
@@ -160,7 +205,8 @@ def covered_by_surface(hull: HullPatches, vertices: Array, reach_m: float) -> Ma
 
 
 def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mask:
-    """Return the pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar, nothing in front.
+    """Return the pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar,
+    nothing in front.
 
     z of the sonar looks along the middle of the fan, x out of its plane (docs/conventions.md).
     """
@@ -174,7 +220,9 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
         local = T_x_o[ping].inverse().apply(hull.mesh.vertices[rows])
         distance = np.maximum(np.linalg.norm(local, axis=1), 1e-9)
         at = np.arctan2(local[:, 1], local[:, 2])
-        fits = (distance >= pings.range_m[0]) & (np.abs(np.arcsin(local[:, 0] / distance)) <= sonar.half_elevation_rad)
+        fits = (distance >= pings.range_m[0]) & (
+            np.abs(np.arcsin(local[:, 0] / distance)) <= sonar.half_elevation_rad
+        )
         rows = rows[fits & (at >= bearing.min()) & (at <= bearing.max())]
         ray = hull.mesh.vertices[rows] - center
         length = np.maximum(np.linalg.norm(ray, axis=1), 1e-9)
@@ -184,15 +232,20 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
     return seen
 
 
-def sonar_facts(hull: HullPatches, sonar: SonarSurvey, scene: Scene, hull_pose: HullPose | None) -> Facts:
-    """Return pings and area, with a CAD model the area's sigma as well: a fan meets the hull at a grazing angle, so the area
-    depends on the hull pose."""
+def sonar_facts(
+    hull: HullPatches, sonar: SonarSurvey, scene: Scene, hull_pose: HullPose | None
+) -> Facts:
+    """Return pings and area, with a CAD model the area's sigma as well: a fan meets the hull at a
+    grazing angle, so the area depends on the hull pose.
+    """
     facts = {"pings": len(sonar.poses), **area_facts(hull, visible_to_sonar(hull, sonar, scene))}
     if hull_pose is None:
         return facts
 
     def area_if(off: HullError) -> float:
-        return _area(hull, visible_to_sonar(hull, replace(sonar, poses=off.poses(sonar.poses)), scene))
+        return _area(
+            hull, visible_to_sonar(hull, replace(sonar, poses=off.poses(sonar.poses)), scene)
+        )
 
     return {**facts, "area_sigma_m2": area_sigma(area_if, hull_pose)}
 
@@ -202,20 +255,28 @@ def area_facts(hull: HullPatches, seen: Mask) -> Facts:
 
 
 def find_holes(
-    hull: HullPatches, seen: Mask, chart: Chart, locate: Callable[[Array], Facts], min_hole_m2: float = MIN_HOLE_M2
+    hull: HullPatches,
+    seen: Mask,
+    chart: Chart,
+    locate: Callable[[Array], Facts],
+    min_hole_m2: float = MIN_HOLE_M2,
 ) -> list[Facts]:
-    """Return the parts of the chart inside the surveyed area that were not seen, of at least `min_hole_m2`, the largest first:
-    center, area, and what `locate` says of the center (3,), its address among it.
+    """Return the parts of the chart inside the surveyed area that were not seen, of at least
+    `min_hole_m2`, the largest first: center, area, and what `locate` says of the center (3,), its
+    address among it.
 
-    Without a CAD model there is no patch where there was nothing to see; such parts are holes as well. What lies off the hull
-    is none.
+    Without a CAD model there is no patch where there was nothing to see; such parts are holes as
+    well. What lies off the hull is none.
     """
     from scipy import ndimage
 
     if not seen.any():
         return []
     cells = _chart_cells(hull, seen, chart)
-    disc = np.hypot(*np.mgrid[-BRIDGE_CELLS : BRIDGE_CELLS + 1, -BRIDGE_CELLS : BRIDGE_CELLS + 1]) <= BRIDGE_CELLS
+    disc = (
+        np.hypot(*np.mgrid[-BRIDGE_CELLS : BRIDGE_CELLS + 1, -BRIDGE_CELLS : BRIDGE_CELLS + 1])
+        <= BRIDGE_CELLS
+    )
     surveyed = ndimage.binary_fill_holes(ndimage.binary_closing(cells.seen, disc))
     label, count = ndimage.label(surveyed & ~cells.seen & cells.on_hull)
     found = [_hole_facts(cells, label == k, chart, locate) for k in range(1, count + 1)]
@@ -225,8 +286,10 @@ def find_holes(
 
 @dataclass(frozen=True, kw_only=True)
 class _ChartCells:
-    """Squares of the chart, CELL_M wide, (a, g). low (2,): number of the first; seen: some patch in it was; unseen: m2 of its
-    patches that were not, of the square itself where there is no patch; on_hull: there is hull."""
+    """Squares of the chart, CELL_M wide, (a, g). low (2,): number of the first; seen: some patch in
+    it was; unseen: m2 of its patches that were not, of the square itself where there is no patch;
+    on_hull: there is hull.
+    """
 
     low: Ints
     seen: Mask
@@ -241,7 +304,11 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
     size = np.floor(at[known & seen].max(axis=0) / CELL_M).astype(np.int64) + BRIDGE_CELLS + 1 - low
     cell = np.floor(np.where(known[:, None], at, 0.0) / CELL_M).astype(np.int64) - low
     known &= ((cell >= 0) & (cell < size)).all(axis=1)
-    image, held, unseen = np.zeros(tuple(size), bool), np.zeros(tuple(size), bool), np.zeros(tuple(size))
+    image, held, unseen = (
+        np.zeros(tuple(size), bool),
+        np.zeros(tuple(size), bool),
+        np.zeros(tuple(size)),
+    )
     image[tuple(cell[known & seen].T)] = True
     held[tuple(cell[known].T)] = True
     np.add.at(unseen, tuple(cell[known & ~seen].T), hull.area[known & ~seen])
@@ -251,11 +318,17 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
     near = np.isfinite(distance[:, 0]) & ~held.ravel()
     image.ravel()[near] = seen[known][row[near, 0]]
     on_hull = np.asarray(np.isfinite(chart.from_chart(middle)[0]).all(axis=1)).reshape(image.shape)
-    return _ChartCells(low=low, seen=image, unseen=np.where(held | image, unseen, CELL_M**2), on_hull=on_hull)
+    return _ChartCells(
+        low=low, seen=image, unseen=np.where(held | image, unseen, CELL_M**2), on_hull=on_hull
+    )
 
 
-def _hole_facts(cells: _ChartCells, hole: Mask, chart: Chart, locate: Callable[[Array], Facts]) -> Facts:
-    """Return a hole (a, g) of cells. Its rim runs through the cells around it: what was not seen of these belongs to it."""
+def _hole_facts(
+    cells: _ChartCells, hole: Mask, chart: Chart, locate: Callable[[Array], Facts]
+) -> Facts:
+    """Return a hole (a, g) of cells. Its rim runs through the cells around it: what was not seen of
+    these belongs to it.
+    """
     from scipy import ndimage
 
     which = np.argwhere(hole)
@@ -279,4 +352,7 @@ def _percentiles(values: Array, area: Array) -> Facts | None:
         return None
     order = np.argsort(values)
     share = np.cumsum(area[order]) / area.sum()
-    return {f"p{p:02d}": float(f"{values[order][np.searchsorted(share, p / 100)]:.5g}") for p in (5, 50, 95)}
+    return {
+        f"p{p:02d}": float(f"{values[order][np.searchsorted(share, p / 100)]:.5g}")
+        for p in (5, 50, 95)
+    }

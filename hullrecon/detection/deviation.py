@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of a hull's deviation from its CAD model: its form well, how far the whole patch stands off it badly.
+"""What is known of a hull's deviation from its CAD model: its form well, how far the whole patch
+stands off it badly.
 
-An error of T_g_M moves all that was seen by one rigid motion. Over the surveyed patch that is a shift along the normal and two
-tilts, and little else; so these three, fitted to the deviation, are given apart with the sigma that the hull's pose leaves
-them.
+An error of T_g_M moves all that was seen by one rigid motion. Over the surveyed patch that is a
+shift along the normal and two tilts, and little else; so these three, fitted to the deviation, are
+given apart with the sigma that the hull's pose leaves them.
 """
 
 from __future__ import annotations
@@ -30,31 +31,43 @@ OUTLIER_SIGMAS = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class _Fit:
-    """Level and tilts of the patch: columns (n, 3) of the vertices, and the matrix (3, n) from deviations to coefficients."""
+    """Level and tilts of the patch: columns (n, 3) of the vertices, and the matrix (3, n) from
+    deviations to coefficients.
+    """
 
     columns: Array
     solver: Array
 
 
 def split_deviation(
-    surface: Surface, own_sigma: Array | None, bare: Mask, cad_model: Mesh, chart: Chart, hull_pose: HullPose
+    surface: Surface,
+    own_sigma: Array | None,
+    bare: Mask,
+    cad_model: Mesh,
+    chart: Chart,
+    hull_pose: HullPose,
 ) -> DeviationSplit | None:
     """Return offset, tilt and form of a hull as found; None where too little bare hull was seen.
 
-    own_sigma (n,) m: of each vertex without what all share, None where only the whole is known. bare (n,): vertices on which no
-    structure stands.
+    own_sigma (n,) m: of each vertex without what all share, None where only the whole is known.
+    bare (n,): vertices on which no structure stands.
     """
     seen = (surface.support > 0) & np.isfinite(surface.deviation) & np.isfinite(surface.sigma)
     if (seen & bare).sum() < MIN_VERTICES:
         return None
     near = Scene(cad_model).closest(surface.vertices[seen])
-    by_pose, pose = pose_jacobian(surface.vertices[seen], near.normal, hull_pose), hull_pose.covariance
+    by_pose, pose = (
+        pose_jacobian(surface.vertices[seen], near.normal, hull_pose),
+        hull_pose.covariance,
+    )
     weight = np.where(bare, vertex_areas(surface.mesh()), 0.0)[seen]
     deviation, total = surface.deviation[seen], surface.sigma[seen]
     fit = _fit_patch(surface.vertices[seen], near.normal, deviation, weight, chart)
     coefficients, of_pose = fit.solver @ deviation, fit.solver @ by_pose
     by_hull_pose = _variance(by_pose, pose)
-    own = np.sqrt(np.maximum(total**2 - by_hull_pose, 0.0)) if own_sigma is None else own_sigma[seen]
+    own = (
+        np.sqrt(np.maximum(total**2 - by_hull_pose, 0.0)) if own_sigma is None else own_sigma[seen]
+    )
     rest = np.maximum(total**2 - own**2 - by_hull_pose, 0.0)
     mean = np.average(fit.columns, axis=0, weights=weight)
     tilt = np.einsum("ki,ij,kj->k", of_pose[1:], pose, of_pose[1:])
@@ -63,7 +76,9 @@ def split_deviation(
     values[1, seen] = np.sqrt(_variance(by_pose - fit.columns @ of_pose, pose) + own**2 + rest)
     return DeviationSplit(
         offset=np.asarray(mean @ coefficients),
-        offset_sigma=np.sqrt(_variance((mean @ of_pose)[None], pose)[0] + np.average(rest, weights=weight)),
+        offset_sigma=np.sqrt(
+            _variance((mean @ of_pose)[None], pose)[0] + np.average(rest, weights=weight)
+        ),
         tilt=coefficients[1:],
         tilt_sigma=np.sqrt(tilt),
         form=values[0],
@@ -75,7 +90,9 @@ def _variance(rows: Array, covariance: Array) -> Array:
     return np.asarray(np.einsum("ni,ij,nj->n", rows, covariance, rows))
 
 
-def _fit_patch(points: Array, normals: Array, deviation: Array, weight: Array, chart: Chart) -> _Fit:
+def _fit_patch(
+    points: Array, normals: Array, deviation: Array, weight: Array, chart: Chart
+) -> _Fit:
     """Return the least-squares fit, by area, without what stands far off a first one."""
     columns = _rigid_columns(points, normals, weight, chart)
     for _ in range(3):
@@ -88,15 +105,17 @@ def _fit_patch(points: Array, normals: Array, deviation: Array, weight: Array, c
 
 
 def _rigid_columns(points: Array, normals: Array, weight: Array, chart: Chart) -> Array:
-    """Return how far (n, 3) vertices move along their normals when the patch shifts along its mean normal, or rises along the
-    hull or in girth by one metre a metre, turned about its middle."""
+    """Return how far (n, 3) vertices move along their normals when the patch shifts along its mean
+    normal, or rises along the hull or in girth by one metre a metre, turned about its middle.
+    """
     middle, up = (np.average(values, axis=0, weights=weight) for values in (points, normals))
     up /= np.linalg.norm(up)
     along, _ = tangents_at(chart, points[[int(np.argmin(np.linalg.norm(points - middle, axis=1)))]])
     east = along[0] if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(up)))]
     east = east - up * (east @ up)
     east /= np.linalg.norm(east)
-    north, arm = np.cross(east, up), points - middle  # charts are left-handed about the outward normal
+    # charts are left-handed about the outward normal
+    north, arm = np.cross(east, up), points - middle
     level = normals @ up
     rises = [(arm @ axis) * level - (arm @ up) * (normals @ axis) for axis in (east, north)]
     return np.stack([level, *rises], axis=1)

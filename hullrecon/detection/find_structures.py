@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From landmarks and the hull's base surface to the hull as found and the structures on it [Ozog2016 4.3]."""
+"""From landmarks and the hull's base surface to the hull as found and the structures on it
+[Ozog2016 4.3].
+"""
 
 from __future__ import annotations
 
@@ -28,8 +30,9 @@ CAD_EDGE_M = 0.12  # edges of a CAD model that is moved to the DVL's surface, wh
 
 @dataclass(frozen=True, kw_only=True)
 class Structures:
-    """as_found: None where nothing but the surveyed surface is known. deviation: from the CAD model by what is known of it,
-    None without one. objects: the rows of objects.json. facts: detect.json."""
+    """as_found: None where nothing but the surveyed surface is known. deviation: from the CAD model
+    by what is known of it, None without one. objects: the rows of objects.json. facts: detect.json.
+    """
 
     as_found: Surface | None
     deviation: DeviationSplit | None
@@ -38,9 +41,14 @@ class Structures:
 
 
 def find_structures(
-    base: BaseSurface, landmarks: Landmarks, field: DeviationField | None, views: CameraViews | None, options: DetectOptions
+    base: BaseSurface,
+    landmarks: Landmarks,
+    field: DeviationField | None,
+    views: CameraViews | None,
+    options: DetectOptions,
 ) -> Structures:
-    """Return the hull as found and the objects on it; without enough landmarks, the hull as the DVL alone found it.
+    """Return the hull as found and the objects on it; without enough landmarks, the hull as the DVL
+    alone found it.
 
     landmarks are in g; field: the adjustment's deviation field, None where it estimated none.
     """
@@ -75,29 +83,39 @@ def find_structures(
     return Structures(as_found=as_found, deviation=deviation, objects=rows, facts=facts)
 
 
-def _split(base: BaseSurface, as_found: Surface, own_sigma: Array | None, bare: Mask) -> DeviationSplit | None:
+def _split(
+    base: BaseSurface, as_found: Surface, own_sigma: Array | None, bare: Mask
+) -> DeviationSplit | None:
     if base.cad_model is None or base.hull_pose is None:
         return None
     return split_deviation(as_found, own_sigma, bare, base.cad_model, base.chart, base.hull_pose)
 
 
 def _choose_background(
-    base: BaseSurface, field: DeviationField | None, measured: SurfaceLandmarks, options: DetectOptions
+    base: BaseSurface,
+    field: DeviationField | None,
+    measured: SurfaceLandmarks,
+    options: DetectOptions,
 ) -> Background:
-    """Return the deviation field where it was estimated throughout, else running medians of the landmarks."""
+    """Return the deviation field where it was estimated throughout, else running medians of the
+    landmarks.
+    """
     if field is not None and np.isfinite(field.value).all():
         return FieldBackground(chart=base.chart, field=field)
     return median_background(measured.foot, measured.offset, options.background_width_m)
 
 
 def _without_landmarks(base: BaseSurface, why: str) -> Structures:
-    """Return the CAD model moved to the DVL's surface; nothing without a CAD model, where the surveyed surface is all.
+    """Return the CAD model moved to the DVL's surface; nothing without a CAD model, where the
+    surveyed surface is all.
 
     why: objects were not looked for; the report says it behind a colon.
     """
     facts: Facts = {"reference": base.description, "objects": why}
     if base.cad_model is None:
-        facts["as_found"] = "no landmarks and no CAD model: the surface from the DVL is what was found"
+        facts["as_found"] = (
+            "no landmarks and no CAD model: the surface from the DVL is what was found"
+        )
         return Structures(as_found=None, deviation=None, objects=[], facts=facts)
     facts["as_found"] = "from the DVL's surface"
     moved = surface_on_cad_model(base.cad_model, base.surveyed, CAD_EDGE_M)

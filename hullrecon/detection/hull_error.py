@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How uncertain an area on the CAD model is that a sensor saw, for the hull may lie elsewhere than its pose says."""
+"""How uncertain an area on the CAD model is that a sensor saw, for the hull may lie elsewhere than
+its pose says.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class HullError:
-    """An error (6,) of the hull pose, as in its covariance, and what becomes of the dive's points and poses in M under it."""
+    """An error (6,) of the hull pose, as in its covariance, and what becomes of the dive's points
+    and poses in M under it.
+    """
 
     hull_pose: HullPose
     error: Array
@@ -37,8 +41,9 @@ class HullError:
 
 
 def area_sigma(area_if: Callable[[HullError], float], hull_pose: HullPose) -> float:
-    """Return one sigma, m2, of an area that is `area_if(error)` under an error of the hull pose: by central differences of one
-    sigma along the axes of the covariance."""
+    """Return one sigma, m2, of an area that is `area_if(error)` under an error of the hull pose: by
+    central differences of one sigma along the axes of the covariance.
+    """
     variance, axes = np.linalg.eigh(hull_pose.covariance)
     changes = []
     for error in (axes * np.sqrt(np.maximum(variance, 0.0))).T:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where an object, a hole or a rejected region lies on the hull, and how well its own position is known."""
+"""Where an object, a hole or a rejected region lies on the hull, and how well its own position is
+known.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,18 @@ from hullrecon.geometry.charts.tangents import tangents_at
 from hullrecon.typing import Array
 
 MIDDLE_SHARE = (
-    0.05  # of an object's size: how far its middle moves with where its edge is drawn (5 to 12 mm of 0.25 m, measured)
+    # of an object's size: how far its middle moves with where its edge is drawn (5 to 12 mm of 0.25
+    # m, measured)
+    0.05
 )
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullPosition:
-    """Where something lies on the hull. covariance (3, 3) m2 of its centre in the frame of the results, hull pose included;
-    sigma (3,) m along the hull, in girth, along the normal; along_girth (2,) m on the chart; depth and its sigma m, None where
-    none was measured."""
+    """Where something lies on the hull. covariance (3, 3) m2 of its centre in the frame of the
+    results, hull pose included; sigma (3,) m along the hull, in girth, along the normal;
+    along_girth (2,) m on the chart; depth and its sigma m, None where none was measured.
+    """
 
     center: Array
     covariance: Array
@@ -34,10 +39,14 @@ class HullPosition:
     @property
     def address_sigma(self) -> AddressSigma:
         """Return what an address of it may not be finer than."""
-        return AddressSigma(along=float(self.sigma[0]), girth=float(self.sigma[1]), depth=self.depth_sigma or 0.0)
+        return AddressSigma(
+            along=float(self.sigma[0]), girth=float(self.sigma[1]), depth=self.depth_sigma or 0.0
+        )
 
     def as_json(self, base: BaseSurface) -> dict[str, object]:
-        """Return the members of objects.json, and of the holes of coverage.json, that say where it lies."""
+        """Return the members of objects.json, and of the holes of coverage.json, that say where it
+        lies.
+        """
         known = bool(np.isfinite(self.along_girth).all())
         along, girth = (round(float(v), 5) for v in self.along_girth) if known else (None, None)
         on_ship = known and is_hull_chart(base.chart)
@@ -50,7 +59,9 @@ class HullPosition:
             "along": along,
             "girth": girth,
             "side": side_of(girth or 0.0, float(self.sigma[1])) if on_ship else None,
-            "frame": round(along / base.frame_spacing_m, 2) if on_ship and along is not None and base.frame_spacing_m else None,
+            "frame": round(along / base.frame_spacing_m, 2)
+            if on_ship and along is not None and base.frame_spacing_m
+            else None,
             "depth": None if self.depth is None else round(self.depth, 4),
             "depth_sigma": None if self.depth_sigma is None else round(self.depth_sigma, 4),
             "address": base.address_of(self.center, self.address_sigma),
@@ -58,15 +69,22 @@ class HullPosition:
 
 
 def hull_position(
-    center: Array, normal: Array, measured: Array, height_sigma: float, middle_sigma: float, base: BaseSurface
+    center: Array,
+    normal: Array,
+    measured: Array,
+    height_sigma: float,
+    middle_sigma: float,
+    base: BaseSurface,
 ) -> HullPosition:
-    """Return the position of a centre (3,) with outward normal (3,). measured (k, 3, 3): covariances of the points that were
-    measured there, landmarks of an object; height_sigma m: how well the height of its top over the hull is known; middle_sigma
-    m: how well the middle of its shape is.
+    """Return the position of a centre (3,) with outward normal (3,). measured (k, 3, 3):
+    covariances of the points that were measured there, landmarks of an object; height_sigma m: how
+    well the height of its top over the hull is known; middle_sigma m: how well the middle of its
+    shape is.
 
-    Points of one object share nearly all that is unknown of their position, so their mean covariance is that of each. Beside it
-    stand how high the top is and where the middle of the shape lies. A depth is as uncertain as the shape and the water
-    surface are, where the latter is told apart from where the hull lies (base.depth_sigma_m).
+    Points of one object share nearly all that is unknown of their position, so their mean
+    covariance is that of each. Beside it stand how high the top is and where the middle of the
+    shape lies. A depth is as uncertain as the shape and the water surface are, where the latter is
+    told apart from where the hull lies (base.depth_sigma_m).
     """
     flat = np.eye(3) - np.outer(normal, normal)
     shape = height_sigma**2 * np.outer(normal, normal) + middle_sigma**2 * flat

@@ -24,8 +24,9 @@ CLEARANCE_M = 0.005  # a surface this little in front does not hide
 
 @dataclass(frozen=True, kw_only=True)
 class CameraViews:
-    """Images of the top camera. T_x_c (n) in the frame of the surface; node (n,); name (n,) of the image; farthest m, how far
-    away surfaces were seen."""
+    """Images of the top camera. T_x_c (n) in the frame of the surface; node (n,); name (n,) of the
+    image; farthest m, how far away surfaces were seen.
+    """
 
     T_x_c: Poses
     node: Ints
@@ -39,32 +40,40 @@ class CameraViews:
 
 @dataclass(frozen=True, kw_only=True)
 class Visibility:
-    """What the views saw of n surface points: views (n,) images; distance (n,) m and cosine (n,) of the incidence of the best
-    (nearest) one, NaN where unseen."""
+    """What the views saw of n surface points: views (n,) images; distance (n,) m and cosine (n,) of
+    the incidence of the best (nearest) one, NaN where unseen.
+    """
 
     views: Ints
     distance: Array
     cosine: Array
 
 
-def views_of_top_camera(rig: SensorRig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array) -> CameraViews | None:
-    """Return where the top camera took its images, in the frame of the track; None without an image or a landmark.
+def views_of_top_camera(
+    rig: SensorRig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array
+) -> CameraViews | None:
+    """Return where the top camera took its images, in the frame of the track; None without an image
+    or a landmark.
 
-    image_t_ns: of the images in the camera's index. landmarks (n, 3) in that frame say how far away surfaces were seen.
+    image_t_ns: of the images in the camera's index. landmarks (n, 3) in that frame say how far away
+    surfaces were seen.
     """
     camera = Camera.TOP
     node = np.flatnonzero(track.image[:, camera.column] >= 0)
     if camera not in rig.cameras or not len(node) or not len(landmarks):
         return None
     model, poses = rig.camera_models[camera], rig.camera_poses(track.path[node], camera)
-    names = tuple(f"{camera.key}/{t}.jpg" for t in image_t_ns[track.image[node, camera.column]].tolist())
+    names = tuple(
+        f"{camera.key}/{t}.jpg" for t in image_t_ns[track.image[node, camera.column]].tolist()
+    )
     farthest_m = _farthest(poses.translation, landmarks, model)
     return CameraViews(T_x_c=poses, node=node, name=names, camera=model, farthest_m=farthest_m)
 
 
 def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
-    """Return how far the corner of an image can lie: the usual distance of landmarks over the corner's cosine, and some
-    more."""
+    """Return how far the corner of an image can lie: the usual distance of landmarks over the
+    corner's cosine, and some more.
+    """
     known = landmarks[np.isfinite(landmarks).all(axis=1)]
     usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
     corner = camera.rays(np.array([[0.0, 0], [camera.width, camera.height]]))[:, 2].min()
@@ -80,7 +89,9 @@ def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> I
 
 
 def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints]]:
-    """Yield view by view the rows of points (n, 3) in its image and within reach, hidden ones included."""
+    """Yield view by view the rows of points (n, 3) in its image and within reach, hidden ones
+    included.
+    """
     around = Around(points)
     for view in range(len(views)):
         center = views.T_x_c.translation[view]
@@ -90,19 +101,29 @@ def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints
 
 
 def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Scene) -> Visibility:
-    """Return which views saw the points (n, 3) with normals (n, 3): in the image, facing it, nothing of the scene between."""
+    """Return which views saw the points (n, 3) with normals (n, 3): in the image, facing it,
+    nothing of the scene between.
+    """
     count = np.zeros(len(points), np.int64)
     best, cosine = np.full(len(points), np.inf), np.full(len(points), np.nan)
     for view, rows in iterate_views(views, points):
-        rows, distance, facing = visible_rows(views.T_x_c.translation[view], rows, points, normals, scene)
+        rows, distance, facing = visible_rows(
+            views.T_x_c.translation[view], rows, points, normals, scene
+        )
         count[rows] += 1
         closer = distance < best[rows]
         best[rows[closer]], cosine[rows[closer]] = distance[closer], facing[closer]
-    return Visibility(views=count, distance=np.where(np.isfinite(best), best, np.nan), cosine=cosine)
+    return Visibility(
+        views=count, distance=np.where(np.isfinite(best), best, np.nan), cosine=cosine
+    )
 
 
-def find_visibility_by_cell(views: CameraViews, points: Array, normals: Array, scene: Scene, cell_m: Array) -> Visibility:
-    """Do as `find_visibility`, one point answering for all that share its cell, of size cell_m (n,) at each point."""
+def find_visibility_by_cell(
+    views: CameraViews, points: Array, normals: Array, scene: Scene, cell_m: Array
+) -> Visibility:
+    """Do as `find_visibility`, one point answering for all that share its cell, of size cell_m (n,)
+    at each point.
+    """
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
     few = find_visibility(views, points[first], normals[first], scene)
@@ -110,8 +131,12 @@ def find_visibility_by_cell(views: CameraViews, points: Array, normals: Array, s
     return Visibility(views=few.views[cell], distance=few.distance[cell], cosine=few.cosine[cell])
 
 
-def visible_rows(center: Array, rows: Ints, points: Array, normals: Array, scene: Scene) -> tuple[Ints, Array, Array]:
-    """Return those rows that face the center (3,) and are not hidden, their distances and cosines of incidence."""
+def visible_rows(
+    center: Array, rows: Ints, points: Array, normals: Array, scene: Scene
+) -> tuple[Ints, Array, Array]:
+    """Return those rows that face the center (3,) and are not hidden, their distances and cosines
+    of incidence.
+    """
     ray = points[rows] - center
     distance = np.linalg.norm(ray, axis=1)
     facing = -np.einsum("ni,ni->n", ray, normals[rows]) / np.maximum(distance, 1e-9)

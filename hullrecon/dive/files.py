@@ -17,8 +17,11 @@ GROWTH = 1 << 16  # bytes
 BLOCK = 1 << 20
 MIB = 1 << 20
 KINDS = (
-    (stat.S_ISFIFO, "a FIFO"), (stat.S_ISSOCK, "a socket"), (stat.S_ISCHR, "a device"), (stat.S_ISBLK, "a device"),
-)  # fmt: skip
+    (stat.S_ISFIFO, "a FIFO"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
 
 
 def open_regular(path: Path) -> BinaryIO:
@@ -27,7 +30,8 @@ def open_regular(path: Path) -> BinaryIO:
     Raises OSError, without waiting, for what cannot be opened and for a FIFO, a socket or a device.
     """
     _refuse_special(path, path.stat())
-    # A file may be replaced between the two looks: the second is at what was opened, which O_NONBLOCK never waits for.
+    # A file may be replaced between the two looks: the second is at what was opened, which
+    # O_NONBLOCK never waits for.
     stream = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")
     try:
         _refuse_special(path, os.fstat(stream.fileno()))
@@ -38,7 +42,9 @@ def open_regular(path: Path) -> BinaryIO:
 
 
 def special_kind(path: Path) -> str:
-    """Return "a FIFO", "a socket" or "a device" for what is none of file and folder; "" for those and for what is not there."""
+    """Return "a FIFO", "a socket" or "a device" for what is none of file and folder; "" for those
+    and for what is not there.
+    """
     try:
         mode = path.stat().st_mode
     except (OSError, ValueError):
@@ -47,13 +53,16 @@ def special_kind(path: Path) -> str:
 
 
 def read_regular(path: Path, largest_bytes: int) -> bytes:
-    """Return the bytes of a file. Raises OSError as open_regular does, and for a file of more than `largest_bytes`."""
+    """Return the bytes of a file. Raises OSError as open_regular does, and for a file of more than
+    `largest_bytes`.
+    """
     with open_regular(path) as stream:
         size = os.fstat(stream.fileno()).st_size
         if size > largest_bytes:
             raise too_large(path, largest_bytes)
         data = stream.read(size)  # as many bytes are set aside as are asked for
-        while len(data) <= largest_bytes and (more := stream.read(GROWTH)):  # it has grown, or its size is not known
+        # it has grown, or its size is not known
+        while len(data) <= largest_bytes and (more := stream.read(GROWTH)):
             data += more
     if len(data) > largest_bytes:
         raise too_large(path, largest_bytes)
@@ -74,7 +83,8 @@ def too_large(path: Path, largest_bytes: int) -> OSError:
 
 
 def gunzip(data: bytes, largest_bytes: int) -> bytes:
-    """Return the unpacked bytes of a gzip file, its checksums compared. They are counted before they are kept.
+    """Return the unpacked bytes of a gzip file, its checksums compared. They are counted before
+    they are kept.
 
     Raises ValueError when the file is damaged or holds more than `largest_bytes`.
     """

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hold a dive package to its own folder: what dive.toml and the tables name must be files that lie inside it."""
+"""Hold a dive package to its own folder: what dive.toml and the tables name must be files that lie
+inside it.
+"""
 
 from __future__ import annotations
 
@@ -24,18 +26,24 @@ STORED = (*STORAGE, *(f"{suffix}-wal" for suffix in STORAGE))
 REMEDY = "put it into the package, or give --allow-outside if you trust who wrote the package"
 
 
-def check_files(loaded: LoadedConfig, *, allow_outside: bool = False, trusted_keys: Collection[str] = ()) -> None:
-    """Raise InputError, with the key, for a file of a package that is a FIFO, a socket or a device, or that lies outside of it.
+def check_files(
+    loaded: LoadedConfig, *, allow_outside: bool = False, trusted_keys: Collection[str] = ()
+) -> None:
+    """Raise InputError, with the key, for a file of a package that is a FIFO, a socket or a device,
+    or that lies outside of it.
 
-    Links are followed. allow_outside: files may lie anywhere; so may those of trusted_keys, which the package did not set.
-    Files that are missing are left to their readers. Reads nothing but tables.
+    Links are followed. allow_outside: files may lie anywhere; so may those of trusted_keys, which
+    the package did not set. Files that are missing are left to their readers. Reads nothing but
+    tables.
     """
     for key, path in _named_files(loaded):
         _check_file(key, path, loaded.package, allow_outside or key in trusted_keys)
 
 
 def check_log(path: Path, root: Path, *, allow_outside: bool = False) -> None:
-    """Raise InputError, as check_files does, for a log in the folder `root` and for what its own folder and tables name."""
+    """Raise InputError, as check_files does, for a log in the folder `root` and for what its own
+    folder and tables name.
+    """
     for key, file in _files_of_log("the log", path, root):
         _check_file(key, file, root, allow_outside)
 
@@ -43,42 +51,62 @@ def check_log(path: Path, root: Path, *, allow_outside: bool = False) -> None:
 def _check_file(key: str, path: Path, package: Path, allow_outside: bool) -> None:
     kind = special_kind(path)
     if kind:
-        raise InputError(f"{key} names {kind}, not a file: {shorten(path.name)}", where=shorten(str(path.parent), 200))
+        raise InputError(
+            f"{key} names {kind}, not a file: {shorten(path.name)}",
+            where=shorten(str(path.parent), 200),
+        )
     if not (allow_outside or lies_inside(path, package)):
         what = f"{key} names a file outside the package: {_shown(path, package)}"
         raise InputError(what, where=shorten(str(package), 200), remedy=REMEDY)
 
 
 def lies_inside(path: Path, package: Path) -> bool:
-    """Return whether a file, its links followed, lies in the package's folder; a name that no file can have does."""
+    """Return whether a file, its links followed, lies in the package's folder; a name that no file
+    can have does.
+    """
     try:
         return path.resolve().is_relative_to(package.resolve())
-    except (OSError, RuntimeError, ValueError):  # too long, a loop of links, a zero byte: its reader says so
+    # too long, a loop of links, a zero byte: its reader says so
+    except (OSError, RuntimeError, ValueError):
         return True
 
 
 def log_files(package: Path, name: str) -> list[Path]:
-    """Return the files of one log, relative to the package where they lie in it. Of a folder only those that are read: a run
-    may keep its own folder below it. Raises InputError for a folder that holds no log."""
+    """Return the files of one log, relative to the package where they lie in it. Of a folder only
+    those that are read: a run may keep its own folder below it. Raises InputError for a folder that
+    holds no log.
+    """
     folder = package / name
     try:
         if not folder.is_dir():
             if folder.exists():
                 require_regular_file(folder)
-            return [Path(name), *([Path(f"{name}-wal")] if write_ahead_log(folder).is_file() else [])]
+            return [
+                Path(name),
+                *([Path(f"{name}-wal")] if write_ahead_log(folder).is_file() else []),
+            ]
     except OSError:  # a name that no file can have: the reader says so
         open_log(folder, package)
     log = open_log(folder, package)
     if isinstance(log, PlainLog):
         return [*(Path(name) / table for table in log.tables()), *log.named_files()]
-    files = sorted(path for path in folder.iterdir() if path.name == METADATA or path.suffix in STORED)
+    files = sorted(
+        path for path in folder.iterdir() if path.name == METADATA or path.suffix in STORED
+    )
     return [Path(name) / path.name for path in files if path.is_file()]
 
 
 def named_images(package: Path, logs: Collection[str]) -> list[Path]:
-    """Return the image files that the tables of a package's logs name, relative to the package where they lie in it."""
+    """Return the image files that the tables of a package's logs name, relative to the package
+    where they lie in it.
+    """
     tables = [PlainLog(package / name, package) for name in logs if _is_folder(package / name)]
-    return sorted(file for table in tables for file in table.named_files() if file.suffix.lower() in IMAGE_SUFFIXES)
+    return sorted(
+        file
+        for table in tables
+        for file in table.named_files()
+        if file.suffix.lower() in IMAGE_SUFFIXES
+    )
 
 
 def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
@@ -101,13 +129,17 @@ def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
 
 
 def logo_of(loaded: LoadedConfig) -> str | None:
-    """Return the file that [report] names as logo; None where it names none, or the chain has no such section."""
+    """Return the file that [report] names as logo; None where it names none, or the chain has no
+    such section.
+    """
     logo: object = getattr(loaded.sections.get("report"), "logo", None)
     return logo if isinstance(logo, str) else None
 
 
 def earlier_dive_of(loaded: LoadedConfig) -> str | None:
-    """Return the run that [change] names; None where it names none, or the chain has no such section."""
+    """Return the run that [change] names; None where it names none, or the chain has no such
+    section.
+    """
     earlier: object = getattr(loaded.sections.get("change"), "earlier", None)
     return earlier if isinstance(earlier, str) else None
 
@@ -125,10 +157,15 @@ def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Pat
     if not _is_folder(log):
         yield key, write_ahead_log(log)
         return
-    members = [p for p in sorted(log.iterdir()) if p.name == METADATA or p.suffix in (*STORED, TABLE)]
+    members = [
+        p for p in sorted(log.iterdir()) if p.name == METADATA or p.suffix in (*STORED, TABLE)
+    ]
     yield from ((key, member) for member in members)
     if any(member.suffix == TABLE for member in members) and _is_plain(log, package):
-        yield from ((f"a table of {shorten(log.name)}", package / file) for file in log_files(package, str(log.absolute())))
+        yield from (
+            (f"a table of {shorten(log.name)}", package / file)
+            for file in log_files(package, str(log.absolute()))
+        )
 
 
 def _is_folder(path: Path) -> bool:
@@ -148,4 +185,8 @@ def _is_plain(folder: Path, package: Path) -> bool:
 def _shown(path: Path, package: Path) -> str:
     """Return a path as the package names it, and where it leads if that is by a link."""
     name = str(path.relative_to(package)) if path.is_relative_to(package) else str(path)
-    return f"{shorten(name, 100)} (a link to {shorten(str(path.resolve()), 100)})" if path.is_symlink() else shorten(name, 100)
+    return (
+        f"{shorten(name, 100)} (a link to {shorten(str(path.resolve()), 100)})"
+        if path.is_symlink()
+        else shorten(name, 100)
+    )

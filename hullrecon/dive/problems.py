@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stop at the first part of a package that cannot be used, as a run does, or go on and list all of them, as `check` does."""
+"""Stop at the first part of a package that cannot be used, as a run does, or go on and list all of
+them, as `check` does.
+"""
 
 from __future__ import annotations
 

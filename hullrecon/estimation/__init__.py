@@ -1,3 +1,5 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the pose graph and the bundle adjustment share: the rig with its priors, and the tables of navigation."""
+"""What the pose graph and the bundle adjustment share: the rig with its priors, and the tables of
+navigation.
+"""

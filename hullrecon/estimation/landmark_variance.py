@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The variance of landmarks along the hull's normals: each one's own, and what they have in common (docs/methods.md 12)."""
+"""The variance of landmarks along the hull's normals: each one's own, and what they have in common
+(docs/methods.md 12).
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,9 @@ MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 
 @dataclass(frozen=True, kw_only=True)
 class VarianceAlongNormals:
-    """own (n,) m^2: of each landmark alone, no less than its texture's roughness; common (n,) m^2: of the hull's pose and of
-    the dive's place, which move neighbours as one."""
+    """own (n,) m^2: of each landmark alone, no less than its texture's roughness; common (n,) m^2:
+    of the hull's pose and of the dive's place, which move neighbours as one.
+    """
 
     own: Array
     common: Array
@@ -28,10 +31,11 @@ class VarianceAlongNormals:
 def variance_along_normals(
     position: Array, normal: Array, covariance: Array, hull_pose: HullPose | None
 ) -> VarianceAlongNormals:
-    """Return the variance of landmarks (n, 3) with covariances (n, 3, 3) along normals (n, 3), all in one frame.
+    """Return the variance of landmarks (n, 3) with covariances (n, 3, 3) along normals (n, 3), all
+    in one frame.
 
-    hull_pose: whose error the covariances hold as a sum, None where they hold none; it moves all landmarks as one, and is no
-    noise of theirs however large it is.
+    hull_pose: whose error the covariances hold as a sum, None where they hold none; it moves all
+    landmarks as one, and is no noise of theirs however large it is.
     """
     rest = covariance - _pose_covariance(position, normal, covariance, hull_pose)
     whole, alone = along_normals(normal, covariance), along_normals(normal, rest)
@@ -48,8 +52,9 @@ def along_normals(normal: Array, covariance: Array) -> Array:
 
 
 def pose_jacobian(points: Array, normals: Array, hull_pose: HullPose) -> Array:
-    """Return how points (n, 3) in M move along normals (n, 3) with an error of T_g_M: (n, 6), translation in g, rotation
-    perturbed on the right about the survey's middle."""
+    """Return how points (n, 3) in M move along normals (n, 3) with an error of T_g_M: (n, 6),
+    translation in g, rotation perturbed on the right about the survey's middle.
+    """
     return np.asarray(np.einsum("ni,nij->nj", normals, _motion_by_pose(points, hull_pose)))
 
 
@@ -60,10 +65,13 @@ def _motion_by_pose(points: Array, hull_pose: HullPose) -> Array:
     return np.concatenate([shift, cross_matrix(points - hull_pose.survey_center)], axis=2)
 
 
-def shared_variance(position: Array, normal: Array, covariance: Array, neighbours: int = 32) -> Array:
-    """Return the part (n,) of the variances of points (n, 3) along normals (n, 3) that neighbours have in common: hardly more
-    than the best of them has along the same normal. Along its own, which leans otherwise, it has another part of what moves
-    all: where no depth was measured, of tens of metres.
+def shared_variance(
+    position: Array, normal: Array, covariance: Array, neighbours: int = 32
+) -> Array:
+    """Return the part (n,) of the variances of points (n, 3) along normals (n, 3) that neighbours
+    have in common: hardly more than the best of them has along the same normal. Along its own,
+    which leans otherwise, it has another part of what moves all: where no depth was measured, of
+    tens of metres.
     """
     if not len(position):
         return np.zeros(0)
@@ -72,12 +80,17 @@ def shared_variance(position: Array, normal: Array, covariance: Array, neighbour
     for neighbour in row.T:
         least = np.sort([*least, along_normals(normal, covariance[neighbour])], axis=0)[:2]
     best = least[min(1, row.shape[1] - 1)]
-    return np.asarray(np.maximum(best - MIN_SIGMA_M**2, 0.0).clip(max=along_normals(normal, covariance)))
+    return np.asarray(
+        np.maximum(best - MIN_SIGMA_M**2, 0.0).clip(max=along_normals(normal, covariance))
+    )
 
 
-def _pose_covariance(position: Array, normal: Array, covariance: Array, hull_pose: HullPose | None) -> Array:
-    """Return the part of covariances (n, 3, 3) that comes from the hull's pose; zero where it is no part of them (as published
-    they hold its correlations too)."""
+def _pose_covariance(
+    position: Array, normal: Array, covariance: Array, hull_pose: HullPose | None
+) -> Array:
+    """Return the part of covariances (n, 3, 3) that comes from the hull's pose; zero where it is no
+    part of them (as published they hold its correlations too).
+    """
     nothing = np.zeros_like(covariance)
     if hull_pose is None:
         return nothing

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a native.Problem that come from navigation: attitude and depth, tray, odometry, and what fixes frame g."""
+"""The tables of a native.Problem that come from navigation: attitude and depth, tray, odometry, and
+what fixes frame g.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from hullrecon.typing import Array, Ints
 
 BRIDGED_M_S = 0.05  # of a step's sigma over its time: no DVL that sees the bottom is so bad
 LONGEST_STEP_S = 5.0  # between nodes, over which a velocity goes on
-MANOEUVRES_M2_S3 = 0.01  # variance of a velocity's change in a second, of a vehicle that turns at the end of a leg
+# variance of a velocity's change in a second, of a vehicle that turns at the end of a leg
+MANOEUVRES_M2_S3 = 0.01
 FREE_RAD_S = 1e2  # sigma of the change of turn, which is left to the IMU
 
 
@@ -27,9 +30,12 @@ def attitude_table(attitude: Attitude, depth_weight: float = 1.0) -> native.Atti
     )
 
 
-def tray_table(tray_rad: Array, direction: Array, sigma_rad: float, unread_rad: Array) -> native.TrayTable:
-    """Return the tray's angle as measured at every node (n,); direction (n,): the sense in which the backlash lies; unread_rad
-    (n,): sigma of what it may have turned where it was not read."""
+def tray_table(
+    tray_rad: Array, direction: Array, sigma_rad: float, unread_rad: Array
+) -> native.TrayTable:
+    """Return the tray's angle as measured at every node (n,); direction (n,): the sense in which
+    the backlash lies; unread_rad (n,): sigma of what it may have turned where it was not read.
+    """
     return native.TrayTable(
         node=np.arange(len(tray_rad), dtype=np.int32),
         measured=tray_rad,
@@ -38,12 +44,15 @@ def tray_table(tray_rad: Array, direction: Array, sigma_rad: float, unread_rad: 
     )
 
 
-def odometry_table(odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses, path: Poses) -> native.OdometryTable:
-    """Return the odometry; tray_rad (n,) and tray_from_dvl: the angles and the mount that dead reckoning used; path: T_g_v (n)
-    as it is known by now.
+def odometry_table(
+    odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses, path: Poses
+) -> native.OdometryTable:
+    """Return the odometry; tray_rad (n,) and tray_from_dvl: the angles and the mount that dead
+    reckoning used; path: T_g_v (n) as it is known by now.
 
-    A wrong scale stretches the true motion, not the noise of the measured one: taken from what was measured, the derivative by
-    the scale lets a shorter scale explain noise across the motion away, where images tell its direction (errors in variables).
+    A wrong scale stretches the true motion, not the noise of the measured one: taken from what was
+    measured, the derivative by the scale lets a shorter scale explain noise across the motion away,
+    where images tell its direction (errors in variables).
     """
     motion = path[odometry.first].inverse() @ path[odometry.second]
     by_navigation = odometry.by_navigation.copy()
@@ -62,17 +71,20 @@ def odometry_table(odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses, pa
 
 
 def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
-    """Return that the velocity goes on steadily where the DVL was silent, from every step that was bridged to its neighbours;
-    t_ns (n,): of the nodes.
+    """Return that the velocity goes on steadily where the DVL was silent, from every step that was
+    bridged to its neighbours; t_ns (n,): of the nodes.
 
-    Odometry alone gives each bridged step an independent error of many times its length. One camera does not measure
-    lengths: with it, steps would then shrink to nothing wherever that suits the directions.
+    Odometry alone gives each bridged step an independent error of many times its length. One camera
+    does not measure lengths: with it, steps would then shrink to nothing wherever that suits the
+    directions.
     """
     duration_s = (t_ns[odometry.second] - t_ns[odometry.first]) * 1e-9
     sigma_m_s = np.sqrt(odometry.covariance[:, 0, 0]) / np.maximum(duration_s, 1e-3)
     bridged = (sigma_m_s > BRIDGED_M_S) & ~odometry.from_images
     rows = np.arange(len(odometry) - 1)
-    near = (odometry.second[:-1] == odometry.first[1:]) & (np.maximum(duration_s[:-1], duration_s[1:]) < LONGEST_STEP_S)
+    near = (odometry.second[:-1] == odometry.first[1:]) & (
+        np.maximum(duration_s[:-1], duration_s[1:]) < LONGEST_STEP_S
+    )
     rows = rows[(bridged[:-1] | bridged[1:]) & near]
     before, after = duration_s[rows], duration_s[rows + 1]
     sigma = np.sqrt(MANOEUVRES_M2_S3 * (before + after) / 3)
@@ -88,11 +100,12 @@ def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
 
 
 def gauge_prior(nodes: Poses, attitude: Attitude) -> native.PosePriors:
-    """Return the prior that fixes g: x, y and heading are those of the first pose; depth, roll and pitch are left to their
-    sensors where there are any.
+    """Return the prior that fixes g: x, y and heading are those of the first pose; depth, roll and
+    pitch are left to their sensors where there are any.
 
-    A depth that nothing measured is part of the gauge: held loosely beside links of a tenth of a millimetre, it is undetermined
-    as far as double precision can tell."""
+    A depth that nothing measured is part of the gauge: held loosely beside links of a tenth of a
+    millimetre, it is undetermined as far as double precision can tell.
+    """
     tight_m, tight_rad = 1e-4, 1e-5
     free_m = 10.0 if attitude.has_depth.any() else tight_m
     free_rad = 1.0 if len(attitude.node) else tight_rad
@@ -108,4 +121,6 @@ def mount_prior_table(mount: Mount | None, value: Poses | None) -> native.Motion
     """Return the prior of a mount; None where it is held or its sensor was not carried."""
     if mount is None or mount.sqrt_information is None or value is None:
         return None
-    return native.MotionPrior(value=pose_vector(mount.nominal), sqrt_information=mount.sqrt_information)
+    return native.MotionPrior(
+        value=pose_vector(mount.nominal), sqrt_information=mount.sqrt_information
+    )

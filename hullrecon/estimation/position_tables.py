@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The table of a native.Problem that comes from positions from outside, and how far they are from the path."""
+"""The table of a native.Problem that comes from positions from outside, and how far they are from
+the path.
+"""
 
 from __future__ import annotations
 
@@ -20,22 +22,30 @@ MEDIAN_OF_NORM = float(np.sqrt(2 * np.log(2)))  # of two normal numbers
 
 
 def with_positions(problem: native.Problem, ties: PositionTies | None) -> native.Problem:
-    """Return the problem with positions, and where its path lies in their frame to begin with; as it is without any."""
+    """Return the problem with positions, and where its path lies in their frame to begin with; as
+    it is without any.
+    """
     if ties is None:
         return problem
     pose = problem.unknowns.pose
     return replace(
         problem,
-        unknowns=replace(problem.unknowns, world=place_path(ties, Poses(pose[:, 3:7], pose[:, :3]))),
+        unknowns=replace(
+            problem.unknowns, world=place_path(ties, Poses(pose[:, 3:7], pose[:, :3]))
+        ),
         positions=native.PositionTable(
-            node=ties.node.astype(np.int32), antenna=ties.antenna, measured=ties.north_east, sigma=ties.sigma
+            node=ties.node.astype(np.int32),
+            antenna=ties.antenna,
+            measured=ties.north_east,
+            sigma=ties.sigma,
         ),
     )
 
 
 def place_path(ties: PositionTies, path: Poses) -> Array:
-    """Return north and east of g's origin and the heading of its x axis (3,), by which a path T_g_v lies on the positions: the
-    least sum of distances in sigmas, which outliers hardly move."""
+    """Return north and east of g's origin and the heading of its x axis (3,), by which a path T_g_v
+    lies on the positions: the least sum of distances in sigmas, which outliers hardly move.
+    """
     at = path[ties.node].apply(ties.antenna)[:, :2]
     weight = 1 / ties.sigma**2
     world = np.zeros(3)
@@ -52,9 +62,11 @@ def place_path(ties: PositionTies, path: Poses) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class PositionFit:
-    """How positions lie to a solved path. count; span_s: from the first to the last; sigma_m: their median; rms: of their
-    residuals in sigmas, by the median, so that outliers do not count; outliers: farther than OUTLIER_SIGMAS of that; heading,
-    heading_sigma (rad): of g's x axis in their frame."""
+    """How positions lie to a solved path. count; span_s: from the first to the last; sigma_m: their
+    median; rms: of their residuals in sigmas, by the median, so that outliers do not count;
+    outliers: farther than OUTLIER_SIGMAS of that; heading, heading_sigma (rad): of g's x axis in
+    their frame.
+    """
 
     count: int
     span_s: float
@@ -77,7 +89,9 @@ class PositionFit:
         }
 
     def disagreement(self) -> str | None:
-        """Return a sentence where positions and navigation contradict each other, None where they do not."""
+        """Return a sentence where positions and navigation contradict each other, None where they
+        do not.
+        """
         if self.rms <= DISAGREE_SIGMAS:
             return None
         return (
@@ -88,9 +102,14 @@ class PositionFit:
 
 
 def fit_of_positions(
-    problem: native.Problem, ties: PositionTies | None, world_covariance: Array, options: native.Options
+    problem: native.Problem,
+    ties: PositionTies | None,
+    world_covariance: Array,
+    options: native.Options,
 ) -> PositionFit | None:
-    """Return how positions lie to the path of a problem at its solution; world_covariance (3, 3): of Unknowns.world there."""
+    """Return how positions lie to the path of a problem at its solution; world_covariance (3, 3):
+    of Unknowns.world there.
+    """
     if ties is None:
         return None
     found = native.evaluate(problem, options, jacobian=False)

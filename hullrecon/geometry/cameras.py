@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The camera of ROS's camera_info: a pinhole with the plumb_bob distortion. Pixel centres are OpenCV's."""
+"""The camera of ROS's camera_info: a pinhole with the plumb_bob distortion. Pixel centres are
+OpenCV's.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,9 @@ class CameraModel:
 
     def parameters(self) -> Array:
         """Return (9,) fx, fy, cx, cy, k1, k2, p1, p2, k3: the order of the native module."""
-        return np.array([self.fx, self.fy, self.cx, self.cy, self.k1, self.k2, self.p1, self.p2, self.k3])
+        return np.array(
+            [self.fx, self.fy, self.cx, self.cy, self.k1, self.k2, self.p1, self.p2, self.k3]
+        )
 
     def project(self, points: ArrayLike) -> Array:
         """Return pixels (n, 2) of points (n, 3) in the camera frame; NaN behind the camera."""

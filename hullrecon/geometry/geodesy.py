@@ -22,9 +22,15 @@ def earth_fixed(latitude_deg: Array, longitude_deg: Array) -> Array:
 
 
 def north_east(latitude_deg: Array, longitude_deg: Array) -> Array:
-    """Return metres north and east (n, 2) of the first point, on the plane that touches the ellipsoid there."""
+    """Return metres north and east (n, 2) of the first point, on the plane that touches the
+    ellipsoid there.
+    """
     at = earth_fixed(latitude_deg, longitude_deg)
     latitude, longitude = np.radians(latitude_deg[0]), np.radians(longitude_deg[0])
-    north = [-np.sin(latitude) * np.cos(longitude), -np.sin(latitude) * np.sin(longitude), np.cos(latitude)]
+    north = [
+        -np.sin(latitude) * np.cos(longitude),
+        -np.sin(latitude) * np.sin(longitude),
+        np.cos(latitude),
+    ]
     east = [-np.sin(longitude), np.cos(longitude), 0.0]
     return np.asarray((at - at[0]) @ np.array([north, east]).T)

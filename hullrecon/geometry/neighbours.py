@@ -10,13 +10,16 @@ from hullrecon.typing import Array, Ints
 
 
 def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
-    """Return distances and rows (m, count) of the points (n, k) nearest to each wanted (m, k), nearest first.
+    """Return distances and rows (m, count) of the points (n, k) nearest to each wanted (m, k),
+    nearest first.
 
     Where fewer lie within reach the distance is inf and the row n.
     """
     from scipy.spatial import cKDTree
 
-    distance, row = cKDTree(points).query(wanted, k=[*range(1, count + 1)], distance_upper_bound=reach)
+    distance, row = cKDTree(points).query(
+        wanted, k=[*range(1, count + 1)], distance_upper_bound=reach
+    )
     return np.asarray(distance, np.float64), np.asarray(row, np.int64)
 
 

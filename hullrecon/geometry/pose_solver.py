@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Levenberg-Marquardt on one pose whose cost is given linearised [Triggs2000].
 
-For a cost that stays the same from step to step: whether a step is taken is told by the cost before and after. Loops whose cost
-changes under way, by inliers chosen again or weights by the last residuals, or that have other unknowns than a pose, are
-written out where they are used, each with its reason: vision's for two views (stereo points, two nodes, one camera) and that
-of two surveys.
+For a cost that stays the same from step to step: whether a step is taken is told by the cost before
+and after. Loops whose cost changes under way, by inliers chosen again or weights by the last
+residuals, or that have other unknowns than a pose, are written out where they are used, each with
+its reason: vision's for two views (stereo points, two nodes, one camera) and that of two surveys.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ MOST_DAMPING = 1e6  # no step that small changes anything: the minimum to the pr
 
 @dataclass(frozen=True, kw_only=True)
 class LinearisedCost:
-    """A cost at a pose: cost, half the sum of squares; gradient (6,) and information (6, 6) by the step of the update."""
+    """A cost at a pose: cost, half the sum of squares; gradient (6,) and information (6, 6) by the
+    step of the update.
+    """
 
     cost: float
     gradient: Array
@@ -52,14 +54,17 @@ def minimise_over_pose(
 ) -> PoseSolution:
     """Return the pose of least cost from `start` (a batch of one).
 
-    update applies a step (6,) to a pose. It ends when an accepted step lowers the cost by less than `min_decrease`, or by less
-    than that share of it. free_directions gives a basis (6, k) of the steps allowed at a pose; all six by default.
+    update applies a step (6,) to a pose. It ends when an accepted step lowers the cost by less than
+    `min_decrease`, or by less than that share of it. free_directions gives a basis (6, k) of the
+    steps allowed at a pose; all six by default.
     """
     pose, here, damping = start, linearise(start), FIRST_DAMPING
     for _ in range(max_iterations):
         basis = np.eye(6) if free_directions is None else free_directions(pose)
         reduced = basis.T @ here.information @ basis
-        step = -basis @ np.linalg.solve(reduced + damping * np.diag(np.diag(reduced)), basis.T @ here.gradient)
+        step = -basis @ np.linalg.solve(
+            reduced + damping * np.diag(np.diag(reduced)), basis.T @ here.gradient
+        )
         trial = update(pose, np.asarray(step))
         there = linearise(trial)
         if there.cost > here.cost:

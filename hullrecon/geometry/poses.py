@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rigid motions in batches. `Poses` holds T_a_b of n frames b in one frame a: p_a = R p_b + t.
 
-Quaternions are x y z w. Small rotations are perturbed on the right, R Exp(w), everywhere in hullrecon (native included).
-A 6-vector of a motion is (translation, rotation): `log` gives (t, w) with R = Exp(w), not the coupled logarithm of SE(3).
+Quaternions are x y z w. Small rotations are perturbed on the right, R Exp(w), everywhere in
+hullrecon (native included). A 6-vector of a motion is (translation, rotation): `log` gives (t, w)
+with R = Exp(w), not the coupled logarithm of SE(3).
 """
 
 from __future__ import annotations
@@ -28,9 +29,13 @@ class Poses:
     def __len__(self) -> int:
         return len(self.quaternion)
 
-    def __getitem__(self, index: int | slice | NDArray[np.integer] | Mask | Sequence[int] | Sequence[np.integer]) -> Poses:
+    def __getitem__(
+        self, index: int | slice | NDArray[np.integer] | Mask | Sequence[int] | Sequence[np.integer]
+    ) -> Poses:
         """Return rows by slice, mask or index array; an integer gives a batch of one."""
-        rows = np.atleast_1d(np.arange(len(self))[index if isinstance(index, slice) else np.asarray(index)])
+        rows = np.atleast_1d(
+            np.arange(len(self))[index if isinstance(index, slice) else np.asarray(index)]
+        )
         return Poses(self.quaternion[rows], self.translation[rows])
 
     def __matmul__(self, other: Poses) -> Poses:
@@ -87,7 +92,10 @@ def from_matrix(matrices: ArrayLike) -> Poses:
 def from_rpy(translation: ArrayLike, roll_pitch_yaw_rad: ArrayLike) -> Poses:
     """Return poses (n) with R = Rz(yaw) Ry(pitch) Rx(roll); both (n, 3) or (3,)."""
     rpy = np.atleast_2d(np.asarray(roll_pitch_yaw_rad, float))
-    return Poses(Rotation.from_euler("xyz", rpy).as_quat(), np.atleast_2d(np.asarray(translation, float)).copy())
+    return Poses(
+        Rotation.from_euler("xyz", rpy).as_quat(),
+        np.atleast_2d(np.asarray(translation, float)).copy(),
+    )
 
 
 def up_in(global_from_frame: Poses) -> Array:
@@ -114,12 +122,16 @@ def pose_from_vector(values: Array) -> Poses:
 def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
     """Return T_v_s = Trans(origin) Ry(theta) for angles (n,)."""
     angle = np.atleast_1d(np.asarray(angle_rad, float))
-    return Poses(Rotation.from_euler("y", angle[:, None]).as_quat(), np.tile(np.asarray(origin_m, float), (len(angle), 1)))
+    return Poses(
+        Rotation.from_euler("y", angle[:, None]).as_quat(),
+        np.tile(np.asarray(origin_m, float), (len(angle), 1)),
+    )
 
 
 def interpolate(t_ns: Ints, poses: Poses, wanted_ns: Ints) -> Poses:
-    """Return poses (m) at the times wanted (m,), linear in translation, slerp in rotation; outside the span the nearest end
-    is held."""
+    """Return poses (m) at the times wanted (m,), linear in translation, slerp in rotation; outside
+    the span the nearest end is held.
+    """
     at = np.clip(wanted_ns, t_ns[0], t_ns[-1])
     right = np.clip(np.searchsorted(t_ns, at, side="right"), 1, max(1, len(t_ns) - 1))
     if len(t_ns) == 1:
@@ -129,4 +141,6 @@ def interpolate(t_ns: Ints, poses: Poses, wanted_ns: Ints) -> Poses:
     a, b = poses[left], poses[right]
     turn = (a.rotation.inv() * b.rotation).as_rotvec() * share[:, None]
     rotation = a.rotation * Rotation.from_rotvec(turn)
-    return Poses(rotation.as_quat(), a.translation + share[:, None] * (b.translation - a.translation))
+    return Poses(
+        rotation.as_quat(), a.translation + share[:, None] * (b.translation - a.translation)
+    )

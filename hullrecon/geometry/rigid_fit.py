@@ -11,7 +11,9 @@ from hullrecon.typing import Array
 
 
 def fit_rigid(source: Array, target: Array) -> Poses:
-    """Return the motions that take point sets (s, n, 3) onto others (s, n, 3), or one set (n, 3) onto another; n >= 3."""
+    """Return the motions that take point sets (s, n, 3) onto others (s, n, 3), or one set (n, 3)
+    onto another; n >= 3.
+    """
     first, second = (np.asarray(p, float).reshape(-1, *np.shape(p)[-2:]) for p in (source, target))
     mean_first, mean_second = first.mean(axis=1, keepdims=True), second.mean(axis=1, keepdims=True)
     u, _, vt = np.linalg.svd(np.einsum("sni,snj->sij", second - mean_second, first - mean_first))
@@ -19,11 +21,15 @@ def fit_rigid(source: Array, target: Array) -> Poses:
     no_reflection[:, 2] = np.sign(np.linalg.det(u) * np.linalg.det(vt))
     matrix = np.tile(np.eye(4), (len(first), 1, 1))
     matrix[:, :3, :3] = (u * no_reflection[:, None, :]) @ vt
-    matrix[:, :3, 3] = mean_second[:, 0] - np.einsum("sij,sj->si", matrix[:, :3, :3], mean_first[:, 0])
+    matrix[:, :3, 3] = mean_second[:, 0] - np.einsum(
+        "sij,sj->si", matrix[:, :3, :3], mean_first[:, 0]
+    )
     return from_matrix(matrix)
 
 
 def fit_scale(source: Array, target: Array, motion: Poses) -> float:
-    """Return the factor about the source's mean that fits points (n, 3) best onto others once `motion` is applied."""
+    """Return the factor about the source's mean that fits points (n, 3) best onto others once
+    `motion` is applied.
+    """
     a, b = source - source.mean(axis=0), target - target.mean(axis=0)
     return float(np.sum(motion.rotation.apply(a) * b) / np.sum(a**2))

@@ -8,15 +8,20 @@ import numpy as np
 
 from hullrecon.typing import Array
 
-NORMAL_MAD = 1.4826  # one sigma of normal values over the median of their distances from the middle: 1 / Phi^-1(3/4)
+# one sigma of normal values over the median of their distances from the middle: 1 / Phi^-1(3/4)
+NORMAL_MAD = 1.4826
 
 
 def robust_sigma(values: Array, about: float | None = None) -> float:
-    """Return one sigma of values (n,), in their unit, as if they were normal, by the median of their distances from `about`,
-    their own median when it is not given. Up to half of them may be wild. NaN of nothing."""
+    """Return one sigma of values (n,), in their unit, as if they were normal, by the median of
+    their distances from `about`, their own median when it is not given. Up to half of them may be
+    wild. NaN of nothing.
+    """
     if not len(values):
         return float("nan")
-    return float(NORMAL_MAD * np.median(np.abs(values - (np.median(values) if about is None else about))))
+    return float(
+        NORMAL_MAD * np.median(np.abs(values - (np.median(values) if about is None else about)))
+    )
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:

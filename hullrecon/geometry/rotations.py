@@ -20,7 +20,9 @@ def cross_matrix(vectors: Array) -> Array:
 
 
 def cross(first: Array, second: Array) -> Array:
-    """Return the vector products (..., 3) of vectors (..., 3): `numpy.cross`, a fifth of its time on a few vectors."""
+    """Return the vector products (..., 3) of vectors (..., 3): `numpy.cross`, a fifth of its time
+    on a few vectors.
+    """
     a0, a1, a2 = first[..., 0], first[..., 1], first[..., 2]
     b0, b1, b2 = second[..., 0], second[..., 1], second[..., 2]
     return np.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=-1)

@@ -18,8 +18,10 @@ INVERSE_PX = 0.01  # the farthest that undoing and redoing it may miss
 
 @dataclass(frozen=True)
 class Undistortion:
-    """A camera and the pinhole that its images are resampled to: all of its pixels were seen, its focal lengths are the
-    camera's, and its principal point is the middle of the image, where trainers of Gaussian splats take it to be."""
+    """A camera and the pinhole that its images are resampled to: all of its pixels were seen, its
+    focal lengths are the camera's, and its principal point is the middle of the image, where
+    trainers of Gaussian splats take it to be.
+    """
 
     source: CameraModel
     pinhole: CameraModel
@@ -41,12 +43,12 @@ class Undistortion:
         import cv2
 
         if image.shape[:2] != (self.source.height, self.source.width):
-            size = (
-                f"{image.shape[1]} x {image.shape[0]} pixels, its calibration says {self.source.width} x {self.source.height}"
-            )
+            size = f"{image.shape[1]} x {image.shape[0]} pixels, its calibration says {self.source.width} x {self.source.height}"
             raise InputError(f"an image has {size}")
         u, v = (part.astype(np.float32) for part in self._source_pixels())
-        return np.asarray(cv2.remap(image, u, v, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.uint8)
+        return np.asarray(
+            cv2.remap(image, u, v, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.uint8
+        )
 
     def _source_pixels(self) -> tuple[Array, Array]:
         """Return columns and rows (h, w) in the source of the pinhole's pixels."""
@@ -59,19 +61,29 @@ class Undistortion:
 
 
 def undistortion(camera: CameraModel) -> Undistortion:
-    """Return a pinhole image around the principal point, nearly the largest without a pixel that the camera did not see.
+    """Return a pinhole image around the principal point, nearly the largest without a pixel that
+    the camera did not see.
 
-    Raises InputError where the distortion folds the image within its borders, so that it cannot be undone.
+    Raises InputError where the distortion folds the image within its borders, so that it cannot be
+    undone.
     """
-    columns, rows = (np.linspace(0, size - 1, BORDER_SAMPLES) for size in (camera.width, camera.height))
+    columns, rows = (
+        np.linspace(0, size - 1, BORDER_SAMPLES) for size in (camera.width, camera.height)
+    )
     sides = [np.stack([np.full_like(rows, u), rows], axis=1) for u in (0, camera.width - 1)]
     sides += [np.stack([columns, np.full_like(columns, v)], axis=1) for v in (0, camera.height - 1)]
     left, right, top, bottom = (camera.undistort(side) for side in sides)
-    missed = [camera.distort(ideal) - side for ideal, side in zip((left, right, top, bottom), sides, strict=True)]
+    missed = [
+        camera.distort(ideal) - side
+        for ideal, side in zip((left, right, top, bottom), sides, strict=True)
+    ]
     half_x = min(-left[:, 0].max(), right[:, 0].min()) * camera.fx
     half_y = min(-top[:, 1].max(), bottom[:, 1].min()) * camera.fy
     if not (np.abs(missed).max() < INVERSE_PX and half_x >= 1 and half_y >= 1):
-        raise InputError("the camera's distortion cannot be undone up to the image's borders", remedy="check its calibration")
+        raise InputError(
+            "the camera's distortion cannot be undone up to the image's borders",
+            remedy="check its calibration",
+        )
     # Between the centres of the first and the last pixel lie width - 1 pixels.
     width, height = (int(np.floor(2 * half)) + 1 for half in (half_x, half_y))
     pinhole = CameraModel(width, height, camera.fx, camera.fy, (width - 1) / 2, (height - 1) / 2)

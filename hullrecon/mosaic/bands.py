@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Three bands of an image, and how much a view counts in each [Ozog2016 3.2.4] (docs/methods.md 13)."""
+"""Three bands of an image, and how much a view counts in each [Ozog2016 3.2.4] (docs/methods.md
+13).
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from hullrecon.typing import Floats32
 
 STEEPNESS = (5.0, 10.0, 50.0)  # k of B_k, from the coarsest band to the finest
 BLUR_PX = (10.0, 2.5)  # sigma of the low-pass below the middle and the finest band
-REDUCED = 4  # the coarsest band is made at a quarter of the size: six times faster, and the sum stays exact
+# the coarsest band is made at a quarter of the size: six times faster, and the sum stays exact
+REDUCED = 4
 
 
 def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
@@ -20,9 +23,14 @@ def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
 
     size = (picture.shape[1], picture.shape[0])
     middle = np.asarray(cv2.GaussianBlur(picture, (0, 0), BLUR_PX[1]))
-    quarter = cv2.resize(middle, (-(-size[0] // REDUCED), -(-size[1] // REDUCED)), interpolation=cv2.INTER_AREA)
+    quarter = cv2.resize(
+        middle, (-(-size[0] // REDUCED), -(-size[1] // REDUCED)), interpolation=cv2.INTER_AREA
+    )
     blurred = cv2.GaussianBlur(quarter, (0, 0), BLUR_PX[0] / REDUCED)
-    low, middle = (np.asarray(p, np.float32).reshape(picture.shape) for p in (cv2.resize(blurred, size), middle))
+    low, middle = (
+        np.asarray(p, np.float32).reshape(picture.shape)
+        for p in (cv2.resize(blurred, size), middle)
+    )
     return low, middle - low, picture - middle
 
 

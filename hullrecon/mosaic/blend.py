@@ -22,7 +22,9 @@ VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
 
 @dataclass(frozen=True, kw_only=True)
 class BestViews:
-    """The best views of each texel, best first: view (4, h, w), -1 where fewer see it; cost (4, h, w), inf there."""
+    """The best views of each texel, best first: view (4, h, w), -1 where fewer see it; cost (4, h,
+    w), inf there.
+    """
 
     view: Ints32
     cost: Floats32
@@ -30,7 +32,9 @@ class BestViews:
 
 @dataclass(frozen=True, kw_only=True)
 class Tile:
-    """value (h, w, channels) 0 to 255, variance (h, w) of the weighted intensities, views (h, w): how many were blended."""
+    """value (h, w, channels) 0 to 255, variance (h, w) of the weighted intensities, views (h, w):
+    how many were blended.
+    """
 
     value: Floats32
     variance: Floats32
@@ -39,8 +43,9 @@ class Tile:
 
 @dataclass(frozen=True, kw_only=True)
 class ViewLimits:
-    """Views steeper than min_cosine to the surface are not used; slant weighs the incidence against the distance to the
-    image's best place when views are chosen."""
+    """Views steeper than min_cosine to the surface are not used; slant weighs the incidence against
+    the distance to the image's best place when views are chosen.
+    """
 
     min_cosine: float = 0.25
     slant: float = 0.5
@@ -58,7 +63,14 @@ def blend_tile(
     """Return a tile, from its surface and the four best views of each texel, their weighted bands."""
     patch = sample_surface(surface, grid, window)
     near = [k for k, w in enumerate(windows) if not w.meet(window).empty]
-    choice = choose_views(surface, patch, window, {k: image_views[k] for k in near}, {k: windows[k] for k in near}, limits)
+    choice = choose_views(
+        surface,
+        patch,
+        window,
+        {k: image_views[k] for k in near},
+        {k: windows[k] for k in near},
+        limits,
+    )
     return blend(patch, choice, window, image_views, windows, channels)
 
 
@@ -70,10 +82,11 @@ def choose_views(
     windows: dict[int, Window],
     limits: ViewLimits,
 ) -> BestViews:
-    """Return the best views first by distance from the image's best place, plus the slant of the view.
+    """Return the best views first by distance from the image's best place, plus the slant of the
+    view.
 
-    Whether something stands in the way is asked of the views that would be the best, and of all only where it does: most of the
-    time goes into these rays.
+    Whether something stands in the way is asked of the views that would be the best, and of all
+    only where it does: most of the time goes into these rays.
     """
     parts = {k: w.meet(window).within(window) for k, w in windows.items()}
     best = _rank(None, patch, parts, image_views, limits)
@@ -93,7 +106,10 @@ def _rank(
 ) -> BestViews:
     """Return the best views of each texel of the patch; surface: as for view_cost."""
     shape = patch.point.shape[:2]
-    best = BestViews(view=np.full((VIEWS, *shape), -1, np.int32), cost=np.full((VIEWS, *shape), np.inf, np.float32))
+    best = BestViews(
+        view=np.full((VIEWS, *shape), -1, np.int32),
+        cost=np.full((VIEWS, *shape), np.inf, np.float32),
+    )
     for k, image_view in image_views.items():
         if np.isfinite(patch.point[parts[k]][..., 0]).any():
             _insert(best, parts[k], k, view_cost(surface, patch, parts[k], image_view, limits))
@@ -118,10 +134,15 @@ def _find_hidden(
 
 
 def view_cost(
-    surface: MosaicSurface | None, patch: SurfacePatch, part: Part, image_view: ImageView, limits: ViewLimits
+    surface: MosaicSurface | None,
+    patch: SurfacePatch,
+    part: Part,
+    image_view: ImageView,
+    limits: ViewLimits,
 ) -> Floats32:
-    """Return the cost (h, w) of a view for the part: lower is better, inf where the view does not see the texel. surface: what
-    may stand in its way, None to ask of nothing."""
+    """Return the cost (h, w) of a view for the part: lower is better, inf where the view does not
+    see the texel. surface: what may stand in its way, None to ask of nothing.
+    """
     known = np.isfinite(patch.point[part][..., 0])
     place, rows = np.flatnonzero(known), patch.rows(part)[known]
     _, ratio = image_view.project(patch.point.reshape(-1, 3)[rows])
@@ -157,11 +178,14 @@ def blend(
     windows: Sequence[Window],
     channels: int,
 ) -> Tile:
-    """Return the weighted bands, normalised a band; the variance is of intensities under the mean of the bands' weights."""
+    """Return the weighted bands, normalised a band; the variance is of intensities under the mean
+    of the bands' weights.
+    """
     shape = window.shape
     total = [np.zeros((*shape, channels), np.float32) for _ in STEEPNESS]
     weights = [np.zeros(shape, np.float32) for _ in STEEPNESS]
-    moments = np.zeros((3, *shape), np.float32)  # of weight, weight x intensity, weight x intensity squared
+    # of weight, weight x intensity, weight x intensity squared
+    moments = np.zeros((3, *shape), np.float32)
     count = np.zeros(shape, np.uint8)
     for k in np.unique(choice.view[choice.view >= 0]).tolist():
         picture = image_views[k].picture()
@@ -191,7 +215,9 @@ def _bounds(choice: BestViews, view: int, part: Part) -> Part:
     )
 
 
-def _project(patch: SurfacePatch, part: Part, chosen: Mask, image_view: ImageView) -> tuple[Floats32, Array]:
+def _project(
+    patch: SurfacePatch, part: Part, chosen: Mask, image_view: ImageView
+) -> tuple[Floats32, Array]:
     """Return pixels (h, w, 2) and r/R (h, w) at the chosen texels of the part; NaN at the others."""
     pixel = np.full((*chosen.shape, 2), -1.0, np.float32)
     ratio = np.full(chosen.shape, np.nan)

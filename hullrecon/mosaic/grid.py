@@ -32,7 +32,12 @@ class Window:
     def meet(self, other: Window) -> Window:
         """Return what both hold."""
         top, left = max(self.top, other.top), max(self.left, other.left)
-        return Window(top, max(top, min(self.bottom, other.bottom)), left, max(left, min(self.right, other.right)))
+        return Window(
+            top,
+            max(top, min(self.bottom, other.bottom)),
+            left,
+            max(left, min(self.right, other.right)),
+        )
 
     def within(self, outer: Window) -> tuple[slice, slice]:
         """Return slices of this window in an array of the outer one's shape."""
@@ -44,7 +49,9 @@ class Window:
 
 @dataclass(frozen=True)
 class TexelGrid:
-    """west, north: the outer corner of the first texel, metres of along and girth; step_m: the side of a texel."""
+    """west, north: the outer corner of the first texel, metres of along and girth; step_m: the side
+    of a texel.
+    """
 
     west: float
     north: float
@@ -57,7 +64,9 @@ class TexelGrid:
         return Window(0, self.height, 0, self.width)
 
     def centers(self, rows: Array, columns: Array) -> Array:
-        """Return (len(rows), len(columns), 2) along and girth of texel centres; rows and columns may be fractions."""
+        """Return (len(rows), len(columns), 2) along and girth of texel centres; rows and columns
+        may be fractions.
+        """
         along = self.west + (columns + 0.5) * self.step_m
         girth = self.north - (rows + 0.5) * self.step_m
         return np.stack(np.broadcast_arrays(along[None, :], girth[:, None]), axis=-1)
@@ -70,19 +79,28 @@ class TexelGrid:
         low, high = good.min(axis=0) - margin_m, good.max(axis=0) + margin_m
         rows = np.array([self.north - high[1], self.north - low[1]]) / self.step_m
         columns = (np.array([low[0], high[0]]) - self.west) / self.step_m
-        found = Window(int(np.floor(rows[0])), int(np.ceil(rows[1])), int(np.floor(columns[0])), int(np.ceil(columns[1])))
+        found = Window(
+            int(np.floor(rows[0])),
+            int(np.ceil(rows[1])),
+            int(np.floor(columns[0])),
+            int(np.ceil(columns[1])),
+        )
         return found.meet(self.whole)
 
     def tiles(self, size: int) -> Iterator[Window]:
-        """Yield square windows in row-major order; the last of a row or column stick out of the raster."""
+        """Yield square windows in row-major order; the last of a row or column stick out of the
+        raster.
+        """
         for top in range(0, self.height, size):
             for left in range(0, self.width, size):
                 yield Window(top, top + size, left, left + size)
 
 
 def grid_around(along_girth: Array, step_m: float, max_texels: float = 1.5e8) -> TexelGrid:
-    """Return the raster that holds the points (n, 2), its corner on a multiple of the step. Where it would have more texels
-    than that, its step is so much longer. Raises ValueError without a finite point."""
+    """Return the raster that holds the points (n, 2), its corner on a multiple of the step. Where
+    it would have more texels than that, its step is so much longer. Raises ValueError without a
+    finite point.
+    """
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     if not len(good):
         raise ValueError("no point lies on the chart")

@@ -12,17 +12,25 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.occlusion_horizon import OcclusionHorizon, build_occlusion_horizon, hidden_from
+from hullrecon.mosaic.occlusion_horizon import (
+    OcclusionHorizon,
+    build_occlusion_horizon,
+    hidden_from,
+)
 from hullrecon.typing import Array, Floats32, Ints, Mask
 
-COARSE = 8  # texels between points of the chart; between them it is linear, 0.1 mm off on a radius of a metre at 4 mm texels
+# texels between points of the chart; between them it is linear, 0.1 mm off on a radius of a metre
+# at 4 mm texels
+COARSE = 8
 OFF_SURFACE_M = 0.004  # rays start so far off the surface, not to hit it where they start
 
 
 @dataclass(frozen=True, kw_only=True)
 class MosaicSurface:
-    """A mesh, and the chart that unrolls it; reach_m: how far from the chart's surface the mesh may lie; horizon: what may
-    stand in the way of a view, None to cast a ray for every texel of every view."""
+    """A mesh, and the chart that unrolls it; reach_m: how far from the chart's surface the mesh may
+    lie; horizon: what may stand in the way of a view, None to cast a ray for every texel of every
+    view.
+    """
 
     mesh: Mesh
     scene: Scene
@@ -44,8 +52,10 @@ def build_mosaic_surface(mesh: Mesh, chart: Chart, reach_m: float) -> MosaicSurf
 
 @dataclass(frozen=True, kw_only=True)
 class SurfacePatch:
-    """The surface at the texels of a window: point (h, w, 3), NaN where there is none, normal (h, w, 3) of the chart,
-    hidden_from (h, w): the tangent of the incidence from which on something may hide the texel, inf where nothing does."""
+    """The surface at the texels of a window: point (h, w, 3), NaN where there is none, normal (h,
+    w, 3) of the chart, hidden_from (h, w): the tangent of the incidence from which on something may
+    hide the texel, inf where nothing does.
+    """
 
     point: Array
     normal: Array
@@ -53,7 +63,9 @@ class SurfacePatch:
 
     def part(self, which: tuple[slice, slice]) -> SurfacePatch:
         """Return the patch of some of its rows and columns."""
-        return SurfacePatch(point=self.point[which], normal=self.normal[which], hidden_from=self.hidden_from[which])
+        return SurfacePatch(
+            point=self.point[which], normal=self.normal[which], hidden_from=self.hidden_from[which]
+        )
 
     def only(self, which: Mask) -> SurfacePatch:
         """Return the patch with no surface but at those texels (h, w)."""
@@ -73,7 +85,9 @@ class SurfacePatch:
 
 
 def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
-    """Return the outermost surface at each texel of the grid: a ray along the chart's normal from outside."""
+    """Return the outermost surface at each texel of the grid: a ray along the chart's normal from
+    outside.
+    """
     base, normal = _chart_at(surface.chart, grid, window)
     shape = base.shape
     start = (base + surface.reach_m * normal).reshape(-1, 3)
@@ -87,7 +101,11 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
     point = (start + gone[:, None] * direction).reshape(shape)
     if surface.horizon is None:
         return SurfacePatch(point=point, normal=normal, hidden_from=np.zeros(shape[:2], np.float32))
-    return SurfacePatch(point=point, normal=normal, hidden_from=hidden_from(surface.horizon, point, normal, grid.step_m))
+    return SurfacePatch(
+        point=point,
+        normal=normal,
+        hidden_from=hidden_from(surface.horizon, point, normal, grid.step_m),
+    )
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
@@ -107,22 +125,30 @@ def _interpolate_axis(values: Array, count: int, axis: int) -> Array:
     at = np.arange(count) / COARSE
     low = at.astype(int)
     share = (at - low).reshape([-1 if k == axis else 1 for k in range(values.ndim)])
-    return np.asarray(np.take(values, low, axis) * (1 - share) + np.take(values, low + 1, axis) * share)
+    return np.asarray(
+        np.take(values, low, axis) * (1 - share) + np.take(values, low + 1, axis) * share
+    )
 
 
-def seen(surface: MosaicSurface, patch: SurfacePatch, rows: Ints, sensor: Array, min_cosine: float) -> tuple[Mask, Array]:
-    """Return whether the sensor (3,) sees the texels of these flat rows of the patch, and the cosines of the incidence there.
+def seen(
+    surface: MosaicSurface, patch: SurfacePatch, rows: Ints, sensor: Array, min_cosine: float
+) -> tuple[Mask, Array]:
+    """Return whether the sensor (3,) sees the texels of these flat rows of the patch, and the
+    cosines of the incidence there.
 
-    A texel is seen when it faces the sensor, no flatter than min_cosine, and no other part of the surface lies on the straight
-    line between them: for a sonar, nothing nearer in the same direction, so at the same bearing (docs/methods.md 14). Rays are
-    cast only where the horizon reaches up to the line.
+    A texel is seen when it faces the sensor, no flatter than min_cosine, and no other part of the
+    surface lies on the straight line between them: for a sonar, nothing nearer in the same
+    direction, so at the same bearing (docs/methods.md 14). Rays are cast only where the horizon
+    reaches up to the line.
     """
     cosine = patch.cosines(rows, sensor)
     free = cosine > min_cosine
     tangent = np.sqrt(np.maximum(1 - cosine**2, 0)) / np.maximum(cosine, 1e-6)
     doubtful = free & (tangent >= patch.hidden_from.ravel()[rows])
     rows = rows[doubtful]
-    free[doubtful] = find_unobstructed(surface, patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows], sensor)
+    free[doubtful] = find_unobstructed(
+        surface, patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows], sensor
+    )
     return free, cosine
 
 

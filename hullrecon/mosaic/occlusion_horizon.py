@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What of the surface stands out, and from which incidence on it may hide a texel: tells where rays must be cast."""
+"""What of the surface stands out, and from which incidence on it may hide a texel: tells where rays
+must be cast.
+"""
 
 from __future__ import annotations
 
@@ -21,16 +23,21 @@ PAIRS = 2_000_000  # of blocks and cells at a time: bounds memory at some 100 MB
 
 @dataclass(frozen=True, kw_only=True)
 class OcclusionHorizon:
-    """top (n, 3): the outermost point of the surface in each cell of the chart; normal (n, 3) of the chart there; span_m: what
-    is farther from a texel than that stands behind every instrument."""
+    """top (n, 3): the outermost point of the surface in each cell of the chart; normal (n, 3) of
+    the chart there; span_m: what is farther from a texel than that stands behind every instrument.
+    """
 
     top: Array
     normal: Array
     span_m: float
 
 
-def build_occlusion_horizon(mesh: Mesh, chart: Chart, bounds: Array, span_m: float) -> OcclusionHorizon:
-    """Return the horizon of what lies within span_m of bounds (2, 2), the least and greatest along and girth of the texels."""
+def build_occlusion_horizon(
+    mesh: Mesh, chart: Chart, bounds: Array, span_m: float
+) -> OcclusionHorizon:
+    """Return the horizon of what lies within span_m of bounds (2, 2), the least and greatest along
+    and girth of the texels.
+    """
     at = chart.to_chart(mesh.vertices)[:, :2]
     corner = at[mesh.faces]
     corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
@@ -43,16 +50,19 @@ def build_occlusion_horizon(mesh: Mesh, chart: Chart, bounds: Array, span_m: flo
     known = known[np.argsort(-charted[known, 2], kind="stable")]
     _, first = np.unique(np.floor(charted[known, :2] / CELL_M), axis=0, return_index=True)
     chosen = known[first]
-    return OcclusionHorizon(top=fine.vertices[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m)
+    return OcclusionHorizon(
+        top=fine.vertices[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m
+    )
 
 
 def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
-    """Return the tangent (h, w) of the incidence up to which nothing can hide a texel of that point and normal (h, w, 3).
+    """Return the tangent (h, w) of the incidence up to which nothing can hide a texel of that point
+    and normal (h, w, 3).
 
-    A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands h above that plane at
-    the
-    distance d can meet it only if t >= d / h. The least d / h over the horizon is a lower bound: distances are taken too short
-    and heights too large by as much as blocks, cells and faces extend.
+    A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands
+    h above that plane at the distance d can meet it only if t >= d / h. The least d / h over the
+    horizon is a lower bound: distances are taken too short and heights too large by as much as
+    blocks, cells and faces extend.
     """
     height, width = point.shape[:2]
     side = max(1, round(BLOCK_M / step_m))
@@ -72,7 +82,11 @@ def _blocks(field: Array, side: int) -> Array:
     rows, columns = -(-height // side), -(-width // side)
     padded = np.full((rows * side, columns * side, 3), np.nan)
     padded[:height, :width] = field
-    return padded.reshape(rows, side, columns, side, 3).swapaxes(1, 2).reshape(rows * columns, side * side, 3)
+    return (
+        padded.reshape(rows, side, columns, side, 3)
+        .swapaxes(1, 2)
+        .reshape(rows * columns, side * side, 3)
+    )
 
 
 def _least_tangent(horizon: OcclusionHorizon, points: Array, normals: Array) -> Array:
@@ -95,10 +109,23 @@ def _least_tangent(horizon: OcclusionHorizon, points: Array, normals: Array) -> 
         part = slice(i, i + chunk)
         at, n = middle[part] - center, up[part]
         above = n @ top.T - np.einsum("bi,bi->b", n, at)[:, None]
-        square = np.einsum("ki,ki->k", top, top) - 2 * at @ top.T + np.einsum("bi,bi->b", at, at)[:, None]
-        away = np.sqrt(np.maximum(square - above**2, 0)) - radius[part, None] - (1 + np.sqrt(2)) * CELL_M
-        lean = np.sqrt(np.maximum(1 - (n @ normal.T) ** 2, 0))  # other points of the cell may stand higher by its tilt
+        square = (
+            np.einsum("ki,ki->k", top, top)
+            - 2 * at @ top.T
+            + np.einsum("bi,bi->b", at, at)[:, None]
+        )
+        away = (
+            np.sqrt(np.maximum(square - above**2, 0))
+            - radius[part, None]
+            - (1 + np.sqrt(2)) * CELL_M
+        )
+        # other points of the cell may stand higher by its tilt
+        lean = np.sqrt(np.maximum(1 - (n @ normal.T) ** 2, 0))
         rise = above - floor[part, None] + np.sqrt(2) * CELL_M * lean
-        found = np.where((rise > MIN_RELIEF_M) & (away < horizon.span_m), np.maximum(away, 0) / np.maximum(rise, 1e-9), np.inf)
+        found = np.where(
+            (rise > MIN_RELIEF_M) & (away < horizon.span_m),
+            np.maximum(away, 0) / np.maximum(rise, 1e-9),
+            np.inf,
+        )
         least[part] = found.min(axis=1)
     return least

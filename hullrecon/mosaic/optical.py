@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The optical mosaic [Ozog2016 3.2.4] (docs/methods.md 13), from posed images and a surface to tiles."""
+"""The optical mosaic [Ozog2016 3.2.4] (docs/methods.md 13), from posed images and a surface to
+tiles.
+"""
 
 from __future__ import annotations
 
@@ -26,12 +28,16 @@ from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 
 Progress = Callable[[Sequence[Any], str], Iterable[Any]]
-MOST_MEDIANS = 3.0  # of an image's distance: past a bilge, or through a gap of the model, a ray may meet it tens of metres away
+# of an image's distance: past a bilge, or through a gap of the model, a ray may meet it tens of
+# metres away
+MOST_MEDIANS = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class OpticalMosaic:
-    """The tiles; gsd_m: a pixel on the hull, in the median; light_corrected: whether the light was evened out."""
+    """The tiles; gsd_m: a pixel on the hull, in the median; light_corrected: whether the light was
+    evened out.
+    """
 
     store: TileStore
     gsd_m: float
@@ -39,7 +45,10 @@ class OpticalMosaic:
 
 
 def optical_mosaic(
-    surface: MosaicSurface, cameras: Sequence[CameraImages], options: OpticalOptions, progress: Progress
+    surface: MosaicSurface,
+    cameras: Sequence[CameraImages],
+    options: OpticalOptions,
+    progress: Progress,
 ) -> OpticalMosaic:
     """Return the mosaic: footprints, light, then tile by tile.
 
@@ -51,7 +60,9 @@ def optical_mosaic(
     grid = grid_around(footprints.at.reshape(-1, 2), texel_size(gsd, options))
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)
     light = (
-        estimate_light(surface, cameras, image_views, footprints, lambda rows: progress(rows, "light"))
+        estimate_light(
+            surface, cameras, image_views, footprints, lambda rows: progress(rows, "light")
+        )
         if options.even_light
         else None
     )
@@ -67,8 +78,12 @@ def optical_mosaic(
 
 
 def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprints) -> float:
-    """Return the median distance over focal length, metres. Raises ValueError when no image meets the surface."""
-    focal = np.concatenate([np.full(len(s.rows), 0.5 * (s.camera.fx + s.camera.fy)) for s in cameras])
+    """Return the median distance over focal length, metres. Raises ValueError when no image meets
+    the surface.
+    """
+    focal = np.concatenate(
+        [np.full(len(s.rows), 0.5 * (s.camera.fx + s.camera.fy)) for s in cameras]
+    )
     gsd = footprints.distance / focal
     if not np.isfinite(gsd).any():
         raise ValueError("no image meets the surface")
@@ -76,8 +91,14 @@ def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprin
 
 
 def texel_size(gsd_m: float, options: OpticalOptions) -> float:
-    """Return the side of a texel: as asked, else some pixels wide within bounds, in whole tenths of a millimetre."""
+    """Return the side of a texel: as asked, else some pixels wide within bounds, in whole tenths of
+    a millimetre.
+    """
     if options.resolution_m is not None:
         return options.resolution_m
-    wanted = float(np.clip(options.samples_per_texel * gsd_m, options.min_resolution_m, options.max_resolution_m))
+    wanted = float(
+        np.clip(
+            options.samples_per_texel * gsd_m, options.min_resolution_m, options.max_resolution_m
+        )
+    )
     return round(wanted, 4)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The mosaic of an imaging sonar [Ozog2016 3.2.3, 3.2.4] (docs/methods.md 14), from posed pings and a surface to tiles."""
+"""The mosaic of an imaging sonar [Ozog2016 3.2.3, 3.2.4] (docs/methods.md 14), from posed pings and
+a surface to tiles.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,10 @@ MIN_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a lev
 
 @dataclass(frozen=True, kw_only=True)
 class SonarView:
-    """A ping. pose: one T_M_o (T_g_o without a CAD model); image (beams, ranges) uint8; level (beams, ranges): what a mean
-    piece of hull returns there, None to leave the image as it is; gain: by which that ping is brighter."""
+    """A ping. pose: one T_M_o (T_g_o without a CAD model); image (beams, ranges) uint8; level
+    (beams, ranges): what a mean piece of hull returns there, None to leave the image as it is;
+    gain: by which that ping is brighter.
+    """
 
     pose: Poses
     fan: SonarFan
@@ -48,7 +52,9 @@ class SonarView:
         return self.fan.locate(inside)
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Return rays all over the aperture; where the surface is met beyond the last range, the point at that range."""
+        """Return rays all over the aperture; where the surface is met beyond the last range, the
+        point at that range.
+        """
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
         gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         gone = np.where(np.isfinite(gone), np.minimum(gone, self.fan.range_m[-1]), np.nan)
@@ -63,7 +69,9 @@ class SonarView:
 
 @dataclass(frozen=True, kw_only=True)
 class SonarMosaic:
-    """The tiles; whether the level of the returns was learnt from the dive; where the pings met the surface."""
+    """The tiles; whether the level of the returns was learnt from the dive; where the pings met the
+    surface.
+    """
 
     store: TileStore
     light_corrected: bool
@@ -72,7 +80,9 @@ class SonarMosaic:
 
 @dataclass(frozen=True, kw_only=True)
 class ReturnLevels:
-    """What the hull returns. mean (beams, ranges): of a dive; gain (pings,): by which each ping is brighter."""
+    """What the hull returns. mean (beams, ranges): of a dive; gain (pings,): by which each ping is
+    brighter.
+    """
 
     mean: Array
     gain: Array
@@ -87,22 +97,29 @@ def sonar_mosaic(
     progress: Progress,
     scratch: BinaryIO,
 ) -> SonarMosaic:
-    """Return the mosaic. poses: T_M_o at the pings; elevation_rad: the full aperture out of the fan; scratch: an empty file,
-    for what grows with the dive.
+    """Return the mosaic. poses: T_M_o at the pings; elevation_rad: the full aperture out of the
+    fan; scratch: an empty file, for what grows with the dive.
 
     Raises ValueError when no ping meets the surface.
     """
     fan = build_fan(pings.directions, pings.range_m, options.aperture_share * elevation_rad)
-    image_views = [SonarView(pose=poses[i], fan=fan, image=image) for i, image in enumerate(pings.image)]
+    image_views = [
+        SonarView(pose=poses[i], fan=fan, image=image) for i, image in enumerate(pings.image)
+    ]
     footprints = compute_footprints(surface, image_views)
     step = options.resolution_m or round(float(np.median(np.diff(pings.range_m))), 4)
     grid = grid_around(footprints.at.reshape(-1, 2), step)
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)
     limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))), slant=0.0)
-    levels = learn_levels(surface, image_views, footprints, limits.min_cosine, scratch) if options.even_light else None
+    levels = (
+        learn_levels(surface, image_views, footprints, limits.min_cosine, scratch)
+        if options.even_light
+        else None
+    )
     if levels is not None:
         image_views = [
-            replace(s, level=levels.mean, gain=float(gain)) for s, gain in zip(image_views, levels.gain, strict=True)
+            replace(s, level=levels.mean, gain=float(gain))
+            for s, gain in zip(image_views, levels.gain, strict=True)
         ]
     windows = footprint_windows(grid, footprints)
     store = make_tiles(
@@ -114,13 +131,17 @@ def sonar_mosaic(
 
 
 def learn_levels(
-    surface: MosaicSurface, image_views: Sequence[SonarView], footprints: Footprints, min_cosine: float, scratch: BinaryIO
+    surface: MosaicSurface,
+    image_views: Sequence[SonarView],
+    footprints: Footprints,
+    min_cosine: float,
+    scratch: BinaryIO,
 ) -> ReturnLevels | None:
-    """Return what the hull returns on average at each range and beam, and each ping's gain: beam pattern, spreading, grazing
-    angle. scratch: an empty file.
+    """Return what the hull returns on average at each range and beam, and each ping's gain: beam
+    pattern, spreading, grazing angle. scratch: an empty file.
 
-    Only pixels on which the surface lies and is seen are counted, so that neither water before the first return nor shadows
-    darken the mean. None when too little of the hull was seen.
+    Only pixels on which the surface lies and is seen are counted, so that neither water before the
+    first return nor shadows darken the mean. None when too little of the hull was seen.
     """
     grid = grid_around(footprints.at.reshape(-1, 2), 0.05)
     shape = image_views[0].image.shape
@@ -139,16 +160,22 @@ def learn_levels(
     if count.sum() < MIN_SAMPLES:
         return None
     mean = _smooth(total, count)
-    gain = [_gain(s.image.ravel()[cell], mean.ravel()[cell]) for s, cell in zip(image_views, cells.by_ping(), strict=True)]
+    gain = [
+        _gain(s.image.ravel()[cell], mean.ravel()[cell])
+        for s, cell in zip(image_views, cells.by_ping(), strict=True)
+    ]
     return ReturnLevels(mean=mean, gain=np.array(gain))
 
 
 class _HullCells:
-    """Flat indices into the images of the pixels that hold hull, by ping, in a file: there are thousands a ping."""
+    """Flat indices into the images of the pixels that hold hull, by ping, in a file: there are
+    thousands a ping.
+    """
 
     def __init__(self, file: BinaryIO, pings: int) -> None:
         self._file = file
-        self._parts: list[list[tuple[int, int]]] = [[] for _ in range(pings)]  # byte and length of each
+        # byte and length of each
+        self._parts: list[list[tuple[int, int]]] = [[] for _ in range(pings)]
 
     def append(self, ping: int, cells: Ints) -> None:
         """Add indices to those of a ping."""
@@ -159,14 +186,18 @@ class _HullCells:
     def by_ping(self) -> Iterator[Ints]:
         """Yield the indices of one ping after the other."""
         for parts in self._parts:
-            yield np.concatenate([np.zeros(0, np.int64), *(self._read(at, length) for at, length in parts)])
+            yield np.concatenate(
+                [np.zeros(0, np.int64), *(self._read(at, length) for at, length in parts)]
+            )
 
     def _read(self, at: int, length: int) -> Ints:
         self._file.seek(at)
         return np.frombuffer(self._file.read(4 * length), np.uint32).astype(np.int64)
 
 
-def _hull_cells(surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float) -> Ints:
+def _hull_cells(
+    surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float
+) -> Ints:
     """Return the flat indices into the image of the pixels that hold these pieces of hull."""
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
@@ -188,7 +219,9 @@ def _smooth(total: Array, count: Array) -> Array:
     """Return the local mean over 2 beams and 3 range bins (sigma); wider where nothing was counted."""
     from scipy.ndimage import gaussian_filter
 
-    wide = gaussian_filter(total, (8, 12), mode="nearest") / np.maximum(gaussian_filter(count, (8, 12), mode="nearest"), 1e-9)
+    wide = gaussian_filter(total, (8, 12), mode="nearest") / np.maximum(
+        gaussian_filter(count, (8, 12), mode="nearest"), 1e-9
+    )
     fine_count = gaussian_filter(count, (2, 3), mode="nearest")
     fine = gaussian_filter(total, (2, 3), mode="nearest") / np.maximum(fine_count, 1e-9)
     share = np.minimum(fine_count, 1.0)

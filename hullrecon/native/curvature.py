@@ -1,12 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the curvature of a hull makes of two planes on it, by two characteristic radii [Ozog2016 2.3.4, B.6].
+"""What the curvature of a hull makes of two planes on it, by two characteristic radii [Ozog2016
+2.3.4, B.6].
 
-Azimuth runs about z of the vehicle, elevation towards z. Where the vehicle moves by t_a and t_e across the normal of a plane at
-the distance p, the normal leans by t_a / (radius_azimuth + p) and t_e / (radius_elevation + p). The print adds t_y over
-radius_azimuth and t_z over radius_elevation whatever the normal's direction; that holds for a normal along +x of the vehicle
-alone, has the wrong sign in azimuth for a vehicle that looks ahead at the hull, and forgets that the vehicle's way is longer
-than that on the hull. The printed distance stays, too; here the plane touches the surface that has curved away meanwhile.
+Azimuth runs about z of the vehicle, elevation towards z. Where the vehicle moves by t_a and t_e
+across the normal of a plane at the distance p, the normal leans by t_a / (radius_azimuth + p) and
+t_e / (radius_elevation + p). The print adds t_y over radius_azimuth and t_z over radius_elevation
+whatever the normal's direction; that holds for a normal along +x of the vehicle alone, has the
+wrong sign in azimuth for a vehicle that looks ahead at the hull, and forgets that the vehicle's way
+is longer than that on the hull. The printed distance stays, too; here the plane touches the surface
+that has curved away meanwhile.
 """
 
 from __future__ import annotations
@@ -16,24 +19,31 @@ import numpy as np
 from hullrecon.typing import Array
 
 
-def curvature_difference(plane: Array, moved: Array, radius_azimuth: Array, radius_elevation: Array) -> Array:
-    """Return by how much a plane differs from one seen after the vehicle has moved, on a hull of these radii: (m, 3) m.
+def curvature_difference(
+    plane: Array, moved: Array, radius_azimuth: Array, radius_elevation: Array
+) -> Array:
+    """Return by how much a plane differs from one seen after the vehicle has moved, on a hull of
+    these radii: (m, 3) m.
 
-    plane (m, 3): seen by the first pose. moved (m, 3) m: the second pose's origin in the vehicle frame of the first. The radii
-    (m,) m of a convex hull are positive, inf is flat. The result is in the vehicle frame of the first pose:
-    PlanePairTable.measured.
+    plane (m, 3): seen by the first pose. moved (m, 3) m: the second pose's origin in the vehicle
+    frame of the first. The radii (m,) m of a convex hull are positive, inf is flat. The result is
+    in the vehicle frame of the first pose: PlanePairTable.measured.
     """
     distance = np.linalg.norm(plane, axis=-1, keepdims=True)
     n = plane / distance
     azimuth = np.arctan2(n[:, 1], n[:, 0])
     along_azimuth = np.stack([-np.sin(azimuth), np.cos(azimuth), np.zeros_like(azimuth)], axis=-1)
     along_elevation = np.cross(n, along_azimuth)
-    step = np.stack([np.sum(moved * along, axis=-1) for along in (along_azimuth, along_elevation)], axis=-1)
+    step = np.stack(
+        [np.sum(moved * along, axis=-1) for along in (along_azimuth, along_elevation)], axis=-1
+    )
     radius = np.stack(np.broadcast_arrays(radius_azimuth, radius_elevation), axis=-1)
     step /= 1 + distance / radius  # on the hull
     lean = step / radius
     angle = np.linalg.norm(lean, axis=-1, keepdims=True)
-    towards = (lean[:, :1] * along_azimuth + lean[:, 1:] * along_elevation) / np.where(angle > 0, angle, 1)
+    towards = (lean[:, :1] * along_azimuth + lean[:, 1:] * along_elevation) / np.where(
+        angle > 0, angle, 1
+    )
     normal = np.cos(angle) * n + np.sin(angle) * towards
     sag = 0.5 * np.sum(step * lean, axis=-1, keepdims=True)
     below = step[:, :1] * along_azimuth + step[:, 1:] * along_elevation - (distance + sag) * n
@@ -50,16 +60,20 @@ def curvature_information(
     covariance: Array,
     floor_m: float,
 ) -> Array:
-    """Return sqrt_information (m, 3, 3) of plane pairs: of diag(difference^2) + C S C' + floor^2 [Ozog2016 2.3.4].
+    """Return sqrt_information (m, 3, 3) of plane pairs: of diag(difference^2) + C S C' + floor^2
+    [Ozog2016 2.3.4].
 
-    The first four as in `curvature_difference`; rotation (m, 3, 3): global_from_vehicle of the first pose; covariance
-    (m, 14, 14): of both poses, as `pair_covariance` gives it; C is the derivative of the difference by them. floor_m: sigma of
-    what no radius explains (frames, weld seams, the fit of the patches).
+    The first four as in `curvature_difference`; rotation (m, 3, 3): global_from_vehicle of the
+    first pose; covariance (m, 14, 14): of both poses, as `pair_covariance` gives it; C is the
+    derivative of the difference by them. floor_m: sigma of what no radius explains (frames, weld
+    seams, the fit of the patches).
     """
     h = 1e-4
 
     def along(axis: int, sign: float) -> Array:
-        return curvature_difference(plane, moved + sign * h * np.eye(3)[axis], radius_azimuth, radius_elevation)
+        return curvature_difference(
+            plane, moved + sign * h * np.eye(3)[axis], radius_azimuth, radius_elevation
+        )
 
     by_moved = np.stack([(along(k, 1) - along(k, -1)) / (2 * h) for k in range(3)], axis=-1)
     by_poses = np.zeros((len(plane), 3, 14))
@@ -68,6 +82,8 @@ def curvature_information(
     by_poses[:, :, 3:6] = np.cross(np.eye(3)[None], moved[:, None, :])  # hat(moved)
     c = by_moved @ by_poses
     difference = curvature_difference(plane, moved, radius_azimuth, radius_elevation)
-    whole = c @ covariance @ np.swapaxes(c, 1, 2) + (difference**2 + floor_m**2)[:, :, None] * np.eye(3)
+    whole = c @ covariance @ np.swapaxes(c, 1, 2) + (difference**2 + floor_m**2)[
+        :, :, None
+    ] * np.eye(3)
     root: Array = np.linalg.inv(np.linalg.cholesky(whole))
     return root

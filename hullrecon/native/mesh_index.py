@@ -15,9 +15,10 @@ from hullrecon.typing import Array, Ints32
 
 @dataclass(frozen=True, kw_only=True)
 class Closest:
-    """distance (n,) m, positive outside by the angle-weighted pseudonormal of the closest feature (face, edge or vertex);
-    point (n, 3) on the mesh; gradient (n, 3) unit, of the signed distance (the pseudonormal where the distance is nothing);
-    face (n,)."""
+    """distance (n,) m, positive outside by the angle-weighted pseudonormal of the closest feature
+    (face, edge or vertex); point (n, 3) on the mesh; gradient (n, 3) unit, of the signed distance
+    (the pseudonormal where the distance is nothing); face (n,).
+    """
 
     distance: Array
     point: Array
@@ -27,7 +28,9 @@ class Closest:
 
 @dataclass(frozen=True, kw_only=True)
 class Hits:
-    """range (n,) m, inf on a miss; face (n,), -1 on a miss; normal (n, 3) unit, outward by the corners' order, 0 on a miss."""
+    """range (n,) m, inf on a miss; face (n,), -1 on a miss; normal (n, 3) unit, outward by the
+    corners' order, 0 on a miss.
+    """
 
     range: Array
     face: Ints32
@@ -35,10 +38,12 @@ class Hits:
 
 
 class MeshIndex:
-    """Answers queries on a mesh: vertices (n, 3) m, faces (m, 3) int32, counter-clockwise from outside.
+    """Answers queries on a mesh: vertices (n, 3) m, faces (m, 3) int32, counter-clockwise from
+    outside.
 
-    Vertices with equal coordinates count as one. `threads`: 0 = all cores; the answer does not depend on it.
-    Raises InputError for shapes, indices or numbers that cannot be."""
+    Vertices with equal coordinates count as one. `threads`: 0 = all cores; the answer does not
+    depend on it. Raises InputError for shapes, indices or numbers that cannot be.
+    """
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, threads: int = 0) -> None:
         corners = np.asarray(faces)
@@ -55,13 +60,18 @@ class MeshIndex:
 
     def closest(self, points: ArrayLike) -> Closest:
         """Return the closest points of the mesh to points (n, 3)."""
-        distance, point, gradient, face = self._index.closest(np.asarray(points, float), self._threads)
+        distance, point, gradient, face = self._index.closest(
+            np.asarray(points, float), self._threads
+        )
         return Closest(distance=distance, point=point, gradient=gradient, face=face)
 
     def cast(self, origins: ArrayLike, directions: ArrayLike) -> Hits:
-        """Return the first crossings of rays, origins (n, 3) and directions (n, 3), with either side of a face.
+        """Return the first crossings of rays, origins (n, 3) and directions (n, 3), with either
+        side of a face.
 
         Directions need not be unit vectors; ranges are metres.
         """
-        distance, face, normal = self._index.cast(np.asarray(origins, float), np.asarray(directions, float), self._threads)
+        distance, face, normal = self._index.cast(
+            np.asarray(origins, float), np.asarray(directions, float), self._threads
+        )
         return Hits(range=distance, face=face, normal=normal)

@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A bundle adjustment problem as tables: what is unknown, what was measured, what is held [Ozog2016 4.2].
+"""A bundle adjustment problem as tables: what is unknown, what was measured, what is held [Ozog2016
+4.2].
 
-Quaternions are x y z w; motions are 7 numbers, x y z qx qy qz qw. The tangent of a motion is (translation, rotation) with the
-rotation perturbed on the right and the translation added in the parent frame; that of a pose block (translation 3, rotation 3,
-tray 1). The hull frame of a problem may be shifted from M to the middle of the survey; the mesh is given in that frame.
-sqrt_information (6, 6) is the square root of an information matrix, by which a residual is multiplied.
+Quaternions are x y z w; motions are 7 numbers, x y z qx qy qz qw. The tangent of a motion is
+(translation, rotation) with the rotation perturbed on the right and the translation added in the
+parent frame; that of a pose block (translation 3, rotation 3, tray 1). The hull frame of a problem
+may be shifted from M to the middle of the survey; the mesh is given in that frame. sqrt_information
+(6, 6) is the square root of an information matrix, by which a residual is multiplied.
 
 m, the number of rows, differs from table to table; a table left out has none.
 """
@@ -26,12 +28,14 @@ from hullrecon.typing import Array, Ints32
 class Unknowns:
     """Start values, or a solution.
 
-    pose (n, 8): T_g_v and the tray's angle, x y z qx qy qz qw tray. landmark (L, 3) in g. T_g_M, T_s_ct, T_ct_cb, T_s_d (7,).
-    navigation (6,): DVL scale error, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash rad. deviation
-    (F,) m: normal offsets of the hull from the CAD model, outward positive, at the nodes of the deviation field (empty: no
-    field). intrinsics_top, intrinsics_bottom (9,): fx fy cx cy k1 k2 p1 p2 k3. link_switch (s,): one for each row of links
-    under LinkKernel.SWITCH, in their order; 1 is closed, 0 open. plane (p, 3) m: each in the vehicle frame of its anchor
-    (planes.py). world (3,): north and east of g's origin m, heading of its x axis rad; unknown where there are positions.
+    pose (n, 8): T_g_v and the tray's angle, x y z qx qy qz qw tray. landmark (L, 3) in g. T_g_M,
+    T_s_ct, T_ct_cb, T_s_d (7,). navigation (6,): DVL scale error, heading drift rad/s, roll and
+    pitch bias rad, depth bias m, tray backlash rad. deviation (F,) m: normal offsets of the hull
+    from the CAD model, outward positive, at the nodes of the deviation field (empty: no field).
+    intrinsics_top, intrinsics_bottom (9,): fx fy cx cy k1 k2 p1 p2 k3. link_switch (s,): one for
+    each row of links under LinkKernel.SWITCH, in their order; 1 is closed, 0 open. plane (p, 3) m:
+    each in the vehicle frame of its anchor (planes.py). world (3,): north and east of g's origin m,
+    heading of its x axis rad; unknown where there are positions.
     """
 
     pose: Array
@@ -67,7 +71,8 @@ class LeverArms:
 
 @dataclass(frozen=True, kw_only=True)
 class MotionPrior:
-    """A prior on a motion x: sqrt_information (6, 6) times (translation, rotation vector) of value^-1 x [Ozog2016 eq. 4.8].
+    """A prior on a motion x: sqrt_information (6, 6) times (translation, rotation vector) of
+    value^-1 x [Ozog2016 eq. 4.8].
 
     The translation reads in the axes of the value (7,).
     """
@@ -98,8 +103,8 @@ class SparseRows:
 class Priors:
     """Priors by unknown; None: there is none. That of a held block is left out.
 
-    navigation_sigma (6,) and world_sigma (3,) about zero; intrinsics_sigma (9,) about the start; deviation: rows that
-    whiten the deviation field.
+    navigation_sigma (6,) and world_sigma (3,) about zero; intrinsics_sigma (9,) about the start;
+    deviation: rows that whiten the deviation field.
     """
 
     pose: PosePriors = PosePriors()
@@ -109,14 +114,17 @@ class Priors:
     T_s_d: MotionPrior | None = None
     navigation_sigma: Array = field(default_factory=lambda: np.ones(6))
     intrinsics_sigma: Array = field(default_factory=lambda: np.ones(9))
-    world_sigma: Array = field(default_factory=lambda: np.array([1e4, 1e4, 10.0]))  # as good as none
+    # as good as none
+    world_sigma: Array = field(default_factory=lambda: np.array([1e4, 1e4, 10.0]))
     deviation: SparseRows = SparseRows()
 
 
 @dataclass(frozen=True, kw_only=True)
 class AttitudeTable:
-    """Depth, roll, pitch [Ozog2016 eq. 4.9]: z of the pressure sensor + depth bias, roll + its bias, pitch + its bias, less
-    measured. node (m,); measured (m, 3): depth m, roll, pitch rad; sigma (m, 3)."""
+    """Depth, roll, pitch [Ozog2016 eq. 4.9]: z of the pressure sensor + depth bias, roll + its
+    bias, pitch + its bias, less measured. node (m,); measured (m, 3): depth m, roll, pitch rad;
+    sigma (m, 3).
+    """
 
     node: Ints32 = integers(0)
     measured: Array = floats(0, 3)
@@ -125,7 +133,9 @@ class AttitudeTable:
 
 @dataclass(frozen=True, kw_only=True)
 class TrayTable:
-    """The tray's angle [Ozog2016 eq. 4.10]: (angle + backlash * direction - measured) / sigma. All (m,), rad."""
+    """The tray's angle [Ozog2016 eq. 4.10]: (angle + backlash * direction - measured) / sigma. All
+    (m,), rad.
+    """
 
     node: Ints32 = integers(0)
     measured: Array = floats(0)
@@ -135,13 +145,15 @@ class TrayTable:
 
 @dataclass(frozen=True, kw_only=True)
 class OdometryTable:
-    """Relative motion of two poses [Ozog2016 eq. 4.11]: sqrt_information @ (e - by_navigation @ (scale, drift) - by_mount @
-    Log(R_mount^-1 R_s_d) - by_tray * (mean tray angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)),
-    T_ij = T_i^-1 T_j; each by_* is a derivative of the measured motion z in these same coordinates.
+    """Relative motion of two poses [Ozog2016 eq. 4.11]: sqrt_information @ (e - by_navigation @
+    (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) - by_tray * (mean tray angle - tray)), e =
+    (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)), T_ij = T_i^-1 T_j; each by_* is a
+    derivative of the measured motion z in these same coordinates.
 
-    first, second (m,): nodes; measured (m, 7); sqrt_information (m, 6, 6); by_navigation (m, 6, 2): by DVL scale error and
-    heading drift; by_mount (m, 6, 3): by the rotation of T_s_d away from mount (7,), which dead reckoning used; by_tray (m, 6):
-    by the mean tray angle of the two nodes away from tray (m,) rad, which it used.
+    first, second (m,): nodes; measured (m, 7); sqrt_information (m, 6, 6); by_navigation (m, 6, 2):
+    by DVL scale error and heading drift; by_mount (m, 6, 3): by the rotation of T_s_d away from
+    mount (7,), which dead reckoning used; by_tray (m, 6): by the mean tray angle of the two nodes
+    away from tray (m,) rad, which it used.
     """
 
     first: Ints32 = integers(0)
@@ -157,12 +169,12 @@ class OdometryTable:
 
 @dataclass(frozen=True, kw_only=True)
 class VelocityTable:
-    """Constant velocity over three poses in a row, across a gap of the sensors [KimEustice2009 II-A]: (mean velocity from the
-    second to the third - that from the first to the second) / sigma, translation in the axes of the second vehicle, rotation
-    vector of each step over its time.
+    """Constant velocity over three poses in a row, across a gap of the sensors [KimEustice2009
+    II-A]: (mean velocity from the second to the third - that from the first to the second) / sigma,
+    translation in the axes of the second vehicle, rotation vector of each step over its time.
 
-    first, second, third (m,): nodes; before, after (m,) s: the two intervals; sigma (m, 6): m/s, rad/s. Under white
-    acceleration of density q, (m/s^2)^2 s, sigma^2 = q (before + after) / 3.
+    first, second, third (m,): nodes; before, after (m,) s: the two intervals; sigma (m, 6): m/s,
+    rad/s. Under white acceleration of density q, (m/s^2)^2 s, sigma^2 = q (before + after) / 3.
     """
 
     first: Ints32 = integers(0)
@@ -175,10 +187,12 @@ class VelocityTable:
 
 @dataclass(frozen=True, kw_only=True)
 class PositionTable:
-    """Positions from outside (USBL, GPS): (predicted - measured) / sigma, north and east, m, under Huber's loss on the norm of
-    both rows (Options.huber_position). Predicted is where Unknowns.world has the antenna.
+    """Positions from outside (USBL, GPS): (predicted - measured) / sigma, north and east, m, under
+    Huber's loss on the norm of both rows (Options.huber_position). Predicted is where
+    Unknowns.world has the antenna.
 
-    node (m,); antenna (m, 3): in the vehicle at the node; measured (m, 2): north, east; sigma (m,), of each of them.
+    node (m,); antenna (m, 3): in the vehicle at the node; measured (m, 2): north, east; sigma (m,),
+    of each of them.
     """
 
     node: Ints32 = integers(0)
@@ -189,11 +203,11 @@ class PositionTable:
 
 @dataclass(frozen=True, kw_only=True)
 class StereoTable:
-    """Landmarks in both images [Ozog2016 eq. 4.12]. node, landmark (m,); pixel (m, 4) raw: top u v, bottom u v.
-    sigma_ratio (m,): sigma of a coordinate in Problem.sigma_px; empty: 1.
+    """Landmarks in both images [Ozog2016 eq. 4.12]. node, landmark (m,); pixel (m, 4) raw: top u v,
+    bottom u v. sigma_ratio (m,): sigma of a coordinate in Problem.sigma_px; empty: 1.
 
-    One Huber loss on the norm of the 4 rows (Options.huber_stereo); a point behind its camera costs 10^4 px a row, without
-    derivative.
+    One Huber loss on the norm of the 4 rows (Options.huber_stereo); a point behind its camera costs
+    10^4 px a row, without derivative.
     """
 
     node: Ints32 = integers(0)
@@ -204,8 +218,10 @@ class StereoTable:
 
 @dataclass(frozen=True, kw_only=True)
 class MonoTable:
-    """Landmarks in one image [Ozog2016 eq. 4.13]. node, landmark (m,); camera (m,): 0 top, 1 bottom; pixel (m, 2) raw. Loss
-    and sigma_ratio are as in StereoTable, on 2 rows (Options.huber_mono)."""
+    """Landmarks in one image [Ozog2016 eq. 4.13]. node, landmark (m,); camera (m,): 0 top, 1
+    bottom; pixel (m, 2) raw. Loss and sigma_ratio are as in StereoTable, on 2 rows
+    (Options.huber_mono).
+    """
 
     node: Ints32 = integers(0)
     landmark: Ints32 = integers(0)
@@ -216,7 +232,9 @@ class MonoTable:
 
 @dataclass(frozen=True, kw_only=True)
 class FieldNodes:
-    """Where rows stand in the deviation field: index (m, 4) of nodes and their weight (m, 4); empty without a field."""
+    """Where rows stand in the deviation field: index (m, 4) of nodes and their weight (m, 4); empty
+    without a field.
+    """
 
     index: Ints32 = integers(0, 4)
     weight: Array = floats(0, 4)
@@ -224,11 +242,11 @@ class FieldNodes:
 
 @dataclass(frozen=True, kw_only=True)
 class RangeTable:
-    """Ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma; predicted is the distance to the CAD model moved
-    outward by the field: cast - field / cos(incidence).
+    """Ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma; predicted is the
+    distance to the CAD model moved outward by the field: cast - field / cos(incidence).
 
-    node (m,); offset (m, 7): vehicle at the ping in vehicle at the node; tray_offset (m,) rad; beam (m, 3) unit, in dvl;
-    measured, sigma (m,) m.
+    node (m,); offset (m, 7): vehicle at the ping in vehicle at the node; tray_offset (m,) rad; beam
+    (m, 3) unit, in dvl; measured, sigma (m,) m.
     """
 
     node: Ints32 = integers(0)
@@ -242,8 +260,9 @@ class RangeTable:
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceTable:
-    """Signed distance of landmarks to the CAD model minus the field [Ozog2016 eqs 4.4, 4.5, 4.7]. landmark (m,); weight (m,)
-    multiplies the cost of the mixture."""
+    """Signed distance of landmarks to the CAD model minus the field [Ozog2016 eqs 4.4, 4.5, 4.7].
+    landmark (m,); weight (m,) multiplies the cost of the mixture.
+    """
 
     landmark: Ints32 = integers(0)
     weight: Array = floats(0)
@@ -254,9 +273,9 @@ class SurfaceTable:
 class Problem:
     """Unknowns at their start values, priors and measurements.
 
-    constant: the blocks held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top",
-    "intrinsics_bottom", "world", "tray" (every pose's tray angle). sigma_px: of a pixel coordinate, but for what a row's
-    sigma_ratio says.
+    constant: the blocks held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation",
+    "deviation", "intrinsics_top", "intrinsics_bottom", "world", "tray" (every pose's tray angle).
+    sigma_px: of a pixel coordinate, but for what a row's sigma_ratio says.
     """
 
     unknowns: Unknowns

@@ -15,9 +15,14 @@ class NavigateOptions(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """How the logs become a path."""
 
     longest_gap_s: Annotated[
-        Positive, Meta(description="s, between two velocities or attitudes; a longer outage is bridged and reported")
+        Positive,
+        Meta(
+            description="s, between two velocities or attitudes; a longer outage is bridged and reported"
+        ),
     ] = 0.6
-    node_spacing_s: Annotated[Positive, Meta(description="s, between nodes where there is no camera")] = 0.4
+    node_spacing_s: Annotated[
+        Positive, Meta(description="s, between nodes where there is no camera")
+    ] = 0.4
     reach_s: Annotated[
         Positive,
         Meta(
@@ -25,10 +30,19 @@ class NavigateOptions(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
             "as far as it goes on from the image next to it"
         ),
     ] = 1.0
-    beam_window_s: Annotated[Positive, Meta(description="s, of neighbouring ranges that a DVL range is compared with")] = 3.0
-    beam_jump_m: Annotated[Positive, Meta(description="m, smallest jump from its neighbours that rejects a DVL range")] = 0.5
-    beam_sigmas: Annotated[Positive, Meta(description="sigmas, robust, beyond which a DVL range is rejected")] = 5.0
+    beam_window_s: Annotated[
+        Positive, Meta(description="s, of neighbouring ranges that a DVL range is compared with")
+    ] = 3.0
+    beam_jump_m: Annotated[
+        Positive, Meta(description="m, smallest jump from its neighbours that rejects a DVL range")
+    ] = 0.5
+    beam_sigmas: Annotated[
+        Positive, Meta(description="sigmas, robust, beyond which a DVL range is rejected")
+    ] = 5.0
     stereo_features: Annotated[
-        int, Meta(ge=100, description="features of an image for visual odometry, and beyond the DVL")
+        int,
+        Meta(ge=100, description="features of an image for visual odometry, and beyond the DVL"),
     ] = 4000
-    stereo_inliers: Annotated[int, Meta(ge=6, description="features that must agree on a motion")] = 15
+    stereo_inliers: Annotated[
+        int, Meta(ge=6, description="features that must agree on a motion")
+    ] = 15

@@ -15,16 +15,25 @@ from hullrecon.typing import Array
 HOUR_S = 3600.0
 # The keys of dive.toml that the sigmas are made of.
 SIGMA_KEYS = (
-    "tray.sigma_deg", "imu.sigma_roll_pitch_deg", "imu.heading_drift_deg_per_hour", "imu.bias_sigma_deg",
-    "pressure.sigma_m", "pressure.bias_sigma_m", "dvl.mount_sigma", "dvl.scale_sigma", "dvl.sigma_range",
-)  # fmt: skip
+    "tray.sigma_deg",
+    "imu.sigma_roll_pitch_deg",
+    "imu.heading_drift_deg_per_hour",
+    "imu.bias_sigma_deg",
+    "pressure.sigma_m",
+    "pressure.bias_sigma_m",
+    "dvl.mount_sigma",
+    "dvl.scale_sigma",
+    "dvl.sigma_range",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class NavigationSigmas:
-    """One sigma of each error. One unknown for the dive: mount (6,) of the DVL on the tray, m and rad; scale of the DVL's
-    velocities; heading_drift_rad_s; tilt_bias_rad of roll and pitch; depth_bias_m; tray_rad, the servo's backlash. White:
-    tilt_rad of roll and pitch; depth_m; range_m of a DVL beam."""
+    """One sigma of each error. One unknown for the dive: mount (6,) of the DVL on the tray, m and
+    rad; scale of the DVL's velocities; heading_drift_rad_s; tilt_bias_rad of roll and pitch;
+    depth_bias_m; tray_rad, the servo's backlash. White: tilt_rad of roll and pitch; depth_m;
+    range_m of a DVL beam.
+    """
 
     mount: Array
     scale: float

@@ -15,14 +15,18 @@ from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array, Mask
 
-Status = Literal["new", "gone", "grown", "shrunk", "unchanged", "uncertain", "not seen before", "not seen again"]
+Status = Literal[
+    "new", "gone", "grown", "shrunk", "unchanged", "uncertain", "not seen before", "not seen again"
+]
 CHANGED: tuple[Status, ...] = ("new", "gone", "grown", "shrunk")
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullSurvey:
-    """What one dive knows of the hull, in its own hull frame M. as_found: support 0 where unseen; form_sigma (n,) m: one sigma
-    of each vertex without what the hull pose leaves open; objects: as reported."""
+    """What one dive knows of the hull, in its own hull frame M. as_found: support 0 where unseen;
+    form_sigma (n,) m: one sigma of each vertex without what the hull pose leaves open; objects: as
+    reported.
+    """
 
     name: str
     chart: Chart
@@ -34,12 +38,12 @@ class HullSurvey:
 
 @dataclass(frozen=True, kw_only=True)
 class SurveyOffset:
-    """Where the second survey lies in the first one's hull frame: both lie on the CAD model within their hull poses' sigmas
-    only.
+    """Where the second survey lies in the first one's hull frame: both lie on the CAD model within
+    their hull poses' sigmas only.
 
-    first_from_second: a batch of one, near the identity. covariance (6, 6): of (translation, rotation about center), m and
-    rad; prior_covariance (6, 6): what both hull poses leave open. center (3,) in M. chi_square: of the offset by its prior,
-    6 degrees of freedom.
+    first_from_second: a batch of one, near the identity. covariance (6, 6): of (translation,
+    rotation about center), m and rad; prior_covariance (6, 6): what both hull poses leave open.
+    center (3,) in M. chi_square: of the offset by its prior, 6 degrees of freedom.
     """
 
     first_from_second: Poses
@@ -52,11 +56,13 @@ class SurveyOffset:
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectChange:
-    """One object of either survey, or a place where the surface changed as an object does. first_id, second_id: in the
-    surveys' objects.json. center (3,) in the first survey's M; outline (k, 2) along and girth there, m. height_before,
-    height_after: above the hull around it, NaN where not seen, with their sigmas, m; change, its sigma, m; p_value: probability
-    that nothing changed and any place looks so; area m2 of what changed. sigma (3,) m: of the place, along, in girth, along the
-    normal."""
+    """One object of either survey, or a place where the surface changed as an object does.
+    first_id, second_id: in the surveys' objects.json. center (3,) in the first survey's M; outline
+    (k, 2) along and girth there, m. height_before, height_after: above the hull around it, NaN
+    where not seen, with their sigmas, m; change, its sigma, m; p_value: probability that nothing
+    changed and any place looks so; area m2 of what changed. sigma (3,) m: of the place, along, in
+    girth, along the normal.
+    """
 
     status: Status
     first_id: int | None
@@ -78,8 +84,9 @@ class ObjectChange:
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceMove:
-    """A stretch of bare hull whose form is another one: it moved by move m, outward positive, with sigma and p_value over all
-    places looked at; outline (k, 2) along and girth, m; area m2."""
+    """A stretch of bare hull whose form is another one: it moved by move m, outward positive, with
+    sigma and p_value over all places looked at; outline (k, 2) along and girth, m; area m2.
+    """
 
     along_girth: Array
     outline: Array
@@ -92,8 +99,9 @@ class SurfaceMove:
 
 @dataclass(frozen=True, kw_only=True)
 class ChangeMap:
-    """Cells of the chart (a, g). change: m, second survey's height minus the first's, offset taken off; NaN where not both
-    saw the hull; sigma: m; first_seen, second_seen."""
+    """Cells of the chart (a, g). change: m, second survey's height minus the first's, offset taken
+    off; NaN where not both saw the hull; sigma: m; first_seen, second_seen.
+    """
 
     lattice: Lattice
     change: Array
@@ -104,8 +112,9 @@ class ChangeMap:
 
 @dataclass(frozen=True, kw_only=True)
 class HullChange:
-    """What changed. areas in m2; detectable_m: the median of the smallest change that would have been found, m; places: how
-    many were looked at."""
+    """What changed. areas in m2; detectable_m: the median of the smallest change that would have
+    been found, m; places: how many were looked at.
+    """
 
     first: str
     second: str

@@ -12,8 +12,10 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class PositionMembers:
-    """Where something lies on the hull and how well that is known: metres in the frame of summary.json, along and girth on the
-    hull chart, frame the ship's, depth below the water surface."""
+    """Where something lies on the hull and how well that is known: metres in the frame of
+    summary.json, along and girth on the hull chart, frame the ship's, depth below the water
+    surface.
+    """
 
     position_covariance: tuple[Point, Point, Point] | None = None
     position_sigma: Point | None = None
@@ -31,7 +33,9 @@ class PositionMembers:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportedObject(PositionMembers):
-    """One row of objects.json: metres, square and cubic metres, points in the frame of summary.json."""
+    """One row of objects.json: metres, square and cubic metres, points in the frame of
+    summary.json.
+    """
 
     center: Point
     height: float
@@ -55,7 +59,9 @@ class ReportedObject(PositionMembers):
 
 @dataclass(frozen=True, kw_only=True)
 class RejectedRegion(PositionMembers):
-    """A region that detect looked at and did not report: centre, height over the hull around it (m), and why."""
+    """A region that detect looked at and did not report: centre, height over the hull around it
+    (m), and why.
+    """
 
     center: Point
     height: float
@@ -65,8 +71,10 @@ class RejectedRegion(PositionMembers):
 
 @dataclass(frozen=True, kw_only=True)
 class SensorCoverage:
-    """What one sensor saw: areas in m2, area_sigma_m2 None where it is not known; percentiles by name (p05, p50, p95) of the
-    ground sample distance (m), of the incidence of the best view (degrees) and of the views."""
+    """What one sensor saw: areas in m2, area_sigma_m2 None where it is not known; percentiles by
+    name (p05, p50, p95) of the ground sample distance (m), of the incidence of the best view
+    (degrees) and of the views.
+    """
 
     area_m2: float | None = None
     area_sigma_m2: float | None = None
@@ -96,8 +104,9 @@ class RegionShare:
 
 @dataclass(frozen=True, kw_only=True)
 class RegionCoverage:
-    """A region of dive.toml: its limits in m (None: none), the hull in it in m2, and what each sensor saw of it, None for one
-    that was not carried."""
+    """A region of dive.toml: its limits in m (None: none), the hull in it in m2, and what each
+    sensor saw of it, None for one that was not carried.
+    """
 
     name: str
     along: tuple[float, float] | None
@@ -110,7 +119,9 @@ class RegionCoverage:
 
 @dataclass(frozen=True, kw_only=True)
 class Coverage:
-    """coverage.json; None for a sensor that was not carried. min_hole_m2: smaller holes are not listed."""
+    """coverage.json; None for a sensor that was not carried. min_hole_m2: smaller holes are not
+    listed.
+    """
 
     camera: SensorCoverage | None = None
     sonar: SensorCoverage | None = None

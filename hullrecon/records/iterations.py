@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How the record of a solve is read (iterations.npz, docs/formats.md): a row an iteration, rounds one after the other."""
+"""How the record of a solve is read (iterations.npz, docs/formats.md): a row an iteration, rounds
+one after the other.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,17 @@ def reached_cost(cost: Array, accepted: Mask) -> Array:
 
 
 def count(rounds: Ints) -> int:
-    """Return the number of iterations of all rounds, their starts not counted; rounds (k,): the round of each row."""
+    """Return the number of iterations of all rounds, their starts not counted; rounds (k,): the
+    round of each row.
+    """
     return len(rounds) - len(np.unique(rounds))
 
 
 def broken(at: NDArray[np.number], values: NDArray[np.number], rounds: Ints) -> tuple[Array, Array]:
-    """Return a curve (k,) over `at` with NaN wherever a round begins: costs of two rounds do not compare."""
+    """Return a curve (k,) over `at` with NaN wherever a round begins: costs of two rounds do not
+    compare.
+    """
     starts = np.flatnonzero(np.diff(rounds)) + 1
-    return np.insert(np.asarray(at, float), starts, np.nan), np.insert(np.asarray(values, float), starts, np.nan)
+    return np.insert(np.asarray(at, float), starts, np.nan), np.insert(
+        np.asarray(values, float), starts, np.nan
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hold what each sensor measured: times in int64 nanoseconds since 1970, SI units, NaN for lost values."""
+"""Hold what each sensor measured: times in int64 nanoseconds since 1970, SI units, NaN for lost
+values.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +16,9 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class DvlPings:
-    """velocity (n, 3) m/s of the instrument in `dvl` (NaN when lost), velocity_sigma (n,) m/s, ranges (n, b) m along the
-    beams (NaN when lost), beams (b, 3) unit vectors in `dvl`."""
+    """velocity (n, 3) m/s of the instrument in `dvl` (NaN when lost), velocity_sigma (n,) m/s,
+    ranges (n, b) m along the beams (NaN when lost), beams (b, 3) unit vectors in `dvl`.
+    """
 
     t_ns: Ints
     velocity: Array
@@ -26,8 +29,9 @@ class DvlPings:
 
 @dataclass(frozen=True, kw_only=True)
 class ImuSamples:
-    """quaternion (n, 4): rotation of `vehicle` in `global` (NED-like, converted at ingest); rates (n, 3) rad/s and
-    acceleration (n, 3) m/s2 in `vehicle`, NaN when not logged."""
+    """quaternion (n, 4): rotation of `vehicle` in `global` (NED-like, converted at ingest); rates
+    (n, 3) rad/s and acceleration (n, 3) m/s2 in `vehicle`, NaN when not logged.
+    """
 
     t_ns: Ints
     quaternion: Array
@@ -53,9 +57,10 @@ class JointSamples:
 
 @dataclass(frozen=True, kw_only=True)
 class ImageIndex:
-    """Images of one camera in time order. file (n,) str: path relative to the package, or "" when the bytes lie in the
-    ingest artifact's images_<camera>.bin at offset (n,), size (n,). usable (n,) bool: it decoded. bits (): that values of
-    images of 16 bits take, 8 to 16."""
+    """Images of one camera in time order. file (n,) str: path relative to the package, or "" when
+    the bytes lie in the ingest artifact's images_<camera>.bin at offset (n,), size (n,). usable
+    (n,) bool: it decoded. bits (): that values of images of 16 bits take, 8 to 16.
+    """
 
     t_ns: Ints
     file: NDArray[np.str_]
@@ -67,7 +72,9 @@ class ImageIndex:
 
 @dataclass(frozen=True, kw_only=True)
 class SonarPings:
-    """image (n, beams, ranges) uint8, directions (beams, 3) unit vectors in `sonar`, range_m (ranges,) bin centres."""
+    """image (n, beams, ranges) uint8, directions (beams, 3) unit vectors in `sonar`, range_m
+    (ranges,) bin centres.
+    """
 
     t_ns: Ints
     image: NDArray[np.uint8]
@@ -77,8 +84,9 @@ class SonarPings:
 
 @dataclass(frozen=True, kw_only=True)
 class PositionFixes:
-    """Positions from outside, of GPS or USBL. north_east (n, 2) m of the first fix, north as its frame has it; sigma (n,) m of
-    either."""
+    """Positions from outside, of GPS or USBL. north_east (n, 2) m of the first fix, north as its
+    frame has it; sigma (n,) m of either.
+    """
 
     t_ns: Ints
     north_east: Array
@@ -90,7 +98,9 @@ SensorRecord = DvlPings | ImuSamples | PressureSamples | JointSamples | SonarPin
 
 @dataclass(frozen=True, kw_only=True)
 class SensorRecords:
-    """What the sensors of one dive measured, images apart; None for a sensor of which nothing was read."""
+    """What the sensors of one dive measured, images apart; None for a sensor of which nothing was
+    read.
+    """
 
     dvl: DvlPings | None = None
     imu: ImuSamples | None = None

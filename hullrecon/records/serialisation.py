@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write records as the members of an .npz and read them back: fields by name, those of nested records by `part.field`.
+"""Write records as the members of an .npz and read them back: fields by name, those of nested
+records by `part.field`.
 
 A part that is None has no members, which distinguishes it from an empty one.
 """
@@ -38,14 +39,18 @@ def from_arrays(kind: type[Record], arrays: Mapping[str, NDArray[np.generic]]) -
     return _from_arrays(kind, arrays, "")
 
 
-def _from_arrays(kind: type[Record], arrays: Mapping[str, NDArray[np.generic]], prefix: str) -> Record:
+def _from_arrays(
+    kind: type[Record], arrays: Mapping[str, NDArray[np.generic]], prefix: str
+) -> Record:
     hints = typing.get_type_hints(kind)
     values: dict[str, object] = {}
     for field in fields(kind):  # type: ignore[arg-type]  # any dataclass
         name, part = prefix + field.name, _nested_record(hints[field.name])
         if part is None:
             values[field.name] = arrays[name]
-        elif _is_optional(hints[field.name]) and not any(member.startswith(name + ".") for member in arrays):
+        elif _is_optional(hints[field.name]) and not any(
+            member.startswith(name + ".") for member in arrays
+        ):
             values[field.name] = None
         else:
             values[field.name] = _from_arrays(part, arrays, name + ".")

@@ -14,14 +14,17 @@ from hullrecon.geometry.poses import Poses, identity
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.typing import Array, Ints, Mask
 
-# |deviation| at which a landmark's label changes, m: where the two parts of the mixture of native/factors/mixture.h are equal.
+# |deviation| at which a landmark's label changes, m: where the two parts of the mixture of
+# native/factors/mixture.h are equal.
 LABEL_BOUNDARY_M = 0.05595
 
 
 @dataclass(frozen=True, kw_only=True)
 class Landmarks:
-    """L landmarks. position (L, 3) in g; covariance (L, 3, 3) in M (g without a CAD model); label (L,): 1 = on the CAD model's
-    surface; deviation (L,) m, signed distance to the CAD model (NaN without one); views (L,); color (L, 3) RGB."""
+    """L landmarks. position (L, 3) in g; covariance (L, 3, 3) in M (g without a CAD model); label
+    (L,): 1 = on the CAD model's surface; deviation (L,) m, signed distance to the CAD model (NaN
+    without one); views (L,); color (L, 3) RGB.
+    """
 
     position: Array
     covariance: Array
@@ -36,10 +39,12 @@ class Landmarks:
 
 @dataclass(frozen=True, kw_only=True)
 class HullPose:
-    """T_g_M (a batch of one) and its covariance (6, 6) of (translation in g, rotation right-perturbed in M).
+    """T_g_M (a batch of one) and its covariance (6, 6) of (translation in g, rotation
+    right-perturbed in M).
 
-    Both parts are about survey_center (3,) in M. The covariance is that of where the hull lies given the dive's own frame, with
-    the CAD model's error in it; as published, the solve's own marginal.
+    Both parts are about survey_center (3,) in M. The covariance is that of where the hull lies
+    given the dive's own frame, with the CAD model's error in it; as published, the solve's own
+    marginal.
     """
 
     global_from_hull: Poses
@@ -49,7 +54,9 @@ class HullPose:
 
 @dataclass(frozen=True, kw_only=True)
 class Mounts:
-    """Where the sensors sit as adjusted, each a batch of one; None where the sensor was not carried."""
+    """Where the sensors sit as adjusted, each a batch of one; None where the sensor was not
+    carried.
+    """
 
     tray_from_dvl: Poses
     tray_from_camera: Poses | None
@@ -58,7 +65,8 @@ class Mounts:
 
 @dataclass(frozen=True, kw_only=True)
 class DeviationField:
-    """Normal offsets of the hull from its CAD model, outward positive, at the nodes of a grid on the hull chart.
+    """Normal offsets of the hull from its CAD model, outward positive, at the nodes of a grid on
+    the hull chart.
 
     origin (2,) m and step (2,) m along and girth; value, sigma (a, g) m.
     """
@@ -69,16 +77,22 @@ class DeviationField:
     sigma: Array
 
     def covers(self, along_girth: Array) -> Mask:
-        """Return which of chart points (n, 2) lie within the grid; a point off the chart (NaN) does not."""
+        """Return which of chart points (n, 2) lie within the grid; a point off the chart (NaN) does
+        not.
+        """
         cell = (along_girth - self.origin) / self.step
         return np.asarray(np.all((cell >= 0) & (cell <= np.array(self.value.shape) - 1), axis=1))
 
     def value_at(self, along_girth: Array) -> Array:
-        """Return the offset (n,) m at chart points (n, 2), bilinear; held beyond the grid's ends, NaN where a point is NaN."""
+        """Return the offset (n,) m at chart points (n, 2), bilinear; held beyond the grid's ends,
+        NaN where a point is NaN.
+        """
         return self._interpolate(self.value, along_girth)
 
     def sigma_at(self, along_girth: Array) -> Array:
-        """Return one sigma (n,) m of the offset at chart points (n, 2), interpolated as the offset is."""
+        """Return one sigma (n,) m of the offset at chart points (n, 2), interpolated as the offset
+        is.
+        """
         return self._interpolate(self.sigma, along_girth)
 
     def _interpolate(self, grid: Array, along_girth: Array) -> Array:
@@ -93,10 +107,12 @@ class DeviationField:
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """The adjusted dive. By node: t_ns (n,), image (n, 2) rows in the cameras' indices (-1 where none), global_from_vehicle,
-    tray (n,) rad and its sigma, pose_covariance (n, 6, 6) of T_M_v (of T_g_v without a CAD model): (translation in M, rotation
-    right-perturbed in v). navigation_errors (6,): DVL scale error, heading drift rad/s, roll and pitch bias rad, depth bias m,
-    tray backlash rad. hull_pose, deviation_field: None without a CAD model."""
+    """The adjusted dive. By node: t_ns (n,), image (n, 2) rows in the cameras' indices (-1 where
+    none), global_from_vehicle, tray (n,) rad and its sigma, pose_covariance (n, 6, 6) of T_M_v (of
+    T_g_v without a CAD model): (translation in M, rotation right-perturbed in v). navigation_errors
+    (6,): DVL scale error, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash
+    rad. hull_pose, deviation_field: None without a CAD model.
+    """
 
     t_ns: Ints
     image: Ints

@@ -14,9 +14,11 @@ from hullrecon.typing import Array, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class Tracks:
-    """Observations, sorted by (landmark, node): landmark (m,), node (m,), top (m, 2) and bottom (m, 2) pixels in the raw
-    (distorted) images, NaN where that camera did not see it. response (m,): of the feature detector, the mean of both
-    images; NaN for corners, whose detector has another scale. color (landmarks, 3) uint8 RGB."""
+    """Observations, sorted by (landmark, node): landmark (m,), node (m,), top (m, 2) and bottom (m,
+    2) pixels in the raw (distorted) images, NaN where that camera did not see it. response (m,): of
+    the feature detector, the mean of both images; NaN for corners, whose detector has another
+    scale. color (landmarks, 3) uint8 RGB.
+    """
 
     landmark: Ints
     node: Ints

@@ -33,8 +33,9 @@ class VehiclePath:
 class VehicleTrack:
     """The best path of a dive that there is, in the frame of its results.
 
-    t_ns (n,); poses: T_M_v, or T_g_v where frame is g; tray (n,) rad; covariance (n, 6, 6) of (translation in that frame,
-    rotation perturbed on the right); image (n, 2): rows in the indices of the cameras, -1 where none.
+    t_ns (n,); poses: T_M_v, or T_g_v where frame is g; tray (n,) rad; covariance (n, 6, 6) of
+    (translation in that frame, rotation perturbed on the right); image (n, 2): rows in the indices
+    of the cameras, -1 where none.
     """
 
     t_ns: Ints
@@ -56,14 +57,24 @@ class VehicleTrack:
 
     def sigma_towards(self, directions: Array) -> Array:
         """Return one sigma of the position (n,), m, along unit vectors (n, 3) of the frame."""
-        return np.asarray(np.sqrt(np.einsum("ni,nij,nj->n", directions, self.covariance[:, :3, :3], directions)))
+        return np.asarray(
+            np.sqrt(np.einsum("ni,nij,nj->n", directions, self.covariance[:, :3, :3], directions))
+        )
 
     def sigma_on_chart(self, chart: Chart) -> tuple[float, float]:
-        """Return the median one sigma of the position along the hull and in girth, m, by the chart's tangents below the
-        vehicle; NaN where it is nowhere over the chart."""
-        along, girth = (self.sigma_towards(direction) for direction in tangents_at(chart, self.poses.translation))
+        """Return the median one sigma of the position along the hull and in girth, m, by the
+        chart's tangents below the vehicle; NaN where it is nowhere over the chart.
+        """
+        along, girth = (
+            self.sigma_towards(direction)
+            for direction in tangents_at(chart, self.poses.translation)
+        )
         known = np.isfinite(along) & np.isfinite(girth)
-        return (float(np.median(along[known])), float(np.median(girth[known]))) if known.any() else (np.nan, np.nan)
+        return (
+            (float(np.median(along[known])), float(np.median(girth[known])))
+            if known.any()
+            else (np.nan, np.nan)
+        )
 
     def vehicle_at(self, t_ns: Ints) -> Poses:
         """Return the vehicle (m) at those times, held at both ends."""
@@ -72,10 +83,12 @@ class VehicleTrack:
 
 @dataclass(frozen=True, kw_only=True)
 class Trajectory:
-    """T_g_v at n nodes: quaternion (n, 4), translation (n, 3), covariance (n, 6, 6) of (translation in g, rotation as a
-    right perturbation in v), tray (n,) rad, image (n, 2): row in the index of camera_top and camera_bottom, -1 where none.
+    """T_g_v at n nodes: quaternion (n, 4), translation (n, 3), covariance (n, 6, 6) of (translation
+    in g, rotation as a right perturbation in v), tray (n,) rad, image (n, 2): row in the index of
+    camera_top and camera_bottom, -1 where none.
 
-    A node stands at each camera frame; DVL pings farther than a second from any frame have nodes too, thinned out.
+    A node stands at each camera frame; DVL pings farther than a second from any frame have nodes
+    too, thinned out.
     """
 
     t_ns: Ints
@@ -92,18 +105,25 @@ class Trajectory:
     def track(self) -> VehicleTrack:
         """Return the dead-reckoned vehicle in g."""
         return VehicleTrack(
-            t_ns=self.t_ns, poses=self.poses(), tray=self.tray, covariance=self.covariance, image=self.image, frame=Frame.GLOBAL
+            t_ns=self.t_ns,
+            poses=self.poses(),
+            tray=self.tray,
+            covariance=self.covariance,
+            image=self.image,
+            frame=Frame.GLOBAL,
         )
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrajectoryErrorModel:
-    """What makes the poses of a Trajectory wrong, by cause, so that errors which two nodes share can cancel.
+    """What makes the poses of a Trajectory wrong, by cause, so that errors which two nodes share
+    can cancel.
 
-    Errors are twists about the origin of g, Exp(twist) T_g_v, (translation, rotation): whatever is fixed to the vehicle has the
-    same. by_error (n, 6, k): derivative of each node's twist by the k errors that are one unknown for the dive;
-    error_covariance (k, k) of those (k may be 0). walk (n, 6, 6): covariance that has accumulated since the start,
-    negative before it; between two nodes it is the difference. white (n, 6, 6): covariance of what is new at each node.
+    Errors are twists about the origin of g, Exp(twist) T_g_v, (translation, rotation): whatever is
+    fixed to the vehicle has the same. by_error (n, 6, k): derivative of each node's twist by the k
+    errors that are one unknown for the dive; error_covariance (k, k) of those (k may be 0). walk
+    (n, 6, 6): covariance that has accumulated since the start, negative before it; between two
+    nodes it is the difference. white (n, 6, 6): covariance of what is new at each node.
     """
 
     by_error: Array
@@ -114,13 +134,15 @@ class TrajectoryErrorModel:
 
 @dataclass(frozen=True, kw_only=True)
 class Odometry:
-    """Relative motion between neighbouring nodes, `T_i^-1 T_j`, with its derivatives by the errors that persist.
+    """Relative motion between neighbouring nodes, `T_i^-1 T_j`, with its derivatives by the errors
+    that persist.
 
-    first, second (m,): nodes. quaternion (m, 4), translation (m, 3): the measured motion. covariance (m, 6, 6): of its white
-    part, (translation, right-perturbed rotation). by_navigation (m, 6, 2): derivative of the measured (translation, rotation)
-    by the DVL's scale error (a true speed of (1 + e) v) and by the heading drift in rad/s. by_mount (m, 6, 3): by a rotation
-    vector of T_s_d, right-perturbed. by_tray (m, 6): by an error of the tray's angle that is common to both nodes. from_images
-    (m,): the two nodes' images measured the motion.
+    first, second (m,): nodes. quaternion (m, 4), translation (m, 3): the measured motion.
+    covariance (m, 6, 6): of its white part, (translation, right-perturbed rotation). by_navigation
+    (m, 6, 2): derivative of the measured (translation, rotation) by the DVL's scale error (a true
+    speed of (1 + e) v) and by the heading drift in rad/s. by_mount (m, 6, 3): by a rotation vector
+    of T_s_d, right-perturbed. by_tray (m, 6): by an error of the tray's angle that is common to
+    both nodes. from_images (m,): the two nodes' images measured the motion.
     """
 
     first: Ints
@@ -137,7 +159,9 @@ class Odometry:
         return len(self.first)
 
     def sigma_between(self, first: Ints, second: Ints) -> Array:
-        """Return how well the motions tell the way (m,) m from a node to a later one, of the axis that they tell worst."""
+        """Return how well the motions tell the way (m,) m from a node to a later one, of the axis
+        that they tell worst.
+        """
         nodes = 1 + max(int(rows.max(initial=0)) for rows in (self.second, first, second))
         walked_m2 = np.zeros(nodes)
         np.add.at(walked_m2, self.second, self.covariance[:, [0, 1, 2], [0, 1, 2]].max(axis=1))
@@ -151,9 +175,11 @@ class Odometry:
 
 @dataclass(frozen=True, kw_only=True)
 class Returns:
-    """DVL returns, one row a beam that came back. node (m,): the nearest node; quaternion (m, 4), translation (m, 3): the
-    vehicle at the ping in the vehicle at the node (dead reckoned); tray_offset (m,): tray at ping minus tray at node, rad;
-    beam (m, 3) unit vector in `dvl`; range_m (m,); flagged (m,) bool: disagrees with its neighbours; t_ns (m,)."""
+    """DVL returns, one row a beam that came back. node (m,): the nearest node; quaternion (m, 4),
+    translation (m, 3): the vehicle at the ping in the vehicle at the node (dead reckoned);
+    tray_offset (m,): tray at ping minus tray at node, rad; beam (m, 3) unit vector in `dvl`;
+    range_m (m,); flagged (m,) bool: disagrees with its neighbours; t_ns (m,).
+    """
 
     t_ns: Ints
     node: Ints
@@ -167,8 +193,9 @@ class Returns:
 
 @dataclass(frozen=True, kw_only=True)
 class PositionTies:
-    """Positions from outside at the nodes. node (m,): the nearest; antenna (m, 3) m: where the position was measured, in the
-    vehicle at the node, moved since by dead reckoning; north_east (m, 2) m of the first fix; sigma (m,) m of either; t_ns (m,).
+    """Positions from outside at the nodes. node (m,): the nearest; antenna (m, 3) m: where the
+    position was measured, in the vehicle at the node, moved since by dead reckoning; north_east (m,
+    2) m of the first fix; sigma (m,) m of either; t_ns (m,).
     """
 
     t_ns: Ints
@@ -183,11 +210,13 @@ class PositionTies:
 
 @dataclass(frozen=True, kw_only=True)
 class Attitude:
-    """Depth, roll and pitch at the nodes, as measured: node (m,), depth (m,) of the pressure sensor, roll, pitch (m,) rad,
-    and one sigma of the white part of each (m, 3). nodes_per_reading (m,): nodes that a reading of the pressure sensor comes
-    to, 1 at least, by whose square root the sigma of their depths is the larger; 0 where none was read. tray_direction
-    (n_nodes,): +1 or -1, the sense in which the tray last moved (for the servo's backlash); tray_sigma (n_nodes,): rad, beside
-    the servo's own, of what the tray may have turned while its angle was not read."""
+    """Depth, roll and pitch at the nodes, as measured: node (m,), depth (m,) of the pressure
+    sensor, roll, pitch (m,) rad, and one sigma of the white part of each (m, 3). nodes_per_reading
+    (m,): nodes that a reading of the pressure sensor comes to, 1 at least, by whose square root the
+    sigma of their depths is the larger; 0 where none was read. tray_direction (n_nodes,): +1 or -1,
+    the sense in which the tray last moved (for the servo's backlash); tray_sigma (n_nodes,): rad,
+    beside the servo's own, of what the tray may have turned while its angle was not read.
+    """
 
     node: Ints
     depth: Array

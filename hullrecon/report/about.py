@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What [report] of dive.toml says of an inspection: who asked for it, who dived, with what, in which water, and to what end."""
+"""What [report] of dive.toml says of an inspection: who asked for it, who dived, with what, in
+which water, and to what end.
+"""
 
 from __future__ import annotations
 
@@ -31,34 +33,52 @@ class AboutInspection:
     def rows(self) -> list[tuple[str, str]]:
         """Return what is said, by heading; the conclusion has a block of its own."""
         rows = [
-            ("Client", self.client), ("Inspected by", self.operator), ("Operator of the vessel", self.vessel_operator),
-            ("Equipment", "; ".join(self.equipment)), ("Water", self.water),
-        ]  # fmt: skip
+            ("Client", self.client),
+            ("Inspected by", self.operator),
+            ("Operator of the vessel", self.vessel_operator),
+            ("Equipment", "; ".join(self.equipment)),
+            ("Water", self.water),
+        ]
         return [(name, text.strip()) for name, text in rows if text.strip()]
 
     def paragraphs(self) -> list[str]:
         """Return the conclusion by paragraphs, which blank lines part."""
-        return [" ".join(part.split()) for part in self.conclusion.replace("\r\n", "\n").split("\n\n") if part.strip()]
+        return [
+            " ".join(part.split())
+            for part in self.conclusion.replace("\r\n", "\n").split("\n\n")
+            if part.strip()
+        ]
 
 
 def read_logo(path: Path) -> bytes:
-    """Return a logo as PNG of at most SHOWN pixels, without what else its file holds. Raises InputError where it is no PNG,
-    JPEG or WebP of at most 4 MiB."""
+    """Return a logo as PNG of at most SHOWN pixels, without what else its file holds. Raises
+    InputError where it is no PNG, JPEG or WebP of at most 4 MiB.
+    """
     from PIL import Image
 
     what = f"report.logo cannot be used: {path.name}"
     try:
         data = read_regular(path, LARGEST_LOGO)
     except OSError as error:
-        raise InputError(f"{what}: {error.strerror}", where=str(path.parent), remedy="correct [report] logo") from None
+        raise InputError(
+            f"{what}: {error.strerror}", where=str(path.parent), remedy="correct [report] logo"
+        ) from None
     try:
         with Image.open(BytesIO(data), formats=("PNG", "JPEG", "WEBP")) as picture:
             if picture.width * picture.height > MOST_PIXELS:
                 raise ValueError("too many pixels")
             shown = picture.convert("RGBA")
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError, Image.DecompressionBombWarning):
+    except (
+        OSError,
+        ValueError,
+        SyntaxError,
+        Image.DecompressionBombError,
+        Image.DecompressionBombWarning,
+    ):
         raise InputError(
-            f"{what}: no PNG, JPEG or WebP that can be read", where=str(path.parent), remedy="give the logo as a PNG"
+            f"{what}: no PNG, JPEG or WebP that can be read",
+            where=str(path.parent),
+            remedy="give the logo as a PNG",
         ) from None
     shown.thumbnail(SHOWN)
     buffer = BytesIO()

@@ -21,7 +21,12 @@ from hullrecon.report.export.chart_export import chart_document, chart_mesh, cha
 from hullrecon.report.export.csv_export import csv_text
 from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
 from hullrecon.report.export.las import las_bytes
-from hullrecon.report.export.object_layers import object_layers, objects_geojson, objects_gpkg, photo_name
+from hullrecon.report.export.object_layers import (
+    object_layers,
+    objects_geojson,
+    objects_gpkg,
+    photo_name,
+)
 from hullrecon.report.export.objects_table import objects_table
 from hullrecon.report.export.summary import summary_document
 from hullrecon.report.export.table import csv_metadata
@@ -76,7 +81,10 @@ class DeliverableWriter:
 
     def write_json(self, name: str, value: object) -> None:
         """Write a document with sorted keys. Raises ValueError for a NaN."""
-        self.write(name, json.dumps(value, indent=1, sort_keys=True, allow_nan=False, ensure_ascii=False) + "\n")
+        self.write(
+            name,
+            json.dumps(value, indent=1, sort_keys=True, allow_nan=False, ensure_ascii=False) + "\n",
+        )
 
     def copy(self, name: str, source: Path) -> None:
         """Copy a file of a step."""
@@ -121,7 +129,11 @@ def _write_schemas(writer: DeliverableWriter) -> None:
 
 def _write_motion(writer: DeliverableWriter, survey: Survey) -> None:
     trajectory = trajectory_table(survey)
-    tables = [trajectory] if survey.findings.objects is None else [trajectory, objects_table(survey.findings.objects)]
+    tables = (
+        [trajectory]
+        if survey.findings.objects is None
+        else [trajectory, objects_table(survey.findings.objects)]
+    )
     for table in tables:
         writer.write(table.file, table.csv)
     writer.write_json("csv-metadata.json", csv_metadata(tables))
@@ -130,7 +142,9 @@ def _write_motion(writer: DeliverableWriter, survey: Survey) -> None:
     if adjusted is None:
         return
     if survey.facts.hull is not None and adjusted.solution.hull_pose is not None:
-        alignment = alignment_document(adjusted.solution.hull_pose, survey.facts.hull, adjusted.weak_directions)
+        alignment = alignment_document(
+            adjusted.solution.hull_pose, survey.facts.hull, adjusted.weak_directions
+        )
         writer.write_json("alignment.json", alignment)
     if len(adjusted.solution.landmarks):
         writer.write("landmarks.ply", landmarks_ply(survey, adjusted.solution))

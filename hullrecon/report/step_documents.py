@@ -18,7 +18,9 @@ class StepDocument(Struct, frozen=True, kw_only=True):
 
 
 class LogFindings(StepDocument, frozen=True):
-    """findings.json of ingest: what was lost, the CAD model as checked, and remarks, each a sentence."""
+    """findings.json of ingest: what was lost, the CAD model as checked, and remarks, each a
+    sentence.
+    """
 
     lost: tuple[str, ...] = ()
     hull: tuple[str, ...] = ()
@@ -41,8 +43,9 @@ class PairFacts(StepDocument, frozen=True):
 
 
 class FactorResiduals(StepDocument, frozen=True):
-    """Residuals of one kind of measurement, in their own sigma. robust_sigma: from their median; share_beyond_3: of three
-    sigmas."""
+    """Residuals of one kind of measurement, in their own sigma. robust_sigma: from their median;
+    share_beyond_3: of three sigmas.
+    """
 
     rms: float
     count: float = 0
@@ -51,15 +54,19 @@ class FactorResiduals(StepDocument, frozen=True):
 
 
 class AdjustSigmas(StepDocument, frozen=True):
-    """One sigma of a pixel and of a DVL range, as the adjustment weighted them; None where there was none."""
+    """One sigma of a pixel and of a DVL range, as the adjustment weighted them; None where there
+    was none.
+    """
 
     pixel_px: float | None = None
     range_m: float | None = None
 
 
 class SensorErrors(StepDocument, frozen=True):
-    """Errors of the navigation's sensors that the adjustment estimated, or one sigma of each (zero: not known). dvl_scale and
-    heading_drift_rad_s: what is added to the sensor's velocities, as a share of the true ones, and to its rate of turn."""
+    """Errors of the navigation's sensors that the adjustment estimated, or one sigma of each (zero:
+    not known). dvl_scale and heading_drift_rad_s: what is added to the sensor's velocities, as a
+    share of the true ones, and to its rate of turn.
+    """
 
     dvl_scale: float = 0.0
     heading_drift_rad_s: float = 0.0
@@ -85,8 +92,9 @@ class RefinedParameter(StepDocument, frozen=True):
 
 
 class PositionFacts(StepDocument, frozen=True):
-    """Positions from outside against the adjusted path: their number, from the first to the last, their median sigma, rms of
-    their residuals in sigmas by the median, and how many are outliers."""
+    """Positions from outside against the adjusted path: their number, from the first to the last,
+    their median sigma, rms of their residuals in sigmas by the median, and how many are outliers.
+    """
 
     count: int
     span_s: float
@@ -96,15 +104,19 @@ class PositionFacts(StepDocument, frozen=True):
 
 
 class StereoContradictionFacts(StepDocument, frozen=True):
-    """sentence: what of the stereo rig's calibration the dive contradicts; None where it matters to nobody."""
+    """sentence: what of the stereo rig's calibration the dive contradicts; None where it matters to
+    nobody.
+    """
 
     sentence: str | None = None
 
 
 class AdjustSummary(StepDocument, frozen=True):
-    """adjust.json of adjust. intrinsics: by camera and name, empty where the calibrations were held; cad_model_refused: why the
-    CAD model was left out, None where it was not; stereo_contradiction: None where the rig's calibration holds; positions: None
-    where there were none from outside."""
+    """adjust.json of adjust. intrinsics: by camera and name, empty where the calibrations were
+    held; cad_model_refused: why the CAD model was left out, None where it was not;
+    stereo_contradiction: None where the rig's calibration holds; positions: None where there were
+    none from outside.
+    """
 
     method: str = "maxmix"
     observations: int = 0
@@ -121,7 +133,9 @@ class AdjustSummary(StepDocument, frozen=True):
 
 
 class SurfaceFacts(StepDocument, frozen=True):
-    """surface.json of surface. comparison: how far one with the CAD model is circular; None without a CAD model."""
+    """surface.json of surface. comparison: how far one with the CAD model is circular; None without
+    a CAD model.
+    """
 
     comparison: str | None = None
 
@@ -136,8 +150,9 @@ class DetectSettings(StepDocument, frozen=True):
 
 
 class DetectFacts(StepDocument, frozen=True):
-    """detect.json of detect. objects: why objects were not looked for; None where they were. as_found: what the hull as found
-    was made of where that is not landmarks."""
+    """detect.json of detect. objects: why objects were not looked for; None where they were.
+    as_found: what the hull as found was made of where that is not landmarks.
+    """
 
     objects: str | None = None
     as_found: str | None = None

@@ -22,7 +22,13 @@ from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Returns, Trajectory, VehicleTrack
 from hullrecon.report.about import AboutInspection
 from hullrecon.report.change.chapter import ChangeChapter
-from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, NavigationFacts, PairFacts
+from hullrecon.report.step_documents import (
+    AdjustSummary,
+    LogFindings,
+    MosaicFacts,
+    NavigationFacts,
+    PairFacts,
+)
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Arrays, Pixels
 
@@ -42,9 +48,11 @@ class ImageSource(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class DiveFacts:
-    """What was dived, what was carried, and what the log, its navigation and its image pairs say in sentences. has_depth: a
-    pressure sensor was logged; has_attitude: an IMU was; node_pairs: all pairs of nodes whose images were compared; about: what
-    [report] of dive.toml says of the inspection."""
+    """What was dived, what was carried, and what the log, its navigation and its image pairs say in
+    sentences. has_depth: a pressure sensor was logged; has_attitude: an IMU was; node_pairs: all
+    pairs of nodes whose images were compared; about: what [report] of dive.toml says of the
+    inspection.
+    """
 
     dive: Dive
     hull: Hull | None = None
@@ -63,8 +71,9 @@ class DiveFacts:
 
 @dataclass(frozen=True, kw_only=True)
 class AdjustedDive:
-    """What the adjustment left. weak_directions: as adjust.json has them; iterations: the record of the solve; depth_sigma_m:
-    of any depth below the water surface, None where it is not known."""
+    """What the adjustment left. weak_directions: as adjust.json has them; iterations: the record of
+    the solve; depth_sigma_m: of any depth below the water surface, None where it is not known.
+    """
 
     solution: Solution
     summary: AdjustSummary = field(default_factory=AdjustSummary)
@@ -85,10 +94,12 @@ class AdjustedDive:
 
 @dataclass(frozen=True, kw_only=True)
 class Surfaces:
-    """The hull chart, the surveyed surface (the DVL's, of landmarks where there is none) and the hull as found with the parts
-    of its deviation. outside: the map in which rasters and vector layers lie. comparison: how far a comparison of the DVL's
-    surface with the CAD model is circular, in a sentence. cad_model: as given, in M. found_by_images: whether images are what
-    supports the hull as found, not returns of the DVL."""
+    """The hull chart, the surveyed surface (the DVL's, of landmarks where there is none) and the
+    hull as found with the parts of its deviation. outside: the map in which rasters and vector
+    layers lie. comparison: how far a comparison of the DVL's surface with the CAD model is
+    circular, in a sentence. cad_model: as given, in M. found_by_images: whether images are what
+    supports the hull as found, not returns of the DVL.
+    """
 
     chart: Chart | None = None
     outside: OutsideMap | None = None
@@ -102,7 +113,9 @@ class Surfaces:
 
 @dataclass(frozen=True, kw_only=True)
 class Findings:
-    """What is on the hull, and how much of it was seen. documents: objects.json and coverage.json as they are delivered."""
+    """What is on the hull, and how much of it was seen. documents: objects.json and coverage.json
+    as they are delivered.
+    """
 
     objects: tuple[ReportedObject, ...] | None = None
     not_reported: tuple[RejectedRegion, ...] = ()
@@ -112,7 +125,9 @@ class Findings:
 
 @dataclass(frozen=True, kw_only=True)
 class Mosaic:
-    """What a mosaic step left: mosaic.json, the preview (PNG bytes), and whether there is a textured mesh."""
+    """What a mosaic step left: mosaic.json, the preview (PNG bytes), and whether there is a
+    textured mesh.
+    """
 
     facts: MosaicFacts
     preview: bytes
@@ -142,8 +157,9 @@ class EarlierComparison:
 
 @dataclass(frozen=True, kw_only=True)
 class StepRun:
-    """One step as its manifest has it: name, version, resolved settings by section, hashes of its inputs, warnings, and the run
-    block, which differs between equal runs."""
+    """One step as its manifest has it: name, version, resolved settings by section, hashes of its
+    inputs, warnings, and the run block, which differs between equal runs.
+    """
 
     name: str
     version: int
@@ -155,15 +171,18 @@ class StepRun:
 
 @dataclass(frozen=True, kw_only=True)
 class Provenance:
-    """How the results came about. missing: deliverables that cannot be given, with the reason of each; copies: files of the
-    steps that are delivered as they are, by their name in deliver/."""
+    """How the results came about. missing: deliverables that cannot be given, with the reason of
+    each; copies: files of the steps that are delivered as they are, by their name in deliver/.
+    """
 
     steps: tuple[StepRun, ...] = ()
     missing: Mapping[str, str] = field(default_factory=dict)
     copies: Mapping[str, Path] = field(default_factory=dict)
 
     def settings_of(self, step: str) -> Mapping[str, object]:
-        """Return the options of a step as it ran; nothing where it did not, or its manifest is not there."""
+        """Return the options of a step as it ran; nothing where it did not, or its manifest is not
+        there.
+        """
         found = next((run.settings.get(step) for run in self.steps if run.name == step), None)
         return found if isinstance(found, Mapping) else {}
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The dive adjusted: poses, landmarks with labels, the pose of the hull and its deviation from the CAD model."""
+"""The dive adjusted: poses, landmarks with labels, the pose of the hull and its deviation from the
+CAD model.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,10 @@ def run(context: Context[AdjustOptions]) -> None:
     measured = _measurements(context)
     adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info)
     outcome = summarise_adjustment(measured, adjusted, context.parameters)
-    for sentence in [*guess_without_depth(measured.cad_model, measured.attitude), *outcome.warnings]:
+    for sentence in [
+        *guess_without_depth(measured.cad_model, measured.attitude),
+        *outcome.warnings,
+    ]:
         context.warn(sentence)
     context.out.arrays("solution.npz", to_arrays(outcome.solution))
     context.out.arrays("iterations.npz", outcome.iterations)
@@ -48,7 +53,10 @@ def run(context: Context[AdjustOptions]) -> None:
         context.out.arrays("chart.npz", adjusted.state.hull.cad_model.chart.to_arrays())
     if context.parameters.refine_intrinsics:
         found = {"top": adjusted.rig.top, "bottom": adjusted.rig.bottom}
-        context.out.json("cameras.json", {name: camera_fields(camera) for name, camera in found.items() if camera is not None})
+        context.out.json(
+            "cameras.json",
+            {name: camera_fields(camera) for name, camera in found.items() if camera is not None},
+        )
     if measured.tracks is not None:
         _write_colmap(context, replace(measured, rig=adjusted.rig), adjusted)
 
@@ -75,7 +83,9 @@ def _measurements(context: Context[AdjustOptions]) -> Measurements:
         start=inputs.links.path.path() if inputs.links is not None else None,
         planes=inputs.links.planes if inputs.links is not None else None,
         positions=inputs.navigate.positions,
-        rig=rig_priors_from_settings(settings, inputs.ingest.camera_models, context.parameters.free_dvl_position),
+        rig=rig_priors_from_settings(
+            settings, inputs.ingest.camera_models, context.parameters.free_dvl_position
+        ),
         cad_model=_cad_model(inputs.ingest.hull, settings.read_optional("hull", schema.Hull)),
     )
 

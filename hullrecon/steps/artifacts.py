@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What each step left, read from its folder: nobody else knows a file's name.
 
-A property raises InputError where a file that its step always leaves is missing; what a dive may lack is None.
+A property raises InputError where a file that its step always leaves is missing; what a dive may
+lack is None.
 """
 
 from __future__ import annotations
@@ -20,7 +21,13 @@ import numpy as np
 
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.artifacts.graph.stage_settings import StageSettings
-from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts, refuse_parted_tray, with_value
+from hullrecon.dive.config.mounts import (
+    DEFAULTS,
+    ChosenMount,
+    choose_mounts,
+    refuse_parted_tray,
+    with_value,
+)
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.dive.logs.fixed_frames import FixedSensor
 from hullrecon.errors import InputError
@@ -30,12 +37,27 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.planes import TiedPlanes
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PositionFixes, PressureSamples, SonarPings
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImageIndex,
+    ImuSamples,
+    JointSamples,
+    PositionFixes,
+    PressureSamples,
+    SonarPings,
+)
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.tracks import Tracks
-from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.records.trajectory import (
+    Attitude,
+    Odometry,
+    PositionTies,
+    Returns,
+    Trajectory,
+    TrajectoryErrorModel,
+)
 from hullrecon.typing import Arrays
 
 Record = TypeVar("Record")
@@ -63,7 +85,9 @@ class StepArtifact:
     def _read_required(self, name: str, kind: type[Record]) -> Record:
         found = self._optional(name, kind)
         if found is None:
-            raise InputError(f"{name} is missing", where=str(self.folder), remedy="run the step again")
+            raise InputError(
+                f"{name} is missing", where=str(self.folder), remedy="run the step again"
+            )
         return found
 
     def _document(self, name: str) -> Document:
@@ -167,7 +191,9 @@ class NavigateArtifact(StepArtifact):
 
     @property
     def positions(self) -> PositionTies | None:
-        """Return the positions from outside that bound the path; None where there are none, or they tell nothing."""
+        """Return the positions from outside that bound the path; None where there are none, or they
+        tell nothing.
+        """
         return self._optional("positions.npz", PositionTies)
 
     @property
@@ -238,8 +264,10 @@ class AdjustArtifact(StepArtifact):
 
     @property
     def depth_sigma_m(self) -> float | None:
-        """Return how well the water surface is known in g, one sigma: the pressure sensor's bias, which all depths share, and
-        its noise; None where no depth was measured or the bias has no sigma."""
+        """Return how well the water surface is known in g, one sigma: the pressure sensor's bias,
+        which all depths share, and its noise; None where no depth was measured or the bias has no
+        sigma.
+        """
         bias = _number(self.summary, "navigation_sigma", "depth_bias_m")
         noise = _number(self.summary, "sigmas", "depth_m")
         return math.hypot(bias, noise) if bias and noise is not None else None
@@ -271,7 +299,9 @@ class SurfaceArtifact(StepArtifact):
         """Return the chart that all later steps use. Raises InputError where it is missing."""
         chart = read_chart(self.folder / "chart.npz")
         if chart is None:
-            raise InputError("chart.npz is missing", where=str(self.folder), remedy="run the step again")
+            raise InputError(
+                "chart.npz is missing", where=str(self.folder), remedy="run the step again"
+            )
         return chart
 
     @property
@@ -288,7 +318,9 @@ class DetectArtifact(StepArtifact):
 
     @property
     def is_found_by_images(self) -> bool:
-        """Return whether the hull as found, where there is one, is that of landmarks, else of the DVL's returns."""
+        """Return whether the hull as found, where there is one, is that of landmarks, else of the
+        DVL's returns.
+        """
         return self.facts.get("as_found") is None
 
     @property
@@ -366,8 +398,9 @@ class InputArtifacts:
         return ChangeArtifact(self.inputs["change"]) if "change" in self.inputs else None
 
     def mounts(self, settings: Mapping[str, object]) -> dict[str, ChosenMount]:
-        """Return the lever arms and mounts that these settings leave to the log. Raises InputError for a tray that carries but
-        one of DVL and camera."""
+        """Return the lever arms and mounts that these settings leave to the log. Raises InputError
+        for a tray that carries but one of DVL and camera.
+        """
         declared = dict(settings)  # without a fault where the step declares no such key
         values = {key: _value(declared, key) for key in DEFAULTS}
         tray = self.ingest.tray
@@ -399,7 +432,9 @@ def _number(document: Document, section: str, name: str) -> float | None:
 
 
 def _value(settings: Mapping[str, object], key: str) -> object:
-    """Return the value of a dotted key, which a step declares alone or with its section; None where it declares neither."""
+    """Return the value of a dotted key, which a step declares alone or with its section; None where
+    it declares neither.
+    """
     section, _, name = key.rpartition(".")
     return settings[key] if key in settings else getattr(settings.get(section), name, None)
 
@@ -408,7 +443,10 @@ def read_camera_models(path: Path) -> dict[Camera, CameraModel]:
     """Return the cameras of a cameras.json; empty where there is no such file."""
     if not path.exists():
         return {}
-    return {Camera(name): CameraModel(**fields) for name, fields in json.loads(path.read_text(encoding="utf-8")).items()}
+    return {
+        Camera(name): CameraModel(**fields)
+        for name, fields in json.loads(path.read_text(encoding="utf-8")).items()
+    }
 
 
 def read_chart(path: Path) -> Chart | None:

@@ -53,7 +53,8 @@ def run(context: Context[EarlierDive]) -> None:
 def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
     """Return the earlier dive and what changed since.
 
-    Raises StageError for whatever stands against it: all but the chapter on change goes without the earlier dive.
+    Raises StageError for whatever stands against it: all but the chapter on change goes without the
+    earlier dive.
     """
     earlier = str(context.parameters.earlier)
     try:
@@ -63,11 +64,17 @@ def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
         what, remedy = error.what, error.remedy
     except OSError as error:
         what, remedy = f"its files cannot be read: {error.strerror}", "give leave to read it"
-    raise StageError(f"no comparison with an earlier dive: {what}", where=f"change.earlier = {earlier}", remedy=remedy)
+    raise StageError(
+        f"no comparison with an earlier dive: {what}",
+        where=f"change.earlier = {earlier}",
+        remedy=remedy,
+    )
 
 
 def _earlier_dive(context: Context[EarlierDive]) -> FinishedRun:
-    """Return the earlier dive, named by its folder; with the folder above it where both dives have one name."""
+    """Return the earlier dive, named by its folder; with the folder above it where both dives have
+    one name.
+    """
     root = workspace_of(context.source / str(context.parameters.earlier)).root.resolve()
     if root == context.inputs["detect"].resolve().parent:
         raise InputError("that is this dive's own run", remedy="name the run of an earlier dive")
@@ -83,14 +90,23 @@ def _this_dive(context: Context[EarlierDive]) -> FinishedRun:
 
 
 def files_of_earlier_dive(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the files of the earlier dive's run that are read, as far as they are there: without them the step says why it
-    cannot be done, and the rest of the chain runs."""
+    """Return the files of the earlier dive's run that are read, as far as they are there: without
+    them the step says why it cannot be done, and the rest of the chain runs.
+    """
     earlier = settings.read("change", EarlierDive).earlier
     if earlier is None:
         return []
     root = Path(earlier).parent if Path(earlier).name == PUBLISHED else Path(earlier)
-    files = [root / step / name for step, names in HULL_SURVEY_FILES.items() for name in (*names, FILE_NAME)]
-    return [file for file in files if os.path.isfile(package / file) and os.access(package / file, os.R_OK)]
+    files = [
+        root / step / name
+        for step, names in HULL_SURVEY_FILES.items()
+        for name in (*names, FILE_NAME)
+    ]
+    return [
+        file
+        for file in files
+        if os.path.isfile(package / file) and os.access(package / file, os.R_OK)
+    ]
 
 
 def why_not(settings: StageSettings, package: Path) -> str | None:

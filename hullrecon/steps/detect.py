@@ -47,7 +47,9 @@ def run(context: Context[DetectOptions]) -> None:
         depth_sigma_m=depth_sigma_m,
     )
     views = _views(context, inputs, solution)
-    structures = find_structures(base, solution.landmarks, solution.deviation_field, views, context.parameters)
+    structures = find_structures(
+        base, solution.landmarks, solution.deviation_field, views, context.parameters
+    )
     if structures.as_found is not None:
         context.out.arrays("as_found.npz", to_arrays(structures.as_found))
         if structures.deviation is not None:
@@ -56,7 +58,9 @@ def run(context: Context[DetectOptions]) -> None:
         context.warn("as_found is absent: there is neither a camera nor a CAD model")
     context.out.json("objects.json", {"objects": structures.objects})
     sonar, regions = _sonar_survey(context, inputs, solution), _regions(context, base)
-    context.out.json("coverage.json", summarise_coverage(base, views, sonar, solution.track(), regions))
+    context.out.json(
+        "coverage.json", summarise_coverage(base, views, sonar, solution.track(), regions)
+    )
     context.out.json("detect.json", structures.facts)
 
 
@@ -67,8 +71,9 @@ def _adjusted(inputs: InputArtifacts) -> AdjustArtifact:
 
 
 def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
-    """Return how well the survey as a whole lies on the hull, and below the water. depth_sigma_m: of the water surface in g,
-    where the poses are in M; those in g say it themselves."""
+    """Return how well the survey as a whole lies on the hull, and below the water. depth_sigma_m:
+    of the water surface in g, where the poses are in M; those in g say it themselves.
+    """
     track = solution.track()
     along, girth = track.sigma_on_chart(chart)
     if depth_sigma_m is not None:
@@ -78,7 +83,9 @@ def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | Non
     return AddressSigma(along=along, girth=girth, depth=float(np.median(depth)))
 
 
-def _views(context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution) -> CameraViews | None:
+def _views(
+    context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution
+) -> CameraViews | None:
     """Return the top camera's images; None without a camera or a landmark."""
     index = inputs.ingest.image_index(Camera.TOP)
     if index is None or Camera.TOP not in inputs.camera_models:
@@ -86,11 +93,17 @@ def _views(context: Context[DetectOptions], inputs: InputArtifacts, solution: So
     settings = inputs.mounted(context.settings)
     rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, inputs.camera_models)
     positions = solution.result_from_global().apply(solution.landmarks.position)
-    return views_of_top_camera(rig.with_mounts(solution.mounts), solution.track(), index.t_ns, positions)
+    return views_of_top_camera(
+        rig.with_mounts(solution.mounts), solution.track(), index.t_ns, positions
+    )
 
 
-def _sonar_survey(context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution) -> SonarSurvey | None:
-    """Return the pings and where they were taken; None where no sonar was carried or its servo was not logged."""
+def _sonar_survey(
+    context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution
+) -> SonarSurvey | None:
+    """Return the pings and where they were taken; None where no sonar was carried or its servo was
+    not logged.
+    """
     settings, pings = inputs.mounted(context.settings), inputs.ingest.sonar
     elevation_deg = settings.read_optional("sonar.elevation_deg", float)
     if elevation_deg is None or pings is None:
@@ -109,7 +122,9 @@ def _regions(context: Context[DetectOptions], base: BaseSurface) -> tuple[HullRe
     """Return the regions of dive.toml; none, and a warning, where no hull was found for them."""
     regions: tuple[HullRegion, ...] = context.settings.read_optional("hull.region", tuple) or ()
     if regions and base.cad_model is None:
-        context.warn("coverage is not counted by hull.region: the CAD model was refused, and regions are parts of it")
+        context.warn(
+            "coverage is not counted by hull.region: the CAD model was refused, and regions are parts of it"
+        )
         return ()
     return regions
 
@@ -122,5 +137,12 @@ STAGE = Stage(
     version=14,
     run=run,
     fails_alone=True,
-    uses=(*CAMERA_KEYS, "hull.frame_spacing", "hull.region", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),
+    uses=(
+        *CAMERA_KEYS,
+        "hull.frame_spacing",
+        "hull.region",
+        *SONAR_KEYS,
+        "sonar.joint",
+        "sonar.elevation_deg",
+    ),
 )

@@ -14,17 +14,23 @@ from hullrecon.errors import InputError
 
 
 def workspace_of(run: Path) -> Workspace:
-    """Return the workspace of a run, given as RUNS/<dive> or its deliver/. Raises InputError for another folder."""
+    """Return the workspace of a run, given as RUNS/<dive> or its deliver/. Raises InputError for
+    another folder.
+    """
     workspace = Workspace(run.parent if run.name == PUBLISHED else run)
     if not workspace.exists():
-        raise InputError("this is no run", where=str(run), remedy="give RUNS/<dive>, as `hullrecon run` left it")
+        raise InputError(
+            "this is no run", where=str(run), remedy="give RUNS/<dive>, as `hullrecon run` left it"
+        )
     return workspace
 
 
 def finished_steps(workspace: Workspace, needed: Sequence[str]) -> Mapping[str, Manifest]:
-    """Return the manifests of the steps that a command needs, which are given in the order of the chain.
+    """Return the manifests of the steps that a command needs, which are given in the order of the
+    chain.
 
-    Raises InputError when the run did not come so far, or a step was rerun and those after it were not.
+    Raises InputError when the run did not come so far, or a step was rerun and those after it were
+    not.
     """
     found: dict[str, Manifest] = {}
     for name in needed:
@@ -32,11 +38,15 @@ def finished_steps(workspace: Workspace, needed: Sequence[str]) -> Mapping[str, 
             manifest = workspace.manifest(name)
         except DamagedArtifactError as error:
             raise InputError(
-                f"the step {name} is damaged: {error}", where=str(workspace.root), remedy="run it again"
+                f"the step {name} is damaged: {error}",
+                where=str(workspace.root),
+                remedy="run it again",
             ) from error
         if manifest is None:
             raise InputError(
-                f"the run is not finished: it has no step {name}", where=str(workspace.root), remedy="run it to its end"
+                f"the run is not finished: it has no step {name}",
+                where=str(workspace.root),
+                remedy="run it to its end",
             )
         for name_of_input, content in manifest.recipe.inputs.items():
             if name_of_input in found and found[name_of_input].content_hash != content:

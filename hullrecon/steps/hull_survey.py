@@ -21,7 +21,13 @@ from hullrecon.geometry.charts.outside_map import OutsideMap, outside_map
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.change import HullChange, HullSurvey
 from hullrecon.records.deliverables import ReportedObject
-from hullrecon.steps.artifacts import HULL_SURVEY_FILES, AdjustArtifact, DetectArtifact, IngestArtifact, SurfaceArtifact
+from hullrecon.steps.artifacts import (
+    HULL_SURVEY_FILES,
+    AdjustArtifact,
+    DetectArtifact,
+    IngestArtifact,
+    SurfaceArtifact,
+)
 from hullrecon.steps.finished_run import finished_steps, workspace_of
 from hullrecon.typing import Array
 
@@ -30,7 +36,9 @@ NEEDED = tuple(HULL_SURVEY_FILES)
 
 @dataclass(frozen=True, kw_only=True)
 class FinishedRun:
-    """A run as it is compared. frame_spacing_m: of the ship's frames, None where it is not known; last_t_ns: of its path."""
+    """A run as it is compared. frame_spacing_m: of the ship's frames, None where it is not known;
+    last_t_ns: of its path.
+    """
 
     survey: HullSurvey
     cad_model: Mesh
@@ -39,24 +47,34 @@ class FinishedRun:
 
 
 def read_run(run: Path) -> FinishedRun:
-    """Return a run's survey, given as RUNS/<dive>. Raises InputError, in one line, where the run is not finished, is damaged,
-    or has no CAD model."""
+    """Return a run's survey, given as RUNS/<dive>. Raises InputError, in one line, where the run is
+    not finished, is damaged, or has no CAD model.
+    """
     workspace = workspace_of(run)
     manifests = finished_steps(workspace, NEEDED)
     folders = {name: workspace.artifact(name) for name in NEEDED}
     _refuse_damaged(folders, manifests)
     spacing = manifests["detect"].recipe.settings.get("hull.frame_spacing")
     return read_survey(
-        folders, workspace.root.resolve().name, float(spacing) if isinstance(spacing, int | float) else None,
+        folders,
+        workspace.root.resolve().name,
+        float(spacing) if isinstance(spacing, int | float) else None,
         where=str(workspace.root),
-    )  # fmt: skip
+    )
 
 
-def read_survey(folders: Mapping[str, Path], name: str, frame_spacing_m: float | None, where: str = "") -> FinishedRun:
-    """Return the survey that the artifacts of the steps in NEEDED hold. Raises InputError, with `where`, where it has no CAD
-    model or found too little of the hull."""
+def read_survey(
+    folders: Mapping[str, Path], name: str, frame_spacing_m: float | None, where: str = ""
+) -> FinishedRun:
+    """Return the survey that the artifacts of the steps in NEEDED hold. Raises InputError, with
+    `where`, where it has no CAD model or found too little of the hull.
+    """
     solution, detect = AdjustArtifact(folders["adjust"]).solution, DetectArtifact(folders["detect"])
-    cad_model, as_found, split = IngestArtifact(folders["ingest"]).hull, detect.as_found, detect.deviation
+    cad_model, as_found, split = (
+        IngestArtifact(folders["ingest"]).hull,
+        detect.as_found,
+        detect.deviation,
+    )
     if cad_model is None or solution.hull_pose is None:
         raise InputError(
             "the run has no CAD model that fits: two dives are compared on their hull's CAD model",
@@ -79,17 +97,21 @@ def read_survey(folders: Mapping[str, Path], name: str, frame_spacing_m: float |
     )
 
 
-def compare_runs(before: FinishedRun, after: FinishedRun, options: ChangeOptions = ChangeOptions()) -> HullChange:  # noqa: B008
+def compare_runs(
+    before: FinishedRun, after: FinishedRun, options: ChangeOptions = ChangeOptions()  # noqa: B008
+) -> HullChange:
     """Return what changed on a hull from one run to another.
 
-    Raises InputError when the CAD models are of different hulls, StageError when the runs saw too little of the same hull.
+    Raises InputError when the CAD models are of different hulls, StageError when the runs saw too
+    little of the same hull.
     """
     gap = cad_model_gap(before.cad_model, after.cad_model)
     if not gap <= SAME_CAD_M:
         raise InputError(
             f"the CAD models are of different hulls: they lie up to {gap:.3g} m apart",
-            where=f"{before.survey.name}, {after.survey.name}", remedy="compare dives of one hull with one CAD model",
-        )  # fmt: skip
+            where=f"{before.survey.name}, {after.survey.name}",
+            remedy="compare dives of one hull with one CAD model",
+        )
     spacing = after.frame_spacing_m or before.frame_spacing_m
 
     def address_of(point: Array, sigma: AddressSigma) -> str:
@@ -99,7 +121,9 @@ def compare_runs(before: FinishedRun, after: FinishedRun, options: ChangeOptions
 
 
 def map_of(run: FinishedRun) -> OutsideMap:
-    """Return the map in which the run's rasters lie, which is that of a comparison with a later dive."""
+    """Return the map in which the run's rasters lie, which is that of a comparison with a later
+    dive.
+    """
     as_found = run.survey.as_found
     return outside_map(run.survey.chart, as_found.vertices[as_found.support > 0], "M")
 
@@ -109,5 +133,11 @@ def _refuse_damaged(folders: Mapping[str, Path], manifests: Mapping[str, Manifes
     for step, names in HULL_SURVEY_FILES.items():
         for name in names:
             written = manifests[step].outputs.get(name)
-            if written is not None and (not (folders[step] / name).is_file() or hash_file(folders[step] / name) != written):
-                raise InputError(f"{step}/{name} is damaged", where=str(folders[step].parent), remedy="run that dive again")
+            if written is not None and (
+                not (folders[step] / name).is_file() or hash_file(folders[step] / name) != written
+            ):
+                raise InputError(
+                    f"{step}/{name} is damaged",
+                    where=str(folders[step].parent),
+                    remedy="run that dive again",
+                )

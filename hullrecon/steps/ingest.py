@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""ingest: read the package's logs, calibrations and CAD model once, check them, and keep them as tables."""
+"""ingest: read the package's logs, calibrations and CAD model once, check them, and keep them as
+tables.
+"""
 
 from __future__ import annotations
 
@@ -30,15 +32,33 @@ from hullrecon.steps.artifacts import MOUNTS, SONAR_IMAGES
 from hullrecon.typing import Array
 
 USES = (
-    "dive.from", "dive.to",
-    "logs", "topics", "tray.joint", "sonar.joint", "sonar.beam_azimuth_deg", "sonar.time_offset",
-    "imu.frame", "imu.mount_deg",
-    "pressure.density", "pressure.gravity", "pressure.atmosphere", "pressure.z_axis",
-    "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
-    "position.frame", "position.sigma_m", "position.time_offset",
-    *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")), "hull.mesh", "hull.units",
-)  # fmt: skip
-CARRIED = "time_offset"  # a key that a camera's section always has: None where the dive has no such camera
+    "dive.from",
+    "dive.to",
+    "logs",
+    "topics",
+    "tray.joint",
+    "sonar.joint",
+    "sonar.beam_azimuth_deg",
+    "sonar.time_offset",
+    "imu.frame",
+    "imu.mount_deg",
+    "pressure.density",
+    "pressure.gravity",
+    "pressure.atmosphere",
+    "pressure.z_axis",
+    "dvl.beams",
+    "dvl.beam_angle_deg",
+    "dvl.beam_azimuth_deg",
+    "dvl.sigma_velocity",
+    "position.frame",
+    "position.sigma_m",
+    "position.time_offset",
+    *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")),
+    "hull.mesh",
+    "hull.units",
+)
+# a key that a camera's section always has: None where the dive has no such camera
+CARRIED = "time_offset"
 
 
 class IngestOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -48,14 +68,19 @@ class IngestOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 def request_of(settings: StageSettings) -> IngestRequest:
     """Return what ingest needs, from the dotted keys of `USES`."""
     topics = settings.read("topics", Topics)
-    named: dict[str, str | None] = {name: getattr(topics, name) for name in topics.__struct_fields__}
+    named: dict[str, str | None] = {
+        name: getattr(topics, name) for name in topics.__struct_fields__
+    }
     keys = ("density", "gravity", "atmosphere")
     azimuth = settings.read_optional("sonar.beam_azimuth_deg", tuple)
     return IngestRequest(
         logs=settings.read("logs", Logs).files,
         topics=_drop_empty(named),
         joints=_drop_empty(
-            {"tray": settings.read("tray.joint", str), "sonar_tray": settings.read_optional("sonar.joint", str)}
+            {
+                "tray": settings.read("tray.joint", str),
+                "sonar_tray": settings.read_optional("sonar.joint", str),
+            }
         ),
         imu_frame=settings.read("imu.frame", str),
         imu_mount_deg=settings.read_optional("imu.mount_deg", tuple),
@@ -65,8 +90,13 @@ def request_of(settings: StageSettings) -> IngestRequest:
         ),
         beams=_beams(settings),
         sigma_velocity=settings.read("dvl.sigma_velocity", float),
-        calibration=_drop_empty({c.key: settings.read_optional(f"{c.section}.calibration", str) for c in Camera}),
-        offset_ns={c.key: offset_ns(settings.read_optional(f"{c.section}.time_offset", float) or 0.0) for c in Camera},
+        calibration=_drop_empty(
+            {c.key: settings.read_optional(f"{c.section}.calibration", str) for c in Camera}
+        ),
+        offset_ns={
+            c.key: offset_ns(settings.read_optional(f"{c.section}.time_offset", float) or 0.0)
+            for c in Camera
+        },
         uncalibrated=tuple(c.key for c in Camera if _needs_logged_calibration(settings, c)),
         mesh=settings.read_optional("hull.mesh", str),
         units=settings.read_optional("hull.units", str) or "m",
@@ -82,7 +112,10 @@ def request_of(settings: StageSettings) -> IngestRequest:
 
 def _needs_logged_calibration(settings: StageSettings, camera: Camera) -> bool:
     """Return whether a camera was carried whose calibration dive.toml leaves to the log."""
-    return settings[f"{camera.section}.{CARRIED}"] is not None and settings[f"{camera.section}.calibration"] is None
+    return (
+        settings[f"{camera.section}.{CARRIED}"] is not None
+        and settings[f"{camera.section}.calibration"] is None
+    )
 
 
 def _instant(settings: StageSettings, name: str) -> Instant:
@@ -92,7 +125,9 @@ def _instant(settings: StageSettings, name: str) -> Instant:
 
 
 def _beams(settings: StageSettings) -> Array | None:
-    """Return (b, 3) unit vectors of the DVL's beams as dive.toml has them, either way; None where it has none."""
+    """Return (b, 3) unit vectors of the DVL's beams as dive.toml has them, either way; None where
+    it has none.
+    """
     angle_deg = settings.read_optional("dvl.beam_angle_deg", float)
     if angle_deg is not None:
         return tilted_beams(angle_deg, settings.read("dvl.beam_azimuth_deg", tuple))
@@ -101,7 +136,9 @@ def _beams(settings: StageSettings) -> Array | None:
 
 
 def external(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the files that ingest reads, relative to the package: logs, files that tables name, calibrations, CAD model."""
+    """Return the files that ingest reads, relative to the package: logs, files that tables name,
+    calibrations, CAD model.
+    """
     request = request_of(settings)
     names = [*request.calibration.values(), *([request.mesh] if request.mesh else [])]
     logs = [file for name in request.logs for file in log_files(package, name)]
@@ -145,10 +182,17 @@ def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Imag
 def _write(context: Context[IngestOptions], found: IngestResult) -> None:
     for name, record in found.records.by_name().items():
         apart = {"image"} if isinstance(record, SonarPings) else set()
-        context.out.arrays(f"{name}.npz", {key: value for key, value in to_arrays(record).items() if key not in apart})
+        context.out.arrays(
+            f"{name}.npz",
+            {key: value for key, value in to_arrays(record).items() if key not in apart},
+        )
     for name, index in found.images.items():
         context.out.arrays(f"images_{name}.npz", to_arrays(index))
-    cameras = {name.removeprefix("camera_"): asdict(camera) for name, camera in found.cameras.items() if name in found.images}
+    cameras = {
+        name.removeprefix("camera_"): asdict(camera)
+        for name, camera in found.cameras.items()
+        if name in found.images
+    }
     context.out.json("cameras.json", cameras)
     if found.sensors:
         context.out.json(MOUNTS, {sensor: asdict(fixed) for sensor, fixed in found.sensors.items()})

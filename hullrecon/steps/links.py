@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""links: images compared pair by pair, in rounds, patches of hull seen again, and the path that these and navigation give."""
+"""links: images compared pair by pair, in rounds, patches of hull seen again, and the path that
+these and navigation give.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
 def run(context: Context[LinkOptions]) -> None:
-    """Leave what pairs of images have in common, which patches of the hull were passed again, and the path that this ties."""
+    """Leave what pairs of images have in common, which patches of the hull were passed again, and
+    the path that this ties.
+    """
     inputs = InputArtifacts(context.inputs)
     graph = pose_graph(inputs, inputs.mounted(context.settings), context.parameters.kernel)
     returns = inputs.navigate.returns if context.parameters.planes else None
@@ -40,13 +44,21 @@ def run(context: Context[LinkOptions]) -> None:
         solved = solve(no_links(), None)
         context.out.arrays("path.npz", to_arrays(solved.record()))
     if not solved.converged:
-        context.warn("The path that links and navigation give was still changing when its iterations ended.")
-    facts |= {"converged": solved.converged} | _write_planes(context, solved) | _describe_positions(context, solved)
+        context.warn(
+            "The path that links and navigation give was still changing when its iterations ended."
+        )
+    facts |= (
+        {"converged": solved.converged}
+        | _write_planes(context, solved)
+        | _describe_positions(context, solved)
+    )
     context.out.json("links.json", facts)
 
 
 def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str) -> PoseGraph:
-    """Return the pose graph of a dive without links; settings: with the mounts in place that the log tells."""
+    """Return the pose graph of a dive without links; settings: with the mounts in place that the
+    log tells.
+    """
     navigate = inputs.navigate
     return PoseGraph(
         trajectory=navigate.trajectory,
@@ -58,13 +70,17 @@ def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str) -> 
     )
 
 
-def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]) -> tuple[dict[str, object], GraphSolution]:
+def _link_images(
+    context: Context[LinkOptions], solve: PathSolver[GraphSolution]
+) -> tuple[dict[str, object], GraphSolution]:
     """Write what the images tie, and return its numbers and the path as solved with it."""
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     rig = rig_from_settings(_rig_values(settings), inputs.ingest.camera_models)
     worker = MatchWorker(
-        features=context.inputs["features"], rig=CameraRig(rig), options=settings.read("matches", MatchOptions)
+        features=context.inputs["features"],
+        rig=CameraRig(rig),
+        options=settings.read("matches", MatchOptions),
     )
     navigate = inputs.navigate
     dive = NavigatedDive(
@@ -73,7 +89,14 @@ def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]
         returns=navigate.returns,
         tray_sigma_rad=float(np.radians(settings.read("tray", Tray).sigma_deg)),
     )
-    found, solved = link_images(worker, dive, solve, context.map, context.parameters.max_rounds, context.parameters.appearance)
+    found, solved = link_images(
+        worker,
+        dive,
+        solve,
+        context.map,
+        context.parameters.max_rounds,
+        context.parameters.appearance,
+    )
     context.out.arrays("pairs.npz", to_arrays(found.pairs))
     context.out.arrays("features.npz", to_arrays(found.features))
     context.out.arrays("links.npz", to_arrays(found.links))
@@ -88,8 +111,14 @@ def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]
             "place."
         )
     if found.appearance and found.appearance[-1].refusal is not None:
-        context.warn(f"How images look does not say what lies where: {found.appearance[-1].refusal}.")
-    facts: dict[str, object] = {"keyframes": len(found.keyframes), "rounds": found.rounds(), "look_alikes": found.look_alikes}
+        context.warn(
+            f"How images look does not say what lies where: {found.appearance[-1].refusal}."
+        )
+    facts: dict[str, object] = {
+        "keyframes": len(found.keyframes),
+        "rounds": found.rounds(),
+        "look_alikes": found.look_alikes,
+    }
     if found.appearance:
         facts["appearance"] = [asked.facts() for asked in found.appearance]
     return facts, solved
@@ -104,7 +133,14 @@ def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[
     if solved.refusal is not None:
         context.warn(f"The patches of hull that were passed again tie nothing: {solved.refusal}.")
     ties = 0 if solved.planes is None else len(solved.planes)
-    return {"planes": {"patches": solved.patches, "offered": solved.offered, "ties": ties, "refusal": solved.refusal}}
+    return {
+        "planes": {
+            "patches": solved.patches,
+            "offered": solved.offered,
+            "ties": ties,
+            "refusal": solved.refusal,
+        }
+    }
 
 
 def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
@@ -119,9 +155,13 @@ def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) ->
 
 
 def _rig_values(settings: Mapping[str, object]) -> dict[str, object]:
-    """Return the values that a rig is made of, out of the sections, which are read whole for their sigmas."""
+    """Return the values that a rig is made of, out of the sections, which are read whole for their
+    sigmas.
+    """
     sections = {key: key.rpartition(".") for key in RIG_KEYS if not key.startswith("sonar")}
-    return {key: getattr(settings[section], name, None) for key, (section, _, name) in sections.items()}
+    return {
+        key: getattr(settings[section], name, None) for key, (section, _, name) in sections.items()
+    }
 
 
 STAGE = Stage(

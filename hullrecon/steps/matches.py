@@ -28,7 +28,9 @@ def run(context: Context[MatchOptions]) -> None:
     """Leave tracks.npz, pairs.npz and pairs.json."""
     inputs = InputArtifacts(context.inputs)
     rig = rig_from_settings(inputs.mounted(context.settings), inputs.ingest.camera_models)
-    worker = MatchWorker(features=context.inputs["features"], rig=CameraRig(rig), options=context.parameters)
+    worker = MatchWorker(
+        features=context.inputs["features"], rig=CameraRig(rig), options=context.parameters
+    )
     links = inputs.links
     if links is None:
         raise InputError("the links are missing", where="matches", remedy="run the step links")
@@ -50,7 +52,15 @@ def _write_pairs(context: Context[MatchOptions], found: MatchedImages) -> None:
     kinds = {} if found.corners is None else {"corners": found.corners}
     context.out.arrays("pairs.npz", {**to_arrays(pairs), "inliers": found.inliers, **kinds})
     reasons = {str(int(code)): text for code, text in REASON_TEXTS.items()}
-    context.out.json("pairs.json", {"reasons": reasons, "failed": found.failures(), "chains": chains, "counts": found.counts()})
+    context.out.json(
+        "pairs.json",
+        {
+            "reasons": reasons,
+            "failed": found.failures(),
+            "chains": chains,
+            "counts": found.counts(),
+        },
+    )
 
 
 STAGE = Stage(

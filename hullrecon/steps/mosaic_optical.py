@@ -17,7 +17,8 @@ from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.features import external
 from hullrecon.steps.mosaics import MosaicInputs, read_mosaic_inputs, write_mosaic
 
-CAMERA_KEYS = ("tray.origin", "camera.top.mount", "camera.bottom.pose_in_top")  # of the rig, what places the cameras
+# of the rig, what places the cameras
+CAMERA_KEYS = ("tray.origin", "camera.top.mount", "camera.bottom.pose_in_top")
 REMEDY = "check the alignment of the dive with its surface, or set mosaic-optical.resolution_m"
 
 
@@ -33,7 +34,9 @@ def run(context: Context[OpticalOptions]) -> None:
     try:
         mosaic = optical_mosaic(inputs.surface, cameras, options, context.progress)
     except ValueError as error:
-        raise StageError(f"no optical mosaic: {error}", where="mosaic-optical", remedy=REMEDY) from error
+        raise StageError(
+            f"no optical mosaic: {error}", where="mosaic-optical", remedy=REMEDY
+        ) from error
     facts: dict[str, object] = {
         "images": sum(len(images.rows) for images in cameras),
         "ground_sample_distance_m": mosaic.gsd_m,
@@ -44,8 +47,12 @@ def run(context: Context[OpticalOptions]) -> None:
     write_mosaic(context, inputs, mosaic.store, "Optical mosaic", facts)
 
 
-def _usable_images(context: Context[OpticalOptions], artifacts: InputArtifacts, inputs: MosaicInputs) -> list[CameraImages]:
-    """Return the cameras with their usable images and where each was taken. Raises StageError where there is none."""
+def _usable_images(
+    context: Context[OpticalOptions], artifacts: InputArtifacts, inputs: MosaicInputs
+) -> list[CameraImages]:
+    """Return the cameras with their usable images and where each was taken. Raises StageError where
+    there is none.
+    """
     settings = artifacts.mounted(context.settings)
     rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, artifacts.camera_models)
     rig = rig if inputs.mounts is None else rig.with_mounts(inputs.mounts)
@@ -55,7 +62,11 @@ def _usable_images(context: Context[OpticalOptions], artifacts: InputArtifacts, 
         cameras.append(images_of_camera(rig, inputs.track, camera, store.index.usable, store.read))
     cameras = [images for images in cameras if len(images.rows)]
     if not cameras:
-        raise StageError("no usable image has a pose", where="mosaic-optical", remedy="see the remarks of ingest and navigate")
+        raise StageError(
+            "no usable image has a pose",
+            where="mosaic-optical",
+            remedy="see the remarks of ingest and navigate",
+        )
     return cameras
 
 

@@ -29,13 +29,18 @@ from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Return None where an imaging sonar was carried and logged, in a topic or in a log that has none, else why there is no
-    such mosaic."""
+    """Return None where an imaging sonar was carried and logged, in a topic or in a log that has
+    none, else why there is no such mosaic.
+    """
     topics, logs = settings["topics"], settings["logs"]
     is_logged = isinstance(topics, Topics) and topics.sonar is not None
     if not is_logged and isinstance(logs, Logs):
         is_logged = any(is_of_sonar(package / name) for name in logs.files)
-    return None if settings["sonar.mount"] is not None and is_logged else "no imaging sonar was carried"
+    return (
+        None
+        if settings["sonar.mount"] is not None and is_logged
+        else "no imaging sonar was carried"
+    )
 
 
 def run(context: Context[SonarOptions]) -> None:
@@ -50,7 +55,9 @@ def run(context: Context[SonarOptions]) -> None:
     uncertainty = PingUncertainty(
         sonar=poses,
         vehicle=inputs.track.vehicle_at(pings.t_ns),
-        pose_covariance=inputs.track.covariance[np.minimum(np.searchsorted(nodes_ns, pings.t_ns), len(nodes_ns) - 1)],
+        pose_covariance=inputs.track.covariance[
+            np.minimum(np.searchsorted(nodes_ns, pings.t_ns), len(nodes_ns) - 1)
+        ],
         servo_from_sonar=from_mount(settings.read("sonar.mount", tuple)),
         mount_sigma=np.r_[mount_sigma[:3], np.radians(mount_sigma[3:])],
     )
@@ -66,32 +73,51 @@ def run(context: Context[SonarOptions]) -> None:
 
 
 def ping_poses(artifacts: InputArtifacts, settings: StageSettings, track: VehicleTrack) -> Poses:
-    """Return T_x_o (n) at the pings in the track's frame; settings: with the mounts in place that the log tells.
+    """Return T_x_o (n) at the pings in the track's frame; settings: with the mounts in place that
+    the log tells.
 
-    Raises StageError where there is no ping, or the sonar's servo was not logged."""
+    Raises StageError where there is no ping, or the sonar's servo was not logged.
+    """
     rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
     joint = settings.read_optional("sonar.joint", str)
     return sonar_poses(rig, track, _pings(artifacts).t_ns, joint, artifacts.ingest.sonar_joint)
 
 
 def blend_pings(
-    surface: MosaicSurface, pings: SonarPings, poses: Poses, settings: StageSettings, progress: Progress, scratch: BinaryIO
+    surface: MosaicSurface,
+    pings: SonarPings,
+    poses: Poses,
+    settings: StageSettings,
+    progress: Progress,
+    scratch: BinaryIO,
 ) -> SonarMosaic:
-    """Return the mosaic of posed pings on a surface; scratch: an empty file. Raises StageError where no ping meets it."""
+    """Return the mosaic of posed pings on a surface; scratch: an empty file. Raises StageError
+    where no ping meets it.
+    """
     elevation_rad = np.radians(settings.read("sonar.elevation_deg", float))
     try:
         return sonar_mosaic(
-            surface, pings, poses, elevation_rad, settings.read("mosaic-sonar", SonarOptions), progress, scratch
+            surface,
+            pings,
+            poses,
+            elevation_rad,
+            settings.read("mosaic-sonar", SonarOptions),
+            progress,
+            scratch,
         )
     except ValueError as error:
         remedy = f"check the mount of the sonar, and whether its {pings.range_m.max():.1f} m reach the surface that was found"
-        raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy=remedy) from error
+        raise StageError(
+            f"no sonar mosaic: {error}", where="mosaic-sonar", remedy=remedy
+        ) from error
 
 
 def _pings(artifacts: InputArtifacts) -> SonarPings:
     pings = artifacts.ingest.sonar
     if pings is None:
-        raise StageError("the log holds no sonar ping", where="mosaic-sonar", remedy="check topics.sonar")
+        raise StageError(
+            "the log holds no sonar ping", where="mosaic-sonar", remedy="check topics.sonar"
+        )
     return pings
 
 
@@ -104,6 +130,14 @@ STAGE = Stage(
     version=7,
     run=run,
     fails_alone=True,
-    uses=(*SONAR_KEYS, "sonar.joint", "sonar.mount_sigma", "sonar.elevation_deg", "topics", "logs", "hull.frame_spacing"),
+    uses=(
+        *SONAR_KEYS,
+        "sonar.joint",
+        "sonar.mount_sigma",
+        "sonar.elevation_deg",
+        "topics",
+        "logs",
+        "hull.frame_spacing",
+    ),
     applies=applies,
 )

@@ -25,11 +25,12 @@ MosaicContext = Context[OpticalOptions] | Context[SonarOptions]
 
 @dataclass(frozen=True, kw_only=True)
 class MosaicInputs:
-    """The surface with its chart, and the vehicle over it, in one frame (M, or g without a CAD model).
+    """The surface with its chart, and the vehicle over it, in one frame (M, or g without a CAD
+    model).
 
-    outside: the map that rasters are written in; as_found: the hull as found and its deviation, None without; by_images:
-    whether images are what it was found by; mounts: as adjusted, None before the adjustment; surface_name: which surface it
-    is, for captions.
+    outside: the map that rasters are written in; as_found: the hull as found and its deviation,
+    None without; by_images: whether images are what it was found by; mounts: as adjusted, None
+    before the adjustment; surface_name: which surface it is, for captions.
     """
 
     surface: MosaicSurface
@@ -43,11 +44,16 @@ class MosaicInputs:
 
 
 def read_mosaic_inputs(inputs: InputArtifacts, reach_m: float) -> MosaicInputs:
-    """Return the surface as found where there is one, else that of the DVL, and the best path that there is."""
+    """Return the surface as found where there is one, else that of the DVL, and the best path that
+    there is.
+    """
     as_found = inputs.detect.as_found if inputs.detect is not None else None
     solution = inputs.adjust.solution if inputs.adjust is not None else None
     surface = inputs.surface.surface if as_found is None else as_found
-    track, chart = inputs.navigate.trajectory.track() if solution is None else solution.track(), inputs.surface.chart
+    track, chart = (
+        inputs.navigate.trajectory.track() if solution is None else solution.track(),
+        inputs.surface.chart,
+    )
     return MosaicInputs(
         surface=build_mosaic_surface(surface.mesh(), chart, reach_m),
         outside=outside_map(chart, inputs.surface.surface.vertices, track.frame),
@@ -60,7 +66,13 @@ def read_mosaic_inputs(inputs: InputArtifacts, reach_m: float) -> MosaicInputs:
     )
 
 
-def write_mosaic(context: MosaicContext, inputs: MosaicInputs, store: TileStore, title: str, facts: dict[str, object]) -> None:
+def write_mosaic(
+    context: MosaicContext,
+    inputs: MosaicInputs,
+    store: TileStore,
+    title: str,
+    facts: dict[str, object],
+) -> None:
     """Write ortho.tif, the rasters of its grid, ortho.png, mosaic.glb and mosaic.json."""
     frame = Frame(inputs.track.frame)
     layout = RasterLayout(grid=store.grid, size=store.size, outside=inputs.outside)
@@ -83,24 +95,48 @@ def write_mosaic(context: MosaicContext, inputs: MosaicInputs, store: TileStore,
     context.out.json("mosaic.json", made.document)
 
 
-def _write_mosaic_rasters(context: MosaicContext, layout: RasterLayout, store: TileStore, title: str) -> None:
+def _write_mosaic_rasters(
+    context: MosaicContext, layout: RasterLayout, store: TileStore, title: str
+) -> None:
     colors = ("red", "green", "blue", "alpha") if store.channels == 3 else ("intensity", "alpha")
     rasters = (
         ("ortho.tif", store.color, RasterBands(names=colors, unit="", dtype="uint8", title=title)),
-        ("variance.tif", store.variance, RasterBands(names=("variance",), unit="grey levels squared", dtype="float32",
-            title=f"{title}: variance of the intensities blended in a pixel", nodata=float("nan"))),
-        ("views.tif", store.counts, RasterBands(names=("views",), unit="", dtype="uint8",
-            title=f"{title}: views blended in a pixel", nodata=0)),
-    )  # fmt: skip
+        (
+            "variance.tif",
+            store.variance,
+            RasterBands(
+                names=("variance",),
+                unit="grey levels squared",
+                dtype="float32",
+                title=f"{title}: variance of the intensities blended in a pixel",
+                nodata=float("nan"),
+            ),
+        ),
+        (
+            "views.tif",
+            store.counts,
+            RasterBands(
+                names=("views",),
+                unit="",
+                dtype="uint8",
+                title=f"{title}: views blended in a pixel",
+                nodata=0,
+            ),
+        ),
+    )
     for name, tiles, bands in rasters:
         with context.out.path(name) as path:
             write_raster(path, tiles, layout, bands)
 
 
-def _write_surface_rasters(context: MosaicContext, layout: RasterLayout, inputs: MosaicInputs) -> None:
+def _write_surface_rasters(
+    context: MosaicContext, layout: RasterLayout, inputs: MosaicInputs
+) -> None:
     """Write what is known of the hull as found at the mosaic's pixels."""
     if inputs.as_found is None:
         return
-    for name, tiles in surface_tiles(inputs.surface, surface_values(inputs.as_found, inputs.deviation), layout).items():
+    for name, tiles in surface_tiles(
+        inputs.surface, surface_values(inputs.as_found, inputs.deviation), layout
+    ).items():
         with context.out.path(f"{name}.tif") as path:
             write_raster(path, tiles, layout, surface_bands(name, by_images=inputs.by_images))

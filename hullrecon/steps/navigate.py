@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""navigate: the vehicle's path by dead reckoning, or by the stereo cameras where there is no DVL or it was hardly heard."""
+"""navigate: the vehicle's path by dead reckoning, or by the stereo cameras where there is no DVL or
+it was hardly heard.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,12 @@ from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.clocks.synchronise import synchronise
-from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon, usable_frames
+from hullrecon.navigation.dead_reckoning.dead_reckon import (
+    Navigated,
+    NavigationLogs,
+    dead_reckon,
+    usable_frames,
+)
 from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
 from hullrecon.navigation.options import NavigateOptions
@@ -42,12 +49,16 @@ from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
 
 Samples = TypeVar("Samples", bound=Stream)
 CLOCK_FEATURES = 1000  # of an image whose motion tells the clocks
-LEAST_HEARD = 0.5  # of the images: where the DVL reaches fewer of a stereo rig's, its path would leave out most of the dive
+# of the images: where the DVL reaches fewer of a stereo rig's, its path would leave out most of the
+# dive
+LEAST_HEARD = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImagePairMotion:
-    """The images of a dive and vision's odometer, as navigation asks for the motion between two pairs."""
+    """The images of a dive and vision's odometer, as navigation asks for the motion between two
+    pairs.
+    """
 
     top: ImageStore
     bottom: ImageStore
@@ -58,18 +69,26 @@ class ImagePairMotion:
         return self.odometer.frame(top, self.top.read(top), self.bottom.read(bottom))
 
     def between(self, first: OdometryFrame, second: OdometryFrame) -> StereoMotion | None:
-        """Return the motion from the first pair to the second; None where too few features agree on one."""
+        """Return the motion from the first pair to the second; None where too few features agree on
+        one.
+        """
         found = self.odometer.motion(first, second)
         if found is None:
             return None
         pose = from_matrix(found.motion.second_from_first)
         seen = found.calibration
-        effect = CalibrationEffect(by_error=seen.by_calibration, information=seen.information, gradient=seen.gradient)
-        return StereoMotion(pose=pose, covariance=found.motion.covariance, inliers=found.inliers, calibration=effect)
+        effect = CalibrationEffect(
+            by_error=seen.by_calibration, information=seen.information, gradient=seen.gradient
+        )
+        return StereoMotion(
+            pose=pose, covariance=found.motion.covariance, inliers=found.inliers, calibration=effect
+        )
 
 
 def external(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the images that tables of the package name, relative to it; they are read again for visual odometry."""
+    """Return the images that tables of the package name, relative to it; they are read again for
+    visual odometry.
+    """
     return named_images(package, settings.read("logs", Logs).files)
 
 
@@ -89,13 +108,20 @@ def run(context: Context[NavigateOptions]) -> None:
     if ingest.dvl is None:
         _write(context, _by_stereo(context, "no DVL"), "stereo")
     elif has_stereo and (share := _share_heard(ingest, context.parameters.reach_s)) < LEAST_HEARD:
-        _write(context, *_by_stereo_or_dvl(context, f"DVL and IMU were heard together for {100 * share:.0f} % of the images"))
+        _write(
+            context,
+            *_by_stereo_or_dvl(
+                context, f"DVL and IMU were heard together for {100 * share:.0f} % of the images"
+            ),
+        )
     else:
         _write(context, _by_dvl(context), "dvl")
 
 
 def _share_heard(ingest: IngestArtifact, reach_s: float) -> float:
-    """Return the share of the upper camera's images that lie where the DVL's velocities reach while the IMU runs."""
+    """Return the share of the upper camera's images that lie where the DVL's velocities reach while
+    the IMU runs.
+    """
     dvl, imu, index = ingest.dvl, ingest.imu, ingest.image_index(Camera.TOP)
     if dvl is None or index is None or not index.usable.any():
         return 1.0
@@ -109,7 +135,9 @@ def _share_heard(ingest: IngestArtifact, reach_s: float) -> float:
 
 
 def _by_stereo_or_dvl(context: Context[NavigateOptions], heard: str) -> tuple[Navigated, str]:
-    """Return the path of the stereo cameras and what gave it; the DVL's part of the dive where they give none."""
+    """Return the path of the stereo cameras and what gave it; the DVL's part of the dive where they
+    give none.
+    """
     try:
         return _by_stereo(context, f"{heard}, and the DVL is left out"), "stereo"
     except StageError as error:
@@ -125,15 +153,21 @@ def _ingest_and_settings(context: Context[NavigateOptions]) -> tuple[IngestArtif
 
 
 def _refuse_wrong_rig(context: Context[NavigateOptions]) -> None:
-    """Raise InputError where a few pairs of images contradict the calibration or the stamps, before hours are spent on them."""
+    """Raise InputError where a few pairs of images contradict the calibration or the stamps, before
+    hours are spent on them.
+    """
     ingest, settings = _ingest_and_settings(context)
-    index = {camera: found for camera in Camera if (found := ingest.image_index(camera)) is not None}
+    index = {
+        camera: found for camera in Camera if (found := ingest.image_index(camera)) is not None
+    }
     rig = rig_from_settings(settings, ingest.camera_models)
     if len(index) < len(Camera):
         return
     images = {camera: ingest.images(camera, context.source) for camera in Camera}
     sigma_rad = float(np.radians(np.max(settings.read("camera.bottom.pose_sigma", tuple)[3:])))
-    problem = find_rig_problem(rig, index, lambda camera, row: images[camera].read(row), sigma_rad, ingest.dvl)
+    problem = find_rig_problem(
+        rig, index, lambda camera, row: images[camera].read(row), sigma_rad, ingest.dvl
+    )
     if problem is not None:
         raise InputError(problem.what, where="camera.bottom", remedy=problem.remedy)
 
@@ -142,7 +176,11 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
     ingest, settings = _ingest_and_settings(context)
     dvl, imu = _unless_empty(ingest.dvl), _unless_empty(ingest.imu)
     if dvl is None:
-        raise StageError("the DVL's log is empty", where="navigate", remedy="check the topic and the span of the log")
+        raise StageError(
+            "the DVL's log is empty",
+            where="navigate",
+            remedy="check the topic and the span of the log",
+        )
     if imu is None:
         what = "the DVL's velocities have no heading: no IMU was logged"
         raise StageError(what, where="navigate", remedy="name the IMU's topic in [topics]")
@@ -154,9 +192,19 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
         top=_unless_empty(ingest.image_index(Camera.TOP)),
         bottom=_unless_empty(ingest.image_index(Camera.BOTTOM)),
     )
-    rig, sigmas, options = rig_from_settings(settings, ingest.camera_models), sigmas_from_settings(settings), context.parameters
-    read = ingest.images(Camera.TOP, context.source).read if logs.top is not None and Camera.TOP in rig.cameras else None
-    measure = None if read is None else image_motion(rig, read, CLOCK_FEATURES, options.stereo_inliers)
+    rig, sigmas, options = (
+        rig_from_settings(settings, ingest.camera_models),
+        sigmas_from_settings(settings),
+        context.parameters,
+    )
+    read = (
+        ingest.images(Camera.TOP, context.source).read
+        if logs.top is not None and Camera.TOP in rig.cameras
+        else None
+    )
+    measure = (
+        None if read is None else image_motion(rig, read, CLOCK_FEATURES, options.stereo_inliers)
+    )
     clocks = synchronise(logs, rig, sigmas.tilt_rad, options.longest_gap_s, measure)
     walk = None
     if read is not None:
@@ -167,17 +215,30 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
         )
     found = dead_reckon(clocks.logs, rig, sigmas, options, walk)
     return replace(
-        found, remarks=[*clocks.remarks, *found.remarks], facts={"clocks": msgspec.to_builtins(clocks.errors), **found.facts}
+        found,
+        remarks=[*clocks.remarks, *found.remarks],
+        facts={"clocks": msgspec.to_builtins(clocks.errors), **found.facts},
     )
 
 
 def _by_stereo(context: Context[NavigateOptions], why: str) -> Navigated:
     (ingest, settings), options = _ingest_and_settings(context), context.parameters
     rig = rig_from_settings(settings, ingest.camera_models)
-    rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [1, 1, 1, *np.radians([1, 1, 1])]
-    odometer = stereo_odometer(rig, options.stereo_features, options.stereo_inliers, float(rig_sigma[3:].max()))
+    rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [
+        1,
+        1,
+        1,
+        *np.radians([1, 1, 1]),
+    ]
+    odometer = stereo_odometer(
+        rig, options.stereo_features, options.stereo_inliers, float(rig_sigma[3:].max())
+    )
     top, bottom = (ingest.images(camera, context.source) for camera in Camera)
-    aids = Aids(imu=_unless_empty(ingest.imu), pressure=_unless_empty(ingest.pressure), tray=_unless_empty(ingest.tray))
+    aids = Aids(
+        imu=_unless_empty(ingest.imu),
+        pressure=_unless_empty(ingest.pressure),
+        tray=_unless_empty(ingest.tray),
+    )
 
     def progress(pairs: Sequence[int]) -> Iterable[int]:
         return context.progress(pairs, "stereo pairs")
@@ -213,8 +274,12 @@ def _write(context: Context[NavigateOptions], found: Navigated, source: str) -> 
         context.warn(sentence)
 
 
-def _write_positions(context: Context[NavigateOptions], trajectory: Trajectory) -> tuple[dict[str, object], list[str]]:
-    """Write the positions from outside where there are some that tell something, and return their numbers and sentences."""
+def _write_positions(
+    context: Context[NavigateOptions], trajectory: Trajectory
+) -> tuple[dict[str, object], list[str]]:
+    """Write the positions from outside where there are some that tell something, and return their
+    numbers and sentences.
+    """
     inputs = InputArtifacts(context.inputs)
     fixes = inputs.ingest.position
     if fixes is None:

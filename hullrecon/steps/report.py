@@ -50,13 +50,29 @@ from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, InputArtif
 from hullrecon.steps.features import external
 
 CHAIN = (
-    "ingest", "navigate", "features", "links", "matches", "adjust", "surface", "detect", "mosaic-optical",
-    "mosaic-sonar", "change",
-)  # fmt: skip
+    "ingest",
+    "navigate",
+    "features",
+    "links",
+    "matches",
+    "adjust",
+    "surface",
+    "detect",
+    "mosaic-optical",
+    "mosaic-sonar",
+    "change",
+)
 MOSAICS = {"mosaic-optical": "optical", "mosaic-sonar": "sonar"}
-DELIVERED = {"ortho.tif": "ortho_{}.tif", "ortho.png": "ortho_{}.png", "mosaic.glb": "mosaic_{}.glb",
-             "variance.tif": "variance_{}.tif", "views.tif": "views_{}.tif"}  # fmt: skip
-SURFACE_RASTERS = tuple(f"{name}.tif" for name in ("deviation", "deviation_sigma", "form", "form_sigma", "support"))
+DELIVERED = {
+    "ortho.tif": "ortho_{}.tif",
+    "ortho.png": "ortho_{}.png",
+    "mosaic.glb": "mosaic_{}.glb",
+    "variance.tif": "variance_{}.tif",
+    "views.tif": "views_{}.tif",
+}
+SURFACE_RASTERS = tuple(
+    f"{name}.tif" for name in ("deviation", "deviation_sigma", "form", "form_sigma", "support")
+)
 
 
 Line = Annotated[str, msgspec.Meta(pattern=ONE_LINE, max_length=200)]
@@ -70,13 +86,19 @@ class ReportOptions(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     operator: Annotated[Line | None, msgspec.Meta(description="who inspected")] = None
     vessel_operator: Annotated[Line | None, msgspec.Meta(description="who runs the ship")] = None
     equipment: Annotated[
-        tuple[Line, ...], msgspec.Meta(max_length=20, description="vehicle, cameras, sonar, lights: a text each")
+        tuple[Line, ...],
+        msgspec.Meta(max_length=20, description="vehicle, cameras, sonar, lights: a text each"),
     ] = ()
-    water: Annotated[Line | None, msgspec.Meta(description="place, visibility, temperature, current")] = None
-    conclusion: Annotated[
-        LongText | None, msgspec.Meta(description="the inspector's own words; a blank line parts paragraphs")
+    water: Annotated[
+        Line | None, msgspec.Meta(description="place, visibility, temperature, current")
     ] = None
-    logo: Annotated[FileName | None, msgspec.Meta(description="PNG, JPEG or WebP, relative to dive.toml")] = None
+    conclusion: Annotated[
+        LongText | None,
+        msgspec.Meta(description="the inspector's own words; a blank line parts paragraphs"),
+    ] = None
+    logo: Annotated[
+        FileName | None, msgspec.Meta(description="PNG, JPEG or WebP, relative to dive.toml")
+    ] = None
 
 
 def run(context: Context[ReportOptions]) -> None:
@@ -90,21 +112,31 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
     adjusted = _adjusted(artifacts.adjust) if artifacts.adjust is not None else None
     solution = adjusted.solution if adjusted is not None else None
     rig = rig_from_settings(artifacts.mounted(context.settings), artifacts.camera_models)
-    mosaics = {name: _mosaic(context.inputs[step]) for step, name in MOSAICS.items() if step in context.inputs}
+    mosaics = {
+        name: _mosaic(context.inputs[step])
+        for step, name in MOSAICS.items()
+        if step in context.inputs
+    }
     facts = artifacts.detect.facts if artifacts.detect is not None else {}
     detect = msgspec.convert({**facts, "objects": _reason(facts)}, DetectFacts)
     track = track_of(artifacts.navigate.trajectory, solution)
     return Survey(
-        facts=_dive_facts(context, artifacts, rig if solution is None else rig.with_mounts(solution.mounts)),
+        facts=_dive_facts(
+            context, artifacts, rig if solution is None else rig.with_mounts(solution.mounts)
+        ),
         track=track,
         trajectory=artifacts.navigate.trajectory,
         adjusted=adjusted,
-        surfaces=_surfaces(context, artifacts, track.frame, found_by_images=detect.as_found is None),
+        surfaces=_surfaces(
+            context, artifacts, track.frame, found_by_images=detect.as_found is None
+        ),
         findings=_findings(artifacts.detect, detect),
         mosaics=Mosaics(optical=mosaics.get("optical"), sonar=mosaics.get("sonar")),
         change=_change(artifacts),
         provenance=Provenance(
-            steps=tuple(_step_run(context.inputs[name], name) for name in CHAIN if name in context.inputs),
+            steps=tuple(
+                _step_run(context.inputs[name], name) for name in CHAIN if name in context.inputs
+            ),
             missing=_missing(context, artifacts, rig, solution, detect, mosaics),
             copies=_copies(context),
         ),
@@ -128,7 +160,9 @@ def _adjusted(artifact: AdjustArtifact) -> AdjustedDive:
     )
 
 
-def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig: SensorRig) -> DiveFacts:
+def _dive_facts(
+    context: Context[ReportOptions], artifacts: InputArtifacts, rig: SensorRig
+) -> DiveFacts:
     ingest, matches = artifacts.ingest, artifacts.matches
     return DiveFacts(
         dive=context.settings.read_optional("dive", Dive) or Dive(name="dive"),
@@ -161,12 +195,16 @@ def _about(context: Context[ReportOptions]) -> AboutInspection:
 
 
 def files_of_package(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the files of the package that the report reads: images that lie there as files, and the logo."""
+    """Return the files of the package that the report reads: images that lie there as files, and
+    the logo.
+    """
     logo = settings.read("report", ReportOptions).logo
     return [*external(settings, package), *([Path(logo)] if logo is not None else [])]
 
 
-def _surfaces(context: Context[ReportOptions], artifacts: InputArtifacts, frame: str, *, found_by_images: bool) -> Surfaces:
+def _surfaces(
+    context: Context[ReportOptions], artifacts: InputArtifacts, frame: str, *, found_by_images: bool
+) -> Surfaces:
     surface = artifacts.surface if "surface" in context.inputs else None
     detect = artifacts.detect
     as_found = detect.as_found if detect is not None else None
@@ -260,7 +298,9 @@ def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
             if (context.inputs[step] / name).exists():
                 copies[name] = context.inputs[step] / name
     change = InputArtifacts(context.inputs).change
-    return copies | {f"change/{file.name}": file for file in (change.delivered if change is not None else ())}
+    return copies | {
+        f"change/{file.name}": file for file in (change.delivered if change is not None else ())
+    }
 
 
 def _step_run(folder: Path, name: str) -> StepRun:

@@ -16,14 +16,19 @@ from hullrecon.typing import Ints
 SONAR_KEYS = ("sonar.origin", "sonar.mount")  # of the rig, what places the sonar
 
 
-def sonar_poses(rig: SensorRig, track: VehicleTrack, t_ns: Ints, joint: str | None, samples: JointSamples | None) -> Poses:
-    """Return T_x_o (n) at ping times (n,) in the track's frame; joint: the name of the sonar's servo, None where it is fixed.
+def sonar_poses(
+    rig: SensorRig, track: VehicleTrack, t_ns: Ints, joint: str | None, samples: JointSamples | None
+) -> Poses:
+    """Return T_x_o (n) at ping times (n,) in the track's frame; joint: the name of the sonar's
+    servo, None where it is fixed.
 
     Raises StageError where the servo was not logged.
     """
     angle = np.zeros(len(t_ns))
     if joint is not None:
         if samples is None or not len(samples.t_ns):
-            raise StageError(f"the joint {joint} is not in the log", where="sonar", remedy="check sonar.joint")
+            raise StageError(
+                f"the joint {joint} is not in the log", where="sonar", remedy="check sonar.joint"
+            )
         angle = np.interp(t_ns - t_ns[0], samples.t_ns - t_ns[0], samples.angle)
     return rig.sonar_poses(track.vehicle_at(t_ns), angle)

@@ -19,13 +19,25 @@ from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.rig import RIG_KEYS, SensorRig, rig_from_settings
 from hullrecon.typing import Pixels
 from hullrecon.vision.stereo.camera_rig import CameraRig
-from hullrecon.vision.stereo.rig_check import ReadImage, RigProblem, StereoFrames, check_baseline, check_stereo_rig
+from hullrecon.vision.stereo.rig_check import (
+    ReadImage,
+    RigProblem,
+    StereoFrames,
+    check_baseline,
+    check_stereo_rig,
+)
 
 
 def find_rig_problem(
-    rig: SensorRig, index: Mapping[Camera, ImageIndex], read: ReadImage, sigma_rad: float, dvl: DvlPings | None
+    rig: SensorRig,
+    index: Mapping[Camera, ImageIndex],
+    read: ReadImage,
+    sigma_rad: float,
+    dvl: DvlPings | None,
 ) -> RigProblem | None:
-    """Return what some images contradict in calibration, stamps or baseline; None where nothing, or without two cameras."""
+    """Return what some images contradict in calibration, stamps or baseline; None where nothing, or
+    without two cameras.
+    """
     if len(index) < len(Camera) or len(rig.cameras) < len(Camera):
         return None
     top, bottom = (usable_frames(index[camera]) for camera in Camera)
@@ -33,11 +45,17 @@ def find_rig_problem(
     found = check_stereo_rig(CameraRig(rig), frames, read, sigma_rad)
     if found is None:
         return None
-    return found.problem or (None if dvl is None or not len(dvl.t_ns) else check_baseline(found, dvl, rig))
+    return found.problem or (
+        None if dvl is None or not len(dvl.t_ns) else check_baseline(found, dvl, rig)
+    )
 
 
-def describe_rig_problem(loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]) -> list[str]:
-    """Return a sentence where the images that `check` kept contradict the stereo rig; none where they fit."""
+def describe_rig_problem(
+    loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
+) -> list[str]:
+    """Return a sentence where the images that `check` kept contradict the stereo rig; none where
+    they fit.
+    """
     bottom = loaded.config.camera.bottom
     if bottom is None or any(camera.key not in found.images for camera in Camera):
         return []
@@ -46,7 +64,11 @@ def describe_rig_problem(loaded: LoadedConfig, found: IngestResult, sampled: Map
     def encoded(camera: Camera, row: int) -> bytes | None:
         if index[camera].file[row]:
             return (loaded.package / str(index[camera].file[row])).read_bytes()
-        return sampled[camera.key].image_at(int(index[camera].offset[row])) if camera.key in sampled else None
+        return (
+            sampled[camera.key].image_at(int(index[camera].offset[row]))
+            if camera.key in sampled
+            else None
+        )
 
     def read(camera: Camera, row: int) -> Pixels | None:
         data = encoded(camera, row)

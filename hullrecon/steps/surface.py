@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull's surface from the DVL's returns, with the adjusted poses when there are any, dead reckoned else; where no DVL was
-carried, from the landmarks."""
+"""The hull's surface from the DVL's returns, with the adjusted poses when there are any, dead
+reckoned else; where no DVL was carried, from the landmarks.
+"""
 
 from __future__ import annotations
 
@@ -59,13 +60,17 @@ def _cad_hull(mesh: Mesh, settings: StageSettings) -> CadHull:
     )
 
 
-def _dead_reckoned_track(inputs: InputArtifacts, settings: StageSettings) -> tuple[VehicleTrack, str]:
+def _dead_reckoned_track(
+    inputs: InputArtifacts, settings: StageSettings
+) -> tuple[VehicleTrack, str]:
     """Return the track in M by hull.pose, in g without a CAD model, and what the record calls it."""
     track, pose = inputs.navigate.trajectory.track(), settings.read_optional("hull.pose", tuple)
     if inputs.ingest.hull is None or pose is None:
         return track, "dead reckoned"
     sigma_m = guess_sigma(pose, settings.read_optional("hull.pose_sigma", tuple))[:3]
-    return move_to_hull_frame(track, from_mount(pose), sigma_m), "dead reckoned, placed by hull.pose"
+    return move_to_hull_frame(
+        track, from_mount(pose), sigma_m
+    ), "dead reckoned, placed by hull.pose"
 
 
 STAGE = Stage(
@@ -77,5 +82,12 @@ STAGE = Stage(
     version=8,
     run=run,
     fails_alone=True,
-    uses=(*DVL_KEYS, "dvl.sigma_range", "hull.pose", "hull.pose_sigma", "hull.bow", "hull.aft_perpendicular"),
+    uses=(
+        *DVL_KEYS,
+        "dvl.sigma_range",
+        "hull.pose",
+        "hull.pose_sigma",
+        "hull.bow",
+        "hull.aft_perpendicular",
+    ),
 )

@@ -29,8 +29,10 @@ MAX_FOLDED_SHARE = 0.01  # of the returns that may lie where the hull turns away
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceInputs:
-    """What a surface is made of. track: the vehicle in the surface's frame; chart: the adjustment's, None where it left none;
-    solution: None before the adjustment; returns: None where no DVL was carried; range_sigma_m: white part of a range."""
+    """What a surface is made of. track: the vehicle in the surface's frame; chart: the
+    adjustment's, None where it left none; solution: None before the adjustment; returns: None where
+    no DVL was carried; range_sigma_m: white part of a range.
+    """
 
     hull: HullReference
     track: VehicleTrack
@@ -43,7 +45,9 @@ class SurfaceInputs:
 
 @dataclass(frozen=True, kw_only=True)
 class ChartedResult:
-    """The surface, the chart that all later steps use, and what was found on the way (surface.json)."""
+    """The surface, the chart that all later steps use, and what was found on the way
+    (surface.json).
+    """
 
     surface: Surface
     chart: Chart
@@ -51,17 +55,23 @@ class ChartedResult:
 
 
 def surface_from_survey(survey: SurfaceInputs, options: SurfaceOptions) -> ChartedResult:
-    """Return the hull's surface in the frame of the track. Raises StageError where there is too little to make one of."""
+    """Return the hull's surface in the frame of the track. Raises StageError where there is too
+    little to make one of.
+    """
     # Where the beams ended, and the landmarks on the hull
     returns, counts = _points_of_returns(survey, options)
     landmarks = _find_landmarks(survey, options)
     if not len(returns.points) and not len(landmarks.points):
         raise StageError(
-            "neither DVL returns nor landmarks", where="surface", remedy="check topics.dvl and the cameras' topics"
+            "neither DVL returns nor landmarks",
+            where="surface",
+            remedy="check topics.dvl and the cameras' topics",
         )
     # The chart, on which the points' shared uncertainty is taken along the normals
     sensors = survey.track.poses.translation
-    chart = survey.chart or survey.hull.chart(returns.points if len(returns.points) else landmarks.points, sensors)
+    chart = survey.chart or survey.hull.chart(
+        returns.points if len(returns.points) else landmarks.points, sensors
+    )
     observed = _add_sigmas(returns, survey, chart)
     if options.landmarks or not len(returns.points):
         observed = _join(observed, _measure_landmarks(landmarks, survey, chart))
@@ -70,19 +80,29 @@ def surface_from_survey(survey: SurfaceInputs, options: SurfaceOptions) -> Chart
     surface, facts = build_surface(observed, regressed_on, options, datum)
     comparison = survey.hull.comparison(options.reference, survey.solution is not None)
     facts |= {"reference": comparison.reference, "comparison": comparison.note, **counts}
-    return ChartedResult(surface=replace(surface, deviation=survey.hull.deviation(surface.vertices)), chart=chart, facts=facts)
+    return ChartedResult(
+        surface=replace(surface, deviation=survey.hull.deviation(surface.vertices)),
+        chart=chart,
+        facts=facts,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class _ReturnPoints:
-    """Points (n, 3) where the beams of those returns that count ended, and the nodes (n,) that they belong to."""
+    """Points (n, 3) where the beams of those returns that count ended, and the nodes (n,) that they
+    belong to.
+    """
 
     points: Array
     node: Ints
 
 
-def _points_of_returns(survey: SurfaceInputs, options: SurfaceOptions) -> tuple[_ReturnPoints, Facts]:
-    """Return where the returns ended, without those that navigation flagged or that stand apart, and how many were left out."""
+def _points_of_returns(
+    survey: SurfaceInputs, options: SurfaceOptions
+) -> tuple[_ReturnPoints, Facts]:
+    """Return where the returns ended, without those that navigation flagged or that stand apart,
+    and how many were left out.
+    """
     returns = survey.returns
     if returns is None:
         return _ReturnPoints(points=np.zeros((0, 3)), node=np.zeros(0, np.int64)), {"returns": 0}
@@ -90,8 +110,11 @@ def _points_of_returns(survey: SurfaceInputs, options: SurfaceOptions) -> tuple[
     inlier = _find_inliers(points, returns.flagged, options)
     flagged = int(returns.flagged.sum())
     counts: Facts = {
-        "returns": len(inlier), "flagged": flagged, "outliers": int((~inlier).sum()) - flagged, "used": int(inlier.sum()),
-    }  # fmt: skip
+        "returns": len(inlier),
+        "flagged": flagged,
+        "outliers": int((~inlier).sum()) - flagged,
+        "used": int(inlier.sum()),
+    }
     return _ReturnPoints(points=points[inlier], node=returns.node[inlier]), counts
 
 
@@ -99,8 +122,14 @@ def _find_inliers(points: Array, flagged: Mask, options: SurfaceOptions) -> Mask
     """Return which points (n, 3) count. Raises StageError with fewer than four to choose from."""
     inlier = ~flagged & np.isfinite(points).all(axis=1)
     if inlier.sum() < 4:
-        raise StageError("the DVL gave fewer than four returns", where="surface", remedy="check topics.dvl and the log's span")
-    inlier[inlier] = statistical_inliers(points[inlier], options.outlier_neighbours, options.outlier_sigmas)
+        raise StageError(
+            "the DVL gave fewer than four returns",
+            where="surface",
+            remedy="check topics.dvl and the log's span",
+        )
+    inlier[inlier] = statistical_inliers(
+        points[inlier], options.outlier_neighbours, options.outlier_sigmas
+    )
     return inlier
 
 
@@ -125,15 +154,25 @@ def _find_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> _Landmark
     return _LandmarkPoints(points=points[inlier], covariance=landmarks.covariance[good][inlier])
 
 
-def _measure_landmarks(landmarks: _LandmarkPoints, survey: SurfaceInputs, chart: Chart) -> SurfacePoints:
-    """Return the landmarks with their own sigmas along the chart's normals, and with what they share: the hull's pose and the
-    dive's place."""
+def _measure_landmarks(
+    landmarks: _LandmarkPoints, survey: SurfaceInputs, chart: Chart
+) -> SurfacePoints:
+    """Return the landmarks with their own sigmas along the chart's normals, and with what they
+    share: the hull's pose and the dive's place.
+    """
     n = len(landmarks.points)
     if survey.solution is None or n == 0:
-        return SurfacePoints(point=np.zeros((0, 3)), noise=np.zeros(0), pose_sigma=np.zeros(0), gives_support=np.zeros(0, bool))
+        return SurfacePoints(
+            point=np.zeros((0, 3)),
+            noise=np.zeros(0),
+            pose_sigma=np.zeros(0),
+            gives_support=np.zeros(0, bool),
+        )
     _, normals = chart.from_chart(chart.to_chart(landmarks.points)[:, :2])
     pose = survey.solution.hull_pose
-    along = variance_along_normals(landmarks.points, np.nan_to_num(normals), landmarks.covariance, pose)
+    along = variance_along_normals(
+        landmarks.points, np.nan_to_num(normals), landmarks.covariance, pose
+    )
     return SurfacePoints(
         point=landmarks.points,
         noise=np.sqrt(along.own),
@@ -143,11 +182,16 @@ def _measure_landmarks(landmarks: _LandmarkPoints, survey: SurfaceInputs, chart:
 
 
 def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> SurfacePoints:
-    """Return the returns with the sigma of their ranges, and with that of their poses along the chart's normals."""
+    """Return the returns with the sigma of their ranges, and with that of their poses along the
+    chart's normals.
+    """
     points, poses = returns.points, survey.track.poses[returns.node]
     _, normals = chart.from_chart(chart.to_chart(points)[:, :2])
     shared = pose_sigma_along(
-        normals, points - poses.translation, survey.track.covariance[returns.node], poses.rotation.as_matrix()
+        normals,
+        points - poses.translation,
+        survey.track.covariance[returns.node],
+        poses.rotation.as_matrix(),
     )
     n = len(points)
     return SurfacePoints(
@@ -169,8 +213,11 @@ def _join(returns: SurfacePoints, landmarks: SurfacePoints) -> SurfacePoints:
     )
 
 
-def _choose_reference(points: Array, chart: Chart, reference: str, sensors: Array) -> tuple[Chart, PlaneChart | None]:
-    """Return the chart on which to regress, and the plane over which heights are counted: None for the chart's own offsets.
+def _choose_reference(
+    points: Array, chart: Chart, reference: str, sensors: Array
+) -> tuple[Chart, PlaneChart | None]:
+    """Return the chart on which to regress, and the plane over which heights are counted: None for
+    the chart's own offsets.
 
     Raises StageError where offsets from a plane are asked of a hull that bends around.
     """

@@ -17,8 +17,9 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """reference: what the returns' offsets were regressed from; note: what a comparison of the surface with the CAD model is
-    worth, None where there is no CAD model."""
+    """reference: what the returns' offsets were regressed from; note: what a comparison of the
+    surface with the CAD model is worth, None where there is no CAD model.
+    """
 
     reference: str
     note: str | None
@@ -26,7 +27,9 @@ class Comparison:
 
 @dataclass(frozen=True, kw_only=True)
 class CadHull:
-    """A hull with a CAD model, in M; up (3,): roughly up there; bow and aft_perpendicular_m: as `chart_for_hull` has them."""
+    """A hull with a CAD model, in M; up (3,): roughly up there; bow and aft_perpendicular_m: as
+    `chart_for_hull` has them.
+    """
 
     mesh: Mesh
     up: Sequence[float] | Array = (0.0, 0.0, 1.0)
@@ -42,15 +45,22 @@ class CadHull:
         return np.asarray(label == 1)
 
     def deviation(self, vertices: Array) -> Array:
-        """Return the signed distance (n,) m of vertices (n, 3) from the CAD model, outward positive."""
+        """Return the signed distance (n,) m of vertices (n, 3) from the CAD model, outward
+        positive.
+        """
         return Scene(self.mesh).closest(vertices).distance
 
     def comparison(self, reference: str, poses_are_adjusted: bool) -> Comparison:
         """Return the reference in force and how far the surface is independent of the CAD model."""
-        poses = " The poses that place the returns were adjusted to the CAD model." if poses_are_adjusted else ""
+        poses = (
+            " The poses that place the returns were adjusted to the CAD model."
+            if poses_are_adjusted
+            else ""
+        )
         if reference != "cad":
             return Comparison(
-                reference=reference, note=f"The CAD model's shape does not enter the regression of the returns.{poses}"
+                reference=reference,
+                note=f"The CAD model's shape does not enter the regression of the returns.{poses}",
             )
         note = (
             "The surface is a regression of the returns' offsets from the CAD model and leans on it between and "
@@ -78,7 +88,9 @@ class UnknownHull:
         return np.full(len(vertices), np.nan)
 
     def comparison(self, reference: str, poses_are_adjusted: bool) -> Comparison:
-        """Return the reference in force, a plane unless heights alone are regressed; there is nothing to compare with."""
+        """Return the reference in force, a plane unless heights alone are regressed; there is
+        nothing to compare with.
+        """
         return Comparison(reference="none" if reference == "none" else "plane", note=None)
 
 

@@ -11,7 +11,8 @@ from hullrecon.typing import Array, Mask
 
 
 def statistical_inliers(points: Array, neighbours: int = 30, deviations: float = 1.0) -> Mask:
-    """Return which points (n, 3) belong: by their mean distance to the nearest neighbours, within so many deviations.
+    """Return which points (n, 3) belong: by their mean distance to the nearest neighbours, within
+    so many deviations.
 
     [Ozog2016] takes 30 neighbours and one standard deviation.
     """

@@ -27,8 +27,10 @@ BESIDE_M = 0.1  # what middles of items lie above the first leg and below the la
 
 @dataclass(frozen=True, kw_only=True)
 class Dive:
-    """Hold the world and the vehicle's path through it. seen_along, seen_girth: the window of the chart that the cameras see.
-    frame_s (n,): when the cameras fire (and, without cameras, when truth is written)."""
+    """Hold the world and the vehicle's path through it. seen_along, seen_girth: the window of the
+    chart that the cameras see. frame_s (n,): when the cameras fire (and, without cameras, when
+    truth is written).
+    """
 
     spec: DiveSpec
     cad_model: Mesh
@@ -42,7 +44,9 @@ class Dive:
 
 
 def simulate_dive(spec: DiveSpec) -> Dive:
-    """Return the hull, the items, the path and the rig of a dive. Raises UsageError where the hull is too small for it."""
+    """Return the hull, the items, the path and the rig of a dive. Raises UsageError where the hull
+    is too small for it.
+    """
     ship, survey = spec.ship, spec.survey
     cad_model = hull_shape(ship)
     middle = survey.along_m if survey.along_m is not None else (1 - ship.entrance) * ship.length_m
@@ -56,7 +60,9 @@ def simulate_dive(spec: DiveSpec) -> Dive:
     span = (middle - half - BEYOND_M, middle + half + BEYOND_M)
     skin = HullSkin(cad_model, span, zero_z_m=surface_z, top_z_m=top_z, down_m=depth + BELOW_M)
     _refuse_legs_beyond(skin, survey)
-    items = place_items(spec, (middle - half + 0.1, middle + half - 0.1), (-depth - BESIDE_M, BESIDE_M))
+    items = place_items(
+        spec, (middle - half + 0.1, middle + half - 0.1), (-depth - BESIDE_M, BESIDE_M)
+    )
     motion = simulate_path(spec, skin, leg_corners(survey, middle, 0.0))
     return Dive(
         spec=spec,
@@ -72,17 +78,29 @@ def simulate_dive(spec: DiveSpec) -> Dive:
 
 
 def _refuse_legs_beyond(skin: HullSkin, survey: Survey) -> None:
-    """Raise UsageError where legs, or items beside them, have no skin: the path and the truth would be those of its edge."""
+    """Raise UsageError where legs, or items beside them, have no skin: the path and the truth would
+    be those of its edge.
+    """
     low, high = float(skin.girth_m[0]), float(skin.girth_m[-1])
     if high < BESIDE_M:
-        raise UsageError("the hull ends below the first leg", remedy="choose a larger --top-m, or less --draught-m")
+        raise UsageError(
+            "the hull ends below the first leg",
+            remedy="choose a larger --top-m, or less --draught-m",
+        )
     fit = max(0, int((-low - BESIDE_M) / survey.leg_spacing_m) + 1)
     if fit < survey.legs:
-        remedy = "choose fewer --legs, less --leg-spacing-m, or another place by --along-m and --top-m"
-        raise UsageError(f"the hull has skin for {count_noun(fit, 'leg')} there, not for {survey.legs}", remedy=remedy)
+        remedy = (
+            "choose fewer --legs, less --leg-spacing-m, or another place by --along-m and --top-m"
+        )
+        raise UsageError(
+            f"the hull has skin for {count_noun(fit, 'leg')} there, not for {survey.legs}",
+            remedy=remedy,
+        )
 
 
 def _frame_rate(spec: DiveSpec) -> float:
     """Return the frames a second that show a point of the steel about `views` times in one leg."""
-    footprint = spec.survey.standoff_m * spec.cameras.image_width / (1.03 * spec.cameras.image_width)
+    footprint = (
+        spec.survey.standoff_m * spec.cameras.image_width / (1.03 * spec.cameras.image_width)
+    )
     return spec.cameras.views * spec.survey.speed_m_per_s / footprint

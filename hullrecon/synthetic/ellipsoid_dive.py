@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A dive before an ellipsoid at the level of poses and beams: DVL, attitude and depth of a path, without logs and images.
+"""A dive before an ellipsoid at the level of poses and beams: DVL, attitude and depth of a path,
+without logs and images.
 
-The near pole of the ellipsoid is the origin, 3 m deep; its near side faces -x, y runs along it. Every error is drawn from the
-sigma that the rig states. One ping a pose.
+The near pole of the ellipsoid is the origin, 3 m deep; its near side faces -x, y runs along it.
+Every error is drawn from the sigma that the rig states. One ping a pose.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ ATTITUDE_SIGMA = np.array([0.01, 1e-3, 1e-3])  # depth m, roll and pitch rad
 MOUNT_SIGMA = np.radians(0.2)
 RANGE_SIGMA_M = 0.01
 TRAY_ORIGIN_M = np.array([0.4, 0.0, 0.1])
-BEAMS = np.array([[0.75**0.5, 0.5, 0], [0.75**0.5, -0.5, 0], [0.75**0.5, 0, 0.5], [0.75**0.5, 0, -0.5]])
+BEAMS = np.array(
+    [[0.75**0.5, 0.5, 0], [0.75**0.5, -0.5, 0], [0.75**0.5, 0, 0.5], [0.75**0.5, 0, -0.5]]
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +44,9 @@ class EllipsoidDive:
     rig: Rig
 
 
-def spiral_around_a_sphere(seed: int, *, radius_m: float, turns: float, drift_deg_per_hour: float) -> EllipsoidDive:
+def spiral_around_a_sphere(
+    seed: int, *, radius_m: float, turns: float, drift_deg_per_hour: float
+) -> EllipsoidDive:
     """Return a dive around a sphere [Ozog2016 C], half a metre deeper each turn, facing its middle."""
     rng = np.random.default_rng(seed)
     reach = radius_m + STANDOFF_M
@@ -62,10 +67,12 @@ def measured_dive(
     nearer_m: Array | float = 0.0,
     bumps_m: float = 0.0,
 ) -> EllipsoidDive:
-    """Return what the instruments make of a path T_g_v (n) before an ellipsoid of semi-axes (3,) across, along and down.
+    """Return what the instruments make of a path T_g_v (n) before an ellipsoid of semi-axes (3,)
+    across, along and down.
 
-    drift_deg_per_hour: of the heading. nearer_m (n,): by how much the surface that a pose sees lies nearer along x, as where
-    something hangs before the hull; bumps_m: of a surface that is rough, as rock is.
+    drift_deg_per_hour: of the heading. nearer_m (n,): by how much the surface that a pose sees lies
+    nearer along x, as where something hangs before the hull; bumps_m: of a surface that is rough,
+    as rock is.
     """
     sigma = np.r_[0.003, np.radians(abs(drift_deg_per_hour)) / 3600, 1e-3, 1e-3, 0.02, 1e-9]
     navigation = sigma * rng.standard_normal(6)
@@ -81,7 +88,9 @@ def measured_dive(
         trajectory=reckoned(matrices[0], odometry, STEP_S),
         odometry=odometry,
         attitude=attitude,
-        returns=_ranges(rng, truth, mount, semi_axes_m, np.broadcast_to(nearer_m, len(truth)), bumps_m),
+        returns=_ranges(
+            rng, truth, mount, semi_axes_m, np.broadcast_to(nearer_m, len(truth)), bumps_m
+        ),
         rig=_rig(sigma),
     )
 
@@ -105,7 +114,9 @@ def _attitude(rng: np.random.Generator, truth: Poses, navigation: Array) -> Atti
 
 
 def _rig(navigation_sigma: Array) -> Rig:
-    """Return the rig: the DVL's turn is known to MOUNT_SIGMA, its place is known, and there is no camera."""
+    """Return the rig: the DVL's turn is known to MOUNT_SIGMA, its place is known, and there is no
+    camera.
+    """
     turn = np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, MOUNT_SIGMA)])
     return Rig(
         tray_origin=TRAY_ORIGIN_M,
@@ -124,7 +135,14 @@ def _rig(navigation_sigma: Array) -> Rig:
     )
 
 
-def _ranges(rng: np.random.Generator, truth: Poses, mount: Poses, axes: Array, nearer_m: Array, bumps_m: float) -> Returns:
+def _ranges(
+    rng: np.random.Generator,
+    truth: Poses,
+    mount: Poses,
+    axes: Array,
+    nearer_m: Array,
+    bumps_m: float,
+) -> Returns:
     """Return where each beam meets the ellipsoid."""
     n = len(truth)
     tray = Poses(np.array([[0, 0, 0, 1.0]]), TRAY_ORIGIN_M[None])
@@ -134,7 +152,11 @@ def _ranges(rng: np.random.Generator, truth: Poses, mount: Poses, axes: Array, n
     along = dvl.rotation[node].apply(beam)
     middle = np.c_[axes[0] - nearer_m[node], np.zeros(4 * n), np.full(4 * n, POLE_DEPTH_M)]
     start = (dvl.translation[node] - middle) / axes
-    a, b, c = np.sum((along / axes) ** 2, 1), np.sum(along / axes * start, 1), np.sum(start**2, 1) - 1
+    a, b, c = (
+        np.sum((along / axes) ** 2, 1),
+        np.sum(along / axes * start, 1),
+        np.sum(start**2, 1) - 1,
+    )
     range_m = (-b - np.sqrt(b**2 - a * c)) / a
     end = dvl.translation[node] + range_m[:, None] * along
     range_m += bumps_m * np.sin(4 * end[:, 1] + 1) * np.sin(5 * end[:, 2])

@@ -18,8 +18,9 @@ RENAMED = {("cameras", "carried"): "cameras"}
 
 @dataclass(frozen=True, kw_only=True)
 class Option:
-    """Describe one option. name: flat, in snake case; part, field: where it lies in DiveSpec, part empty for its own fields;
-    kind: of its value where one is given."""
+    """Describe one option. name: flat, in snake case; part, field: where it lies in DiveSpec, part
+    empty for its own fields; kind: of its value where one is given.
+    """
 
     name: str
     part: str
@@ -37,7 +38,8 @@ def options() -> tuple[Option, ...]:
 def with_options(spec: DiveSpec, **values: Any) -> DiveSpec:
     """Return the spec with those options changed, by flat name.
 
-    Raises UsageError for an unknown name and for a value out of bounds."""
+    Raises UsageError for an unknown name and for a value out of bounds.
+    """
     known = {option.name: option for option in options()}
     changes: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
@@ -45,7 +47,10 @@ def with_options(spec: DiveSpec, **values: Any) -> DiveSpec:
             raise UsageError(f"unknown option {name}", remedy="see `hullrecon simulate --help`")
         changes.setdefault(known[name].part, {})[known[name].field] = value
     own = changes.pop("", {})
-    parts = {part: dataclasses.replace(getattr(spec, part), **changed) for part, changed in changes.items()}
+    parts = {
+        part: dataclasses.replace(getattr(spec, part), **changed)
+        for part, changed in changes.items()
+    }
     return dataclasses.replace(spec, **own, **parts)
 
 
@@ -60,13 +65,27 @@ def _options() -> Iterator[Option]:
         part = getattr(spec, top.name)
         if "meta" in top.metadata:
             meta = top.metadata["meta"]
-            yield Option(name=top.name, part="", field=top.name, kind=_kind(spec, top.name), default=part, meta=meta)
+            yield Option(
+                name=top.name,
+                part="",
+                field=top.name,
+                kind=_kind(spec, top.name),
+                default=part,
+                meta=meta,
+            )
             continue
         for f in dataclasses.fields(part):
             if "meta" in f.metadata:
                 name = RENAMED.get((top.name, f.name), part.prefix + f.name)
                 default, meta = getattr(part, f.name), f.metadata["meta"]
-                yield Option(name=name, part=top.name, field=f.name, kind=_kind(part, f.name), default=default, meta=meta)
+                yield Option(
+                    name=name,
+                    part=top.name,
+                    field=f.name,
+                    kind=_kind(part, f.name),
+                    default=default,
+                    meta=meta,
+                )
 
 
 def _kind(record: object, field: str) -> type:

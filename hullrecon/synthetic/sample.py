@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The dive in sample_data/demo: `python -m hullrecon.synthetic.sample [FOLDER]` makes it again, byte for byte."""
+"""The dive in sample_data/demo: `python -m hullrecon.synthetic.sample [FOLDER]` makes it again,
+byte for byte.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +12,14 @@ from pathlib import Path
 from hullrecon.synthetic.output.package import write_package
 from hullrecon.synthetic.spec import Cameras, DiveSpec, InitialHullPose, Items, Survey
 
-# from the side into the bilge where the bow begins to narrow: curvature both ways, so that the CAD model holds the dive
+# from the side into the bilge where the bow begins to narrow: curvature both ways, so that the CAD
+# model holds the dive
 SAMPLE = DiveSpec(
     name="demo",
     seed=8,
-    survey=Survey(along_m=38.0, top_m=1.75, legs=3, leg_length_m=3.0, leg_spacing_m=0.55, standoff_m=1.05),
+    survey=Survey(
+        along_m=38.0, top_m=1.75, legs=3, leg_length_m=3.0, leg_spacing_m=0.55, standoff_m=1.05
+    ),
     cameras=Cameras(views=6.2, image_width=480, image_height=384, jpeg_quality=80),
     guess=InitialHullPose(along_m=0.3),
     items=Items(structures=4, marks=1, barnacles=1),
@@ -23,7 +28,11 @@ SAMPLE = DiveSpec(
 
 def main() -> None:
     """Write the sample dive into the folder given, or into sample_data."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[2] / "sample_data" / "demo"
+    folder = (
+        Path(sys.argv[1])
+        if len(sys.argv) > 1
+        else Path(__file__).resolve().parents[2] / "sample_data" / "demo"
+    )
     write_package(folder, SAMPLE)
     print(folder)
 

@@ -29,7 +29,9 @@ Result = TypeVar("Result")
 class Map(Protocol):
     """Applies a function that can be pickled to all items, in order, perhaps in other processes."""
 
-    def __call__(self, function: Callable[[Item], Result], items: Sequence[Item], label: str) -> list[Result]: ...
+    def __call__(
+        self, function: Callable[[Item], Result], items: Sequence[Item], label: str
+    ) -> list[Result]: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +46,9 @@ class NavigatedDive:
 
 @dataclass(frozen=True, kw_only=True)
 class LinkedScene:
-    """What every round works on. depth_m (n,): of the scene at each node; bottom (n,): nodes where the bottom camera leads."""
+    """What every round works on. depth_m (n,): of the scene at each node; bottom (n,): nodes where
+    the bottom camera leads.
+    """
 
     worker: MatchWorker
     dive: NavigatedDive
@@ -61,24 +65,36 @@ class LinkedScene:
         poses = leading_cameras(self.worker.rig, path, self.bottom)
         return CameraTrack(global_from_camera=poses, errors=errors)
 
-    def match(self, track: CameraTrack, proposal: Proposal, map_items: Map, anywhere: bool = False) -> list[PairMatch]:
+    def match(
+        self, track: CameraTrack, proposal: Proposal, map_items: Map, anywhere: bool = False
+    ) -> list[PairMatch]:
         """Return what each proposed pair gives, expected where the track has it, or anywhere."""
-        expected = [None] * len(proposal) if anywhere else track.motions(proposal.first, proposal.second)
+        expected = (
+            [None] * len(proposal) if anywhere else track.motions(proposal.first, proposal.second)
+        )
         pairs = [
             NodePair(first=int(a), second=int(b), expected=motion, full_search=not across)
-            for a, b, motion, across in zip(proposal.first, proposal.second, expected, proposal.across, strict=True)
+            for a, b, motion, across in zip(
+                proposal.first, proposal.second, expected, proposal.across, strict=True
+            )
         ]
         blocks = []
         for start in range(0, len(pairs), BLOCK):
             part = pairs[start : start + BLOCK]
             touched = sorted({p.first for p in part} | {p.second for p in part})
             blocks.append(({k: self.nodes[k] for k in touched}, part))
-        return [match for block in map_items(MatchPairs(self.worker), blocks, "pairs") for match in block]
+        return [
+            match
+            for block in map_items(MatchPairs(self.worker), blocks, "pairs")
+            for match in block
+        ]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedPairs:
-    """The pairs of all rounds so far, in the order in which they were compared, and which of the matched are rejected (m,)."""
+    """The pairs of all rounds so far, in the order in which they were compared, and which of the
+    matched are rejected (m,).
+    """
 
     proposal: Proposal
     found: tuple[PairMatch, ...]
@@ -89,14 +105,18 @@ class ComparedPairs:
     def none() -> ComparedPairs:
         """Return what there is before the first round."""
         nothing = np.zeros(0, np.int64)
-        proposal = Proposal(first=nothing, second=nothing, across=np.zeros(0, bool), overlap=np.zeros(0))
+        proposal = Proposal(
+            first=nothing, second=nothing, across=np.zeros(0, bool), overlap=np.zeros(0)
+        )
         return ComparedPairs(proposal=proposal, found=(), round=nothing, rejected=np.zeros(0, bool))
 
     def keys(self, nodes: int) -> Ints:
         """Return first * nodes + second of all pairs."""
         return self.proposal.first * nodes + self.proposal.second
 
-    def joined_with(self, proposal: Proposal, found: Sequence[PairMatch], number: int) -> ComparedPairs:
+    def joined_with(
+        self, proposal: Proposal, found: Sequence[PairMatch], number: int
+    ) -> ComparedPairs:
         """Return these and the pairs of another round."""
         old = self.proposal
         return ComparedPairs(
@@ -146,7 +166,12 @@ class ComparedPairs:
         """Return these by (first, second)."""
         order, p = np.lexsort((self.proposal.second, self.proposal.first)), self.proposal
         return ComparedPairs(
-            proposal=Proposal(first=p.first[order], second=p.second[order], across=p.across[order], overlap=p.overlap[order]),
+            proposal=Proposal(
+                first=p.first[order],
+                second=p.second[order],
+                across=p.across[order],
+                overlap=p.overlap[order],
+            ),
             found=tuple(self.found[k] for k in order),
             round=self.round[order],
             rejected=self.rejected[order],

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether one image of the upper camera goes on where another ends: how far images carry a path on where the DVL is silent."""
+"""Whether one image of the upper camera goes on where another ends: how far images carry a path on
+where the DVL is silent.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ from hullrecon.vision.image_motion import single_camera_views
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import Reason
 
-STILL_PX = 1.0  # that features move by: less is the noise of their places, in which a direction is found as well
+# that features move by: less is the noise of their places, in which a direction is found as well
+STILL_PX = 1.0
 MOST = 0.5  # of the image
 CELLS = 4  # of the image along either side
 
@@ -24,11 +27,12 @@ CELLS = 4  # of the image along either side
 def continuity(
     rig: SensorRig, read: Callable[[int], Pixels | None], max_features: int, min_inliers: int
 ) -> Callable[[int, int], bool]:
-    """Return what tells of two images, by their rows, whether at least min_inliers features move as those of one rigid scene.
+    """Return what tells of two images, by their rows, whether at least min_inliers features move as
+    those of one rigid scene.
 
-    Where they stand still they have to fill most of the image: a part of the vehicle that is in view stands still in open
-    water too.
-    read: an image (h, w, 3) RGB by its row, None where there is none. The two asked last are kept.
+    Where they stand still they have to fill most of the image: a part of the vehicle that is in
+    view stands still in open water too. read: an image (h, w, 3) RGB by its row, None where there
+    is none. The two asked last are kept.
     """
     options = MatchOptions(min_inliers=min_inliers)
     matcher, view = single_camera_views(rig, read, max_features, options)
@@ -46,8 +50,10 @@ def continuity(
 
 
 def fills_most(xy: Array, camera: CameraModel) -> bool:
-    """Return whether points (n, 2), ideal coordinates, are spread over most of the image: by their scatter, which tells the
-    area of a patch wherever it lies, and by the cells with a point, of which the rim of the image has few."""
+    """Return whether points (n, 2), ideal coordinates, are spread over most of the image: by their
+    scatter, which tells the area of a patch wherever it lies, and by the cells with a point, of
+    which the rim of the image has few.
+    """
     place = (xy * [camera.fx, camera.fy] + [camera.cx, camera.cy]) / [camera.width, camera.height]
     # Points that are even over a rectangle scatter by a twelfth of the square of its sides.
     area = 12 * np.sqrt(max(np.linalg.det(np.cov(place.T)), 0.0))

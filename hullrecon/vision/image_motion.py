@@ -22,9 +22,11 @@ from hullrecon.vision.stereo.node_view import NodeView, view_of_node
 def single_camera_views(
     rig: SensorRig, read: Callable[[int], Pixels | None], max_features: int, options: MatchOptions
 ) -> tuple[PairMatcher, Callable[[int], NodeView]]:
-    """Return what matches images of the upper camera, and what gives an image's features by its row.
+    """Return what matches images of the upper camera, and what gives an image's features by its
+    row.
 
-    read: an image (h, w, 3) RGB by its row, None where there is none. The features of the two asked last are kept.
+    read: an image (h, w, 3) RGB by its row, None where there is none. The features of the two asked
+    last are kept.
     """
     cameras, feature_options = CameraRig(rig), FeatureOptions(max_features=max_features)
 
@@ -40,20 +42,26 @@ def single_camera_views(
 def image_motion(
     rig: SensorRig, read: Callable[[int], Pixels | None], max_features: int, min_inliers: int
 ) -> Callable[[int, int], tuple[Array, Array] | None]:
-    """Return what gives, from two rows, second_from_first (4, 4) of the upper camera, its translation of any length, and sigmas
-    (2,) rad of its turn and of its direction, about the axis that is known worst; None where fewer than min_inliers features
-    agree on one."""
+    """Return what gives, from two rows, second_from_first (4, 4) of the upper camera, its
+    translation of any length, and sigmas (2,) rad of its turn and of its direction, about the axis
+    that is known worst; None where fewer than min_inliers features agree on one.
+    """
     options = MatchOptions(min_inliers=min_inliers)
     matcher, view = single_camera_views(rig, read, max_features, options)
 
     def between(first: int, second: int) -> tuple[Array, Array] | None:
-        found = matcher.match(view(first), view(second), None, (options.seed, first, second), True).motion
+        found = matcher.match(
+            view(first), view(second), None, (options.seed, first, second), True
+        ).motion
         if found is None:
             return None
         length = float(np.linalg.norm(found.second_from_first[:3, 3]))
         direction = found.second_from_first[:3, 3] / length
         across = np.eye(3) - np.outer(direction, direction)
-        variance = [found.covariance[3:, 3:], across @ found.covariance[:3, :3] @ across / length**2]
+        variance = [
+            found.covariance[3:, 3:],
+            across @ found.covariance[:3, :3] @ across / length**2,
+        ]
         return found.second_from_first, np.sqrt([np.linalg.eigvalsh(one)[-1] for one in variance])
 
     return between

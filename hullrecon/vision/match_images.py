@@ -31,8 +31,10 @@ NO_IMAGES = (
 
 @dataclass(frozen=True, kw_only=True)
 class MatchedImages:
-    """The tracks, the pairs that were compared with the number of features that each has in common (m,), how many of these are
-    corners (None where none were looked for), and the number of keyframes and nodes."""
+    """The tracks, the pairs that were compared with the number of features that each has in common
+    (m,), how many of these are corners (None where none were looked for), and the number of
+    keyframes and nodes.
+    """
 
     tracks: Tracks
     pairs: NodePairs
@@ -45,7 +47,11 @@ class MatchedImages:
         """Return how many pairs, landmarks and observations there are."""
         matched, tracks = self.pairs.joined, self.tracks
         both = np.isfinite(tracks.top[:, 0]) & np.isfinite(tracks.bottom[:, 0])
-        kinds = {} if self.corners is None else {"matches": int(self.inliers.sum()), "corner_matches": int(self.corners.sum())}
+        kinds = (
+            {}
+            if self.corners is None
+            else {"matches": int(self.inliers.sum()), "corner_matches": int(self.corners.sum())}
+        )
         return {
             "keyframes": self.keyframes,
             "nodes": self.nodes,
@@ -63,10 +69,15 @@ class MatchedImages:
     def failures(self) -> dict[str, int]:
         """Return the number of pairs by the reason why they failed."""
         codes, counts = np.unique(self.pairs.reason[self.pairs.reason > 0], return_counts=True)
-        return {REASON_TEXTS[Reason(code)]: int(count) for code, count in zip(codes, counts, strict=True)}
+        return {
+            REASON_TEXTS[Reason(code)]: int(count)
+            for code, count in zip(codes, counts, strict=True)
+        }
 
     def chains(self) -> list[int]:
-        """Return the sizes of the groups of nodes that matches connect, the largest first; without nodes in no pair."""
+        """Return the sizes of the groups of nodes that matches connect, the largest first; without
+        nodes in no pair.
+        """
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
 
@@ -76,7 +87,9 @@ class MatchedImages:
             return []
         a, b = index[: len(pairs)][joined], index[len(pairs) :][joined]
         graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(nodes), len(nodes)))
-        return sorted(np.bincount(connected_components(graph, directed=False)[1]).tolist(), reverse=True)
+        return sorted(
+            np.bincount(connected_components(graph, directed=False)[1]).tolist(), reverse=True
+        )
 
 
 def join_images(
@@ -90,12 +103,20 @@ def join_images(
 ) -> MatchedImages:
     """Return the tracks of linked images; observations that verified pairs contradict are dropped.
 
-    image (n, 2): rows in the cameras' indices. links and features: of the pairs joined, in their order.
-    Raises StageError where no two images match.
+    image (n, 2): rows in the cameras' indices. links and features: of the pairs joined, in their
+    order. Raises StageError where no two images match.
     """
     if not pairs.joined.any():
-        raise StageError("no two images could be matched", where=f"links: {_most_frequent_reason(pairs)}", remedy=NO_IMAGES)
-    size, start, by_node = np.diff(features.start), first_numbers(stereo.features), stereo_by_node(stereo)
+        raise StageError(
+            "no two images could be matched",
+            where=f"links: {_most_frequent_reason(pairs)}",
+            remedy=NO_IMAGES,
+        )
+    size, start, by_node = (
+        np.diff(features.start),
+        first_numbers(stereo.features),
+        stereo_by_node(stereo),
+    )
     tracks = build_tracks(
         stereo.features,
         by_node,
@@ -111,7 +132,14 @@ def join_images(
     inliers = np.zeros(len(pairs), np.int64)
     inliers[pairs.joined] = size
     corners = _count_corners(worker, image, by_node, pairs, links, features)
-    return MatchedImages(tracks=tracks, pairs=pairs, inliers=inliers, keyframes=keyframes, nodes=len(image), corners=corners)
+    return MatchedImages(
+        tracks=tracks,
+        pairs=pairs,
+        inliers=inliers,
+        keyframes=keyframes,
+        nodes=len(image),
+        corners=corners,
+    )
 
 
 def _count_corners(
@@ -122,22 +150,32 @@ def _count_corners(
     links: CameraLinks,
     features: PairFeatures,
 ) -> Ints | None:
-    """Return how many of the features that each pair has in common (m,) are corners; None where there are none."""
+    """Return how many of the features that each pair has in common (m,) are corners; None where
+    there are none.
+    """
     if worker.options.harris_share == 0:
         return None  # no image is read for it
-    views = (worker.read((int(top), int(low)), found).leading for (top, low), found in zip(image, stereo, strict=True))
+    views = (
+        worker.read((int(top), int(low)), found).leading
+        for (top, low), found in zip(image, stereo, strict=True)
+    )
     rows, corners = np.array([(len(view), view.corners) for view in views], np.int64).T
     if not corners.any():
         return None
     pair = np.repeat(np.flatnonzero(pairs.joined), np.diff(features.start))
     node = np.repeat(links.first, np.diff(features.start))
-    return np.bincount(pair[features.first >= (rows - corners)[node]], minlength=len(pairs)).astype(np.int64)
+    return np.bincount(pair[features.first >= (rows - corners)[node]], minlength=len(pairs)).astype(
+        np.int64
+    )
 
 
 def stereo_by_node(stereo: NodeStereo) -> list[StereoMatches]:
     """Return the matches between the two cameras of each node."""
     rows = [slice(a, b) for a, b in zip(stereo.start[:-1], stereo.start[1:], strict=True)]
-    return [StereoMatches(top=stereo.top[k], bottom=stereo.bottom[k], point=stereo.point[k]) for k in rows]
+    return [
+        StereoMatches(top=stereo.top[k], bottom=stereo.bottom[k], point=stereo.point[k])
+        for k in rows
+    ]
 
 
 def _verified_links(links: CameraLinks) -> list[Link]:
@@ -151,7 +189,13 @@ def _verified_links(links: CameraLinks) -> list[Link]:
 
 
 def _find_contradictions(
-    rig: CameraRig, links: list[Link], options: MatchOptions, node: Ints, label: Ints, top: Array, bottom: Array
+    rig: CameraRig,
+    links: list[Link],
+    options: MatchOptions,
+    node: Ints,
+    label: Ints,
+    top: Array,
+    bottom: Array,
 ) -> Mask:
     return contradicted_observations(rig, node, label, top, bottom, links, options)
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What came of two nodes that were matched: features that show one point and a motion, or why there are none."""
+"""What came of two nodes that were matched: features that show one point and a motion, or why there
+are none.
+"""
 
 from __future__ import annotations
 
@@ -41,12 +43,12 @@ REASON_TEXTS = {
 
 @dataclass(frozen=True, kw_only=True)
 class PairMatch:
-    """first, second (m,): rows of the two views' features that show one point, none when the pair failed but for NO_MOTION;
-    distance (m,) of their descriptors.
+    """first, second (m,): rows of the two views' features that show one point, none when the pair
+    failed but for NO_MOTION; distance (m,) of their descriptors.
 
-    motion: between the leading cameras, None when the pair failed; scaled: whether its translation has a measured length
-    (mono: navigation's, or one). calibration: what errors of the calibration, which all pairs of a dive share, do to a scaled
-    motion.
+    motion: between the leading cameras, None when the pair failed; scaled: whether its translation
+    has a measured length (mono: navigation's, or one). calibration: what errors of the calibration,
+    which all pairs of a dive share, do to a scaled motion.
     """
 
     first: Ints
@@ -71,14 +73,18 @@ def failed_match(putative: int, reason: Reason) -> PairMatch:
 
 
 def agrees(found: PairMatch, prior: Motion, max_chi2: float) -> bool:
-    """Return whether the motion lies within navigation's covariance plus its own, its length aside where that is not measured.
+    """Return whether the motion lies within navigation's covariance plus its own, its length aside
+    where that is not measured.
 
-    max_chi2 is that of six numbers; a motion without a length has five and is held to five sixths of it.
+    max_chi2 is that of six numbers; a motion without a length has five and is held to five sixths
+    of it.
     """
     if found.motion is None:
         return False
     if not found.scaled:
-        return mono_motion.navigation_chi2(found.motion, prior) <= max_chi2 * mono_motion.FREEDOMS / 6
+        return (
+            mono_motion.navigation_chi2(found.motion, prior) <= max_chi2 * mono_motion.FREEDOMS / 6
+        )
     own, wanted = found.motion.second_from_first, prior.second_from_first
     turn = np.linalg.inv(wanted[:3, :3]) @ own[:3, :3]
     gap = np.concatenate([own[:3, 3] - wanted[:3, 3], Rotation.from_matrix(turn).as_rotvec()])

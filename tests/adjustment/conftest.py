@@ -26,12 +26,21 @@ def observe(camera, hull_from_camera, points, nodes, landmarks):
 
 @pytest.fixture
 def scene():
-    """20 nodes a decimetre apart looking down on 400 landmarks a metre below, a vertical stereo rig, no noise."""
+    """20 nodes a decimetre apart looking down on 400 landmarks a metre below, a vertical stereo
+    rig, no noise.
+    """
     rng = np.random.default_rng(3)
     n, count = 20, 400
-    nodes = poses.from_rpy(np.c_[0.1 * np.arange(n), np.zeros(n), np.zeros(n)], 0.02 * rng.standard_normal((n, 3)))
-    points = np.c_[rng.uniform(-0.3, 2.2, count), rng.uniform(-0.3, 0.3, count), rng.uniform(0.95, 1.1, count)]
-    T_s_ct, T_ct_cb = poses.from_mount([0.01, 0, 0, 0, 0, 0]), poses.from_mount([0.001, 0.1, 0, 0.1, -0.2, 0.1])
+    nodes = poses.from_rpy(
+        np.c_[0.1 * np.arange(n), np.zeros(n), np.zeros(n)], 0.02 * rng.standard_normal((n, 3))
+    )
+    points = np.c_[
+        rng.uniform(-0.3, 2.2, count), rng.uniform(-0.3, 0.3, count), rng.uniform(0.95, 1.1, count)
+    ]
+    T_s_ct, T_ct_cb = (
+        poses.from_mount([0.01, 0, 0, 0, 0, 0]),
+        poses.from_mount([0.001, 0.1, 0, 0.1, -0.2, 0.1]),
+    )
     rig = Rig(
         tray_origin=np.array([0.4, 0.0, 0.1]),
         tray_sigma=0.01,
@@ -62,7 +71,9 @@ def scene():
         response=np.full(seen.sum(), 0.02),
         color=color,
     )
-    return SimpleNamespace(nodes=nodes, tray=tray, points=points, rig=rig, top=top, bottom=bottom, tracks=tracks)
+    return SimpleNamespace(
+        nodes=nodes, tray=tray, points=points, rig=rig, top=top, bottom=bottom, tracks=tracks
+    )
 
 
 @pytest.fixture

@@ -21,12 +21,20 @@ class SideChart:
 
 
 def side(fullness):
-    """A port side y(x, z), 30 m long: `fullness` 0 is a cylinder, 1 curves strongly towards both ends."""
+    """A port side y(x, z), 30 m long: `fullness` 0 is a cylinder, 1 curves strongly towards both
+    ends.
+    """
     x, z = np.meshgrid(np.linspace(-15, 15, 121), np.linspace(0, 5, 41), indexing="ij")
-    y = 4.0 * (1 - fullness * 0.6 * (x / 15) ** 4) * np.sqrt(np.clip(1 - ((5.5 - z) / 6) ** 4, 0.01, None))
+    y = (
+        4.0
+        * (1 - fullness * 0.6 * (x / 15) ** 4)
+        * np.sqrt(np.clip(1 - ((5.5 - z) / 6) ** 4, 0.01, None))
+    )
     number = np.arange(x.size).reshape(x.shape)
     a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
-    faces = np.vstack([np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)])
+    faces = np.vstack(
+        [np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)]
+    )
     return Mesh(np.stack([x, y, z], -1).reshape(-1, 3), faces.astype(np.int32))
 
 
@@ -43,14 +51,23 @@ def cad_model(mesh, truth, error):
 
 
 def lying(model):
-    """Return a CAD model with z up as its file would have it with y up and the ship along z, and that turn (3, 3)."""
+    """Return a CAD model with z up as its file would have it with y up and the ship along z, and
+    that turn (3, 3).
+    """
     turn = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])
     chart = SideChart()
     chart.to_chart, chart.ship_axes = (lambda points: SideChart().to_chart(points @ turn)), turn.T
     in_hull = np.r_[turn @ model.guess_sigma[:3], turn @ model.guess_sigma[3:]]
-    guess = model.guess @ poses.from_matrix(np.block([[turn.T, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]))
-    return replace(model, mesh=Mesh(model.mesh.vertices @ turn.T, model.mesh.faces), chart=chart, guess=guess,
-                   guess_sigma=in_hull), turn  # fmt: skip
+    guess = model.guess @ poses.from_matrix(
+        np.block([[turn.T, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]])
+    )
+    return replace(
+        model,
+        mesh=Mesh(model.mesh.vertices @ turn.T, model.mesh.faces),
+        chart=chart,
+        guess=guess,
+        guess_sigma=in_hull,
+    ), turn
 
 
 TRUTH = poses.from_rpy([10.0, 30.0, 3.0], np.radians([-179.0, 0.5, -95.0]))

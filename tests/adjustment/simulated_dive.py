@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A tiny dive with truth: a vehicle on two legs before the side of an ellipsoid with a bump that no CAD model shows and a box.
+"""A tiny dive with truth: a vehicle on two legs before the side of an ellipsoid with a bump that no
+CAD model shows and a box.
 
-Truth is stated here in plain NumPy, with 4 x 4 matrices: it shares no geometry with what it tests. Each record's errors are
-known: the DVL's scale, its mount and the heading drift, biases of roll, pitch and depth, the tray's backlash, white noise.
+Truth is stated here in plain NumPy, with 4 x 4 matrices: it shares no geometry with what it tests.
+Each record's errors are known: the DVL's scale, its mount and the heading drift, biases of roll,
+pitch and depth, the tray's backlash, white noise.
 """
 
 from dataclasses import dataclass
@@ -21,17 +23,27 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 
-SEMI_AXES_M = np.array([6.0, 2.5, 2.0])  # of the CAD model, x forward, y port, z up: it curves both ways
+# of the CAD model, x forward, y port, z up: it curves both ways
+SEMI_AXES_M = np.array([6.0, 2.5, 2.0])
 BOX_M = (0.3, 0.75, 0.0, 0.3, 0.08)  # x from, to, z from, to, height
 BUMP_M, BUMP_LENGTH_M = 0.02, 0.7  # the hull as it is stands out by this around (-0.7, 0.15)
 CAMERA = CameraModel(640, 512, 650.0, 651.0, 322.0, 255.0, -0.05, 0.02)
-JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
+JANUS = np.array(
+    [[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]]
+)
 TRAY_ORIGIN_M, PRESSURE_ORIGIN_M = np.array([0.4, 0.0, 0.1]), np.array([-0.3, 0.05, -0.1])
 STEP_S = 0.5  # between nodes
 
-PIXEL_NOISE_PX, RANGE_NOISE_M, ATTITUDE_NOISE_RAD, DEPTH_NOISE_M, TRAY_NOISE_RAD = 0.3, 0.004, 5e-4, 3e-3, 3e-4
+PIXEL_NOISE_PX, RANGE_NOISE_M, ATTITUDE_NOISE_RAD, DEPTH_NOISE_M, TRAY_NOISE_RAD = (
+    0.3,
+    0.004,
+    5e-4,
+    3e-3,
+    3e-4,
+)
 STEP_NOISE_M, TURN_NOISE_RAD = 1.5e-3, 3e-4
-NAVIGATION = np.array([0.008, 1e-3, 2e-3, -1.5e-3, 0.03, 0.008])  # scale, drift rad/s, roll, pitch, depth m, backlash rad
+# scale, drift rad/s, roll, pitch, depth m, backlash rad
+NAVIGATION = np.array([0.008, 1e-3, 2e-3, -1.5e-3, 0.03, 0.008])
 NAVIGATION_SIGMA = np.array([0.01, 1e-3, 3e-3, 3e-3, 0.05, 0.014])
 GUESS_SIGMA = np.r_[0.3, 0.2, 0.2, np.radians([1.0, 1.0, 3.0])]
 MOUNT_SIGMA = np.r_[np.full(3, 0.01), np.radians(np.full(3, 0.5))]
@@ -61,7 +73,10 @@ def records_poses(transform):
 
 
 GLOBAL_FROM_HULL = motion(3.0, -2.0, 4.0, 180.4, -0.5, 40.0)
-TRAY_FROM_DVL, TRAY_FROM_TOP = motion(0.02, -0.15, 0.0, 0.0, 90.0, 0.0), motion(0.03, 0.05, -0.05, 90.0, 0.0, 90.0)
+TRAY_FROM_DVL, TRAY_FROM_TOP = (
+    motion(0.02, -0.15, 0.0, 0.0, 90.0, 0.0),
+    motion(0.03, 0.05, -0.05, 90.0, 0.0, 90.0),
+)
 TOP_FROM_BOTTOM = motion(0.001, 0.1, 0.002, 0.2, -0.1, 0.15)
 
 
@@ -99,7 +114,14 @@ def cad_hull(spacing_m=0.1):
     b = (np.arange(n - 1)[:, None] * k + (np.arange(k) + 1) % k).ravel()
     faces = np.vstack([np.stack([a, b, b + k], 1), np.stack([a, b + k, a + k], 1)])
     corner = rings.reshape(-1, 3)[faces]
-    inward = np.einsum("ni,ni->n", np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), corner.mean(1)) < 0
+    inward = (
+        np.einsum(
+            "ni,ni->n",
+            np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]),
+            corner.mean(1),
+        )
+        < 0
+    )
     faces[inward] = faces[inward][:, ::-1]
     return Mesh(rings.reshape(-1, 3), faces.astype(np.int32))
 
@@ -111,8 +133,9 @@ def hull_chart():
 
 @dataclass(frozen=True, kw_only=True)
 class SimulatedDive:
-    """What is measured, and the truth behind it: global_from_vehicle (n, 4, 4), tray (n,) rad, landmark (L, 3) in g, on_hull
-    (L,)."""
+    """What is measured, and the truth behind it: global_from_vehicle (n, 4, 4), tray (n,) rad,
+    landmark (L, 3) in g, on_hull (L,).
+    """
 
     measured: Measurements
     global_from_vehicle: np.ndarray
@@ -122,7 +145,9 @@ class SimulatedDive:
 
 
 def path(s, per_leg):
-    """Where the vehicle is at times s (n,) counted in nodes: T_g_v (n, 4, 4), the tray's angle and its sense of motion (n,)."""
+    """Where the vehicle is at times s (n,) counted in nodes: T_g_v (n, 4, 4), the tray's angle and
+    its sense of motion (n,).
+    """
     leg = (s >= per_leg - 0.5).astype(float)
     share = (s - leg * per_leg) / (per_leg - 1)
     x, z = np.where(leg > 0, 1.3 - 2.6 * share, -1.3 + 2.6 * share), np.where(leg > 0, -0.15, 0.45)
@@ -130,7 +155,9 @@ def path(s, per_leg):
     x, z = x + 0.02 * np.sin(0.9 * s), z + 0.03 * np.sin(0.5 * s)
     origin = np.stack([x, cad_side(x, z) + 1.35 + 0.05 * np.sin(0.3 * s), z], -1)
     facing = np.array([[0, -1, 0], [-1, 0, 0], [0, 0, -1.0]])  # x_v to -y_M, z_v down
-    turn = Rotation.from_euler("z", -np.arctan2(normal[:, :1], normal[:, 1:2])) * Rotation.from_matrix(facing)
+    turn = Rotation.from_euler(
+        "z", -np.arctan2(normal[:, :1], normal[:, 1:2])
+    ) * Rotation.from_matrix(facing)
     wobble = 0.02 * np.stack([np.sin(0.7 * s), np.sin(0.45 * s + 1), np.sin(0.35 * s + 2)], -1)
     hull_from_vehicle = matrix(origin, turn * Rotation.from_rotvec(wobble))
     tray = -np.arcsin(normal[:, 2]) + 0.08 * np.sin(0.8 * s)
@@ -160,7 +187,9 @@ def simulate(*, stereo=True, cad=True, ranges=True, camera=True, per_leg=18, lan
         rig=rig,
         cad_model=_cad_model(poses) if cad else None,
     )
-    return SimulatedDive(measured=measured, global_from_vehicle=poses, tray=tray, landmark=points, on_hull=on_hull)
+    return SimulatedDive(
+        measured=measured, global_from_vehicle=poses, tray=tray, landmark=points, on_hull=on_hull
+    )
 
 
 def _landmarks(rng, count):
@@ -186,13 +215,17 @@ def pixels_of(points_in_camera):
     r2 = x * x + y * y
     radial = 1 + CAMERA.k1 * r2 + CAMERA.k2 * r2 * r2
     pixel = np.stack([CAMERA.fx * x * radial + CAMERA.cx, CAMERA.fy * y * radial + CAMERA.cy], -1)
-    inside = (pixel >= 0).all(1) & (pixel <= [CAMERA.width - 1, CAMERA.height - 1]).all(1) & (r2 < 1)
+    inside = (
+        (pixel >= 0).all(1) & (pixel <= [CAMERA.width - 1, CAMERA.height - 1]).all(1) & (r2 < 1)
+    )
     return np.where(inside[:, None], pixel, np.nan)
 
 
 def _tracks(rng, poses, tray, points, stereo):
     top = poses @ _tray_poses(tray) @ TRAY_FROM_TOP
-    landmark, node = (k.ravel() for k in np.meshgrid(np.arange(len(points)), np.arange(len(poses)), indexing="ij"))
+    landmark, node = (
+        k.ravel() for k in np.meshgrid(np.arange(len(points)), np.arange(len(poses)), indexing="ij")
+    )
     seen = []
     for camera in (top, top @ TOP_FROM_BOTTOM):
         pixel = pixels_of(moved(np.linalg.inv(camera)[node], points[landmark]))
@@ -218,7 +251,9 @@ def cross_matrices(v):
 
 
 def _odometry(rng, poses, tray, logged_tray, mount_error):
-    """Each step as a DVL of wrong scale and mount, behind a tray of wrong angle, under a drifting heading, measures it."""
+    """Each step as a DVL of wrong scale and mount, behind a tray of wrong angle, under a drifting
+    heading, measures it.
+    """
     first, second = np.arange(len(poses) - 1), np.arange(1, len(poses))
     step = np.linalg.inv(poses[first]) @ poses[second]
     t, m = step[:, :3, 3], len(first)
@@ -226,14 +261,23 @@ def _odometry(rng, poses, tray, logged_tray, mount_error):
     vehicle_from_dvl = (_tray_poses(0.5 * (tray[first] + tray[second])) @ TRAY_FROM_DVL)[:, :3, :3]
     by_navigation, by_mount, by_tray = np.zeros((m, 6, 2)), np.zeros((m, 6, 3)), np.zeros((m, 6))
     by_navigation[:, :3, 0] = t
-    by_navigation[:, :3, 1], by_navigation[:, 3:, 1] = 0.5 * STEP_S * np.cross(up_i, t), STEP_S * up_j
-    by_mount[:, :3] = -vehicle_from_dvl @ cross_matrices(np.einsum("nji,nj->ni", vehicle_from_dvl, t))
+    by_navigation[:, :3, 1], by_navigation[:, 3:, 1] = (
+        0.5 * STEP_S * np.cross(up_i, t),
+        STEP_S * up_j,
+    )
+    by_mount[:, :3] = -vehicle_from_dvl @ cross_matrices(
+        np.einsum("nji,nj->ni", vehicle_from_dvl, t)
+    )
     by_tray[:, :3] = np.cross([0.0, 1.0, 0.0], t)
     wrong_tray = 0.5 * ((tray - logged_tray)[first] + (tray - logged_tray)[second])
     error = by_navigation @ NAVIGATION[:2] + by_mount @ mount_error + by_tray * wrong_tray[:, None]
-    error += rng.standard_normal((m, 6)) * np.r_[np.full(3, STEP_NOISE_M), np.full(3, TURN_NOISE_RAD)]
+    error += (
+        rng.standard_normal((m, 6)) * np.r_[np.full(3, STEP_NOISE_M), np.full(3, TURN_NOISE_RAD)]
+    )
     turn = Rotation.from_matrix(step[:, :3, :3]) * Rotation.from_rotvec(-error[:, 3:])
-    covariance = np.tile(np.diag(np.r_[np.full(3, STEP_NOISE_M), np.full(3, TURN_NOISE_RAD)] ** 2), (m, 1, 1))
+    covariance = np.tile(
+        np.diag(np.r_[np.full(3, STEP_NOISE_M), np.full(3, TURN_NOISE_RAD)] ** 2), (m, 1, 1)
+    )
     return Odometry(
         first=first,
         second=second,
@@ -251,7 +295,11 @@ def _attitude(rng, poses, sense):
     n = len(poses)
     roll_pitch = Rotation.from_matrix(poses[:, :3, :3]).as_euler("xyz")[:, :2] + NAVIGATION[2:4]
     roll_pitch += ATTITUDE_NOISE_RAD * rng.standard_normal((n, 2))
-    depth = moved(poses, np.tile(PRESSURE_ORIGIN_M, (n, 1)))[:, 2] + NAVIGATION[4] + DEPTH_NOISE_M * rng.standard_normal(n)
+    depth = (
+        moved(poses, np.tile(PRESSURE_ORIGIN_M, (n, 1)))[:, 2]
+        + NAVIGATION[4]
+        + DEPTH_NOISE_M * rng.standard_normal(n)
+    )
     sigma = np.tile([DEPTH_NOISE_M, ATTITUDE_NOISE_RAD, ATTITUDE_NOISE_RAD], (n, 1))
     return Attitude(
         node=np.arange(n),
@@ -329,7 +377,9 @@ def _returns(rng, n, per_leg):
 
 
 def _mount(truth, error, sigma=MOUNT_SIGMA):
-    """A nominal mount from which the truth differs by a shift (3,) m in the parent frame and a turn (3,) rad on the right."""
+    """A nominal mount from which the truth differs by a shift (3,) m in the parent frame and a turn
+    (3,) rad on the right.
+    """
     back = matrix(np.zeros((1, 3)), Rotation.from_rotvec([-np.asarray(error[3:])]))[0]
     nominal = truth @ back
     nominal[:3, 3] = truth[:3, 3] - error[:3]

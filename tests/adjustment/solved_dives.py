@@ -34,12 +34,20 @@ class SolvedDive:
 
     def position_errors_m(self):
         """Of the vehicle (n, 3) in the true g, after the best rigid alignment."""
-        truth, found = self.dive.global_from_vehicle[:, :3, 3], self.outcome.solution.global_from_vehicle.translation
+        truth, found = (
+            self.dive.global_from_vehicle[:, :3, 3],
+            self.outcome.solution.global_from_vehicle.translation,
+        )
         return moved(aligning(found, truth), found) - truth
 
     def turn_errors_rad(self):
-        """Angles (n,) after alignment, less what is common to all: camera and vehicle may turn together on the tray."""
-        truth, found = self.dive.global_from_vehicle, self.outcome.solution.global_from_vehicle.matrix()
+        """Angles (n,) after alignment, less what is common to all: camera and vehicle may turn
+        together on the tray.
+        """
+        truth, found = (
+            self.dive.global_from_vehicle,
+            self.outcome.solution.global_from_vehicle.matrix(),
+        )
         laid = aligning(found[:, :3, 3], truth[:, :3, 3]) @ found
         apart = Rotation.from_matrix(np.swapaxes(truth[:, :3, :3], 1, 2) @ laid[:, :3, :3])
         return (apart.mean().inv() * apart).magnitude()
@@ -47,10 +55,14 @@ class SolvedDive:
     def landmark_errors_m(self):
         """Distances (L,) after the best rigid alignment."""
         found = self.outcome.solution.landmarks.position
-        return np.linalg.norm(moved(aligning(found, self.landmark_truth), found) - self.landmark_truth, axis=1)
+        return np.linalg.norm(
+            moved(aligning(found, self.landmark_truth), found) - self.landmark_truth, axis=1
+        )
 
     def hull_error(self):
-        """(6,): T_g_M less its truth, (m in g, rad in M) about the survey's centre; g laid on the true one by the landmarks."""
+        """(6,): T_g_M less its truth, (m in g, rad in M) about the survey's centre; g laid on the
+        true one by the landmarks.
+        """
         solution = self.outcome.solution
         center = solution.hull_pose.survey_center
         laid = aligning(solution.landmarks.position, self.landmark_truth)
@@ -62,8 +74,13 @@ class SolvedDive:
     def pose_errors_in_hull(self):
         """(n, 6): T_M_v less its truth, m in M, rad in v."""
         truth = np.linalg.inv(GLOBAL_FROM_HULL) @ self.dive.global_from_vehicle
-        found = (self.adjusted.state.hull.global_from_hull.inverse() @ self.outcome.solution.global_from_vehicle).matrix()
-        turn = Rotation.from_matrix(np.swapaxes(truth[:, :3, :3], 1, 2) @ found[:, :3, :3]).as_rotvec()
+        found = (
+            self.adjusted.state.hull.global_from_hull.inverse()
+            @ self.outcome.solution.global_from_vehicle
+        ).matrix()
+        turn = Rotation.from_matrix(
+            np.swapaxes(truth[:, :3, :3], 1, 2) @ found[:, :3, :3]
+        ).as_rotvec()
         return np.c_[found[:, :3, 3] - truth[:, :3, 3], turn]
 
 
@@ -74,5 +91,8 @@ def solved(**chosen):
     options = AdjustOptions(**{k: v for k, v in chosen.items() if k not in SCENE})
     adjusted = adjust(dive.measured, options, lambda _: None)
     return SolvedDive(
-        dive=dive, options=options, adjusted=adjusted, outcome=summarise_adjustment(dive.measured, adjusted, options)
+        dive=dive,
+        options=options,
+        adjusted=adjusted,
+        outcome=summarise_adjustment(dive.measured, adjusted, options),
     )

@@ -27,7 +27,11 @@ from scipy.spatial.transform import Rotation
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection, weighting
-from hullrecon.adjustment.problem.assembly import assemble, share_weight_by_cell, state_from_unknowns
+from hullrecon.adjustment.problem.assembly import (
+    assemble,
+    share_weight_by_cell,
+    state_from_unknowns,
+)
 from hullrecon.adjustment.problem.deviation_field import grid_over
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.geometry.poses import Poses
@@ -81,7 +85,10 @@ def true_state(dive):
     m = dive.measured
     start = solved().adjusted.state
     hull = replace(
-        start.hull, global_from_hull=records_poses(GLOBAL_FROM_HULL), survey_center=CENTER, field=0 * start.hull.field
+        start.hull,
+        global_from_hull=records_poses(GLOBAL_FROM_HULL),
+        survey_center=CENTER,
+        field=0 * start.hull.field,
     )
     return replace(
         start,
@@ -96,7 +103,11 @@ def true_state(dive):
 def problem_at(dive, state, **held):
     chosen = selection.select_measurements(dive.measured, state, 40.0)
     weights = weighting.initial_weights(dive.measured, AdjustOptions())
-    return assemble(dive.measured, state, weights, chosen, held.pop("as_published", False), **held), chosen, weights
+    return (
+        assemble(dive.measured, state, weights, chosen, held.pop("as_published", False), **held),
+        chosen,
+        weights,
+    )
 
 
 def assert_same_motion(a, b):
@@ -138,7 +149,9 @@ def test_truth_leaves_residuals_of_one_sigma(factor):
     dive = simulate()
     state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
     chosen = selection.select_measurements(dive.measured, state, 40.0)
-    weights = replace(weighting.initial_weights(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD)
+    weights = replace(
+        weighting.initial_weights(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD
+    )
     found = native.evaluate(assemble(dive.measured, state, weights, chosen, as_published=False))
     rows = found.residual[found.factor == native.FACTORS.index(factor)]
     assert np.sqrt(np.mean(rows**2)) == pytest.approx(1.0, abs=0.25)
@@ -162,7 +175,9 @@ def test_every_observation_chosen_stands_in_one_table_once():
     assert set(np.unique(problem.mono.camera)) == {0, 1}
     seen = np.flatnonzero(known & chosen.top & chosen.bottom)
     np.testing.assert_array_equal(chosen.landmarks[problem.stereo.landmark], tracks.landmark[seen])
-    np.testing.assert_array_equal(problem.stereo.pixel, np.hstack([tracks.top[seen], tracks.bottom[seen]]))
+    np.testing.assert_array_equal(
+        problem.stereo.pixel, np.hstack([tracks.top[seen], tracks.bottom[seen]])
+    )
     assert np.isfinite(problem.mono.pixel).all()
 
 
@@ -201,24 +216,32 @@ def ellipsoid_hits(origin, direction):
 
 
 def test_the_beams_meet_the_field_where_they_meet_the_cad_model():
-    """Their four weights at the nodes give back the chart's coordinates of the beam's first point on the ellipsoid."""
+    """Their four weights at the nodes give back the chart's coordinates of the beam's first point
+    on the ellipsoid.
+    """
     dive = simulate()
     state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
     problem, chosen, _ = problem_at(dive, state)
     returns = dive.measured.returns
     assert chosen.returns.all()
     assert len(problem.ranges.measured) == len(returns.node)
-    ping = dive.global_from_vehicle[returns.node] @ matrix(returns.translation, Rotation.from_quat(returns.quaternion))
+    ping = dive.global_from_vehicle[returns.node] @ matrix(
+        returns.translation, Rotation.from_quat(returns.quaternion)
+    )
     angle = (dive.tray[returns.node] + returns.tray_offset)[:, None]
     tray = matrix(np.tile(TRAY_ORIGIN_M, (len(angle), 1)), Rotation.from_euler("y", angle))
     hull_from_dvl = np.linalg.inv(GLOBAL_FROM_HULL) @ ping @ tray @ TRAY_FROM_DVL
-    hits = ellipsoid_hits(hull_from_dvl[:, :3, 3], np.einsum("nij,nj->ni", hull_from_dvl[:, :3, :3], returns.beam))
+    hits = ellipsoid_hits(
+        hull_from_dvl[:, :3, 3], np.einsum("nij,nj->ni", hull_from_dvl[:, :3, :3], returns.beam)
+    )
     row, column = np.divmod(problem.ranges.field.index, state.hull.grid.shape[1])
     node = state.hull.grid.origin + np.stack([row, column], -1) * state.hull.grid.step
     found = np.einsum("nk,nkc->nc", problem.ranges.field.weight, node)
     met = np.isfinite(hits[:, 0])
     assert met.mean() > 0.9
-    np.testing.assert_allclose(found[met], dive.measured.cad_model.chart.to_chart(hits[met])[:, :2], atol=0.01)
+    np.testing.assert_allclose(
+        found[met], dive.measured.cad_model.chart.to_chart(hits[met])[:, :2], atol=0.01
+    )
 
 
 def test_a_beam_that_misses_the_cad_model_takes_the_field_at_its_measured_end():
@@ -226,7 +249,10 @@ def test_a_beam_that_misses_the_cad_model_takes_the_field_at_its_measured_end():
     turned = dive.measured.returns.beam * [1, 1, -1]  # away from the hull
     measured = replace(dive.measured, returns=replace(dive.measured.returns, beam=turned))
     state = true_state(dive)
-    chosen, weights = selection.select_measurements(measured, state, 40.0), weighting.initial_weights(measured, AdjustOptions())
+    chosen, weights = (
+        selection.select_measurements(measured, state, 40.0),
+        weighting.initial_weights(measured, AdjustOptions()),
+    )
     problem = assemble(measured, state, weights, chosen, as_published=False)
     np.testing.assert_allclose(problem.ranges.field.weight.sum(1), 1.0)
     assert (problem.ranges.field.index < state.hull.grid.size).all()
@@ -235,7 +261,9 @@ def test_a_beam_that_misses_the_cad_model_takes_the_field_at_its_measured_end():
 def test_without_a_field_ranges_and_landmarks_have_no_nodes():
     dive = simulate()
     state = true_state(dive)
-    problem, _, _ = problem_at(dive, replace(state, hull=replace(state.hull, grid=None, field=np.zeros(0))))
+    problem, _, _ = problem_at(
+        dive, replace(state, hull=replace(state.hull, grid=None, field=np.zeros(0)))
+    )
     assert problem.ranges.field.index.shape == problem.surface.field.index.shape == (0, 4)
     assert len(problem.unknowns.deviation) == 0
 
@@ -270,16 +298,33 @@ def test_motions_that_images_measured_are_left_out_where_landmarks_join_their_no
     dive = simulate()
     odometry, tracks = dive.measured.odometry, dive.measured.tracks
     m = len(odometry)
-    blind = np.isin(tracks.node, [odometry.first[4], odometry.second[4]])[:, None]  # nothing was seen there
-    seen = replace(tracks, top=np.where(blind, np.nan, tracks.top), bottom=np.where(blind, np.nan, tracks.bottom))
+    # nothing was seen there
+    blind = np.isin(tracks.node, [odometry.first[4], odometry.second[4]])[:, None]
+    seen = replace(
+        tracks,
+        top=np.where(blind, np.nan, tracks.top),
+        bottom=np.where(blind, np.nan, tracks.bottom),
+    )
     by_images = np.arange(m) != 2
-    measured = replace(dive.measured, tracks=seen, odometry=replace(odometry, from_images=by_images))
+    measured = replace(
+        dive.measured, tracks=seen, odometry=replace(odometry, from_images=by_images)
+    )
     state = true_state(dive)
     chosen = selection.select_measurements(measured, state, 40.0)
-    problem = assemble(measured, state, weighting.initial_weights(measured, AdjustOptions()), chosen, as_published=False)
+    problem = assemble(
+        measured,
+        state,
+        weighting.initial_weights(measured, AdjustOptions()),
+        chosen,
+        as_published=False,
+    )
     used = (chosen.top | chosen.bottom) & np.isin(seen.landmark, chosen.landmarks)
     common = [
-        len(np.intersect1d(seen.landmark[used & (seen.node == i)], seen.landmark[used & (seen.node == j)]))
+        len(
+            np.intersect1d(
+                seen.landmark[used & (seen.node == i)], seen.landmark[used & (seen.node == j)]
+            )
+        )
         for i, j in zip(odometry.first, odometry.second, strict=True)
     ]
     kept = ~by_images | (np.array(common) < 12)
@@ -295,15 +340,24 @@ def test_the_first_pose_fixes_what_no_sensor_measures(levelled):
     dive = simulate()
     attitude = dive.measured.attitude
     if not levelled:
-        attitude = replace(attitude, node=attitude.node[:0], depth=attitude.depth[:0], roll=attitude.roll[:0],
-                           pitch=attitude.pitch[:0], sigma=attitude.sigma[:0],
-                           nodes_per_reading=attitude.nodes_per_reading[:0])  # fmt: skip
+        attitude = replace(
+            attitude,
+            node=attitude.node[:0],
+            depth=attitude.depth[:0],
+            roll=attitude.roll[:0],
+            pitch=attitude.pitch[:0],
+            sigma=attitude.sigma[:0],
+            nodes_per_reading=attitude.nodes_per_reading[:0],
+        )
     measured = replace(dive.measured, attitude=attitude)
     problem, _, _ = problem_at(replace(dive, measured=measured), true_state(dive))
     to_global = Rotation.from_quat(measured.trajectory.quaternion[0]).as_matrix()
-    rows = problem.priors.pose.sqrt_information[0] @ np.kron(np.eye(2), to_global.T)  # by steps in g
+    # by steps in g
+    rows = problem.priors.pose.sqrt_information[0] @ np.kron(np.eye(2), to_global.T)
     sigma = 1 / np.linalg.norm(rows, axis=0)
-    assert (sigma < 1e-3).tolist() == ([True, True, False, False, False, True] if levelled else [True] * 6)
+    assert (sigma < 1e-3).tolist() == (
+        [True, True, False, False, False, True] if levelled else [True] * 6
+    )
 
 
 def test_landmarks_of_one_cell_share_one_observations_weight():
@@ -312,6 +366,8 @@ def test_landmarks_of_one_cell_share_one_observations_weight():
     landmarks = np.arange(0, len(state.landmark), 2)
     weight = share_weight_by_cell(state.hull, state.landmark, landmarks, (0.5, 0.5))
     assert set(weight[1::2]) == {1.0}
-    cells = dive.measured.cad_model.chart.to_chart(state.hull.to_hull(state.landmark[landmarks]))[:, :2]
+    cells = dive.measured.cad_model.chart.to_chart(state.hull.to_hull(state.landmark[landmarks]))[
+        :, :2
+    ]
     occupied = len(np.unique(np.floor(cells / 0.5), axis=0))
     assert weight[landmarks].sum() == pytest.approx(occupied)

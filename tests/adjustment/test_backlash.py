@@ -27,9 +27,13 @@ def test_a_single_outlier_does_not_flip_the_side():
 def test_without_play_the_logged_direction_is_kept():
     rng = np.random.default_rng(1)
     direction = square_wave(300, 10)
-    np.testing.assert_array_equal(estimate_sides(np.radians(0.1) * rng.standard_normal(300), direction), direction)
+    np.testing.assert_array_equal(
+        estimate_sides(np.radians(0.1) * rng.standard_normal(300), direction), direction
+    )
 
 
 def test_few_nodes_keep_the_logged_direction():
     direction = np.array([1.0, -1.0, 1.0])
-    np.testing.assert_array_equal(estimate_sides(np.array([0.01, -0.01, 0.01]), direction), direction)
+    np.testing.assert_array_equal(
+        estimate_sides(np.array([0.01, -0.01, 0.01]), direction), direction
+    )

@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""`adjust` on the simulated dive, against truth. Bounds are some twice what this dive gives (0.9 to 1.4 mm, landmarks 0.4 to
-0.8 mm; as published 2.6 mm); dead reckoning alone is 12 mm off after alignment."""
+"""`adjust` on the simulated dive, against truth. Bounds are some twice what this dive gives (0.9 to
+1.4 mm, landmarks 0.4 to 0.8 mm; as published 2.6 mm); dead reckoning alone is 12 mm off after
+alignment.
+"""
 
 from dataclasses import replace
 
@@ -26,7 +28,8 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment
 
 SCALE, DRIFT, ROLL, PITCH, DEPTH, BACKLASH = range(6)
-# scene and options, then bounds after alignment: RMSE of positions and of turns, median of landmarks
+# scene and options, then bounds after alignment: RMSE of positions and of turns, median of
+# landmarks
 CASES = {
     "stereo with CAD": ({}, 2e-3, 1.5e-3, 1.0e-3),
     "mono with CAD": ({"stereo": False}, 3e-3, 1.5e-3, 2.0e-3),
@@ -58,19 +61,29 @@ def test_the_path_and_the_landmarks_come_out_to_millimetres(case):
 
 
 def test_the_scale_of_one_camera_is_solved_to_its_minimum():
-    """Damping that holds a mode which all measurements share stopped 2.5e-4 short of it here, and 5e-3 on a dive of 1,400
-    images, where its sigma was 5e-4."""
+    """Damping that holds a mode which all measurements share stopped 2.5e-4 short of it here, and
+    5e-3 on a dive of 1,400 images, where its sigma was 5e-4.
+    """
     measured = simulate(stereo=False, cad=False, ranges=False, landmarks=4000, per_leg=60).measured
     found, at_minimum = (
-        adjust(measured, AdjustOptions(function_tolerance=tolerance, max_iterations=200), lambda line: None)
+        adjust(
+            measured,
+            AdjustOptions(function_tolerance=tolerance, max_iterations=200),
+            lambda line: None,
+        )
         for tolerance in (AdjustOptions().function_tolerance, 1e-12)
     )
-    assert found.state.navigation[SCALE] == pytest.approx(at_minimum.state.navigation[SCALE], abs=2e-5)
+    assert found.state.navigation[SCALE] == pytest.approx(
+        at_minimum.state.navigation[SCALE], abs=2e-5
+    )
 
 
 def test_no_camera_still_leaves_a_path_better_than_dead_reckoning():
     found = solved(camera=False)
-    reckoned, truth = found.dive.measured.trajectory.translation, found.dive.global_from_vehicle[:, :3, 3]
+    reckoned, truth = (
+        found.dive.measured.trajectory.translation,
+        found.dive.global_from_vehicle[:, :3, 3],
+    )
     before = np.sqrt(np.mean(np.sum((moved(aligning(reckoned, truth), reckoned) - truth) ** 2, 1)))
     assert np.sqrt(np.mean(np.sum(found.position_errors_m() ** 2, 1))) < 0.7 * before
     assert len(found.outcome.solution.landmarks) == 0
@@ -93,12 +106,18 @@ def test_an_observation_is_left_out_by_its_own_sigma():
     dive = simulate(cad=False)
     tracks, rng = dive.measured.tracks, np.random.default_rng(8)
     weak, seen = tracks.landmark % 2 == 0, np.isfinite(tracks.top[:, 0])
-    top = tracks.top + np.where(weak, 4 * PIXEL_NOISE_PX, 0.0)[:, None] * rng.standard_normal(tracks.top.shape)
-    bottom = tracks.bottom + np.where(weak, 4 * PIXEL_NOISE_PX, 0.0)[:, None] * rng.standard_normal(tracks.bottom.shape)
+    top = tracks.top + np.where(weak, 4 * PIXEL_NOISE_PX, 0.0)[:, None] * rng.standard_normal(
+        tracks.top.shape
+    )
+    bottom = tracks.bottom + np.where(weak, 4 * PIXEL_NOISE_PX, 0.0)[:, None] * rng.standard_normal(
+        tracks.bottom.shape
+    )
     off = seen & (rng.random(len(top)) < 0.03)
     top[off, 0] += 8 * PIXEL_NOISE_PX  # two sigmas of a weak feature, eight of a strong one
     tracks = replace(tracks, top=top, bottom=bottom, response=np.where(weak, 0.02, 0.08))
-    chosen = adjust(replace(dive.measured, tracks=tracks), AdjustOptions(), lambda line: None).chosen
+    chosen = adjust(
+        replace(dive.measured, tracks=tracks), AdjustOptions(), lambda line: None
+    ).chosen
     assert chosen.top[off & ~weak].mean() < 0.2
     assert chosen.top[off & weak].mean() > 0.9
 
@@ -108,7 +127,8 @@ def test_the_hull_lies_within_three_of_its_sigmas(case):
     found = of(case)
     error, covariance = found.hull_error(), found.outcome.solution.hull_pose.covariance
     assert np.all(np.abs(error) < 3 * np.sqrt(np.diag(covariance)))
-    assert error @ np.linalg.solve(covariance, error) < 16.8  # 99 % of chi-square with six degrees of freedom
+    # 99 % of chi-square with six degrees of freedom
+    assert error @ np.linalg.solve(covariance, error) < 16.8
 
 
 @pytest.mark.parametrize("case", ["stereo with CAD", "mono with CAD"])
@@ -118,7 +138,10 @@ def test_the_vehicle_lies_within_three_of_its_sigmas_in_the_hull_frame(case):
     assert np.all(np.abs(found.pose_errors_in_hull()) < 3 * sigma)
 
 
-@pytest.mark.parametrize("case", ["stereo with CAD", "mono with CAD", "labels by an outer loop", "no ranges", "as published"])
+@pytest.mark.parametrize(
+    "case",
+    ["stereo with CAD", "mono with CAD", "labels by an outer loop", "no ranges", "as published"],
+)
 def test_landmarks_are_told_on_the_hull_from_off_it(case):
     found = of(case)
     label = found.outcome.solution.landmarks.label
@@ -131,14 +154,21 @@ def test_the_distance_of_the_boxs_face_is_its_height():
     found = of("stereo with CAD")
     x, _, z = moved(np.linalg.inv(TRUTH), found.landmark_truth[~found.on_hull_truth]).T
     expected = BOX_M[4] + true_deviation(x, z)
-    np.testing.assert_allclose(found.outcome.solution.landmarks.deviation[~found.on_hull_truth], expected, atol=0.015)
+    np.testing.assert_allclose(
+        found.outcome.solution.landmarks.deviation[~found.on_hull_truth], expected, atol=0.015
+    )
 
 
 def test_a_model_onto_which_nothing_is_laid_is_left_out():
     measured = replace(simulate(cad=True).measured, returns=None)
     found = adjust(measured, AdjustOptions(method="naive"), lambda _: None)
-    assert found.refusal == "the method naive lays no landmark onto it, and there is no range of a DVL"
-    assert summarise_adjustment(measured, found, AdjustOptions(method="naive")).solution.hull_pose is None
+    assert (
+        found.refusal == "the method naive lays no landmark onto it, and there is no range of a DVL"
+    )
+    assert (
+        summarise_adjustment(measured, found, AdjustOptions(method="naive")).solution.hull_pose
+        is None
+    )
 
 
 def test_naive_draws_no_landmark_to_the_hull_and_geva_draws_all():
@@ -151,7 +181,8 @@ def test_what_is_wrong_with_the_dvl_the_heading_and_the_servo_is_found(case):
     navigation = of(case).outcome.solution.navigation_errors
     assert navigation[SCALE] == pytest.approx(NAVIGATION[SCALE], abs=5e-3)  # prior sigma 10e-3
     assert navigation[DRIFT] == pytest.approx(NAVIGATION[DRIFT], abs=4e-4)  # prior sigma 1e-3
-    assert navigation[BACKLASH] == pytest.approx(NAVIGATION[BACKLASH], abs=5e-4)  # prior sigma 14e-3
+    # prior sigma 14e-3
+    assert navigation[BACKLASH] == pytest.approx(NAVIGATION[BACKLASH], abs=5e-4)
 
 
 @pytest.mark.parametrize("case", [c for c in CASES if c != "as published"])
@@ -165,7 +196,9 @@ def test_as_published_has_no_systematic_errors_and_no_field():
     state = of("as published").adjusted.state
     assert not state.navigation.any()
     assert state.hull.grid is None
-    np.testing.assert_array_equal(state.T_s_d.matrix(), simulate().measured.rig.T_s_d.nominal.matrix())
+    np.testing.assert_array_equal(
+        state.T_s_d.matrix(), simulate().measured.rig.T_s_d.nominal.matrix()
+    )
 
 
 def test_the_tray_angles_are_freed_of_their_backlash():
@@ -189,15 +222,22 @@ def test_the_field_follows_the_bump_that_the_cad_model_lacks(case):
 
 
 def test_the_pixel_sigma_is_that_of_the_noise():
-    assert of("stereo with CAD").outcome.summary["sigmas"]["pixel_px"] == pytest.approx(PIXEL_NOISE_PX, rel=0.15)
+    assert of("stereo with CAD").outcome.summary["sigmas"]["pixel_px"] == pytest.approx(
+        PIXEL_NOISE_PX, rel=0.15
+    )
 
 
 def test_two_runs_give_the_same_bytes_whatever_the_threads():
     dive = simulate()
-    once, again = (adjust(dive.measured, AdjustOptions(threads=threads), lambda _: None) for threads in (1, 2))
+    once, again = (
+        adjust(dive.measured, AdjustOptions(threads=threads), lambda _: None) for threads in (1, 2)
+    )
     for name, values in vars(once.result.unknowns).items():
         assert values.tobytes() == getattr(again.result.unknowns, name).tobytes(), name
-    assert once.state.hull.global_from_hull.translation.tobytes() == again.state.hull.global_from_hull.translation.tobytes()
+    assert (
+        once.state.hull.global_from_hull.translation.tobytes()
+        == again.state.hull.global_from_hull.translation.tobytes()
+    )
     assert once.state.landmark.tobytes() == again.state.landmark.tobytes()
     assert once.result.label.tobytes() == again.result.label.tobytes()
 
@@ -205,7 +245,12 @@ def test_two_runs_give_the_same_bytes_whatever_the_threads():
 def test_each_round_is_told_in_a_line_with_its_landmarks():
     told = []
     adjust(simulate().measured, AdjustOptions(rounds=2), told.append)
-    assert len(told) == 4  # a round without the CAD model, its registration, a round and the last one with it
+    # a round without the CAD model, its registration, a round and the last one with it
+    assert len(told) == 4
     assert "points to the CAD model" in told[1]
-    assert [line.split(":")[0] for line in (told[0], *told[2:])] == ["round 1", "round 2", "round 3"]
+    assert [line.split(":")[0] for line in (told[0], *told[2:])] == [
+        "round 1",
+        "round 2",
+        "round 3",
+    ]
     assert "0 on the hull" in told[0]

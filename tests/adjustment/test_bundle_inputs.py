@@ -22,7 +22,9 @@ def quietly(measured, **options):
 
 def rows(record, kept):
     """Those rows of a record all whose fields have one a row, but `color`."""
-    return from_arrays(type(record), {k: v if k == "color" else v[kept] for k, v in to_arrays(record).items()})
+    return from_arrays(
+        type(record), {k: v if k == "color" else v[kept] for k, v in to_arrays(record).items()}
+    )
 
 
 def shifted(tracks, landmark, by_px):
@@ -39,9 +41,17 @@ def well_seen(tracks):
 
 def seen_once_by_both(tracks, landmark):
     """The tracks with a single stereo observation of that landmark."""
-    own = np.flatnonzero((tracks.landmark == landmark) & np.isfinite(tracks.top[:, 0]) & np.isfinite(tracks.bottom[:, 0]))
+    own = np.flatnonzero(
+        (tracks.landmark == landmark)
+        & np.isfinite(tracks.top[:, 0])
+        & np.isfinite(tracks.bottom[:, 0])
+    )
     return rows(
-        tracks, np.setdiff1d(np.arange(len(tracks.node)), np.setdiff1d(np.flatnonzero(tracks.landmark == landmark), own[:1]))
+        tracks,
+        np.setdiff1d(
+            np.arange(len(tracks.node)),
+            np.setdiff1d(np.flatnonzero(tracks.landmark == landmark), own[:1]),
+        ),
     )
 
 
@@ -50,7 +60,8 @@ def test_a_landmark_whose_rays_meet_behind_the_cameras_is_left_out():
     landmark = well_seen(measured.tracks)
     lone = seen_once_by_both(measured.tracks, landmark)
     assert landmark in quietly(replace(measured, tracks=lone)).chosen.landmarks
-    behind = shifted(lone, landmark, [0.0, 130.0])  # the bottom camera lies 0.1 m down the image: more is behind
+    # the bottom camera lies 0.1 m down the image: more is behind
+    behind = shifted(lone, landmark, [0.0, 130.0])
     left = quietly(replace(measured, tracks=behind))
     assert landmark not in left.chosen.landmarks
     assert np.isnan(left.state.landmark[landmark]).all()
@@ -100,7 +111,9 @@ def test_flagged_returns_do_not_enter():
     found = quietly(replace(measured, returns=returns))
     np.testing.assert_array_equal(found.chosen.returns, ~flagged)
     assert len(found.problem.ranges.measured) == (~flagged).sum()
-    kept = from_arrays(Returns, {name: values[~flagged] for name, values in to_arrays(returns).items()})
+    kept = from_arrays(
+        Returns, {name: values[~flagged] for name, values in to_arrays(returns).items()}
+    )
     without = quietly(replace(measured, returns=kept))
     np.testing.assert_array_equal(found.state.nodes.translation, without.state.nodes.translation)
 
@@ -117,7 +130,9 @@ def test_a_dive_without_pressure_keeps_its_depth_by_dead_reckoning():
     attitude = replace(measured.attitude, **none)
     found = quietly(replace(measured, attitude=attitude))
     assert found.result.converged
-    np.testing.assert_allclose(found.state.nodes.translation[0], measured.trajectory.translation[0], atol=1e-3)
+    np.testing.assert_allclose(
+        found.state.nodes.translation[0], measured.trajectory.translation[0], atol=1e-3
+    )
 
 
 def test_without_a_cad_model_there_is_no_hull_state():

@@ -17,9 +17,13 @@ def scattered(count, seed, sigma, length, noise, offset=0.0):
     random = np.random.default_rng(seed)
     model = cad_model(side(0.0), TRUTH, 0 * ERROR)
     at = np.c_[random.uniform(1, 13, count), np.zeros(count), random.uniform(1, 4, count)]
-    nearest = model.mesh.vertices[np.argmin(np.linalg.norm(model.mesh.vertices[None] - at[:, None], axis=2), axis=1)]
+    nearest = model.mesh.vertices[
+        np.argmin(np.linalg.norm(model.mesh.vertices[None] - at[:, None], axis=2), axis=1)
+    ]
     at[:, 1] = nearest[:, 1]
-    field = cad_error.distance_covariance(CadError(sigma=sigma, length=length, noise=noise, offset=offset), model, at)
+    field = cad_error.distance_covariance(
+        CadError(sigma=sigma, length=length, noise=noise, offset=offset), model, at
+    )
     return model, at, np.linalg.cholesky(field) @ random.standard_normal(count)
 
 
@@ -34,7 +38,9 @@ def test_a_point_on_a_structure_is_stray_and_its_neighbours_are_not():
     model, at, distance = scattered(300, 4, 0.01, (3.0, 1.5), 0.002)
     distance[17] += 0.1
     known = CadError(sigma=0.01, length=(3.0, 1.5), noise=0.002, offset=0.014)
-    found = cad_error.find_outliers(cho_factor(cad_error.distance_covariance(known, model, at), lower=True), distance)
+    found = cad_error.find_outliers(
+        cho_factor(cad_error.distance_covariance(known, model, at), lower=True), distance
+    )
     assert np.flatnonzero(found).tolist() == [17]
 
 
@@ -42,7 +48,9 @@ def test_an_offset_of_the_whole_cad_model_is_common_to_all_points():
     model, at, _ = scattered(40, 5, 0.01, (3.0, 1.5), 0.002)
     known = CadError(sigma=0.01, length=(3.0, 1.5), noise=0.002, offset=0.014)
     without = cad_error.distance_covariance(replace(known, offset=0.0), model, at)
-    np.testing.assert_allclose(cad_error.distance_covariance(known, model, at) - without, 0.014**2, atol=1e-12)
+    np.testing.assert_allclose(
+        cad_error.distance_covariance(known, model, at) - without, 0.014**2, atol=1e-12
+    )
 
 
 def test_points_on_one_facet_share_its_information():
@@ -51,4 +59,6 @@ def test_points_on_one_facet_share_its_information():
     bare = CadError(sigma=0.0, length=(3.0, 1.5), noise=0.0, offset=0.0)
     variance = np.diag(cad_error.distance_covariance(bare, model, one_facet))
     mean_variance = variance[0] / 50
-    assert mean_variance == pytest.approx((3 * tessellation_error(model.mesh, one_facet).sigma_m) ** 2)
+    assert mean_variance == pytest.approx(
+        (3 * tessellation_error(model.mesh, one_facet).sigma_m) ** 2
+    )

@@ -31,17 +31,33 @@ def test_covariance_of_a_pose_in_the_hull_equals_sampling():
     rng = np.random.default_rng(0)
     joint, draws = samples_of_a_joint_normal(rng)
     one = NODES[1]
-    found = poses_in_hull(joint[None, :6, :6], joint[None, :6, 6:], joint[6:, 6:], one, HULL, CENTER)[0]
+    found = poses_in_hull(
+        joint[None, :6, :6], joint[None, :6, 6:], joint[6:, 6:], one, HULL, CENTER
+    )[0]
     many = moved(one[np.zeros(len(draws), int)], draws[:, :6])
     in_hull = poses.identity(0)
     in_hull = Poses(
-        np.vstack([(perturb_pose(HULL, CENTER, d[6:]).inverse() @ many[i]).quaternion for i, d in enumerate(draws[:4000])]),
-        np.vstack([(perturb_pose(HULL, CENTER, d[6:]).inverse() @ many[i]).translation for i, d in enumerate(draws[:4000])]),
+        np.vstack(
+            [
+                (perturb_pose(HULL, CENTER, d[6:]).inverse() @ many[i]).quaternion
+                for i, d in enumerate(draws[:4000])
+            ]
+        ),
+        np.vstack(
+            [
+                (perturb_pose(HULL, CENTER, d[6:]).inverse() @ many[i]).translation
+                for i, d in enumerate(draws[:4000])
+            ]
+        ),
     )
     mean = HULL.inverse() @ one
-    error = np.c_[in_hull.translation - mean.translation, (mean.rotation.inv() * in_hull.rotation).as_rotvec()]
+    error = np.c_[
+        in_hull.translation - mean.translation, (mean.rotation.inv() * in_hull.rotation).as_rotvec()
+    ]
     spread = np.sqrt(np.diag(found))
-    np.testing.assert_allclose(np.cov(error.T) / np.outer(spread, spread), found / np.outer(spread, spread), atol=0.08)
+    np.testing.assert_allclose(
+        np.cov(error.T) / np.outer(spread, spread), found / np.outer(spread, spread), atol=0.08
+    )
 
 
 def test_a_hull_known_exactly_only_turns_the_axes():

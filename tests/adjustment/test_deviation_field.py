@@ -19,7 +19,9 @@ def covariance_from(grid, sigma, node):
 
 def test_the_basis_reproduces_a_bilinear_function():
     grid = DeviationGrid(np.array([-1.0, 2.0]), np.array([0.5, 0.25]), (9, 7))
-    along, girth = np.meshgrid(grid.origin[0] + 0.5 * np.arange(9), grid.origin[1] + 0.25 * np.arange(7), indexing="ij")
+    along, girth = np.meshgrid(
+        grid.origin[0] + 0.5 * np.arange(9), grid.origin[1] + 0.25 * np.arange(7), indexing="ij"
+    )
     field = 0.3 + 0.1 * along - 0.2 * girth + 0.05 * along * girth
     at = np.array([[0.13, 2.61], [2.2, 3.4], [-1.0, 2.0], [3.0, 3.5]])
     expected = 0.3 + 0.1 * at[:, 0] - 0.2 * at[:, 1] + 0.05 * at[:, 0] * at[:, 1]
@@ -46,7 +48,10 @@ def test_the_prior_is_as_correlated_along_each_axis_as_its_length_says():
     grid = grid_over(np.array([[0.0, 0.0], [24.0, 12.0]]), LENGTH)
     row, column = grid.shape[0] // 2, grid.shape[1] // 2
     field = covariance_from(grid, 1.0, row * grid.shape[1] + column).reshape(grid.shape)
-    steps_along, steps_girth = round(2 * LENGTH[0] / grid.step[0]), round(2 * LENGTH[1] / grid.step[1])
+    steps_along, steps_girth = (
+        round(2 * LENGTH[0] / grid.step[0]),
+        round(2 * LENGTH[1] / grid.step[1]),
+    )
     assert field[row + steps_along, column] / field[row, column] == pytest.approx(0.14, abs=0.04)
     assert field[row, column + steps_girth] / field[row, column] == pytest.approx(0.14, abs=0.04)
 

@@ -12,7 +12,13 @@ from adjustment.solved_dives import solved
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
-from hullrecon.adjustment.hull_pose.registration import frame_at, perturb_pose, register, signed_distances, thin_points
+from hullrecon.adjustment.hull_pose.registration import (
+    frame_at,
+    perturb_pose,
+    register,
+    signed_distances,
+    thin_points,
+)
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.tessellation import tessellation_error
@@ -23,7 +29,9 @@ GUESS_ERROR = np.r_[0.3, 0.1, -0.1, np.radians([0.4, -0.4, 1.5])]
 
 
 def placed(fullness, error=GUESS_ERROR, noise_m=0.003, structure_m=0.0, seed=5):
-    """A side of that fullness, points on it, a guess that is off by `error` about the survey; and what is found."""
+    """A side of that fullness, points on it, a guess that is off by `error` about the survey; and
+    what is found.
+    """
     mesh, rng = side(fullness), np.random.default_rng(seed)
     local = survey(mesh, rng)
     local[:, 1] += structure_m * ((abs(local[:, 0] - 6) < 0.4) & (abs(local[:, 2] - 2.5) < 0.4))
@@ -55,12 +63,16 @@ def test_a_curved_hull_is_found_within_three_sigmas_and_across_it_to_centimetres
 
 def test_the_mean_of_the_profile_is_nearer_than_the_guess_where_curvature_holds_it():
     evidence, _, found = placed(CURVED)
-    assert abs(apart(found, evidence.center)[0]) < abs(apart(evidence.cad_model.guess, evidence.center)[0])
+    assert abs(apart(found, evidence.center)[0]) < abs(
+        apart(evidence.cad_model.guess, evidence.center)[0]
+    )
 
 
 def test_a_cylinder_leaves_the_place_along_it_where_the_guess_had_it():
     evidence, _, found = placed(CYLINDER)
-    assert apart(found, evidence.center)[0] == pytest.approx(apart(evidence.cad_model.guess, evidence.center)[0], abs=0.2)
+    assert apart(found, evidence.center)[0] == pytest.approx(
+        apart(evidence.cad_model.guess, evidence.center)[0], abs=0.2
+    )
     sigma = np.sqrt(along_axes(evidence, found)[0, 0])
     assert sigma == pytest.approx(evidence.cad_model.guess_sigma[0], rel=0.25)
 
@@ -77,17 +89,26 @@ def test_along_a_cylinder_is_named_as_weak_and_across_it_is_not():
 def test_along_a_cylinder_is_profiled_whichever_axis_of_the_models_file_it_is():
     evidence, _, found = placed(CYLINDER)
     model, turn = lying(evidence.cad_model)
-    turned = poses.from_matrix(np.block([[turn.T, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]))
+    turned = poses.from_matrix(
+        np.block([[turn.T, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]])
+    )
     there = replace(evidence, cad_model=model, center=turn @ evidence.center)
-    sigma, plain = (np.sqrt(np.diag(c)[:3]) for c in (along_axes(there, found @ turned), along_axes(evidence, found)))
+    sigma, plain = (
+        np.sqrt(np.diag(c)[:3])
+        for c in (along_axes(there, found @ turned), along_axes(evidence, found))
+    )
     np.testing.assert_allclose(turn.T @ sigma, plain, rtol=0.02)
     at = np.array([[6.0, 3.0, 2.0], [-4.0, 2.0, 1.0]])
     mean = estimate.profile_mean_pose(there, found @ turned)
-    np.testing.assert_allclose(mean.apply(at @ turn.T), estimate.profile_mean_pose(evidence, found).apply(at), atol=0.01)
+    np.testing.assert_allclose(
+        mean.apply(at @ turn.T), estimate.profile_mean_pose(evidence, found).apply(at), atol=0.01
+    )
 
 
 def test_curvature_makes_the_place_along_the_hull_surer():
-    of_curved, of_cylinder = (np.sqrt(along_axes(g, f)[0, 0]) for g, _, f in (placed(CURVED), placed(CYLINDER)))
+    of_curved, of_cylinder = (
+        np.sqrt(along_axes(g, f)[0, 0]) for g, _, f in (placed(CURVED), placed(CYLINDER))
+    )
     assert of_curved < 0.8 * of_cylinder
 
 
@@ -103,14 +124,20 @@ def test_the_covariance_is_symmetric_positive_and_no_narrower_than_the_points_al
 def test_points_on_a_structure_say_nothing_of_the_place():
     with_structure, bare = placed(CURVED, structure_m=0.25), placed(CURVED)
     assert len(with_structure[0].points) < len(bare[0].points)
-    assert np.abs(apart(with_structure[2], bare[0].center) - apart(bare[2], bare[0].center))[:3].max() < 0.08
+    assert (
+        np.abs(apart(with_structure[2], bare[0].center) - apart(bare[2], bare[0].center))[:3].max()
+        < 0.08
+    )
 
 
 def test_the_answer_does_not_depend_on_where_the_search_starts():
     _, _, found = placed(CYLINDER)
     evidence, best, _ = placed(CYLINDER)
     again = estimate.profile_mean_pose(
-        evidence, perturb_pose(best, evidence.center, np.r_[TRUTH.rotation.as_matrix()[0] @ [0.1, 0, 0], 0, 0, 0])
+        evidence,
+        perturb_pose(
+            best, evidence.center, np.r_[TRUTH.rotation.as_matrix()[0] @ [0.1, 0, 0], 0, 0, 0]
+        ),
     )
     assert abs(apart(again, evidence.center)[0] - apart(found, evidence.center)[0]) < 0.05
 
@@ -132,13 +159,19 @@ def test_the_points_of_a_dive_are_landmarks_on_the_hull_and_returns():
 
 
 def test_a_few_wrong_points_get_no_more_than_their_share():
-    """The surface crosses cells in space: those that stood beside it held nothing but what was wrong, a point each."""
+    """The surface crosses cells in space: those that stood beside it held nothing but what was
+    wrong, a point each.
+    """
     mesh, rng = side(CURVED), np.random.default_rng(8)
-    local = np.repeat(survey(mesh, rng), 20, axis=0) + 0.05 * rng.standard_normal((20 * len(survey(mesh, rng)), 3)) * [1, 0, 1]
+    local = np.repeat(survey(mesh, rng), 20, axis=0) + 0.05 * rng.standard_normal(
+        (20 * len(survey(mesh, rng)), 3)
+    ) * [1, 0, 1]
     index = native.MeshIndex(mesh.vertices, mesh.faces)
     nearest = index.closest(local)
     wrong = rng.random(len(local)) < 0.03
-    off = np.where(wrong, 0.045 * rng.choice([-1.0, 1.0], len(local)), 0.002 * rng.standard_normal(len(local)))
+    off = np.where(
+        wrong, 0.045 * rng.choice([-1.0, 1.0], len(local)), 0.002 * rng.standard_normal(len(local))
+    )
     points = TRUTH.apply(local + (off - nearest.distance)[:, None] * nearest.gradient)
     kept = estimate.thin_over_surface(points, TRUTH, cad_model(mesh, TRUTH, 0 * GUESS_ERROR))
     distance, _ = signed_distances(kept, TRUTH, np.zeros(3), index)
@@ -164,7 +197,9 @@ def test_registration_repeats_itself_to_the_byte():
     mesh = side(CURVED)
     points = TRUTH.apply(survey(mesh, np.random.default_rng(2)))
     once, again = (register(points, cad_model(mesh, TRUTH, GUESS_ERROR), 0.01) for _ in range(2))
-    assert once.global_from_hull.translation.tobytes() == again.global_from_hull.translation.tobytes()
+    assert (
+        once.global_from_hull.translation.tobytes() == again.global_from_hull.translation.tobytes()
+    )
     assert once.covariance.tobytes() == again.covariance.tobytes()
 
 
@@ -174,11 +209,21 @@ def test_points_on_one_facet_share_out_its_information():
     v = evidence.cad_model.mesh.vertices.reshape(121, 41, 3)[::8, ::8].reshape(-1, 3)
     number = np.arange(len(v)).reshape(16, 6)
     a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
-    faces = np.vstack([np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)]).astype(np.int32)
-    coarse = replace(evidence, cad_model=replace(evidence.cad_model, mesh=type(evidence.cad_model.mesh)(v, faces)))
+    faces = np.vstack(
+        [np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)]
+    ).astype(np.int32)
+    coarse = replace(
+        evidence,
+        cad_model=replace(evidence.cad_model, mesh=type(evidence.cad_model.mesh)(v, faces)),
+    )
     at = best.inverse().apply(evidence.points)
-    assert tessellation_error(coarse.cad_model.mesh, at).sigma_m > 5 * tessellation_error(evidence.cad_model.mesh, at).sigma_m
-    fine, rough = (np.linalg.det(estimate.hull_pose_covariance(g, best)[:3, :3]) for g in (evidence, coarse))
+    assert (
+        tessellation_error(coarse.cad_model.mesh, at).sigma_m
+        > 5 * tessellation_error(evidence.cad_model.mesh, at).sigma_m
+    )
+    fine, rough = (
+        np.linalg.det(estimate.hull_pose_covariance(g, best)[:3, :3]) for g in (evidence, coarse)
+    )
     assert rough > fine
 
 
@@ -191,7 +236,9 @@ def test_a_hull_pose_turned_in_g_turns_its_covariance_with_it():
         cad_model=replace(evidence.cad_model, guess=turn @ evidence.cad_model.guess),
     )
     spun = estimate.hull_pose_covariance(turned, turn @ found)
-    np.testing.assert_allclose(hull_axes(spun, turn @ found), along_axes(evidence, found), rtol=0.05, atol=1e-5)
+    np.testing.assert_allclose(
+        hull_axes(spun, turn @ found), along_axes(evidence, found), rtol=0.05, atol=1e-5
+    )
 
 
 def test_where_the_model_is_in_doubt_the_sigma_reaches_from_the_fit_to_the_guess():
@@ -201,4 +248,5 @@ def test_where_the_model_is_in_doubt_the_sigma_reaches_from_the_fit_to_the_guess
     added = hull_axes(estimate.hull_pose_covariance(contradicted, best) - agreed, best)
     guess = apart(evidence.cad_model.guess, evidence.center) - apart(best, evidence.center)
     np.testing.assert_allclose(np.sqrt(np.diag(added)[:3]), np.abs(guess[:3]), rtol=0.05, atol=0.01)
-    assert np.linalg.matrix_rank(added, tol=1e-9) == 1  # along the line between them, and nowhere else
+    # along the line between them, and nowhere else
+    assert np.linalg.matrix_rank(added, tol=1e-9) == 1

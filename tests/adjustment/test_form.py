@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a CAD model has the surveyed hull's form: right ones do, whatever grows on them; others do not, where one can see."""
+"""Whether a CAD model has the surveyed hull's form: right ones do, whatever grows on them; others
+do not, where one can see.
+"""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -25,14 +27,17 @@ AGREES = Form(patterns=12, deviation=1.0, plane=40.0)
 
 @lru_cache
 def surveyed(deviation_m=0.0, growth_m=0.0, seed=1, flat=False):
-    """Points (n, 3) in M on a side as it is, 9 by 3.4 m: off the model by a smooth field of that sigma, with growth that stands
-    out over two square metres, and noise."""
+    """Points (n, 3) in M on a side as it is, 9 by 3.4 m: off the model by a smooth field of that
+    sigma, with growth that stands out over two square metres, and noise.
+    """
     random = np.random.default_rng(seed)
     at = np.c_[random.uniform(2, 11, 700), np.full(700, 3.8), random.uniform(0.8, 4.2, 700)]
     if not flat:
         found = MeshIndex(CURVED.vertices, CURVED.faces).closest(at)
         at = at - found.distance[:, None] * found.gradient
-    field = np.linalg.cholesky(matern32(at[:, [0, 2]], 1.0, (3.0, 1.5)) + 1e-9 * np.eye(700)) @ random.standard_normal(700)
+    field = np.linalg.cholesky(
+        matern32(at[:, [0, 2]], 1.0, (3.0, 1.5)) + 1e-9 * np.eye(700)
+    ) @ random.standard_normal(700)
     grown = (abs(at[:, 0] - 5) < 1.0) & (abs(at[:, 2] - 2.5) < 0.5)
     at[:, 1] += deviation_m * field + growth_m * grown + 0.004 * random.standard_normal(700)
     return at
@@ -42,7 +47,9 @@ def compared(mesh, points):
     """The form, with that model fitted to those points."""
     model = cad_model(mesh, TRUTH, np.zeros(6))
     kept = thin_points(TRUTH.apply(points), 0.2, 450)
-    evidence, best = estimate.fit_hull_pose(kept, model.guess, model, TRUTH.inverse().apply(kept).mean(0))
+    evidence, best = estimate.fit_hull_pose(
+        kept, model.guess, model, TRUTH.inverse().apply(kept).mean(0)
+    )
     return compare_form(evidence, best)
 
 
@@ -77,7 +84,10 @@ def test_growth_of_fifteen_centimetres_is_no_other_form():
 
 def test_a_plain_side_confirms_nothing_and_is_not_refused_for_it():
     plate = side(0.0)
-    plate = Mesh(np.c_[plate.vertices[:, 0], np.full(len(plate.vertices), 3.8), plate.vertices[:, 2]], plate.faces)
+    plate = Mesh(
+        np.c_[plate.vertices[:, 0], np.full(len(plate.vertices), 3.8), plate.vertices[:, 2]],
+        plate.faces,
+    )
     form = compared(plate, surveyed(deviation_m=0.01, flat=True))
     assert not form.contradicts
     assert not form.confirms
@@ -86,7 +96,9 @@ def test_a_plain_side_confirms_nothing_and_is_not_refused_for_it():
 
 
 def test_a_plain_side_far_from_the_guess_is_refused():
-    assert "too plain to tell that it is this one" in refused(replace(AGREES, plane=1.0), sigmas_off=4.0)
+    assert "too plain to tell that it is this one" in refused(
+        replace(AGREES, plane=1.0), sigmas_off=4.0
+    )
 
 
 def test_a_package_is_mistaken_in_the_place_or_in_the_error_but_not_in_both():
@@ -123,14 +135,17 @@ def test_each_reason_names_what_speaks():
     assert refused(AGREES) is None
     assert "4.0 times hull.deviation_sigma" in refused(replace(AGREES, deviation=16.0))
     assert "proportions or its scale" in refused(replace(AGREES, stretch=20.0))
-    assert refused(replace(AGREES, deviation=5.0)) is None  # contradicted, but a package may be mistaken by a factor of two
-    assert refused(replace(AGREES, deviation=5.0, plane=12.0)) is not None  # unless a plane leaves hardly more
+    # contradicted, but a package may be mistaken by a factor of two
+    assert refused(replace(AGREES, deviation=5.0)) is None
+    # unless a plane leaves hardly more
+    assert refused(replace(AGREES, deviation=5.0, plane=12.0)) is not None
 
 
 def test_the_chances_of_doubting_and_refusing_a_right_model_are_the_tail_of_chi_square():
     random = np.random.default_rng(5)
     draws = (random.standard_normal((20000, 12)) ** 2).mean(axis=1)
-    plain = [Form(patterns=12, deviation=float(d), plane=1.0) for d in draws]  # confirmed by nothing
+    # confirmed by nothing
+    plain = [Form(patterns=12, deviation=float(d), plane=1.0) for d in draws]
     assert np.mean([form.contradicts for form in plain]) == pytest.approx(WIDENING, abs=2.5e-3)
     assert np.mean([form.is_of_another_hull for form in plain]) == pytest.approx(CHANCE, abs=8e-4)
 
@@ -150,7 +165,12 @@ def test_a_model_is_doubted_before_it_is_refused():
 
 def test_without_a_resolved_pattern_nothing_is_said():
     nothing = Form(patterns=0)
-    assert (nothing.contradicts, nothing.fits_better_stretched, nothing.confirms, nothing.log_odds) == (
+    assert (
+        nothing.contradicts,
+        nothing.fits_better_stretched,
+        nothing.confirms,
+        nothing.log_odds,
+    ) == (
         False,
         False,
         False,

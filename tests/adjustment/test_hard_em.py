@@ -16,7 +16,9 @@ OPTIONS = native.Options(function_tolerance=1e-10)
 
 @pytest.fixture
 def wall():
-    """Eight nodes before the CAD model's wall at z = 1; sixty landmarks, every sixth 0.1 m off it; started 3 cm wrong."""
+    """Eight nodes before the CAD model's wall at z = 1; sixty landmarks, every sixth 0.1 m off it;
+    started 3 cm wrong.
+    """
     rng = np.random.default_rng(5)
     n, count = 8, 60
     nodes = poses.from_rpy(np.c_[0.15 * np.arange(n), np.zeros(n), np.zeros(n)], np.zeros((n, 3)))
@@ -34,18 +36,36 @@ def wall():
             landmark=true + 0.03 * rng.standard_normal(true.shape),
             intrinsics_top=np.array([500.0, 500, 320, 240, 0, 0, 0, 0, 0]),
         ),
-        constant=("T_s_ct", "T_ct_cb", "T_s_d", "T_g_M", "navigation", "intrinsics_top", "intrinsics_bottom", "tray"),
+        constant=(
+            "T_s_ct",
+            "T_ct_cb",
+            "T_s_d",
+            "T_g_M",
+            "navigation",
+            "intrinsics_top",
+            "intrinsics_bottom",
+            "tray",
+        ),
         cad_mesh=native.CadMesh(
             vertices=np.array([[-3.0, -3, 1], [4, -3, 1], [4, 3, 1], [-3, 3, 1]]),
             faces=np.array([[0, 2, 1], [0, 3, 2]], np.int32),
         ),
         priors=native.Priors(
             pose=native.PosePriors(
-                node=np.arange(n, dtype=np.int32), value=pose, sqrt_information=np.tile(np.eye(6) / 0.02, (n, 1, 1))
+                node=np.arange(n, dtype=np.int32),
+                value=pose,
+                sqrt_information=np.tile(np.eye(6) / 0.02, (n, 1, 1)),
             )
         ),
-        mono=native.MonoTable(node=node.astype(np.int32), landmark=landmark.astype(np.int32), camera=first, pixel=pixel),
-        surface=native.SurfaceTable(landmark=np.arange(count, dtype=np.int32), weight=np.ones(count)),
+        mono=native.MonoTable(
+            node=node.astype(np.int32),
+            landmark=landmark.astype(np.int32),
+            camera=first,
+            pixel=pixel,
+        ),
+        surface=native.SurfaceTable(
+            landmark=np.arange(count, dtype=np.int32), weight=np.ones(count)
+        ),
     )
     return problem, off
 
@@ -71,7 +91,9 @@ def test_every_turn_keeps_the_intrinsics_prior_about_the_calibration(wall, monke
     def watched(problem, options):
         begun.append(problem.unknowns.intrinsics_top[0])
         done = solve(problem, options)
-        moved = dataclasses.replace(done.unknowns, intrinsics_top=done.unknowns.intrinsics_top + 1.0)
+        moved = dataclasses.replace(
+            done.unknowns, intrinsics_top=done.unknowns.intrinsics_top + 1.0
+        )
         return dataclasses.replace(done, unknowns=moved)
 
     monkeypatch.setattr(native, "solve", watched)
@@ -87,7 +109,10 @@ def test_seconds_run_on_from_turn_to_turn(wall, monkeypatch) -> None:
     def a_second_an_iteration(problem, options):
         done = solve(problem, options)
         turns.append(len(done.iterations.cost))
-        return dataclasses.replace(done, iterations=dataclasses.replace(done.iterations, seconds=np.arange(float(turns[-1]))))
+        return dataclasses.replace(
+            done,
+            iterations=dataclasses.replace(done.iterations, seconds=np.arange(float(turns[-1]))),
+        )
 
     monkeypatch.setattr(native, "solve", a_second_an_iteration)
     record = hard_em.solve(wall[0], OPTIONS).iterations
@@ -97,7 +122,9 @@ def test_seconds_run_on_from_turn_to_turn(wall, monkeypatch) -> None:
 
 def test_labels_that_change_between_solves_are_counted(wall) -> None:
     problem, _ = wall
-    started = native.solve(problem, dataclasses.replace(OPTIONS, labels_in_solve=False, max_iterations=1)).label
+    started = native.solve(
+        problem, dataclasses.replace(OPTIONS, labels_in_solve=False, max_iterations=1)
+    ).label
     got = hard_em.solve(problem, OPTIONS)
     changed = int((started != got.label).sum())
     assert got.iterations.label_changes.sum() >= changed
@@ -116,7 +143,8 @@ def test_labels_are_those_that_the_solver_gives_with_a_field_too(wall) -> None:
     problem, _ = wall
     count = len(problem.surface.landmark)
     nodes = native.FieldNodes(
-        index=np.tile(np.array([0, 1, 0, 1], np.int32), (count, 1)), weight=np.tile([0.5, 0.5, 0.0, 0.0], (count, 1))
+        index=np.tile(np.array([0, 1, 0, 1], np.int32), (count, 1)),
+        weight=np.tile([0.5, 0.5, 0.0, 0.0], (count, 1)),
     )
     problem = dataclasses.replace(
         problem,
@@ -124,7 +152,10 @@ def test_labels_are_those_that_the_solver_gives_with_a_field_too(wall) -> None:
         surface=dataclasses.replace(problem.surface, field=nodes),
     )
     got = native.solve(problem, OPTIONS)
-    np.testing.assert_array_equal(hard_em.likelier_labels(problem.started_from(got.unknowns), got.distance, OPTIONS), got.label)
+    np.testing.assert_array_equal(
+        hard_em.likelier_labels(problem.started_from(got.unknowns), got.distance, OPTIONS),
+        got.label,
+    )
     assert (got.label == 0).sum() > 5
 
 

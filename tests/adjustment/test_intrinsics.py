@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Intrinsics as unknowns: poses known to a millimetre look at points from two distances, so the focal length shows."""
+"""Intrinsics as unknowns: poses known to a millimetre look at points from two distances, so the
+focal length shows.
+"""
 
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
@@ -39,14 +41,18 @@ def rig():
 
 @pytest.fixture
 def problem():
-    """Ten nodes, 80 points, the true camera's pixels with a tenth of a pixel of noise; all but intrinsics as it is."""
+    """Ten nodes, 80 points, the true camera's pixels with a tenth of a pixel of noise; all but
+    intrinsics as it is.
+    """
     rng = np.random.default_rng(2)
     at = np.c_[rng.uniform(-0.3, 0.3, (10, 2)), np.tile([0.0, 0.4], 5)]
     nodes = poses.from_rpy(at, 0.1 * rng.standard_normal((10, 3)))
     points = np.c_[rng.uniform(-0.5, 0.5, (80, 2)), rng.uniform(1.4, 1.8, 80)]
     pose = np.hstack([nodes.translation, nodes.quaternion])
     node, landmark = np.repeat(np.arange(10), 80), np.tile(np.arange(80), 10)
-    pixel = TRUE.project(nodes.inverse()[node].apply(points[landmark])) + 0.1 * rng.standard_normal((800, 2))
+    pixel = TRUE.project(nodes.inverse()[node].apply(points[landmark])) + 0.1 * rng.standard_normal(
+        (800, 2)
+    )
     return native.Problem(
         unknowns=native.Unknowns(pose=np.hstack([pose, np.zeros((10, 1))]), landmark=points),
         constant=(
@@ -62,7 +68,9 @@ def problem():
         ),
         priors=native.Priors(
             pose=native.PosePriors(
-                node=np.arange(10, dtype=np.int32), value=pose, sqrt_information=np.tile(np.eye(6) / 1e-3, (10, 1, 1))
+                node=np.arange(10, dtype=np.int32),
+                value=pose,
+                sqrt_information=np.tile(np.eye(6) / 1e-3, (10, 1, 1)),
             )
         ),
         mono=native.MonoTable(
@@ -104,7 +112,9 @@ def test_every_round_starts_from_the_calibration(problem, rig) -> None:
 
 
 def test_priors_are_shares_of_the_focal_length_and_pixels() -> None:
-    sigma = intrinsics.prior_sigma(CALIBRATED, AdjustOptions(focal_sigma=0.01, center_sigma_px=4, distortion_sigma=0.02))
+    sigma = intrinsics.prior_sigma(
+        CALIBRATED, AdjustOptions(focal_sigma=0.01, center_sigma_px=4, distortion_sigma=0.02)
+    )
     np.testing.assert_allclose(sigma, [5, 5, 4, 4, 0.02, 0.02, 0.002, 0.002, 0.02])
 
 
@@ -114,7 +124,12 @@ def test_what_moved_is_told_in_sigmas_and_far_moves_are_complained_of(rig) -> No
     marginals = SimpleNamespace(intrinsics_top=np.diag(np.full(9, 0.04)), intrinsics_bottom=nothing)
     figures = intrinsics.summarise_intrinsics(rig, found, marginals, ASKED)
     assert list(figures) == ["top"]
-    assert figures["top"]["fx"] == {"calibrated": 500.0, "found": 520.0, "sigma": 0.2, "moved_in_prior_sigma": 4.0}
+    assert figures["top"]["fx"] == {
+        "calibrated": 500.0,
+        "found": 520.0,
+        "sigma": 0.2,
+        "moved_in_prior_sigma": 4.0,
+    }
     said = intrinsics.intrinsics_warnings(figures)
     assert len(said) == 1
     assert "camera.top" in said[0]

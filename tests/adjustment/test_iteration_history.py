@@ -6,11 +6,23 @@ import numpy as np
 import pytest
 
 from hullrecon import native
-from hullrecon.adjustment.problem.iteration_history import Round, columns, lines, seconds, summarise_rounds
+from hullrecon.adjustment.problem.iteration_history import (
+    Round,
+    columns,
+    lines,
+    seconds,
+    summarise_rounds,
+)
 from hullrecon.adjustment.problem.state import Weights
 
 WEIGHTS = Weights(
-    pixel=1.0, pixel_ratio=np.ones(0), depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(3), tray_direction=np.zeros(2)
+    pixel=1.0,
+    pixel_ratio=np.ones(0),
+    depth=1.0,
+    tray=0.01,
+    range_sigma=0.02,
+    surface=np.ones(3),
+    tray_direction=np.zeros(2),
 )
 
 
@@ -18,11 +30,18 @@ def record(cost, on_surface):
     n = len(cost)
     parts = {name: np.zeros(n) for name in native.FACTORS} | {"stereo": np.array(cost)}
     return native.IterationRecord(
-        cost=np.array(cost), cost_change=np.zeros(n), step_norm=np.full(n, 0.5), gradient_norm=np.full(n, 2.0),
-        radius=np.full(n, 1e4), accepted=np.arange(n) != 1, seconds=0.5 * np.arange(n), cost_by_factor=parts,
-        on_surface=np.array(on_surface), label_changes=np.abs(np.diff(on_surface, prepend=on_surface[0])),
+        cost=np.array(cost),
+        cost_change=np.zeros(n),
+        step_norm=np.full(n, 0.5),
+        gradient_norm=np.full(n, 2.0),
+        radius=np.full(n, 1e4),
+        accepted=np.arange(n) != 1,
+        seconds=0.5 * np.arange(n),
+        cost_by_factor=parts,
+        on_surface=np.array(on_surface),
+        label_changes=np.abs(np.diff(on_surface, prepend=on_surface[0])),
         rays_missed=np.zeros(n, np.int64),
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture
@@ -66,7 +85,10 @@ def test_rounds_stand_one_after_the_other_with_their_own_sigmas(rounds) -> None:
 
 
 def test_no_column_holds_the_wall_clock(rounds) -> None:
-    later = [replace(r, began_s=r.began_s + 100, record=replace(r.record, seconds=r.record.seconds + 7)) for r in rounds]
+    later = [
+        replace(r, began_s=r.began_s + 100, record=replace(r.record, seconds=r.record.seconds + 7))
+        for r in rounds
+    ]
     for name, values in columns(rounds).items():
         np.testing.assert_array_equal(values, columns(later)[name])
 
@@ -77,7 +99,12 @@ def test_seconds_run_on_from_round_to_round(rounds) -> None:
 
 def test_a_round_in_figures_says_what_it_was_given_and_reached(rounds) -> None:
     first, second = summarise_rounds(rounds)
-    assert (first["iterations"], first["first_cost"], first["last_cost"], first["labels_changed"]) == (2, 90.0, 10.0, 30)
+    assert (
+        first["iterations"],
+        first["first_cost"],
+        first["last_cost"],
+        first["labels_changed"],
+    ) == (2, 90.0, 10.0, 30)
     assert (first["converged"], first["message"]) == (False, "stopped")
     assert (second["landmarks"], second["pixel_sigma_px"], second["on_surface"]) == (400, 0.2, 310)
 

@@ -12,13 +12,19 @@ from hullrecon.adjustment.results.legs import split_legs, tie_legs
 T0 = 1_777_887_000 * 10**9  # 09:30:00 UTC
 
 
-def back_and_forth(legs: int, length_m: float, nodes: int = 50, turned_deg: float = 0.0) -> np.ndarray:
+def back_and_forth(
+    legs: int, length_m: float, nodes: int = 50, turned_deg: float = 0.0
+) -> np.ndarray:
     """Legs along x, half a metre apart, with some sway."""
     rng = np.random.default_rng(1)
-    x = np.concatenate([np.linspace(0, length_m, nodes)[:: 1 if k % 2 == 0 else -1] for k in range(legs)])
+    x = np.concatenate(
+        [np.linspace(0, length_m, nodes)[:: 1 if k % 2 == 0 else -1] for k in range(legs)]
+    )
     y = np.repeat(0.5 * np.arange(legs), nodes)
     turn = np.radians(turned_deg)
-    path = np.column_stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y, 0 * x])
+    path = np.column_stack(
+        [np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y, 0 * x]
+    )
     return path + rng.normal(0, 0.05, path.shape)
 
 
@@ -34,7 +40,9 @@ def test_a_leg_ends_where_the_vehicle_turns_back(legs, turned_deg):
 
 
 def test_a_halt_and_a_step_back_do_not_end_a_leg():
-    x = np.concatenate([np.linspace(0, 6, 30), np.full(5, 6.0), np.linspace(6, 5, 5), np.linspace(5, 14, 40)])
+    x = np.concatenate(
+        [np.linspace(0, 6, 30), np.full(5, 6.0), np.linspace(6, 5, 5), np.linspace(5, 14, 40)]
+    )
     assert split_legs(np.column_stack([x, 0 * x, 0 * x])).max() == 0
 
 
@@ -49,8 +57,13 @@ def seen(nodes_by_landmark: dict[int, list[int]]) -> tuple[np.ndarray, np.ndarra
 
 
 def test_legs_share_the_landmarks_that_both_see():
-    # landmarks 0 to 19 on legs 1 and 2, 20 to 29 on leg 2 (twice) and 3, 40 on leg 3 alone; ids need not be dense
-    views = {k: [5, 60] for k in range(20)} | {k: [70, 71, 120] for k in range(20, 30)} | {40: [130, 131]}
+    # landmarks 0 to 19 on legs 1 and 2, 20 to 29 on leg 2 (twice) and 3, 40 on leg 3 alone; ids
+    # need not be dense
+    views = (
+        {k: [5, 60] for k in range(20)}
+        | {k: [70, 71, 120] for k in range(20, 30)}
+        | {40: [130, 131]}
+    )
     ties = tie_legs(back_and_forth(3, 12.0), *seen(views))
     assert ties.shared.tolist() == [[20, 20, 0], [20, 30, 10], [0, 10, 11]]
 
@@ -62,7 +75,9 @@ def test_a_leg_that_shares_too_little_is_named_with_its_start():
     sentence = ties.describe_untied(t_ns)
     assert sentence is not None
     start = int(np.flatnonzero(ties.leg == 2)[0])
-    assert sentence.startswith(f"Leg 3 (from 09:{30 + start // 60}:{start % 60:02d}) of 3: fewer than 12 landmarks are shared")
+    assert sentence.startswith(
+        f"Leg 3 (from 09:{30 + start // 60}:{start % 60:02d}) of 3: fewer than 12 landmarks are shared"
+    )
 
 
 def test_legs_that_are_tied_and_a_single_leg_are_not_spoken_of():

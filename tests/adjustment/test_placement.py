@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""CAD models laid under a right path: those that fit are found, those that do not are refused in words."""
+"""CAD models laid under a right path: those that fit are found, those that do not are refused in
+words.
+"""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -24,7 +26,12 @@ from hullrecon import native
 from hullrecon.adjustment import placement
 from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.placement import MAX_GROWTH, reason_against, register_cad_model, residual_growth
+from hullrecon.adjustment.placement import (
+    MAX_GROWTH,
+    reason_against,
+    register_cad_model,
+    residual_growth,
+)
 from hullrecon.adjustment.problem import selection, weighting
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.summary import summarise_adjustment
@@ -50,7 +57,9 @@ def true_path(seed=1, **scene):
         navigation=np.zeros(6),
         hull=None,
     )
-    return Estimate(measured=m, state=state, weights=weighting.initial_weights(m, OPTIONS), max_px=40.0)
+    return Estimate(
+        measured=m, state=state, weights=weighting.initial_weights(m, OPTIONS), max_px=40.0
+    )
 
 
 def model():
@@ -76,7 +85,9 @@ def place(cad_model, estimate=None):
 def off_hull_m(found):
     """How far the survey's centre lies off its true place: along the hull, and across it."""
     registration = found.registration
-    laid = moved(registration.global_from_hull.matrix()[0], registration.center) - moved(GLOBAL_FROM_HULL, registration.center)
+    laid = moved(registration.global_from_hull.matrix()[0], registration.center) - moved(
+        GLOBAL_FROM_HULL, registration.center
+    )
     in_hull = GLOBAL_FROM_HULL[:3, :3].T @ laid
     return abs(in_hull[0]), np.linalg.norm(in_hull[1:])
 
@@ -99,7 +110,10 @@ def test_a_model_in_other_units_is_refused():
 
 def test_a_model_that_nowhere_fits_is_refused_with_the_share_that_does():
     found = place(stretched(np.array([0.25, 0.3, 0.35])))
-    assert "% of the surveyed points lie within three sigma of it, wherever it is laid" in found.refusal
+    assert (
+        "% of the surveyed points lie within three sigma of it, wherever it is laid"
+        in found.refusal
+    )
     assert "another ship's, in other units, or far from where hull.pose says" in found.refusal
 
 
@@ -120,7 +134,8 @@ def test_such_a_guess_with_sigmas_to_match_is_found():
     assert found.registration.fitness > 0.9
     along, across = off_hull_m(found)
     assert across < 0.6
-    assert along < 3.5 * 1.2  # the hull's form says little along itself, the guess's sigma there is 1.2 m
+    # the hull's form says little along itself, the guess's sigma there is 1.2 m
+    assert along < 3.5 * 1.2
 
 
 def test_a_guess_that_is_contradicted_but_not_absurd_is_widened():
@@ -150,40 +165,64 @@ def test_with_neither_ranges_nor_a_camera_there_is_nothing_to_lay_onto_it():
 
 
 def round_with(hit, on_hull, problem=None, stated_over_found=1.0):
-    """stated_over_found: of the sigma of the tray's angle, that of the package over that of the round."""
-    result = SimpleNamespace(ray_hit=np.arange(100) < hit, label=(np.arange(100) < on_hull).astype(int))
+    """stated_over_found: of the sigma of the tray's angle, that of the package over that of the
+    round.
+    """
+    result = SimpleNamespace(
+        ray_hit=np.arange(100) < hit, label=(np.arange(100) < on_hull).astype(int)
+    )
     rig, weights = SimpleNamespace(tray_sigma=0.01 * stated_over_found), SimpleNamespace(tray=0.01)
     after = SimpleNamespace(measured=SimpleNamespace(rig=rig))
-    return SimpleNamespace(result=result, problem=problem or solved().adjusted.problem, weights=weights, after=after)
+    return SimpleNamespace(
+        result=result, problem=problem or solved().adjusted.problem, weights=weights, after=after
+    )
 
 
 def test_a_solution_whose_beams_miss_the_model_is_not_believed():
-    assert reason_against(round_with(hit=75, on_hull=90), OPTIONS) == "25 % of the DVL's beams miss it"
+    assert (
+        reason_against(round_with(hit=75, on_hull=90), OPTIONS) == "25 % of the DVL's beams miss it"
+    )
 
 
 def test_a_solution_with_few_landmarks_on_the_model_is_not_believed():
-    assert reason_against(round_with(hit=100, on_hull=10), OPTIONS) == "only 10 % of the landmarks lie on its surface"
+    assert (
+        reason_against(round_with(hit=100, on_hull=10), OPTIONS)
+        == "only 10 % of the landmarks lie on its surface"
+    )
 
 
 def test_a_solution_on_a_good_model_is_believed():
     assert reason_against(round_with(hit=100, on_hull=90), OPTIONS) is None
     growth = residual_growth(solved().adjusted.problem, native.Options())
-    assert set(growth) == set(MAX_GROWTH) - {"positions"}  # of a dive without positions from outside
+    # of a dive without positions from outside
+    assert set(growth) == set(MAX_GROWTH) - {"positions"}
     for name, ratio in growth.items():
         assert 0.99 < ratio < MAX_GROWTH[name], name
 
 
 def with_poor_levels(seed):
-    """A right model, and tray, roll and pitch read to 0.6 degrees with nothing else that tells them: without the model each
-    follows its own reading, with it their residuals are some three times as large."""
+    """A right model, and tray, roll and pitch read to 0.6 degrees with nothing else that tells
+    them: without the model each follows its own reading, with it their residuals are some three
+    times as large.
+    """
     rng, problem, sigma = np.random.default_rng(seed), solved(camera=False).adjusted.problem, 0.01
     tray, attitude, count = problem.tray, problem.attitude, len(problem.tray.node)
     levels = np.c_[np.zeros(count), sigma * rng.standard_normal((count, 2))]
     poor = replace(
         problem,
-        tray=replace(tray, measured=tray.measured + sigma * rng.standard_normal(count), sigma=np.full(count, sigma)),
-        attitude=replace(attitude, measured=attitude.measured + levels, sigma=attitude.sigma * [1, 0, 0] + [0, sigma, sigma]),
-        odometry=replace(problem.odometry, sqrt_information=problem.odometry.sqrt_information / 100),
+        tray=replace(
+            tray,
+            measured=tray.measured + sigma * rng.standard_normal(count),
+            sigma=np.full(count, sigma),
+        ),
+        attitude=replace(
+            attitude,
+            measured=attitude.measured + levels,
+            sigma=attitude.sigma * [1, 0, 0] + [0, sigma, sigma],
+        ),
+        odometry=replace(
+            problem.odometry, sqrt_information=problem.odometry.sqrt_information / 100
+        ),
     )
     return poor.started_from(native.solve(poor).unknowns)
 
@@ -195,13 +234,20 @@ def test_residuals_may_grow_where_a_right_model_determines_what_had_followed_the
     assert growth["odometry"] < MAX_GROWTH["odometry"]
     assert growth["attitude"] < MAX_GROWTH["attitude"]
     squares = native.evaluate(tied).cost_by_factor
-    assert 2 * (squares["attitude"] + squares["tray"]) < 4 * len(tied.tray.node)  # no more than their four readings a node
+    # no more than their four readings a node
+    assert 2 * (squares["attitude"] + squares["tray"]) < 4 * len(tied.tray.node)
 
 
 @pytest.mark.parametrize(("stated_over_found", "believed"), [(10.0, True), (0.1, False)])
-def test_attitude_may_grow_within_the_sigmas_that_the_package_states(stated_over_found, believed, monkeypatch):
-    """With one camera the sigma of the tray that a round finds follows the noise, and a right model is no worse than stated."""
-    monkeypatch.setattr(placement, "residual_growth", lambda *_: {"images": 1.0, "odometry": 1.0, "attitude": 1.3})
+def test_attitude_may_grow_within_the_sigmas_that_the_package_states(
+    stated_over_found, believed, monkeypatch
+):
+    """With one camera the sigma of the tray that a round finds follows the noise, and a right model
+    is no worse than stated.
+    """
+    monkeypatch.setattr(
+        placement, "residual_growth", lambda *_: {"images": 1.0, "odometry": 1.0, "attitude": 1.3}
+    )
     reason = reason_against(round_with(100, 90, stated_over_found=stated_over_found), OPTIONS)
     assert reason == (None if believed else "laid onto it, the residuals grow: attitude by 30 %")
 
@@ -220,10 +266,14 @@ def test_a_solution_that_a_shifted_model_bends_is_not_believed():
     wrong = records_poses(GLOBAL_FROM_HULL @ motion(0.3, 0, 0, 0, 3, 6))
     astray = replace(problem.unknowns, T_g_M=np.r_[wrong.translation[0], wrong.quaternion[0]])
     bent = problem.started_from(astray).hold("T_g_M", "deviation")
-    bent = bent.started_from(native.solve(bent, native.Options(method="geva", max_iterations=15)).unknowns)
+    bent = bent.started_from(
+        native.solve(bent, native.Options(method="geva", max_iterations=15)).unknowns
+    )
     growth = residual_growth(bent, native.Options())
     assert any(growth[name] > limit for name, limit in MAX_GROWTH.items())
-    assert "laid onto it, the residuals grow: " in reason_against(round_with(100, 90, bent), OPTIONS)
+    assert "laid onto it, the residuals grow: " in reason_against(
+        round_with(100, 90, bent), OPTIONS
+    )
 
 
 def test_what_is_delivered_in_place_of_a_refused_model_is_the_path_without_one():
@@ -232,13 +282,17 @@ def test_what_is_delivered_in_place_of_a_refused_model_is_the_path_without_one()
     refused = adjust(measured, OPTIONS, told.append)
     without = solved(cad=False).adjusted
     assert refused.state.hull is None
-    np.testing.assert_allclose(refused.state.nodes.translation, without.state.nodes.translation, atol=1e-9)
+    np.testing.assert_allclose(
+        refused.state.nodes.translation, without.state.nodes.translation, atol=1e-9
+    )
     assert any(line.startswith("the CAD model is left out: only ") for line in told)
     outcome = summarise_adjustment(measured, refused, OPTIONS)
     assert outcome.summary["cad_model_refused"] == refused.refusal
     (said,) = [warning for warning in outcome.warnings if "The CAD model was left out" in warning]
     assert "What is delivered comes from images and navigation alone" in said
     blind = solved(camera=False, cad=False)
-    outcome = summarise_adjustment(blind.dive.measured, replace(blind.adjusted, refusal=refused.refusal), OPTIONS)
+    outcome = summarise_adjustment(
+        blind.dive.measured, replace(blind.adjusted, refusal=refused.refusal), OPTIONS
+    )
     (said,) = [warning for warning in outcome.warnings if "The CAD model was left out" in warning]
     assert "What is delivered comes from navigation alone" in said

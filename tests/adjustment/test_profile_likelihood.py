@@ -29,7 +29,9 @@ def profiled(fullness, span=(2.0, 11.0), sigma=0.02, start_off_m=0.0):
     center = TRUTH.inverse().apply(points).mean(0)
     index = MeshIndex(mesh.vertices, mesh.faces)
     known = cad_error.CadError(sigma=sigma, length=model.deviation_length, noise=0.01, offset=0.0)
-    factor = cho_factor(cad_error.distance_covariance(known, model, TRUTH.inverse().apply(points)), lower=True)
+    factor = cho_factor(
+        cad_error.distance_covariance(known, model, TRUTH.inverse().apply(points)), lower=True
+    )
     cost = HullPoseCost(points=points, cad_model=model, center=center, index=index, factor=factor)
     start = perturb_pose(TRUTH, center, np.r_[start_off_m, 0, 0, 0, 0, 0])
     return profile(Valley(cost=cost, direction=ALONG), start, reach=3.0), center
@@ -58,7 +60,9 @@ def test_inflation_gives_the_profile_s_sigma_and_never_less():
     along = np.r_[found.global_from_hull.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]
     wider = inflate_covariance(1e-6 * np.eye(6), found, found.global_from_hull)
     assert np.sqrt(along @ wider @ along) == pytest.approx(found.sigma, rel=0.05)
-    np.testing.assert_array_equal(inflate_covariance(1e2 * np.eye(6), found, found.global_from_hull), 1e2 * np.eye(6))
+    np.testing.assert_array_equal(
+        inflate_covariance(1e2 * np.eye(6), found, found.global_from_hull), 1e2 * np.eye(6)
+    )
 
 
 def test_the_tangent_follows_the_valley():
@@ -70,7 +74,9 @@ def test_the_tangent_follows_the_valley():
 
 def test_the_tangent_does_not_depend_on_where_the_search_starts():
     """Between two fits alone it does: each ends somewhere in a flat valley, or at a facet's edge."""
-    tangents = np.array([profiled(1.0, start_off_m=off)[0].tangent for off in np.linspace(0, 0.15, 7)])
+    tangents = np.array(
+        [profiled(1.0, start_off_m=off)[0].tangent for off in np.linspace(0, 0.15, 7)]
+    )
     assert np.ptp(tangents[:, :3], axis=0).max() < 0.02
     assert np.ptp(tangents[:, 3:], axis=0).max() < 0.004
 
@@ -79,10 +85,14 @@ def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
     """A tight prior along the hull makes it one."""
     mesh = side(0.0)
     points = thin_points(TRUTH.apply(survey(mesh, np.random.default_rng(4))), 0.3, 600)
-    model = replace(cad_model(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])])
+    model = replace(
+        cad_model(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])]
+    )
     center = TRUTH.inverse().apply(points).mean(0)
     known = cad_error.CadError(sigma=0.02, length=model.deviation_length, noise=0.01, offset=0.0)
-    factor = cho_factor(cad_error.distance_covariance(known, model, TRUTH.inverse().apply(points)), lower=True)
+    factor = cho_factor(
+        cad_error.distance_covariance(known, model, TRUTH.inverse().apply(points)), lower=True
+    )
     index = MeshIndex(mesh.vertices, mesh.faces)
     cost = HullPoseCost(points=points, cad_model=model, center=center, index=index, factor=factor)
     valley = Valley(cost=cost, direction=ALONG)

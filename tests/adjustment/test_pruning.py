@@ -14,7 +14,8 @@ def problem():
 
     return native.Problem(
         unknowns=native.Unknowns(
-            pose=np.tile([0.0, 0, 0, 0, 0, 0, 1, 0], (2, 1)), landmark=np.array([[0.0, 0, 1], [9, 9, 9], [0, 0, 2]])
+            pose=np.tile([0.0, 0, 0, 0, 0, 0, 1, 0], (2, 1)),
+            landmark=np.array([[0.0, 0, 1], [9, 9, 9], [0, 0, 2]]),
         ),
         stereo=native.StereoTable(
             node=row(0, 1, 0),
@@ -22,7 +23,9 @@ def problem():
             pixel=np.arange(12.0).reshape(3, 4),
             sigma_ratio=np.array([0.5, 1.0, 2.0]),
         ),
-        mono=native.MonoTable(node=row(1, 1), landmark=row(1, 2), camera=row(0, 1), pixel=np.array([[1.0, 1], [2, 2]])),
+        mono=native.MonoTable(
+            node=row(1, 1), landmark=row(1, 2), camera=row(0, 1), pixel=np.array([[1.0, 1], [2, 2]])
+        ),
         surface=native.SurfaceTable(landmark=row(0, 1, 2), weight=np.array([0.1, 0.2, 0.3])),
     )
 
@@ -35,7 +38,11 @@ def test_a_landmark_goes_with_all_its_factors_and_the_rest_is_numbered_anew() ->
     assert after.stereo.sigma_ratio.tolist() == [0.5, 1.0, 2.0]
     assert after.mono.landmark.tolist() == [1]
     assert len(after.mono.sigma_ratio) == 0
-    assert (after.mono.node.tolist(), after.mono.camera.tolist(), after.mono.pixel.tolist()) == ([1], [1], [[2.0, 2.0]])
+    assert (after.mono.node.tolist(), after.mono.camera.tolist(), after.mono.pixel.tolist()) == (
+        [1],
+        [1],
+        [[2.0, 2.0]],
+    )
     assert after.surface.landmark.tolist() == [0, 1]
     assert after.surface.weight.tolist() == [0.1, 0.3]
     assert len(before.unknowns.landmark) == 3

@@ -10,7 +10,12 @@ from hullrecon import native
 from hullrecon.adjustment.hull_pose import registration
 from hullrecon.adjustment.hull_pose.cad_error import matern32
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
-from hullrecon.adjustment.hull_pose.registration import frame_at, perturb_pose, register, thin_points
+from hullrecon.adjustment.hull_pose.registration import (
+    frame_at,
+    perturb_pose,
+    register,
+    thin_points,
+)
 
 
 def test_a_curved_side_is_found_from_a_wrong_guess():
@@ -20,8 +25,11 @@ def test_a_curved_side_is_found_from_a_wrong_guess():
     found = register(points, cad_model(mesh, TRUTH, ERROR), 0.01)
     middle = frame_at(found.center)
     apart = (found.global_from_hull @ middle).inverse() @ TRUTH @ middle
-    step = np.r_[found.global_from_hull.rotation.apply(apart.translation)[0], apart.rotation.as_rotvec()[0]]
-    assert step @ np.linalg.solve(found.covariance, step) < 16.8  # 99 % of chi-square with six degrees of freedom
+    step = np.r_[
+        found.global_from_hull.rotation.apply(apart.translation)[0], apart.rotation.as_rotvec()[0]
+    ]
+    # 99 % of chi-square with six degrees of freedom
+    assert step @ np.linalg.solve(found.covariance, step) < 16.8
     assert np.sqrt(np.mean(found.residual**2)) < 0.015
     assert found.fitness > 0.95
 
@@ -66,7 +74,8 @@ def test_directions_between_two_axes_are_said_of_each_axis_once_with_its_own_sig
     position, *attitude = [w["sentence"] for w in found]
     assert position.startswith("The position across the hull is uncertain by 0.20 m")
     assert attitude == [
-        "The trim of the hull is uncertain by 1.69 degrees (one sigma).",  # hypot(0.6 * 0.9, 0.8 * 2.0)
+        # hypot(0.6 * 0.9, 0.8 * 2.0)
+        "The trim of the hull is uncertain by 1.69 degrees (one sigma).",
         "The heel of the hull is uncertain by 1.40 degrees (one sigma).",
         "The heading of the hull is uncertain by 0.60 degrees (one sigma).",
     ]
@@ -83,7 +92,9 @@ def test_directions_between_two_axes_are_said_of_each_axis_once_with_its_own_sig
 def test_sentences_are_on_the_ships_axes_whichever_the_models_file_has(ship_axes):
     in_hull = np.kron(np.eye(2), np.array(ship_axes, float).T)
     sigma = np.r_[0.3, 0.2, 0.1, np.radians([3.0, 2.0, 1.0])]
-    found = find_weak_directions(in_hull @ np.diag(sigma**2) @ in_hull.T, np.array(ship_axes, float))
+    found = find_weak_directions(
+        in_hull @ np.diag(sigma**2) @ in_hull.T, np.array(ship_axes, float)
+    )
     assert [w["sentence"].partition(" (one")[0] for w in found] == [
         "The position along the hull is uncertain by 0.30 m",
         "The position across the hull is uncertain by 0.20 m",

@@ -25,10 +25,27 @@ SCENES = {
     "as published": {"as_published": True},
 }
 KEYS = {
-    "method", "as_published", "converged", "message", "iterations", "rounds", "landmarks", "on_hull", "rays_missed",
-    "observations", "observations_left_out", "sigmas", "navigation", "navigation_sigma", "mounts", "weak_directions",
-    "residuals_before", "residuals_after", "cad_model_refused", "legs",
-}  # fmt: skip
+    "method",
+    "as_published",
+    "converged",
+    "message",
+    "iterations",
+    "rounds",
+    "landmarks",
+    "on_hull",
+    "rays_missed",
+    "observations",
+    "observations_left_out",
+    "sigmas",
+    "navigation",
+    "navigation_sigma",
+    "mounts",
+    "weak_directions",
+    "residuals_before",
+    "residuals_after",
+    "cad_model_refused",
+    "legs",
+}
 
 
 @pytest.fixture(params=SCENES, ids=list(SCENES))
@@ -42,7 +59,12 @@ def test_shapes_go_with_nodes_landmarks_and_the_field(found):
     assert (len(s.global_from_vehicle), s.tray.shape, s.tray_sigma.shape) == (n, (n,), (n,))
     assert s.pose_covariance.shape == (n, 6, 6)
     assert (s.landmarks.position.shape, s.landmarks.covariance.shape) == ((count, 3), (count, 3, 3))
-    assert s.landmarks.label.shape == s.landmarks.deviation.shape == s.landmarks.views.shape == (count,)
+    assert (
+        s.landmarks.label.shape
+        == s.landmarks.deviation.shape
+        == s.landmarks.views.shape
+        == (count,)
+    )
     assert s.landmarks.color.shape == (count, 3)
     if s.deviation_field is not None:
         assert s.deviation_field.value.shape == s.deviation_field.sigma.shape
@@ -82,14 +104,17 @@ def test_landmarks_count_the_images_that_saw_them():
     found = solved()
     tracks, chosen = found.dive.measured.tracks, found.adjusted.chosen
     expected = [
-        int(chosen.top[tracks.landmark == k].sum() + chosen.bottom[tracks.landmark == k].sum()) for k in chosen.landmarks[:40]
+        int(chosen.top[tracks.landmark == k].sum() + chosen.bottom[tracks.landmark == k].sum())
+        for k in chosen.landmarks[:40]
     ]
     assert found.outcome.solution.landmarks.views[:40].tolist() == expected
     assert (found.outcome.solution.landmarks.views >= 2).all()
 
 
 def test_poses_know_their_place_on_the_hull_as_the_hull_knows_its_place_in_g():
-    """The lever from the survey's centre to the vehicle carries the hull's turn into the vehicle's place."""
+    """The lever from the survey's centre to the vehicle carries the hull's turn into the vehicle's
+    place.
+    """
     found = solved()
     s = found.outcome.solution
     turn = Rotation.from_quat(s.hull_pose.global_from_hull.quaternion[0]).as_matrix().T
@@ -97,40 +122,64 @@ def test_poses_know_their_place_on_the_hull_as_the_hull_knows_its_place_in_g():
     pose = np.linalg.eigvalsh(s.pose_covariance[:, :3, :3])[:, -1]
     assert (pose > 0.8 * hull).all()
     along = np.sqrt(s.pose_covariance[:, 0, 0])
-    assert (along > np.sqrt(s.pose_covariance[:, 1, 1])).all()  # the along-hull place is the weak one
+    # the along-hull place is the weak one
+    assert (along > np.sqrt(s.pose_covariance[:, 1, 1])).all()
 
 
 def test_the_dvls_held_position_widens_the_vehicles_place_alone():
     """One centimetre in each axis of the tray, turned into M."""
     found = solved()
     rig = found.dive.measured.rig
-    held = replace(found.dive.measured, rig=replace(rig, dvl_position_sigma=np.array([0.03, 0.0, 0.0])))
+    held = replace(
+        found.dive.measured, rig=replace(rig, dvl_position_sigma=np.array([0.03, 0.0, 0.0]))
+    )
     none = replace(found.dive.measured, rig=replace(rig, dvl_position_sigma=np.zeros(3)))
-    with_lever, without = (summarise_adjustment(m, found.adjusted, found.options).solution for m in (held, none))
+    with_lever, without = (
+        summarise_adjustment(m, found.adjusted, found.options).solution for m in (held, none)
+    )
     added = with_lever.pose_covariance - without.pose_covariance
     np.testing.assert_allclose(added[:, 3:], 0.0, atol=1e-12)
-    tray = matrix(np.tile(TRAY_ORIGIN_M, (len(added), 1)), Rotation.from_euler("y", found.outcome.solution.tray[:, None]))
+    tray = matrix(
+        np.tile(TRAY_ORIGIN_M, (len(added), 1)),
+        Rotation.from_euler("y", found.outcome.solution.tray[:, None]),
+    )
     hull_from_tray = (
-        found.adjusted.state.hull.global_from_hull.inverse().matrix() @ with_lever.global_from_vehicle.matrix() @ tray
+        found.adjusted.state.hull.global_from_hull.inverse().matrix()
+        @ with_lever.global_from_vehicle.matrix()
+        @ tray
     )
     x = hull_from_tray[:, :3, 0]
-    np.testing.assert_allclose(added[:, :3, :3], 0.03**2 * x[:, :, None] * x[:, None, :], atol=1e-10)
+    np.testing.assert_allclose(
+        added[:, :3, :3], 0.03**2 * x[:, :, None] * x[:, None, :], atol=1e-10
+    )
     np.testing.assert_array_equal(with_lever.landmarks.covariance, without.landmarks.covariance)
 
 
 def test_the_summary_holds_its_keys_and_is_json(found):
     summary = found.outcome.summary
-    assert set(summary) == KEYS | ({"registration"} if found.dive.measured.cad_model is not None else set())
+    assert set(summary) == KEYS | (
+        {"registration"} if found.dive.measured.cad_model is not None else set()
+    )
     json.dumps(summary, allow_nan=False)
     assert summary["landmarks"] == len(found.outcome.solution.landmarks)
     assert summary["on_hull"] == int((found.outcome.solution.landmarks.label == 1).sum())
     assert set(summary["navigation"]) == {
-        "dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_backlash_rad",
-    }  # fmt: skip
+        "dvl_scale",
+        "heading_drift_rad_s",
+        "roll_bias_rad",
+        "pitch_bias_rad",
+        "depth_bias_m",
+        "tray_backlash_rad",
+    }
 
 
-def test_a_bias_of_the_depth_is_known_no_better_than_its_prior_where_the_hulls_height_is_unknown(found):
-    sigma, prior = found.outcome.summary["navigation_sigma"], found.dive.measured.rig.navigation_sigma
+def test_a_bias_of_the_depth_is_known_no_better_than_its_prior_where_the_hulls_height_is_unknown(
+    found,
+):
+    sigma, prior = (
+        found.outcome.summary["navigation_sigma"],
+        found.dive.measured.rig.navigation_sigma,
+    )
     if found.options.as_published:  # holds them
         assert sigma == {}
         return
@@ -141,25 +190,33 @@ def test_observations_are_counted_used_and_left_out():
     found = solved()
     tracks = found.dive.measured.tracks
     seen = np.isfinite(tracks.top[:, 0]).sum() + np.isfinite(tracks.bottom[:, 0]).sum()
-    assert found.outcome.summary["observations"] + found.outcome.summary["observations_left_out"] == seen
+    assert (
+        found.outcome.summary["observations"] + found.outcome.summary["observations_left_out"]
+        == seen
+    )
 
 
 @pytest.mark.parametrize("factor", ["odometry", "stereo", "mono", "range", "attitude", "tray"])
 def test_residuals_are_near_one_sigma_after_the_adjustment(factor):
     after = solved().outcome.summary["residuals_after"][factor]
     assert 0.3 < after["robust_sigma"] < 1.5
-    assert after["share_beyond_3"] < (0.06 if factor == "range" else 0.02)  # some beams meet the box, which no CAD model shows
+    # some beams meet the box, which no CAD model shows
+    assert after["share_beyond_3"] < (0.06 if factor == "range" else 0.02)
 
 
 def test_images_fit_worse_before_the_adjustment_than_after():
     summary = solved().outcome.summary
-    assert summary["residuals_before"]["stereo"]["rms"] > 2 * summary["residuals_after"]["stereo"]["rms"]
+    assert (
+        summary["residuals_before"]["stereo"]["rms"]
+        > 2 * summary["residuals_after"]["stereo"]["rms"]
+    )
 
 
 def test_iterations_have_a_row_each_over_all_rounds():
     found = solved()
     rounds = found.outcome.iterations["round"]
-    assert set(rounds) == {1, 2, 3, 4}  # two for the path, one with the CAD model laid under it, the last
+    # two for the path, one with the CAD model laid under it, the last
+    assert set(rounds) == {1, 2, 3, 4}
     assert len(found.outcome.iterations_s) == len(rounds)
     assert (np.diff(found.outcome.iterations_s) >= 0).all()
     assert {len(v) for v in found.outcome.iterations.values()} == {len(rounds)}
@@ -183,7 +240,9 @@ def test_a_solve_that_did_not_converge_is_warned_of():
 def test_landmarks_mostly_off_the_hull_are_warned_of():
     found = solved()
     off = replace(found.adjusted.result, label=np.zeros_like(found.adjusted.result.label))
-    outcome = summarise_adjustment(found.dive.measured, replace(found.adjusted, result=off), found.options)
+    outcome = summarise_adjustment(
+        found.dive.measured, replace(found.adjusted, result=off), found.options
+    )
     assert any("Fewer than half" in warning for warning in outcome.warnings)
 
 
@@ -191,7 +250,9 @@ def test_beams_that_miss_the_cad_model_are_warned_of():
     found = solved()
     missed = np.arange(len(found.adjusted.result.ray_hit)) % 5 > 0
     result = replace(found.adjusted.result, ray_hit=missed)
-    outcome = summarise_adjustment(found.dive.measured, replace(found.adjusted, result=result), found.options)
+    outcome = summarise_adjustment(
+        found.dive.measured, replace(found.adjusted, result=result), found.options
+    )
     expected = f"{100 * np.mean(~missed):.0f} % of the DVL's beams miss"
     assert any(warning.startswith(expected) for warning in outcome.warnings)
 
@@ -199,30 +260,54 @@ def test_beams_that_miss_the_cad_model_are_warned_of():
 def test_as_published_the_hulls_covariance_is_the_solves_own():
     found = solved(as_published=True)
     options = AdjustOptions(as_published=True)
-    settings = native.Options(method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m)
+    settings = native.Options(
+        method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m
+    )
     np.testing.assert_allclose(
-        found.outcome.solution.hull_pose.covariance, native.covariance(found.adjusted.problem, settings).T_g_M, rtol=1e-9
+        found.outcome.solution.hull_pose.covariance,
+        native.covariance(found.adjusted.problem, settings).T_g_M,
+        rtol=1e-9,
     )
 
 
 def test_the_last_problem_stands_at_the_solution():
     adjusted = solved().adjusted
     for name in ("pose", "landmark", "deviation"):
-        np.testing.assert_array_equal(getattr(adjusted.problem.unknowns, name), getattr(adjusted.result.unknowns, name))
-    assert simulate().measured.trajectory.translation.tobytes() == adjusted.start.unknowns.pose[:, :3].tobytes()
+        np.testing.assert_array_equal(
+            getattr(adjusted.problem.unknowns, name), getattr(adjusted.result.unknowns, name)
+        )
+    assert (
+        simulate().measured.trajectory.translation.tobytes()
+        == adjusted.start.unknowns.pose[:, :3].tobytes()
+    )
 
 
 @pytest.mark.parametrize(
     ("form", "said"),
     [
-        (Form(patterns=20, deviation=0.8, plane=90.0, stretch_sigma=(0.35, 0.1, 0.2)), "proportions and scale to 35 %"),
+        (
+            Form(patterns=20, deviation=0.8, plane=90.0, stretch_sigma=(0.35, 0.1, 0.2)),
+            "proportions and scale to 35 %",
+        ),
         (Form(patterns=20, deviation=0.8, plane=90.0, stretch_sigma=(0.02, 0.01, 0.03)), None),
-        (Form(patterns=20, deviation=0.8, plane=1.0, stretch_sigma=(0.5, 0.5, 0.5)), "too plain to tell"),
-        (Form(patterns=40, deviation=3.0, plane=900.0, stretch_sigma=(0.02, 0.01, 0.03)), "by 1.7 times hull.deviation_sigma"),
+        (
+            Form(patterns=20, deviation=0.8, plane=1.0, stretch_sigma=(0.5, 0.5, 0.5)),
+            "too plain to tell",
+        ),
+        (
+            Form(patterns=40, deviation=3.0, plane=900.0, stretch_sigma=(0.02, 0.01, 0.03)),
+            "by 1.7 times hull.deviation_sigma",
+        ),
     ],
 )
 def test_what_the_form_of_the_hull_leaves_open_is_said(form, said):
     found = solved()
-    outcome = summarise_adjustment(found.dive.measured, replace(found.adjusted, form=form), found.options)
-    about_form = [line for line in outcome.warnings if "proportions" in line or "plain" in line or "deviation_sigma" in line]
+    outcome = summarise_adjustment(
+        found.dive.measured, replace(found.adjusted, form=form), found.options
+    )
+    about_form = [
+        line
+        for line in outcome.warnings
+        if "proportions" in line or "plain" in line or "deviation_sigma" in line
+    ]
     assert [said in line for line in about_form] == ([True] if said else [])

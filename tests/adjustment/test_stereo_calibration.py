@@ -1,20 +1,34 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A stereo calibration that the dive contradicts: found, freed and said; one that holds is left alone."""
+"""A stereo calibration that the dive contradicts: found, freed and said; one that holds is left
+alone.
+"""
 
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 import pytest
-from adjustment.simulated_dive import NAVIGATION, TOP_FROM_BOTTOM, aligning, motion, moved, records_poses, simulate
+from adjustment.simulated_dive import (
+    NAVIGATION,
+    TOP_FROM_BOTTOM,
+    aligning,
+    motion,
+    moved,
+    records_poses,
+    simulate,
+)
 from adjustment.solved_dives import solved
 from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment
-from hullrecon.adjustment.stereo_calibration import compare_rigs, describe_contradiction, stereo_warning
+from hullrecon.adjustment.stereo_calibration import (
+    compare_rigs,
+    describe_contradiction,
+    stereo_warning,
+)
 from hullrecon.estimation.rig_priors import Mount
 
 OPTIONS = AdjustOptions()
@@ -44,17 +58,24 @@ def _adjusted(name, cad):
     stated = {"doubted": (0.01, 0.02), "known": (1e-4, np.radians(0.01))}  # m, rad
     sigma = next((stated[word] for word in stated if word in name), None)
     rows = None if sigma is None else np.diag(1 / np.repeat(sigma, 3))
-    measured = replace(dive.measured, rig=replace(rig, T_ct_cb=Mount(records_poses(calibrated), rows)))
+    measured = replace(
+        dive.measured, rig=replace(rig, T_ct_cb=Mount(records_poses(calibrated), rows))
+    )
     if name.startswith("DVL"):
         by_navigation = odometry.by_navigation * np.r_[np.full(3, 1.08), np.ones(3)][:, None]
-        odometry = replace(odometry, translation=1.08 * odometry.translation, by_navigation=by_navigation)
+        odometry = replace(
+            odometry, translation=1.08 * odometry.translation, by_navigation=by_navigation
+        )
         measured = replace(measured, odometry=odometry)
     adjusted = adjust(measured, OPTIONS, lambda _: None)
     return dive, adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
 
 
 def position_rms_m(dive, outcome):
-    truth, found = dive.global_from_vehicle[:, :3, 3], outcome.solution.global_from_vehicle.translation
+    truth, found = (
+        dive.global_from_vehicle[:, :3, 3],
+        outcome.solution.global_from_vehicle.translation,
+    )
     return np.sqrt(np.mean(np.sum((moved(aligning(found, truth), found) - truth) ** 2, axis=1)))
 
 
@@ -65,7 +86,10 @@ def test_a_rig_that_was_turned_is_found_and_said(name, cad):
     found = adjusted.state.T_ct_cb.matrix()[0]
     assert adjusted.refusal is None
     assert adjusted.stereo.by_images
-    assert np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude()) < 0.02
+    assert (
+        np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude())
+        < 0.02
+    )
     assert np.linalg.norm(found[:3, 3] - BASELINE) < 0.01 * LENGTH_M
     assert position_rms_m(dive, outcome) < 5e-3
     (sentence,) = [w for w in outcome.warnings if "stereo calibration does not hold" in w]
@@ -80,8 +104,14 @@ def test_where_only_lengths_disagree_the_depths_tell_that_the_baseline_is_wrong(
     _, adjusted, outcome = _adjusted(name, cad)
     assert not adjusted.stereo.by_images
     turned = 0.02 if "known" in name else 1e-3  # degrees: what is known to 0.01 may turn by so much
-    found, marginal = adjusted.state.T_ct_cb.matrix()[0], outcome.summary["navigation_sigma"]["dvl_scale"]
-    assert np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude()) < turned
+    found, marginal = (
+        adjusted.state.T_ct_cb.matrix()[0],
+        outcome.summary["navigation_sigma"]["dvl_scale"],
+    )
+    assert (
+        np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude())
+        < turned
+    )
     assert 1e-3 < marginal < 0.01
     assert abs(adjusted.state.navigation[0] - NAVIGATION[0]) < 2.5 * marginal
     assert abs(np.linalg.norm(found[:3, 3]) / LENGTH_M - 1) < 2.5 * marginal
@@ -111,7 +141,10 @@ def test_a_rig_that_its_package_doubts_needs_no_finding():
     _, adjusted, outcome = _adjusted("doubted by its package", True)
     assert adjusted.stereo is None
     found = adjusted.state.T_ct_cb.matrix()[0]
-    assert np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude()) < 0.02
+    assert (
+        np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude())
+        < 0.02
+    )
     assert not [w for w in outcome.warnings if "stereo" in w.lower()]
 
 
@@ -138,20 +171,28 @@ def test_what_lies_within_its_sigma_contradicts_nothing():
 def test_what_only_the_solver_cares_for_is_not_spoken_of():
     little, much = (found_off(turn_deg=(0.0, turn, 0.0)) for turn in (0.02, 0.04))
     assert stereo_warning(compare_rigs(TRUE, little, SIGMA), TRUE, little, SIGMA) is None
-    assert "turned by 0.04 degrees" in stereo_warning(compare_rigs(TRUE, much, SIGMA), TRUE, much, SIGMA)
+    assert "turned by 0.04 degrees" in stereo_warning(
+        compare_rigs(TRUE, much, SIGMA), TRUE, much, SIGMA
+    )
 
 
 def test_a_turn_or_a_shift_that_does_not_show_in_its_digits_is_left_out_of_the_sentence():
     across = np.cross(BASELINE / LENGTH_M, [1.0, 0.0, 0.0])
     said = [
         describe_contradiction(compare_rigs(TRUE, found_off(shift, turn), SIGMA))
-        for shift, turn in ((2e-3 * across, (0, 0, 0)), ((0, 0, 0), (0, 0.04, 0)), (2e-3 * across, (0, 0.04, 0)))
+        for shift, turn in (
+            (2e-3 * across, (0, 0, 0)),
+            ((0, 0, 0), (0, 0.04, 0)),
+            (2e-3 * across, (0, 0.04, 0)),
+        )
     ]
     assert ["mm" in sentence for sentence in said] == [True, False, True]
     assert ["degrees" in sentence for sentence in said] == [False, True, True]
 
 
-@pytest.mark.parametrize(("share", "word"), [(0.04, "longer"), (0.0, "speed of sound"), (0.02, "nothing else tells")])
+@pytest.mark.parametrize(
+    ("share", "word"), [(0.04, "longer"), (0.0, "speed of sound"), (0.02, "nothing else tells")]
+)
 def test_who_is_wrong_about_lengths_is_said_as_far_as_it_is_known(share, word):
     disagrees = compare_rigs(TRUE, records_poses(longer(0.04)), SIGMA)
     assert word in stereo_warning(disagrees, TRUE, records_poses(longer(share)), SIGMA)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A path that an outage cuts in two: each stretch is laid onto the CAD model for itself, unless images tie the two."""
+"""A path that an outage cuts in two: each stretch is laid onto the CAD model for itself, unless
+images tie the two.
+"""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -23,7 +25,9 @@ OUTAGE_NS = 60 * 10**9
 
 @lru_cache
 def interrupted(shift_m, per_leg=PER_LEG, last=PER_LEG - 1, **scene):
-    """The dive with an outage after node `last`: what follows is shifted (x, y in g), as its odometry says with SIGMA_M."""
+    """The dive with an outage after node `last`: what follows is shifted (x, y in g), as its
+    odometry says with SIGMA_M.
+    """
     dive = simulate(per_leg=per_leg, **scene)
     m = dive.measured
     pose = m.trajectory.poses().matrix()
@@ -36,7 +40,9 @@ def interrupted(shift_m, per_leg=PER_LEG, last=PER_LEG - 1, **scene):
     trajectory = replace(m.trajectory, t_ns=t_ns, translation=records_poses(pose).translation)
     odometry = replace(m.odometry, translation=translation, covariance=covariance)
     returns = replace(m.returns, t_ns=m.returns.t_ns + OUTAGE_NS * (m.returns.node > last))
-    return replace(dive, measured=replace(m, trajectory=trajectory, odometry=odometry, returns=returns))
+    return replace(
+        dive, measured=replace(m, trajectory=trajectory, odometry=odometry, returns=returns)
+    )
 
 
 def errors_m(dive, adjusted):
@@ -71,18 +77,28 @@ def test_without_stretches_no_pose_of_the_model_fits_both():
     dive = interrupted((1.1, -0.7), camera=False)
     path, found = found_stretches(dive)
     rigid = register_cad_model(path.straight, dive.measured.cad_model, OPTIONS, lambda _: None)
-    laid = register_cad_model(path.straight, dive.measured.cad_model, OPTIONS, lambda _: None, found)
+    laid = register_cad_model(
+        path.straight, dive.measured.cad_model, OPTIONS, lambda _: None, found
+    )
     assert rigid.registration.fitness < 0.7
     assert laid.registration.fitness > 0.9
 
 
 def test_the_first_stretch_stays_where_the_dive_began():
-    """The guess of the hull pose is one in g, which is where the first node is, whichever stretch is the longest."""
+    """The guess of the hull pose is one in g, which is where the first node is, whichever stretch
+    is the longest.
+    """
     dive = interrupted((1.1, -0.7), last=PER_LEG - 6, camera=False)
     path, found = found_stretches(dive)
-    laid = register_cad_model(path.straight, dive.measured.cad_model, OPTIONS, lambda _: None, found)
+    laid = register_cad_model(
+        path.straight, dive.measured.cad_model, OPTIONS, lambda _: None, found
+    )
     assert found.reference == 1
-    np.testing.assert_allclose(laid.estimate.state.nodes.translation[0], path.straight.state.nodes.translation[0], atol=1e-9)
+    np.testing.assert_allclose(
+        laid.estimate.state.nodes.translation[0],
+        path.straight.state.nodes.translation[0],
+        atol=1e-9,
+    )
     assert laid.registration.sigmas_off == 1.0
     assert laid.refusal is None
     assert laid.estimate.state.hull.stretches is found
@@ -99,10 +115,14 @@ def test_an_even_path_is_one_stretch():
 def test_a_model_of_another_form_is_refused_for_its_stretches_too():
     dive = interrupted((1.1, -0.7), camera=False)
     mesh = dive.measured.cad_model.mesh
-    other = replace(dive.measured.cad_model, mesh=replace(mesh, vertices=mesh.vertices * [0.25, 0.3, 0.35]))
+    other = replace(
+        dive.measured.cad_model, mesh=replace(mesh, vertices=mesh.vertices * [0.25, 0.3, 0.35])
+    )
     path, found = found_stretches(dive)
     refused = register_cad_model(path.straight, other, OPTIONS, lambda _: None, found)
-    assert "wherever it and the 2 stretches that outages leave of the path are laid" in refused.refusal
+    assert (
+        "wherever it and the 2 stretches that outages leave of the path are laid" in refused.refusal
+    )
 
 
 def test_what_lies_between_two_stretches_moves_with_both():

@@ -4,7 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors, triangulate
+from hullrecon.adjustment.problem.triangulation import (
+    camera_poses,
+    reprojection_errors,
+    triangulate,
+)
 
 
 def test_landmarks_are_found_where_they_are(scene):
@@ -17,7 +21,13 @@ def test_landmarks_are_found_where_they_are(scene):
 def test_a_single_ray_gives_no_landmark(scene):
     t = scene.tracks
     first = np.flatnonzero(np.isfinite(t.top[:, 0]))[:1]
-    alone = replace(t, landmark=t.landmark[first], node=t.node[first], top=t.top[first], bottom=np.full((1, 2), np.nan))
+    alone = replace(
+        t,
+        landmark=t.landmark[first],
+        node=t.node[first],
+        top=t.top[first],
+        bottom=np.full((1, 2), np.nan),
+    )
     position, spread = triangulate(alone, len(scene.points), scene.top, scene.bottom, scene.rig)
     assert np.isnan(position).all()
     assert spread[t.landmark[first[0]]] == 0.0
@@ -26,7 +36,9 @@ def test_a_single_ray_gives_no_landmark(scene):
 def test_two_rays_spread_by_the_angle_between_them(scene):
     t = scene.tracks
     row = np.flatnonzero(np.isfinite(t.top[:, 0]) & np.isfinite(t.bottom[:, 0]))[:1]
-    pair = replace(t, landmark=t.landmark[row], node=t.node[row], top=t.top[row], bottom=t.bottom[row])
+    pair = replace(
+        t, landmark=t.landmark[row], node=t.node[row], top=t.top[row], bottom=t.bottom[row]
+    )
     _, spread = triangulate(pair, len(scene.points), scene.top, scene.bottom, scene.rig)
     node, number = t.node[row[0]], t.landmark[row[0]]
     rays = [scene.points[number] - pose.translation[node] for pose in (scene.top, scene.bottom)]
@@ -35,7 +47,9 @@ def test_two_rays_spread_by_the_angle_between_them(scene):
 
 
 def test_the_camera_hangs_on_the_tray(scene):
-    top, bottom = camera_poses(scene.nodes, scene.tray, scene.rig, scene.rig.T_s_ct.nominal, scene.rig.T_ct_cb.nominal)
+    top, bottom = camera_poses(
+        scene.nodes, scene.tray, scene.rig, scene.rig.T_s_ct.nominal, scene.rig.T_ct_cb.nominal
+    )
     np.testing.assert_allclose(top.matrix(), scene.top.matrix(), atol=1e-12)
     np.testing.assert_allclose(bottom.matrix(), scene.bottom.matrix(), atol=1e-12)
 

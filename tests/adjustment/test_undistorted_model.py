@@ -19,7 +19,9 @@ def read(folder: Path):  # type: ignore[no-untyped-def]
     return pycolmap.Reconstruction(str(folder))
 
 
-def test_observations_still_meet_their_points_and_poses_stay(sparse_model: SparseModel, tmp_path: Path) -> None:
+def test_observations_still_meet_their_points_and_poses_stay(
+    sparse_model: SparseModel, tmp_path: Path
+) -> None:
     write_model(sparse_model, tmp_path)
     delivered, found = read(tmp_path), undistort_model(tmp_path)
     (tmp_path / "out").mkdir()
@@ -30,21 +32,29 @@ def test_observations_still_meet_their_points_and_poses_stay(sparse_model: Spars
     assert back.num_images() == delivered.num_images()
     for number, image in back.images.items():
         before = delivered.images[number]
-        np.testing.assert_allclose(image.cam_from_world().matrix(), before.cam_from_world().matrix(), atol=1e-12)
+        np.testing.assert_allclose(
+            image.cam_from_world().matrix(), before.cam_from_world().matrix(), atol=1e-12
+        )
         assert image.name == before.name.replace("/", "_")
     some = next(iter(back.points3D))
     np.testing.assert_array_equal(back.points3D[some].xyz, delivered.points3D[some].xyz)
     np.testing.assert_array_equal(back.points3D[some].color, delivered.points3D[some].color)
 
 
-def test_what_lies_outside_the_smaller_images_is_gone_and_counted(sparse_model: SparseModel, tmp_path: Path) -> None:
+def test_what_lies_outside_the_smaller_images_is_gone_and_counted(
+    sparse_model: SparseModel, tmp_path: Path
+) -> None:
     bent = replace(sparse_model.cameras[0], k1=0.3)
     known = sparse_model.cameras[0].undistort(np.nan_to_num(sparse_model.tracks.top))
     sparse_model.tracks.top[sparse_model.top] = bent.distort(known)[sparse_model.top]
     write_model(replace(sparse_model, cameras=(bent, sparse_model.cameras[1])), tmp_path)
     delivered, found = read(tmp_path), undistort_model(tmp_path)
     back = found.reconstruction
-    assert found.lost_observations == delivered.compute_num_observations() - back.compute_num_observations() > 0
+    assert (
+        found.lost_observations
+        == delivered.compute_num_observations() - back.compute_num_observations()
+        > 0
+    )
     assert min(point.track.length() for point in back.points3D.values()) >= 2
     for image in back.images.values():
         size = [back.cameras[image.camera_id].width, back.cameras[image.camera_id].height]
@@ -59,7 +69,9 @@ def test_cameras_read_back_as_they_were_written(sparse_model: SparseModel, tmp_p
     cameras = read(tmp_path).cameras
     assert {cameras[1].model.name, cameras[2].model.name} == {"FULL_OPENCV", "OPENCV"}
     for number, expected in ((1, top), (2, sparse_model.cameras[1])):
-        np.testing.assert_allclose(camera_of(cameras[number]).parameters(), expected.parameters(), atol=1e-12)
+        np.testing.assert_allclose(
+            camera_of(cameras[number]).parameters(), expected.parameters(), atol=1e-12
+        )
 
 
 def test_a_mono_model_has_one_camera(sparse_model: SparseModel, tmp_path: Path) -> None:

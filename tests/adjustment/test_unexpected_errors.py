@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sensor or a mount that is far off what its package allows: named, with the sign and the size that are true."""
+"""A sensor or a mount that is far off what its package allows: named, with the sign and the size
+that are true.
+"""
 
 import re
 from dataclasses import replace
@@ -36,7 +38,11 @@ SAID = ("DVL measures", "heading drifts", "Roll is off", "Pitch is off", "Depths
     [
         (0, -0.05, "The DVL measures distances 5.0 ± 0.1 % too long, 5 times dvl.scale_sigma"),
         (0, 0.05, "The DVL measures distances 5.0 ± 0.1 % too short, 5 times dvl.scale_sigma"),
-        (1, -0.005, "The heading drifts by 1031 ± 2 degrees an hour, 5 times imu.heading_drift_deg_per_hour"),
+        (
+            1,
+            -0.005,
+            "The heading drifts by 1031 ± 2 degrees an hour, 5 times imu.heading_drift_deg_per_hour",
+        ),
         (2, 0.0175, "Roll is off by 1.00 ± 0.01 degrees, 6 times imu.bias_sigma_deg"),
         (3, -0.0175, "Pitch is off by -1.00 ± 0.01 degrees, 6 times imu.bias_sigma_deg"),
         (4, 0.3, "Depths read 0.30 ± 0.01 m too deep, 6 times pressure.bias_sigma_m"),
@@ -55,7 +61,9 @@ def test_each_error_is_said_with_its_sign_and_what_was_allowed(place, correction
 
 def test_what_lies_within_its_sigmas_is_not_spoken_of():
     warnings = solved(cad=True).outcome.warnings
-    assert not [w for w in warnings if any(words in w for words in (*SAID, "from where dive.toml has it"))]
+    assert not [
+        w for w in warnings if any(words in w for words in (*SAID, "from where dive.toml has it"))
+    ]
 
 
 SIX = (0.03, 0.05, -0.05, 90.0, 0.0, 90.0)  # of the camera's mount
@@ -77,7 +85,10 @@ def displaced(off, six=SIX):
     [
         (motion(0, 0.05, 0, 0, 0, 0), "moved across by 50 ± 1 mm from"),
         (motion(0, 0, 0, 0, 2.5, 0), "turned by 2.5 ± 0.1 degrees from"),
-        (motion(0, -0.05, 0, 0, 0, -2.5), "moved across by 50 ± 1 mm and turned by 2.5 ± 0.1 degrees from"),
+        (
+            motion(0, -0.05, 0, 0, 0, -2.5),
+            "moved across by 50 ± 1 mm and turned by 2.5 ± 0.1 degrees from",
+        ),
     ],
 )
 def test_a_mount_far_from_its_place_is_said(off, words):
@@ -96,11 +107,16 @@ def test_two_mounts_that_are_turned_alike_point_at_the_imu():
     dvl = mount_prior(beside, (0.01, 0.01, 0.01, 0.5, 0.5, 0.5))
 
     def said(camera_off, dvl_off):
-        camera_found, dvl_found = displaced(motion(0, 0, 0, *camera_off)), displaced(motion(0, 0, 0, *dvl_off), beside)
+        camera_found, dvl_found = (
+            displaced(motion(0, 0, 0, *camera_off)),
+            displaced(motion(0, 0, 0, *dvl_off), beside),
+        )
         return mount_warnings({DVL: (dvl, dvl_found, KNOWN), CAMERA: (MOUNT, camera_found, KNOWN)})
 
     *_, alike = said((3.0, 0.1, 0.2), (2.8, 0.2, 0.0))
-    assert alike.startswith("dvl.mount and camera.top.mount are turned the same way, by 2.9 degrees: ")
+    assert alike.startswith(
+        "dvl.mount and camera.top.mount are turned the same way, by 2.9 degrees: "
+    )
     assert "(imu.mount_deg)." in alike
     *_, about_the_tray = said((0.1, -3.0, 0.2), (0.2, -2.8, 0.0))
     assert about_the_tray.endswith("(imu.mount_deg), or the zero of the tray's angles.")
@@ -114,7 +130,9 @@ def _turned_camera(cad):
     """The simulated dive; its camera stands 1.5 degrees off, seven times what its package allows."""
     dive = simulate(cad=cad)
     off = TRAY_FROM_TOP @ motion(0, 0, 0, 0, 0, 1.5)
-    top = Mount(records_poses(off), np.diag(1 / np.r_[np.full(3, 0.01), np.radians(np.full(3, 0.2))]))
+    top = Mount(
+        records_poses(off), np.diag(1 / np.r_[np.full(3, 0.01), np.radians(np.full(3, 0.2))])
+    )
     measured = replace(dive.measured, rig=replace(dive.measured.rig, T_s_ct=top))
     adjusted = adjust(measured, OPTIONS, lambda _: None)
     return adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
@@ -146,13 +164,18 @@ def test_a_heading_that_drifts_more_than_allowed_comes_out_as_it_does_and_is_sai
 
 @lru_cache
 def _fast_sound(stereo, turned_deg=0.0):
-    """The simulated dive, without its CAD model; its DVL was set to a speed of sound 8 % too high, its bottom camera is turned
-    from its calibration."""
+    """The simulated dive, without its CAD model; its DVL was set to a speed of sound 8 % too high,
+    its bottom camera is turned from its calibration.
+    """
     dive = simulate(cad=False, stereo=stereo, landmarks=800)
     odometry, returns = dive.measured.odometry, dive.measured.returns
     by_navigation = odometry.by_navigation * np.r_[np.full(3, 1.08), np.ones(3)][:, None]
-    odometry = replace(odometry, translation=1.08 * odometry.translation, by_navigation=by_navigation)
-    measured = replace(dive.measured, odometry=odometry, returns=replace(returns, range_m=1.08 * returns.range_m))
+    odometry = replace(
+        odometry, translation=1.08 * odometry.translation, by_navigation=by_navigation
+    )
+    measured = replace(
+        dive.measured, odometry=odometry, returns=replace(returns, range_m=1.08 * returns.range_m)
+    )
     if stereo:
         calibrated = Mount(records_poses(TOP_FROM_BOTTOM @ motion(0, 0, 0, turned_deg, 0, 0)), None)
         measured = replace(measured, rig=replace(measured.rig, T_ct_cb=calibrated))
@@ -175,7 +198,9 @@ def test_with_two_cameras_a_wrong_speed_of_sound_is_the_dvls_error():
     _, adjusted, outcome = _fast_sound(True)
     assert adjusted.length_conflict is None
     assert adjusted.problem.priors.navigation_sigma[0] == pytest.approx(0.07, abs=0.01)
-    np.testing.assert_array_equal(adjusted.problem.priors.navigation_sigma[1:], NAVIGATION_SIGMA[1:])
+    np.testing.assert_array_equal(
+        adjusted.problem.priors.navigation_sigma[1:], NAVIGATION_SIGMA[1:]
+    )
     assert len([w for w in outcome.warnings if SAID[0] in w]) == 1
     sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
     assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.01
@@ -192,4 +217,6 @@ def test_a_rig_that_is_turned_as_well_does_not_hide_the_dvls_error():
 
 def test_priors_that_hold_are_left_alone():
     for cad in (True, False):
-        np.testing.assert_array_equal(solved(cad=cad).adjusted.problem.priors.navigation_sigma, NAVIGATION_SIGMA)
+        np.testing.assert_array_equal(
+            solved(cad=cad).adjusted.problem.priors.navigation_sigma, NAVIGATION_SIGMA
+        )

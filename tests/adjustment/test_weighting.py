@@ -10,7 +10,11 @@ import pytest
 
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.state import Weights
-from hullrecon.adjustment.problem.weighting import depth_sigma, estimate_pixel_sigmas, estimate_weights
+from hullrecon.adjustment.problem.weighting import (
+    depth_sigma,
+    estimate_pixel_sigmas,
+    estimate_weights,
+)
 from hullrecon.geometry import poses
 from hullrecon.records.trajectory import Attitude
 
@@ -28,7 +32,9 @@ OPTIONS = AdjustOptions()
 
 
 def dive(scene, depth, noise_m, given_m=GIVEN_M, nodes_per_reading=1):
-    """Measurements and state of a dive at depths (n,) m, its pressure read with white noise, its tray as logged."""
+    """Measurements and state of a dive at depths (n,) m, its pressure read with white noise, its
+    tray as logged.
+    """
     n = len(depth)
     noise = noise_m * np.random.default_rng(1).standard_normal(n)
     level, sigma = np.zeros(n), np.tile([given_m, 0.002, 0.002], (n, 1))
@@ -42,7 +48,12 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M, nodes_per_reading=1):
         tray_direction=np.ones(n),
         tray_sigma=np.zeros(n),
     )
-    measured = SimpleNamespace(attitude=attitude, rig=scene.rig, tracks=scene.tracks, trajectory=SimpleNamespace(tray=level))
+    measured = SimpleNamespace(
+        attitude=attitude,
+        rig=scene.rig,
+        tracks=scene.tracks,
+        trajectory=SimpleNamespace(tray=level),
+    )
     nodes = poses.from_rpy(np.c_[level, level, depth], np.zeros((n, 3)))
     return measured, SimpleNamespace(nodes=nodes, tray=level, navigation=np.zeros(6))
 
@@ -50,7 +61,9 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M, nodes_per_reading=1):
 @pytest.fixture
 def depth_weight(scene, monkeypatch):
     """The sigma of depths that a round settles, in the sigma given."""
-    monkeypatch.setattr("hullrecon.adjustment.problem.weighting.estimate_pixel_sigmas", lambda *_: (0.5, np.ones(0)))
+    monkeypatch.setattr(
+        "hullrecon.adjustment.problem.weighting.estimate_pixel_sigmas", lambda *_: (0.5, np.ones(0))
+    )
 
     def found(*of, **more):
         measured, state = dive(scene, *of, **more)
@@ -61,7 +74,9 @@ def depth_weight(scene, monkeypatch):
 
 @pytest.fixture
 def seen_with(scene):
-    """Returns the sigmas that images get, of observations whose errors have these sigmas, by the detector's response."""
+    """Returns the sigmas that images get, of observations whose errors have these sigmas, by the
+    detector's response.
+    """
 
     def found(response, sigma_px):
         t, rng = scene.tracks, np.random.default_rng(4)
@@ -70,7 +85,11 @@ def seen_with(scene):
         measured = SimpleNamespace(rig=scene.rig, tracks=tracks)
         rig = scene.rig
         state = SimpleNamespace(
-            nodes=scene.nodes, tray=scene.tray, T_s_ct=rig.T_s_ct.nominal, T_ct_cb=rig.T_ct_cb.nominal, landmark=scene.points
+            nodes=scene.nodes,
+            tray=scene.tray,
+            T_s_ct=rig.T_s_ct.nominal,
+            T_ct_cb=rig.T_ct_cb.nominal,
+            landmark=scene.points,
         )
         every = [np.isfinite(pixels[:, 0]) for pixels in (t.top, t.bottom)]
         chosen = SimpleNamespace(top=every[0], bottom=every[1], landmarks=np.unique(t.landmark))
@@ -88,9 +107,13 @@ def test_an_observation_gets_the_sigma_of_those_of_like_response(scene, seen_wit
 
 
 def test_where_the_response_says_nothing_all_have_one_sigma(scene, seen_with) -> None:
-    response = np.random.default_rng(5).uniform(0.008, 0.1, len(scene.points))[scene.tracks.landmark]
+    response = np.random.default_rng(5).uniform(0.008, 0.1, len(scene.points))[
+        scene.tracks.landmark
+    ]
     np.testing.assert_allclose(seen_with(response, np.full(len(response), 0.2)), 0.2, rtol=0.1)
-    np.testing.assert_allclose(seen_with(np.full(len(response), 0.02), np.full(len(response), 0.2)), 0.2, rtol=0.1)
+    np.testing.assert_allclose(
+        seen_with(np.full(len(response), 0.02), np.full(len(response), 0.2)), 0.2, rtol=0.1
+    )
 
 
 def test_corners_have_a_sigma_of_their_own(scene, seen_with) -> None:
@@ -105,23 +128,33 @@ def test_depths_get_the_sigma_of_their_residuals(depth_weight) -> None:
 
 
 def test_nodes_that_share_a_reading_do_not_tell_its_sigma_the_better(depth_weight) -> None:
-    """The sigma at a node is that of the reading times the root of the nodes that share it, before and after."""
+    """The sigma at a node is that of the reading times the root of the nodes that share it, before
+    and after.
+    """
     found = depth_weight(np.full(400, 3.0), noise_m=0.004, nodes_per_reading=25)
     assert found == pytest.approx(depth_weight(np.full(400, 3.0), noise_m=0.004))
 
 
-def test_readings_that_many_nodes_share_count_once_against_the_waters_density(scene, depth_weight) -> None:
+def test_readings_that_many_nodes_share_count_once_against_the_waters_density(
+    scene, depth_weight
+) -> None:
     depth = np.linspace(2.0, 3.0, 400)
     found = depth_weight(depth, noise_m=0.0, nodes_per_reading=25)
     assert found == pytest.approx(scene.rig.density_sigma * 4 * np.std(depth) / GIVEN_M)
 
 
-def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_known(scene, depth_weight) -> None:
+def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_known(
+    scene, depth_weight
+) -> None:
     depth = np.linspace(2.0, 3.0, 400)
-    assert depth_weight(depth, noise_m=0.0) == pytest.approx(scene.rig.density_sigma * 20 * np.std(depth) / GIVEN_M)
+    assert depth_weight(depth, noise_m=0.0) == pytest.approx(
+        scene.rig.density_sigma * 20 * np.std(depth) / GIVEN_M
+    )
 
 
-def test_where_the_density_was_measured_many_depths_tell_more(scene, depth_weight, monkeypatch) -> None:
+def test_where_the_density_was_measured_many_depths_tell_more(
+    scene, depth_weight, monkeypatch
+) -> None:
     depth, sigma = np.linspace(1.0, 5.0, 400), 3e-4
     monkeypatch.setattr(scene, "rig", replace(scene.rig, density_sigma=sigma))
     assert depth_weight(depth, noise_m=0.0) == pytest.approx(sigma * 20 * np.std(depth) / GIVEN_M)
@@ -141,7 +174,9 @@ def test_depths_that_no_pressure_gave_keep_their_sigma(depth_weight) -> None:
     assert depth_weight(np.full(400, 3.0), noise_m=0.004, given_m=10.0, nodes_per_reading=0) == 1.0
 
 
-@pytest.mark.parametrize(("options", "camera"), [(AdjustOptions(as_published=True), True), (OPTIONS, False)])
+@pytest.mark.parametrize(
+    ("options", "camera"), [(AdjustOptions(as_published=True), True), (OPTIONS, False)]
+)
 def test_as_published_and_without_a_camera_all_weights_stay(scene, options, camera) -> None:
     measured, state = dive(scene, np.full(400, 3.0), 0.004)
     measured.tracks = measured.tracks if camera else None

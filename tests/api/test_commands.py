@@ -40,7 +40,9 @@ class Method(Struct, frozen=True, kw_only=True):
 
 
 @pytest.fixture
-def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) -> Callable[..., DiveRun]:
+def opened(
+    package: Path, solution: Solution, returns: Returns, tmp_path: Path
+) -> Callable[..., DiveRun]:
     """A dive whose chain is navigate and adjust; the calls of adjust are counted in `calls`."""
 
     def navigate(context: Context) -> None:
@@ -70,11 +72,21 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
         Stage("adjust", "solve", ("navigate",), Method, 1, adjust),
     )
     tray = Tray(origin=(0.45, 0.0, 0.1))
-    sections = {"navigate": Nothing(), "adjust": Method(), "tray": tray, "dvl": Dvl(mount=(0, 0, 0.08, 0, 90, 0))}
+    sections = {
+        "navigate": Nothing(),
+        "adjust": Method(),
+        "tray": tray,
+        "dvl": Dvl(mount=(0, 0, 0.08, 0, 90, 0)),
+    }
     calls: list[tuple[str, bool]] = []
     rounds: list[tuple[bool, int, int]] = []
     count = np.full(3, len(solution.landmarks))
-    record = {"cost": np.array([4.0, 2.0, 1.0]), "on_surface": count - [20, 0, 0], "landmarks": count, "round": np.ones(3, int)}
+    record = {
+        "cost": np.array([4.0, 2.0, 1.0]),
+        "on_surface": count - [20, 0, 0],
+        "landmarks": count,
+        "round": np.ones(3, int),
+    }
     record |= {"accepted": np.ones(3, bool), "label_changes": np.array([0, 20, 0])}
     dive = DiveRun("wall", Chain(stages, sections, package), Workspace(tmp_path / "runs" / "wall"))
 
@@ -105,17 +117,25 @@ def test_evaluate_of_a_package_without_truth_is_refused(deliver: Any, tmp_path: 
         call(score.evaluate, deliver.folder, tmp_path)
 
 
-def test_compare_solves_six_times_and_prints_one_table(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_compare_solves_six_times_and_prints_one_table(
+    opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
     lines = call(score.compare_methods, package).stdout.splitlines()
     assert len(opened.calls) == 6
     assert set(opened.calls) == {(m, p) for m in ("naive", "geva", "maxmix") for p in (True, False)}
     table = lines[-7:]
     assert table[0].startswith("method")
-    assert [line.split("  ")[0] for line in table[1:4]] == ["naive as published", "geva as published", "maxmix as published"]
+    assert [line.split("  ")[0] for line in table[1:4]] == [
+        "naive as published",
+        "geva as published",
+        "maxmix as published",
+    ]
 
 
-def test_compare_again_solves_nothing(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_compare_again_solves_nothing(
+    opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
     call(score.compare_methods, package)
     opened.calls.clear()
@@ -123,7 +143,9 @@ def test_compare_again_solves_nothing(opened: Any, package: Path, monkeypatch: p
     assert opened.calls == []
 
 
-def test_as_printed_is_one_whole_solve(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_as_printed_is_one_whole_solve(
+    opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
     call(score.compare_methods, package)
     assert set(opened.rounds) == {(True, 1, 200), (False, 3, 60)}
@@ -144,7 +166,8 @@ def test_figures_alone_solves_what_is_missing_and_leaves_pictures_and_tables(
     opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
-    printed = call(score.figures, package).stdout.splitlines()  # a log that another test set up goes to standard error
+    # a log that another test set up goes to standard error
+    printed = call(score.figures, package).stdout.splitlines()
     assert len(opened.calls) == 6
     names = [Path(line.split(": ", 1)[0]).stem for line in printed]
     assert names[-3:] == ["gic_by_relief", "search_ellipses", "sphere"]
@@ -156,7 +179,9 @@ def test_figures_alone_solves_what_is_missing_and_leaves_pictures_and_tables(
         assert words.endswith(".")
 
 
-def test_figures_after_compare_solves_nothing(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_figures_after_compare_solves_nothing(
+    opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
     call(score.compare_methods, package)
     opened.calls.clear()
@@ -178,7 +203,9 @@ def test_a_json_of_figures_has_no_nan(deliver: Any, package: Path) -> None:
     assert json.loads(document)["objects"]["height_error_median_m"] is None
 
 
-def test_solutions_are_read_back_with_their_times_and_registration(opened: Any, solution: Solution) -> None:
+def test_solutions_are_read_back_with_their_times_and_registration(
+    opened: Any, solution: Solution
+) -> None:
     dive = opened()
     with pytest.raises(InputError):
         read_solutions(dive)

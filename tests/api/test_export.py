@@ -25,7 +25,9 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.tracks import Tracks
 
 CAMERA = CameraModel(160, 128, 150.0, 151.0, 82.0, 60.0, 0.2, 0.05, 0.001, -0.001)
-STAMPS = np.array([[1_700_000_000_000_000_000, 1_700_000_000_000_000_000], [1_700_000_000_500_000_000, -1]])
+STAMPS = np.array(
+    [[1_700_000_000_000_000_000, 1_700_000_000_000_000_000], [1_700_000_000_500_000_000, -1]]
+)
 COLOURS = {"camera_top": (200, 40, 40), "camera_bottom": (40, 40, 200)}
 
 
@@ -45,7 +47,9 @@ def write_images(ingest: Path, camera: str, stamps: np.ndarray) -> None:
 
 
 def write_colmap(folder: Path) -> None:
-    """Two nodes above a plane, the second without a bottom image, and 60 landmarks that all three images see."""
+    """Two nodes above a plane, the second without a bottom image, and 60 landmarks that all three
+    images see.
+    """
     rng = np.random.default_rng(1)
     points = np.c_[rng.uniform(-0.4, 0.5, 60), rng.uniform(-0.3, 0.3, 60), np.ones(60)]
     top = poses.from_rpy(np.array([[0, 0, 0], [0.1, 0, 0]]), np.zeros((2, 3)))
@@ -55,7 +59,12 @@ def write_colmap(folder: Path) -> None:
     below = CAMERA.project((top @ beside).inverse()[node].apply(points[landmark]))
     folder.mkdir(parents=True)
     tracks = Tracks(
-        landmark=landmark, node=node, top=seen, bottom=below, response=np.ones(120), color=np.full((60, 3), 90, np.uint8)
+        landmark=landmark,
+        node=node,
+        top=seen,
+        bottom=below,
+        response=np.ones(120),
+        color=np.full((60, 3), 90, np.uint8),
     )
     model = SparseModel(
         tracks=tracks, top=np.ones(120, bool), bottom=node == 0, hull_from_top=top, T_ct_cb=beside,
@@ -68,7 +77,9 @@ def write_colmap(folder: Path) -> None:
 def run(tmp_path: Path) -> Path:
     folder = tmp_path / "runs" / "may"
     (folder / ".hullrecon").mkdir(parents=True)
-    (folder / ".hullrecon" / "workspace.json").write_bytes(seal({"package": str(tmp_path / "package")}))
+    (folder / ".hullrecon" / "workspace.json").write_bytes(
+        seal({"package": str(tmp_path / "package")})
+    )
     write_colmap(folder / "adjust" / "colmap")
     (folder / "ingest").mkdir()
     write_images(folder / "ingest", "camera_top", STAMPS[:, 0])
@@ -90,7 +101,10 @@ def test_images_and_model_are_of_one_size_and_name(run: Path, tmp_path: Path) ->
             pixels = cv2.imread(str(tmp_path / "out" / "images" / image.name))
             camera = model.cameras[image.camera_id]
             assert pixels.shape == (camera.height, camera.width, 3)
-            assert (camera.principal_point_x, camera.principal_point_y) == (camera.width / 2, camera.height / 2)
+            assert (camera.principal_point_x, camera.principal_point_y) == (
+                camera.width / 2,
+                camera.height / 2,
+            )
     assert made.images == 3
     assert made.lost_observations + made.observations == 180
     assert made.lost_observations > 0
@@ -110,15 +124,21 @@ def test_colmaps_stereo_finds_its_lists_and_folders(run: Path, tmp_path: Path) -
     stereo = tmp_path / "out" / "stereo"
     assert (stereo / "fusion.cfg").read_text().splitlines() == names
     assert (stereo / "patch-match.cfg").read_text().splitlines()[::2] == names
-    assert all((stereo / name).is_dir() for name in ("depth_maps", "normal_maps", "consistency_graphs"))
+    assert all(
+        (stereo / name).is_dir() for name in ("depth_maps", "normal_maps", "consistency_graphs")
+    )
 
 
 def test_worker_processes_write_the_same_bytes(run: Path, tmp_path: Path) -> None:
     export_colmap(run, tmp_path / "one")
     export_colmap(run, tmp_path / "two", jobs=2)
     files = {p.relative_to(tmp_path / "one") for p in (tmp_path / "one").rglob("*") if p.is_file()}
-    assert files == {p.relative_to(tmp_path / "two") for p in (tmp_path / "two").rglob("*") if p.is_file()}
-    assert all((tmp_path / "one" / f).read_bytes() == (tmp_path / "two" / f).read_bytes() for f in files)
+    assert files == {
+        p.relative_to(tmp_path / "two") for p in (tmp_path / "two").rglob("*") if p.is_file()
+    }
+    assert all(
+        (tmp_path / "one" / f).read_bytes() == (tmp_path / "two" / f).read_bytes() for f in files
+    )
 
 
 def test_a_run_without_a_camera_has_nothing_to_export(run: Path, tmp_path: Path) -> None:
@@ -145,9 +165,16 @@ def test_an_image_that_is_gone_leaves_no_folder(run: Path, tmp_path: Path) -> No
     assert not any(p.name.startswith((".out", "out")) for p in tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(("target", "code", "words"), [("nothing", 3, "this is no run"), ("runs/may", 0, "")])
+@pytest.mark.parametrize(
+    ("target", "code", "words"), [("nothing", 3, "this is no run"), ("runs/may", 0, "")]
+)
 def test_the_command_ends_in_one_line(
-    run: Path, tmp_path: Path, target: str, code: int, words: str, capsys: pytest.CaptureFixture[str]
+    run: Path,
+    tmp_path: Path,
+    target: str,
+    code: int,
+    words: str,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["export", "colmap", str(tmp_path / target), str(tmp_path / "out")]) == code
     seen = capsys.readouterr()
@@ -155,7 +182,9 @@ def test_the_command_ends_in_one_line(
     assert words in seen.err
 
 
-def test_the_command_prints_one_document_with_json(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_one_document_with_json(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["export", "colmap", str(run), str(tmp_path / "out"), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["images"] == 3

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""api.fleet: what is new or out of date is run, a failure stays with its dive, nothing is mixed, kills lose nothing."""
+"""api.fleet: what is new or out of date is run, a failure stays with its dive, nothing is mixed,
+kills lose nothing.
+"""
 
 from __future__ import annotations
 
@@ -67,7 +69,9 @@ def states(result: FleetResult) -> dict[str, str]:
     return {dive.package.name: dive.state for dive in result.dives}
 
 
-def test_every_dive_is_run_once_and_then_left_alone(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+def test_every_dive_is_run_once_and_then_left_alone(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
     for name in ("kestrel", "merlin", "osprey"):
         dive(name)
     first = run_fleet(dives, runs, jobs=2)
@@ -98,7 +102,9 @@ def test_a_new_and_a_changed_package_are_run_and_the_others_left_alone(
     assert ran(trace) == ["merlin", "osprey"]
 
 
-def test_a_result_that_was_changed_or_removed_is_made_again(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+def test_a_result_that_was_changed_or_removed_is_made_again(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
     dive("kestrel")
     run_fleet(dives, runs)
     shutil.rmtree(runs / "kestrel" / "deliver")
@@ -118,13 +124,20 @@ def test_a_dive_is_looked_at_again_when_hullrecon_changed(
     assert preview_fleet(dives, runs).dives[0].reason == "hullrecon changed"
 
 
-def test_failures_of_all_kinds_leave_the_others(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+def test_failures_of_all_kinds_leave_the_others(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
     for do in ("fail", "kill", "crash", "deliver"):
         dive(do, do)
     seen: list[str] = []
     result = run_fleet(dives, runs, on_failure=lambda failed: seen.append(failed.line()))
     assert result.exit_code == 4
-    assert states(result) == {"fail": "failed", "kill": "failed", "crash": "failed", "deliver": "delivered"}
+    assert states(result) == {
+        "fail": "failed",
+        "kill": "failed",
+        "crash": "failed",
+        "deliver": "delivered",
+    }
     assert sorted(seen) == [
         "failed: crash: exit code 1: without an active exception",
         "failed: fail: exit code 4: too few\\x1b[31m matches",
@@ -132,12 +145,19 @@ def test_failures_of_all_kinds_leave_the_others(dive: Dive, dives: Path, runs: P
     ]
 
 
-def test_what_a_dive_delivered_of_which_one_step_failed_is_shown(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+def test_what_a_dive_delivered_of_which_one_step_failed_is_shown(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
     dive("kestrel", "fail in one step")
     for ran in (True, False):  # known by the second call
         result = run_fleet(dives, runs)
         (found,) = result.dives
-        assert (found.state, found.ran, found.delivered, result.exit_code) == ("failed", ran, True, 4)
+        assert (found.state, found.ran, found.delivered, result.exit_code) == (
+            "failed",
+            ran,
+            True,
+            4,
+        )
         assert [d["deliver_files"] for d in result.document()["dives"]] == [["report.txt"]]
 
 
@@ -169,7 +189,9 @@ def test_a_failure_is_kept_in_mind_until_its_package_changes_or_a_day_has_passed
     assert states(run_fleet(dives, runs)) == {"kestrel": "delivered"}
 
 
-def test_a_dive_that_was_killed_is_tried_again_at_once(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+def test_a_dive_that_was_killed_is_tried_again_at_once(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
     dive("kestrel", "kill")
     run_fleet(dives, runs)
     run_fleet(dives, runs)
@@ -217,7 +239,9 @@ def test_a_name_that_is_no_name_is_explained_and_nothing_is_written_for_it(
     assert ran(trace) == []
 
 
-def test_a_dive_whose_results_would_lie_above_the_packages_is_refused(tmp_path: Path, trace: Path) -> None:
+def test_a_dive_whose_results_would_lie_above_the_packages_is_refused(
+    tmp_path: Path, trace: Path
+) -> None:
     package = tmp_path / "kestrel" / "a"
     package.mkdir(parents=True)
     (package / "dive.toml").write_text('[dive]\nname = "kestrel"\n')
@@ -226,7 +250,9 @@ def test_a_dive_whose_results_would_lie_above_the_packages_is_refused(tmp_path: 
     assert "would lie above the packages" in only.reason
 
 
-def test_results_among_the_packages_are_refused_before_anything_is_written(dive: Dive, dives: Path) -> None:
+def test_results_among_the_packages_are_refused_before_anything_is_written(
+    dive: Dive, dives: Path
+) -> None:
     package = dive("kestrel")
     for runs in (dives, package, package / "runs"):
         with pytest.raises(UsageError, match="would lie among the packages"):
@@ -240,7 +266,9 @@ def test_runs_may_lie_beside_the_packages(dive: Dive, dives: Path) -> None:
     assert run_fleet(dives, dives / "runs").skipped == ()
 
 
-def test_a_wrong_folder_of_dives_is_said_and_leaves_no_runs(tmp_path: Path, runs: Path, dive: Dive) -> None:
+def test_a_wrong_folder_of_dives_is_said_and_leaves_no_runs(
+    tmp_path: Path, runs: Path, dive: Dive
+) -> None:
     (tmp_path / "file").touch()
     (tmp_path / "empty").mkdir()
     (tmp_path / "loop").symlink_to("loop")
@@ -259,9 +287,14 @@ def test_a_wrong_folder_of_dives_is_said_and_leaves_no_runs(tmp_path: Path, runs
     assert not runs.exists()
 
 
-def test_a_second_fleet_gives_way_to_the_first(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+def test_a_second_fleet_gives_way_to_the_first(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
     dive("kestrel")
-    with hold_lock(runs / FOLDER / "lock"), pytest.raises(LockedError, match="another fleet is at work here"):
+    with (
+        hold_lock(runs / FOLDER / "lock"),
+        pytest.raises(LockedError, match="another fleet is at work here"),
+    ):
         run_fleet(dives, runs)
     assert ran(trace) == []
     assert preview_fleet(dives, runs).count("to do") == 1
@@ -274,7 +307,9 @@ def test_a_preview_writes_nothing(dive: Dive, dives: Path, runs: Path, trace: Pa
     assert ran(trace) == []
 
 
-def test_a_failed_dive_leaves_its_log_unless_that_is_empty(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+def test_a_failed_dive_leaves_its_log_unless_that_is_empty(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
     dive("kestrel", "fail")
     dive("merlin", "fail silently")
     loud, silent = run_fleet(dives, runs).dives
@@ -302,7 +337,9 @@ def test_a_package_that_is_gone_is_forgotten_and_those_of_other_folders_are_not(
     assert kept.get(other / "osprey") is not None
 
 
-def test_damaged_records_cost_a_look_at_each_dive_and_no_more(dive: Dive, dives: Path, runs: Path) -> None:
+def test_damaged_records_cost_a_look_at_each_dive_and_no_more(
+    dive: Dive, dives: Path, runs: Path
+) -> None:
     dive("kestrel")
     run_fleet(dives, runs)
     path = runs / FOLDER / "dives.json"
@@ -328,10 +365,14 @@ run_fleet({dives!r}, {runs!r}, jobs=2)
 """
 
 
-def started(dives: Path, runs: Path, trace: Path, count: int) -> tuple[subprocess.Popen[bytes], list[int]]:
+def started(
+    dives: Path, runs: Path, trace: Path, count: int
+) -> tuple[subprocess.Popen[bytes], list[int]]:
     """A fleet in a group of its own of which `count` dives have started, and their processes."""
     code = FLEET.format(program=PROGRAM, dives=str(dives), runs=str(runs))
-    fleet = subprocess.Popen([sys.executable, "-c", code], start_new_session=True, stderr=subprocess.DEVNULL)
+    fleet = subprocess.Popen(
+        [sys.executable, "-c", code], start_new_session=True, stderr=subprocess.DEVNULL
+    )
     while len(lines := trace.read_text().splitlines()) < count:
         assert fleet.poll() is None
         time.sleep(0.01)
@@ -379,22 +420,32 @@ def test_a_dive_that_takes_longer_than_its_time_limit_is_ended_and_the_others_ar
     (late,) = [d for d in result.dives if d.state == "failed"]
     assert (late.exit_code, result.exit_code) == (4, 4)
     assert "longer than 5 s (--time-limit)" in late.line()
-    pid = next(line.split()[1] for line in trace.read_text().splitlines() if line.startswith("merlin"))
+    pid = next(
+        line.split()[1] for line in trace.read_text().splitlines() if line.startswith("merlin")
+    )
     assert not Path(f"/proc/{pid}").exists()
-    assert states(preview_fleet(dives, runs, time_limit_s=5.0))["merlin"] == "failed"  # not again with no more time
+    # not again with no more time
+    assert states(preview_fleet(dives, runs, time_limit_s=5.0))["merlin"] == "failed"
     assert states(preview_fleet(dives, runs, time_limit_s=6.0))["merlin"] == "to do"
     assert states(preview_fleet(dives, runs))["merlin"] == "to do"
 
 
-def test_a_package_may_read_outside_itself_where_the_fleet_allows_it(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+def test_a_package_may_read_outside_itself_where_the_fleet_allows_it(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
     dive("kestrel", "read outside"), dive("merlin")
     assert states(run_fleet(dives, runs)) == {"kestrel": "failed", "merlin": "delivered"}
     assert states(run_fleet(dives, runs)) == {"kestrel": "failed", "merlin": "up to date"}
-    assert states(run_fleet(dives, runs, allow_outside=True)) == {"kestrel": "delivered", "merlin": "up to date"}
+    assert states(run_fleet(dives, runs, allow_outside=True)) == {
+        "kestrel": "delivered",
+        "merlin": "up to date",
+    }
     assert ran(trace) == ["kestrel", "kestrel", "merlin"]
 
 
-def test_the_index_names_every_dive_while_they_run_and_at_the_end(dives: Path, runs: Path, dive: Dive) -> None:
+def test_the_index_names_every_dive_while_they_run_and_at_the_end(
+    dives: Path, runs: Path, dive: Dive
+) -> None:
     dive("a")
     dive("b", "fail")
     seen: list[str] = []

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""RUNS/index.html: states, what stands out, links; nothing old looks current, and no name of a file becomes markup."""
+"""RUNS/index.html: states, what stands out, links; nothing old looks current, and no name of a file
+becomes markup.
+"""
 
 from __future__ import annotations
 
@@ -23,19 +25,35 @@ OBJECTS = [
 ]
 
 
-def fleet_dive(name: str, state: State = "up to date", reason: str = "", *, delivered: bool | None = None) -> FleetDive:
+def fleet_dive(
+    name: str, state: State = "up to date", reason: str = "", *, delivered: bool | None = None
+) -> FleetDive:
     code = {"failed": 4, "to do": None}.get(state, 0)
     return FleetDive(
-        package=Path("/dives") / name, name=name, state=state, exit_code=code, reason=reason, ran=False, known=True, files=(),
-        log=None, delivered=state == "up to date" if delivered is None else delivered,
-    )  # fmt: skip
+        package=Path("/dives") / name,
+        name=name,
+        state=state,
+        exit_code=code,
+        reason=reason,
+        ran=False,
+        known=True,
+        files=(),
+        log=None,
+        delivered=state == "up to date" if delivered is None else delivered,
+    )
 
 
-def result(runs: Path, name: str, objects: object = OBJECTS, absent: object = None, weak: object = ()) -> Path:
+def result(
+    runs: Path, name: str, objects: object = OBJECTS, absent: object = None, weak: object = ()
+) -> Path:
     deliver = runs / name / "deliver"
     (deliver / "report").mkdir(parents=True)
     (deliver / "report" / "index.html").write_text("report")
-    summary = {"dive": {"vessel": "MV Kestrel", "date": "2026-05-04T09:30:00+00:00"}, "absent": absent or {}, "lost": []}
+    summary = {
+        "dive": {"vessel": "MV Kestrel", "date": "2026-05-04T09:30:00+00:00"},
+        "absent": absent or {},
+        "lost": [],
+    }
     (deliver / "summary.json").write_text(json.dumps(summary))
     (deliver / "objects.json").write_text(json.dumps({"objects": objects}))
     (deliver / "alignment.json").write_text(json.dumps({"weak_directions": weak}))
@@ -71,11 +89,15 @@ def test_the_largest_object_stands_out_with_its_sigma_and_place(tmp_path: Path) 
     found = read_findings(result(tmp_path, "a"))
     assert found is not None
     assert found.about == "MV Kestrel · 2026-05-04"
-    assert found.sentences == ("2 objects, the largest no. 2: depth 0.110 ± 0.010 m, frame 9, starboard.",)
+    assert found.sentences == (
+        "2 objects, the largest no. 2: depth 0.110 ± 0.010 m, frame 9, starboard.",
+    )
     assert found.largest_m == 0.11
 
 
-def test_a_refused_cad_model_comes_first_and_the_direction_known_worst_after_the_objects(tmp_path: Path) -> None:
+def test_a_refused_cad_model_comes_first_and_the_direction_known_worst_after_the_objects(
+    tmp_path: Path,
+) -> None:
     reason = {"alignment.json": "the CAD model does not fit the survey and was left out"}
     weak = [
         {"kind": "position", "sigma": 0.2, "sentence": "Along is uncertain by 0.20 m."},
@@ -86,13 +108,17 @@ def test_a_refused_cad_model_comes_first_and_the_direction_known_worst_after_the
     found = read_findings(result(tmp_path, "a", objects=[], absent=reason, weak=weak))
     assert found is not None
     assert found.sentences == (
-        "The CAD model was refused: it does not fit the survey.", "No object was found.", "Up is uncertain by 0.50 m.",
-    )  # fmt: skip
+        "The CAD model was refused: it does not fit the survey.",
+        "No object was found.",
+        "Up is uncertain by 0.50 m.",
+    )
 
 
 def test_a_dive_of_which_one_step_failed_is_shown_with_what_it_delivered(tmp_path: Path) -> None:
     result(tmp_path, "a")
-    FleetIndex(tmp_path).write([fleet_dive("a", "failed", "no sonar mosaic: no ping meets the surface", delivered=True)])
+    FleetIndex(tmp_path).write(
+        [fleet_dive("a", "failed", "no sonar mosaic: no ping meets the surface", delivered=True)]
+    )
     (row,) = table(tmp_path).rows[1:]
     assert "delivered, but for a step that failed no sonar mosaic: no ping meets the surface" in row
     assert "depth 0.110" in row
@@ -112,9 +138,12 @@ def test_every_dive_has_its_state_and_failures_come_first(tmp_path: Path) -> Non
     result(tmp_path, "done")
     result(tmp_path, "late")
     dives = [
-        fleet_dive("done"), fleet_dive("late", "to do", "the package changed"), fleet_dive("new", "to do", "new"),
-        fleet_dive("bad", "failed", "hull.stl is missing"), fleet_dive("busy", "to do", "new"),
-    ]  # fmt: skip
+        fleet_dive("done"),
+        fleet_dive("late", "to do", "the package changed"),
+        fleet_dive("new", "to do", "new"),
+        fleet_dive("bad", "failed", "hull.stl is missing"),
+        fleet_dive("busy", "to do", "new"),
+    ]
     FleetIndex(tmp_path).write(dives, {Path("/dives/busy")})
     page = table(tmp_path)
     rows = [" ".join(row.split()) for row in page.rows[1:]]
@@ -125,7 +154,10 @@ def test_every_dive_has_its_state_and_failures_come_first(tmp_path: Path) -> Non
     assert "depth 0.110" not in rows[2]  # what an earlier run found may not be so any more
     assert "not run yet" in rows[3]
     assert "depth 0.110 ± 0.010 m" in rows[4]
-    assert "5 dives: 1 failed, 1 running, 1 out of date, 1 not run yet, 1 done" in (tmp_path / "index.html").read_text()
+    assert (
+        "5 dives: 1 failed, 1 running, 1 out of date, 1 not run yet, 1 done"
+        in (tmp_path / "index.html").read_text()
+    )
 
 
 def test_dives_of_one_state_are_ordered_by_their_largest_object(tmp_path: Path) -> None:
@@ -144,7 +176,9 @@ def test_runs_that_are_not_of_this_fleet_are_listed_too(tmp_path: Path) -> None:
     assert "not of this fleet" in table(tmp_path).rows[1]
 
 
-@pytest.mark.parametrize("name", ["a b", "x<script>alert(1)</script>", "50%", "q?x#y", "Brücke", 'a"b'])
+@pytest.mark.parametrize(
+    "name", ["a b", "x<script>alert(1)</script>", "50%", "q?x#y", "Brücke", 'a"b']
+)
 def test_a_name_is_text_and_its_link_leads_to_its_report(name: str, tmp_path: Path) -> None:
     hostile = name.replace("/", "_")
     result(tmp_path, hostile)
@@ -168,7 +202,9 @@ def test_a_result_is_read_again_once_its_dive_has_ended(tmp_path: Path) -> None:
 
 
 def test_the_page_needs_no_script_and_nothing_from_outside() -> None:
-    text = render_index([IndexRow(name="a", kind="done", state="done", link="a/deliver/report/index.html")])
+    text = render_index(
+        [IndexRow(name="a", kind="done", state="done", link="a/deliver/report/index.html")]
+    )
     assert "<script" not in text
     assert not re.search(r"""(src|href)=["']?(https?:|//)""", unescape(text))
     assert '<html lang="en">' in text

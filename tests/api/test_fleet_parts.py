@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""api.fleet's parts: what lies in the folder of dives is data and is not followed out of it; listings; processes; documents."""
+"""api.fleet's parts: what lies in the folder of dives is data and is not followed out of it;
+listings; processes; documents.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,28 @@ from hullrecon.api.fleet.text import as_utf8, one_line
 from hullrecon.artifacts.storage.documents import encode
 from hullrecon.errors import HullreconError, InputError, UsageError
 
-SCHEMA = json.loads((Path(__file__).parents[2] / "hullrecon/report/schemas/fleet.schema.json").read_text())
+SCHEMA = json.loads(
+    (Path(__file__).parents[2] / "hullrecon/report/schemas/fleet.schema.json").read_text()
+)
 TOML = '[dive]\nname = "kestrel"\n'
 HOSTILE = [
-    "two words", "'quoted'", '"quoted"', "$(touch here)", "`touch here`", "$(shell touch here)", "line\nend", "-rf", "--help",
-    "; touch here", "tab\there", "\x1b[2J", "Brückenprüfung", "*", "a&b", "%s{0}",
-]  # fmt: skip
+    "two words",
+    "'quoted'",
+    '"quoted"',
+    "$(touch here)",
+    "`touch here`",
+    "$(shell touch here)",
+    "line\nend",
+    "-rf",
+    "--help",
+    "; touch here",
+    "tab\there",
+    "\x1b[2J",
+    "Brückenprüfung",
+    "*",
+    "a&b",
+    "%s{0}",
+]
 
 
 @pytest.fixture
@@ -47,7 +65,9 @@ def reasons(dives: Path) -> dict[str, str]:
     return {s.path.name: s.reason for s in find_packages(dives)[1]}
 
 
-def test_a_package_is_a_folder_with_a_dive_toml_and_files_beside_them_need_no_word(dives: Path) -> None:
+def test_a_package_is_a_folder_with_a_dive_toml_and_files_beside_them_need_no_word(
+    dives: Path,
+) -> None:
     (dives / "README.txt").touch()
     (dives / "2025" / "kestrel").mkdir(parents=True)
     packages = [make(dives / "b"), make(dives / "a")]
@@ -77,7 +97,9 @@ def test_fifos_sockets_and_devices_are_skipped_with_what_they_are(dives: Path) -
     assert found == {"fifo": "a FIFO, not opened", "socket": "a socket, not opened", "zero": leaves}
 
 
-def test_links_that_leave_the_folder_are_not_followed_and_others_are_once(tmp_path: Path, dives: Path) -> None:
+def test_links_that_leave_the_folder_are_not_followed_and_others_are_once(
+    tmp_path: Path, dives: Path
+) -> None:
     make(tmp_path / "elsewhere")
     (dives / "out").symlink_to(tmp_path / "elsewhere")
     (dives / "up").symlink_to("..")
@@ -90,9 +112,14 @@ def test_links_that_leave_the_folder_are_not_followed_and_others_are_once(tmp_pa
     assert find_packages(dives)[0] == packages
     leaves, twice = "a link that leaves the folder of dives", "a link to another dive here"
     assert reasons(dives) == {
-        "archive": "it holds no dive.toml", "latest": twice, "lost": leaves, "older": twice, "out": leaves, "self": leaves,
+        "archive": "it holds no dive.toml",
+        "latest": twice,
+        "lost": leaves,
+        "older": twice,
+        "out": leaves,
+        "self": leaves,
         "up": leaves,
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize("kind", ["fifo", "folder", "device", "link out", "lost link"])
@@ -108,7 +135,11 @@ def test_a_dive_toml_that_is_no_file_of_the_folder_is_refused_without_opening_it
         path.mkdir()
     else:
         (tmp_path / "secret.toml").write_text(TOML)
-        path.symlink_to({"device": "/dev/zero", "link out": tmp_path / "secret.toml", "lost link": "nowhere"}[kind])
+        path.symlink_to(
+            {"device": "/dev/zero", "link out": tmp_path / "secret.toml", "lost link": "nowhere"}[
+                kind
+            ]
+        )
     assert find_packages(dives)[0] == [package]
     with pytest.raises(InputError, match=r"no regular file|leaves the folder|cannot be read"):
         read_name(package, dives)
@@ -127,7 +158,9 @@ def test_a_dive_toml_without_a_valid_name_has_none(text: str | bytes, dives: Pat
     assert read_name(make(dives / "a", text), dives) is None
 
 
-@pytest.mark.parametrize("text", ["#" * (MAX_BYTES + 1), "a." * 10_000 + "a = 1", "[" + "a." * 5000 + "a]\nb = 1"])
+@pytest.mark.parametrize(
+    "text", ["#" * (MAX_BYTES + 1), "a." * 10_000 + "a = 1", "[" + "a." * 5000 + "a]\nb = 1"]
+)
 def test_a_dive_toml_that_takes_minutes_to_parse_is_refused(text: str, dives: Path) -> None:
     with pytest.raises(UsageError, match=r"more than \d+ (bytes|dots)"):
         read_name(make(dives / "a", TOML + text), dives)
@@ -155,7 +188,9 @@ def test_a_listing_changes_with_content_times_names_and_inodes(dives: Path) -> N
     assert list_folder(package, dives).signature == seen[-1]
 
 
-def test_a_listing_names_files_and_what_is_none_and_stays_inside(tmp_path: Path, dives: Path) -> None:
+def test_a_listing_names_files_and_what_is_none_and_stays_inside(
+    tmp_path: Path, dives: Path
+) -> None:
     package = make(dives / "a")
     (package / "logs").mkdir()
     (package / "logs" / "b.csv").touch()
@@ -164,7 +199,12 @@ def test_a_listing_names_files_and_what_is_none_and_stays_inside(tmp_path: Path,
     (dives / "shared" / "hull.stl").touch()
     (tmp_path / "private").mkdir()
     (tmp_path / "private" / "key").touch()
-    for name, target in {"shared": dives / "shared", "private": tmp_path / "private", "loop": package, "lost": "x"}.items():
+    for name, target in {
+        "shared": dives / "shared",
+        "private": tmp_path / "private",
+        "loop": package,
+        "lost": "x",
+    }.items():
         (package / name).symlink_to(target)
     found = list_folder(package, dives)
     assert found.files == ("dive.toml", "logs/b.csv", "shared/hull.stl")
@@ -172,14 +212,18 @@ def test_a_listing_names_files_and_what_is_none_and_stays_inside(tmp_path: Path,
     assert list_folder(package, dives, ("logs",)).files == ("dive.toml", "shared/hull.stl")
 
 
-def test_the_signature_of_the_program_is_that_of_its_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_signature_of_the_program_is_that_of_its_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert program_signature() == program_signature()
     before = program_signature()
     monkeypatch.setattr("hullrecon.__version__", "another")
     assert program_signature() != before
 
 
-def test_a_preview_of_hostile_names_is_a_document_that_the_schema_describes(tmp_path: Path, dives: Path) -> None:
+def test_a_preview_of_hostile_names_is_a_document_that_the_schema_describes(
+    tmp_path: Path, dives: Path
+) -> None:
     for k, name in enumerate(HOSTILE):
         package = make(dives / name, f'[dive]\nname = "dive-{k}"\n')
         (package / name).touch()
@@ -191,27 +235,48 @@ def test_a_preview_of_hostile_names_is_a_document_that_the_schema_describes(tmp_
     document = json.loads(encode(result.document()))
     assert violations(document, SCHEMA) == []
     assert {d["package"].rpartition("/")[2] for d in document["dives"]} == {*HOSTILE, "\\xff\\xfe"}
-    assert [d["package_files"][1:] or d["package_files"] for d in document["dives"] if d["name"] == "dive-6"] == [["line\nend"]]
+    assert [
+        d["package_files"][1:] or d["package_files"]
+        for d in document["dives"]
+        if d["name"] == "dive-6"
+    ] == [["line\nend"]]
     assert all("\n" not in dive.line() and "\x1b" not in dive.line() for dive in result.dives)
 
 
-def test_a_document_lists_the_deliverables_of_what_is_up_to_date_alone(tmp_path: Path, dives: Path) -> None:
+def test_a_document_lists_the_deliverables_of_what_is_up_to_date_alone(
+    tmp_path: Path, dives: Path
+) -> None:
     (tmp_path / "runs" / "kestrel" / "deliver" / "report").mkdir(parents=True)
     (tmp_path / "runs" / "kestrel" / "deliver" / "report" / "index.html").touch()
     rows = []
     for state, code in (("delivered", 0), ("up to date", 0), ("failed", 4), ("to do", None)):
         dive = FleetDive(
-            package=dives / state, name="kestrel", state=state, exit_code=code, reason="", ran=False, known=False, files=(),
-            log=None, delivered=state in ("delivered", "up to date"),
-        )  # fmt: skip
+            package=dives / state,
+            name="kestrel",
+            state=state,
+            exit_code=code,
+            reason="",
+            ran=False,
+            known=False,
+            files=(),
+            log=None,
+            delivered=state in ("delivered", "up to date"),
+        )
         rows.append(dive)
     skipped = (Skipped(path=dives / "x", reason="a FIFO, not opened"),)
-    result = FleetResult(dives_folder=dives, runs=tmp_path / "runs", dives=tuple(rows), skipped=skipped)
+    result = FleetResult(
+        dives_folder=dives, runs=tmp_path / "runs", dives=tuple(rows), skipped=skipped
+    )
     document = json.loads(encode(result.document()))
     assert violations(document, SCHEMA) == []
     assert [d["deliver_files"] for d in document["dives"]] == [["report/index.html"]] * 2 + [[], []]
     assert [d["deliver"] is None for d in document["dives"]] == [False, False, True, True]
-    assert (document["exit_code"], document["delivered"], document["failed"], document["to_do"]) == (4, 2, 1, 1)
+    assert (
+        document["exit_code"],
+        document["delivered"],
+        document["failed"],
+        document["to_do"],
+    ) == (4, 2, 1, 1)
     assert result.summary() == "4 dives: 2 delivered, 1 failed, 1 to do"
 
 
@@ -223,7 +288,11 @@ def test_a_document_lists_the_deliverables_of_what_is_up_to_date_alone(tmp_path:
         ("import os; os.kill(os.getpid(), 40)", 168, "ended by signal 40"),
         ("""print('{"error": {"message": "no IMU"}}'); raise SystemExit(3)""", 3, "no IMU"),
         ("print('[1, 2'); raise SystemExit(3)", 3, "it said nothing"),
-        ("print('[1, 2]'); import sys; print('one\\ntwo\\n', file=sys.stderr); raise SystemExit(1)", 1, "two"),
+        (
+            "print('[1, 2]'); import sys; print('one\\ntwo\\n', file=sys.stderr); raise SystemExit(1)",
+            1,
+            "two",
+        ),
         ("print('[' * 100000); raise SystemExit(1)", 1, "it said nothing"),
     ],
 )
@@ -251,14 +320,20 @@ raise SystemExit(3)
     assert max(int(end.reason) for end in ended.values()) <= 2
 
 
-def test_processes_that_still_run_are_ended_when_nobody_waits_any_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_processes_that_still_run_are_ended_when_nobody_waits_any_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     code = f"""
 import os, time
 open({str(tmp_path)!r} + '/new', 'w').write(str(os.getpid()))
 os.rename({str(tmp_path)!r} + '/new', {str(tmp_path)!r} + '/pid')
 time.sleep(300)"""
-    monkeypatch.setattr(processes, "PROGRAM", (sys.executable, "-c", "import sys; exec(sys.argv[4])"))
-    wait = f"import os, time\nwhile not os.path.exists({str(tmp_path)!r} + '/pid'): time.sleep(0.01)"
+    monkeypatch.setattr(
+        processes, "PROGRAM", (sys.executable, "-c", "import sys; exec(sys.argv[4])")
+    )
+    wait = (
+        f"import os, time\nwhile not os.path.exists({str(tmp_path)!r} + '/pid'): time.sleep(0.01)"
+    )
     with closing(run_each({"quick": [wait], "slow": [code]}, 2, tmp_path)) as ended:
         assert next(ended)[0] == "quick"
     assert not Path(f"/proc/{(tmp_path / 'pid').read_text()}").exists()

@@ -20,7 +20,15 @@ DEMO = ROOT / "sample_data" / "demo"
 
 
 def test_the_functions_of_the_commands_are_found_in_the_package() -> None:
-    for name in ("run_dive", "evaluate", "diff", "compare_methods", "draw_figures", "export_colmap", "open_dive"):
+    for name in (
+        "run_dive",
+        "evaluate",
+        "diff",
+        "compare_methods",
+        "draw_figures",
+        "export_colmap",
+        "open_dive",
+    ):
         assert callable(getattr(hullrecon, name))
 
 
@@ -31,7 +39,9 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
 
 def test_importing_the_package_loads_neither_numpy_nor_a_step() -> None:
     code = "import sys, hullrecon; print([m for m in sys.modules if m in ('numpy', 'hullrecon.api', 'hullrecon.steps')])"
-    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    said = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout
     assert said.strip() == "[]"
 
 
@@ -67,7 +77,9 @@ def test_a_dive_is_run_up_to_a_step_and_opened_again_by_its_run(tmp_path: Path) 
 def test_the_example_runs_scores_and_prints_the_comparison(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The chain and the solves are stood in for: they have tests of their own; this one holds the example to the functions."""
+    """The chain and the solves are stood in for: they have tests of their own; this one holds the
+    example to the functions.
+    """
     import runpy
 
     from hullrecon.api.commands import MethodComparison

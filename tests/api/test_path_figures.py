@@ -51,13 +51,17 @@ def test_a_linked_path_is_a_track_of_the_same_nodes_in_g(start: DeadReckoning) -
     np.testing.assert_array_equal(track.sigma[:, :3], 1.0)
 
 
-def test_returns_on_a_true_path_lie_on_the_hull_and_on_a_bent_one_off_it(start: DeadReckoning, package: Path) -> None:
+def test_returns_on_a_true_path_lie_on_the_hull_and_on_a_bent_one_off_it(
+    start: DeadReckoning, package: Path
+) -> None:
     """The wall stands 12 mm proud of its CAD model, which its pose takes up."""
     truth = read_truth(package)
     bent = start.trajectory.track().path
     off = np.zeros((len(bent), 3))
     off[:, 1] = 0.3 * np.linspace(-1, 1, len(bent)) ** 2
-    bent = VehiclePath(poses=Poses(bent.poses.quaternion, bent.poses.translation + off), tray=bent.tray)
+    bent = VehiclePath(
+        poses=Poses(bent.poses.quaternion, bent.poses.translation + off), tray=bent.tray
+    )
     mesh = read_mesh(package / "hull.stl")
     distances = [
         np.abs(lay_onto_cad_model(path, start, mesh, truth.global_from_hull).distance).mean()
@@ -67,7 +71,9 @@ def test_returns_on_a_true_path_lie_on_the_hull_and_on_a_bent_one_off_it(start: 
     assert distances[1] > 3 * distances[0]
 
 
-def test_a_run_without_links_has_none_of_these_figures(start: DeadReckoning, package: Path, tmp_path: Path) -> None:
+def test_a_run_without_links_has_none_of_these_figures(
+    start: DeadReckoning, package: Path, tmp_path: Path
+) -> None:
     dive = DiveRun("wall", Chain((), {}, package), Workspace(tmp_path / "runs" / "wall"))
     nothing: Any = None
     assert draw_path_figures(dive, start, read_truth(package), nothing) == []

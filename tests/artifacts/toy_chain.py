@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A chain of four small stages over a package of one file: read -> left, right -> join. Runs as a script as well:
-toy_chain.py PACKAGE WORKSPACE [PAUSE_S]."""
+"""A chain of four small stages over a package of one file: read -> left, right -> join. Runs as a
+script as well: toy_chain.py PACKAGE WORKSPACE [PAUSE_S].
+"""
 
 from __future__ import annotations
 
@@ -32,7 +33,9 @@ class Options(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 def read(context: Context) -> None:
-    numbers = np.array([float(line) for line in (context.source / "numbers.txt").read_text().split()])
+    numbers = np.array(
+        [float(line) for line in (context.source / "numbers.txt").read_text().split()]
+    )
     context.out.arrays("numbers.npz", {"x": numbers * context.settings["scale"].factor})
     context.out.text("notes/words.txt", f"{len(numbers)} numbers\n")
 
@@ -47,7 +50,9 @@ def side(context: Context) -> None:
 
 
 def join(context: Context) -> None:
-    total = sum(float(load_arrays(folder / "side.npz")["x"].sum()) for folder in context.inputs.values())
+    total = sum(
+        float(load_arrays(folder / "side.npz")["x"].sum()) for folder in context.inputs.values()
+    )
     context.out.json("deliver/total.json", {"total": total, "of": sorted(context.inputs)})
     if "right" not in context.inputs:
         context.warn("the right side is missing")
@@ -58,7 +63,16 @@ def no_right(settings: object, package: Path) -> str | None:
 
 
 STAGES = (
-    Stage("read", "read", (), Options, 1, read, uses=("scale",), external=lambda settings, source: [source / "numbers.txt"]),
+    Stage(
+        "read",
+        "read",
+        (),
+        Options,
+        1,
+        read,
+        uses=("scale",),
+        external=lambda settings, source: [source / "numbers.txt"],
+    ),
     Stage("left", "left", ("read",), Options, 1, side),
     Stage("right", "right", ("read",), Options, 1, side, uses=("scale",), applies=no_right),
     Stage("join", "join", ("left",), Options, 1, join, optional=("right",)),
@@ -75,7 +89,9 @@ def chain(package: Path, **sections: object) -> Chain:
     return Chain(STAGES, {"scale": Scale(), **sections}, package)
 
 
-def run(package: Path, workspace: Workspace, *, from_scratch: bool = False, **sections: object) -> list[StepOutcome]:
+def run(
+    package: Path, workspace: Workspace, *, from_scratch: bool = False, **sections: object
+) -> list[StepOutcome]:
     run_context = RunContext(workspace.hashes(), Serial())
     return run_chain(chain(package, **sections), workspace, run_context, from_scratch=from_scratch)
 

@@ -29,7 +29,9 @@ def test_recall_and_precision_are_those_of_the_ranks():
     true[0, 29] = true[1, 3] = true[1, 10] = True  # ranks 1; 4 and 11
     found = ranked(scores, np.ones((2, 30), bool), true)
     assert [found[f"recall_at_{k}"] for k in (1, 5, 20)] == [0.5, 1.0, 1.0]
-    assert [found[f"precision_at_{k}"] for k in (1, 5, 20)] == pytest.approx([1 / 2, 2 / 10, 3 / 40])
+    assert [found[f"precision_at_{k}"] for k in (1, 5, 20)] == pytest.approx(
+        [1 / 2, 2 / 10, 3 / 40]
+    )
 
 
 def test_what_is_no_candidate_is_not_ranked():
@@ -100,11 +102,22 @@ def test_a_link_is_false_where_it_puts_the_second_camera_elsewhere():
         matrix[0, 3] = shift
         found.append(
             PairMatch(
-                first=rows, second=rows, distance=np.zeros(2, np.float32), putative=9, reason=Reason.MATCHED,
+                first=rows,
+                second=rows,
+                distance=np.zeros(2, np.float32),
+                putative=9,
+                reason=Reason.MATCHED,
                 motion=Motion(matrix, np.eye(6)),
             )
-        )  # fmt: skip
+        )
     found.append(failed_match(1, Reason.FEW_INLIERS))
-    pairs = Proposal(first=np.zeros(3, int), second=np.array([1, 2, 1]), across=np.ones(3, bool), overlap=np.ones(3))
-    asked = Recognition(proposal=pairs, found=tuple(found), accepted=np.zeros(3, bool), counts={}, refusal=None)
+    pairs = Proposal(
+        first=np.zeros(3, int),
+        second=np.array([1, 2, 1]),
+        across=np.ones(3, bool),
+        overlap=np.ones(3),
+    )
+    asked = Recognition(
+        proposal=pairs, found=tuple(found), accepted=np.zeros(3, bool), counts={}, refusal=None
+    )
     assert false_links(dive, asked).tolist() == [False, True, False]

@@ -41,11 +41,15 @@ def test_a_bundle_comes_back_from_its_file(small, tmp_path):
 
 def test_the_bundle_solved_holds_its_gauge_and_brings_the_pixels_to_their_noise(small):
     bundle = bundle_of(small[0])
-    found = solve(problem_of(bundle), Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf)).unknowns
+    found = solve(
+        problem_of(bundle), Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf)
+    ).unknowns
     pose = found.pose[:, :7]
     np.testing.assert_allclose(pose[0, :3], bundle.pose[0, :3], atol=1e-6)
     views, unknowns = bundle.pixel.size, 6 * len(pose) + 3 * len(bundle.point)
-    assert bundles.rms_px(bundle, pose, found.landmark) == pytest.approx(np.sqrt(1 - unknowns / views), rel=0.06)
+    assert bundles.rms_px(bundle, pose, found.landmark) == pytest.approx(
+        np.sqrt(1 - unknowns / views), rel=0.06
+    )
     if not bundle.stereo:
         far, axis, metres = bundle.baseline()
         offset = bundles.rotation(bundle.pose[0, 3:]).T @ (pose[far, :3] - pose[0, :3])
@@ -54,7 +58,16 @@ def test_the_bundle_solved_holds_its_gauge_and_brings_the_pixels_to_their_noise(
 
 def test_the_distortion_is_that_of_the_native_camera(small):
     bundle = bundle_of(small[0])
-    bent = bundles.Bundle(**(vars(bundle) | {"camera": bundle.camera + np.r_[np.zeros(4), 0.1, -0.05, 0.002, -0.001, 0.01]}))
-    rows = evaluate(problem_of(bent), Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf))
+    bent = bundles.Bundle(
+        **(
+            vars(bundle)
+            | {"camera": bundle.camera + np.r_[np.zeros(4), 0.1, -0.05, 0.002, -0.001, 0.01]}
+        )
+    )
+    rows = evaluate(
+        problem_of(bent), Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf)
+    )
     theirs = rows.residual[np.isin(rows.factor, [4, 5])]
-    np.testing.assert_allclose(bundles.residuals(bent, bent.pose, bent.point).ravel(), theirs, atol=1e-6)
+    np.testing.assert_allclose(
+        bundles.residuals(bent, bent.pose, bent.point).ravel(), theirs, atol=1e-6
+    )

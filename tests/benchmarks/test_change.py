@@ -23,7 +23,10 @@ def package(folder: Path, objects: dict[float, float]) -> Path:
 
 
 def test_true_changes_are_those_between_two_truths(tmp_path: Path) -> None:
-    truth = true_changes(package(tmp_path / "a", {30.0: 0.1, 31.0: 0.2}), package(tmp_path / "b", {30.0: 0.13, 32.0: 0.05}))
+    truth = true_changes(
+        package(tmp_path / "a", {30.0: 0.1, 31.0: 0.2}),
+        package(tmp_path / "b", {30.0: 0.13, 32.0: 0.05}),
+    )
     assert [(p.tolist(), h) for p, h in truth["gone"]] == [(AT[31.0].tolist(), -0.2)]
     assert [(p.tolist(), h) for p, h in truth["new"]] == [(AT[32.0].tolist(), 0.05)]
     assert truth["grown"][0][1] == pytest.approx(0.03)
@@ -31,7 +34,10 @@ def test_true_changes_are_those_between_two_truths(tmp_path: Path) -> None:
 
 def test_what_was_found_missed_and_false_is_counted() -> None:
     truth = {"new": [(AT[30.0], 0.1)], "gone": [(AT[32.0], -0.1)], "grown": []}
-    found = hull_change([object_change("new", None, 1, 30.05, 0, 0.1), object_change("new", None, 2, 31.0, 0, 0.1)], [MOVE])
+    found = hull_change(
+        [object_change("new", None, 1, 30.05, 0, 0.1), object_change("new", None, 2, 31.0, 0, 0.1)],
+        [MOVE],
+    )
     figures = score(found, truth, identity())
     assert figures["found"] == 1
     assert [row["status"] for row in figures["missed"]] == ["gone"]

@@ -25,7 +25,8 @@ def _solution(folder: Path, offset: tuple[float, float, float], sigma: float) ->
             "t_ns": np.array([0, 10**9, 2 * 10**9]),
             "global_from_vehicle.translation": np.tile([10 - at[1], at[0], at[2]], (3, 1)),
             "global_from_vehicle.quaternion": np.tile([0, 0, half, half], (3, 1)),
-            "hull_pose.global_from_hull.translation": np.array([[10.0, 0.0, 0.0]]),  # x_g = 10 - y_M, y_g = x_M
+            # x_g = 10 - y_M, y_g = x_M
+            "hull_pose.global_from_hull.translation": np.array([[10.0, 0.0, 0.0]]),
             "hull_pose.global_from_hull.quaternion": np.array([[0, 0, half, half]]),
             "pose_covariance": np.tile(sigma**2 * np.eye(6), (3, 1, 1)),
         },
@@ -99,7 +100,10 @@ def test_a_dive_whose_mesh_is_not_at_hand_is_not_simulated(tmp_path: Path) -> No
 
 
 def test_drawn_dives_scatter_as_their_packages_say() -> None:
-    many = [dict(zip(o.split()[::2], map(float, o.split()[1::2]), strict=True)) for o in dives.drawn_dives(400).values()]
+    many = [
+        dict(zip(o.split()[::2], map(float, o.split()[1::2]), strict=True))
+        for o in dives.drawn_dives(400).values()
+    ]
     assert np.std([d["--deviation-mean-m"] for d in many]) == pytest.approx(0.014, rel=0.1)
     assert np.abs([d["--guess-along-m"] for d in many]).max() == 1.0
     assert {d["--length-m"] for d in many} == {30.0, 50.0, 80.0}

@@ -30,13 +30,20 @@ def test_runs_are_compared_without_what_differs_between_equal_ones(tmp_path: Pat
         (tmp_path / name / "step").mkdir(parents=True)
         (tmp_path / name / ".hullrecon").mkdir()
         (tmp_path / name / ".hullrecon" / "lock").write_text(name)
-        document = {"run": {"seconds": seconds}, "seal": name, "outputs": {"deliver/summary.json": name, "x": "same"}}
+        document = {
+            "run": {"seconds": seconds},
+            "seal": name,
+            "outputs": {"deliver/summary.json": name, "x": "same"},
+        }
         (tmp_path / name / "step" / "manifest.json").write_text(json.dumps(document))
         (tmp_path / name / "step" / "index.html").write_text(f"<p>same\n<p data-volatile>{name}")
     assert different_files(tmp_path / "one", tmp_path / "two") == []
     (tmp_path / "two" / "step" / "index.html").write_text("<p>other")
     (tmp_path / "one" / "step" / "more.txt").touch()
-    assert different_files(tmp_path / "one", tmp_path / "two") == ["step/index.html", "step/more.txt"]
+    assert different_files(tmp_path / "one", tmp_path / "two") == [
+        "step/index.html",
+        "step/more.txt",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -58,7 +65,10 @@ def test_a_small_dive_survives_every_fault(
 ) -> None:
     out = tmp_path / "faults.json"
     counts = ["--kills", "3", "--full", "3", "--interruptions", "2"]
-    monkeypatch.setattr("sys.argv", ["faults", str(tmp_path / "bench"), "--to", "ingest", *counts, "--json", str(out)])
+    monkeypatch.setattr(
+        "sys.argv",
+        ["faults", str(tmp_path / "bench"), "--to", "ingest", *counts, "--json", str(out)],
+    )
     assert faults.main() == 0, capsys.readouterr().out
     found = [case["fault"] for case in json.loads(out.read_text())]
     full = ("disk of", "files of at most")  # the latter where no small disk may be mounted

@@ -36,7 +36,9 @@ def make_tiny(folder: Path) -> Path:
     (folder / "logs").mkdir(parents=True)
     for name in ("hull.stl", "logs/imu.csv", "logs/dvl.csv"):
         (folder / name).write_text("0,1,2,3\n" * 10)
-    (folder / "dive.toml").write_text(f'[dive]\nname = "{folder.name}"\nvessel = "Kestrel"\n[tray]\nsigma_deg = 0.8\n')
+    (folder / "dive.toml").write_text(
+        f'[dive]\nname = "{folder.name}"\nvessel = "Kestrel"\n[tray]\nsigma_deg = 0.8\n'
+    )
     return folder
 
 
@@ -57,7 +59,11 @@ def test_a_fleet_that_is_killed_twice_delivers_all_but_the_broken_dives(tmp_path
     assert calls["ended"]["exit_code"] in (130, 4)
     assert 2 <= calls["killed"]["delivered"] <= calls["ended"]["delivered"] <= 7
     for name in ("whole", "again"):
-        assert (calls[name]["exit_code"], calls[name]["delivered"], calls[name]["reported"]) == (4, 7, 7)
+        assert (calls[name]["exit_code"], calls[name]["delivered"], calls[name]["reported"]) == (
+            4,
+            7,
+            7,
+        )
         assert sorted(calls[name]["failed"]) == sorted(found["broken"])
         assert len(calls[name]["failed_lines"]) == len(BREAKS)
     assert calls["again"]["ran"] == 0

@@ -18,7 +18,9 @@ def test_a_node_stamped_a_rounding_after_its_frame_is_of_that_frame() -> None:
 
 
 def test_times_before_and_behind_the_frames_are_of_the_outermost() -> None:
-    np.testing.assert_array_equal(nearest_frames(np.array([1.0, 2.0, 4.0]), np.array([-5.0, 2.9, 3.1, 9.0])), [0, 1, 2, 2])
+    np.testing.assert_array_equal(
+        nearest_frames(np.array([1.0, 2.0, 4.0]), np.array([-5.0, 2.9, 3.1, 9.0])), [0, 1, 2, 2]
+    )
 
 
 @pytest.mark.parametrize("cameras", ["stereo", "mono"])
@@ -39,8 +41,13 @@ def test_another_drift_takes_the_images_of_the_first_and_is_what_simulate_writes
     monkeypatch.setitem(legs.DIVES, "small", small)
     alone = legs.simulate("small", 3, 300.0, tmp_path / "alone")
     first = legs.simulate("small", 3, 1.0, tmp_path)
-    assert (first / "logs" / "dive.mcap").read_bytes() != (alone / "logs" / "dive.mcap").read_bytes()
-    monkeypatch.setattr("hullrecon.synthetic.sensors.recorder.photographs", lambda dive: pytest.fail("an image was rendered"))
+    assert (first / "logs" / "dive.mcap").read_bytes() != (
+        alone / "logs" / "dive.mcap"
+    ).read_bytes()
+    monkeypatch.setattr(
+        "hullrecon.synthetic.sensors.recorder.photographs",
+        lambda dive: pytest.fail("an image was rendered"),
+    )
     other = legs.simulate("small", 3, 300.0, tmp_path, first)
     files = [p.relative_to(alone) for p in alone.rglob("*") if p.is_file()]
     assert [f for f in files if (alone / f).read_bytes() != (other / f).read_bytes()] == []

@@ -31,7 +31,10 @@ class LegsOfTen:
 
     def vehicle_at(self, t_s: np.ndarray) -> Poses:
         along = 10 - np.abs(0.25 * (t_s - 1000) - 10)
-        return Poses(np.tile([0.0, 0, 0, 1], (len(t_s), 1)), np.column_stack([along, np.zeros((len(t_s), 2))]))
+        return Poses(
+            np.tile([0.0, 0, 0, 1], (len(t_s), 1)),
+            np.column_stack([along, np.zeros((len(t_s), 2))]),
+        )
 
 
 def test_no_images_are_left_over_the_middle_half_of_the_second_leg() -> None:
@@ -40,8 +43,15 @@ def test_no_images_are_left_over_the_middle_half_of_the_second_leg() -> None:
 
 
 def test_images_share_the_steel_that_both_see() -> None:
-    """A wall a metre before cameras whose images are 1.03 m wide there; the third looks 20 m farther along it."""
-    wall = Scene(Mesh(np.array([[-5.0, 1, -5], [30, 1, -5], [30, 1, 5], [-5, 1, 5]]), np.array([[0, 1, 2], [0, 2, 3]])))
+    """A wall a metre before cameras whose images are 1.03 m wide there; the third looks 20 m
+    farther along it.
+    """
+    wall = Scene(
+        Mesh(
+            np.array([[-5.0, 1, -5], [30, 1, -5], [30, 1, 5], [-5, 1, 5]]),
+            np.array([[0, 1, 2], [0, 2, 3]]),
+        )
+    )
     camera = CameraModel(640, 512, 620.0, 620.0, 320.0, 256.0)
     turn = from_rpy(np.zeros(3), [-np.pi / 2, 0.0, 0.0]).quaternion
     cameras = Poses(np.tile(turn, (3, 1)), np.array([[0.0, 0, 0], [0.5, 0, 0], [20.0, 0, 0]]))

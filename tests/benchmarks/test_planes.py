@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The benchmark of planes: what it calls an error, and that it takes the CAD model away from a copy."""
+"""The benchmark of planes: what it calls an error, and that it takes the CAD model away from a
+copy.
+"""
 
 from __future__ import annotations
 
@@ -22,19 +24,29 @@ def found(offset_m: np.ndarray, sigma_m: float) -> LinkedPath:
     pose[:, 6], pose[:, 1] = 1.0, np.linspace(0, 10, N)
     pose[:, :3] += offset_m
     covariance = np.tile(sigma_m**2 * np.eye(6), (N, 1, 1))
-    return LinkedPath(pose=pose, tray=np.zeros(N), covariance=covariance, part=np.full(N, -1), part_sigma=np.zeros(0))
+    return LinkedPath(
+        pose=pose,
+        tray=np.zeros(N),
+        covariance=covariance,
+        part=np.full(N, -1),
+        part_sigma=np.zeros(0),
+    )
 
 
 def truth() -> SimpleNamespace:
     at = np.column_stack([np.zeros(N), np.linspace(0, 10, N), np.zeros(N)])
     poses = Poses(np.tile([0, 0, 0, 1.0], (N, 1)), at)
     return SimpleNamespace(
-        t_s=np.arange(N, dtype=float), global_from_hull=identity(), vehicle_at=lambda t_s: poses[np.asarray(t_s, int)]
+        t_s=np.arange(N, dtype=float),
+        global_from_hull=identity(),
+        vehicle_at=lambda t_s: poses[np.asarray(t_s, int)],
     )
 
 
 def test_a_path_counts_from_where_it_begins_and_its_depth_from_the_water() -> None:
-    row = planes.score(found(np.array([0.03, 0, 0.02]), 0.01), (1e9 * np.arange(N)).astype(np.int64), truth())
+    row = planes.score(
+        found(np.array([0.03, 0, 0.02]), 0.01), (1e9 * np.arange(N)).astype(np.int64), truth()
+    )
     assert row["rigid_m"] == pytest.approx(0, abs=1e-9)
     assert row["error_over_sigma"] == pytest.approx(2.0)
 

@@ -34,7 +34,9 @@ def test_a_small_graph_comes_back_to_its_truth():
     rows = 6 * len(problem.links.first) + 3 * len(problem.plane_sightings.node)
     freedom = rows - 6 * 3_000 - 3 * len(problem.unknowns.plane)
     assert abs(2 * got.iterations.cost[-1] / freedom - 1) < 0.03
-    start_m, end_m = (rigid_rmse_m(u.pose[:, :3], truth.translation) for u in (problem.unknowns, got.unknowns))
+    start_m, end_m = (
+        rigid_rmse_m(u.pose[:, :3], truth.translation) for u in (problem.unknowns, got.unknowns)
+    )
     assert end_m < 0.7 * start_m  # two legs alone bend together
 
 

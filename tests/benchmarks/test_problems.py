@@ -7,7 +7,19 @@ import pytest
 
 from benchmarks.problems import _pairs, make
 from benchmarks.start import dead_reckoned, measure, steps, triangulate
-from benchmarks.survey import BEAMS, LEG_SPACING_M, SIZES, STEP_M, T_S_CT, TRAY_ORIGIN, fly, hull_mesh, normals, side, tracks
+from benchmarks.survey import (
+    BEAMS,
+    LEG_SPACING_M,
+    SIZES,
+    STEP_M,
+    T_S_CT,
+    TRAY_ORIGIN,
+    fly,
+    hull_mesh,
+    normals,
+    side,
+    tracks,
+)
 from hullrecon.geometry import poses
 from hullrecon.native import FACTORS, MeshIndex, Options, evaluate, solve
 from hullrecon.records.serialisation import to_arrays
@@ -17,7 +29,9 @@ def mean_squares(problem):
     """Of the whitened rows of each factor, without the robust loss."""
     found = evaluate(problem, Options(method="maxmix"))
     chosen = {name: found.residual[found.factor == k] for k, name in enumerate(FACTORS)}
-    return {name: (float(np.mean(rows**2)), len(rows)) for name, rows in chosen.items() if len(rows)}
+    return {
+        name: (float(np.mean(rows**2)), len(rows)) for name, rows in chosen.items() if len(rows)
+    }
 
 
 @pytest.mark.parametrize("factor", ["attitude", "odometry", "stereo", "mono", "range"])
@@ -38,7 +52,11 @@ def test_at_the_truth_the_tray_is_off_by_its_backlash_and_the_mounts_by_their_pr
 def test_at_the_truth_a_landmark_is_5_mm_off_the_cad_model_or_stands_well_off_it(small):
     problem, truth = small
     in_hull = truth.T_g_M.inverse().apply(truth.landmark)
-    distance = MeshIndex(problem.cad_mesh.vertices, problem.cad_mesh.faces, threads=1).closest(in_hull).distance
+    distance = (
+        MeshIndex(problem.cad_mesh.vertices, problem.cad_mesh.faces, threads=1)
+        .closest(in_hull)
+        .distance
+    )
     assert np.std(distance[~truth.off_hull]) == pytest.approx(0.005, rel=0.1)
     assert distance[truth.off_hull].min() > 0.03
     assert truth.off_hull.mean() == pytest.approx(0.05, abs=0.015)
@@ -60,7 +78,11 @@ def test_the_field_sizes_are_those_of_the_published_table(name, imaged, landmark
 
 def test_a_small_problem_has_the_tables_of_its_size(small, size_name):
     problem, size = small[0], SIZES[size_name]
-    assert (len(problem.unknowns.pose), len(problem.unknowns.landmark), len(problem.ranges.node)) == (400, 4000, 1600)
+    assert (
+        len(problem.unknowns.pose),
+        len(problem.unknowns.landmark),
+        len(problem.ranges.node),
+    ) == (400, 4000, 1600)
     views = problem.stereo.pixel if size.stereo else problem.mono.pixel
     assert views.shape == (8000, 4 if size.stereo else 2)
     assert len(problem.surface.landmark) == 4000

@@ -43,7 +43,9 @@ def crowded(demo_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def page(chromium: Browser, report: Path) -> Iterator[Visit]:
-    """The demo's page, opened at 1280 pixels. Whatever a test does with it, its console stays empty."""
+    """The demo's page, opened at 1280 pixels. Whatever a test does with it, its console stays
+    empty.
+    """
     with visit(chromium, report) as seen:
         yield seen
         assert seen.messages == []

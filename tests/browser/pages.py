@@ -13,5 +13,9 @@ TAGS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 
 def violations(seen: Visit) -> list[str]:
     """Return what axe finds on a page as it stands now, by WCAG 2.2 AA."""
-    found = Axe().run(seen.page, options={"runOnly": {"type": "tag", "values": TAGS}}).response["violations"]
+    found = (
+        Axe()
+        .run(seen.page, options={"runOnly": {"type": "tag", "values": TAGS}})
+        .response["violations"]
+    )
     return [f"{v['id']}: {node['html'][:160]}" for v in found for node in v["nodes"]]

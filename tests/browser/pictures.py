@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is seen on the screen, as pixels. The rasteriser's last bit is not the same in every picture of the same thing."""
+"""What is seen on the screen, as pixels. The rasteriser's last bit is not the same in every picture
+of the same thing.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pages beside the report, of a fleet and of a change: offline, on a phone, by keyboard, and by axe."""
+"""The pages beside the report, of a fleet and of a change: offline, on a phone, by keyboard, and by
+axe.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,13 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     for name in ("april", "may"):
         result(folder, name)
     dives = [fleet_dive("april"), fleet_dive("may", "to do", "the package changed")]
-    dives.append(fleet_dive("june-with-a-long-name-that-does-not-break", "failed", f"step adjust: too few matches; {LONG}"))
+    dives.append(
+        fleet_dive(
+            "june-with-a-long-name-that-does-not-break",
+            "failed",
+            f"step adjust: too few matches; {LONG}",
+        )
+    )
     FleetIndex(folder).write(dives)
     objects = [
         object_change("gone", 4, None, 33.4, 0.14, 0.001),
@@ -53,7 +61,9 @@ def test_the_page_is_accessible_and_needs_nothing_else(
 ) -> None:
     with visit(chromium, pages[name], size) as seen:
         assert violations(seen) == []
-        assert {urlsplit(url).path for url in seen.requests if url.startswith("file:")} == {str(pages[name])}
+        assert {urlsplit(url).path for url in seen.requests if url.startswith("file:")} == {
+            str(pages[name])
+        }
         assert {url.split(":")[0] for url in seen.requests} <= {"file", "data"}
         assert seen.messages == []
         wider = seen.page.evaluate("document.documentElement.scrollWidth - innerWidth")

@@ -45,7 +45,9 @@ def test_the_page_opens_offline_needs_nothing_else_and_its_console_is_empty(
     with visit(chromium, report, size) as seen:
         scroll_through(seen)
         assert {url.split(":")[0] for url in seen.requests} <= {"file", "data", "blob"}
-        assert {urlsplit(url).path for url in seen.requests if url.startswith("file:")} == {str(report)}
+        assert {urlsplit(url).path for url in seen.requests if url.startswith("file:")} == {
+            str(report)
+        }
         assert seen.messages == []
         assert weight(seen) <= HEAVIEST
         wider = seen.page.evaluate("document.documentElement.scrollWidth - innerWidth")
@@ -56,7 +58,9 @@ def test_the_page_opens_offline_needs_nothing_else_and_its_console_is_empty(
 def test_axe_finds_no_violation(chromium: Browser, report: Path, size: tuple[int, int]) -> None:
     with visit(chromium, report, size) as seen:
         scroll_through(seen)
-        seen.page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true })")
+        seen.page.evaluate(
+            "document.querySelectorAll('details').forEach((one) => { one.open = true })"
+        )
         found = violations(seen)
         assert not found, "\n".join(found)
 
@@ -65,7 +69,10 @@ def test_each_layer_of_the_map_changes_its_pixels(page: Visit) -> None:
     panel, shown = page.page.locator("#map-panel"), page.page.locator("#map")
     shown.scroll_into_view_if_needed()
     controls = panel.locator("input[type=radio]:not(:checked), input[type=checkbox]")
-    names = [controls.nth(k).evaluate("one => one.labels[0].textContent.trim()") for k in range(controls.count())]
+    names = [
+        controls.nth(k).evaluate("one => one.labels[0].textContent.trim()")
+        for k in range(controls.count())
+    ]
     assert len(names) >= 6
     for name in names:
         control, before = panel.get_by_label(name, exact=True), picture_at_rest(shown)
@@ -104,14 +111,18 @@ def test_numbers_of_objects_side_by_side_stand_apart_and_can_be_touched(
         numbers = seen.page.locator("#map .map-number")
         boxes = [numbers.nth(k).bounding_box() for k in range(numbers.count())]
         assert len(boxes) >= 4
-        middles = [(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2) for box in boxes if box]
+        middles = [
+            (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2) for box in boxes if box
+        ]
         assert min(math.dist(a, b) for a, b in combinations(middles, 2)) >= 24
         assert not violations(seen)
         assert seen.messages == []
 
 
 def with_objects_side_by_side(page: str, step_m: float) -> str:
-    """Return the page with its objects moved beside the first on the map, a step between each and the next."""
+    """Return the page with its objects moved beside the first on the map, a step between each and
+    the next.
+    """
     head, start, rest = page.partition(DATA)
     text, end, tail = rest.partition("</script>")
     data = json.loads(text)
@@ -126,7 +137,9 @@ def test_a_click_in_the_table_opens_the_card(page: Visit) -> None:
     assert page.page.locator("#card h3").inner_text().startswith("2 ·")
 
 
-def test_five_hundred_objects_sort_in_order_and_each_row_moves_once(chromium: Browser, crowded: Path) -> None:
+def test_five_hundred_objects_sort_in_order_and_each_row_moves_once(
+    chromium: Browser, crowded: Path
+) -> None:
     """How long it takes is measured by benchmarks.page; here is counted what it costs."""
     with visit(chromium, crowded) as seen:
         assert seen.page.locator("#object-table tbody tr").count() == OBJECTS
@@ -156,25 +169,39 @@ def test_five_hundred_objects_sort_in_order_and_each_row_moves_once(chromium: Br
         assert weight(seen) <= HEAVIEST
 
 
-def test_without_javascript_the_page_still_holds_every_object_and_a_plan(chromium: Browser, report: Path) -> None:
+def test_without_javascript_the_page_still_holds_every_object_and_a_plan(
+    chromium: Browser, report: Path
+) -> None:
     context = chromium.new_context(java_script_enabled=False)
     try:
         page = context.new_page()
         page.goto(report.as_uri())
-        assert page.locator("article.card").count() == page.locator("#object-table tbody tr").count() > 0
+        assert (
+            page.locator("article.card").count()
+            == page.locator("#object-table tbody tr").count()
+            > 0
+        )
         assert page.locator("#plan svg.plan").is_visible()
         assert not page.locator("#map").is_visible()
     finally:
         context.close()
 
 
-def test_the_keyboard_sorts_the_table_opens_a_card_and_comes_back_to_where_it_was(page: Visit) -> None:
-    table, focused = page.page.locator("#object-table"), "document.activeElement.closest('tr')?.id ?? ''"
+def test_the_keyboard_sorts_the_table_opens_a_card_and_comes_back_to_where_it_was(
+    page: Visit,
+) -> None:
+    table, focused = (
+        page.page.locator("#object-table"),
+        "document.activeElement.closest('tr')?.id ?? ''",
+    )
     heading = table.locator("thead button", has_text="Height").first
     heading.focus()
     for direction in ("ascending", "descending"):
         page.page.keyboard.press("Enter")
-        assert table.locator("thead th", has_text="Height").first.get_attribute("aria-sort") == direction
+        assert (
+            table.locator("thead th", has_text="Height").first.get_attribute("aria-sort")
+            == direction
+        )
     table.locator("#row-2 a[data-action=card]").focus()
     page.page.keyboard.press("Enter")
     assert page.page.locator("#card h3").inner_text().startswith("2 ·")

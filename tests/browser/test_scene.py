@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The 3-D view: every control changes pixels, an object's number opens its card, and a browser without WebGL gets a picture."""
+"""The 3-D view: every control changes pixels, an object's number opens its card, and a browser
+without WebGL gets a picture.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,9 @@ def test_each_layer_can_be_taken_away(page: Visit, scene: Locator) -> None:
 
 
 def test_each_picture_can_be_laid_on_the_hull(page: Visit, scene: Locator) -> None:
-    choices = page.page.locator("#scene-picture option").evaluate_all("all => all.map((one) => one.value)")
+    choices = page.page.locator("#scene-picture option").evaluate_all(
+        "all => all.map((one) => one.value)"
+    )
     assert {"optical", "sonar", "form", "plain"} <= set(choices)
     seen: list[Picture] = []
     for choice in choices:
@@ -58,7 +62,9 @@ def test_each_picture_can_be_laid_on_the_hull(page: Visit, scene: Locator) -> No
         seen.append(now)
 
 
-def test_the_slider_goes_from_the_cad_model_to_the_hull_as_found_and_relief_is_labelled(page: Visit, scene: Locator) -> None:
+def test_the_slider_goes_from_the_cad_model_to_the_hull_as_found_and_relief_is_labelled(
+    page: Visit, scene: Locator
+) -> None:
     page.page.select_option("#scene-picture", "plain")
     found = picture_at_rest(scene)
     page.page.locator("#scene-factor").fill("20")
@@ -71,10 +77,13 @@ def test_the_slider_goes_from_the_cad_model_to_the_hull_as_found_and_relief_is_l
     assert share_changed(cad_model, relief) > 0.01
     assert share_changed(cad_model, found) > 0.001
     page.page.locator("#scene-factor").fill("1")
-    assert share_changed(cad_model, picture_at_rest(scene)) == 0  # on the CAD model there is nothing to exaggerate
+    # on the CAD model there is nothing to exaggerate
+    assert share_changed(cad_model, picture_at_rest(scene)) == 0
 
 
-def test_wheel_and_keys_move_the_view_and_the_button_brings_it_back(page: Visit, scene: Locator) -> None:
+def test_wheel_and_keys_move_the_view_and_the_button_brings_it_back(
+    page: Visit, scene: Locator
+) -> None:
     home = picture_at_rest(scene)
     scene.hover()
     page.page.mouse.wheel(0, -400)
@@ -102,7 +111,9 @@ def test_a_click_on_a_number_opens_the_card_of_the_object(page: Visit, scene: Lo
     assert "Height above the hull" in card.inner_text()
 
 
-def test_the_scale_bar_has_a_round_length_and_grows_as_one_comes_closer(page: Visit, scene: Locator) -> None:
+def test_the_scale_bar_has_a_round_length_and_grows_as_one_comes_closer(
+    page: Visit, scene: Locator
+) -> None:
     bar = page.page.locator(".scene-bar")
     picture_at_rest(scene)
     first = bar.inner_text().strip()
@@ -113,7 +124,9 @@ def test_the_scale_bar_has_a_round_length_and_grows_as_one_comes_closer(page: Vi
     assert bar.inner_text().strip() != first
 
 
-def test_a_browser_without_webgl_shows_a_sentence_and_a_picture(chromium: Browser, report: Path) -> None:
+def test_a_browser_without_webgl_shows_a_sentence_and_a_picture(
+    chromium: Browser, report: Path
+) -> None:
     with visit(chromium, report, script=NO_WEBGL) as seen:
         scene = seen.show_scene()
         assert scene.get_attribute("data-state") == "none"
@@ -123,7 +136,9 @@ def test_a_browser_without_webgl_shows_a_sentence_and_a_picture(chromium: Browse
         assert seen.messages == []
 
 
-def test_on_a_small_screen_the_whole_panel_can_be_reached_below_the_view(chromium: Browser, report: Path) -> None:
+def test_on_a_small_screen_the_whole_panel_can_be_reached_below_the_view(
+    chromium: Browser, report: Path
+) -> None:
     with visit(chromium, report, NARROW) as seen:
         scene = seen.show_scene()
         outer = scene.bounding_box()
@@ -131,4 +146,7 @@ def test_on_a_small_screen_the_whole_panel_can_be_reached_below_the_view(chromiu
         assert outer is not None
         assert button is not None
         assert button["y"] + button["height"] <= outer["y"] + outer["height"]
-        assert scene.locator(".scene-panel").evaluate("one => one.scrollHeight - one.clientHeight") <= 0
+        assert (
+            scene.locator(".scene-panel").evaluate("one => one.scrollHeight - one.clientHeight")
+            <= 0
+        )

@@ -27,12 +27,18 @@ def address(point, sigma):
 
 @pytest.fixture(scope="session")
 def changed() -> HullChange:
-    """Three structures new, the lump gone, the cylinder 3 cm higher, between two dives with errors of their own."""
+    """Three structures new, the lump gone, the cylinder 3 cm higher, between two dives with errors
+    of their own.
+    """
     after = (GROWN, *BEFORE[1:3], *ADDED)
-    return compare_surveys(survey(BEFORE, drawn(2), name="may"), survey(after, drawn(102), name="june"), address)
+    return compare_surveys(
+        survey(BEFORE, drawn(2), name="may"), survey(after, drawn(102), name="june"), address
+    )
 
 
 @pytest.fixture(scope="session")
 def unchanged() -> HullChange:
     """Nothing changed between two dives with errors of their own."""
-    return compare_surveys(survey(BEFORE, drawn(3), name="may"), survey(BEFORE, drawn(103), name="june"), address)
+    return compare_surveys(
+        survey(BEFORE, drawn(3), name="may"), survey(BEFORE, drawn(103), name="june"), address
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Surveys of a simulated hull without cameras: the true surface with smooth errors, placed on the CAD model somewhat off."""
+"""Surveys of a simulated hull without cameras: the true surface with smooth errors, placed on the
+CAD model somewhat off.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,9 @@ def chart() -> Chart:
 
 @dataclass(frozen=True, kw_only=True)
 class Errors:
-    """Of one dive. pose (6,): of its hull pose, about the survey's middle, in M; seed: of the smooth noise."""
+    """Of one dive. pose (6,): of its hull pose, about the survey's middle, in M; seed: of the
+    smooth noise.
+    """
 
     pose: np.ndarray
     seed: int
@@ -62,26 +66,42 @@ def drawn(seed: int) -> Errors:
 NONE = Errors(pose=np.zeros(6), seed=0, noise_m=0.0)
 
 
-def survey(items, errors=NONE, *, along=ALONG, girth=GIRTH, listed=None, bulge=None, name="dive", hull=1):
-    """One dive over a window of the chart. listed: items that its detection reports, all if not given; bulge: (along, girth,
-    width, height) of bare hull that stands off."""
+def survey(
+    items, errors=NONE, *, along=ALONG, girth=GIRTH, listed=None, bulge=None, name="dive", hull=1
+):
+    """One dive over a window of the chart. listed: items that its detection reports, all if not
+    given; bulge: (along, girth, width, height) of bare hull that stands off.
+    """
     a, g = np.meshgrid(np.arange(*along, STEP), np.arange(*girth, STEP), indexing="ij")
     points, normals = chart().from_chart(np.column_stack([a.ravel(), g.ravel()]))
     off = deviation_m(DiveSpec(seed=hull), a, g).ravel()
     for item in items:
         off += height_of(item, a.ravel(), g.ravel())
     if bulge is not None:
-        off += bulge[3] * np.exp(-0.5 * ((a - bulge[0]) ** 2 + (g - bulge[1]) ** 2) / bulge[2] ** 2).ravel()
+        off += (
+            bulge[3]
+            * np.exp(-0.5 * ((a - bulge[0]) ** 2 + (g - bulge[1]) ** 2) / bulge[2] ** 2).ravel()
+        )
     off += _noise(a.shape, errors).ravel()
     center, back = _center(), _about_center(errors.pose)
     found = Surface(
         vertices=back.apply(points + normals * off[:, None]), faces=_faces(a.shape), deviation=off,
         sigma=np.full(len(off), 0.02), support=np.full(len(off), 5),
     )  # fmt: skip
-    pose = HullPose(global_from_hull=identity(), covariance=np.diag(SIGMAS**2), survey_center=center)
-    objects = tuple(_reported(k + 1, item, back, hull) for k, item in enumerate(items if listed is None else listed))
+    pose = HullPose(
+        global_from_hull=identity(), covariance=np.diag(SIGMAS**2), survey_center=center
+    )
+    objects = tuple(
+        _reported(k + 1, item, back, hull)
+        for k, item in enumerate(items if listed is None else listed)
+    )
     return HullSurvey(
-        name=name, chart=chart(), as_found=found, form_sigma=np.full(len(off), 0.0025), hull_pose=pose, objects=objects
+        name=name,
+        chart=chart(),
+        as_found=found,
+        form_sigma=np.full(len(off), 0.0025),
+        hull_pose=pose,
+        objects=objects,
     )
 
 
@@ -106,21 +126,31 @@ def _noise(shape: tuple[int, int], errors: Errors) -> np.ndarray:
 
 def _faces(shape: tuple[int, int]) -> np.ndarray:
     number = np.arange(np.prod(shape)).reshape(shape)
-    a, b, c, d = (number[r, s].ravel() for r in (np.s_[:-1], np.s_[1:]) for s in (np.s_[:-1], np.s_[1:]))
+    a, b, c, d = (
+        number[r, s].ravel() for r in (np.s_[:-1], np.s_[1:]) for s in (np.s_[:-1], np.s_[1:])
+    )
     return np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1)]).astype(np.int32)
 
 
 def _reported(number: int, item: Item, back: Poses, hull: int) -> ReportedObject:
     turn = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     at = np.array([[item.along_m, item.girth_m]])
-    ring = at + 0.5 * np.column_stack([item.size_m[0] * np.cos(turn), item.size_m[1] * np.sin(turn)])
+    ring = at + 0.5 * np.column_stack(
+        [item.size_m[0] * np.cos(turn), item.size_m[1] * np.sin(turn)]
+    )
     point, normal = chart().from_chart(at)
     top = item.height_m + deviation_m(DiveSpec(seed=hull), *at.T)[0]
     along, girth = tangents_at(chart(), point)
     assert np.isfinite(along).all()
     assert np.isfinite(girth).all()
     return ReportedObject(
-        id=number, center=tuple(back.apply(point + top * normal)[0].tolist()), height=item.height_m, height_sigma=0.008,
-        extent=item.size_m, outline=tuple(map(tuple, back.apply(chart().from_chart(ring)[0]).tolist())),
-        sigma_along=0.15, sigma_girth=0.04, sigma_normal=0.02,
-    )  # fmt: skip
+        id=number,
+        center=tuple(back.apply(point + top * normal)[0].tolist()),
+        height=item.height_m,
+        height_sigma=0.008,
+        extent=item.size_m,
+        outline=tuple(map(tuple, back.apply(chart().from_chart(ring)[0]).tolist())),
+        sigma_along=0.15,
+        sigma_girth=0.04,
+        sigma_normal=0.02,
+    )

@@ -49,7 +49,10 @@ def test_a_new_recess_has_a_negative_change(changed: HullChange) -> None:
 
 
 def test_objects_that_stayed_keep_their_numbers_in_both_dives(changed: HullChange) -> None:
-    assert {(row.first_id, row.second_id) for row in by_status(changed)["unchanged"]} == {(2, 2), (3, 3)}
+    assert {(row.first_id, row.second_id) for row in by_status(changed)["unchanged"]} == {
+        (2, 2),
+        (3, 3),
+    }
 
 
 def test_changes_come_with_a_probability_and_a_place_in_words(changed: HullChange) -> None:
@@ -75,7 +78,9 @@ def test_the_areas_add_up(unchanged: HullChange) -> None:
     window = (ALONG[1] - ALONG[0]) * (GIRTH[1] - GIRTH[0])
     assert unchanged.area_first == pytest.approx(window, rel=0.05)
     assert 0.8 * window < unchanged.area_both <= unchanged.area_first + 1e-9
-    assert unchanged.places == pytest.approx(unchanged.area_both / ChangeOptions().min_area_m2, abs=1)
+    assert unchanged.places == pytest.approx(
+        unchanged.area_both / ChangeOptions().min_area_m2, abs=1
+    )
 
 
 def test_the_map_is_known_where_both_saw_the_hull(unchanged: HullChange) -> None:
@@ -93,7 +98,9 @@ def test_an_object_where_the_first_dive_did_not_look_is_not_new() -> None:
 
 
 def test_an_object_where_the_second_dive_did_not_look_is_not_gone() -> None:
-    change = compare_surveys(survey(BEFORE, drawn(6)), survey(BEFORE[1:], drawn(106), along=(31.2, 34.0)), address)
+    change = compare_surveys(
+        survey(BEFORE, drawn(6)), survey(BEFORE[1:], drawn(106), along=(31.2, 34.0)), address
+    )
     row = next(row for row in change.objects if row.first_id == 1)
     assert row.status == "not seen again"
     assert np.isnan(row.change)
@@ -106,7 +113,9 @@ def poorly_known(found: HullSurvey, sigma_m: float) -> HullSurvey:
 
 def test_an_object_that_one_dive_lists_is_new_by_the_number_of_objects_and_not_of_places() -> None:
     first = poorly_known(survey(BEFORE, drawn(10)), 0.0105)
-    change = compare_surveys(first, survey((*BEFORE, replace(ADDED[0], height_m=-0.045)), drawn(110)), address)
+    change = compare_surveys(
+        first, survey((*BEFORE, replace(ADDED[0], height_m=-0.045)), drawn(110)), address
+    )
     (row,) = change.changed()
     assert (row.status, row.second_id) == ("new", 5)
     assert 1e-5 < row.p_value < 0.01
@@ -114,19 +123,25 @@ def test_an_object_that_one_dive_lists_is_new_by_the_number_of_objects_and_not_o
 
 def test_what_one_dive_lists_and_the_other_neither_shows_nor_excludes_is_uncertain() -> None:
     first = poorly_known(survey(BEFORE, drawn(11)), 0.0115)
-    change = compare_surveys(first, survey((*BEFORE, replace(ADDED[0], height_m=-0.025)), drawn(111)), address)
+    change = compare_surveys(
+        first, survey((*BEFORE, replace(ADDED[0], height_m=-0.025)), drawn(111)), address
+    )
     assert change.changed() == ()
     assert next(row for row in change.objects if row.second_id == 5).status == "uncertain"
 
 
 def test_a_structure_that_detection_missed_is_no_change_when_both_surfaces_show_it() -> None:
-    change = compare_surveys(survey(BEFORE, drawn(7)), survey(BEFORE, drawn(107), listed=BEFORE[:3]), address)
+    change = compare_surveys(
+        survey(BEFORE, drawn(7)), survey(BEFORE, drawn(107), listed=BEFORE[:3]), address
+    )
     assert change.changed() == ()
     assert next(row for row in change.objects if row.first_id == 4).status == "unchanged"
 
 
 def test_a_new_structure_is_found_though_detection_missed_it() -> None:
-    change = compare_surveys(survey(BEFORE, drawn(8)), survey((*BEFORE, ADDED[1]), drawn(108), listed=BEFORE), address)
+    change = compare_surveys(
+        survey(BEFORE, drawn(8)), survey((*BEFORE, ADDED[1]), drawn(108), listed=BEFORE), address
+    )
     (row,) = change.changed()
     assert (row.status, row.first_id, row.second_id) == ("new", None, None)
     assert row.change == pytest.approx(0.09, abs=0.01)
@@ -156,12 +171,17 @@ def test_dives_of_different_parts_of_the_ship_cannot_be_compared() -> None:
 
 def test_a_dive_that_saw_nothing_is_refused() -> None:
     blind = survey(BEFORE)
-    blind = replace(blind, as_found=replace(blind.as_found, support=np.zeros_like(blind.as_found.support)))
+    blind = replace(
+        blind, as_found=replace(blind.as_found, support=np.zeros_like(blind.as_found.support))
+    )
     with pytest.raises(StageError, match="saw nothing"):
         compare_surveys(survey(BEFORE), blind, address)
 
 
 def test_the_same_dives_give_the_same_numbers() -> None:
-    rows = [compare_surveys(survey(BEFORE[:2], drawn(4)), survey(BEFORE[:1], drawn(104)), address) for _ in range(2)]
+    rows = [
+        compare_surveys(survey(BEFORE[:2], drawn(4)), survey(BEFORE[:1], drawn(104)), address)
+        for _ in range(2)
+    ]
     assert [r.change for r in rows[0].objects] == [r.change for r in rows[1].objects]
     assert (rows[0].offset.covariance == rows[1].offset.covariance).all()

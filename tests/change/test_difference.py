@@ -63,7 +63,11 @@ def test_noise_is_no_change() -> None:
 
 def test_a_tilt_of_the_whole_survey_is_form_and_no_structure() -> None:
     tilted = relief(seed=1)
-    tilted = Relief(height=tilted.height + np.linspace(0, 0.04, SHAPE[0])[:, None], sigma=tilted.sigma, views=tilted.views)
+    tilted = Relief(
+        height=tilted.height + np.linspace(0, 0.04, SHAPE[0])[:, None],
+        sigma=tilted.sigma,
+        views=tilted.views,
+    )
     found = difference(relief(), tilted, OPTIONS)
     assert changed_regions(found, 1000, OPTIONS) == []
     assert np.nanmedian(np.abs(found.local)) < 0.003
@@ -74,7 +78,12 @@ def test_what_only_one_survey_looked_at_is_not_compared() -> None:
     blind = relief(seed=1)
     views = blind.views.copy()
     views[40:70, 30:60] = 1
-    assert regions(Relief(height=blind.height, sigma=blind.sigma, views=views), relief((50, 40, 10, 0.08))) == []
+    assert (
+        regions(
+            Relief(height=blind.height, sigma=blind.sigma, views=views), relief((50, 40, 10, 0.08))
+        )
+        == []
+    )
 
 
 def test_a_surface_that_is_poorly_known_was_not_looked_at() -> None:
@@ -83,7 +92,9 @@ def test_a_surface_that_is_poorly_known_was_not_looked_at() -> None:
 
 
 def test_an_unseen_cell_was_not_looked_at() -> None:
-    lost = Relief(height=np.full(SHAPE, np.nan), sigma=np.full(SHAPE, np.nan), views=np.zeros(SHAPE, int))
+    lost = Relief(
+        height=np.full(SHAPE, np.nan), sigma=np.full(SHAPE, np.nan), views=np.zeros(SHAPE, int)
+    )
     assert not well_seen(lost, OPTIONS).any()
     assert changed_regions(difference(lost, relief(), OPTIONS), 10, OPTIONS) == []
 
@@ -126,22 +137,32 @@ def test_probability_of_what_is_certain_is_tiny_and_never_negative() -> None:
 
 
 @pytest.mark.parametrize("places", [1, 100, 10_000])
-def test_a_change_of_so_many_sigmas_has_the_largest_probability_that_is_reported(places: int) -> None:
+def test_a_change_of_so_many_sigmas_has_the_largest_probability_that_is_reported(
+    places: int,
+) -> None:
     least = significant_sigmas(places, OPTIONS)
     p_value = corrected_p_value(least, 1.0, places)
-    assert p_value == pytest.approx(OPTIONS.max_p_value, rel=1e-6) or (least == 3.0 and p_value < OPTIONS.max_p_value)
+    assert p_value == pytest.approx(OPTIONS.max_p_value, rel=1e-6) or (
+        least == 3.0 and p_value < OPTIONS.max_p_value
+    )
 
 
 @pytest.mark.parametrize(("share", "reported"), [(0.8, 0), (1.2, 1)])
-def test_a_structure_a_fifth_above_the_smallest_change_is_reported_and_one_below_it_is_not(share: float, reported: int) -> None:
-    least = smallest_change(difference(relief(sigma=0.005), relief(seed=1, sigma=0.005), OPTIONS), 1000, OPTIONS)
+def test_a_structure_a_fifth_above_the_smallest_change_is_reported_and_one_below_it_is_not(
+    share: float, reported: int
+) -> None:
+    least = smallest_change(
+        difference(relief(sigma=0.005), relief(seed=1, sigma=0.005), OPTIONS), 1000, OPTIONS
+    )
     assert least > OPTIONS.min_change_m
     box = relief((50, 40, 10, share * least), seed=1, sigma=0.005)
     assert len(regions(relief(sigma=0.005), box)) == reported
 
 
 def test_where_both_surveys_know_the_hull_well_the_smallest_change_is_the_one_asked_for() -> None:
-    found = difference(relief(noise=1e-4, sigma=5e-4), relief(noise=1e-4, seed=1, sigma=5e-4), OPTIONS)
+    found = difference(
+        relief(noise=1e-4, sigma=5e-4), relief(noise=1e-4, seed=1, sigma=5e-4), OPTIONS
+    )
     assert smallest_change(found, 1000, OPTIONS) == OPTIONS.min_change_m
 
 

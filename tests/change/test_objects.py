@@ -20,14 +20,20 @@ from hullrecon.records.change import SurveyOffset
 OPTIONS = ChangeOptions()
 LATTICE = Lattice(origin=np.array([29.8, 4.0]), step_m=0.02, shape=(220, 110))
 SAME = SurveyOffset(
-    first_from_second=identity(), covariance=1e-6 * np.eye(6), prior_covariance=1e-4 * np.eye(6), center=np.array([32.0, 4, 2]),
-    chi_square=0.0, p_value=1.0,
-)  # fmt: skip
+    first_from_second=identity(),
+    covariance=1e-6 * np.eye(6),
+    prior_covariance=1e-4 * np.eye(6),
+    center=np.array([32.0, 4, 2]),
+    chi_square=0.0,
+    p_value=1.0,
+)
 
 
 def rows_of(first, second):
     found = difference(*(relief_on(LATTICE, chart(), s) for s in (first, second)), OPTIONS)
-    on = ObjectComparison(chart=chart(), lattice=LATTICE, offset=SAME, difference=found, options=OPTIONS, places=1000)
+    on = ObjectComparison(
+        chart=chart(), lattice=LATTICE, offset=SAME, difference=found, options=OPTIONS, places=1000
+    )
     return compare_objects(first, second, changed_regions(found, 1000, OPTIONS), on)
 
 
@@ -38,7 +44,9 @@ def before():
 
 def test_an_object_is_itself_in_both_surveys(before) -> None:
     rows = rows_of(before, before)
-    assert {(row.first_id, row.second_id, row.status) for row in rows} == {(k, k, "unchanged") for k in (1, 2, 3, 4)}
+    assert {(row.first_id, row.second_id, row.status) for row in rows} == {
+        (k, k, "unchanged") for k in (1, 2, 3, 4)
+    }
     assert max(abs(row.change) for row in rows) < 1e-6
 
 
@@ -67,8 +75,14 @@ def test_what_came_or_went_changed_by_its_whole_height_with_the_sigma_of_its_obj
     dome = survey(ADDED[2:], NONE)
     (new,), (gone,) = rows_of(survey((), NONE), dome), rows_of(dome, survey((), NONE))
     for row, sign in ((new, 1), (gone, -1)):
-        assert row.change == pytest.approx(row.height_after - row.height_before) == pytest.approx(0.1 * sign, abs=0.004)
-        assert row.change_sigma == pytest.approx(np.hypot(row.height_before_sigma, row.height_after_sigma))
+        assert (
+            row.change
+            == pytest.approx(row.height_after - row.height_before)
+            == pytest.approx(0.1 * sign, abs=0.004)
+        )
+        assert row.change_sigma == pytest.approx(
+            np.hypot(row.height_before_sigma, row.height_after_sigma)
+        )
     assert new.height_after_sigma == gone.height_before_sigma == 0.008
     assert 0 < new.height_before_sigma < 0.008
 
@@ -87,7 +101,10 @@ def test_a_structure_in_the_place_of_another_is_not_the_same(before) -> None:
 
 
 def test_a_recess_where_a_bump_was_is_gone_and_new() -> None:
-    bump, hole = replace(BEFORE[0], height_m=0.06), replace(ADDED[0], along_m=30.6, girth_m=4.8, height_m=-0.06)
+    bump, hole = (
+        replace(BEFORE[0], height_m=0.06),
+        replace(ADDED[0], along_m=30.6, girth_m=4.8, height_m=-0.06),
+    )
     rows = rows_of(survey((bump,), NONE), survey((hole,), NONE))
     assert sorted(row.status for row in rows) == ["gone", "new"]
     assert {row.change < 0 for row in rows} == {True}
@@ -112,7 +129,8 @@ def test_the_place_of_a_structure_without_an_object_has_that_of_the_hull_poses(b
     rows = rows_of(before, survey((*BEFORE, ADDED[1]), NONE, listed=BEFORE))
     row = next(row for row in rows if row.status == "new")
     assert row.second_id is None
-    assert ((row.sigma > 0.005) & (row.sigma < 0.02)).all()  # 7 mm and what a turn of 10 mrad moves at this distance
+    # 7 mm and what a turn of 10 mrad moves at this distance
+    assert ((row.sigma > 0.005) & (row.sigma < 0.02)).all()
 
 
 def test_two_hulls_without_objects_have_no_rows() -> None:

@@ -6,7 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from change.simulated_surveys import BEFORE, NONE, SIGMAS, Errors, _about_center, chart, drawn, survey
+from change.simulated_surveys import (
+    BEFORE,
+    NONE,
+    SIGMAS,
+    Errors,
+    _about_center,
+    chart,
+    drawn,
+    survey,
+)
 
 from hullrecon.change.offset import estimate_offset, hull_pose_covariance, offset_sigma
 from hullrecon.change.relief import relief_on, seen_points
@@ -17,7 +26,9 @@ from hullrecon.records.solution import HullPose
 
 
 def offset_of(first, second):
-    lattice = lattice_around(np.vstack([seen_points(s, chart())[0][:, :2] for s in (first, second)]), 0.02, 0.3)
+    lattice = lattice_around(
+        np.vstack([seen_points(s, chart())[0][:, :2] for s in (first, second)]), 0.02, 0.3
+    )
     reliefs = (relief_on(lattice, chart(), first), relief_on(lattice, chart(), second))
     return estimate_offset(first, second, chart(), lattice, reliefs)
 
@@ -30,9 +41,13 @@ def error_of(offset: SurveyOffset, true) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def shifted():
-    """The second dive lies 0.4 m farther forward on the CAD model, and 3 cm up, without other errors."""
+    """The second dive lies 0.4 m farther forward on the CAD model, and 3 cm up, without other
+    errors.
+    """
     there = Errors(pose=np.array([0.4, 0.0, 0.03, 0, 0, 0]), seed=0, noise_m=0.0)
-    return offset_of(survey(BEFORE, NONE), survey(BEFORE, there)), _about_center(there.pose).inverse()
+    return offset_of(survey(BEFORE, NONE), survey(BEFORE, there)), _about_center(
+        there.pose
+    ).inverse()
 
 
 def test_a_shift_along_the_hull_is_found_to_millimetres(shifted) -> None:
@@ -41,13 +56,17 @@ def test_a_shift_along_the_hull_is_found_to_millimetres(shifted) -> None:
 
 
 def test_hull_poses_that_are_known_less_well_than_the_patch_is_long_give_the_same_shift() -> None:
-    loose = np.array([1.5, *SIGMAS[1:]]) ** 2  # four sigmas of both are more than the four metres of the patch
+    # four sigmas of both are more than the four metres of the patch
+    loose = np.array([1.5, *SIGMAS[1:]]) ** 2
     there = Errors(pose=np.array([0.4, 0.0, 0.03, 0, 0, 0]), seed=0, noise_m=0.0)
     first, second = (
         replace(found, hull_pose=replace(found.hull_pose, covariance=np.diag(loose)))
         for found in (survey(BEFORE, NONE), survey(BEFORE, there))
     )
-    assert np.abs(error_of(offset_of(first, second), _about_center(there.pose).inverse())[:3]).max() < 0.003
+    assert (
+        np.abs(error_of(offset_of(first, second), _about_center(there.pose).inverse())[:3]).max()
+        < 0.003
+    )
 
 
 def test_its_chi_square_counts_sigmas_of_both_hull_poses(shifted) -> None:
@@ -85,7 +104,11 @@ def test_without_structures_the_hull_poses_hold_what_the_form_leaves_open() -> N
 
 def test_a_hull_poses_covariance_is_turned_into_the_hull_frame() -> None:
     covariance = np.diag([0.01, 0.04, 0.09, 1e-6, 1e-6, 1e-6])
-    quarter = HullPose(global_from_hull=from_mount([0, 0, 0, 0, 0, 90]), covariance=covariance, survey_center=np.zeros(3))
+    quarter = HullPose(
+        global_from_hull=from_mount([0, 0, 0, 0, 0, 90]),
+        covariance=covariance,
+        survey_center=np.zeros(3),
+    )
     turned = hull_pose_covariance(quarter, np.zeros(3))
     assert np.diag(turned)[:3] == pytest.approx([0.04, 0.01, 0.09])
 
@@ -100,9 +123,13 @@ def test_far_from_its_center_a_rotation_moves_the_hull() -> None:
 
 def test_the_sigma_of_a_place_grows_with_its_distance_from_the_center() -> None:
     offset = SurveyOffset(
-        first_from_second=exp(np.zeros((1, 6))), covariance=np.diag([0.001**2] * 3 + [0.001**2] * 3),
-        prior_covariance=np.eye(6), center=np.zeros(3), chi_square=0.0, p_value=1.0,
-    )  # fmt: skip
+        first_from_second=exp(np.zeros((1, 6))),
+        covariance=np.diag([0.001**2] * 3 + [0.001**2] * 3),
+        prior_covariance=np.eye(6),
+        center=np.zeros(3),
+        chi_square=0.0,
+        p_value=1.0,
+    )
     points = np.array([[0.0, 0, 0], [10.0, 0, 0]])
     near, far = offset_sigma(offset, points, np.array([[0.0, 1, 0]] * 2))
     assert near == pytest.approx(0.001)

@@ -59,7 +59,9 @@ def test_vertices_without_support_are_unseen(bare) -> None:
 
 
 def test_a_survey_of_nothing_is_a_relief_of_nothing(bare) -> None:
-    blind = replace(bare, as_found=replace(bare.as_found, support=np.zeros(len(bare.form_sigma), int)))
+    blind = replace(
+        bare, as_found=replace(bare.as_found, support=np.zeros(len(bare.form_sigma), int))
+    )
     assert len(seen_points(blind, chart())[0]) == 0
     assert np.isnan(relief_on(LATTICE, chart(), blind).height).all()
 

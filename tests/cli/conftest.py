@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A program whose chain is three small steps under names of the real ones, and a dive package for it."""
+"""A program whose chain is three small steps under names of the real ones, and a dive package for
+it.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +52,13 @@ def navigate(context: Context) -> None:
     if context.parameters.loud:
         context.warn("the log is loud")
     words = (context.inputs["ingest"] / "words.txt").read_text().split()
-    context.out.json("count.json", {"words": context.parameters.times * len(words), "slop": context.settings["tray"].sigma_deg})
+    context.out.json(
+        "count.json",
+        {
+            "words": context.parameters.times * len(words),
+            "slop": context.settings["tray"].sigma_deg,
+        },
+    )
 
 
 def report(context: Context) -> None:
@@ -77,7 +85,10 @@ class Answer(Struct):
 @pytest.fixture
 def toy_stages(monkeypatch: pytest.MonkeyPatch) -> tuple[Stage, ...]:
     monkeypatch.setattr("hullrecon.steps.chain.stages", lambda: STAGES)
-    monkeypatch.setattr("hullrecon_cli.commands.steps.find_stage", lambda name: next(s for s in STAGES if s.name == name))
+    monkeypatch.setattr(
+        "hullrecon_cli.commands.steps.find_stage",
+        lambda name: next(s for s in STAGES if s.name == name),
+    )
     return STAGES
 
 

@@ -24,19 +24,26 @@ def test_each_damaged_file_is_named(program, package: Path, runs: Path) -> None:
     answer = program("check", runs / "toy", "--read-data")
     assert answer.code == 3
     assert answer.out.splitlines()[:2] == [
-        "damaged: ingest/words.txt is altered", f"damaged: {package.resolve() / 'log.txt'} is not what ingest read",
-    ]  # fmt: skip
+        "damaged: ingest/words.txt is altered",
+        f"damaged: {package.resolve() / 'log.txt'} is not what ingest read",
+    ]
     assert answer.err.startswith("error: damaged: ingest/words.txt is altered")
     document = program("check", runs / "toy", "--read-data", "--json")
     assert document.code == 3
     assert len(json.loads(document.out)["damaged"]) == 2
 
 
-def test_what_check_found_a_run_that_reads_data_makes_anew(program, package: Path, runs: Path) -> None:
+def test_what_check_found_a_run_that_reads_data_makes_anew(
+    program, package: Path, runs: Path
+) -> None:
     program("run", package, "--runs", runs)
     (runs / "toy" / "ingest" / "words.txt").write_text("one two threE\n")
     answer = program("run", package, "--runs", runs, "--read-data", "--json")
-    assert [step["state"] for step in json.loads(answer.out)["steps"]] == ["made", "up to date", "up to date"]
+    assert [step["state"] for step in json.loads(answer.out)["steps"]] == [
+        "made",
+        "up to date",
+        "up to date",
+    ]
     assert program("check", runs / "toy", "--read-data").code == 0
 
 

@@ -16,7 +16,9 @@ def artifacts(runs: Path) -> set[str]:
 def test_a_dry_run_lists_and_removes_nothing(program, package: Path, runs: Path) -> None:
     program("run", package, "--runs", runs)
     answer = program("clean", package, "--runs", runs, "--dry-run")
-    assert answer.out.splitlines() == [f"would remove {runs / 'toy' / n}" for n in ("ingest", "navigate", "report")]
+    assert answer.out.splitlines() == [
+        f"would remove {runs / 'toy' / n}" for n in ("ingest", "navigate", "report")
+    ]
     assert artifacts(runs) == {"ingest", "navigate", "report"}
 
 

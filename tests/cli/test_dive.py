@@ -44,9 +44,14 @@ def package(tmp_path: Path) -> Path:
     (folder / "hull.off").write_text(TETRAHEDRON.format(20))
     (logs / "pressure.csv").write_text("t,pascal\n0,113391\n1,135512\n")
     (logs / "imu.csv").write_text("t,qx,qy,qz,qw\n0,0,0,0,1\n1,0,0,0,1\n")
-    (logs / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n")
+    (logs / "dvl.csv").write_text(
+        "t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n"
+    )
     for name in "abc":
-        cv2.imwrite(str(logs / f"{name}.jpg"), np.random.default_rng(1).integers(0, 255, (24, 32, 3), np.uint8))
+        cv2.imwrite(
+            str(logs / f"{name}.jpg"),
+            np.random.default_rng(1).integers(0, 255, (24, 32, 3), np.uint8),
+        )
     (logs / "camera_top.csv").write_text("t,file\n0.4,a.jpg\n0.8,b.jpg\n1.2,c.jpg\n")
     return folder
 
@@ -74,15 +79,21 @@ def test_check_says_in_words_what_a_package_holds(capsys, package):
     assert "depth runs from 1.2 to 3.4 m" in lines
     assert "the first camera image is 0.4 s after the first DVL ping" in lines
     assert any(line.startswith("no sonar") for line in lines)
-    assert any(line.startswith("defaults used: ") and "dvl.mount_sigma = [0.01, " in line for line in lines)
+    assert any(
+        line.startswith("defaults used: ") and "dvl.mount_sigma = [0.01, " in line for line in lines
+    )
 
 
 def test_check_ends_with_3_where_no_run_is_possible(capsys, package):
     (package / "logs" / "imu.csv").unlink()
     code, out, err = call(capsys, "check", package)
     assert code == 3
-    assert any(line.startswith("no imu: ") and "no run is possible" in line for line in out.splitlines())
-    assert err.splitlines()[-1].startswith("error: no run is possible: missing: an IMU with attitude")
+    assert any(
+        line.startswith("no imu: ") and "no run is possible" in line for line in out.splitlines()
+    )
+    assert err.splitlines()[-1].startswith(
+        "error: no run is possible: missing: an IMU with attitude"
+    )
     code, out, err = call(capsys, "check", package, "--json")
     assert (code, json.loads(out)["run_is_possible"]) == (3, False)
     assert "error" not in err
@@ -97,7 +108,10 @@ def test_check_lists_all_files_that_are_missing_and_reads_the_rest(capsys, packa
     assert "missing: top.yaml (camera.top.calibration)" in lines
     assert "missing: hull.off (hull.mesh)" in lines
     assert "depth runs from 1.2 to 3.4 m" in lines
-    assert "missing: top.yaml (camera.top.calibration); missing: hull.off (hull.mesh)" in err.splitlines()[-1]
+    assert (
+        "missing: top.yaml (camera.top.calibration); missing: hull.off (hull.mesh)"
+        in err.splitlines()[-1]
+    )
 
 
 def _without(*names):
@@ -105,7 +119,9 @@ def _without(*names):
 
 
 def _rewrite(old, new, name="dive.toml"):
-    return lambda package: (package / name).write_text((package / name).read_text().replace(old, new))
+    return lambda package: (package / name).write_text(
+        (package / name).read_text().replace(old, new)
+    )
 
 
 SPOILED = {
@@ -116,9 +132,13 @@ SPOILED = {
     "files are missing": _without("top.yaml", "hull.off"),
     "no beams": _rewrite("beam_angle_deg = 30.0\nbeam_azimuth_deg = [180, 0, 90, -90]", ""),
     "a misspelt joint": _rewrite("[hull]", '[tray]\njoint = "tary"\n[hull]'),
-    "a hull in millimetres": lambda package: (package / "hull.off").write_text(TETRAHEDRON.format(20000)),
+    "a hull in millimetres": lambda package: (package / "hull.off").write_text(
+        TETRAHEDRON.format(20000)
+    ),
     "a calibration of another size": _rewrite("32", "64", "top.yaml"),
-    "stamps in ms": lambda package: (package / "logs" / "imu.csv").write_text("t,qx,qy,qz,qw\n1777887000000,0,0,0,1\n"),
+    "stamps in ms": lambda package: (package / "logs" / "imu.csv").write_text(
+        "t,qx,qy,qz,qw\n1777887000000,0,0,0,1\n"
+    ),
     "a cut table": lambda package: (package / "logs" / "dvl.csv").write_text("t,vx\n"),
     "nothing wrong": lambda package: None,
 }
@@ -129,7 +149,9 @@ def test_check_never_tells_one_to_see_check(capsys, package, what):
     SPOILED[what](package)
     for more in ([], ["--json"]):
         _, out, err = call(capsys, "check", package, *more)
-        assert not re.search(r"(?i)\bhullrecon check\b|\b(see|run|try|call|with|by) `?check\b", out + err), out + err
+        assert not re.search(
+            r"(?i)\bhullrecon check\b|\b(see|run|try|call|with|by) `?check\b", out + err
+        ), out + err
 
 
 def test_an_option_of_set_that_check_does_not_take_is_not_blamed_on_the_file(capsys, package):
@@ -149,7 +171,9 @@ def test_run_warns_of_what_is_left_to_defaults(capsys, package):
 
 
 def test_check_asks_where_the_beams_point(capsys, package):
-    (package / "dive.toml").write_text(TOML.replace("beam_angle_deg = 30.0\nbeam_azimuth_deg = [180, 0, 90, -90]", ""))
+    (package / "dive.toml").write_text(
+        TOML.replace("beam_angle_deg = 30.0\nbeam_azimuth_deg = [180, 0, 90, -90]", "")
+    )
     code, line = complaint(capsys, "check", package)
     assert code == 3
     assert "nothing says where the DVL's 4 beams point" in line
@@ -305,7 +329,10 @@ def test_a_bow_across_the_ship_is_one_line_and_code_three(capsys, package):
     (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "+y"'))
     code, line = complaint(capsys, "check", package)
     assert code == 3
-    assert 'the bow cannot lie at +y: the CAD model is 20.0 m along x, 5.0 m along y (hull.bow): give "+x" or "-x"' in line
+    assert (
+        'the bow cannot lie at +y: the CAD model is 20.0 m along x, 5.0 m along y (hull.bow): give "+x" or "-x"'
+        in line
+    )
     (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "x"'))
     assert complaint(capsys, "check", package)[0] == 2
 
@@ -320,7 +347,8 @@ def test_a_run_refuses_a_bow_across_the_ship_before_it_reads_a_log(capsys, packa
     with pytest.raises(InputError, match="the bow cannot lie at"):
         run_dive(package, tmp_path / "runs")
     assert not list((tmp_path / "runs").glob("*/ingest"))
-    code, out, _ = call(capsys, "run", package, "--runs", tmp_path / "runs", "--to", "ingest")  # which does not ask for it
+    # which does not ask for it
+    code, out, _ = call(capsys, "run", package, "--runs", tmp_path / "runs", "--to", "ingest")
     assert (code, out.split()[:2]) == (0, ["ingest", "ran"])
 
 
@@ -337,12 +365,19 @@ def test_check_ends_with_a_verdict_whatever_stands_against_a_run(capsys, package
     (tmp_path / "table").mkdir()
     (tmp_path / "table" / "dvl.csv").write_text("time;speed\n0;1\n")
     (package / "dive.toml").write_text(TOML.replace("vessel", "vesel"))
-    wanted = {"empty": "no dive.toml", "table": "no column t", "nowhere": "no dive.toml", "package": "unknown key dive.vesel"}
+    wanted = {
+        "empty": "no dive.toml",
+        "table": "no column t",
+        "nowhere": "no dive.toml",
+        "package": "unknown key dive.vesel",
+    }
     for name, reason in wanted.items():
         code, out, err = call(capsys, "check", tmp_path / name)
         assert code in (2, 3)
         verdicts = [line for line in out.splitlines() if line.startswith("verdict: ")]
-        assert verdicts == [line.replace("error: ", "verdict: not ready: ") for line in err.splitlines()]
+        assert verdicts == [
+            line.replace("error: ", "verdict: not ready: ") for line in err.splitlines()
+        ]
         assert reason in verdicts[0]
     code, out, _ = call(capsys, "check", tmp_path / "empty", "--json")
     assert json.loads(out)["error"]["exit_code"] == code == 3

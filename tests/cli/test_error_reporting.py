@@ -50,17 +50,28 @@ def test_an_error_of_the_system_has_its_exit_code_wherever_it_was_met(
 
 @pytest.mark.parametrize(
     "error",
-    [MemoryError(), ImportError("libx.so: failed to map segment from shared object"), RuntimeError("can't start new thread")],
+    [
+        MemoryError(),
+        ImportError("libx.so: failed to map segment from shared object"),
+        RuntimeError("can't start new thread"),
+    ],
 )
-def test_a_lack_of_memory_is_no_internal_error(error: Exception, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_lack_of_memory_is_no_internal_error(
+    error: Exception, capfd: pytest.CaptureFixture[str]
+) -> None:
     assert exit_code_of(error, CallState()) == 4
     assert "the memory ran out" in capfd.readouterr().err
 
 
-def test_an_error_after_ctrl_c_is_the_interruption(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+def test_an_error_after_ctrl_c_is_the_interruption(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setattr(interruption, "_requested", [signal.SIGINT])
     assert exit_code_of(ImportError("initialization failed"), CallState()) == 130
-    assert capfd.readouterr().err == "error: interrupted: what is finished is kept, run again to go on\n"
+    assert (
+        capfd.readouterr().err
+        == "error: interrupted: what is finished is kept, run again to go on\n"
+    )
 
 
 @pytest.mark.parametrize("raised", ["ImportError('initialization failed')", "KeyboardInterrupt()"])
@@ -79,13 +90,21 @@ def test_ctrl_c_during_an_import_ends_the_process_as_interrupted(raised: str) ->
         "sys.argv = ['hullrecon', 'completion', 'bash']\n"
         "start()\n"
     )
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
     assert answer.returncode == 130
-    assert answer.stderr.strip() == "error: interrupted: what is finished is kept, run again to go on"
+    assert (
+        answer.stderr.strip() == "error: interrupted: what is finished is kept, run again to go on"
+    )
 
 
 def test_a_ctrl_c_that_a_library_swallows_ends_the_step(
-    program, package: Path, runs: Path, toy_stages: tuple[Stage, ...], monkeypatch: pytest.MonkeyPatch
+    program,
+    package: Path,
+    runs: Path,
+    toy_stages: tuple[Stage, ...],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(interruption, "_requested", [])
 
@@ -106,7 +125,11 @@ def test_a_ctrl_c_that_a_library_swallows_ends_the_step(
 def test_a_full_standard_output_is_one_line() -> None:
     with Path("/dev/full").open("w") as full:
         answer = subprocess.run(
-            [sys.executable, "-c", NEVER, "--version"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+            [sys.executable, "-c", NEVER, "--version"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
         )
     assert (answer.returncode, answer.stderr) == (6, "error: No space left on device\n")
 
@@ -116,19 +139,32 @@ def test_a_small_address_space_is_one_line(limit_gb: float, package: Path, runs:
     limit = int(limit_gb * 1e9)
     answer = subprocess.run(
         [sys.executable, "-c", NEVER, "run", str(package), "--runs", str(runs), "--quiet"],
-        capture_output=True, text=True, check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
+    )
     assert answer.returncode == 4
-    assert answer.stderr.startswith(f"error: the address space is limited to {limit_gb:.2f} GB, and a run needs 2.02 GB: ")
+    assert answer.stderr.startswith(
+        f"error: the address space is limited to {limit_gb:.2f} GB, and a run needs 2.02 GB: "
+    )
     assert answer.stderr.count("\n") == 1
     assert not runs.exists()
 
 
 @pytest.mark.parametrize(
     ("place", "code"),
-    [("absent/run.log", 2), ("file/run.log", 2), ("x" * 300, 2), ("/proc/hullrecon.log", 2), ("/sys/x.log", 6)],
+    [
+        ("absent/run.log", 2),
+        ("file/run.log", 2),
+        ("x" * 300, 2),
+        ("/proc/hullrecon.log", 2),
+        ("/sys/x.log", 6),
+    ],
 )
-def test_a_log_file_that_cannot_be_is_one_line(place: str, code: int, program, package: Path, tmp_path: Path) -> None:
+def test_a_log_file_that_cannot_be_is_one_line(
+    place: str, code: int, program, package: Path, tmp_path: Path
+) -> None:
     (tmp_path / "file").touch()
     answer = program("status", package, "--log-file", tmp_path / place)
     assert answer.code == code, answer.err
@@ -136,7 +172,9 @@ def test_a_log_file_that_cannot_be_is_one_line(place: str, code: int, program, p
     assert answer.err.count("\n") == 1
 
 
-def test_a_log_file_that_becomes_full_ends_and_the_run_does_not(program, package: Path, runs: Path) -> None:
+def test_a_log_file_that_becomes_full_ends_and_the_run_does_not(
+    program, package: Path, runs: Path
+) -> None:
     answer = program("run", package, "--runs", runs, "--log-file", "/dev/full")
     assert answer.code == 0
     assert answer.err.count("the log file ends here") == 1
@@ -144,7 +182,9 @@ def test_a_log_file_that_becomes_full_ends_and_the_run_does_not(program, package
 
 
 @pytest.mark.parametrize("place", ["/proc/hullrecon", "/dev/null/runs", "file/runs", "x" * 300])
-def test_a_runs_folder_that_cannot_be_is_one_line(place: str, program, package: Path, tmp_path: Path) -> None:
+def test_a_runs_folder_that_cannot_be_is_one_line(
+    place: str, program, package: Path, tmp_path: Path
+) -> None:
     (tmp_path / "file").touch()
     answer = program("run", package, "--runs", tmp_path / place, "--quiet")
     assert answer.code in (2, 6), answer.err
@@ -153,7 +193,10 @@ def test_a_runs_folder_that_cannot_be_is_one_line(place: str, program, package: 
     assert "internal" not in answer.err
 
 
-@pytest.mark.parametrize("command", [["run"], ["status"], ["check"], ["evaluate", "x"], ["init"], ["simulate"], ["clean"]])
+@pytest.mark.parametrize(
+    "command",
+    [["run"], ["status"], ["check"], ["evaluate", "x"], ["init"], ["simulate"], ["clean"]],
+)
 def test_a_name_of_300_characters_is_one_line(command: list[str], program, tmp_path: Path) -> None:
     answer = program(*command, tmp_path / ("x" * 300))
     assert answer.code in (2, 3, 6), answer.err
@@ -161,7 +204,9 @@ def test_a_name_of_300_characters_is_one_line(command: list[str], program, tmp_p
     assert "internal" not in answer.err
 
 
-def test_a_traceback_goes_to_the_users_state_before_a_run_has_begun(state_home: Path, tmp_path: Path) -> None:
+def test_a_traceback_goes_to_the_users_state_before_a_run_has_begun(
+    state_home: Path, tmp_path: Path
+) -> None:
     path = write_fault_file(ZeroDivisionError("ours"), tmp_path / "runs" / "toy")
     assert path is not None
     assert path.parent == state_home
@@ -182,10 +227,15 @@ def test_a_traceback_names_no_user_and_no_place() -> None:
     assert sys.base_prefix not in text
 
 
-def test_no_place_for_a_traceback_is_said(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+def test_no_place_for_a_traceback_is_said(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", "/proc/nowhere")
     assert exit_code_of(ZeroDivisionError("ours"), CallState()) == 1
-    assert capfd.readouterr().err == "error: internal error; ZeroDivisionError: ours (no place for its traceback)\n"
+    assert (
+        capfd.readouterr().err
+        == "error: internal error; ZeroDivisionError: ours (no place for its traceback)\n"
+    )
 
 
 def test_private_files_are_for_the_owner_and_only_the_last_are_kept(tmp_path: Path) -> None:

@@ -19,13 +19,25 @@ from hullrecon.artifacts.storage.lock import hold_lock
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = json.loads((ROOT / "hullrecon/report/schemas/fleet.schema.json").read_text())
-STEPS_AND_HEAVY = ("hullrecon.steps.chain", "scipy", "cv2", "open3d", "pycolmap", "trimesh", "matplotlib", "rosbags", "rich")
+STEPS_AND_HEAVY = (
+    "hullrecon.steps.chain",
+    "scipy",
+    "cv2",
+    "open3d",
+    "pycolmap",
+    "trimesh",
+    "matplotlib",
+    "rosbags",
+    "rich",
+)
 
 
 @pytest.fixture
 def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Path]:
     """Makes packages that do at once what they are asked to; returns the folder of dives."""
-    monkeypatch.setattr(processes, "PROGRAM", (sys.executable, "-P", str(ROOT / "tests/api/fleet_program.py")))
+    monkeypatch.setattr(
+        processes, "PROGRAM", (sys.executable, "-P", str(ROOT / "tests/api/fleet_program.py"))
+    )
     monkeypatch.setenv("FLEET_TRACE", str(tmp_path / "trace.txt"))
 
     def make(**dives: str) -> Path:
@@ -39,13 +51,17 @@ def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Path]
     return make
 
 
-def test_a_fleet_says_how_many_were_delivered_and_one_line_for_each_that_failed(program, make, runs: Path) -> None:
+def test_a_fleet_says_how_many_were_delivered_and_one_line_for_each_that_failed(
+    program, make, runs: Path
+) -> None:
     dives = make(kestrel="deliver", merlin="fail", osprey="deliver")
     answer = program("fleet", dives, "--runs", runs, "--jobs", 2)
     assert (answer.code, answer.out) == (4, "3 dives: 2 delivered, 1 failed, 3 run now\n")
     lines = answer.err.splitlines()
     assert lines[0] == "3 of 3 dives to run"
-    assert [line for line in lines if "failed" in line] == ["failed: merlin: exit code 4: too few\\x1b[31m matches"]
+    assert [line for line in lines if "failed" in line] == [
+        "failed: merlin: exit code 4: too few\\x1b[31m matches"
+    ]
     again = program("fleet", dives, "--runs", runs)
     assert (again.code, again.out) == (4, "3 dives: 2 delivered, 1 failed, 0 run now\n")
     assert again.err.splitlines()[0] == "failed: merlin: exit code 4: too few\\x1b[31m matches"
@@ -60,7 +76,11 @@ def test_a_quiet_fleet_says_nothing_but_a_failure_once(program, make, runs: Path
     dives = make(kestrel="deliver", merlin="fail")
     (dives / "empty").mkdir()
     first = program("-q", "fleet", dives, "--runs", runs)
-    assert (first.code, first.out, first.err) == (4, "", "failed: merlin: exit code 4: too few\\x1b[31m matches\n")
+    assert (first.code, first.out, first.err) == (
+        4,
+        "",
+        "failed: merlin: exit code 4: too few\\x1b[31m matches\n",
+    )
     again = program("fleet", dives, "--runs", runs, "--quiet")
     assert (again.code, again.out, again.err) == (4, "", "")
 
@@ -70,7 +90,9 @@ def test_retry_runs_again_what_failed(program, make, runs: Path, tmp_path: Path)
     program("fleet", dives, "--runs", runs)
     (tmp_path / "trace.txt").write_text("")
     program("fleet", dives, "--runs", runs, "--retry")
-    assert [line.split()[0] for line in (tmp_path / "trace.txt").read_text().splitlines()] == ["merlin"]
+    assert [line.split()[0] for line in (tmp_path / "trace.txt").read_text().splitlines()] == [
+        "merlin"
+    ]
 
 
 def test_json_is_one_document_as_the_schema_has_it(program, make, runs: Path) -> None:
@@ -79,15 +101,28 @@ def test_json_is_one_document_as_the_schema_has_it(program, make, runs: Path) ->
     answer = program("fleet", dives, "--runs", runs, "--json")
     document = json.loads(answer.out)
     assert violations(document, SCHEMA) == []
-    assert (answer.code, document["exit_code"], document["delivered"], document["failed"]) == (4, 4, 1, 1)
+    assert (answer.code, document["exit_code"], document["delivered"], document["failed"]) == (
+        4,
+        4,
+        1,
+        1,
+    )
     kestrel, merlin = document["dives"]
-    assert (kestrel["name"], kestrel["state"], kestrel["deliver_files"]) == ("kestrel", "delivered", ["report.txt"])
+    assert (kestrel["name"], kestrel["state"], kestrel["deliver_files"]) == (
+        "kestrel",
+        "delivered",
+        ["report.txt"],
+    )
     assert kestrel["package_files"] == ["dive.toml", "do.txt"]
     assert (merlin["state"], merlin["exit_code"], merlin["deliver"]) == ("failed", 4, None)
-    assert document["skipped"] == [{"path": str(dives / "empty"), "reason": "it holds no dive.toml"}]
+    assert document["skipped"] == [
+        {"path": str(dives / "empty"), "reason": "it holds no dive.toml"}
+    ]
 
 
-def test_a_dry_run_says_what_would_be_run_and_why_and_writes_nothing(program, make, runs: Path, tmp_path: Path) -> None:
+def test_a_dry_run_says_what_would_be_run_and_why_and_writes_nothing(
+    program, make, runs: Path, tmp_path: Path
+) -> None:
     answer = program("fleet", make(kestrel="deliver", merlin="fail"), "--runs", runs, "--dry-run")
     assert answer.code == 0
     assert answer.out.splitlines() == [
@@ -96,18 +131,30 @@ def test_a_dry_run_says_what_would_be_run_and_why_and_writes_nothing(program, ma
         "2 dives: 0 delivered, 0 failed, 2 to do",
     ]
     assert not runs.exists()
-    document = json.loads(program("fleet", tmp_path / "dives", "--runs", runs, "--dry-run", "--json").out)
+    document = json.loads(
+        program("fleet", tmp_path / "dives", "--runs", runs, "--dry-run", "--json").out
+    )
     assert violations(document, SCHEMA) == []
 
 
-def test_a_wrong_folder_of_dives_ends_with_3_and_wrong_usage_with_2(program, make, runs: Path, tmp_path: Path) -> None:
+def test_a_wrong_folder_of_dives_ends_with_3_and_wrong_usage_with_2(
+    program, make, runs: Path, tmp_path: Path
+) -> None:
     dives = make(kestrel="deliver")
     (tmp_path / "none").mkdir()
-    for folder, words in ((tmp_path / "nowhere", "No such file"), (tmp_path / "none", "no dive package")):
+    for folder, words in (
+        (tmp_path / "nowhere", "No such file"),
+        (tmp_path / "none", "no dive package"),
+    ):
         answer = program("fleet", folder, "--runs", runs)
         assert (answer.code, answer.out, answer.err.count("\n")) == (3, "", 1)
         assert words in answer.err
-    for arguments in ((dives, "--runs", dives), (dives, "--jobs", 0), ("--runs", runs), (dives, "--scheduler", "nonsense")):
+    for arguments in (
+        (dives, "--runs", dives),
+        (dives, "--jobs", 0),
+        ("--runs", runs),
+        (dives, "--scheduler", "nonsense"),
+    ):
         answer = program("fleet", *arguments, *(() if "--runs" in arguments else ("--runs", runs)))
         assert (answer.code, answer.out) == (2, "")
         assert [line for line in answer.err.splitlines() if not line.startswith("error: ")] == []
@@ -136,7 +183,9 @@ def test_names_of_others_cannot_write_on_the_terminal(program, make, runs: Path)
     ]
 
 
-def test_a_call_with_nothing_to_do_opens_dive_toml_alone_and_imports_no_step(program, make, runs: Path) -> None:
+def test_a_call_with_nothing_to_do_opens_dive_toml_alone_and_imports_no_step(
+    program, make, runs: Path
+) -> None:
     dives = make(**{f"dive{k}": "deliver" for k in range(3)})
     assert program("fleet", dives, "--runs", runs, "--jobs", 3).code == 0
     code = f"""
@@ -149,14 +198,24 @@ code = main(["--json", "fleet", {str(dives)!r}, "--runs", {str(runs)!r}])
 print(code, sorted(set(os.path.relpath(path, {str(dives.parent)!r}) for path in opened)),
     sorted(set({STEPS_AND_HEAVY!r}) & set(sys.modules)), file=sys.stderr)
 """
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    opened = [*(f"dives/dive{k}/dive.toml" for k in range(3)), "runs/.fleet/dives.json", "runs/.fleet/lock"]
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    opened = [
+        *(f"dives/dive{k}/dive.toml" for k in range(3)),
+        "runs/.fleet/dives.json",
+        "runs/.fleet/lock",
+    ]
     assert answer.stderr.splitlines()[-1] == f"0 {opened} []"
 
 
-def test_a_time_limit_and_files_outside_are_options_of_the_command(program, make, runs: Path) -> None:
+def test_a_time_limit_and_files_outside_are_options_of_the_command(
+    program, make, runs: Path
+) -> None:
     dives = make(kestrel="read outside", merlin="wait")
-    answer = program("fleet", dives, "--runs", runs, "--jobs", 2, "--allow-outside", "--time-limit", 5)
+    answer = program(
+        "fleet", dives, "--runs", runs, "--jobs", 2, "--allow-outside", "--time-limit", 5
+    )
     assert (answer.code, answer.out) == (4, "2 dives: 1 delivered, 1 failed, 2 run now\n")
     assert "failed: merlin: exit code 4: it took longer than 5 s (--time-limit)" in answer.err
     assert program("fleet", dives, "--runs", runs, "--time-limit", 0).code == 2

@@ -17,7 +17,18 @@ from hullrecon_cli.main import cli, main
 
 from hullrecon.steps.chain import NAMES, stages
 
-HEAVY = ("numpy", "scipy", "msgspec", "rich", "cv2", "open3d", "pycolmap", "trimesh", "matplotlib", "hullrecon.steps.chain")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "msgspec",
+    "rich",
+    "cv2",
+    "open3d",
+    "pycolmap",
+    "trimesh",
+    "matplotlib",
+    "hullrecon.steps.chain",
+)
 
 
 def test_help_lists_every_command_with_its_line(program) -> None:
@@ -38,12 +49,16 @@ def test_the_bare_program_prints_its_help(program) -> None:
 def test_help_imports_nothing_heavy() -> None:
     loaded = f"' '.join(set({HEAVY!r}) & set(sys.modules))"
     code = f"import sys; from hullrecon_cli.main import main; main(['--help']); sys.exit({loaded} or 0)"
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
     assert (answer.returncode, answer.stderr) == (0, "")
 
 
 def test_the_list_of_steps_says_what_the_steps_say_of_themselves() -> None:
-    assert {stage.name: stage.summary for stage in stages()} == {name: entry.summary for name, entry in STEPS.items()}
+    assert {stage.name: stage.summary for stage in stages()} == {
+        name: entry.summary for name, entry in STEPS.items()
+    }
     assert tuple(STEPS) == NAMES
 
 
@@ -99,13 +114,21 @@ def test_completion_is_a_script_for_the_shell(shell: str, program) -> None:
 
 
 def test_bash_completes_commands_through_the_script() -> None:
-    environment = os.environ | {"_HULLRECON_COMPLETE": "bash_complete", "COMP_WORDS": "hullrecon mos", "COMP_CWORD": "1"}
+    environment = os.environ | {
+        "_HULLRECON_COMPLETE": "bash_complete",
+        "COMP_WORDS": "hullrecon mos",
+        "COMP_CWORD": "1",
+    }
     code = "import sys; from hullrecon_cli.main import main; sys.exit(main([]))"
-    answer = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    answer = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False
+    )
     assert answer.stdout.split() == ["plain,mosaic-optical", "plain,mosaic-sonar"]
 
 
-def test_blas_has_one_thread_unless_the_user_says_otherwise(program, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_blas_has_one_thread_unless_the_user_says_otherwise(
+    program, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
     program("--version")
     assert os.environ["OPENBLAS_NUM_THREADS"] == "1"
@@ -115,8 +138,12 @@ def test_blas_has_one_thread_unless_the_user_says_otherwise(program, monkeypatch
 
 
 def test_a_reader_that_leaves_early_is_told_nothing() -> None:
-    script = "import sys; from hullrecon_cli.main import main; sys.exit(main(['completion', 'bash']))"
-    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    script = (
+        "import sys; from hullrecon_cli.main import main; sys.exit(main(['completion', 'bash']))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
     assert process.stdout is not None
     process.stdout.close()
     _, err = process.communicate(timeout=60)
@@ -130,9 +157,13 @@ def test_sigterm_is_an_interruption() -> None:
         "m.cli.callback = lambda: os.kill(os.getpid(), signal.SIGTERM)\n"
         "sys.exit(m.main(['completion', 'bash']))\n"
     )
-    answer = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    answer = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
     assert answer.returncode == 130
-    assert answer.stderr.strip() == "error: interrupted: what is finished is kept, run again to go on"
+    assert (
+        answer.stderr.strip() == "error: interrupted: what is finished is kept, run again to go on"
+    )
     assert signal.SIGTERM == 15
 
 

@@ -36,7 +36,9 @@ def package(tmp_path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("command", ["check", "run", "ingest", "status", "explain", "compare-methods", "figures"])
+@pytest.mark.parametrize(
+    "command", ["check", "run", "ingest", "status", "explain", "compare-methods", "figures"]
+)
 def test_a_command_that_reads_packages_refuses_a_file_outside_in_one_line(capsys, package, command):
     runs = [] if command == "check" else ["--runs", str(package.parent / "runs")]
     assert main([command, str(package), *runs]) == 3
@@ -78,8 +80,13 @@ def test_the_library_refuses_and_allows_alike(package, tmp_path):
 def test_init_says_which_log_lies_outside_the_package(capsys, package, tmp_path):
     out = tmp_path / "elsewhere"
     assert main(["init", str(package / "logs"), "--out", str(out)]) == 0
-    assert f"outside the package: {package / 'logs'}; put it there, or give --allow-outside" in capsys.readouterr().out
-    assert main(["init", str(package / "logs"), "--out", str(out), "--force", "--allow-outside"]) == 0
+    assert (
+        f"outside the package: {package / 'logs'}; put it there, or give --allow-outside"
+        in capsys.readouterr().out
+    )
+    assert (
+        main(["init", str(package / "logs"), "--out", str(out), "--force", "--allow-outside"]) == 0
+    )
     assert "outside the package" not in capsys.readouterr().out
     assert main(["init", str(package / "logs"), "--out", str(package), "--force"]) == 0
     assert "outside the package" not in capsys.readouterr().out
@@ -96,5 +103,6 @@ def test_a_bare_folder_of_tables_is_held_to_itself(capsys, package, command):
     code = main([command, str(package / "logs"), "--allow-outside"])
     answer = capsys.readouterr()
     assert "dvl: 3 messages" in answer.out
-    assert code == (0 if command == "init" else 3)  # a bare log is described, but no run of it is possible
+    # a bare log is described, but no run of it is possible
+    assert code == (0 if command == "init" else 3)
     assert "outside" not in answer.err

@@ -35,16 +35,21 @@ def test_json_stays_the_same_json() -> None:
 
 
 @pytest.mark.parametrize("as_json", [False, True])
-def test_results_are_printed_without_control_characters(as_json: bool, capfd: pytest.CaptureFixture[str]) -> None:
+def test_results_are_printed_without_control_characters(
+    as_json: bool, capfd: pytest.CaptureFixture[str]
+) -> None:
     CallState(json=as_json).emit({"topic": HOSTILE}, [f"topic {HOSTILE}"])
     out = capfd.readouterr().out
     assert out.replace("\n", "").isprintable()
     assert r"\u001b[2J" in out
 
 
-def test_the_log_on_the_screen_is_without_control_characters(capfd: pytest.CaptureFixture[str]) -> None:
+def test_the_log_on_the_screen_is_without_control_characters(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
     configure_logging(CallState())
-    # pytest keeps what is logged, and with several workers sends it as UTF-8, which has no lone surrogates
+    # pytest keeps what is logged, and with several workers sends it as UTF-8, which has no lone
+    # surrogates
     logging.getLogger("hullrecon.test").warning("lost: %s", HOSTILE.replace("\udc80", ""))
     assert capfd.readouterr().err.rstrip("\n").isprintable()
 
@@ -64,6 +69,8 @@ def test_wrong_usage_is_printed_without_control_characters(program) -> None:
 def test_an_encoding_that_lacks_a_character_is_no_fault() -> None:
     code = "import sys; from hullrecon_cli.main import main; sys.exit(main(['run', 'm\u2192']))"
     environment = os.environ | {"PYTHONIOENCODING": "latin-1:strict"}
-    answer = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    answer = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False
+    )
     assert answer.returncode == 3
     assert r"(m\u2192)" in answer.stderr

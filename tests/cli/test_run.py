@@ -19,23 +19,33 @@ def states(answer) -> dict[str, str]:
     return {step["name"]: step["state"] for step in json.loads(answer.out)["steps"]}
 
 
-def test_a_run_says_what_it_made_and_where_the_deliverables_are(program, package: Path, runs: Path) -> None:
+def test_a_run_says_what_it_made_and_where_the_deliverables_are(
+    program, package: Path, runs: Path
+) -> None:
     answer = program("run", package, "--runs", runs)
     assert answer.code == 0
     lines = answer.out.splitlines()
-    assert [line.split()[:2] for line in lines[:3]] == [["ingest", "ran"], ["navigate", "ran"], ["report", "ran"]]
+    assert [line.split()[:2] for line in lines[:3]] == [
+        ["ingest", "ran"],
+        ["navigate", "ran"],
+        ["report", "ran"],
+    ]
     assert lines[3] == f"deliverables: {runs / 'toy' / 'deliver'}"
     assert "toy: to do: ingest, navigate, report" in answer.err
     assert json.loads((runs / "toy/deliver/report.txt").read_text())["words"] == 3
 
 
 def test_a_quiet_run_says_nothing_when_all_is_well(program, package: Path, runs: Path) -> None:
-    answer = program("run", package, "--runs", runs, "--quiet", "--set", "navigate.loud=true", "--from-scratch")
+    answer = program(
+        "run", package, "--runs", runs, "--quiet", "--set", "navigate.loud=true", "--from-scratch"
+    )
     assert (answer.code, answer.out, answer.err) == (0, "", "")
 
 
 @pytest.mark.parametrize("place", ["before", "after"])
-def test_common_options_may_stand_before_and_after_the_command(place: str, program, package: Path, runs: Path) -> None:
+def test_common_options_may_stand_before_and_after_the_command(
+    place: str, program, package: Path, runs: Path
+) -> None:
     command = ["run", package, "--runs", runs]
     answer = program("--json", *command) if place == "before" else program(*command, "--json")
     document = json.loads(answer.out)
@@ -58,7 +68,10 @@ def test_a_second_package_of_the_same_name_replaces_the_first_ones_results_with_
     (other / "log.txt").write_text("one two\n")
     answer = program("run", other, "--runs", runs)
     assert answer.code == 0
-    assert f"{runs / 'toy'} holds the results of another dive package, {package}: what differs is replaced" in answer.err
+    assert (
+        f"{runs / 'toy'} holds the results of another dive package, {package}: what differs is replaced"
+        in answer.err
+    )
     assert json.loads((runs / "toy/deliver/report.txt").read_text())["words"] == 2
     assert "another dive package" not in program("run", other, "--runs", runs).err
 
@@ -70,11 +83,15 @@ def test_a_package_is_the_same_by_a_relative_path_by_a_link_and_by_its_run(
     (tmp_path / "link").symlink_to(package)
     monkeypatch.chdir(tmp_path)
     for target in ("package", "link", "runs/toy", "package/../link"):
-        assert set(states(program("run", target, "--runs", "runs", "--json")).values()) == {"up to date"}
+        assert set(states(program("run", target, "--runs", "runs", "--json")).values()) == {
+            "up to date"
+        }
 
 
 @pytest.mark.parametrize("left", ["nothing", "an empty folder", "a link to where it is"])
-def test_a_package_that_was_moved_goes_on_in_its_run(left: str, program, package: Path, runs: Path, tmp_path: Path) -> None:
+def test_a_package_that_was_moved_goes_on_in_its_run(
+    left: str, program, package: Path, runs: Path, tmp_path: Path
+) -> None:
     program("run", package, "--runs", runs)
     moved = package.rename(tmp_path / "moved")
     if left == "an empty folder":
@@ -108,7 +125,9 @@ def test_warnings_are_in_the_log_and_in_the_document(program, package: Path, run
     assert json.loads(answer.out)["steps"][1]["warnings"] == ["the log is loud"]
 
 
-def test_a_log_file_has_everything_with_the_time(program, package: Path, runs: Path, tmp_path: Path) -> None:
+def test_a_log_file_has_everything_with_the_time(
+    program, package: Path, runs: Path, tmp_path: Path
+) -> None:
     program("run", package, "--runs", runs, "--quiet", "--log-file", tmp_path / "run.log")
     for handler in logging.getLogger("hullrecon").handlers:
         handler.close()
@@ -117,7 +136,9 @@ def test_a_log_file_has_everything_with_the_time(program, package: Path, runs: P
     assert "INFO hullrecon.artifacts.execution.chain_runner: navigate: started: first run" in text
 
 
-def test_status_says_where_each_step_stands_and_changes_nothing(program, package: Path, runs: Path) -> None:
+def test_status_says_where_each_step_stands_and_changes_nothing(
+    program, package: Path, runs: Path
+) -> None:
     assert states(program("status", package, "--runs", runs, "--json")) == dict.fromkeys(
         ("ingest", "navigate", "report"), "not run yet"
     )
@@ -139,7 +160,9 @@ def test_status_needs_no_lock(program, package: Path, runs: Path) -> None:
         assert program("check", runs / "toy", "--read-data").code == 0
 
 
-def test_a_runs_folder_stands_for_the_package_that_it_read(program, package: Path, runs: Path) -> None:
+def test_a_runs_folder_stands_for_the_package_that_it_read(
+    program, package: Path, runs: Path
+) -> None:
     program("run", package, "--runs", runs)
     assert set(states(program("status", runs / "toy", "--json")).values()) == {"up to date"}
     (runs / "toy" / ".hullrecon" / "workspace.json").unlink()
@@ -148,10 +171,21 @@ def test_a_runs_folder_stands_for_the_package_that_it_read(program, package: Pat
     assert "does not say which dive package" in answer.err
 
 
-def test_explain_says_which_option_and_from_what_to_what(program, package: Path, runs: Path) -> None:
+def test_explain_says_which_option_and_from_what_to_what(
+    program, package: Path, runs: Path
+) -> None:
     program("run", package, "--runs", runs)
     (package / "log.txt").write_text("four\n")
-    answer = program("explain", package, "--runs", runs, "--set", "navigate.margin_m=0.7", "--set", "tray.sigma_deg=1.5")
+    answer = program(
+        "explain",
+        package,
+        "--runs",
+        runs,
+        "--set",
+        "navigate.margin_m=0.7",
+        "--set",
+        "tray.sigma_deg=1.5",
+    )
     assert answer.out.splitlines() == [
         "ingest: external file log.txt changed",
         "navigate: option navigate.margin_m changed from 0.5 to 0.7",
@@ -159,15 +193,23 @@ def test_explain_says_which_option_and_from_what_to_what(program, package: Path,
         "navigate: input ingest will rerun",
         "report: input navigate will rerun",
     ]
-    assert program("explain", package, "ingest", "--runs", runs).out == "ingest: external file log.txt changed\n"
+    assert (
+        program("explain", package, "ingest", "--runs", runs).out
+        == "ingest: external file log.txt changed\n"
+    )
 
 
 def test_explain_of_an_unknown_step_is_wrong_usage(program, package: Path, runs: Path) -> None:
     answer = program("explain", package, "navgate", "--runs", runs)
-    assert (answer.code, answer.err) == (2, "error: unknown step 'navgate'; did you mean 'navigate'?\n")
+    assert (answer.code, answer.err) == (
+        2,
+        "error: unknown step 'navgate'; did you mean 'navigate'?\n",
+    )
 
 
-def test_clean_removes_the_artifacts_that_are_named_or_all(program, package: Path, runs: Path) -> None:
+def test_clean_removes_the_artifacts_that_are_named_or_all(
+    program, package: Path, runs: Path
+) -> None:
     program("run", package, "--runs", runs)
     assert program("clean", package, "navigate", "--runs", runs).out == "removed navigate\n"
     assert states(program("run", package, "--runs", runs, "--json")) == {
@@ -175,7 +217,11 @@ def test_clean_removes_the_artifacts_that_are_named_or_all(program, package: Pat
         "navigate": "made",
         "report": "up to date",
     }
-    assert json.loads(program("clean", runs / "toy", "--yes", "--json").out)["removed"] == ["ingest", "navigate", "report"]
+    assert json.loads(program("clean", runs / "toy", "--yes", "--json").out)["removed"] == [
+        "ingest",
+        "navigate",
+        "report",
+    ]
     assert not (runs / "toy" / "deliver").exists()
     assert (package / "log.txt").exists()
 
@@ -188,7 +234,9 @@ def test_too_little_space_is_said_before_anything_is_done(
     answer = program("run", package, "--runs", runs, "--set", "navigate.times=2")
     assert answer.code == 6
     assert "only 0 MB are free" in answer.err
-    assert set(states(program("status", package, "--runs", runs, "--json")).values()) == {"up to date"}
+    assert set(states(program("status", package, "--runs", runs, "--json")).values()) == {
+        "up to date"
+    }
 
 
 @pytest.mark.parametrize(
@@ -243,11 +291,19 @@ def test_a_read_only_place_ends_with_code_6(program, package: Path) -> None:
     [
         (lambda p: (p / "dive.toml").unlink(), 3, "no dive.toml"),
         (lambda p: (p / "log.txt").unlink(), 3, "log.txt is missing"),
-        (lambda p: (p / "dive.toml").write_text("[dive]\nname='a'\nvesel='b'\n[logs]\nfiles=[]\n"), 2, "vessel"),
+        (
+            lambda p: (p / "dive.toml").write_text(
+                "[dive]\nname='a'\nvesel='b'\n[logs]\nfiles=[]\n"
+            ),
+            2,
+            "vessel",
+        ),
         (lambda p: (p / "dive.toml").write_text("not toml"), 2, "not valid TOML"),
     ],
 )
-def test_a_package_that_cannot_be_used_is_one_line(change, code: int, words: str, program, package: Path, runs: Path) -> None:
+def test_a_package_that_cannot_be_used_is_one_line(
+    change, code: int, words: str, program, package: Path, runs: Path
+) -> None:
     change(package)
     answer = program("run", package, "--runs", runs, "--quiet")
     assert answer.code == code
@@ -277,7 +333,9 @@ def test_the_findings_are_those_at_the_head_of_the_report(tmp_path: Path) -> Non
     assert delivery_lines(tmp_path / "absent") == []
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / "index.html").touch()
-    (tmp_path / "summary.json").write_text('{"summary": ["2 objects were found.", "8.4 m2 were seen."]}')
+    (tmp_path / "summary.json").write_text(
+        '{"summary": ["2 objects were found.", "8.4 m2 were seen."]}'
+    )
     assert delivery_lines(tmp_path) == [
         "2 objects were found.", "8.4 m2 were seen.",
         f"report: {tmp_path / 'report' / 'index.html'}", f"deliverables: {tmp_path}",
@@ -286,31 +344,52 @@ def test_the_findings_are_those_at_the_head_of_the_report(tmp_path: Path) -> Non
     assert len(delivery_lines(tmp_path)) == 2
 
 
-def test_a_wrong_choice_given_by_set_lists_the_choices_and_does_not_blame_the_file(program, package: Path, runs: Path) -> None:
+def test_a_wrong_choice_given_by_set_lists_the_choices_and_does_not_blame_the_file(
+    program, package: Path, runs: Path
+) -> None:
     answer = program("run", package, "--runs", runs, "--set", "navigate.end=wel")
     assert answer.code == 2
-    assert answer.err == "error: navigate.end: 'wel' is not one of badly, fault, never, well (from --set)\n"
-    (package / "dive.toml").write_text((package / "dive.toml").read_text() + '[navigate]\nend = "wel"\n')
+    assert (
+        answer.err
+        == "error: navigate.end: 'wel' is not one of badly, fault, never, well (from --set)\n"
+    )
+    (package / "dive.toml").write_text(
+        (package / "dive.toml").read_text() + '[navigate]\nend = "wel"\n'
+    )
     answer = program("run", package, "--runs", runs)
-    assert answer.err == "error: navigate.end: 'wel' is not one of badly, fault, never, well (dive.toml)\n"
+    assert (
+        answer.err
+        == "error: navigate.end: 'wel' is not one of badly, fault, never, well (dive.toml)\n"
+    )
 
 
-def test_a_value_out_of_bounds_given_by_set_is_said_to_come_from_there(program, package: Path, runs: Path) -> None:
+def test_a_value_out_of_bounds_given_by_set_is_said_to_come_from_there(
+    program, package: Path, runs: Path
+) -> None:
     answer = program("run", package, "--runs", runs, "--set", "navigate.times=99")
     assert answer.code == 2
     assert answer.err.endswith("(from --set)\n")
 
 
-def test_a_scheduler_that_is_not_there_is_one_line(program, package: Path, runs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheduler_that_is_not_there_is_one_line(
+    program, package: Path, runs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("hullrecon.artifacts.execution.cluster._CONNECT_S", 0.1)
-    for address in ("nonsense", "tcp://nonsense.invalid:8786", "tcp://127.0.0.1:1", "tcp://127.0.0.1:many"):
+    for address in (
+        "nonsense",
+        "tcp://nonsense.invalid:8786",
+        "tcp://127.0.0.1:1",
+        "tcp://127.0.0.1:many",
+    ):
         answer = program("run", package, "--runs", runs, "--scheduler", address, "--quiet")
         assert answer.code == 2
         assert answer.err.count("\n") == 1, answer.err
         assert address in answer.err
 
 
-def test_the_log_file_of_a_run_that_fails_holds_the_error(program, package: Path, runs: Path, tmp_path: Path) -> None:
+def test_the_log_file_of_a_run_that_fails_holds_the_error(
+    program, package: Path, runs: Path, tmp_path: Path
+) -> None:
     (package / "log.txt").unlink()
     answer = program("run", package, "--runs", runs, "--quiet", "--log-file", tmp_path / "run.log")
     assert answer.code == 3
@@ -318,7 +397,8 @@ def test_the_log_file_of_a_run_that_fails_holds_the_error(program, package: Path
 
 
 @pytest.mark.parametrize(
-    ("how", "code", "said"), [("badly", 4, "too few words (log.txt): write more"), ("fault", 1, "internal error")]
+    ("how", "code", "said"),
+    [("badly", 4, "too few words (log.txt): write more"), ("fault", 1, "internal error")],
 )
 @pytest.mark.parametrize("as_json", [False, True])
 def test_a_step_that_fails_alone_leaves_the_delivery_and_ends_with_its_code(
@@ -334,9 +414,14 @@ def test_a_step_that_fails_alone_leaves_the_delivery_and_ends_with_its_code(
 ) -> None:
     ingest, navigate, report = toy_stages
     alone = replace(
-        report, inputs=("ingest",), optional=("navigate",), run=lambda c: c.out.json("deliver/why.json", c.failures)
+        report,
+        inputs=("ingest",),
+        optional=("navigate",),
+        run=lambda c: c.out.json("deliver/why.json", c.failures),
     )
-    monkeypatch.setattr("hullrecon.steps.chain.stages", lambda: (ingest, replace(navigate, fails_alone=True), alone))
+    monkeypatch.setattr(
+        "hullrecon.steps.chain.stages", lambda: (ingest, replace(navigate, fails_alone=True), alone)
+    )
     command = ["run", package, "--runs", runs, "--quiet", "--set", f"navigate.end={how}"]
     answer = program(*command, *["--json"] * as_json)
     assert answer.code == code
@@ -347,9 +432,13 @@ def test_a_step_that_fails_alone_leaves_the_delivery_and_ends_with_its_code(
         assert states(answer) == {"ingest": "made", "navigate": "failed", "report": "made"}
 
 
-def test_what_an_earlier_run_delivered_is_not_shown_as_this_runs(program, package: Path, runs: Path) -> None:
+def test_what_an_earlier_run_delivered_is_not_shown_as_this_runs(
+    program, package: Path, runs: Path
+) -> None:
     program("run", package, "--runs", runs)
-    answer = program("run", package, "--runs", runs, "--to", "navigate", "--set", "navigate.times=2", "--json")
+    answer = program(
+        "run", package, "--runs", runs, "--to", "navigate", "--set", "navigate.times=2", "--json"
+    )
     assert json.loads(answer.out)["deliver"] is None
     failed = program("run", package, "--runs", runs, "--set", "navigate.end=badly")
     assert failed.code == 4

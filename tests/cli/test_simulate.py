@@ -13,7 +13,18 @@ from hullrecon_cli.main import main
 
 from hullrecon.synthetic.options import options
 
-BARE = ("--legs", "1", "--leg-length-m", "0.8", "--structures", "1", "--marks", "0", "--barnacles", "0")
+BARE = (
+    "--legs",
+    "1",
+    "--leg-length-m",
+    "0.8",
+    "--structures",
+    "1",
+    "--marks",
+    "0",
+    "--barnacles",
+    "0",
+)
 QUICK = (*BARE, "--cameras", "none", "--no-sonar")
 
 
@@ -22,7 +33,9 @@ def call(capfd: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, st
     return code, *capfd.readouterr()
 
 
-def test_help_says_what_it_does_and_describes_every_option_with_its_bounds_and_unit(capfd: pytest.CaptureFixture[str]) -> None:
+def test_help_says_what_it_does_and_describes_every_option_with_its_bounds_and_unit(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
     code, out, _ = call(capfd, "simulate", "--help")
     text = re.sub(r"\s+", " ", out)
     assert code == 0
@@ -41,7 +54,9 @@ def test_a_dive_is_written_and_counted(capfd: pytest.CaptureFixture[str], tmp_pa
     assert err == ""
 
 
-def test_json_is_one_document_with_the_counts(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_json_is_one_document_with_the_counts(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     code, out, _ = call(capfd, "simulate", tmp_path / "dive", *QUICK, "--json")
     made = json.loads(out)
     assert code == 0
@@ -60,7 +75,9 @@ def test_an_option_out_of_bounds_is_one_line_and_code_two_and_no_folder(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_with_something_in_it_is_one_line_and_code_six(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_folder_with_something_in_it_is_one_line_and_code_six(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     (tmp_path / "mine.txt").write_text("mine")
     code, _, err = call(capfd, "simulate", tmp_path, *QUICK)
     assert code == 6
@@ -86,8 +103,21 @@ def test_images_are_counted_on_standard_error_while_they_are_written(
 ) -> None:
     from hullrecon.artifacts.execution import progress
 
-    monkeypatch.setattr(progress, "choose_progress", lambda *, quiet=False: progress.LogLines(seconds=0.0))
-    options = (*BARE, "--structures", "0", "--views", "1", "--image-width", "160", "--image-height", "128", "--no-sonar")
+    monkeypatch.setattr(
+        progress, "choose_progress", lambda *, quiet=False: progress.LogLines(seconds=0.0)
+    )
+    options = (
+        *BARE,
+        "--structures",
+        "0",
+        "--views",
+        "1",
+        "--image-width",
+        "160",
+        "--image-height",
+        "128",
+        "--no-sonar",
+    )
     code, out, err = call(capfd, "simulate", tmp_path / "dive", *options)
     counts = [int(n) for n in re.findall(r"^images written: (\d+) of \d+$", err, re.M)]
     assert code == 0

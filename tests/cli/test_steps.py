@@ -24,8 +24,12 @@ def test_help_gives_words_bounds_and_default_of_each_option(program) -> None:
     assert "default [0.0, 1.0]" in text
 
 
-def test_a_step_runs_itself_and_what_it_needs_with_its_options(program, package: Path, runs: Path) -> None:
-    answer = program("navigate", package, "--runs", runs, "--times", "3", "--loud", "--span", "[1, 2]", "--json")
+def test_a_step_runs_itself_and_what_it_needs_with_its_options(
+    program, package: Path, runs: Path
+) -> None:
+    answer = program(
+        "navigate", package, "--runs", runs, "--times", "3", "--loud", "--span", "[1, 2]", "--json"
+    )
     assert [step["name"] for step in json.loads(answer.out)["steps"]] == ["ingest", "navigate"]
     manifest = json.loads((runs / "toy" / "navigate" / "manifest.json").read_text())
     assert manifest["recipe"]["settings"]["navigate"] == {
@@ -35,14 +39,21 @@ def test_a_step_runs_itself_and_what_it_needs_with_its_options(program, package:
 
 
 def test_an_options_value_is_checked_as_in_dive_toml(program, package: Path, runs: Path) -> None:
-    for arguments in (["--times", "99"], ["--times", "many"], ["--margin-m", "0"], ["--end", "somehow"]):
+    for arguments in (
+        ["--times", "99"],
+        ["--times", "many"],
+        ["--margin-m", "0"],
+        ["--end", "somehow"],
+    ):
         answer = program("navigate", package, "--runs", runs, *arguments)
         assert answer.code == 2, arguments
         assert answer.err.count("\n") == 1
 
 
 def test_a_switch_can_be_turned_off(program, package: Path, runs: Path) -> None:
-    (package / "dive.toml").write_text((package / "dive.toml").read_text() + "[navigate]\nloud = true\n")
+    (package / "dive.toml").write_text(
+        (package / "dive.toml").read_text() + "[navigate]\nloud = true\n"
+    )
     program("navigate", package, "--runs", runs, "--no-loud")
     manifest = json.loads((runs / "toy" / "navigate" / "manifest.json").read_text())
     assert manifest["recipe"]["settings"]["navigate"]["loud"] is False
@@ -50,7 +61,11 @@ def test_a_switch_can_be_turned_off(program, package: Path, runs: Path) -> None:
 
 @pytest.mark.parametrize("stage", stages(), ids=lambda stage: stage.name)
 def test_every_field_of_every_step_is_an_option_that_hides_no_common_one(stage) -> None:
-    flags = [flag for parameter in command(stage.name).params for flag in (*parameter.opts, *parameter.secondary_opts)]
+    flags = [
+        flag
+        for parameter in command(stage.name).params
+        for flag in (*parameter.opts, *parameter.secondary_opts)
+    ]
     assert len(flags) == len(set(flags))
     assert {f"--{field.name.replace('_', '-')}" for field in fields(stage)} <= set(flags)
 
@@ -64,7 +79,9 @@ def test_every_option_has_a_description_and_a_number_its_unit(stage) -> None:
     for field in fields(stage):
         inner, text = unwrap_type(field.type)
         assert text, f"{stage.name}.{field.name} has no description"
-        assert not set(text.replace("(", " ").split()) & {"O", "METHODS", "Alg."}, f"{field.name} cites a paper: {text}"
+        assert not set(text.replace("(", " ").split()) & {"O", "METHODS", "Alg."}, (
+            f"{field.name} cites a paper: {text}"
+        )
         unit = text.partition(",")[0]
         if isinstance(inner, types.FloatType):
             assert unit in UNITS, f"{stage.name}.{field.name} has no unit: {text}"

@@ -32,7 +32,9 @@ def wall_mesh(width: float = 4.0, height: float = 2.0, step: float = 0.5) -> Mes
     grid = np.stack(np.meshgrid(x, [2.0], z, indexing="ij"), axis=-1).reshape(-1, 3)
     number = np.arange(len(x) * len(z)).reshape(len(x), len(z))
     a, b, c, d = (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
-    faces = np.concatenate([np.stack([a, c, b], axis=-1), np.stack([a, d, c], axis=-1)]).reshape(-1, 3)
+    faces = np.concatenate([np.stack([a, c, b], axis=-1), np.stack([a, d, c], axis=-1)]).reshape(
+        -1, 3
+    )
     return Mesh(grid, faces.astype(np.int32))
 
 
@@ -50,8 +52,10 @@ def views_along(x: np.ndarray, z: float = 1.0, standoff: float = 1.3) -> CameraV
 
 @dataclass(frozen=True)
 class Scenery:
-    """A wall with a disc 0.10 m high and 0.24 m wide at (1.2, 1.0), a square recess 0.05 m deep and 0.2 m wide at (2.2, 1.0),
-    and a stain at (3, 1): where landmarks are dense but lie on the wall. The wall itself is off by -0.012 m."""
+    """A wall with a disc 0.10 m high and 0.24 m wide at (1.2, 1.0), a square recess 0.05 m deep and
+    0.2 m wide at (2.2, 1.0), and a stain at (3, 1): where landmarks are dense but lie on the wall.
+    The wall itself is off by -0.012 m.
+    """
 
     base: Mesh
     measured: SurfaceLandmarks
@@ -109,7 +113,10 @@ def scenery() -> Scenery:
     noise[wild] += rng.uniform(-0.3, 0.3, wild.sum())
     measured = landmarks_on_wall(x, z, noise)
     background = MedianBackground(
-        node=np.array([[2.0, 2.0, 1.0]]), value=np.array([OFF]), spread=np.array([0.002]), reach_m=1.0
+        node=np.array([[2.0, 2.0, 1.0]]),
+        value=np.array([OFF]),
+        spread=np.array([0.002]),
+        reach_m=1.0,
     )
     chart = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
     views = views_along(np.arange(0.5, 3.6, 0.25))
@@ -118,7 +125,9 @@ def scenery() -> Scenery:
 
 @pytest.fixture(scope="session")
 def found(scenery: Scenery) -> HullAsFound:
-    return estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, DetectOptions())
+    return estimate_hull_as_found(
+        scenery.base, scenery.measured, scenery.background, scenery.views, DetectOptions()
+    )
 
 
 @pytest.fixture

@@ -26,7 +26,9 @@ def test_the_field_is_bilinear_between_its_nodes() -> None:
 
 
 def test_outside_the_grid_nothing_is_known() -> None:
-    value, sigma = _field(np.array([[0.3, 0.3], [0.3, 0.3]])).at(np.array([[9.0, 2, 0], [1.2, 2, 0.1]]))
+    value, sigma = _field(np.array([[0.3, 0.3], [0.3, 0.3]])).at(
+        np.array([[9.0, 2, 0], [1.2, 2, 0.1]])
+    )
     assert np.allclose(value, [0, 0.3])
     assert np.allclose(sigma, 0.04)
 
@@ -49,7 +51,12 @@ def test_a_structure_smaller_than_half_a_disc_is_not_hull() -> None:
 def test_a_richly_textured_structure_does_not_outvote_the_hull() -> None:
     rng = np.random.default_rng(4)
     feet = np.vstack(
-        [_wall(rng, 2000), np.column_stack([rng.normal(2, 0.1, 20000), np.zeros(20000), rng.normal(1.5, 0.1, 20000)])]
+        [
+            _wall(rng, 2000),
+            np.column_stack(
+                [rng.normal(2, 0.1, 20000), np.zeros(20000), rng.normal(1.5, 0.1, 20000)]
+            ),
+        ]
     )
     offset = np.where(np.hypot(feet[:, 0] - 2, feet[:, 2] - 1.5) < 0.4, 0.1, 0.0)
     value, _ = median_background(feet, offset, 1.5).at(np.array([[2.0, 0, 1.5]]))
@@ -58,5 +65,7 @@ def test_a_richly_textured_structure_does_not_outvote_the_hull() -> None:
 
 def test_slow_changes_of_the_hull_are_followed() -> None:
     feet = _wall(np.random.default_rng(5))
-    value, _ = median_background(feet, 0.01 * feet[:, 0], 1.0).at(np.array([[1.0, 0, 1.5], [3.0, 0, 1.5]]))
+    value, _ = median_background(feet, 0.01 * feet[:, 0], 1.0).at(
+        np.array([[1.0, 0, 1.5], [3.0, 0, 1.5]])
+    )
     assert np.allclose(value, [0.01, 0.03], atol=0.002)

@@ -51,4 +51,7 @@ def test_without_a_cad_model_the_surveyed_surface_is_the_base(base: BaseSurface)
 
 def test_an_address_counts_the_depth_from_the_water_surface(base: BaseSurface) -> None:
     # M lies turned over, its origin 8 m deep: a point 2 m above the keel is 6 m below the surface
-    assert base.address_of(np.array([1.5, 2.0, 2.0])) == "1.50 m along, 2.00 m across, 6.0 m below waterline"
+    assert (
+        base.address_of(np.array([1.5, 2.0, 2.0]))
+        == "1.50 m along, 2.00 m across, 6.0 m below waterline"
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A round hull whose CAD model is drawn in coarse facets: these are not structures, and structures on them are found."""
+"""A round hull whose CAD model is drawn in coarse facets: these are not structures, and structures
+on them are found.
+"""
 
 from __future__ import annotations
 
@@ -23,20 +25,28 @@ ON_EDGE = (1.2, 1.0)
 
 
 def faceted(radius_m: float, width_m: float) -> Mesh:
-    """A cylinder about z whose outside is +y at (2, 2), in facets of that width; an edge is at x = 1.2."""
+    """A cylinder about z whose outside is +y at (2, 2), in facets of that width; an edge is at x =
+    1.2.
+    """
     step = width_m / radius_m
     angle = np.arcsin((1.2 - 2) / radius_m) + step * np.arange(-6, 7)
     angle = angle[np.abs(angle) < 1.2]
     z = np.array([0.0, 2.0])
-    around = np.stack([2 + radius_m * np.sin(angle), 2 - radius_m + radius_m * np.cos(angle)], axis=1)
+    around = np.stack(
+        [2 + radius_m * np.sin(angle), 2 - radius_m + radius_m * np.cos(angle)], axis=1
+    )
     vertices = np.concatenate([np.c_[around, np.full(len(around), level)] for level in z])
     n = len(around)
     a = np.arange(n - 1)
-    faces = np.concatenate([np.stack([a, a + n, a + 1], axis=1), np.stack([a + 1, a + n, a + n + 1], axis=1)])
+    faces = np.concatenate(
+        [np.stack([a, a + n, a + 1], axis=1), np.stack([a + 1, a + n, a + n + 1], axis=1)]
+    )
     return Mesh(vertices, faces.astype(np.int32))
 
 
-def round_hull(radius_m: float, width_m: float, at: tuple[float, float], height_m: float) -> Scenery:
+def round_hull(
+    radius_m: float, width_m: float, at: tuple[float, float], height_m: float
+) -> Scenery:
     """The smooth hull, with a disc 0.3 m wide of that height at (x, z)."""
     rng = np.random.default_rng(7)
     x, z = rng.uniform(0.4, 3.6, 12000), rng.uniform(0.5, 1.5, 12000)
@@ -45,27 +55,49 @@ def round_hull(radius_m: float, width_m: float, at: tuple[float, float], height_
     point = np.c_[(radius_m + rise)[:, None] * smooth + [2, 2 - radius_m], z]
     base = faceted(radius_m, width_m)
     near = Scene(base).closest(point)
-    measured = replace(landmarks_on_wall(x, z, rise), position=point, foot=near.foot, normal=near.normal, offset=near.distance)
+    measured = replace(
+        landmarks_on_wall(x, z, rise),
+        position=point,
+        foot=near.foot,
+        normal=near.normal,
+        offset=near.distance,
+    )
     chart = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
     views = views_along(np.arange(0.5, 3.6, 0.25))
-    return Scenery(base, measured, median_background(near.foot, near.distance, OPTIONS.background_width_m), views, chart)
+    return Scenery(
+        base,
+        measured,
+        median_background(near.foot, near.distance, OPTIONS.background_width_m),
+        views,
+        chart,
+    )
 
 
-def heights(radius_m: float, width_m: float, at: tuple[float, float], height_m: float) -> list[float]:
+def heights(
+    radius_m: float, width_m: float, at: tuple[float, float], height_m: float
+) -> list[float]:
     """Return those of the objects found."""
     scenery = round_hull(radius_m, width_m, at, height_m)
-    found = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, OPTIONS)
+    found = estimate_hull_as_found(
+        scenery.base, scenery.measured, scenery.background, scenery.views, OPTIONS
+    )
     return [o.height for o in reported(scenery, found)[0]]
 
 
-@pytest.mark.parametrize(("radius_m", "width_m"), [(2.5, 1.0), (2.5, 1.6), (4.0, 1.6), (8.0, 2.4), (20.0, 4.0)])
+@pytest.mark.parametrize(
+    ("radius_m", "width_m"), [(2.5, 1.0), (2.5, 1.6), (4.0, 1.6), (8.0, 2.4), (20.0, 4.0)]
+)
 def test_facets_are_no_structures(radius_m: float, width_m: float) -> None:
     assert facet_sagitta(faceted(radius_m, width_m)).max() > OPTIONS.min_height_m
     assert heights(radius_m, width_m, ON_EDGE, 0.0) == []
 
 
 @pytest.mark.parametrize("at", [ON_EDGE, (1.45, 1.0), (2.0, 1.0)])
-def test_a_structure_lower_than_the_sagitta_of_wide_facets_is_found(at: tuple[float, float]) -> None:
-    """They are turned by 11 degrees: over the third of a metre around the disc the curve parts from them by 4 cm at most."""
+def test_a_structure_lower_than_the_sagitta_of_wide_facets_is_found(
+    at: tuple[float, float],
+) -> None:
+    """They are turned by 11 degrees: over the third of a metre around the disc the curve parts from
+    them by 4 cm at most.
+    """
     assert facet_sagitta(faceted(20.0, 4.0)).max() == pytest.approx(0.1, abs=0.005)
     assert heights(20.0, 4.0, at, 0.1) == pytest.approx([0.1], abs=0.01)

@@ -37,7 +37,9 @@ def test_pieces_hold_the_whole_area(hull) -> None:
 
 def test_the_cameras_area_is_its_footprint(hull, wall, views_at) -> None:
     views = views_at([1.5, 2.5])
-    facts = coverage.camera_facts(hull, find_visibility(views, hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 2)
+    facts = coverage.camera_facts(
+        hull, find_visibility(views, hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 2
+    )
     # each image shows 1.3 m by 1.04 m; they overlap by 0.3 m
     assert facts["area_m2"] == pytest.approx((1.3 + 1.0) * 1.04, rel=0.05)
     assert facts["area_twice_m2"] == pytest.approx(0.3 * 1.04, rel=0.2)
@@ -46,7 +48,10 @@ def test_the_cameras_area_is_its_footprint(hull, wall, views_at) -> None:
 
 def test_the_ground_sample_distance_is_distance_over_focal_length(hull, wall, views_at) -> None:
     facts = coverage.camera_facts(
-        hull, find_visibility(views_at([2.0]), hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 1
+        hull,
+        find_visibility(views_at([2.0]), hull.mesh.vertices, hull.normal, Scene(wall)),
+        640.0,
+        1,
     )
     assert facts["gsd_m"]["p05"] == pytest.approx(1.3 / 640, rel=0.02)
     assert facts["incidence_deg"]["p95"] < np.degrees(np.arctan(np.hypot(0.65, 0.52) / 1.3))
@@ -54,7 +59,10 @@ def test_the_ground_sample_distance_is_distance_over_focal_length(hull, wall, vi
 
 def test_a_camera_that_saw_nothing_has_no_percentiles(hull, wall, views_at) -> None:
     facts = coverage.camera_facts(
-        hull, find_visibility(views_at([40.0]), hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 1
+        hull,
+        find_visibility(views_at([40.0]), hull.mesh.vertices, hull.normal, Scene(wall)),
+        640.0,
+        1,
     )
     assert facts["area_m2"] == 0
     assert facts["gsd_m"] is None
@@ -70,7 +78,10 @@ def _pings(half_bearing: float) -> SonarPings:
     bearing = np.linspace(-half_bearing, half_bearing, 5)
     directions = np.column_stack([np.zeros(5), np.sin(bearing), np.cos(bearing)])
     return SonarPings(
-        t_ns=np.array([0]), image=np.zeros((1, 5, 3), np.uint8), directions=directions, range_m=np.array([0.5, 1.5, 2.5])
+        t_ns=np.array([0]),
+        image=np.zeros((1, 5, 3), np.uint8),
+        directions=directions,
+        range_m=np.array([0.5, 1.5, 2.5]),
     )
 
 
@@ -83,14 +94,19 @@ def _sonar_at(x: float, y: float) -> Poses:
 
 
 def _survey(poses: Poses) -> coverage.SonarSurvey:
-    return coverage.SonarSurvey(pings=_pings(np.radians(30)), poses=poses, half_elevation_rad=np.radians(7))
+    return coverage.SonarSurvey(
+        pings=_pings(np.radians(30)), poses=poses, half_elevation_rad=np.radians(7)
+    )
 
 
 def test_the_sonar_sees_a_strip_as_wide_as_its_fan_and_as_high_as_its_elevation(hull, wall) -> None:
     seen = coverage.visible_to_sonar(hull, _survey(_sonar_at(2.0, 4.0)), Scene(wall))
     x, _, z = hull.mesh.vertices[seen].T
     assert np.abs(x - 2).max() == pytest.approx(2 * np.tan(np.radians(30)), abs=0.1)
-    assert np.abs(z - 1).max() <= np.hypot(2, 2 * np.tan(np.radians(30))) * np.tan(np.radians(7)) + 1e-9
+    assert (
+        np.abs(z - 1).max()
+        <= np.hypot(2, 2 * np.tan(np.radians(30))) * np.tan(np.radians(7)) + 1e-9
+    )
     assert seen.sum() > 50
 
 
@@ -101,14 +117,21 @@ def test_beyond_its_range_and_from_behind_the_sonar_sees_nothing(hull, wall) -> 
 
 
 def test_the_area_seen_by_the_sonar_is_as_uncertain_as_the_hulls_pose_makes_it(hull, wall) -> None:
-    """A fan that looks past the wall's edge: half a metre off sideways, the strip seen is a quarter of its width off."""
+    """A fan that looks past the wall's edge: half a metre off sideways, the strip seen is a quarter
+    of its width off.
+    """
     survey, still = _survey(_sonar_at(0.0, 4.0)), np.diag(np.full(6, 1e-12))
-    hull_pose = HullPose(global_from_hull=from_rpy([0, 0, 0], [0, 0, 0]), covariance=still, survey_center=np.zeros(3))
+    hull_pose = HullPose(
+        global_from_hull=from_rpy([0, 0, 0], [0, 0, 0]), covariance=still, survey_center=np.zeros(3)
+    )
     certain = coverage.sonar_facts(hull, survey, Scene(wall), hull_pose)
     assert certain["area_sigma_m2"] < 0.02
     assert "area_sigma_m2" not in coverage.sonar_facts(hull, survey, Scene(wall), None)
     sideways = replace(hull_pose, covariance=np.diag([0.25, 0, 0, 0, 0, 0]))
-    left, right = (coverage.visible_to_sonar(hull, _survey(_sonar_at(x, 4.0)), Scene(wall)) @ hull.area for x in (-0.5, 0.5))
+    left, right = (
+        coverage.visible_to_sonar(hull, _survey(_sonar_at(x, 4.0)), Scene(wall)) @ hull.area
+        for x in (-0.5, 0.5)
+    )
     found = coverage.sonar_facts(hull, survey, Scene(wall), sideways)
     assert found["area_sigma_m2"] == pytest.approx((right - left) / 2, abs=0.03)
     assert found["area_sigma_m2"] > 0.1
@@ -134,11 +157,15 @@ def test_the_largest_hole_comes_first_and_specks_are_left_out(hull, scenery) -> 
     seen = (np.abs(x - 2) < 1.5) & (np.abs(z - 1) < 0.8)
     for at, half in ((1.2, 0.2), (2.4, 0.3), (3.2, 0.04)):
         seen &= np.maximum(np.abs(x - at), np.abs(z - 1.0)) > half
-    assert [hole["address"] for hole in coverage.find_holes(hull, seen, scenery.chart, _address)] == ["x 2.4", "x 1.2"]
+    assert [
+        hole["address"] for hole in coverage.find_holes(hull, seen, scenery.chart, _address)
+    ] == ["x 2.4", "x 1.2"]
 
 
 def test_a_notch_in_the_rim_of_the_dvls_surface_is_no_hole(base: BaseSurface, hull) -> None:
-    """Its surface ends 0.4 m from a return, wherever that lies; a camera's image has an edge of its own."""
+    """Its surface ends 0.4 m from a return, wherever that lies; a camera's image has an edge of its
+    own.
+    """
     x, _, z = base.surveyed.vertices.T
     for half, holes in ((0.15, 0), (0.4, 1)):
         measured = refine(base.mesh, 0.06)[0]
@@ -146,9 +173,15 @@ def test_a_notch_in_the_rim_of_the_dvls_surface_is_no_hole(base: BaseSurface, hu
         on = np.maximum(np.abs(x - 2.0), np.abs(z - 1.0)) > half
         n = len(x)
         surveyed = Surface(
-            vertices=measured.vertices, faces=measured.faces, deviation=np.zeros(n), sigma=np.ones(n), support=on.astype(int)
+            vertices=measured.vertices,
+            faces=measured.faces,
+            deviation=np.zeros(n),
+            sigma=np.ones(n),
+            support=on.astype(int),
         )
-        found = coverage.summarise_coverage(replace(base, surveyed=surveyed), None, None, _track((0.3, 0.3)))
+        found = coverage.summarise_coverage(
+            replace(base, surveyed=surveyed), None, None, _track((0.3, 0.3))
+        )
         assert found["min_hole_m2"] == 0.16
         assert len(found["holes"]) == holes
 
@@ -168,7 +201,9 @@ def test_a_part_without_any_surface_inside_the_survey_is_a_hole(hull, scenery) -
     rows = np.flatnonzero(torn)
     number = np.full(len(torn), -1)
     number[rows] = np.arange(len(rows))
-    rest = coverage.hull_patches(Mesh(hull.mesh.vertices[rows], number[rest.mesh.faces].astype(np.int32)))
+    rest = coverage.hull_patches(
+        Mesh(hull.mesh.vertices[rows], number[rest.mesh.faces].astype(np.int32))
+    )
     (hole,) = coverage.find_holes(rest, np.ones(len(rows), bool), scenery.chart, _address)
     assert hole["area_m2"] == pytest.approx(1.5**2, rel=0.3)
     assert hole["address"] == "x 2.0"
@@ -180,7 +215,13 @@ def test_patches_wider_than_a_cell_leave_no_holes_between_them(wall, scenery) ->
     assert coverage.find_holes(coarse, seen, scenery.chart, _address) == []
 
 
-SCHEMA = Path(__file__).resolve().parents[2] / "hullrecon" / "report" / "schemas" / "coverage.schema.json"
+SCHEMA = (
+    Path(__file__).resolve().parents[2]
+    / "hullrecon"
+    / "report"
+    / "schemas"
+    / "coverage.schema.json"
+)
 
 
 @pytest.fixture
@@ -188,9 +229,17 @@ def base(wall, scenery) -> BaseSurface:
     n = len(wall.vertices)
     return BaseSurface(
         cad_model=wall,
-        surveyed=Surface(vertices=wall.vertices, faces=wall.faces, deviation=np.zeros(n), sigma=np.ones(n), support=np.ones(n,
-        np.int64)), chart=scenery.chart, result_from_global=from_mount([0, 0, 8, 180, 0, 0]), frame_spacing_m=None,
-    )  # fmt: skip
+        surveyed=Surface(
+            vertices=wall.vertices,
+            faces=wall.faces,
+            deviation=np.zeros(n),
+            sigma=np.ones(n),
+            support=np.ones(n, np.int64),
+        ),
+        chart=scenery.chart,
+        result_from_global=from_mount([0, 0, 8, 180, 0, 0]),
+        frame_spacing_m=None,
+    )
 
 
 def _track(along_sigma: tuple[float, float]) -> VehicleTrack:
@@ -198,26 +247,46 @@ def _track(along_sigma: tuple[float, float]) -> VehicleTrack:
     covariance = np.stack([np.diag([along, 0.02, 0.05, 1, 1, 1]) ** 2 for along in along_sigma])
     poses = Poses(np.tile([0.0, 0, 0, 1], (2, 1)), np.array([[1.0, 3, 1], [3, 3, 1]]))
     return VehicleTrack(
-        t_ns=np.arange(2), poses=poses, tray=np.zeros(2), covariance=covariance, image=np.zeros((2, 2), int), frame=Frame.HULL
+        t_ns=np.arange(2),
+        poses=poses,
+        tray=np.zeros(2),
+        covariance=covariance,
+        image=np.zeros((2, 2), int),
+        frame=Frame.HULL,
     )
 
 
 def test_a_hole_is_known_as_well_as_the_path_beside_it(base: BaseSurface) -> None:
     hole = coverage.locate_hole(np.array([2.8, 2.0, 1.0]), base, _track((9.0, 0.3)))
     cell = coverage.CELL_M / 12**0.5
-    assert (hole["along"], hole["girth"], hole["side"], hole["frame"], hole["depth"]) == (2.8, 1.0, None, None, 7.0)
+    assert (hole["along"], hole["girth"], hole["side"], hole["frame"], hole["depth"]) == (
+        2.8,
+        1.0,
+        None,
+        None,
+        7.0,
+    )
     assert hole["sigma_along"] == pytest.approx(np.hypot(0.3, cell), rel=0.02)
     assert hole["sigma_girth"] == pytest.approx(np.hypot(0.05, cell), rel=0.02)
     assert hole["depth_sigma"] == pytest.approx(np.hypot(0.05, cell), abs=1e-3)
     assert hole["address"] == "2.8 ± 0.3 m along, 1.00 ± 0.06 m across, 7.0 ± 0.1 m below waterline"
 
 
-def test_every_hole_keeps_to_the_schema_and_has_a_sigma_of_its_position(base: BaseSurface, hull, scenery) -> None:
+def test_every_hole_keeps_to_the_schema_and_has_a_sigma_of_its_position(
+    base: BaseSurface, hull, scenery
+) -> None:
     x, _, z = hull.mesh.vertices.T
-    seen = (np.abs(x - 2) < 1.2) & (np.abs(z - 1) < 0.8) & (np.maximum(np.abs(x - 2.5), np.abs(z - 1.0)) > 0.25)
+    seen = (
+        (np.abs(x - 2) < 1.2)
+        & (np.abs(z - 1) < 0.8)
+        & (np.maximum(np.abs(x - 2.5), np.abs(z - 1.0)) > 0.25)
+    )
     holes = [
         coverage.find_holes(
-            hull, seen, scenery.chart, lambda center, on=on: coverage.locate_hole(center, on, _track((0.3, 0.3)))
+            hull,
+            seen,
+            scenery.chart,
+            lambda center, on=on: coverage.locate_hole(center, on, _track((0.3, 0.3))),
         )
         for on in (base, replace(base, depth_known=False))
     ]

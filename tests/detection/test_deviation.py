@@ -20,7 +20,9 @@ from hullrecon.typing import Array
 CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
 SIGMA = np.array([0.1, 0.02, 0.3, 0.004, 0.001, 0.003])  # of T_g_M: the wall's normal is y
 POSE = HullPose(
-    global_from_hull=from_rpy([[5.0, 6, 7]], [[0.0, 0, 0]]), covariance=np.diag(SIGMA**2), survey_center=np.array([2.0, 2, 1])
+    global_from_hull=from_rpy([[5.0, 6, 7]], [[0.0, 0, 0]]),
+    covariance=np.diag(SIGMA**2),
+    survey_center=np.array([2.0, 2, 1]),
 )
 
 
@@ -29,7 +31,9 @@ def fine(wall: Mesh) -> Mesh:
     return refine(wall, 0.1)[0]
 
 
-def _split(wall: Mesh, fine: Mesh, deviation: Array, bare: Array | None = None, own: float = 0.002) -> DeviationSplit:
+def _split(
+    wall: Mesh, fine: Mesh, deviation: Array, bare: Array | None = None, own: float = 0.002
+) -> DeviationSplit:
     n = len(fine.vertices)
     by_pose = pose_jacobian(fine.vertices, np.tile([0.0, 1, 0], (n, 1)), POSE)
     place = np.einsum("ni,ij,nj->n", by_pose, POSE.covariance, by_pose)
@@ -40,7 +44,9 @@ def _split(wall: Mesh, fine: Mesh, deviation: Array, bare: Array | None = None, 
         sigma=np.sqrt(place + own**2),
         support=np.ones(n, np.int64),
     )
-    split = split_deviation(surface, np.full(n, own), np.ones(n, bool) if bare is None else bare, wall, CHART, POSE)
+    split = split_deviation(
+        surface, np.full(n, own), np.ones(n, bool) if bare is None else bare, wall, CHART, POSE
+    )
     assert split is not None
     return split
 
@@ -54,7 +60,9 @@ def test_a_level_is_offset_a_slope_is_tilt_and_the_rest_is_form(wall: Mesh, fine
     np.testing.assert_allclose(split.form, wave, atol=8e-4)
 
 
-def test_the_offset_is_as_uncertain_as_the_hulls_place_and_the_form_is_not(wall: Mesh, fine: Mesh) -> None:
+def test_the_offset_is_as_uncertain_as_the_hulls_place_and_the_form_is_not(
+    wall: Mesh, fine: Mesh
+) -> None:
     split = _split(wall, fine, np.zeros(len(fine.vertices)))
     assert float(split.offset_sigma) == pytest.approx(0.02, rel=0.01)
     np.testing.assert_allclose(split.tilt_sigma, [0.003, 0.004], rtol=0.01)
@@ -62,12 +70,18 @@ def test_the_offset_is_as_uncertain_as_the_hulls_place_and_the_form_is_not(wall:
 
 
 def test_no_error_of_the_hulls_pose_shows_in_the_form(wall: Mesh, fine: Mesh) -> None:
-    """The wall itself, placed by a wrong pose: its deviation is all offset and tilt, within three sigmas of none."""
+    """The wall itself, placed by a wrong pose: its deviation is all offset and tilt, within three
+    sigmas of none.
+    """
     for seed in range(5):
         error = np.random.default_rng(seed).normal(0, SIGMA)
         error[3:] *= 0.3  # so that the motion is small
         motion = exp(np.r_[np.zeros(3), error[3:]][None])
-        moved = motion.inverse().apply(fine.vertices - POSE.survey_center) + POSE.survey_center - error[:3]
+        moved = (
+            motion.inverse().apply(fine.vertices - POSE.survey_center)
+            + POSE.survey_center
+            - error[:3]
+        )
         split = _split(wall, fine, moved[:, 1] - 2)
         np.testing.assert_allclose(split.form, 0, atol=3e-4)
         assert abs(float(split.offset)) < 3 * float(split.offset_sigma)
@@ -85,8 +99,13 @@ def test_a_structure_is_form_and_moves_no_offset(wall: Mesh, fine: Mesh) -> None
 
 def test_what_was_not_seen_has_no_form_and_too_little_has_no_split(wall: Mesh, fine: Mesh) -> None:
     n = len(fine.vertices)
-    surface = Surface(vertices=fine.vertices, faces=fine.faces, deviation=np.zeros(n), sigma=np.full(n, 0.02),
-                      support=(fine.vertices[:, 0] < 2).astype(np.int64))  # fmt: skip
+    surface = Surface(
+        vertices=fine.vertices,
+        faces=fine.faces,
+        deviation=np.zeros(n),
+        sigma=np.full(n, 0.02),
+        support=(fine.vertices[:, 0] < 2).astype(np.int64),
+    )
     split = split_deviation(surface, None, np.ones(n, bool), wall, CHART, POSE)
     assert split is not None
     np.testing.assert_array_equal(np.isfinite(split.form), surface.support > 0)

@@ -45,7 +45,8 @@ def test_the_deviation_is_against_the_cad_model_and_absent_without_one(scenery, 
 
 def test_images_are_counted_and_the_best_named(scenery, found) -> None:
     disc, _ = reported(scenery, found)[0]
-    # cameras every 0.25 m from 0.5; the disc's top, 0.09 m in half, fits the footprint within about 0.6 m
+    # cameras every 0.25 m from 0.5; the disc's top, 0.09 m in half, fits the footprint within about
+    # 0.6 m
     assert disc.views == 5
     assert disc.images[0] == "camera_top/3.jpg"  # at x = 1.25, the nearest to 1.2
 
@@ -68,8 +69,12 @@ def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery,
     (even, _), _ = reported(scenery, found)
     at = scenery.measured.foot
     top = np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.12
-    rough = scenery.measured.offset + np.where(top, np.random.default_rng(1).normal(0, 0.01, len(at)), 0.0)
-    (uneven, _), _ = reported(replace(scenery, measured=replace(scenery.measured, offset=rough)), found)
+    rough = scenery.measured.offset + np.where(
+        top, np.random.default_rng(1).normal(0, 0.01, len(at)), 0.0
+    )
+    (uneven, _), _ = reported(
+        replace(scenery, measured=replace(scenery.measured, offset=rough)), found
+    )
     assert uneven.height == even.height
     assert uneven.height_sigma == pytest.approx(np.hypot(0.01, even.height_sigma), rel=0.25)
 
@@ -83,7 +88,9 @@ def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery,
         ("min_landmarks", 120, "landmarks"),
     ],
 )
-def test_what_is_not_certain_is_named_with_its_reason(option: str, value: float, words: str, scenery, found) -> None:
+def test_what_is_not_certain_is_named_with_its_reason(
+    option: str, value: float, words: str, scenery, found
+) -> None:
     objects, rejected = reported(scenery, found, **{option: value})
     assert len(objects) < 2
     assert any(words in item.reason for item in rejected)
@@ -95,9 +102,12 @@ def test_a_height_within_its_own_uncertainty_is_not_reported(scenery, found) -> 
     assert "bare hull" in rejected[0].reason
 
 
-def test_on_a_coarsely_drawn_curve_a_structure_must_stand_out_from_the_facets(scenery, found) -> None:
+def test_on_a_coarsely_drawn_curve_a_structure_must_stand_out_from_the_facets(
+    scenery, found
+) -> None:
     objects, rejected = reported(
-        scenery, replace(found, sagitta=np.full(len(found.sagitta), 0.04), turn=np.ones(len(found.turn)))
+        scenery,
+        replace(found, sagitta=np.full(len(found.sagitta), 0.04), turn=np.ones(len(found.turn))),
     )
     assert [round(o.height, 2) for o in objects] == [0.10]
     assert "0.070 m needed" in rejected[0].reason
@@ -105,19 +115,30 @@ def test_on_a_coarsely_drawn_curve_a_structure_must_stand_out_from_the_facets(sc
 
 def test_a_structure_on_which_landmarks_disagree_is_not_reported(scenery, found) -> None:
     at = scenery.measured.foot
-    half = (np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.13) & (np.random.default_rng(0).random(len(at)) < 0.5)
+    half = (np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.13) & (
+        np.random.default_rng(0).random(len(at)) < 0.5
+    )
     mixed = replace(scenery.measured, offset=np.where(half, WALL_OFFSET_M, scenery.measured.offset))
     objects, rejected = reported(replace(scenery, measured=mixed), found)
     assert [round(o.height, 2) for o in objects] == [-0.05]
     assert "agree" in rejected[0].reason
 
 
-def test_landmarks_on_the_hull_at_the_foot_of_the_edge_are_not_those_of_the_structure(scenery, found) -> None:
-    on_disc = np.flatnonzero(np.hypot(scenery.measured.foot[:, 0] - 1.2, scenery.measured.foot[:, 2] - 1.0) < 0.1)
+def test_landmarks_on_the_hull_at_the_foot_of_the_edge_are_not_those_of_the_structure(
+    scenery, found
+) -> None:
+    on_disc = np.flatnonzero(
+        np.hypot(scenery.measured.foot[:, 0] - 1.2, scenery.measured.foot[:, 2] - 1.0) < 0.1
+    )
     angle = np.linspace(0, 2 * np.pi, 2 * len(on_disc))
     ring = scenery.measured.take(np.resize(on_disc, len(angle)))
-    foot = np.stack([1.2 + 0.132 * np.cos(angle), np.full(len(angle), 2.0), 1.0 + 0.132 * np.sin(angle)], axis=1)
-    joined = {f.name: np.concatenate([getattr(scenery.measured, f.name), getattr(ring, f.name)]) for f in fields(ring)}
+    foot = np.stack(
+        [1.2 + 0.132 * np.cos(angle), np.full(len(angle), 2.0), 1.0 + 0.132 * np.sin(angle)], axis=1
+    )
+    joined = {
+        f.name: np.concatenate([getattr(scenery.measured, f.name), getattr(ring, f.name)])
+        for f in fields(ring)
+    }
     joined["foot"] = np.concatenate([scenery.measured.foot, foot])
     joined["offset"] = np.concatenate([scenery.measured.offset, np.full(len(angle), WALL_OFFSET_M)])
     beside = replace(scenery, measured=SurfaceLandmarks(**joined))
@@ -138,8 +159,17 @@ def test_enough_views_must_show_as_much_of_a_structure_as_a_height_is_read_from(
 
 def test_objects_are_plain_values_for_json(scenery, found) -> None:
     row = reported(scenery, found)[0][0].as_json()
-    assert {"center", "normal", "height", "height_sigma", "deviation", "extent", "area", "volume", "views", "p_value"} <= set(
-        row
-    )
+    assert {
+        "center",
+        "normal",
+        "height",
+        "height_sigma",
+        "deviation",
+        "extent",
+        "area",
+        "volume",
+        "views",
+        "p_value",
+    } <= set(row)
     assert isinstance(row["center"], list)
     assert all(isinstance(v, float) for v in row["center"])

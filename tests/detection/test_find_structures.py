@@ -20,7 +20,10 @@ from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
 
 FIELD = DeviationField(
-    origin=np.zeros(2), step=np.array([4.0, 2.0]), value=np.full((2, 2), -0.012), sigma=np.full((2, 2), 0.003)
+    origin=np.zeros(2),
+    step=np.array([4.0, 2.0]),
+    value=np.full((2, 2), -0.012),
+    sigma=np.full((2, 2), 0.003),
 )
 
 
@@ -35,7 +38,11 @@ def base(scenery) -> BaseSurface:
         support=np.ones(n, np.int64),
     )
     return BaseSurface(
-        cad_model=scenery.base, surveyed=surveyed, chart=scenery.chart, result_from_global=identity(), frame_spacing_m=None
+        cad_model=scenery.base,
+        surveyed=surveyed,
+        chart=scenery.chart,
+        result_from_global=identity(),
+        frame_spacing_m=None,
     )
 
 
@@ -52,7 +59,9 @@ def landmarks(scenery) -> Landmarks:
     )
 
 
-def test_structures_on_the_wall_are_found_from_its_landmarks(scenery, base: BaseSurface, landmarks: Landmarks) -> None:
+def test_structures_on_the_wall_are_found_from_its_landmarks(
+    scenery, base: BaseSurface, landmarks: Landmarks
+) -> None:
     structures = find_structures(base, landmarks, FIELD, scenery.views, DetectOptions())
     assert [row["id"] for row in structures.objects] == [1, 2]
     assert [round(float(str(row["height"])), 2) for row in structures.objects] == [0.10, -0.05]
@@ -61,7 +70,9 @@ def test_structures_on_the_wall_are_found_from_its_landmarks(scenery, base: Base
     assert np.nanmax(structures.as_found.deviation) > 0.07
 
 
-def test_without_views_the_cad_model_is_moved_to_the_dvls_surface(base: BaseSurface, landmarks: Landmarks) -> None:
+def test_without_views_the_cad_model_is_moved_to_the_dvls_surface(
+    base: BaseSurface, landmarks: Landmarks
+) -> None:
     structures = find_structures(base, landmarks, FIELD, None, DetectOptions())
     assert structures.objects == []
     assert structures.facts["objects"] == "no camera was carried"
@@ -77,8 +88,12 @@ def test_too_few_landmarks_are_as_none(scenery, base: BaseSurface, landmarks: La
     assert facts["objects"] == "the images gave too few landmarks on the surface"
 
 
-def test_with_neither_views_nor_cad_model_nothing_is_added_to_the_survey(base: BaseSurface, landmarks: Landmarks) -> None:
-    structures = find_structures(replace(base, cad_model=None), landmarks, None, None, DetectOptions())
+def test_with_neither_views_nor_cad_model_nothing_is_added_to_the_survey(
+    base: BaseSurface, landmarks: Landmarks
+) -> None:
+    structures = find_structures(
+        replace(base, cad_model=None), landmarks, None, None, DetectOptions()
+    )
     assert structures.as_found is None
     assert "no CAD model" in str(structures.facts["as_found"])
 

@@ -36,7 +36,9 @@ def test_many_views_give_the_mean_of_their_intersections(views_at) -> None:
     features, views = _plate(0.1), views_at([1.9, 2.0, 2.3])
     fused = fuse_shapes(views, features, np.full(len(features), 0.1), VERTEX[:1], OPTIONS)
     each = [
-        fuse_shapes(views_at([x]), features, np.full(len(features), 0.1), VERTEX[:1], OPTIONS).vertex[0]
+        fuse_shapes(
+            views_at([x]), features, np.full(len(features), 0.1), VERTEX[:1], OPTIONS
+        ).vertex[0]
         for x in (1.9, 2.0, 2.3)
     ]
     assert fused.count.tolist() == [3]
@@ -58,5 +60,7 @@ def test_features_on_the_hull_move_nothing(views_at) -> None:
 
 def test_a_recess_moves_vertices_inward(views_at) -> None:
     features = _plate(-0.06)
-    fused = fuse_shapes(views_at([2.0]), features, np.full(len(features), -0.06), VERTEX[:1], OPTIONS)
+    fused = fuse_shapes(
+        views_at([2.0]), features, np.full(len(features), -0.06), VERTEX[:1], OPTIONS
+    )
     assert np.allclose(fused.vertex, [[2, 1.94, 1]], atol=1e-9)

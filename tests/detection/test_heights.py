@@ -16,9 +16,17 @@ def _feet(n: int = 4000, seed: int = 1) -> np.ndarray:
 UP = np.array([[0.0, 0, 1]])
 
 
-def _at(points: list[list[float]], feet: np.ndarray, height: np.ndarray, sigma: float = 0.003, reach: float = 0.08):
+def _at(
+    points: list[list[float]],
+    feet: np.ndarray,
+    height: np.ndarray,
+    sigma: float = 0.003,
+    reach: float = 0.08,
+):
     at = np.column_stack([np.array(points), np.zeros(len(points))])
-    return local_heights(at, np.repeat(UP, len(at), 0), feet, height, np.full(len(feet), sigma), 20, reach)
+    return local_heights(
+        at, np.repeat(UP, len(at), 0), feet, height, np.full(len(feet), sigma), 20, reach
+    )
 
 
 def test_a_slope_is_followed_without_bias() -> None:
@@ -75,5 +83,7 @@ def test_parts_are_put_together_in_order() -> None:
 
 
 def test_no_vertex_gives_no_height() -> None:
-    empty = local_heights(np.zeros((0, 3)), np.zeros((0, 3)), _feet(), np.zeros(4000), np.ones(4000), 20, 0.1)
+    empty = local_heights(
+        np.zeros((0, 3)), np.zeros((0, 3)), _feet(), np.zeros(4000), np.ones(4000), 20, 0.1
+    )
     assert empty.value.shape == (0,)

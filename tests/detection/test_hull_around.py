@@ -16,7 +16,9 @@ def _points(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return MIDDLE + a[:, None] * EAST + b[:, None] * NORTH
 
 
-def _ring(count: int = 600, seed: int = 0, sides: float = 2 * np.pi) -> tuple[np.ndarray, np.ndarray]:
+def _ring(
+    count: int = 600, seed: int = 0, sides: float = 2 * np.pi
+) -> tuple[np.ndarray, np.ndarray]:
     random = np.random.default_rng(seed)
     angle, away = random.uniform(0, sides, count), random.uniform(0.2, 0.35, count)
     return away * np.cos(angle), away * np.sin(angle)
@@ -57,7 +59,9 @@ def test_the_offset_is_within_its_sigma_of_the_truth() -> None:
         side = (np.arctan2(b, a) // (np.pi / 4)).astype(int) + 4
         bend, slope = random.normal(0, 0.03, 3), random.normal(0, 0.02, 2)
 
-        def true(x: np.ndarray, y: np.ndarray, bend: np.ndarray = bend, slope: np.ndarray = slope) -> np.ndarray:
+        def true(
+            x: np.ndarray, y: np.ndarray, bend: np.ndarray = bend, slope: np.ndarray = slope
+        ) -> np.ndarray:
             return slope[0] * x + slope[1] * y + bend[0] * x * x + bend[1] * x * y + bend[2] * y * y
 
         offset = true(a, b) + random.normal(0, 0.002, 9)[side]
@@ -69,7 +73,10 @@ def test_the_offset_is_within_its_sigma_of_the_truth() -> None:
 def test_hull_on_one_side_alone_leaves_more_open_beneath() -> None:
     around, beside = (
         fit_hull_around(
-            _points(a, b), _bulge(a, b) + np.random.default_rng(2).normal(0, 0.001, len(a)), np.ones(len(a)), NORMAL
+            _points(a, b),
+            _bulge(a, b) + np.random.default_rng(2).normal(0, 0.001, len(a)),
+            np.ones(len(a)),
+            NORMAL,
         )
         for a, b in (_ring(), _ring(sides=np.pi / 2))
     )

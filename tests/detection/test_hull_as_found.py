@@ -15,7 +15,9 @@ OFF = -0.012  # of the whole wall
 
 def _edges(mesh) -> tuple[np.ndarray, np.ndarray]:
     corner = mesh.vertices[mesh.faces]
-    return np.linalg.norm(corner - np.roll(corner, -1, axis=1), axis=2).max(axis=1), corner.mean(axis=1)
+    return np.linalg.norm(corner - np.roll(corner, -1, axis=1), axis=2).max(axis=1), corner.mean(
+        axis=1
+    )
 
 
 def test_the_hull_as_found_is_where_the_landmarks_put_it(found, height_at) -> None:
@@ -32,7 +34,9 @@ def test_the_mesh_is_moved_by_its_deviation(found) -> None:
     assert np.allclose(found.mesh.vertices[:, [0, 2]], found.base.vertices[:, [0, 2]])
 
 
-def test_the_mesh_is_fine_where_seen_finer_at_structures_and_coarse_beyond(found, height_at) -> None:
+def test_the_mesh_is_fine_where_seen_finer_at_structures_and_coarse_beyond(
+    found, height_at
+) -> None:
     length, middle = _edges(found.base)
     structure = height_at(middle[:, 0], middle[:, 2]) != 0
     seen = (np.abs(middle[:, 0] - 2) < 1.5) & (np.abs(middle[:, 2] - 1) < 0.4)
@@ -50,7 +54,9 @@ def test_where_no_landmark_is_near_the_smooth_hull_holds_and_sigma_says_so(found
 
 def test_views_that_the_structure_hides_do_not_count(found) -> None:
     at = found.base.vertices
-    floor = (np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) > 0.125) & (np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.15)
+    floor = (np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) > 0.125) & (
+        np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.15
+    )
     free = (np.abs(at[:, 0] - 1.2) < 0.15) & (np.abs(at[:, 2] - 1.3) < 0.02)
     assert found.seen.views[floor].mean() < found.seen.views[free].mean() - 0.5
 
@@ -59,23 +65,29 @@ def test_shapes_of_several_views_show_each_structure(found, height_at) -> None:
     x, z = found.base.vertices[:, [0, 2]].T
     inside = np.hypot(x - 1.2, z - 1.0) < 0.08
     assert np.median(found.shapes[inside]) >= 3
-    assert np.mean(found.shapes[np.abs(x - 3.0) < 0.2] > 0) < 0.05  # wild landmarks that lie close together by chance
+    # wild landmarks that lie close together by chance
+    assert np.mean(found.shapes[np.abs(x - 3.0) < 0.2] > 0) < 0.05
 
 
 @pytest.mark.parametrize("fusion", ["heights", "rays"])
 def test_both_ways_of_fusion_find_the_top_of_the_disc(fusion: str, scenery) -> None:
     options = DetectOptions(fusion=fusion)
-    found = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, options)
+    found = estimate_hull_as_found(
+        scenery.base, scenery.measured, scenery.background, scenery.views, options
+    )
     x, z = found.base.vertices[:, [0, 2]].T
     top = np.hypot(x - 1.2, z - 1.0) < 0.05
-    # landmarks 3 mm noisy, 2 % wild: a wild one inside a shape lifts its triangles, the regression leaves it out
+    # landmarks 3 mm noisy, 2 % wild: a wild one inside a shape lifts its triangles, the regression
+    # leaves it out
     assert np.median(found.height[top]) == pytest.approx(0.10, abs=0.004)
 
 
 def test_the_mesh_is_coarser_rather_than_too_large(scenery, found) -> None:
     """The limit is held as far as areas tell how many vertices an edge needs."""
     few = DetectOptions(max_vertices=2000)
-    coarse = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, few)
+    coarse = estimate_hull_as_found(
+        scenery.base, scenery.measured, scenery.background, scenery.views, few
+    )
     assert len(coarse.mesh.vertices) < 2 * few.max_vertices < 0.5 * len(found.mesh.vertices)
 
 
@@ -87,6 +99,8 @@ def test_where_all_is_high_the_mesh_is_not_refined_beyond_its_limit(scenery) -> 
 
 
 def test_the_same_input_gives_the_same_bytes(scenery, found) -> None:
-    again = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, DetectOptions())
+    again = estimate_hull_as_found(
+        scenery.base, scenery.measured, scenery.background, scenery.views, DetectOptions()
+    )
     assert again.mesh.vertices.tobytes() == found.mesh.vertices.tobytes()
     assert again.shapes.tobytes() == found.shapes.tobytes()

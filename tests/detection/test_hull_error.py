@@ -13,7 +13,9 @@ from hullrecon.records.solution import HullPose
 def _hull_pose(covariance: np.ndarray) -> HullPose:
     """Upside down in g, with the survey's middle at x = 2."""
     return HullPose(
-        global_from_hull=from_mount([0, 0, 0, 180, 0, 0]), covariance=covariance, survey_center=np.array([2.0, 0, 0])
+        global_from_hull=from_mount([0, 0, 0, 180, 0, 0]),
+        covariance=covariance,
+        survey_center=np.array([2.0, 0, 0]),
     )
 
 

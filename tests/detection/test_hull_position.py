@@ -24,17 +24,25 @@ def base(wall) -> BaseSurface:
     n = len(wall.vertices)
     return BaseSurface(
         cad_model=wall,
-        surveyed=Surface(vertices=wall.vertices, faces=wall.faces, deviation=np.zeros(n), sigma=np.ones(n), support=np.ones(n,
-        np.int64)), chart=PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]])),
+        surveyed=Surface(
+            vertices=wall.vertices,
+            faces=wall.faces,
+            deviation=np.zeros(n),
+            sigma=np.ones(n),
+            support=np.ones(n, np.int64),
+        ),
+        chart=PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]])),
         result_from_global=from_mount([0, 0, 8, 180, 0, 0]),
         frame_spacing_m=None,
-    )  # fmt: skip
+    )
 
 
 def test_an_objects_sigmas_are_its_landmarks_and_its_own_shapes(base: BaseSurface) -> None:
     place = hull_position(CENTER, NORMAL, SHARED, 0.015, 0.01, base)
     np.testing.assert_allclose(place.sigma, np.hypot([0.3, 0.05, 0.02], [0.01, 0.01, 0.015]))
-    np.testing.assert_allclose(np.sqrt(np.diag(place.covariance)), np.hypot([0.3, 0.02, 0.05], [0.01, 0.015, 0.01]))
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(place.covariance)), np.hypot([0.3, 0.02, 0.05], [0.01, 0.015, 0.01])
+    )
 
 
 def test_its_depth_is_as_uncertain_as_its_place_upwards(base: BaseSurface) -> None:
@@ -43,10 +51,16 @@ def test_its_depth_is_as_uncertain_as_its_place_upwards(base: BaseSurface) -> No
     assert place.depth_sigma == pytest.approx(0.05)
 
 
-def test_its_depth_is_as_uncertain_as_the_water_surface_where_that_is_told_apart_from_the_hull(base: BaseSurface) -> None:
+def test_its_depth_is_as_uncertain_as_the_water_surface_where_that_is_told_apart_from_the_hull(
+    base: BaseSurface,
+) -> None:
     beside = replace(base, depth_sigma_m=0.09)
-    assert hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, beside).depth_sigma == pytest.approx(0.09)
-    assert hull_position(CENTER, NORMAL, SHARED, 0.0, 0.03, beside).depth_sigma == pytest.approx(np.hypot(0.09, 0.03))
+    assert hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, beside).depth_sigma == pytest.approx(
+        0.09
+    )
+    assert hull_position(CENTER, NORMAL, SHARED, 0.0, 0.03, beside).depth_sigma == pytest.approx(
+        np.hypot(0.09, 0.03)
+    )
 
 
 def test_its_address_is_no_finer_than_its_sigma(base: BaseSurface) -> None:
@@ -63,5 +77,7 @@ def test_without_a_pressure_sensor_no_depth_is_given(base: BaseSurface) -> None:
 
 
 def test_off_the_chart_an_object_has_no_chart_coordinates(base: BaseSurface) -> None:
-    lost = hull_position(np.full(3, np.nan), NORMAL, SHARED, 0.0, 0.0, base).as_json(replace(base, depth_known=False))
+    lost = hull_position(np.full(3, np.nan), NORMAL, SHARED, 0.0, 0.0, base).as_json(
+        replace(base, depth_known=False)
+    )
     assert (lost["along"], lost["girth"], lost["side"]) == (None, None, None)

@@ -12,7 +12,12 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import exp
 from hullrecon.records.solution import HullPose
 
-WALL = Scene(Mesh(np.array([[0.0, 0, 0], [0, 0, 4], [4, 0, 4], [4, 0, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32)))
+WALL = Scene(
+    Mesh(
+        np.array([[0.0, 0, 0], [0, 0, 4], [4, 0, 4], [4, 0, 0]]),
+        np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+    )
+)
 
 
 def _covariance(along_normal: float, n: int) -> np.ndarray:
@@ -21,7 +26,9 @@ def _covariance(along_normal: float, n: int) -> np.ndarray:
 
 def _measure(points: list[list[float]], sigma: float = 0.003, views: int = 3):
     position = np.array(points)
-    return measure_surface(WALL, position, _covariance(sigma, len(points)), np.full(len(points), views), 0.5, 0.012)
+    return measure_surface(
+        WALL, position, _covariance(sigma, len(points)), np.full(len(points), views), 0.5, 0.012
+    )
 
 
 def test_offset_foot_and_normal_are_those_of_the_surface() -> None:
@@ -45,7 +52,8 @@ def test_a_landmark_beside_the_rim_is_not_above_the_surface() -> None:
 def test_what_all_neighbours_share_does_not_count_against_a_landmark() -> None:
     rng = np.random.default_rng(0)
     position = np.column_stack([rng.uniform(0, 4, 200), np.zeros(200), rng.uniform(0, 4, 200)])
-    covariance = _covariance(0.05, 200)  # the dive's place on the hull: 5 cm, far more than a landmark may have
+    # the dive's place on the hull: 5 cm, far more than a landmark may have
+    covariance = _covariance(0.05, 200)
     covariance[:, 1, 1] += 0.004**2
     covariance[::4, 1, 1] -= 0.004**2 - 0.001**2
     seen = measure_surface(WALL, position, covariance, np.full(200, 3), 0.5, 0.012)
@@ -65,7 +73,14 @@ def test_a_hull_pose_known_to_decimetres_and_degrees_is_no_noise_of_a_landmark()
     )
     own, in_global = _covariance(0.003, 200), pose.global_from_hull.apply(position)
     turned, whole = (
-        points_in_hull(own, np.zeros((200, 3, 6)), of_pose, in_global, pose.global_from_hull, pose.survey_center)
+        points_in_hull(
+            own,
+            np.zeros((200, 3, 6)),
+            of_pose,
+            in_global,
+            pose.global_from_hull,
+            pose.survey_center,
+        )
         for of_pose in (np.zeros((6, 6)), pose.covariance)
     )
     alone = measure_surface(WALL, position, turned, np.full(200, 3), 0.5, 0.1)
@@ -73,7 +88,8 @@ def test_a_hull_pose_known_to_decimetres_and_degrees_is_no_noise_of_a_landmark()
     assert len(alone) == len(seen) == 200
     np.testing.assert_allclose(seen.sigma, alone.sigma, rtol=1e-6)
     assert seen.common.min() > 0.1
-    assert len(measure_surface(WALL, position, whole, np.full(200, 3), 0.5, 0.012)) < 200  # where it is taken for theirs
+    # where it is taken for theirs
+    assert len(measure_surface(WALL, position, whole, np.full(200, 3), 0.5, 0.012)) < 200
 
 
 def test_an_uncertain_landmark_among_certain_ones_is_left_out() -> None:

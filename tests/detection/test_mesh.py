@@ -8,7 +8,10 @@ import pytest
 from hullrecon.detection.as_found.mesh import affordable_edge, refine_near
 from hullrecon.geometry.meshes.mesh import Mesh
 
-FLOOR = Mesh(np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+FLOOR = Mesh(
+    np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]),
+    np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+)
 
 
 def test_edges_are_short_near_the_points_and_long_elsewhere() -> None:

@@ -21,9 +21,13 @@ Unseen = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def _edge_of_disc(found: HullAsFound, unseen: Unseen) -> tuple[OpenEdge, HullAsFound]:
-    """The disc 0.10 m high and 0.24 m wide at (1.2, 1), where vertices (x, z) about its middle were not measured."""
+    """The disc 0.10 m high and 0.24 m wide at (1.2, 1), where vertices (x, z) about its middle were
+    not measured.
+    """
     hidden = unseen(found.base.vertices[:, 0] - 1.2, found.base.vertices[:, 2] - 1.0)
-    cut = replace(found, measured=found.measured & ~hidden, height=np.where(hidden, 0.0, found.height))
+    cut = replace(
+        found, measured=found.measured & ~hidden, height=np.where(hidden, 0.0, found.height)
+    )
     disc = next(region for region in find_regions(cut, DetectOptions()) if region.side > 0)
     return find_open_edge(cut, disc, vertex_areas(cut.base), Around(cut.base.vertices)), cut
 
@@ -35,7 +39,8 @@ def test_a_structure_with_hull_all_around_has_no_open_edge(found: HullAsFound) -
 
 def test_a_structure_cut_in_half_is_open_along_the_cut(found: HullAsFound) -> None:
     edge, cut = _edge_of_disc(found, lambda x, z: x > 0)
-    assert edge.share == pytest.approx(2 / (2 + np.pi), abs=0.07)  # the diameter's share of the outline of a half disc
+    # the diameter's share of the outline of a half disc
+    assert edge.share == pytest.approx(2 / (2 + np.pi), abs=0.07)
     assert edge.height == pytest.approx(0.10, abs=0.01)
     x, z = (cut.base.vertices[edge.beyond][:, [0, 2]] - (1.2, 1.0)).T
     assert not cut.measured[edge.beyond].any()

@@ -9,7 +9,10 @@ from hullrecon.detection.objects.outline import outline
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 
-FLOOR = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+FLOOR = Mesh(
+    np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]),
+    np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+)
 FINE, _ = refine(FLOOR, 0.05)
 
 
@@ -51,21 +54,33 @@ def _turning(line: np.ndarray) -> float:
     """Sum of the turns at the corners of a closed line, whole turns: 1 where it is convex."""
     step = np.roll(line[:, :2], -1, axis=0) - line[:, :2]
     angle = np.arctan2(step[:, 1], step[:, 0])
-    return float(np.abs((np.diff(np.append(angle, angle[0])) + np.pi) % (2 * np.pi) - np.pi).sum() / (2 * np.pi))
+    return float(
+        np.abs((np.diff(np.append(angle, angle[0])) + np.pi) % (2 * np.pi) - np.pi).sum()
+        / (2 * np.pi)
+    )
 
 
 @pytest.mark.parametrize("shape", ["disc", "turned square"])
 def test_an_outline_is_not_ragged_and_keeps_its_area(shape: str) -> None:
-    """A structure of 0.24 m on a mesh of 5 mm, as landmarks find it: its edge is known to some millimetres here and there, and
-    its wall is steep."""
+    """A structure of 0.24 m on a mesh of 5 mm, as landmarks find it: its edge is known to some
+    millimetres here and there, and its wall is steep.
+    """
     rng = np.random.default_rng(3)
     mesh, _ = refine(Mesh(0.4 * FLOOR.vertices, FLOOR.faces), 0.007)
     x, y, _ = mesh.vertices.T - 0.2
     turned = np.abs(np.column_stack([x, y]) @ [[0.94, 0.34], [-0.34, 0.94]]).max(axis=1)
-    within, area = (0.12 - np.hypot(x, y), np.pi * 0.12**2) if shape == "disc" else (0.12 - turned, 0.24**2)
+    within, area = (
+        (0.12 - np.hypot(x, y), np.pi * 0.12**2) if shape == "disc" else (0.12 - turned, 0.24**2)
+    )
     part = np.flatnonzero(within + rng.normal(0, 0.004, len(x)) > 0)
-    wall = np.column_stack([mesh.vertices[:, :2], 0.1 * np.clip(0.5 + within / 0.01 + rng.normal(0, 0.2, len(x)), 0, 1)])
+    wall = np.column_stack(
+        [
+            mesh.vertices[:, :2],
+            0.1 * np.clip(0.5 + within / 0.01 + rng.normal(0, 0.2, len(x)), 0, 1),
+        ]
+    )
     line = outline(Mesh(wall, mesh.faces), part)
-    assert _turning(line) < 2.5  # 1.0 and 2.1; every k-th point of the mesh's own line turns by 5 to 6
+    # 1.0 and 2.1; every k-th point of the mesh's own line turns by 5 to 6
+    assert _turning(line) < 2.5
     assert _area(line) == pytest.approx(area, rel=0.08)  # a face counts when all of it lies inside
     assert all((np.linalg.norm(wall - corner, axis=1) < 1e-12).any() for corner in line)

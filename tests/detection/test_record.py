@@ -19,7 +19,9 @@ def test_support_is_zero_where_nothing_was_measured(scenery, found) -> None:
 def test_sigma_holds_what_all_landmarks_share(scenery, found) -> None:
     surface = as_found_surface(found, scenery.measured)
     assert surface.sigma[found.measured].min() >= 0.004
-    assert np.allclose(surface.sigma[found.measured] ** 2, found.sigma[found.measured] ** 2 + 0.004**2)
+    assert np.allclose(
+        surface.sigma[found.measured] ** 2, found.sigma[found.measured] ** 2 + 0.004**2
+    )
 
 
 def _dvl(deviation: float) -> Surface:

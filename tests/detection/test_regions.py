@@ -30,18 +30,25 @@ def test_the_footprint_is_the_structure_and_the_ring_is_hull(found, height_at) -
 
 def test_heights_count_from_the_hull_around_not_from_the_cad_model(found) -> None:
     lifted = replace(found, height=found.height + 0.015)
-    assert find_regions(lifted, OPTIONS)[0].height == pytest.approx(find_regions(found, OPTIONS)[0].height, abs=0.002)
+    assert find_regions(lifted, OPTIONS)[0].height == pytest.approx(
+        find_regions(found, OPTIONS)[0].height, abs=0.002
+    )
 
 
-def test_heights_count_from_the_hull_beneath_where_the_background_was_drawn_outward_there(found) -> None:
+def test_heights_count_from_the_hull_beneath_where_the_background_was_drawn_outward_there(
+    found,
+) -> None:
     """Landmarks on the flanks of what rises gently are hull to the deviation field."""
     x, z = found.base.vertices[:, [0, 2]].T
     lump = 0.14 * np.exp(-0.5 * (np.hypot(x - 1.2, z - 1.0) / 0.09) ** 2)
     drawn = 0.015 * np.exp(-0.5 * (np.hypot(x - 1.2, z - 1.0) / 0.25) ** 2)
-    bulging = replace(found, height=lump - drawn, hull=found.hull + drawn, measured=np.ones_like(found.measured))
+    bulging = replace(
+        found, height=lump - drawn, hull=found.hull + drawn, measured=np.ones_like(found.measured)
+    )
     region = find_regions(bulging, OPTIONS)[0]
     top_8_cm2 = 0.14 * np.exp(-0.5 * (0.016 / 0.09) ** 2)
-    assert region.height == pytest.approx(top_8_cm2, abs=0.003)  # 13 mm less above what was drawn outward
+    # 13 mm less above what was drawn outward
+    assert region.height == pytest.approx(top_8_cm2, abs=0.003)
     assert np.abs(region.rise(bulging, region.core) - lump[region.core]).max() < 0.004
 
 

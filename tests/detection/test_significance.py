@@ -31,7 +31,9 @@ def test_the_roughness_is_that_of_the_hull_not_of_its_structures(found) -> None:
 def test_a_height_is_as_certain_as_its_landmarks(found) -> None:
     for region in find_regions(found, DetectOptions())[:2]:
         assert 0.0005 < height_sigma(found, region) < 0.006
-        assert np.abs(abs(region.height) - (0.10 if region.side > 0 else 0.05)) < 3 * height_sigma(found, region)
+        assert np.abs(abs(region.height) - (0.10 if region.side > 0 else 0.05)) < 3 * height_sigma(
+            found, region
+        )
 
 
 def test_relief_between_landmarks_is_what_their_noise_does_not_explain() -> None:
@@ -50,7 +52,11 @@ def test_a_small_object_and_a_large_one_were_looked_for_in_as_many_places() -> N
 
 
 def test_the_false_alarm_probability_of_bare_hull_is_what_it_says() -> None:
-    """Of a thousand surveys of bare hull with 200 places each as many exceed a height as its probability says."""
+    """Of a thousand surveys of bare hull with 200 places each as many exceed a height as its
+    probability says.
+    """
     highest = np.abs(np.random.default_rng(4).normal(0, 0.003, (1000, 200))).max(axis=1)
     for height in (0.009, 0.0105):
-        assert np.mean(highest > height) == pytest.approx(p_value(height, 0.0, 0.003, 200), abs=0.04)
+        assert np.mean(highest > height) == pytest.approx(
+            p_value(height, 0.0, 0.003, 200), abs=0.04
+        )

@@ -24,7 +24,10 @@ def _sizes(scenery, found) -> list[ObjectSize]:
     area, around, up = vertex_areas(found.base), Around(found.base.vertices), np.array([0.0, 1, 0])
     regions = find_regions(found, DetectOptions())
     edges = [find_open_edge(found, region, area, around) for region in regions]
-    return [measure_size(found, r, edge, area, 0.004, up, scenery.chart) for r, edge in zip(regions, edges, strict=True)]
+    return [
+        measure_size(found, r, edge, area, 0.004, up, scenery.chart)
+        for r, edge in zip(regions, edges, strict=True)
+    ]
 
 
 def test_the_truth_lies_within_two_sigmas_of_every_size(sizes: list[ObjectSize]) -> None:
@@ -43,9 +46,13 @@ def test_sizes_are_as_uncertain_as_the_edge_and_the_height(sizes: list[ObjectSiz
 
 
 @pytest.mark.parametrize("beyond_m", [0.07, 0.03, 0.0, -0.03])
-def test_the_truth_lies_within_the_sigmas_of_what_the_edge_of_the_survey_cuts(scenery, found, beyond_m: float) -> None:
+def test_the_truth_lies_within_the_sigmas_of_what_the_edge_of_the_survey_cuts(
+    scenery, found, beyond_m: float
+) -> None:
     unseen = found.base.vertices[:, 0] > 1.2 + beyond_m
-    cut = replace(found, measured=found.measured & ~unseen, height=np.where(unseen, 0.0, found.height))
+    cut = replace(
+        found, measured=found.measured & ~unseen, height=np.where(unseen, 0.0, found.height)
+    )
     size, whole = _sizes(scenery, cut)[0], _sizes(scenery, found)[0]
     off = np.abs(np.array(size.extent) - 0.24) / size.extent_sigma
     assert off.max() < 3

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A tiny dive as ROS messages, and writers of every log format for it. The writers are those of mcap and rosbags."""
+"""A tiny dive as ROS messages, and writers of every log format for it. The writers are those of
+mcap and rosbags.
+"""
 
 from __future__ import annotations
 
@@ -52,57 +54,99 @@ class Kit:
     def vector(self, x: float, y: float, z: float, ros: int = 2) -> Any:
         return self.make("geometry_msgs/msg/Vector3", ros, x=float(x), y=float(y), z=float(z))
 
-    def imu(self, t_ns: int, ros: int = 2, quaternion: Any = (0.0, 0.0, 0.0, 1.0), **more: Any) -> Any:
+    def imu(
+        self, t_ns: int, ros: int = 2, quaternion: Any = (0.0, 0.0, 0.0, 1.0), **more: Any
+    ) -> Any:
         covariance = np.zeros(9)
         x, y, z, w = map(float, quaternion)
         return self.make(
-            "sensor_msgs/msg/Imu", ros, header=self.header(t_ns, ros),
+            "sensor_msgs/msg/Imu",
+            ros,
+            header=self.header(t_ns, ros),
             orientation=self.make("geometry_msgs/msg/Quaternion", ros, x=x, y=y, z=z, w=w),
-            angular_velocity=self.vector(0.1, 0.2, 0.3, ros), linear_acceleration=self.vector(0, 0, -9.81, ros),
-            **{"orientation_covariance": covariance, "angular_velocity_covariance": covariance,
-               "linear_acceleration_covariance": covariance, **more},
-        )  # fmt: skip
+            angular_velocity=self.vector(0.1, 0.2, 0.3, ros),
+            linear_acceleration=self.vector(0, 0, -9.81, ros),
+            **{
+                "orientation_covariance": covariance,
+                "angular_velocity_covariance": covariance,
+                "linear_acceleration_covariance": covariance,
+                **more,
+            },
+        )
 
     def pressure(self, t_ns: int, pascal: float, ros: int = 2) -> Any:
         return self.make(
-            "sensor_msgs/msg/FluidPressure", ros, header=self.header(t_ns, ros), fluid_pressure=float(pascal), variance=0.0
+            "sensor_msgs/msg/FluidPressure",
+            ros,
+            header=self.header(t_ns, ros),
+            fluid_pressure=float(pascal),
+            variance=0.0,
         )
 
     def joints(self, t_ns: int, names: list[str], angles: list[float], ros: int = 2) -> Any:
         return self.make(
-            "sensor_msgs/msg/JointState", ros, header=self.header(t_ns, ros), name=names, position=np.array(angles, float),
-            velocity=np.zeros(0), effort=np.zeros(0),
-        )  # fmt: skip
+            "sensor_msgs/msg/JointState",
+            ros,
+            header=self.header(t_ns, ros),
+            name=names,
+            position=np.array(angles, float),
+            velocity=np.zeros(0),
+            effort=np.zeros(0),
+        )
 
     def dvl(self, t_ns: int, ros: int = 2, **more: Any) -> Any:
         s, c = 0.5, 0.75**0.5
         beams = [self.vector(*b, ros) for b in ((-s, 0, c), (s, 0, c), (0, s, c), (0, -s, c))]
         given: dict[str, Any] = {
-            "header": self.header(t_ns, ros), "velocity_mode": 1, "dvl_type": 0, "velocity": self.vector(0.1, 0.2, 0.3, ros),
-            "velocity_covar": np.diag([4e-6, 4e-6, 4e-6]).ravel(), "altitude": 1.0, "course_gnd": 0.0, "speed_gnd": 0.0,
-            "num_good_beams": 4, "sound_speed": 1500.0, "beam_ranges_valid": True, "beam_velocities_valid": False,
-            "beam_unit_vec": beams, "range": np.array([1.0, 2.0, 3.0, 4.0]), "range_covar": np.zeros(4, np.float32),
-            "beam_quality": np.zeros(4, np.float32), "beam_velocity": np.zeros(4, np.float32),
+            "header": self.header(t_ns, ros),
+            "velocity_mode": 1,
+            "dvl_type": 0,
+            "velocity": self.vector(0.1, 0.2, 0.3, ros),
+            "velocity_covar": np.diag([4e-6, 4e-6, 4e-6]).ravel(),
+            "altitude": 1.0,
+            "course_gnd": 0.0,
+            "speed_gnd": 0.0,
+            "num_good_beams": 4,
+            "sound_speed": 1500.0,
+            "beam_ranges_valid": True,
+            "beam_velocities_valid": False,
+            "beam_unit_vec": beams,
+            "range": np.array([1.0, 2.0, 3.0, 4.0]),
+            "range_covar": np.zeros(4, np.float32),
+            "beam_quality": np.zeros(4, np.float32),
+            "beam_velocity": np.zeros(4, np.float32),
             "beam_velocity_covar": np.zeros(4, np.float32),
-        }  # fmt: skip
+        }
         return self.make(DVL, ros, **{**given, **more})
 
-    def sonar(self, t_ns: int, pixels: np.ndarray, range_m: Any = (1.0, 2.0, 3.0), dtype: int = 0) -> Any:
+    def sonar(
+        self, t_ns: int, pixels: np.ndarray, range_m: Any = (1.0, 2.0, 3.0), dtype: int = 0
+    ) -> Any:
         """pixels [ranges, beams]."""
         beams = pixels.shape[1]
         directions = [self.vector(0, np.sin(a), np.cos(a)) for a in np.linspace(0.25, -0.25, beams)]
         image = self.make(
-            "marine_acoustic_msgs/msg/SonarImageData", is_bigendian=False, dtype=dtype, beam_count=beams,
+            "marine_acoustic_msgs/msg/SonarImageData",
+            is_bigendian=False,
+            dtype=dtype,
+            beam_count=beams,
             data=np.frombuffer(pixels.tobytes(), np.uint8),
-        )  # fmt: skip
+        )
         info = self.make(
-            "marine_acoustic_msgs/msg/PingInfo", frequency=1e6, sound_speed=1500.0, tx_beamwidths=np.zeros(0, np.float32),
+            "marine_acoustic_msgs/msg/PingInfo",
+            frequency=1e6,
+            sound_speed=1500.0,
+            tx_beamwidths=np.zeros(0, np.float32),
             rx_beamwidths=np.zeros(0, np.float32),
-        )  # fmt: skip
+        )
         return self.make(
-            "marine_acoustic_msgs/msg/ProjectedSonarImage", header=self.header(t_ns), ping_info=info,
-            beam_directions=directions, ranges=np.array(range_m, np.float32), image=image,
-        )  # fmt: skip
+            "marine_acoustic_msgs/msg/ProjectedSonarImage",
+            header=self.header(t_ns),
+            ping_info=info,
+            beam_directions=directions,
+            ranges=np.array(range_m, np.float32),
+            image=image,
+        )
 
     def image(self, t_ns: int, encoded: bytes, ros: int = 2) -> Any:
         return self.make(
@@ -113,7 +157,11 @@ class Kit:
     @staticmethod
     def jpeg(shade: int, width: int = 64, height: int = 48) -> bytes:
         rng = np.random.default_rng(shade)
-        ok, data = cv2.imencode(".jpg", rng.integers(0, 255, (height, width, 3), np.uint8), [cv2.IMWRITE_JPEG_QUALITY, 40])
+        ok, data = cv2.imencode(
+            ".jpg",
+            rng.integers(0, 255, (height, width, 3), np.uint8),
+            [cv2.IMWRITE_JPEG_QUALITY, 40],
+        )
         assert ok
         return data.tobytes()
 
@@ -122,19 +170,46 @@ class Kit:
         out = []
         for i in range(seconds * 10):
             t = START_NS + i * NS // 10
-            turned = (0.0, 0.0, 1e-6 * i, 1.0)  # an orientation that never changes is one that nobody has measured
+            # an orientation that never changes is one that nobody has measured
+            turned = (0.0, 0.0, 1e-6 * i, 1.0)
             out.append(Entry("/imu", "sensor_msgs/msg/Imu", t, self.imu(t, ros, turned)))
             if i % 2 == 0:
-                out.append(Entry("/pressure", "sensor_msgs/msg/FluidPressure", t, self.pressure(t, 101325 + 10055.25 * i, ros)))
                 out.append(
-                    Entry("/joints", "sensor_msgs/msg/JointState", t, self.joints(t, ["tray", "other"], [0.1 * i, 9.0], ros))
+                    Entry(
+                        "/pressure",
+                        "sensor_msgs/msg/FluidPressure",
+                        t,
+                        self.pressure(t, 101325 + 10055.25 * i, ros),
+                    )
+                )
+                out.append(
+                    Entry(
+                        "/joints",
+                        "sensor_msgs/msg/JointState",
+                        t,
+                        self.joints(t, ["tray", "other"], [0.1 * i, 9.0], ros),
+                    )
                 )
             if i % 5 == 0:
                 out.append(Entry("/dvl", DVL, t, self.dvl(t, ros)))
-                out.append(Entry("/cam", "sensor_msgs/msg/CompressedImage", t, self.image(t, self.jpeg(i), ros)))
+                out.append(
+                    Entry(
+                        "/cam",
+                        "sensor_msgs/msg/CompressedImage",
+                        t,
+                        self.image(t, self.jpeg(i), ros),
+                    )
+                )
         return out
 
-    def mcap(self, path: Path, entries: list[Entry], chunk_size: int = 4000, compression: str = "zstd", **more: Any) -> Path:
+    def mcap(
+        self,
+        path: Path,
+        entries: list[Entry],
+        chunk_size: int = 4000,
+        compression: str = "zstd",
+        **more: Any,
+    ) -> Path:
         from mcap.writer import CompressionType, Writer
 
         from hullrecon.dive.logs.messages.definitions import BUNDLED
@@ -142,7 +217,12 @@ class Kit:
         assert BUNDLED
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("wb") as stream:
-            writer = Writer(stream, chunk_size=chunk_size, compression=CompressionType[compression.upper()], **more)
+            writer = Writer(
+                stream,
+                chunk_size=chunk_size,
+                compression=CompressionType[compression.upper()],
+                **more,
+            )
             writer.start("ros2", "kit")
             channels: dict[str, int] = {}
             for n, e in enumerate(entries):
@@ -155,7 +235,9 @@ class Kit:
             writer.finish()
         return path
 
-    def bag1(self, path: Path, entries: list[Entry], chunk_size: int = 4000, compression: Any = None) -> Path:
+    def bag1(
+        self, path: Path, entries: list[Entry], chunk_size: int = 4000, compression: Any = None
+    ) -> Path:
         from rosbags.rosbag1 import Writer
 
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -167,8 +249,12 @@ class Kit:
             connections: dict[str, Any] = {}
             for e in entries:
                 if e.topic not in connections:
-                    connections[e.topic] = writer.add_connection(e.topic, e.kind, typestore=self.stores[1])
-                writer.write(connections[e.topic], e.t_ns, self.stores[1].serialize_ros1(e.message, e.kind))
+                    connections[e.topic] = writer.add_connection(
+                        e.topic, e.kind, typestore=self.stores[1]
+                    )
+                writer.write(
+                    connections[e.topic], e.t_ns, self.stores[1].serialize_ros1(e.message, e.kind)
+                )
         return path
 
     def ros2(self, path: Path, entries: list[Entry], storage: str = "SQLITE3") -> Path:
@@ -178,8 +264,12 @@ class Kit:
             connections: dict[str, Any] = {}
             for e in entries:
                 if e.topic not in connections:
-                    connections[e.topic] = writer.add_connection(e.topic, e.kind, typestore=self.stores[2])
-                writer.write(connections[e.topic], e.t_ns, self.stores[2].serialize_cdr(e.message, e.kind))
+                    connections[e.topic] = writer.add_connection(
+                        e.topic, e.kind, typestore=self.stores[2]
+                    )
+                writer.write(
+                    connections[e.topic], e.t_ns, self.stores[2].serialize_cdr(e.message, e.kind)
+                )
         return path
 
 

@@ -17,7 +17,13 @@ from tests.dive.readers.test_pd0 import ensemble_bytes
 
 REQUEST = IngestRequest(
     logs=("logs/dive.mcap",),
-    topics={"dvl": "/dvl", "imu": "/imu", "pressure": "/pressure", "joints": "/joints", "camera_top": "/cam"},
+    topics={
+        "dvl": "/dvl",
+        "imu": "/imu",
+        "pressure": "/pressure",
+        "joints": "/joints",
+        "camera_top": "/cam",
+    },
     joints={"tray": "tray", "sonar_tray": "other"},
     imu_frame="ned",
     pressure=PressureModel(1025.0, 9.81, 101325.0),
@@ -32,7 +38,11 @@ REQUEST = IngestRequest(
 
 def run(package: Path, **changes):
     files: dict[str, BytesIO] = {}
-    found = ingest(package, dataclasses.replace(REQUEST, **changes), lambda camera: files.setdefault(camera, BytesIO()))
+    found = ingest(
+        package,
+        dataclasses.replace(REQUEST, **changes),
+        lambda camera: files.setdefault(camera, BytesIO()),
+    )
     return found, files
 
 
@@ -62,18 +72,26 @@ def test_only_what_lies_in_the_time_window_is_used(package, form):
     part, files = run(package, **limits)
     for name, record in part.records.by_name().items():
         kept = whole.records.by_name()[name].t_ns
-        np.testing.assert_array_equal(record.t_ns, kept[(kept >= kept[0] + 10**9) & (kept <= kept[0] + 2 * 10**9)])
+        np.testing.assert_array_equal(
+            record.t_ns, kept[(kept >= kept[0] + 10**9) & (kept <= kept[0] + 2 * 10**9)]
+        )
         assert 0 < len(record.t_ns) < len(kept)
     images = part.images["camera_top"]
     assert 0 < len(images.t_ns) < len(whole.images["camera_top"].t_ns)
     assert files["camera_top"].getbuffer().nbytes == images.size.sum()
-    said = [remark for remark in part.findings()["remarks"] if remark.startswith("dive: only what was measured from")]
+    said = [
+        remark
+        for remark in part.findings()["remarks"]
+        if remark.startswith("dive: only what was measured from")
+    ]
     assert len(said) == 1
     assert "from 2026-05-04T09:30:01.000Z to 2026-05-04T09:30:02.000Z" in said[0]
 
 
 def test_a_window_with_one_limit_is_open_at_its_other_end(package):
-    whole, part = (run(package, **limits)[0].records.pressure.t_ns for limits in ({}, {"start": 1.5}))
+    whole, part = (
+        run(package, **limits)[0].records.pressure.t_ns for limits in ({}, {"start": 1.5})
+    )
     np.testing.assert_array_equal(part, whole[whole >= whole[0] + 15 * 10**8])
 
 
@@ -84,13 +102,20 @@ def write_tables(folder: Path, **first_s: float) -> None:
     folder.mkdir()
     for name, first in first_s.items():
         stamps = START.timestamp() + first + np.arange(20)
-        (folder / f"{name}.csv").write_text(f"t,{heads[name]}\n" + "".join(f"{t:.0f},{rows[name]}\n" for t in stamps))
+        (folder / f"{name}.csv").write_text(
+            f"t,{heads[name]}\n" + "".join(f"{t:.0f},{rows[name]}\n" for t in stamps)
+        )
 
 
 def test_the_window_holds_stamps_as_they_are_corrected(tmp_path):
     write_tables(tmp_path / "logs", imu=0, dvl=0, position=7200)
     limits = {"start": START + timedelta(seconds=5), "end": START + timedelta(seconds=10)}
-    off = {"logs": ("logs",), "topics": {}, "calibration": {}, "position_offset_ns": offset_ns(-7200.0)}
+    off = {
+        "logs": ("logs",),
+        "topics": {},
+        "calibration": {},
+        "position_offset_ns": offset_ns(-7200.0),
+    }
     found, _ = run(tmp_path, **off, **limits)
     expected = [int(START.timestamp() + k) * 10**9 for k in range(5, 11)]
     assert found.records.position.t_ns.tolist() == found.records.dvl.t_ns.tolist() == expected
@@ -99,23 +124,44 @@ def test_the_window_holds_stamps_as_they_are_corrected(tmp_path):
 def test_seconds_of_a_window_count_from_the_earliest_table(tmp_path):
     write_tables(tmp_path / "logs", imu=0, dvl=6)
     found, _ = run(tmp_path, logs=("logs",), topics={}, calibration={}, start=10.0)
-    assert found.records.dvl.t_ns[0] == found.records.imu.t_ns[0] == int(START.timestamp() + 10) * 10**9
+    assert (
+        found.records.dvl.t_ns[0]
+        == found.records.imu.t_ns[0]
+        == int(START.timestamp() + 10) * 10**9
+    )
 
 
-@pytest.mark.parametrize("rows", [[(2, 0.5)], [(1, 0.1), (2, 0.5), (12, 0.7), (19, 0.2)]], ids=["once", "as it turns"])
+@pytest.mark.parametrize(
+    "rows", [[(2, 0.5)], [(1, 0.1), (2, 0.5), (12, 0.7), (19, 0.2)]], ids=["once", "as it turns"]
+)
 def test_a_joint_is_at_the_start_of_a_window_as_it_was_last_read(tmp_path, rows):
     write_tables(tmp_path / "logs", imu=0, dvl=0)
     lines = [f"{START.timestamp() + t:.0f},tray,{rad}" for t, rad in rows]
     (tmp_path / "logs" / "joints.csv").write_text("\n".join(["t,name,rad", *lines]) + "\n")
-    found, _ = run(tmp_path, logs=("logs",), topics={}, calibration={}, start=10.0, end=15.0, joints={"tray": "tray"})
+    found, _ = run(
+        tmp_path,
+        logs=("logs",),
+        topics={},
+        calibration={},
+        start=10.0,
+        end=15.0,
+        joints={"tray": "tray"},
+    )
     expected = [(10, 0.5), *((t, rad) for t, rad in rows if 10 < t < 15)]
-    assert [int(t - START.timestamp() * 1e9) // 10**9 for t in found.records.tray.t_ns.tolist()] == [t for t, _ in expected]
+    assert [
+        int(t - START.timestamp() * 1e9) // 10**9 for t in found.records.tray.t_ns.tolist()
+    ] == [t for t, _ in expected]
     assert found.records.tray.angle.tolist() == [rad for _, rad in expected]
-    assert "joint tray: at the start of the time window as last read, at 2026-05-04T09:30:02.000Z" in found.remarks
+    assert (
+        "joint tray: at the start of the time window as last read, at 2026-05-04T09:30:02.000Z"
+        in found.remarks
+    )
 
 
 def test_a_window_in_which_nothing_was_measured_is_an_input_error(package):
-    with pytest.raises(InputError, match=r"nothing was measured from 2026-05-04T10:30:00\.000Z") as caught:
+    with pytest.raises(
+        InputError, match=r"nothing was measured from 2026-05-04T10:30:00\.000Z"
+    ) as caught:
         run(package, start=START + timedelta(hours=1))
     assert caught.value.where == "dive.from"
 
@@ -134,7 +180,9 @@ def test_the_findings_say_in_words_what_was_read(package):
 
 
 def test_a_topic_that_is_absent_is_an_input_error_that_lists_what_there_is(package):
-    with pytest.raises(InputError, match="topic /ahrs is not in the log, which holds /cam, /dvl, /imu") as caught:
+    with pytest.raises(
+        InputError, match="topic /ahrs is not in the log, which holds /cam, /dvl, /imu"
+    ) as caught:
         run(package, topics={**REQUEST.topics, "imu": "/ahrs"})
     assert caught.value.where == "topics.imu"
 
@@ -153,7 +201,9 @@ def test_a_truncated_log_names_the_lost_span_of_each_topic(package):
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     found, _ = run(package)
     assert len(found.lost) == 5
-    assert all(line.startswith("dive.mcap: /") and "to the end is lost" in line for line in found.lost)
+    assert all(
+        line.startswith("dive.mcap: /") and "to the end is lost" in line for line in found.lost
+    )
     assert 0 < len(found.records.imu.t_ns) < 40
 
 
@@ -173,7 +223,10 @@ def test_a_camera_that_is_not_in_the_file_is_left_aside(package):
 def table(path: Path, header: str, t_ns: np.ndarray, *columns: np.ndarray) -> None:
     """A CSV whose stamps keep every nanosecond."""
     values = np.column_stack(columns).tolist()
-    rows = [f"{t // 10**9}.{t % 10**9:09d},{','.join(map(repr, row))}" for t, row in zip(t_ns.tolist(), values, strict=True)]
+    rows = [
+        f"{t // 10**9}.{t % 10**9:09d},{','.join(map(repr, row))}"
+        for t, row in zip(t_ns.tolist(), values, strict=True)
+    ]
     path.write_text("\n".join([header, *rows]))
 
 
@@ -183,11 +236,19 @@ def test_plain_files_give_the_same_records_as_the_log(package):
     whole, _ = run(package)
     imu, dvl, depth = (getattr(whole.records, name) for name in ("imu", "dvl", "pressure"))
     table(folder / "imu.csv", "t,qx,qy,qz,qw", imu.t_ns, imu.quaternion)
-    table(folder / "dvl.csv", "t,vx,vy,vz,range_1,range_2,range_3,range_4", dvl.t_ns, dvl.velocity, dvl.ranges)
+    table(
+        folder / "dvl.csv",
+        "t,vx,vy,vz,range_1,range_2,range_3,range_4",
+        dvl.t_ns,
+        dvl.velocity,
+        dvl.ranges,
+    )
     table(folder / "pressure.csv", "t,pascal", depth.t_ns, 101325 + 1025 * 9.81 * depth.depth)
     found, _ = run(package, logs=("plain",), topics={}, calibration={}, beams=dvl.beams)
     for name in ("imu", "dvl", "pressure"):
-        np.testing.assert_array_equal(getattr(found.records, name).t_ns, getattr(whole.records, name).t_ns)
+        np.testing.assert_array_equal(
+            getattr(found.records, name).t_ns, getattr(whole.records, name).t_ns
+        )
     np.testing.assert_array_equal(found.records.dvl.velocity, dvl.velocity)
     np.testing.assert_allclose(found.records.pressure.depth, depth.depth, atol=1e-9)
     np.testing.assert_array_equal(found.records.dvl.beams, dvl.beams)
@@ -201,7 +262,9 @@ def test_ros1_and_ros2_give_the_same_build_records(kit, package):
         other, _ = run(package, logs=(log,))
         np.testing.assert_array_equal(other.records.dvl.ranges, first.records.dvl.ranges)
         np.testing.assert_array_equal(other.records.imu.t_ns, first.records.imu.t_ns)
-        np.testing.assert_array_equal(other.images["camera_top"].size, first.images["camera_top"].size)
+        np.testing.assert_array_equal(
+            other.images["camera_top"].size, first.images["camera_top"].size
+        )
 
 
 def test_two_logs_are_read_one_after_the_other(kit, package):
@@ -216,7 +279,9 @@ def test_two_logs_are_read_one_after_the_other(kit, package):
 def test_a_clock_that_jumps_is_named(kit, package):
     entries = kit.dive()
     moved = [
-        dataclasses.replace(e, message=kit.imu(e.t_ns + 7 * 10**9)) if e.topic == "/imu" and i > 50 else e
+        dataclasses.replace(e, message=kit.imu(e.t_ns + 7 * 10**9))
+        if e.topic == "/imu" and i > 50
+        else e
         for i, e in enumerate(entries)
     ]
     kit.mcap(package / "logs" / "dive.mcap", moved)
@@ -230,16 +295,23 @@ def test_records_have_the_stamps_of_a_clock_that_was_put_right(kit, package):
     before, _ = run(package)
     moved = {"/imu": kit.imu, "/cam": lambda t_ns: kit.image(t_ns, kit.jpeg(1))}
     late = [
-        dataclasses.replace(e, message=moved[e.topic](e.t_ns + 7 * 10**9)) if e.topic in moved and i > 96 else e
+        dataclasses.replace(e, message=moved[e.topic](e.t_ns + 7 * 10**9))
+        if e.topic in moved and i > 96
+        else e
         for i, e in enumerate(entries)
     ]
     kit.mcap(package / "logs" / "dive.mcap", late)
     found, _ = run(package)
     np.testing.assert_array_equal(found.records.imu.t_ns, before.records.imu.t_ns)
-    assert any("stamps were put right by the logger" in r for r in found.remarks if r.startswith("imu"))
+    assert any(
+        "stamps were put right by the logger" in r for r in found.remarks if r.startswith("imu")
+    )
     # too few images to tell: they keep their stamps, and that is said
     assert found.images["camera_top"].t_ns[-1] == before.images["camera_top"].t_ns[-1] + 7 * 10**9
-    assert any("camera_top: the clock jumps by +7.000 s" in r and "cannot be trusted" in r for r in found.remarks)
+    assert any(
+        "camera_top: the clock jumps by +7.000 s" in r and "cannot be trusted" in r
+        for r in found.remarks
+    )
 
 
 def test_offsets_are_whole_nanoseconds():
@@ -259,7 +331,11 @@ def pd0(path: Path) -> None:
     struct.pack_into("<H", bottom, 0, 0x0600)
     struct.pack_into("<4H", bottom, 16, *[866] * 4)
     offsets = [12, 12 + 59, 12 + 59 + 65]
-    body = b"\x7f\x7f" + struct.pack("<HBB3H", 12 + 59 + 65 + 81, 0, 3, *offsets) + bytes(fixed + variable + bottom)
+    body = (
+        b"\x7f\x7f"
+        + struct.pack("<HBB3H", 12 + 59 + 65 + 81, 0, 3, *offsets)
+        + bytes(fixed + variable + bottom)
+    )
     path.write_bytes(body + struct.pack("<H", sum(body) % 65536))
 
 
@@ -275,7 +351,9 @@ def test_a_nortek_file_beside_the_log_gives_the_dvl_with_ranges_along_its_beams(
     (package / "logs" / "dvl.ad2cp").write_bytes(dvl_file())
     topics = {name: topic for name, topic in REQUEST.topics.items() if name != "dvl"}
     found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.ad2cp"), topics=topics, beams=None)
-    assert found.records.dvl.ranges[0] == pytest.approx(np.array([3.0, 3.1, 3.2, 3.3]) / np.cos(np.radians(25)))
+    assert found.records.dvl.ranges[0] == pytest.approx(
+        np.array([3.0, 3.1, 3.2, 3.3]) / np.cos(np.radians(25))
+    )
     assert found.records.dvl.velocity[0] == pytest.approx([0.1, -0.2, 0.035])
     assert len(found.records.imu.t_ns) == 40
 
@@ -285,12 +363,20 @@ def test_a_dvl_s_own_attitude_and_another_start_do_not_move_the_imu(tmp_path, or
     start_s = START.timestamp()
     write_tables(tmp_path / "tables", imu=3)
     lines = [
-        json.dumps({"type": "position_local", "ts": start_s + 0.1 * k, "roll": 0, "pitch": 0, "yaw": 9}) for k in range(210)
+        json.dumps(
+            {"type": "position_local", "ts": start_s + 0.1 * k, "roll": 0, "pitch": 0, "yaw": 9}
+        )
+        for k in range(210)
     ]
     (tmp_path / "dvl.json").write_text("\n".join(lines) + "\n")
     found, _ = run(tmp_path, logs=order, topics={}, calibration={})
     assert found.records.imu.t_ns.tolist() == [int(start_s + 3 + k) * 10**9 for k in range(20)]
-    assert found.remarks.count("imu: 210 attitudes by the DVL's own sensors were left aside for those of the IMU") == 1
+    assert (
+        found.remarks.count(
+            "imu: 210 attitudes by the DVL's own sensors were left aside for those of the IMU"
+        )
+        == 1
+    )
     assert not found.attitude_is_dvls
     assert not [remark for remark in found.remarks if "jumps" in remark]
 
@@ -303,7 +389,10 @@ def test_two_recordings_that_overlap_keep_their_stamps(tmp_path):
     found, _ = run(tmp_path, logs=("a", "b"), topics={}, calibration={})
     t_s = (found.records.pressure.t_ns - int(START.timestamp()) * 10**9) / 1e9
     assert t_s[-1] == pytest.approx(25.3 + 29.5, abs=1e-3)
-    assert any("logs were read in another order than they were recorded, or overlap" in remark for remark in found.remarks)
+    assert any(
+        "logs were read in another order than they were recorded, or overlap" in remark
+        for remark in found.remarks
+    )
 
 
 def test_a_dvl_topic_wins_over_a_pd0_file_and_that_is_said(package):
@@ -321,7 +410,9 @@ def test_topics_do_not_apply_to_plain_files(package):
 
 
 def test_a_misspelt_joint_is_refused_with_the_nearest_name(package):
-    with pytest.raises(InputError, match="joint tary is not in the log, which holds other, tray") as caught:
+    with pytest.raises(
+        InputError, match="joint tary is not in the log, which holds other, tray"
+    ) as caught:
         run(package, joints={"tray": "tary"})
     assert caught.value.where == "tray.joint"
     assert caught.value.remedy == 'did you mean "tray"?'
@@ -350,27 +441,39 @@ def test_a_joint_that_a_damaged_log_lost_is_only_remarked(package):
 def test_a_sonar_joint_without_any_joint_message_is_remarked(package):
     topics = {name: topic for name, topic in REQUEST.topics.items() if name != "joints"}
     found, _ = run(package, topics=topics)
-    assert "sonar.joint: no reading of other is in the log; it is taken as fixed at 0 degrees" in found.remarks
+    assert (
+        "sonar.joint: no reading of other is in the log; it is taken as fixed at 0 degrees"
+        in found.remarks
+    )
 
 
 def test_a_reading_of_another_millennium_is_left_out_and_counted(kit, package):
     entries = kit.dive()
-    kit.mcap(package / "logs" / "dive.mcap", [*entries, dataclasses.replace(entries[-1], t_ns=(1 << 63) + 1)])
+    kit.mcap(
+        package / "logs" / "dive.mcap",
+        [*entries, dataclasses.replace(entries[-1], t_ns=(1 << 63) + 1)],
+    )
     found, _ = run(package)
     assert any("beyond the year 2116" in remark for remark in found.remarks)
 
 
 def csv_package(folder: Path, stamps: list[float]) -> Path:
     (folder / "logs").mkdir()
-    (folder / "logs" / "dvl.csv").write_text("t,vx,vy,vz\n" + "".join(f"{t},0.1,0,0\n" for t in stamps))
-    (folder / "logs" / "imu.csv").write_text("t,qx,qy,qz,qw\n" + "".join(f"{t},0,0,0,1\n" for t in stamps))
+    (folder / "logs" / "dvl.csv").write_text(
+        "t,vx,vy,vz\n" + "".join(f"{t},0.1,0,0\n" for t in stamps)
+    )
+    (folder / "logs" / "imu.csv").write_text(
+        "t,qx,qy,qz,qw\n" + "".join(f"{t},0,0,0,1\n" for t in stamps)
+    )
     return folder
 
 
 def test_several_dives_in_one_package_are_refused_where_no_image_joins_them(tmp_path):
     package = csv_package(tmp_path, [0, 1, 2, 7202, 7203])
     only_logs = {"logs": ("logs",), "topics": {}, "calibration": {}}
-    with pytest.raises(InputError, match=r"no velocity for 2\.0 h from 1970-01-01T00:00:02\.000Z on.*one at a time"):
+    with pytest.raises(
+        InputError, match=r"no velocity for 2\.0 h from 1970-01-01T00:00:02\.000Z on.*one at a time"
+    ):
         run(package, **only_logs)
     found, _ = run(package, **only_logs, end=10.0)
     assert len(found.records.dvl.t_ns) == 3
@@ -385,4 +488,6 @@ def test_a_pause_of_minutes_is_no_second_dive(tmp_path):
 def test_attitude_is_the_dvl_s_own_only_where_no_imu_was_logged(package):
     assert not run(package)[0].attitude_is_dvls
     (package / "x.pd0").write_bytes(b"".join(ensemble_bytes(n, heading=100) for n in range(5)))
-    assert run(package, logs=("x.pd0",), topics={}, calibration={}, imu_mount_deg=(0, 0, 0))[0].attitude_is_dvls
+    assert run(package, logs=("x.pd0",), topics={}, calibration={}, imu_mount_deg=(0, 0, 0))[
+        0
+    ].attitude_is_dvls

@@ -75,12 +75,26 @@ def test_so_is_one_given_by_a_relative_path_or_a_link(package, monkeypatch, tmp_
 
 
 @pytest.mark.parametrize(
-    ("old", "key"), [('"logs"', "logs.files"), ('"hull.stl"', "hull.mesh"), ('"top.yaml"', "camera.top.calibration")]
+    ("old", "key"),
+    [
+        ('"logs"', "logs.files"),
+        ('"hull.stl"', "hull.mesh"),
+        ('"top.yaml"', "camera.top.calibration"),
+    ],
 )
 @pytest.mark.parametrize(
-    "name", ["../other/secret.bag", "logs/../../other/secret.bag", "{other}/secret.bag", "/etc/hostname", ".."]
+    "name",
+    [
+        "../other/secret.bag",
+        "logs/../../other/secret.bag",
+        "{other}/secret.bag",
+        "/etc/hostname",
+        "..",
+    ],
 )
-def test_a_file_outside_is_refused_with_its_key_and_the_option_that_allows_it(package, old, key, name):
+def test_a_file_outside_is_refused_with_its_key_and_the_option_that_allows_it(
+    package, old, key, name
+):
     name = name.format(other=package.parent / "other")
     change(package, old, f'"{name}"')
     line = refusal(package)
@@ -102,7 +116,9 @@ def test_an_earlier_dive_outside_is_refused_unless_the_user_allows_or_names_it(p
     (package / "runs").symlink_to(package.parent / "other")
     given = f"change.earlier={earlier.format(other=package.parent / 'other')}"
     loaded = load_config(package, {"change": EarlierDive}, [given])
-    with pytest.raises(InputError, match=r"change\.earlier names a file outside the package: .*--allow-outside"):
+    with pytest.raises(
+        InputError, match=r"change\.earlier names a file outside the package: .*--allow-outside"
+    ):
         check_files(loaded)
     check_files(loaded, allow_outside=True)
     check_files(loaded, trusted_keys=["change.earlier"])
@@ -112,8 +128,12 @@ def test_an_earlier_dive_inside_is_taken_unless_one_of_its_files_leads_out(packa
     (package / "runs" / "may" / "detect").mkdir(parents=True)
     loaded = load_config(package, {"change": EarlierDive}, ["change.earlier=runs/may"])
     check_files(loaded)
-    (package / "runs" / "may" / "detect" / "as_found.npz").symlink_to(package.parent / "other" / "secret.bag")
-    with pytest.raises(InputError, match=r"change\.earlier names a file outside .*as_found\.npz \(a link to"):
+    (package / "runs" / "may" / "detect" / "as_found.npz").symlink_to(
+        package.parent / "other" / "secret.bag"
+    )
+    with pytest.raises(
+        InputError, match=r"change\.earlier names a file outside .*as_found\.npz \(a link to"
+    ):
         check_files(loaded)
     (package / "runs" / "may" / "detect" / "as_found.npz").unlink()
     os.mkfifo(package / "runs" / "may" / "detect" / "as_found.npz")
@@ -185,7 +205,12 @@ def test_a_file_that_the_user_names_himself_may_lie_anywhere(package):
 
 @pytest.mark.parametrize(
     ("name", "key"),
-    [("hull.stl", "hull.mesh"), ("top.yaml", "camera.top.calibration"), ("logs/dvl.csv", "logs.files"), ("logs", "logs.files")],
+    [
+        ("hull.stl", "hull.mesh"),
+        ("top.yaml", "camera.top.calibration"),
+        ("logs/dvl.csv", "logs.files"),
+        ("logs", "logs.files"),
+    ],
 )
 def test_a_fifo_is_refused_before_anything_waits_for_it(package, name, key):
     path = package / name
@@ -230,5 +255,9 @@ def test_a_bare_log_is_held_to_its_folder_as_well(package):
 
 
 def test_the_files_of_a_log_are_those_that_are_read(package):
-    assert log_files(package, "logs") == [Path("logs/dvl.csv"), Path("logs/camera_top.csv"), Path("logs/a.png")]
+    assert log_files(package, "logs") == [
+        Path("logs/dvl.csv"),
+        Path("logs/camera_top.csv"),
+        Path("logs/a.png"),
+    ]
     assert log_files(package, "hull.stl") == [Path("hull.stl")]

@@ -27,7 +27,9 @@ SUFFIX_UNITS = {
 
 @pytest.fixture(scope="module")
 def generator() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("generate_configuration", DOCS / "generate_configuration.py")
+    spec = importlib.util.spec_from_file_location(
+        "generate_configuration", DOCS / "generate_configuration.py"
+    )
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -59,19 +61,43 @@ def test_a_key_that_is_a_measure_has_its_unit(generator: ModuleType) -> None:
 def test_a_unit_in_a_key_is_the_unit_of_its_description(generator: ModuleType) -> None:
     for table in generator.tables():
         for key in table.keys:
-            said = next((unit for ending, unit in SUFFIX_UNITS.items() if key.name.endswith(ending)), key.unit)
+            said = next(
+                (unit for ending, unit in SUFFIX_UNITS.items() if key.name.endswith(ending)),
+                key.unit,
+            )
             assert key.unit == said, key.name
 
 
 def test_an_option_of_a_step_ends_in_its_unit(generator: ModuleType) -> None:
     steps = {stage.name for stage in stages()}
-    keys = [key for table in generator.tables() if table.name in steps for key in table.keys if "_per_" not in key.name]
-    endings = {unit: ending for ending, unit in SUFFIX_UNITS.items() if unit in ("m", "s", "px", "deg", "deg/h")}
-    assert [key.name for key in keys if key.unit in endings and not key.name.endswith(endings[key.unit])] == []
+    keys = [
+        key
+        for table in generator.tables()
+        if table.name in steps
+        for key in table.keys
+        if "_per_" not in key.name
+    ]
+    endings = {
+        unit: ending
+        for ending, unit in SUFFIX_UNITS.items()
+        if unit in ("m", "s", "px", "deg", "deg/h")
+    }
+    assert [
+        key.name for key in keys if key.unit in endings and not key.name.endswith(endings[key.unit])
+    ] == []
 
 
 def test_tables_of_the_dive_and_of_the_steps_are_there(generator: ModuleType) -> None:
     names = [table.name for table in generator.tables()]
     assert names[:3] == ["dive", "logs", "topics"]
-    assert {"camera.top", "camera.bottom", "sonar", "hull", "navigate", "matches", "adjust", "detect"} <= set(names)
+    assert {
+        "camera.top",
+        "camera.bottom",
+        "sonar",
+        "hull",
+        "navigate",
+        "matches",
+        "adjust",
+        "detect",
+    } <= set(names)
     assert len(names) == len(set(names))

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""docs/dive_package.md names what is read: every type of message, every column of the plain form, and what is refused."""
+"""docs/dive_package.md names what is read: every type of message, every column of the plain form,
+and what is refused.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +23,20 @@ OLD_NAMES = {"mavros_msgs/VFR_HUD": "mavros_msgs/VfrHud"}  # the same message as
 
 def row_of(first: str) -> str:
     """Return the row of a table whose first cell names that in code."""
-    (row,) = [line for line in PAGE.splitlines() if line.startswith("|") and f"`{first}`" in line.split("|")[1]]
+    (row,) = [
+        line
+        for line in PAGE.splitlines()
+        if line.startswith("|") and f"`{first}`" in line.split("|")[1]
+    ]
     return row
 
 
 @pytest.mark.parametrize("sensor", sorted(TYPES))
 def test_a_sensors_row_names_every_type_that_is_read_for_it_and_no_other(sensor: str) -> None:
     read = {kind.replace("/msg/", "/") for kind in TYPES[sensor]}
-    assert set(re.findall(r"`(\w+/\w+)`", row_of(sensor))) == {OLD_NAMES.get(kind, kind) for kind in read}
+    assert set(re.findall(r"`(\w+/\w+)`", row_of(sensor))) == {
+        OLD_NAMES.get(kind, kind) for kind in read
+    }
 
 
 @pytest.mark.parametrize("sensor", sorted(plain.COLUMNS))
@@ -40,15 +48,31 @@ def test_a_tables_row_names_the_columns_that_it_must_have(sensor: str) -> None:
 
 
 def columns_in_code() -> set[str]:
-    """Return every cell of a row that the reader asks for: row["name"], row.get("name"), and names in tuples around them."""
+    """Return every cell of a row that the reader asks for: row["name"], row.get("name"), and names
+    in tuples around them.
+    """
     tree = ast.parse(inspect.getsource(plain))
     asked: set[str] = set()
     for node in ast.walk(tree):
-        if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id == "row":
+        if (
+            isinstance(node, ast.Subscript)
+            and isinstance(node.value, ast.Name)
+            and node.value.id == "row"
+        ):
             asked |= _texts(node.slice)
-        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "get":
-            asked |= _texts(node.args[0]) if isinstance(node.func.value, ast.Name) and node.func.value.id == "row" else set()
-        elif isinstance(node, ast.comprehension) and "row" in {n.id for n in ast.walk(node.iter) if isinstance(n, ast.Name)}:
+        elif (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Attribute)
+            and node.func.attr == "get"
+        ):
+            asked |= (
+                _texts(node.args[0])
+                if isinstance(node.func.value, ast.Name) and node.func.value.id == "row"
+                else set()
+            )
+        elif isinstance(node, ast.comprehension) and "row" in {
+            n.id for n in ast.walk(node.iter) if isinstance(n, ast.Name)
+        }:
             continue
         elif isinstance(node, ast.comprehension):
             asked |= _texts(node.iter)
@@ -56,14 +80,28 @@ def columns_in_code() -> set[str]:
 
 
 def _texts(node: ast.AST) -> set[str]:
-    found = (n.value for n in ast.walk(node) if isinstance(n, ast.Constant) and isinstance(n.value, str))
+    found = (
+        n.value for n in ast.walk(node) if isinstance(n, ast.Constant) and isinstance(n.value, str)
+    )
     return {text for text in found if re.fullmatch(r"[a-z_]+", text)} - {"dvl", *plain.COLUMNS}
 
 
 def test_the_page_names_every_column_that_the_code_reads() -> None:
     section = PAGE.split("### A folder of CSVs")[1].split("###")[0]
     asked = columns_in_code()
-    assert {"t", "vx", "qw", "pascal", "rad", "file", "frame", "ping", "range_from", "wx", "az"} <= asked
+    assert {
+        "t",
+        "vx",
+        "qw",
+        "pascal",
+        "rad",
+        "file",
+        "frame",
+        "ping",
+        "range_from",
+        "wx",
+        "az",
+    } <= asked
     assert sorted(asked - set(re.findall(r"`(\w+)`", section))) == []
     assert "`range_1`" in section  # and so on: by their beginning
 

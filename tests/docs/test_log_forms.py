@@ -14,7 +14,8 @@ from hullrecon.dive.logs.readers.file_log import FileLog
 
 ROOT = Path(__file__).resolve().parents[2]
 READERS = [c for c in vars(opening).values() if isinstance(c, type) and issubclass(c, FileLog)]
-FORMS = sorted({reader.kind.split()[-1] for reader in READERS} - {"database"})  # a .db3 belongs to a ROS 2 folder
+# a .db3 belongs to a ROS 2 folder
+FORMS = sorted({reader.kind.split()[-1] for reader in READERS} - {"database"})
 OF_INSTRUMENTS = sorted({reader.kind.split()[-1] for reader in READERS if reader.gives_samples})
 LISTS = {  # a file, and words by which the paragraph is known that lists the forms
     "README.md": "It reads ",
@@ -44,5 +45,7 @@ def test_a_list_of_the_logs_that_are_read_names_every_form(page: str) -> None:
 
 @pytest.mark.parametrize("read", ["log", "init"])
 def test_logs_of_every_form_are_damaged_for_a_run_and_for_init(read: str) -> None:
-    damaged = {Path(seed.target).suffix for each in seeds().values() for seed in each if seed.read == read}
+    damaged = {
+        Path(seed.target).suffix for each in seeds().values() for seed in each if seed.read == read
+    }
     assert {*opening.BY_SUFFIX, ".json"} - damaged == set()

@@ -23,8 +23,15 @@ def test_every_section_and_equation_cited_exists() -> None:
     sections = set(re.findall(r"^## (\d+)\. ", text, re.MULTILINE))
     tags = set(re.findall(r"\\tag\{(\d+)\}", text))
     cited = 0
-    for folder, suffixes in (("hullrecon", {".py"}), ("cli", {".py"}), ("native", {".h", ".cpp"}), ("docs", {".md"})):
-        for path in (p for p in (ROOT / folder).rglob("*") if p.suffix in suffixes and p.name != "methods.md"):
+    for folder, suffixes in (
+        ("hullrecon", {".py"}),
+        ("cli", {".py"}),
+        ("native", {".h", ".cpp"}),
+        ("docs", {".md"}),
+    ):
+        for path in (
+            p for p in (ROOT / folder).rglob("*") if p.suffix in suffixes and p.name != "methods.md"
+        ):
             source = path.read_text()
             for numbers in SECTION.findall(source):
                 assert set(numbers.split(", ")) <= sections, f"{path}: section {numbers}"
@@ -43,7 +50,10 @@ def test_the_label_boundary_is_the_one_derived() -> None:
 def test_the_huber_thresholds_leave_the_same_share_beyond() -> None:
     from scipy.stats import chi2
 
-    printed = {int(rows): float(k) for rows, k in re.findall(r"\| (\d) \|[^|]*\| Huber, k = ([\d.]+) \|", _methods())}
+    printed = {
+        int(rows): float(k)
+        for rows, k in re.findall(r"\| (\d) \|[^|]*\| Huber, k = ([\d.]+) \|", _methods())
+    }
     assert set(printed) == {1, 2, 4}
     beyond = [float(chi2.sf(k**2, rows)) for rows, k in printed.items()]
     assert max(beyond) - min(beyond) < 3e-4

@@ -41,27 +41,47 @@ def test_a_key_stands_in_the_references_once() -> None:
     assert len(keys) == len(set(keys))
 
 
-@pytest.mark.parametrize("old", ["(O 4.12)", "O Fig. 4.10", "METHODS 5", "(K III-B)", "as INPUTS says", "O's weighting"])
+@pytest.mark.parametrize(
+    "old", ["(O 4.12)", "O Fig. 4.10", "METHODS 5", "(K III-B)", "as INPUTS says", "O's weighting"]
+)
 def test_an_old_citation_is_recognised(old: str) -> None:
     assert PRIVATE.search(old)
 
 
-@pytest.mark.parametrize("fine", ["[Ozog2016 4.12]", "O(n) work", "K_l, the inverse", "(n, 3)", "OUTPUT"])
+@pytest.mark.parametrize(
+    "fine", ["[Ozog2016 4.12]", "O(n) work", "K_l, the inverse", "(n, 3)", "OUTPUT"]
+)
 def test_other_words_are_not_taken_for_one(fine: str) -> None:
     assert not PRIVATE.search(fine)
 
 
 def test_no_comment_or_message_cites_a_document_that_is_not_here() -> None:
-    words = [(p, w) for p in _files(".py", "hullrecon", "cli", "benchmarks", "tests") for w in _comments(p)]
+    words = [
+        (p, w)
+        for p in _files(".py", "hullrecon", "cli", "benchmarks", "tests")
+        for w in _comments(p)
+    ]
     words += [(p, w) for p in _files(".py", "hullrecon", "cli") for w in _strings(p)]
-    words += [(p, w) for s in (".h", ".cpp") for p in _files(s, "native") for w in re.findall(r"//.*", p.read_text())]
-    found = {f"{p.relative_to(ROOT)}: {line.strip()}" for p, w in words for line in w.splitlines() if PRIVATE.search(line)}
+    words += [
+        (p, w)
+        for s in (".h", ".cpp")
+        for p in _files(s, "native")
+        for w in re.findall(r"//.*", p.read_text())
+    ]
+    found = {
+        f"{p.relative_to(ROOT)}: {line.strip()}"
+        for p, w in words
+        for line in w.splitlines()
+        if PRIVATE.search(line)
+    }
     assert not found
 
 
 def _sources() -> Iterator[tuple[str, str]]:
     suffixes = {".py", ".h", ".cpp", ".md"}
-    for path in sorted(p for folder in (*CODE, "docs") for p in (ROOT / folder).rglob("*") if p.suffix in suffixes):
+    for path in sorted(
+        p for folder in (*CODE, "docs") for p in (ROOT / folder).rglob("*") if p.suffix in suffixes
+    ):
         if "build" not in path.parts and path != Path(__file__).resolve():
             yield str(path.relative_to(ROOT)), path.read_text()
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the installed command as a user would, on sample_data and on the evaluation data where they lie."""
+"""Runs the installed command as a user would, on sample_data and on the evaluation data where they
+lie.
+"""
 
 import shutil
 from pathlib import Path
@@ -24,7 +26,9 @@ def evaluation_data():
 def tiny(tmp_path_factory):
     """A dive of some seconds, simulated once a session: stereo, sonar, one structure."""
     folder = tmp_path_factory.mktemp("tiny") / "tiny"
-    Shell(folder.parent)("simulate", folder, *TINY, "--leg-length-m", 1.6, "--structures", 1, "--seed", 5)
+    Shell(folder.parent)(
+        "simulate", folder, *TINY, "--leg-length-m", 1.6, "--structures", 1, "--seed", 5
+    )
     return folder
 
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""As much of JSON Schema (2020-12) as hullrecon/report/schemas use; a keyword not understood is an error, not a pass."""
+"""As much of JSON Schema (2020-12) as hullrecon/report/schemas use; a keyword not understood is an
+error, not a pass.
+"""
 
 import base64
 import re
@@ -21,7 +23,11 @@ def violations(value, schema, path="$"):
     for k, member in enumerate(value if isinstance(value, list) else ()):
         found += violations(member, schema["items"], f"{path}[{k}]") if "items" in schema else []
     unknown = set(value) - set(schema.get("properties", {})) if isinstance(value, dict) else set()
-    return found + [f"{path}: {name} is not known" for name in sorted(unknown) if schema.get("additionalProperties") is False]
+    return found + [
+        f"{path}: {name} is not known"
+        for name in sorted(unknown)
+        if schema.get("additionalProperties") is False
+    ]
 
 
 def _is(value, kind):
@@ -33,11 +39,15 @@ def _is(value, kind):
 
 def _when(kind, broken):
     """A keyword that speaks of one type says nothing of the others."""
-    return lambda value, wanted: [f"breaks {wanted}"] if isinstance(value, kind) and broken(value, wanted) else []
+    return lambda value, wanted: (
+        [f"breaks {wanted}"] if isinstance(value, kind) and broken(value, wanted) else []
+    )
 
 
 KEYWORDS = {
-    "type": lambda v, w: [] if any(_is(v, k) for k in ([w] if isinstance(w, str) else w)) else [f"{v!r} is no {w}"],
+    "type": lambda v, w: (
+        [] if any(_is(v, k) for k in ([w] if isinstance(w, str) else w)) else [f"{v!r} is no {w}"]
+    ),
     "const": lambda v, w: [] if v == w else [f"{v!r} is not {w!r}"],
     "enum": lambda v, w: [] if v in w else [f"{v!r} is none of {w}"],
     "required": _when(dict, lambda v, w: set(w) - set(v)),
@@ -46,9 +56,15 @@ KEYWORDS = {
     "minItems": _when(list, lambda v, w: len(v) < w),
     "maxItems": _when(list, lambda v, w: len(v) > w),
     "pattern": _when(str, lambda v, w: not re.search(w, v)),
-    "oneOf": lambda v, w: [] if sum(not violations(v, one) for one in w) == 1 else [f"{v!r} is not one of {w}"],
-    "anyOf": lambda v, w: [] if any(not violations(v, one) for one in w) else [f"{v!r} is none of {w}"],
-    "contentEncoding": lambda v, w: [] if w == "base64" and base64.b64decode(v, validate=True) is not None else [f"no {w}"],
+    "oneOf": lambda v, w: (
+        [] if sum(not violations(v, one) for one in w) == 1 else [f"{v!r} is not one of {w}"]
+    ),
+    "anyOf": lambda v, w: (
+        [] if any(not violations(v, one) for one in w) else [f"{v!r} is none of {w}"]
+    ),
+    "contentEncoding": lambda v, w: (
+        [] if w == "base64" and base64.b64decode(v, validate=True) is not None else [f"no {w}"]
+    ),
     "properties": lambda v, w: [],
     "items": lambda v, w: [],
     "additionalProperties": lambda v, w: [],

@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the dive package of the real stereo seabed (stereo-haltbrekken, pairs 26 to 41) in plain-file form.
+"""Writes the dive package of the real stereo seabed (stereo-haltbrekken, pairs 26 to 41) in
+plain-file form.
 
-python tests/end_to_end/seabed.py DATA/stereo-haltbrekken PACKAGE. The calibration is the one that the data's SOURCE.md derives
-from the images themselves: two radial cameras and the rotation and direction between them; the baseline is the owner's word.
+python tests/end_to_end/seabed.py DATA/stereo-haltbrekken PACKAGE. The calibration is the one that
+the data's SOURCE.md derives from the images themselves: two radial cameras and the rotation and
+direction between them; the baseline is the owner's word.
 """
 
 import shutil
@@ -66,14 +68,24 @@ def write(source, package):
             rows.append(f"{START_S + number},images/{image}")
         (package / "logs" / f"{name}.csv").write_text("\n".join(rows) + "\n")
         yaml = CAMERA_YAML.format(
-            width=WIDTH, height=HEIGHT, name=name, f=focal, k=radial, cx=WIDTH / 2 - 0.5, cy=HEIGHT / 2 - 0.5
+            width=WIDTH,
+            height=HEIGHT,
+            name=name,
+            f=focal,
+            k=radial,
+            cx=WIDTH / 2 - 0.5,
+            cy=HEIGHT / 2 - 0.5,
         )
         (package / "calibration" / f"{name}.yaml").write_text(yaml)
-    (package / "dive.toml").write_text(DIVE_TOML.format(pose=", ".join(f"{v:.9g}" for v in right_in_left())))
+    (package / "dive.toml").write_text(
+        DIVE_TOML.format(pose=", ".join(f"{v:.9g}" for v in right_in_left()))
+    )
 
 
 def right_in_left():
-    """T_ct_cb as dive.toml's six numbers: the inverse of the motion that takes left coordinates to right ones."""
+    """T_ct_cb as dive.toml's six numbers: the inverse of the motion that takes left coordinates to
+    right ones.
+    """
     right_from_left = Rotation.from_rotvec(np.radians(RIGHT_FROM_LEFT_DEG))
     shift = BASELINE_M * DIRECTION / np.linalg.norm(DIRECTION)
     left_from_right = right_from_left.inv()

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Every number of the report's page beside the truth: a table of patterns, each with the function that judges what it says.
+"""Every number of the report's page beside the truth: a table of patterns, each with the function
+that judges what it says.
 
-A number that no pattern covers is untrue until somebody says what would make it true. What is said of the ship, the path, the
-objects and the sensors is held against what was simulated; what is said of the run itself (warnings, residuals, times) against
-the files that it left.
+A number that no pattern covers is untrue until somebody says what would make it true. What is said
+of the ship, the path, the objects and the sensors is held against what was simulated; what is said
+of the run itself (warnings, residuals, times) against the files that it left.
 """
 
 import re
@@ -37,7 +38,9 @@ def unlike(what, said, true, allowed=0.0):
 
 
 def beyond(what, said, sigma, true, most=3.0):
-    """Complains unless the true value lies within three of the sigmas that are said beside the printed one."""
+    """Complains unless the true value lies within three of the sigmas that are said beside the
+    printed one.
+    """
     return unlike(what, said, true, most * (value(sigma) + half_digit(sigma)))
 
 
@@ -57,16 +60,26 @@ SAME_TIME_S = 1e-4  # a time of some 1e9 s in double precision, printed to micro
 
 
 def _dive(dive, _, minutes, seconds, path, poses, images, cameras):
-    """A pose stands where something was measured: an image where there is a camera, and no image is left out."""
+    """A pose stands where something was measured: an image where there is a camera, and no image is
+    left out.
+    """
     t, at = dive.measured_times, dive.pose_times
     out = unlike("duration", _seconds(minutes, seconds), t[-1] - t[0])
     out += unlike("path", path, dive.true_path_m, 0.02 * dive.true_path_m)
     out += unlike("poses", poses, len(t) if dive.images else len(at))
     apart = np.abs(at[:, None] - t).min(axis=1)
-    out += [] if apart.max() < SAME_TIME_S else [f"a pose stands {apart.max():.3f} s from all that was measured"]
+    out += (
+        []
+        if apart.max() < SAME_TIME_S
+        else [f"a pose stands {apart.max():.3f} s from all that was measured"]
+    )
     if images is None:
         return out + (["images without a camera"] if dive.images else [])
-    return out + unlike("images", images, sum(dive.images)) + unlike("cameras", cameras, len(dive.images))
+    return (
+        out
+        + unlike("images", images, sum(dive.images))
+        + unlike("cameras", cameras, len(dive.images))
+    )
 
 
 def _seconds(minutes, seconds):
@@ -85,7 +98,9 @@ def _median_sigmas(dive, _, *sigmas):
 def _vehicle_place(dive, _, along, along_unit, across, across_unit):
     error = dive.error_on_hull
     units = {"m": 1.0, "mm": 1e-3}
-    return too_sure("along", along, error[0], units[along_unit]) + too_sure("across", across, error[1], units[across_unit])
+    return too_sure("along", along, error[0], units[along_unit]) + too_sure(
+        "across", across, error[1], units[across_unit]
+    )
 
 
 def _vehicle_place_m(dive, said, along, across):
@@ -102,7 +117,9 @@ def _weak_attitude(dive, _, angle, sigma):
 
 def _weak_axis(dive, _, axis, sigma, unit):
     k = "xyz".index(axis)
-    return too_sure(f"position in {axis}", sigma, np.median(dive.path_error[:, k]), {"m": 1.0, "mm": 1e-3}[unit])
+    return too_sure(
+        f"position in {axis}", sigma, np.median(dive.path_error[:, k]), {"m": 1.0, "mm": 1e-3}[unit]
+    )
 
 
 def _pixels_place(dive, _, sigma):
@@ -125,7 +142,9 @@ def _objects(dive, said, count, kinds, number, height, sigma):
     largest = max(abs(o["height"].true) for o in dive.objects.values())
     found = dive.objects[int(number)]["height"]
     out += beyond("height of the largest", height, sigma, found.true)
-    return out + (["another is the largest"] if abs(found.true) < largest - 3 * value(sigma) else [])
+    return out + (
+        ["another is the largest"] if abs(found.true) < largest - 3 * value(sigma) else []
+    )
 
 
 def _of_object(*names, factor=1.0):
@@ -144,9 +163,9 @@ def _of_object(*names, factor=1.0):
 
 
 def _area_and_volume(dive, said, area, area_sigma, volume, volume_sigma):
-    return _of_object("area", factor=1e4)(dive, said, area, area_sigma) + _of_object("volume", factor=1e3)(
-        dive, said, volume, volume_sigma
-    )
+    return _of_object("area", factor=1e4)(dive, said, area, area_sigma) + _of_object(
+        "volume", factor=1e3
+    )(dive, said, volume, volume_sigma)
 
 
 def _kind(dive, said, number, kind):
@@ -163,7 +182,19 @@ def _row(dive, said, *pairs):
 
 
 def _address(
-    dive, said, number, height, height_sigma, frames, along, along_sigma, side, girth, girth_sigma, depth, depth_sigma
+    dive,
+    said,
+    number,
+    height,
+    height_sigma,
+    frames,
+    along,
+    along_sigma,
+    side,
+    girth,
+    girth_sigma,
+    depth,
+    depth_sigma,
 ):
     truths = dive.objects.get(int(number) if number else said.object)
     if truths is None:
@@ -172,8 +203,15 @@ def _address(
     out += beyond("along", along, along_sigma or "0", truths["along"].true)
     if frames:
         low, high = (value(v) for v in (frames.split(" to ") * 2)[:2])
-        true, spread = truths["along"].true / dive.frame_spacing_m, 2 * value(along_sigma or "0") / dive.frame_spacing_m
-        out += [] if low - 0.5 - spread <= true <= high + 0.5 + spread else [f"frames {frames}: true {true:.1f}"]
+        true, spread = (
+            truths["along"].true / dive.frame_spacing_m,
+            2 * value(along_sigma or "0") / dive.frame_spacing_m,
+        )
+        out += (
+            []
+            if low - 0.5 - spread <= true <= high + 0.5 + spread
+            else [f"frames {frames}: true {true:.1f}"]
+        )
     if girth:
         signed = "-" + girth if side == "starboard" else girth
         out += beyond("girth", signed, girth_sigma or "0", truths["girth"].true)
@@ -194,7 +232,9 @@ def _object_number(dive, said, number):
 
 
 def _image(dive, _, camera, number, stamp):
-    near = np.abs(dive.image_times(camera) - np.datetime64(stamp.replace(" ", "T"), "ns").astype(np.int64)).argmin()
+    near = np.abs(
+        dive.image_times(camera) - np.datetime64(stamp.replace(" ", "T"), "ns").astype(np.int64)
+    ).argmin()
     return unlike("image", number, near)
 
 
@@ -211,7 +251,9 @@ def _offset(dive, _, size, side, sigma, insignificant):
     out = beyond("offset", signed, sigma, 1000 * dive.deviation["offset"].true)
     small = abs(value(size)) <= 2 * value(sigma) + half_digit(sigma) + 0.5
     clear = abs(value(size)) >= 2 * value(sigma) - half_digit(sigma) - 0.5
-    return out + (["its significance is said wrongly"] if not (small if insignificant else clear) else [])
+    return out + (
+        ["its significance is said wrongly"] if not (small if insignificant else clear) else []
+    )
 
 
 def _signed_offset(dive, _, size, sigma):
@@ -220,7 +262,9 @@ def _signed_offset(dive, _, size, sigma):
 
 def _tilt(dive, _, along, along_sigma, girth, girth_sigma):
     true = 1000 * np.array(dive.deviation["tilt"].true)
-    return beyond("tilt along", along, along_sigma, true[0]) + beyond("tilt in girth", girth, girth_sigma, true[1])
+    return beyond("tilt along", along, along_sigma, true[0]) + beyond(
+        "tilt in girth", girth, girth_sigma, true[1]
+    )
 
 
 def _proportions(dive, _, percent):
@@ -257,7 +301,11 @@ AREA_SHARE = 0.03  # of the rim of an area, summed over pieces of a decimetre
 def _area(dive, _, area, sensor):
     if sensor == "DVL":
         least, most = dive.seen_by_dvl()
-        return [] if least <= value(area) <= most else [f"area seen by DVL: said {area}, true {least:.1f} to {most:.1f}"]
+        return (
+            []
+            if least <= value(area) <= most
+            else [f"area seen by DVL: said {area}, true {least:.1f} to {most:.1f}"]
+        )
     true = dive.seen_area(sensor)
     return unlike(f"area seen by {sensor}", area, true, AREA_SHARE * true)
 
@@ -273,7 +321,10 @@ def _region(dive, _, along_low, along_high, girth_low, girth_high, area, *seen):
             out += [f"{sensor} was carried"] if dive.carried(sensor) else []
             continue
         least, most = dive.seen_by_dvl(on) if sensor == "DVL" else [dive.seen_area(sensor, on)] * 2
-        for what, number, its_sigma, unit in (("area", said, sigma, 1.0), ("share", share, share_sigma, 100 / whole)):
+        for what, number, its_sigma, unit in (
+            ("area", said, sigma, 1.0),
+            ("share", share, share_sigma, 100 / whole),
+        ):
             true = np.clip(value(number), unit * least, unit * most)
             allowed = 3 * (value(its_sigma) + half_digit(its_sigma)) + AREA_SHARE * unit * most
             out += unlike(f"{what} of a region seen by {sensor}", number, true, allowed)
@@ -324,13 +375,24 @@ def _some_hole(dive, _, least):
 
 def _hole(dive, _, *numbers):
     """The hole that is nearest in size is of that size."""
-    area, holes = numbers[-1], dive.holes(0.0) if dive.images else [hole for few in dive.holes_of_dvl(0.0) for hole in few]
-    return unlike("hole", area, min(holes, key=lambda hole: abs(hole - value(area)), default=0.0), 0.02)
+    area, holes = (
+        numbers[-1],
+        dive.holes(0.0)
+        if dive.images
+        else [hole for few in dive.holes_of_dvl(0.0) for hole in few],
+    )
+    return unlike(
+        "hole", area, min(holes, key=lambda hole: abs(hole - value(area)), default=0.0), 0.02
+    )
 
 
 def _no_hole(dive, _, least):
     hole = max(dive.holes(0.0) if dive.images else dive.holes_of_dvl(0.0)[0], default=0.0)
-    return [] if hole < value(least) + 0.01 else [f"no hole of more than {least} said, true {hole:.3f}"]
+    return (
+        []
+        if hole < value(least) + 0.01
+        else [f"no hole of more than {least} said, true {hole:.3f}"]
+    )
 
 
 def _resolution(dive, _, name, step):
@@ -344,9 +406,15 @@ def _gaps(dive, said, area):
 
 def _plan(dive, _, along, girth):
     low, high = dive.seen_extent
-    out = [] if high[0] - low[0] - 0.1 < value(along) < high[0] - low[0] + 2 else [f"plan {along} m along, seen {low} {high}"]
+    out = (
+        []
+        if high[0] - low[0] - 0.1 < value(along) < high[0] - low[0] + 2
+        else [f"plan {along} m along, seen {low} {high}"]
+    )
     return out + (
-        [] if high[1] - low[1] - 0.1 < value(girth) < high[1] - low[1] + 2 else [f"plan {girth} m, seen {low} {high}"]
+        []
+        if high[1] - low[1] - 0.1 < value(girth) < high[1] - low[1] + 2
+        else [f"plan {girth} m, seen {low} {high}"]
     )
 
 
@@ -365,14 +433,17 @@ def _landmarks(dive, _, count, *share):
 # The run
 
 
-OVERLAP_PERCENT = (3.0, 6.0, 6.0)  # of median and tails: said of flat ground, and of the path known before the adjustment
+# of median and tails: said of flat ground, and of the path known before the adjustment
+OVERLAP_PERCENT = (3.0, 6.0, 6.0)
 
 
 def _overlap(across):
     def judge(dive, _, pairs, matched, *overlap):
         compared, joined, true = dive.overlaps(across)
         out = unlike("pairs", pairs, compared) + unlike("matched", matched, joined)
-        for said, real, allowed in zip(overlap, (true[1], true[0], true[2]), OVERLAP_PERCENT, strict=False):
+        for said, real, allowed in zip(
+            overlap, (true[1], true[0], true[2]), OVERLAP_PERCENT, strict=False
+        ):
             out += unlike("overlap", said, real, allowed) if said else []
         return out
 
@@ -384,7 +455,12 @@ def _residuals(name, sigma, unit):
         found, scale = dive.adjust["residuals_after"][name], unit * dive.adjust["sigmas"][sigma]
         out = unlike(f"{name} residuals", count, found["count"])
         out += unlike(f"{name} rms", rms, scale * found["rms"], 0.05 * scale * found["rms"])
-        out += unlike(f"{name} robust", robust, scale * found["robust_sigma"], 0.05 * scale * found["robust_sigma"])
+        out += unlike(
+            f"{name} robust",
+            robust,
+            scale * found["robust_sigma"],
+            0.05 * scale * found["robust_sigma"],
+        )
         return out + unlike(f"{name} beyond 3", share, 100 * found["share_beyond_3"])
 
     return judge
@@ -402,7 +478,9 @@ def _time_of_step(dive, _, step, minutes, seconds, memory):
 
 def _time(dive, _, minutes, seconds, steps):
     others = [run["seconds"] for name, run in dive.step_runs.items() if name != "report"]
-    return unlike("time", _seconds(minutes, seconds), sum(others)) + unlike("steps", steps, len(others))
+    return unlike("time", _seconds(minutes, seconds), sum(others)) + unlike(
+        "steps", steps, len(others)
+    )
 
 
 def _warnings(dive, _, count):
@@ -410,12 +488,18 @@ def _warnings(dive, _, count):
 
 
 def _ranges_rejected(dive, _, rejected, of):
-    return unlike("ranges", of, dive.ranges) + unlike("rejected ranges", rejected, dive.ranges_flagged)
+    return unlike("ranges", of, dive.ranges) + unlike(
+        "rejected ranges", rejected, dive.ranges_flagged
+    )
 
 
 def _pairs_failed(dive, _, reason, count):
     """The page's table of compared pairs says how many failed in all."""
-    return [] if 0 < int(count) <= dive.pairs_without_pose else [f"{reason}: {count} of {dive.pairs_without_pose} pairs"]
+    return (
+        []
+        if 0 < int(count) <= dive.pairs_without_pose
+        else [f"{reason}: {count} of {dive.pairs_without_pose} pairs"]
+    )
 
 
 def _observations(dive, _, rejected, of):
@@ -426,7 +510,11 @@ def _observations(dive, _, rejected, of):
 
 def _not_reported(dive, _, height, sigma, address):
     """No structure that is due stands where a region was examined and refused."""
-    known = [r for r in dive.regions_refused if r["address"] == address and unlike("", height, r["height"]) == []]
+    known = [
+        r
+        for r in dive.regions_refused
+        if r["address"] == address and unlike("", height, r["height"]) == []
+    ]
     if not known:
         return [f"no region was refused at {address}"]
     near = min(dive.nearest_structure_m(np.array(r["center"])) for r in known)
@@ -449,7 +537,11 @@ def _title(dive, _, number, title):
 
 
 def _section(dive, _, number):
-    return [] if dive.titles[int(number) - 1] == "Objects on the hull" else ["another section holds the objects"]
+    return (
+        []
+        if dive.titles[int(number) - 1] == "Objects on the hull"
+        else ["another section holds the objects"]
+    )
 
 
 def _shown(dive, _, some, of):
@@ -482,16 +574,34 @@ TABLE = (
     (rf"^(\d+) ({TITLES})$", _title),
     (r"of section (\d+)\.", _section),
     (r"(\d\d \w+ \d{4}, \d\d:\d\d UTC)", _date),
-    (rf": {TIME}, {N} m of path, {N} poses(?:, {N} images? from (\d) cameras?|, without a camera)\.", _dive),
+    (
+        rf": {TIME}, {N} m of path, {N} poses(?:, {N} images? from (\d) cameras?|, without a camera)\.",
+        _dive,
+    ),
     (rf"median one sigma in x / y / z: {N} / {N} / {N} (mm|m)\.", _median_sigmas),
-    (rf"The position (along the hull|across the hull|vertically) is uncertain by {N} m \(one sigma\)", _weak_position),
-    (rf"The (heel|trim|heading) of the hull is uncertain by {N} degrees \(one sigma\)", _weak_attitude),
-    (rf"The position in ([xyz]) of the local frame is uncertain by {LENGTH} \(one sigma\)", _weak_axis),
-    (rf"known to {LENGTH} along the (?:hull|plane) and {LENGTH} (?:in girth|across it) \(one sigma, median\)", _vehicle_place),
+    (
+        rf"The position (along the hull|across the hull|vertically) is uncertain by {N} m \(one sigma\)",
+        _weak_position,
+    ),
+    (
+        rf"The (heel|trim|heading) of the hull is uncertain by {N} degrees \(one sigma\)",
+        _weak_attitude,
+    ),
+    (
+        rf"The position in ([xyz]) of the local frame is uncertain by {LENGTH} \(one sigma\)",
+        _weak_axis,
+    ),
+    (
+        rf"known to {LENGTH} along the (?:hull|plane) and {LENGTH} (?:in girth|across it) \(one sigma, median\)",
+        _vehicle_place,
+    ),
     (rf"^± {LENGTH} ± {LENGTH} (?:in girth|across), one sigma", _vehicle_place),
     (rf"one sigma of the vehicle: {N} m along, {N} m (?:in girth|across)", _vehicle_place_m),
     (rf"A pixel's position on the hull is known to {N} mm \(one sigma\)", _pixels_place),
-    (rf"(\d+) objects? found on the hull \(([^)]*)\); the largest, no\. (\d+), has a height of {WITH_SIGMA} m", _objects),
+    (
+        rf"(\d+) objects? found on the hull \(([^)]*)\); the largest, no\. (\d+), has a height of {WITH_SIGMA} m",
+        _objects,
+    ),
     (
         rf"Looked for: what is at least {N} mm high or deep, {N} cm² large, shown by {N} images?, and bare hull with a"
         rf" probability below {N}",
@@ -501,20 +611,32 @@ TABLE = (
     (r"^(\d+) on the hull$", _count_of_objects),
     (r"hull seen, (\d+) objects?", _count_of_objects),
     (r"(\d+) of (\d+) shown", _shown),
-    (rf"^(?:only|bare hull does so with probability) [^(]*\(height {WITH_SIGMA} m, (.*)\)$", _not_reported),
+    (
+        rf"^(?:only|bare hull does so with probability) [^(]*\(height {WITH_SIGMA} m, (.*)\)$",
+        _not_reported,
+    ),
     (rf"{ADDRESS}, {N} m²$", _hole),
     (r"(\d+) holes? of more than (0\.\d+) m² in the coverage", _holes),
     (r"^Holes of more than (0\.\d+) m²$", _some_hole),
     (rf"(?:Object (\d+): height {WITH_SIGMA} m, )?{ADDRESS}", _address),
     (r"^(\d+)(?: \| show)? (?:\||·) (protrusion|recess|Protrusion|Recess)", _kind),
-    (rf"(?<=\| ){WITH_SIGMA} m \| {WITH_SIGMA} cm² \| {WITH_SIGMA} m \| {WITH_SIGMA} m(?: \| {WITH_SIGMA} m)?(?= \| <)", _row),
+    (
+        rf"(?<=\| ){WITH_SIGMA} m \| {WITH_SIGMA} cm² \| {WITH_SIGMA} m \| {WITH_SIGMA} m(?: \| {WITH_SIGMA} m)?(?= \| <)",
+        _row,
+    ),
     (rf"^Height above the hull around it \| {WITH_SIGMA} m$", _of_object("height")),
-    (rf"^Extent along the hull, in girth \| {WITH_SIGMA} m × {WITH_SIGMA} m$", _of_object("extent along", "extent in girth")),
+    (
+        rf"^Extent along the hull, in girth \| {WITH_SIGMA} m × {WITH_SIGMA} m$",
+        _of_object("extent along", "extent in girth"),
+    ),
     (rf"^Area, volume \| {WITH_SIGMA} cm², {WITH_SIGMA} l$", _area_and_volume),
     (rf"^Largest distance to the CAD model \| {WITH_SIGMA} m$", _of_object("deviation")),
     (rf"^Along, (?:girth|across) \| {WITH_SIGMA} m, {WITH_SIGMA} m$", _of_object("along", "girth")),
     (rf"^Depth below the water surface \| {WITH_SIGMA} m$", _of_object("depth")),
-    (rf"^Centre \(x, y, z\) \| {WITH_SIGMA}, {WITH_SIGMA}, {WITH_SIGMA} m in [Mg]$", _of_object("x", "y", "z")),
+    (
+        rf"^Centre \(x, y, z\) \| {WITH_SIGMA}, {WITH_SIGMA}, {WITH_SIGMA} m in [Mg]$",
+        _of_object("x", "y", "z"),
+    ),
     (r"^More than half of its top seen in \| (\d+) views?$", _views),
     (r"^False-alarm probability, anywhere in the survey \| (< 0\.0001|0\.\d+)$", _alarm),
     (r"(?<=\| )(< 0\.0001|0\.\d{4})(?= \|)", _alarm),
@@ -524,11 +646,20 @@ TABLE = (
     (rf"{N} to {N} mm \(5th to 95th percentile; one sigma {N} mm\)", _form),
     (rf"^{N} to {N} mm one sigma {N} mm", _form),
     (rf"from its CAD model by {N} to {N} mm", _true),
-    (rf"lies {N} mm (inside|outside|from) it \(one sigma {N} mm(, not significantly different from zero)?\)", _offset),
+    (
+        rf"lies {N} mm (inside|outside|from) it \(one sigma {N} mm(, not significantly different from zero)?\)",
+        _offset,
+    ),
     (rf"^Offset of the surveyed patch \| {WITH_SIGMA} mm$", _signed_offset),
-    (rf"^Tilt of the surveyed patch, along / in girth \| {WITH_SIGMA} / {WITH_SIGMA} mm per m$", _tilt),
+    (
+        rf"^Tilt of the surveyed patch, along / in girth \| {WITH_SIGMA} / {WITH_SIGMA} mm per m$",
+        _tilt,
+    ),
     (rf"tells the CAD model's proportions and scale to {N} % \(one sigma\)", _proportions),
-    (rf"hull\.stl: {N} faces, {N} x {N} x {N} m, from \({N}, {N}, {N}\) to \({N}, {N}, {N}\)", _cad_model),
+    (
+        rf"hull\.stl: {N} faces, {N} x {N} x {N} m, from \({N}, {N}, {N}\) to \({N}, {N}, {N}\)",
+        _cad_model,
+    ),
     (r"(\d+) degenerate faces? (?:was|were) removed", _degenerate),
     (r"(\d+) duplicate faces? (?:was|were) removed", _duplicate),
     (r"the mesh is not watertight: (\d+) boundary edges?", _boundary),
@@ -538,23 +669,44 @@ TABLE = (
     (rf"^Hull seen by (sonar) \| {WITH_SIGMA} m²$", _uncertain_area_of),
     (rf"^[^|]+ \| {N} to {N} m \| {N} to {N} m \| {N} m² \| {SEEN} \| {SEEN} \| {SEEN}$", _region),
     (rf"^(?:Hull|Measured surface) seen at least twice by camera \| {N} m²$", _area_twice),
-    (rf"^Ground sample distance, camera \| {N} mm \(5th to 95th percentile {N} to {N} mm\)$", _percentiles("gsd", 0.02, 0.0)),
+    (
+        rf"^Ground sample distance, camera \| {N} mm \(5th to 95th percentile {N} to {N} mm\)$",
+        _percentiles("gsd", 0.02, 0.0),
+    ),
     (
         rf"^Incidence angle of the best view, camera \| {N}° \(5th to 95th percentile {N} to {N}°\)$",
         _percentiles("incidence", 0.03, 0.5),
     ),
-    (rf"^Views per point, camera \| {N} \(5th to 95th percentile {N} to {N}\)$", _percentiles("views", 0.0, 1.0)),
+    (
+        rf"^Views per point, camera \| {N} \(5th to 95th percentile {N} to {N}\)$",
+        _percentiles("views", 0.0, 1.0),
+    ),
     (r"No hole of more than (0\.\d+) m² was found", _no_hole),
     (rf"(optical|sonar) at {N} mm per pixel", _resolution),
     (rf"^(Optical|Sonar): {N} mm a pixel", _resolution),
     (rf"Gaps inside its outline: {N} m²", _gaps),
     (rf"{N} m along by {N} m (?:girth|across)", _plan),
     (rf"(?<=\| ){N} m \| fr {N}(?= \|)", _frame_tick),
-    (rf"{N} landmarks were measured in the images(?:, {N} % of them taken to lie on the CAD model's surface)?", _landmarks),
-    (rf"^Neighbours along the track \| {N} \| {N} \| (?:{N} % \({N} to {N} %\)|–)$", _overlap(across=False)),
-    (rf"^Images of other legs \| {N} \| {N} \| (?:{N} % \({N} to {N} %\)|–)$", _overlap(across=True)),
-    (rf"^Features seen by both cameras \| {N} \| {N} px \| {N} px \| {N} %$", _residuals("stereo", "pixel_px", 1.0)),
-    (rf"^Features seen by one camera \| {N} \| {N} px \| {N} px \| {N} %$", _residuals("mono", "pixel_px", 1.0)),
+    (
+        rf"{N} landmarks were measured in the images(?:, {N} % of them taken to lie on the CAD model's surface)?",
+        _landmarks,
+    ),
+    (
+        rf"^Neighbours along the track \| {N} \| {N} \| (?:{N} % \({N} to {N} %\)|–)$",
+        _overlap(across=False),
+    ),
+    (
+        rf"^Images of other legs \| {N} \| {N} \| (?:{N} % \({N} to {N} %\)|–)$",
+        _overlap(across=True),
+    ),
+    (
+        rf"^Features seen by both cameras \| {N} \| {N} px \| {N} px \| {N} %$",
+        _residuals("stereo", "pixel_px", 1.0),
+    ),
+    (
+        rf"^Features seen by one camera \| {N} \| {N} px \| {N} px \| {N} %$",
+        _residuals("mono", "pixel_px", 1.0),
+    ),
     (rf"^DVL ranges \| {N} \| {N} mm \| {N} mm \| {N} %$", _residuals("range", "range_m", 1e3)),
     (
         rf"^(Scale error of the DVL's velocities|Drift of the heading|Bias of \w+|Bias of the depth) \| {N} ± {N}[^\d|]*$",
@@ -566,7 +718,8 @@ TABLE = (
     (rf"{N} of {N} DVL ranges rejected as outliers", _ranges_rejected),
     (r"^([a-z ]+): (\d+) pairs?$", _pairs_failed),
     (rf"{N} of {N} image observations rejected as outliers", _observations),
-    # numbers that say nothing of the dive: percentiles' names, dimensions, scale bars, ticks of an axis, marks on the plan
+    # numbers that say nothing of the dive: percentiles' names, dimensions, scale bars, ticks of an
+    # axis, marks on the plan
     (r"5th to 95th percentile|Beyond 3 sigmas|\b3-D\b", _true),
     (r"(?<=\| )-?\d+(?:\.\d+)? m(?= \||$)", _true),
     (r"(?<= \| )\d+(?= \|)", _true),
@@ -574,11 +727,15 @@ TABLE = (
 
 
 def untrue(dive, found):
-    """Complaints about a statement's numbers: those that are not true, and those that no pattern covers."""
+    """Complaints about a statement's numbers: those that are not true, and those that no pattern
+    covers.
+    """
     words, complaints = found.words.replace(dive.vessel, "the ship").replace(dive.name, "it"), []
     for pattern, judge in TABLE:
         for match in re.finditer(pattern, words):
             complaints += judge(dive, found, *match.groups())
         words = re.sub(pattern, "covered", words)
     rest = re.findall(r"\S*\d\S*", words)
-    return complaints + ([f"nothing says what would make these true: {rest} in: {found.words}"] if rest else [])
+    return complaints + (
+        [f"nothing says what would make these true: {rest} in: {found.words}"] if rest else []
+    )

@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 SAMPLE = Path(__file__).resolve().parents[2] / "sample_data" / "demo"
-TINY = ("--legs", 1, "--marks", 0, "--image-width", 320, "--image-height", 256)  # simulate: a dive of some seconds
+# simulate: a dive of some seconds
+TINY = ("--legs", 1, "--marks", 0, "--image-width", 320, "--image-height", 256)
 
 
 class Shell:
@@ -20,12 +21,20 @@ class Shell:
 
     def start(self, *arguments):
         return subprocess.Popen(
-            [self.program, *map(str, arguments)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            [self.program, *map(str, arguments)],
+            cwd=self.folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
         )
 
     def __call__(self, *arguments, code=0):
         done = subprocess.run(
-            [self.program, *map(str, arguments)], cwd=self.folder, capture_output=True, text=True, check=False
+            [self.program, *map(str, arguments)],
+            cwd=self.folder,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         assert done.returncode == code, (
             f"exit {done.returncode}, expected {code}:\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
@@ -42,11 +51,14 @@ def edit(package, old, new):
 
 
 def without_run_blocks(folder):
-    """Every file of a run by name, JSON without its volatile `run` block, the report without its time."""
+    """Every file of a run by name, JSON without its volatile `run` block, the report without its
+    time.
+    """
     found = {}
     for path in sorted(p for p in folder.rglob("*") if p.is_file()):
         name = path.relative_to(folder).as_posix()
-        if "/logs/" in name or "/.hullrecon/" in name:  # logs of the runs; the lock and the cache of hashes
+        # logs of the runs; the lock and the cache of hashes
+        if "/logs/" in name or "/.hullrecon/" in name:
             continue
         found[name] = _steady(path)
     return found
@@ -57,10 +69,13 @@ def _steady(path):
         document = json.loads(path.read_text())
         for volatile in ("run", "seal"):
             document.pop(volatile, None)
-        for name in ("deliver/summary.json", "deliver/report/index.html"):  # they hold the run's time: so do their hashes
+        # they hold the run's time: so do their hashes
+        for name in ("deliver/summary.json", "deliver/report/index.html"):
             document.get("outputs", {}).pop(name, None)
         document.get("deliverables", {}).pop("report/index.html", None)
         return json.dumps(document, sort_keys=True)
     if path.suffix == ".html":
-        return "".join(line for line in path.read_text().splitlines() if "data-volatile" not in line)
+        return "".join(
+            line for line in path.read_text().splitlines() if "data-volatile" not in line
+        )
     return path.read_bytes()

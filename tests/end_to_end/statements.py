@@ -6,7 +6,23 @@ import re
 from dataclasses import dataclass
 from html.parser import HTMLParser
 
-ENDS = {"p", "li", "tr", "h1", "h2", "h3", "caption", "figcaption", "div", "dt", "svg", "summary", "footer", "output", "label"}
+ENDS = {
+    "p",
+    "li",
+    "tr",
+    "h1",
+    "h2",
+    "h3",
+    "caption",
+    "figcaption",
+    "div",
+    "dt",
+    "svg",
+    "summary",
+    "footer",
+    "output",
+    "label",
+}
 CELLS = {"td", "th", "text", "title", "dd", "small"}
 UNSEEN = {"script", "style"}
 RECORD = {"record", "appendix"}  # hashes and plots
@@ -14,7 +30,9 @@ RECORD = {"record", "appendix"}  # hashes and plots
 
 @dataclass(frozen=True)
 class Statement:
-    """Words of one paragraph, item, row (cells parted by |) or drawing; section and object: where on the page."""
+    """Words of one paragraph, item, row (cells parted by |) or drawing; section and object: where
+    on the page.
+    """
 
     words: str
     section: str

@@ -30,7 +30,9 @@ def test_no_dive_toml(shell, tmp_path):
 
 def test_an_unknown_key_names_the_nearest_known_one(shell, package):
     edit(package, "sigma_velocity", "sigma_velocty")
-    assert_one_line(shell("run", package, "--runs", "out", code=2), "sigma_velocty", "sigma_velocity")
+    assert_one_line(
+        shell("run", package, "--runs", "out", code=2), "sigma_velocty", "sigma_velocity"
+    )
 
 
 def test_a_missing_log(shell, package):
@@ -44,7 +46,9 @@ def test_a_truncated_mcap_is_salvaged_and_the_lost_span_named(shell, tmp_path):
     log = next((package / "logs").glob("*.mcap"))
     os.truncate(log, int(0.8 * log.stat().st_size))
     shell("run", package, "--runs", "out", "--to", "ingest")
-    findings = json.loads((shell.folder / "out" / package_name(package) / "ingest" / "findings.json").read_text())
+    findings = json.loads(
+        (shell.folder / "out" / package_name(package) / "ingest" / "findings.json").read_text()
+    )
     assert findings["lost"]
     assert "dvl" in json.dumps(findings["lost"]).lower()
 
@@ -55,7 +59,19 @@ def package_name(package):
 
 def test_a_corrupt_jpeg_among_good_ones_survives_and_is_counted(shell, tmp_path):
     plain = tmp_path / "plain"
-    shell("simulate", plain, *TINY, "--form", "plain", "--leg-length-m", 1.2, "--structures", 0, "--seed", 6)
+    shell(
+        "simulate",
+        plain,
+        *TINY,
+        "--form",
+        "plain",
+        "--leg-length-m",
+        1.2,
+        "--structures",
+        0,
+        "--seed",
+        6,
+    )
     image = sorted(plain.rglob("*.jpg"))[2]
     image.write_bytes(b"\xff\xd8 this is no picture")
     shell("run", plain, "--runs", "out", "--to", "features")
@@ -95,6 +111,10 @@ def test_an_output_folder_that_cannot_be_made(shell, package):
 
 
 def test_a_run_on_a_dive_that_another_process_works_on(shell, package):
-    """That process is this one: it holds the dive's lock until the run is refused, however busy the machine."""
+    """That process is this one: it holds the dive's lock until the run is refused, however busy the
+    machine.
+    """
     with Workspace(shell.folder / "out" / package_name(package)).lock():
-        assert_one_line(shell("run", package, "--runs", "out", code=5), f"locked by process {os.getpid()}")
+        assert_one_line(
+            shell("run", package, "--runs", "out", code=5), f"locked by process {os.getpid()}"
+        )

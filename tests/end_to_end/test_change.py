@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two simulated dives of one hull, run and compared: three objects added, one removed, one grown by 3 cm. The second dive names
-the first, and every sentence of its report's chapter on change is held against the truth."""
+"""Two simulated dives of one hull, run and compared: three objects added, one removed, one grown by
+3 cm. The second dive names the first, and every sentence of its report's chapter on change is held
+against the truth.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,9 @@ SEED = 1
 
 @dataclass(frozen=True, kw_only=True)
 class Compared:
-    """Both packages, what `diff` says of their runs, and the second dive's deliverables, in which it was compared too."""
+    """Both packages, what `diff` says of their runs, and the second dive's deliverables, in which
+    it was compared too.
+    """
 
     first: Path
     second: Path
@@ -73,7 +77,9 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> Compared:
     folder = tmp_path_factory.mktemp("change")
     by_diff = run_both(folder, SEED, SMALLEST)
     first, second = simulate(folder, SEED, SMALLEST)
-    dive = run_dive(second, folder / "runs", overrides=[f"change.earlier={folder / 'runs' / first.name}"])
+    dive = run_dive(
+        second, folder / "runs", overrides=[f"change.earlier={folder / 'runs' / first.name}"]
+    )
     return Compared(first=first, second=second, by_diff=by_diff, deliver=dive.deliver)
 
 
@@ -98,7 +104,9 @@ def true_changes_of_all(compared: Compared) -> list[TrueChange]:
     for place, height in before:
         later = [h for p, h in after if np.linalg.norm(p - place) < 0.1]
         status = "gone" if not later else "unchanged" if abs(later[0] - height) < 1e-6 else "grown"
-        found.append(TrueChange(status=status, place=place, before=height, after=later[0] if later else 0.0))
+        found.append(
+            TrueChange(status=status, place=place, before=height, after=later[0] if later else 0.0)
+        )
     for place, height in after:
         if all(np.linalg.norm(p - place) >= 0.1 for p, _ in before):
             found.append(TrueChange(status="new", place=place, before=0.0, after=height))
@@ -106,7 +114,9 @@ def true_changes_of_all(compared: Compared) -> list[TrueChange]:
 
 
 def rows_with_truth(compared: Compared) -> list[tuple[dict, TrueChange]]:
-    """Each row of change.json with the structure that it is about, matched where the first dive reports that."""
+    """Each row of change.json with the structure that it is about, matched where the first dive
+    reports that.
+    """
     placed = reported_from_true(compared.by_diff.first.survey, compared.first)
     truth = true_changes_of_all(compared)
     there = placed.apply(np.array([entry.place for entry in truth]))
@@ -116,9 +126,12 @@ def rows_with_truth(compared: Compared) -> list[tuple[dict, TrueChange]]:
     return [(row, truth[k]) for row, k in zip(rows, nearest, strict=True)]
 
 
-def placed_by_cameras(run: Path, package: Path, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where a dive puts what its cameras saw, beside the truth in M: shift (3,) m at a center, turn (3,) rad. The vehicle tells
-    less, for the camera's mount is estimated."""
+def placed_by_cameras(
+    run: Path, package: Path, center: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where a dive puts what its cameras saw, beside the truth in M: shift (3,) m at a center, turn
+    (3,) rad. The vehicle tells less, for the camera's mount is estimated.
+    """
     import pycolmap
 
     truth, shifts, turns = read_truth(package), [], []
@@ -128,7 +141,9 @@ def placed_by_cameras(run: Path, package: Path, center: np.ndarray) -> tuple[np.
             true = truth.cameras_at(np.array([row]))
             camera_from_hull = image.cam_from_world().matrix()
             turn = camera_from_hull[:, :3].T @ true.rotation.as_matrix()[0].T
-            shifts.append(turn @ (center - true.translation[0]) + image.projection_center() - center)
+            shifts.append(
+                turn @ (center - true.translation[0]) + image.projection_center() - center
+            )
             turns.append(Rotation.from_matrix(turn).as_rotvec())
     return np.mean(shifts, axis=0), np.mean(turns, axis=0)
 
@@ -150,17 +165,26 @@ def test_the_second_dives_deliverables_say_the_same_as_diff(compared: Compared) 
     ]
     schema = json.loads((compared.deliver / "schemas" / "change.schema.json").read_text())
     assert violations(document, schema) == []
-    listed = {row["id"]: row for row in json.loads((compared.deliver / "objects.json").read_text())["objects"]}
+    listed = {
+        row["id"]: row
+        for row in json.loads((compared.deliver / "objects.json").read_text())["objects"]
+    }
     for row in document["objects"]:
         if row["second_id"] is not None:
-            assert row["height_after"] == pytest.approx(listed[row["second_id"]]["height"], abs=1e-5)
+            assert row["height_after"] == pytest.approx(
+                listed[row["second_id"]]["height"], abs=1e-5
+            )
 
 
 def test_the_verdict_counts_what_truly_changed(compared: Compared) -> None:
     counts = {status: len(rows) for status, rows in compared.truth.items()}
     assert counts == {"new": 3, "gone": 1, "grown": 1}
-    assert f"{compared.first.name} to {compared.second.name}: 3 new, 1 gone and 1 grown; " in words(compared.chapter())
-    assert f"Change since {compared.first.name}: 3 new, 1 gone and 1 grown; " in words(compared.page)
+    assert f"{compared.first.name} to {compared.second.name}: 3 new, 1 gone and 1 grown; " in words(
+        compared.chapter()
+    )
+    assert f"Change since {compared.first.name}: 3 new, 1 gone and 1 grown; " in words(
+        compared.page
+    )
 
 
 def test_each_row_is_true_within_three_of_its_sigmas(compared: Compared) -> None:
@@ -169,9 +193,15 @@ def test_each_row_is_true_within_three_of_its_sigmas(compared: Compared) -> None
     assert len(pairs) == 7
     for row, true in pairs:
         assert row["status"] == true.status
-        assert row["change"] == pytest.approx(true.after - true.before, abs=3 * row["change_sigma"]), row
-        assert row["height_before"] == pytest.approx(true.before, abs=3 * row["height_before_sigma"]), row
-        assert row["height_after"] == pytest.approx(true.after, abs=3 * row["height_after_sigma"]), row
+        assert row["change"] == pytest.approx(
+            true.after - true.before, abs=3 * row["change_sigma"]
+        ), row
+        assert row["height_before"] == pytest.approx(
+            true.before, abs=3 * row["height_before_sigma"]
+        ), row
+        assert row["height_after"] == pytest.approx(
+            true.after, abs=3 * row["height_after_sigma"]
+        ), row
         along, girth = chart.to_chart(true.place[None])[0, :2]
         assert row["along"] == pytest.approx(along, abs=3 * row["sigma_along"]), row
         assert row["girth"] == pytest.approx(girth, abs=3 * row["sigma_girth"]), row
@@ -182,19 +212,30 @@ def test_the_offset_between_the_dives_is_true_within_its_covariance(compared: Co
     stated = compared.document["offset"]
     center, covariance = np.array(stated["center"]), np.array(stated["covariance"])
     runs = compared.deliver.parents[1]
-    first, second = (placed_by_cameras(runs / p.name, p, center) for p in (compared.first, compared.second))
-    error = np.r_[stated["translation_m"] - (first[0] - second[0]), stated["rotation_rad"] - (first[1] - second[1])]
+    first, second = (
+        placed_by_cameras(runs / p.name, p, center) for p in (compared.first, compared.second)
+    )
+    error = np.r_[
+        stated["translation_m"] - (first[0] - second[0]),
+        stated["rotation_rad"] - (first[1] - second[1]),
+    ]
     assert error @ np.linalg.solve(covariance, error) < 22.5  # 99.9 % with six degrees of freedom
     assert np.abs(first[0] - second[0]).max() > 0.02  # there was something to be found
 
 
-def test_what_would_stand_out_is_less_than_what_changed_and_more_than_what_did_not(compared: Compared) -> None:
+def test_what_would_stand_out_is_less_than_what_changed_and_more_than_what_did_not(
+    compared: Compared,
+) -> None:
     document = compared.document
     least, coverage = document["coverage"]["detectable_m"], document["coverage"]
     for row in document["objects"]:
         assert (abs(row["change"]) >= least) == (row["status"] != "unchanged")
     assert document["surface_moves"] == []
-    assert 0.8 * coverage["first_m2"] < coverage["both_m2"] <= min(coverage["first_m2"], coverage["second_m2"])
+    assert (
+        0.8 * coverage["first_m2"]
+        < coverage["both_m2"]
+        <= min(coverage["first_m2"], coverage["second_m2"])
+    )
 
 
 def test_the_pages_table_has_the_numbers_of_the_files(compared: Compared) -> None:
@@ -203,7 +244,9 @@ def test_the_pages_table_has_the_numbers_of_the_files(compared: Compared) -> Non
         [words(cell) for cell in re.findall(r"<t[hd].*?</t[hd]>", row)]
         for row in re.findall(r"<tr><th scope=\"row\">.*?</tr>", chapter)
     ]
-    written = list(csv.DictReader(io.StringIO((compared.deliver / "change" / "change.csv").read_text())))
+    written = list(
+        csv.DictReader(io.StringIO((compared.deliver / "change" / "change.csv").read_text()))
+    )
     assert len(rows) == len(written) == 7
     for cells, row in zip(rows, written, strict=True):
         assert cells[0] == row["status"]
@@ -213,7 +256,9 @@ def test_the_pages_table_has_the_numbers_of_the_files(compared: Compared) -> Non
             value, sigma = (float(text.replace("−", "-")) for text in cell.split(" ± "))
             assert value == pytest.approx(1000 * float(row[f"{name}_m"]), abs=0.51)
             assert sigma == pytest.approx(1000 * float(row[f"{name}_sigma_m"]), abs=0.51)
-        assert (cells[7] == "< 0.0001") == (float(row["p_value"]) < 1e-4) == (cells[0] != "unchanged")
+        assert (
+            (cells[7] == "< 0.0001") == (float(row["p_value"]) < 1e-4) == (cells[0] != "unchanged")
+        )
 
 
 def test_the_pdf_has_the_chapter_too(compared: Compared) -> None:
@@ -225,12 +270,20 @@ def test_the_pdf_has_the_chapter_too(compared: Compared) -> None:
         assert re.sub(r"\s+", "", row["address"]) in text
 
 
-def test_where_the_first_run_is_not_there_all_else_is_delivered_and_the_reason_said(compared: Compared, tmp_path: Path) -> None:
+def test_where_the_first_run_is_not_there_all_else_is_delivered_and_the_reason_said(
+    compared: Compared, tmp_path: Path
+) -> None:
     """The last test: it runs the second dive again."""
     with pytest.raises(StageError, match="no comparison with an earlier dive: this is no run"):
-        run_dive(compared.second, compared.deliver.parents[1], overrides=[f"change.earlier={tmp_path / 'gone'}"])
+        run_dive(
+            compared.second,
+            compared.deliver.parents[1],
+            overrides=[f"change.earlier={tmp_path / 'gone'}"],
+        )
     summary = json.loads((compared.deliver / "summary.json").read_text())
-    assert summary["absent"]["change/"].startswith("no comparison with an earlier dive: this is no run")
+    assert summary["absent"]["change/"].startswith(
+        "no comparison with an earlier dive: this is no run"
+    )
     assert "objects.json" in summary["deliverables"]
     assert not [name for name in summary["deliverables"] if name.startswith("change/")]
     assert not (compared.deliver / "change").exists()

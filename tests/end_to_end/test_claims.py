@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a run says is true: every number with a sigma lies within three of the truth, and nothing is said of what was not
-measured.
+"""What a run says is true: every number with a sigma lies within three of the truth, and nothing is
+said of what was not measured.
 
-On the demo, on the evaluation data's dive where that is there, and on small dives of two legs of 2 m: stereo, mono,
-without a CAD model, without a DVL, from images alone, and without a camera.
+On the demo, on the evaluation data's dive where that is there, and on small dives of two legs of 2
+m: stereo, mono, without a CAD model, without a DVL, from images alone, and without a camera.
 """
 
 import json
@@ -22,11 +22,32 @@ from end_to_end.true_dive import TrueDive
 
 pytestmark = pytest.mark.slow
 
-SMALL = ("--legs", 2, "--leg-length-m", 2, "--marks", 1, "--structures", 2, "--barnacles", 0, "--image-width", 400,
-         "--image-height", 320, "--seed", 11)  # fmt: skip
-WITHOUT = {"no CAD model": ("hull",), "no DVL": ("dvl",), "images alone": ("hull", "dvl", "pressure")}
+SMALL = (
+    "--legs",
+    2,
+    "--leg-length-m",
+    2,
+    "--marks",
+    1,
+    "--structures",
+    2,
+    "--barnacles",
+    0,
+    "--image-width",
+    400,
+    "--image-height",
+    320,
+    "--seed",
+    11,
+)
+WITHOUT = {
+    "no CAD model": ("hull",),
+    "no DVL": ("dvl",),
+    "images alone": ("hull", "dvl", "pressure"),
+}
 SIMULATED = {"mono": "mono", "no camera": "none"}
-SHARED = {"demo": ("demo_run", SAMPLE), "dive-a": ("dive_a_run", FOLDER / "dive-a")}  # runs that other files read as well
+# runs that other files read as well
+SHARED = {"demo": ("demo_run", SAMPLE), "dive-a": ("dive_a_run", FOLDER / "dive-a")}
 IN_SHIP_FRAME = ("demo", "dive-a", "no DVL", "mono", "no camera")
 IN_G = ("no CAD model", "images alone")
 WITH_CAMERA = ("demo", "dive-a", "no CAD model", "no DVL", "images alone", "mono")
@@ -116,13 +137,16 @@ def test_offset_tilt_and_form_lie_within_three_of_their_sigmas(true):
     assert abs(errors["offset"]) < 3
     assert np.abs(errors["tilt"]).max() < 3
     assert np.abs(errors["form percentiles"]).max() < 3
-    for name in ("deviation", "form"):  # of thousands of vertices some are beyond: a normal error leaves 0.3 %
+    # of thousands of vertices some are beyond: a normal error leaves 0.3 %
+    for name in ("deviation", "form"):
         assert np.mean(np.abs(errors[name]) > 3) < 0.02, name
 
 
 @on(*ALL)
 def test_the_path_lies_within_three_of_its_sigmas(true):
-    """Position and attitude. In g the first pose is where the path begins: it has neither error nor sigma to speak of."""
+    """Position and attitude. In g the first pose is where the path begins: it has neither error nor
+    sigma to speak of.
+    """
     first = 0 if true.in_ship_frame else 1
     assert np.abs(true.path.error[first:] / true.path.sigma[first:]).max() < 3
 
@@ -142,7 +166,9 @@ def test_the_vehicles_depth_lies_within_three_of_its_sigmas(true):
 @on(*IN_SHIP_FRAME)
 def test_along_the_directions_called_weak_the_error_is_within_three_of_the_sigma_that_is_said(true):
     weak = claims.weak_direction_errors(true.run, true.package)
-    assert {name: error / sigma for name, (error, sigma) in weak.items() if abs(error) > 3 * sigma} == {}
+    assert {
+        name: error / sigma for name, (error, sigma) in weak.items() if abs(error) > 3 * sigma
+    } == {}
 
 
 @on(*ALL)
@@ -153,12 +179,15 @@ def test_as_many_points_lie_within_one_two_and_three_sigmas_of_the_steel_as_shou
         return
     errors = claims.surface_errors(true.run, true.hull, name)
     shares = [np.mean(errors < most) for most in (1, 2, 3)]
-    assert (np.array(shares) > (0.65, 0.93, 0.98)).all(), shares  # of normal errors 0.683, 0.954, 0.997
+    # of normal errors 0.683, 0.954, 0.997
+    assert (np.array(shares) > (0.65, 0.93, 0.98)).all(), shares
 
 
 @on(*ALL)
 def test_every_number_of_the_page_and_of_the_runs_last_lines_is_true(true):
-    said = statements(true.page) + [Statement(line, "summary", None) for line in true.summary["summary"]]
+    said = statements(true.page) + [
+        Statement(line, "summary", None) for line in true.summary["summary"]
+    ]
     complaints = {complaint for found in said for complaint in untrue(true, found)}
     assert complaints == set()
 
@@ -170,7 +199,10 @@ def test_a_regions_share_that_is_off_by_more_than_three_sigmas_is_no_truth(dives
     share = 100 * area / true.views.steel.area[on].sum()
     for off, wrong in ((0.0, set()), (3.0, {"area", "share"})):
         words = said.format(f"{area + off:.1f}", f"{share + 10 * off:.0f}")
-        found = {complaint.split(" of a region")[0] for complaint in untrue(true, Statement(words, "coverage", None))}
+        found = {
+            complaint.split(" of a region")[0]
+            for complaint in untrue(true, Statement(words, "coverage", None))
+        }
         assert found == wrong | {"sonar was carried", "DVL was carried"}
 
 
@@ -210,7 +242,8 @@ def test_the_sentences_say_what_the_files_say(dive):
         area, sigma = seen.get("area_m2"), seen.get("area_sigma_m2")
         assert (f"m² by {name}" in text) == bool(area)
         if area:
-            assert (sigma is not None) == (sensor == "sonar" and summary["frame"] == "M")  # it is the hull's position's
+            # it is the hull's position's
+            assert (sigma is not None) == (sensor == "sonar" and summary["frame"] == "M")
             words = f"{area:.1f} m²" if sigma is None else f"{area:.1f} ± {max(sigma, 0.1):.1f} m²"
             assert f"{words} by {name}" in text
             assert f"seen by {name} {words}" in page

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The demo's deliverables are those that docs/deliverables.md and the schemas describe: file by file, field by field."""
+"""The demo's deliverables are those that docs/deliverables.md and the schemas describe: file by
+file, field by field.
+"""
 
 import csv
 import json
@@ -30,7 +32,10 @@ def described(file):
     text = (DOCS / "deliverables.md").read_text()
     section = re.search(rf"^### {re.escape(file)}\n(.*?)(?=^##|\Z)", text, re.MULTILINE | re.DOTALL)
     assert section, f"{file} has no section"
-    return [row.split("|")[1].strip().strip("`") for row in re.findall(r"^\|.*\|$", section[1], re.MULTILINE)[2:]]
+    return [
+        row.split("|")[1].strip().strip("`")
+        for row in re.findall(r"^\|.*\|$", section[1], re.MULTILINE)[2:]
+    ]
 
 
 @pytest.mark.parametrize("name", JSON)
@@ -45,7 +50,9 @@ def test_a_schema_names_every_field_and_says_what_it_is(name):
     def silent(node, path):
         members = node.get("properties", {})
         bare = [
-            f"{path}.{k}" for k, v in members.items() if not v.get("description") and "const" not in v and "properties" not in v
+            f"{path}.{k}"
+            for k, v in members.items()
+            if not v.get("description") and "const" not in v and "properties" not in v
         ]
         inner = [silent(v, f"{path}.{k}") for k, v in members.items()] + (
             [silent(node["items"], f"{path}[]")] if "items" in node else []
@@ -63,8 +70,15 @@ def test_a_field_that_is_missing_unknown_or_of_another_kind_breaks_the_schema(de
         assert violations({"objects": [spoiled]}, schema("objects"))
 
 
-TABLES = ("trajectory.csv", "objects.csv", "plots/labels.csv", "plots/residuals.csv", "plots/position_sigma.csv",
-          "plots/depth_standoff.csv", "plots/deviation_histogram.csv")  # fmt: skip
+TABLES = (
+    "trajectory.csv",
+    "objects.csv",
+    "plots/labels.csv",
+    "plots/residuals.csv",
+    "plots/position_sigma.csv",
+    "plots/depth_standoff.csv",
+    "plots/deviation_histogram.csv",
+)
 
 
 @pytest.mark.parametrize("name", TABLES)
@@ -111,8 +125,16 @@ def test_every_file_delivered_is_in_the_list_and_every_entry_is_delivered(delive
     section = (DOCS / "deliverables.md").read_text().split("## JSON documents")[0]
     listed = re.findall(r"^\| `([^`]+)` \|", section, re.MULTILINE)
     files = {p.relative_to(deliver).as_posix() for p in deliver.rglob("*") if p.is_file()}
-    assert {f for f in files if f not in listed and not any(f.startswith(d) for d in listed if d.endswith("/"))} == set()
-    missing = {d for d in listed if d not in files and not any(f.startswith(d) for f in files if d.endswith("/"))}
+    assert {
+        f
+        for f in files
+        if f not in listed and not any(f.startswith(d) for d in listed if d.endswith("/"))
+    } == set()
+    missing = {
+        d
+        for d in listed
+        if d not in files and not any(f.startswith(d) for f in files if d.endswith("/"))
+    }
     assert missing == {"change/"}  # only where an earlier dive is named: test_change.py
 
 
@@ -120,7 +142,9 @@ def test_the_rasters_carry_the_place_described(deliver):
     import tifffile
 
     text = (DOCS / "deliverables.md").read_text()
-    keys = re.findall(r"^\| `(\w+)` \|", text.split("| key of ImageDescription |")[1].split("##")[0], re.MULTILINE)
+    keys = re.findall(
+        r"^\| `(\w+)` \|", text.split("| key of ImageDescription |")[1].split("##")[0], re.MULTILINE
+    )
     for name in ("ortho_optical.tif", "ortho_sonar.tif"):
         with tifffile.TiffFile(deliver / name) as tif:
             assert set(json.loads(tif.pages[0].tags["ImageDescription"].value)) == set(keys)

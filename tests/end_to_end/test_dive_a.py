@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The whole chain on the simulated dive of the evaluation data, judged against its truth. Figures in metres."""
+"""The whole chain on the simulated dive of the evaluation data, judged against its truth. Figures
+in metres.
+"""
 
 import json
 import re
@@ -109,7 +111,13 @@ def test_without_cameras_there_are_surface_and_sonar_mosaic(dive, shell, tmp_pat
     package = without(dive, tmp_path, *CAMERA_TOP, *CAMERA_BOTTOM)
     shell("run", package, "--runs", "out")
     deliver = shell.folder / "out" / "dive-a" / "deliver"
-    for name in ("trajectory.csv", "surface.ply", "ortho_sonar.tif", "mosaic_sonar.glb", "report/index.html"):
+    for name in (
+        "trajectory.csv",
+        "surface.ply",
+        "ortho_sonar.tif",
+        "mosaic_sonar.glb",
+        "report/index.html",
+    ):
         assert (deliver / name).exists(), name
     assert not list(deliver.glob("*optical*"))
     absent = json.dumps(json.loads((deliver / "summary.json").read_text()))

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The demo's undistorted images and their COLMAP model belong together, by geometry and by what the images show."""
+"""The demo's undistorted images and their COLMAP model belong together, by geometry and by what the
+images show.
+"""
 
 import cv2
 import numpy as np
@@ -22,7 +24,10 @@ def exported(demo_run, tmp_path_factory):
 def models(demo_run, exported):
     import pycolmap
 
-    return tuple(pycolmap.Reconstruction(str(folder)) for folder in (demo_run / "deliver" / "colmap", exported / "sparse"))
+    return tuple(
+        pycolmap.Reconstruction(str(folder))
+        for folder in (demo_run / "deliver" / "colmap", exported / "sparse")
+    )
 
 
 def observed(image):
@@ -66,31 +71,44 @@ def likeness(first, second):
 
 
 def test_both_cameras_show_the_same_hull_at_a_point_and_best_without_a_shift(models, exported):
-    """By the pinhole model alone, as stereo and splatting use it; half a pixel more in any direction is less like."""
+    """By the pinhole model alone, as stereo and splatting use it; half a pixel more in any
+    direction is less like.
+    """
     model = models[1]
     sides = ((0, 0), (0.5, 0), (-0.5, 0), (0, 0.5), (0, -0.5))
     found = {shift: [] for shift in sides}
     for frame in list(model.frames.values())[FRAMES]:
-        top, bottom = (model.images[data.id] for data in sorted(frame.image_ids, key=lambda data: data.id))
+        top, bottom = (
+            model.images[data.id] for data in sorted(frame.image_ids, key=lambda data: data.id)
+        )
         both = sorted(observed(top).keys() & observed(bottom).keys())
-        place = [np.array([image.project_point(model.points3D[p].xyz) for p in both]) for image in (top, bottom)]
+        place = [
+            np.array([image.project_point(model.points3D[p].xyz) for p in both])
+            for image in (top, bottom)
+        ]
         one, other = (grey(exported / "images" / image.name) for image in (top, bottom))
         for shift in sides:
             found[shift].append((patches(one, place[0]), patches(other, place[1], shift)))
-    score = {shift: likeness(*map(np.vstack, zip(*parts, strict=True))) for shift, parts in found.items()}
+    score = {
+        shift: likeness(*map(np.vstack, zip(*parts, strict=True))) for shift, parts in found.items()
+    }
     assert score[0, 0] > 0.92  # 0.937 measured
     assert max(score[shift] for shift in sides[1:]) < score[0, 0] - 0.01
 
 
 def test_an_undistorted_image_shows_what_the_camera_saw(models, exported, demo_run):
-    """Patches around observations, in the image of the log and undistorted, at the pixels of the two models."""
+    """Patches around observations, in the image of the log and undistorted, at the pixels of the
+    two models.
+    """
     from hullrecon.geometry.frames import Camera
     from hullrecon.steps.artifacts import IngestArtifact
 
     delivered, undistorted = models
     number = min(undistorted.images)
     image, before = undistorted.images[number], delivered.images[number]
-    raw = cv2.cvtColor(IngestArtifact(demo_run / "ingest").images(Camera.TOP, None).read(0), cv2.COLOR_RGB2GRAY)
+    raw = cv2.cvtColor(
+        IngestArtifact(demo_run / "ingest").images(Camera.TOP, None).read(0), cv2.COLOR_RGB2GRAY
+    )
     there, here = observed(before), observed(image)
     points = sorted(here)
     one = patches(raw.astype(np.float32), np.array([there[p] for p in points]))

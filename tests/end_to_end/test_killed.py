@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""kill -9 at random times, then run again: the same deliverables, byte for byte apart from run blocks and the report's time."""
+"""kill -9 at random times, then run again: the same deliverables, byte for byte apart from run
+blocks and the report's time.
+"""
 
 import random
 import time

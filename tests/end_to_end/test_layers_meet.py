@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One corner of an object measured in every file: table, PLY, GeoPackage, GeoJSON and GeoTIFF agree to 5 mm.
+"""One corner of an object measured in every file: table, PLY, GeoPackage, GeoJSON and GeoTIFF agree
+to 5 mm.
 
 The files are joined as chart.json says, without the code that wrote them.
 """
@@ -58,15 +59,22 @@ class Chart:
         return share[face] @ self.point[corner] + offset * (share[face] @ self.normal[corner])
 
     def to_map(self, point):
-        """Map coordinates (2,) of a point of the ship: those whose point plus offset times normal it is."""
+        """Map coordinates (2,) of a point of the ship: those whose point plus offset times normal
+        it is.
+        """
         candidates = [self._inverted(face, point) for face in self._faces_near(point)]
         inside, at = max(candidates, key=lambda found: found[0])
         assert inside > -1e-6, "off the chart"
         return at * self.signs
 
     def closest_aside(self, point):
-        """How far from there the closest point may lie, as chart.json says: the offset times the angle between faces."""
-        foot, normal = (table[self.faces[self._faces_near(point)]].reshape(-1, 3) for table in (self.point, self.normal))
+        """How far from there the closest point may lie, as chart.json says: the offset times the
+        angle between faces.
+        """
+        foot, normal = (
+            table[self.faces[self._faces_near(point)]].reshape(-1, 3)
+            for table in (self.point, self.normal)
+        )
         offset = np.abs(np.einsum("ni,ni->n", point - foot, normal)).max()
         return offset * np.arccos(np.clip((normal @ normal.T).min(), -1, 1))
 
@@ -74,7 +82,9 @@ class Chart:
         return np.argsort(np.linalg.norm(self.point[self.faces].mean(axis=1) - point, axis=1))[:12]
 
     def _inverted(self, face, point):
-        """The least share of a corner, negative outside the face, and along and girth; by Newton's method."""
+        """The least share of a corner, negative outside the face, and along and girth; by Newton's
+        method.
+        """
         corner = self.faces[face]
         p, n = self.point[corner], self.normal[corner]
         u, v, offset = 1 / 3, 1 / 3, 0.0
@@ -110,39 +120,57 @@ def value_at(path, xy):
 
 
 def distance_to_grid(points, columns):
-    """Distance from the origin to the surface between points (n, 3) given row by row, where they have a value."""
+    """Distance from the origin to the surface between points (n, 3) given row by row, where they
+    have a value.
+    """
     a, b = np.arange(len(points)).reshape(-1, columns)[:-1, :-1].ravel(), columns
-    faces = np.concatenate([np.stack([a, a + 1, a + b], axis=1), np.stack([a + 1, a + b + 1, a + b], axis=1)])
+    faces = np.concatenate(
+        [np.stack([a, a + 1, a + b], axis=1), np.stack([a + 1, a + b + 1, a + b], axis=1)]
+    )
     faces = faces[np.isfinite(points[faces]).all(axis=(1, 2))]
     assert len(faces), "no value near"
     scene = open3d.t.geometry.RaycastingScene()
     scene.add_triangles(np.nan_to_num(points).astype(np.float32), faces.astype(np.uint32))
-    return float(scene.compute_distance(open3d.core.Tensor(np.zeros((1, 3), np.float32))).numpy()[0])
+    return float(
+        scene.compute_distance(open3d.core.Tensor(np.zeros((1, 3), np.float32))).numpy()[0]
+    )
 
 
 def test_an_outlines_corners_are_the_same_in_json_geopackage_and_geojson(deliver, objects, chart):
     outlines = rings(deliver)
-    features = {f["id"]: f for f in json.loads((deliver / "objects.geojson").read_text())["features"]}
+    features = {
+        f["id"]: f for f in json.loads((deliver / "objects.geojson").read_text())["features"]
+    }
     for found in objects:
         corners = np.array(found["outline"])
         on_map = outlines[found["id"]][:-1]
-        np.testing.assert_allclose(features[found["id"]]["geometry"]["coordinates"][0][:-1], on_map, atol=1e-5)
-        error = np.linalg.norm([chart.to_map(corner) - at for corner, at in zip(corners, on_map, strict=True)], axis=1)
+        np.testing.assert_allclose(
+            features[found["id"]]["geometry"]["coordinates"][0][:-1], on_map, atol=1e-5
+        )
+        error = np.linalg.norm(
+            [chart.to_map(corner) - at for corner, at in zip(corners, on_map, strict=True)], axis=1
+        )
         assert np.quantile(error, 0.9) < AGREE_M
         assert (error < [max(AGREE_M, chart.closest_aside(corner)) for corner in corners]).all()
 
 
 def test_a_corner_on_the_geotiff_lies_in_space_where_the_table_says(deliver, objects, chart):
-    """The raster's surface passes within 5 mm of each corner: on the wall of a structure a pixel aside is centimetres in
-    height, so the pixels within two of it are asked, and the triangles between them."""
+    """The raster's surface passes within 5 mm of each corner: on the wall of a structure a pixel
+    aside is centimetres in height, so the pixels within two of it are asked, and the triangles
+    between them.
+    """
     outlines = rings(deliver)
     with rasterio.open(deliver / "deviation.tif") as file:
         pixels, transform = file.read(1).astype(float), file.transform
     for found in objects:
         gaps = []
-        for corner, xy in zip(np.array(found["outline"])[::4], outlines[found["id"]][::4], strict=False):
+        for corner, xy in zip(
+            np.array(found["outline"])[::4], outlines[found["id"]][::4], strict=False
+        ):
             column, row = np.floor(~transform @ tuple(xy)).astype(int)
-            rows, columns = (k.ravel() for k in np.mgrid[row - 2 : row + 3, column - 2 : column + 3])
+            rows, columns = (
+                k.ravel() for k in np.mgrid[row - 2 : row + 3, column - 2 : column + 3]
+            )
             at = np.column_stack(transform @ (columns + 0.5, rows + 0.5))
             points = [chart.to_frame(*pair) for pair in zip(at, pixels[rows, columns], strict=True)]
             gaps.append(distance_to_grid(np.array(points) - corner, 5))
@@ -161,7 +189,8 @@ def test_a_center_is_the_same_in_table_and_layers(deliver, objects, chart):
     table = read_table(deliver / "objects.csv")
     base = sqlite3.connect(f"file:{deliver / 'objects.gpkg'}?mode=ro", uri=True)
     points = {
-        number: struct.unpack_from("<2d", blob, 13) for number, blob in base.execute("SELECT id, geom FROM object_centers")
+        number: struct.unpack_from("<2d", blob, 13)
+        for number, blob in base.execute("SELECT id, geom FROM object_centers")
     }
     for k, found in enumerate(objects):
         xy = np.array(points[found["id"]])
@@ -170,7 +199,8 @@ def test_a_center_is_the_same_in_table_and_layers(deliver, objects, chart):
         center = [float(table[f"center_{a}"][k]) for a in "xyz"]
         np.testing.assert_allclose(center, found["center"], atol=AGREE_M)
         point = chart.to_frame(xy, value_at(deliver / "deviation.tif", xy))
-        assert np.linalg.norm(point - center) < 2 * AGREE_M  # the top's height is that of 8 cm2, not of one pixel
+        # the top's height is that of 8 cm2, not of one pixel
+        assert np.linalg.norm(point - center) < 2 * AGREE_M
 
 
 def test_all_rasters_lie_on_one_grid_and_each_object_has_its_photo(deliver, objects):
@@ -190,11 +220,15 @@ def test_all_rasters_lie_on_one_grid_and_each_object_has_its_photo(deliver, obje
             grids.add((file.transform, file.shape, file.crs.to_wkt()))
             assert file.overviews(1)
     assert len(grids) == 1
-    assert all((deliver / "objects" / f"{found['id']}.jpg").stat().st_size > 10_000 for found in objects)
+    assert all(
+        (deliver / "objects" / f"{found['id']}.jpg").stat().st_size > 10_000 for found in objects
+    )
 
 
 def test_the_painted_number_reads_forward(deliver):
-    """Seen from outside x, y and the outward normal are right-handed, and y points up the side of the ship."""
+    """Seen from outside x, y and the outward normal are right-handed, and y points up the side of
+    the ship.
+    """
     chart = Chart(deliver)
     with rasterio.open(deliver / "ortho_optical.tif") as file:
         west, south, east, north = file.bounds

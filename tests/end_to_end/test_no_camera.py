@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A dive with neither camera nor CAD model, from the command to the deliverables: planes of the hull bound its drift."""
+"""A dive with neither camera nor CAD model, from the command to the deliverables: planes of the
+hull bound its drift.
+"""
 
 import json
 
@@ -11,10 +13,28 @@ from end_to_end.shell import Shell
 pytestmark = pytest.mark.slow
 
 DIVE = (
-    "--cameras", "none", "--no-sonar", "--legs", 2, "--leg-length-m", 7, "--leg-spacing-m", 0.5, "--structures", 0,
-    "--marks", 0,
-    "--barnacles", 0, "--heading-drift-deg-per-hour", 400, "--seed", 3, "--form", "plain",
-)  # fmt: skip
+    "--cameras",
+    "none",
+    "--no-sonar",
+    "--legs",
+    2,
+    "--leg-length-m",
+    7,
+    "--leg-spacing-m",
+    0.5,
+    "--structures",
+    0,
+    "--marks",
+    0,
+    "--barnacles",
+    0,
+    "--heading-drift-deg-per-hour",
+    400,
+    "--seed",
+    3,
+    "--form",
+    "plain",
+)
 
 
 @pytest.fixture(scope="module")

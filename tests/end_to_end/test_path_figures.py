@@ -20,9 +20,27 @@ from hullrecon.steps.artifacts import LinksArtifact
 
 pytestmark = pytest.mark.slow
 DIVE = (
-    "--cameras", "mono", "--legs", 2, "--leg-length-m", 2.5, "--image-width", 400, "--image-height", 320,
-    "--structures", 1, "--marks", 0, "--barnacles", 0, "--heading-drift-deg-per-hour", 400, "--seed", 6,
-)  # fmt: skip
+    "--cameras",
+    "mono",
+    "--legs",
+    2,
+    "--leg-length-m",
+    2.5,
+    "--image-width",
+    400,
+    "--image-height",
+    320,
+    "--structures",
+    1,
+    "--marks",
+    0,
+    "--barnacles",
+    0,
+    "--heading-drift-deg-per-hour",
+    400,
+    "--seed",
+    6,
+)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +65,12 @@ def rows(figure):
 
 
 def test_all_that_such_a_dive_can_show_is_drawn(drawn):
-    assert set(drawn[1]) >= {"sigma_along_path", "links_on_hull", "two_view_models", "sonar_variance"}
+    assert set(drawn[1]) >= {
+        "sigma_along_path",
+        "links_on_hull",
+        "two_view_models",
+        "sonar_variance",
+    }
 
 
 def test_links_make_the_path_better_known_than_dead_reckoning(drawn):
@@ -57,16 +80,26 @@ def test_links_make_the_path_better_known_than_dead_reckoning(drawn):
 
 def test_every_pair_that_the_run_joined_is_a_link_of_the_figure(drawn):
     dive, figures = drawn
-    joined = [(int(r["first"]), int(r["second"])) for r in rows(figures["links_on_hull"]) if r["joined"] == "1"]
+    joined = [
+        (int(r["first"]), int(r["second"]))
+        for r in rows(figures["links_on_hull"])
+        if r["joined"] == "1"
+    ]
     pairs = LinksArtifact(dive.workspace.artifact("links")).pairs
-    assert joined == list(zip(pairs.first[pairs.joined].tolist(), pairs.second[pairs.joined].tolist(), strict=True))
+    assert joined == list(
+        zip(pairs.first[pairs.joined].tolist(), pairs.second[pairs.joined].tolist(), strict=True)
+    )
     assert joined
 
 
 def test_the_path_of_the_chosen_models_is_the_one_of_the_run_and_its_error_is_true(drawn):
     dive, figures = drawn
     by_model = {r["model"]: r for r in rows(figures["two_view_models"])}
-    assert list(by_model) == ["essential matrix alone", "homography alone", "chosen by the criterion"]
+    assert list(by_model) == [
+        "essential matrix alone",
+        "homography alone",
+        "chosen by the criterion",
+    ]
     start, truth = read_dead_reckoning(dive).trajectory, read_truth(dive.chain.package)
     at = LinksArtifact(dive.workspace.artifact("links")).path.pose[:, :3]
     true = truth.vehicle_at(start.t_ns / 1e9).translation

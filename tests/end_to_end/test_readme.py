@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""README's figures are those of `evaluate` on the demo, to the last digit printed, and its pictures show that run's report.
+"""README's figures are those of `evaluate` on the demo, to the last digit printed, and its pictures
+show that run's report.
 
-Equal input gives equal bytes on one machine; on another processor BLAS rounds otherwise, so a figure may be one off in its last
-digit, and a count of thousands by a thousandth. Where on the hull the patch lies differs by a tenth of its sigma (three kernels
-of OpenBLAS: sigmas by up to 9 %, the hull as found by 6 %). After a change of the method, `make demo`, write the figures that
-this test names into README's table and take the pictures again (docs/figures/report_screenshot.py).
+Equal input gives equal bytes on one machine; on another processor BLAS rounds otherwise, so a
+figure may be one off in its last digit, and a count of thousands by a thousandth. Where on the hull
+the patch lies differs by a tenth of its sigma (three kernels of OpenBLAS: sigmas by up to 9 %, the
+hull as found by 6 %). After a change of the method, `make demo`, write the figures that this test
+names into README's table and take the pictures again (docs/figures/report_screenshot.py).
 """
 
 from __future__ import annotations
@@ -24,17 +26,29 @@ from hullrecon.evaluation.scoring.score import Score, score_run
 ROOT = Path(__file__).resolve().parents[2]
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)( mm| %)?")
 PLAIN_NUMBER = re.compile(r"\d[\d,]*(?:\.\d+)?")
-PLACE_SHARE = 0.15  # by which sigmas and figures that depend on where the patch lies may differ between processors
-# What is said of the place is within its sigma, and which of two directions is the weaker may change
-WITHIN_SIGMA = re.compile(r"; as a whole the patch lies[^.]*|The (?:heading|heel|trim) of the hull is uncertain[^.]*\.[^.]*\.")
+# by which sigmas and figures that depend on where the patch lies may differ between processors
+PLACE_SHARE = 0.15
+# What is said of the place is within its sigma, and which of two directions is the weaker may
+# change
+WITHIN_SIGMA = re.compile(
+    r"; as a whole the patch lies[^.]*|The (?:heading|heel|trim) of the hull is uncertain[^.]*\.[^.]*\."
+)
 FACTOR = {" mm": 1000.0, " %": 1.0, "": 1.0}
-# Of each row, by the beginning of its first cell: what its numbers are, in their order, and their unit
+# Of each row, by the beginning of its first cell: what its numbers are, in their order, and their
+# unit
 ROWS = {
     "vehicle's path": [("trajectory.rigid_rmse_m", " mm")],
     "cameras": [("cameras.rigid_rmse_m", " mm"), ("cameras.scale_error_percent", " %")],
     "landmarks off the CAD model": [("landmarks.off_recall", ""), ("landmarks.off_precision", "")],
-    "hull as found": [("as_found.cad_model_alone_rmse_m", " mm"), ("as_found.aligned_rmse_m", " mm")],
-    "objects due, found, false": [("objects.due", ""), ("objects.found", ""), ("objects.false_reports", "")],
+    "hull as found": [
+        ("as_found.cad_model_alone_rmse_m", " mm"),
+        ("as_found.aligned_rmse_m", " mm"),
+    ],
+    "objects due, found, false": [
+        ("objects.due", ""),
+        ("objects.found", ""),
+        ("objects.false_reports", ""),
+    ],
     "height of an object, worst error": [("objects.height_error_worst_m", " mm")],
     "position in x, y and z": [("trajectory.largest_error_over_sigma", "")],
 }
@@ -47,7 +61,9 @@ def measured_rows(readme: str) -> list[str]:
 
 
 def differences(readme: str, figures: dict[str, float]) -> list[str]:
-    """Return a sentence for each figure of README that is not the measured one, and for each row that nothing is known of."""
+    """Return a sentence for each figure of README that is not the measured one, and for each row
+    that nothing is known of.
+    """
     out, left = [], set(ROWS)
     for row in measured_rows(readme):
         name = next((known for known in ROWS if row.startswith(known)), None)
@@ -57,7 +73,9 @@ def differences(readme: str, figures: dict[str, float]) -> list[str]:
         left.discard(name)
         shown = NUMBER.findall(row)
         if [unit for _, unit in shown] != [unit for _, unit in ROWS[name]]:
-            out.append(f"{row!r} should have {len(ROWS[name])} numbers with units {[unit for _, unit in ROWS[name]]}")
+            out.append(
+                f"{row!r} should have {len(ROWS[name])} numbers with units {[unit for _, unit in ROWS[name]]}"
+            )
             continue
         for (text, unit), (key, _) in zip(shown, ROWS[name], strict=True):
             decimals = len(text.partition(".")[2])
@@ -72,19 +90,26 @@ def differences(readme: str, figures: dict[str, float]) -> list[str]:
 
 
 def is_alike(now: str, text: str, share: float = 1e-3) -> bool:
-    """Tell whether texts differ in nothing but numbers that are one off in their last digit, or off by that share."""
+    """Tell whether texts differ in nothing but numbers that are one off in their last digit, or off
+    by that share.
+    """
     if PLAIN_NUMBER.sub("#", now) != PLAIN_NUMBER.sub("#", text):
         return False
     pairs = zip(PLAIN_NUMBER.findall(now), PLAIN_NUMBER.findall(text), strict=True)
-    numbers = [(float(a.replace(",", "")), float(b.replace(",", "")), last_digit(b)) for a, b in pairs]
+    numbers = [
+        (float(a.replace(",", "")), float(b.replace(",", "")), last_digit(b)) for a, b in pairs
+    ]
     return all(abs(round(a - b, 9)) <= max(digit, share * b) for a, b, digit in numbers)
 
 
 def says_the_same(now: str, shown: str) -> bool:
-    """Tell whether summaries of a report are alike, sentence by sentence; those with a sigma to a share of their numbers."""
+    """Tell whether summaries of a report are alike, sentence by sentence; those with a sigma to a
+    share of their numbers.
+    """
     here, there = (WITHIN_SIGMA.sub("", text).split(". ") for text in (now, shown))
     return len(here) == len(there) and all(
-        is_alike(a, b, PLACE_SHARE if "sigma" in b else 1e-3) for a, b in zip(here, there, strict=True)
+        is_alike(a, b, PLACE_SHARE if "sigma" in b else 1e-3)
+        for a, b in zip(here, there, strict=True)
     )
 
 
@@ -109,7 +134,9 @@ def flat(score: Score) -> dict[str, float]:
 
 @pytest.fixture(scope="module")
 def screenshots() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("report_screenshot", ROOT / "docs" / "figures" / "report_screenshot.py")
+    spec = importlib.util.spec_from_file_location(
+        "report_screenshot", ROOT / "docs" / "figures" / "report_screenshot.py"
+    )
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -125,11 +152,15 @@ def test_the_figures_are_those_of_the_demo(demo_run: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["report.png", "report_phone.png"])
-def test_the_pictures_show_the_demos_report(demo_run: Path, screenshots: ModuleType, name: str) -> None:
+def test_the_pictures_show_the_demos_report(
+    demo_run: Path, screenshots: ModuleType, name: str
+) -> None:
     now = screenshots.summary_of((demo_run / "deliver" / "report" / "index.html").read_text())
     with Image.open(ROOT / "docs" / "images" / name) as picture:
         shown = picture.info.get(screenshots.KEY)
-    assert shown is not None, f"{name} does not say which report it shows: take it again (docs/figures/report_screenshot.py)"
+    assert shown is not None, (
+        f"{name} does not say which report it shows: take it again (docs/figures/report_screenshot.py)"
+    )
     assert says_the_same(now, shown), (
         f"{name} shows the report of another run: take it again (docs/figures/report_screenshot.py)"
     )
@@ -186,7 +217,9 @@ def test_a_summary_may_differ_by_a_share_of_its_sigmas_and_by_nothing_else() -> 
 
 
 def test_a_row_that_is_missing_or_unknown_or_of_another_unit_is_named() -> None:
-    (wrong,) = differences(PAGE.replace("| height of an object, worst error | 0 mm |\n", ""), FIGURES)
+    (wrong,) = differences(
+        PAGE.replace("| height of an object, worst error | 0 mm |\n", ""), FIGURES
+    )
     assert "height of an object" in wrong
     (wrong,) = differences(PAGE.replace("\n\n## Limits", "\n| speed | 3 |\n\n## Limits"), FIGURES)
     assert wrong == "nothing is measured for 'speed | 3'"
@@ -199,9 +232,7 @@ def test_readmes_table_has_a_row_for_everything_that_is_measured() -> None:
 
 
 def test_a_picture_says_which_report_it_shows(screenshots: ModuleType, tmp_path: Path) -> None:
-    page = (
-        '<section id="summary" class="x"><svg><text>frame 3</text></svg><p>Two   objects &amp; more</p></section><p>later</p>'
-    )
+    page = '<section id="summary" class="x"><svg><text>frame 3</text></svg><p>Two   objects &amp; more</p></section><p>later</p>'
     assert screenshots.summary_of(page) == "Two objects & more"
     screenshots.write_picture(Image.new("RGB", (4, 4)), tmp_path / "a.png", "Two objects ± 3")
     with Image.open(tmp_path / "a.png") as picture:

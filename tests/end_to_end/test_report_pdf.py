@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The demo's report.pdf holds what its page and files hold: every object, deliverable and parameter, on numbered pages, and no
-number besides, so that what test_claims.py holds true of the page is true of the paper."""
+"""The demo's report.pdf holds what its page and files hold: every object, deliverable and
+parameter, on numbered pages, and no number besides, so that what test_claims.py holds true of the
+page is true of the paper.
+"""
 
 import json
 import re
@@ -12,14 +14,27 @@ from pypdf import PdfReader
 
 pytestmark = pytest.mark.slow
 
-ON_PAPER_ALONE = (  # numbers of lines, pages and objects, and what stands in the block and at the foot of each page
-    r"Vessel [^\n]*\n", r"Date \d\d \w+ \d{4}, \d\d:\d\d UTC", r"hullrecon \d+\.\d+\.\d+", r"(?m)^\d+\. *$", r"(?m)^\d\d?$",
-    r"\d+ (?:·|protrusion\b|recess\b)", r"Objects, \d+ in all", r"< 0\.0001 \d+",
-)  # fmt: skip
-ON_THE_PAGE_ALONE = (  # what can be done there only, the run's times, which differ between equal runs, and numbers of sections
-    r"\d+ of \d+ shown", r"objects of section \d+", r"^Object \d+ in an image of", r"this report's own not counted",
-    r"^[\d,]+ (?:s|MB|min \d+ s)$", r"^\d+ [A-Z][A-Za-z -]+$",
-)  # fmt: skip
+# numbers of lines, pages and objects, and what stands in the block and at the foot of each page
+ON_PAPER_ALONE = (
+    r"Vessel [^\n]*\n",
+    r"Date \d\d \w+ \d{4}, \d\d:\d\d UTC",
+    r"hullrecon \d+\.\d+\.\d+",
+    r"(?m)^\d+\. *$",
+    r"(?m)^\d\d?$",
+    r"\d+ (?:·|protrusion\b|recess\b)",
+    r"Objects, \d+ in all",
+    r"< 0\.0001 \d+",
+)
+# what can be done there only, the run's times, which differ between equal runs, and numbers of
+# sections
+ON_THE_PAGE_ALONE = (
+    r"\d+ of \d+ shown",
+    r"objects of section \d+",
+    r"^Object \d+ in an image of",
+    r"this report's own not counted",
+    r"^[\d,]+ (?:s|MB|min \d+ s)$",
+    r"^\d+ [A-Z][A-Za-z -]+$",
+)
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +95,9 @@ def said(deliver):
 
 
 def uncovered(text, known, patterns):
-    """Words with a number in a text from which patterns and known parts are taken away, the longest first."""
+    """Words with a number in a text from which patterns and known parts are taken away, the longest
+    first.
+    """
     for pattern in patterns:
         text = re.sub(pattern, " ", text)
     for part in sorted(known, key=len, reverse=True):
@@ -92,17 +109,29 @@ def uncovered(text, known, patterns):
 
 def test_every_number_on_paper_stands_on_the_page_as_well(pages, said):
     known = set().union(*map(parts, said))
-    text = "\n".join(re.sub(rf"\b{k} of {len(pages)}$", "", page) for k, page in enumerate(pages, start=1))
-    titles = [match[1] for s in said if (match := re.fullmatch(r"\d+ (\D+)", s.words)) and not s.section]
+    text = "\n".join(
+        re.sub(rf"\b{k} of {len(pages)}$", "", page) for k, page in enumerate(pages, start=1)
+    )
+    titles = [
+        match[1] for s in said if (match := re.fullmatch(r"\d+ (\D+)", s.words)) and not s.section
+    ]
     for k, title in enumerate(titles, start=1):
-        number = re.search(rf"{k}\s+{title}[\s.]{{10,}}(\d+)", text)  # in the contents, with its page
+        # in the contents, with its page
+        number = re.search(rf"{k}\s+{title}[\s.]{{10,}}(\d+)", text)
         assert f"{k} {title}" in re.sub(r"\s+", " ", pages[int(number[1]) - 1])
         text = text.replace(number[0], " ")
         text = re.sub(rf"\b{k}\s+{title}", " ", text)
-    shared, annex = re.split(r"Deliverables\s+File\s+Bytes", text)[0], text.split("Annex: the numbers of all objects")[-1]
+    shared, annex = (
+        re.split(r"Deliverables\s+File\s+Bytes", text)[0],
+        text.split("Annex: the numbers of all objects")[-1],
+    )
     assert len(shared) > 5000
     assert uncovered(shared, known, ON_PAPER_ALONE) == []
-    assert [words for words in uncovered(annex, known, ON_PAPER_ALONE) if not re.fullmatch(r"\d+", words)] == []
+    assert [
+        words
+        for words in uncovered(annex, known, ON_PAPER_ALONE)
+        if not re.fullmatch(r"\d+", words)
+    ] == []
     assert uncovered("The surveyed patch lies 7 mm outside it.", known, ON_PAPER_ALONE) == ["7"]
 
 
@@ -111,12 +140,15 @@ def test_what_the_page_says_in_numbers_is_on_paper_as_well(pages, said):
     lost = {
         part
         for found in said
-        if found.section not in ("", "plan", "view")  # the map's own words and the 3-D view's are the page's alone
+        # the map's own words and the 3-D view's are the page's alone
+        if found.section not in ("", "plan", "view")
         for cell in found.words.split(" | ")
         for part in re.split(r"(?<=[.;:]) ", re.sub(r"(Protrusion|Recess)(?=\w)", r"\1, ", cell))
         if re.search(r"\d", part) and joined(part) not in text
     }
-    assert {part for part in lost if not any(re.search(pattern, part) for pattern in ON_THE_PAGE_ALONE)} == set()
+    assert {
+        part for part in lost if not any(re.search(pattern, part) for pattern in ON_THE_PAGE_ALONE)
+    } == set()
 
 
 def test_the_paper_is_light_enough_to_be_mailed(deliver):

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The real dark seabed: stereo images alone, no logs, no CAD model (stereo-haltbrekken, pairs 26 to 41)."""
+"""The real dark seabed: stereo images alone, no logs, no CAD model (stereo-haltbrekken, pairs 26 to
+41).
+"""
 
 import csv
 import json
@@ -27,8 +29,12 @@ def test_all_sixteen_pairs_join_in_one_trajectory_and_make_a_mosaic(run):
     with (deliver / "trajectory.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 16
-    steps = [sum((float(b[f"{k}_m"]) - float(a[f"{k}_m"])) ** 2 for k in "xyz") ** 0.5 for a, b in pairwise(rows)]
-    assert all(0.25 < step < 0.75 for step in steps[:-1]), steps  # 0.37 to 0.55 m by the reference solution
+    steps = [
+        sum((float(b[f"{k}_m"]) - float(a[f"{k}_m"])) ** 2 for k in "xyz") ** 0.5
+        for a, b in pairwise(rows)
+    ]
+    # 0.37 to 0.55 m by the reference solution
+    assert all(0.25 < step < 0.75 for step in steps[:-1]), steps
     assert steps[-1] < 0.25
     assert (deliver / "ortho_optical.png").stat().st_size > 50_000
     assert json.loads((deliver / "summary.json").read_text())["frame"] == "g"
@@ -42,9 +48,12 @@ def test_the_model_holds_all_images_on_a_rigid_baseline(run):
     centres = {image.name: image.projection_center() for image in model.images.values()}
     assert len(centres) == 32
     tops = sorted(name for name in centres if name.startswith("camera_top"))
-    bases = [np.linalg.norm(centres[name] - centres[name.replace("top", "bottom")]) for name in tops]
+    bases = [
+        np.linalg.norm(centres[name] - centres[name.replace("top", "bottom")]) for name in tops
+    ]
     np.testing.assert_allclose(bases, bases[0], atol=1e-6)
-    np.testing.assert_allclose(bases, 0.305, atol=1e-3)  # as calibrated: without a DVL nothing tells its length
+    # as calibrated: without a DVL nothing tells its length
+    np.testing.assert_allclose(bases, 0.305, atol=1e-3)
 
 
 def test_a_rough_calibration_is_refined_and_said(run):

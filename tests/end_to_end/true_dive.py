@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A run beside the dive that was simulated: what tests/end_to_end/sentences.py holds the report's words against."""
+"""A run beside the dive that was simulated: what tests/end_to_end/sentences.py holds the report's
+words against.
+"""
 
 import json
 import re
@@ -18,7 +20,8 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 LABEL_BOUNDARY_M = 0.04  # a landmark farther off the CAD model does not lie on it
-LABEL_UNCLEAR_M = 0.02  # nearer to the boundary than this, either word is right, as `evaluate` has it
+# nearer to the boundary than this, either word is right, as `evaluate` has it
+LABEL_UNCLEAR_M = 0.02
 DVL_REACH_M = (0.2, 0.4)  # from where a beam met the hull
 SEEN_WITHIN_M = 4.0  # of what the camera saw lies what the sonar saw
 DUE_HEIGHT_M, DUE_VIEWS = 0.08, 6  # of a structure that must be found
@@ -69,7 +72,12 @@ class TrueDive:
 
     @cached_property
     def warnings(self):
-        return re.findall(r"<li>", re.split(r"<h3>Warnings of the steps</h3>", self.page + "<h3></h3>")[1].split("</ul>")[0])
+        return re.findall(
+            r"<li>",
+            re.split(r"<h3>Warnings of the steps</h3>", self.page + "<h3></h3>")[1].split("</ul>")[
+                0
+            ],
+        )
 
     @cached_property
     def hull(self):
@@ -87,7 +95,9 @@ class TrueDive:
 
     @cached_property
     def measured_times(self):
-        """Times (n,) s at which the dive can have a pose: of the top camera's images, of the DVL's pings without a camera."""
+        """Times (n,) s at which the dive can have a pose: of the top camera's images, of the DVL's
+        pings without a camera.
+        """
         table = "images_camera_top" if self.images else "dvl"
         return np.load(self.run / "ingest" / f"{table}.npz")["t_ns"] * 1e-9
 
@@ -109,7 +119,9 @@ class TrueDive:
 
     @cached_property
     def error_on_hull(self):
-        """Median error of the vehicle's place along the hull or plane, and in girth or across it, m."""
+        """Median error of the vehicle's place along the hull or plane, and in girth or across it,
+        m.
+        """
         error = self.path.error[:, :3]
         if not self.in_ship_frame:
             plane = claims.document(self.run, "chart.json")["plane"]
@@ -121,7 +133,14 @@ class TrueDive:
         )
 
     def weak_error(self, kind, name):
-        axis = {"along the hull": 0, "across the hull": 1, "vertically": 2, "heel": 0, "trim": 1, "heading": 2}[name]
+        axis = {
+            "along the hull": 0,
+            "across the hull": 1,
+            "vertically": 2,
+            "heel": 0,
+            "trim": 1,
+            "heading": 2,
+        }[name]
         return claims.errors_by_axis(self.run, self.package)[kind][axis]
 
     # objects
@@ -134,13 +153,20 @@ class TrueDive:
     def objects_due(self):
         """How many structures must have been found, and how many there are."""
         real = [o for o in self.hull.objects if o["height"]]
-        return sum(abs(o["height"]) >= DUE_HEIGHT_M and o["views"] >= DUE_VIEWS for o in real), len(real)
+        return sum(abs(o["height"]) >= DUE_HEIGHT_M and o["views"] >= DUE_VIEWS for o in real), len(
+            real
+        )
 
     def structure_of(self, number):
         """The structure that a reported object is."""
-        center = {o["id"]: o["center"] for o in claims.document(self.run, "objects.json")["objects"]}[number]
+        center = {
+            o["id"]: o["center"] for o in claims.document(self.run, "objects.json")["objects"]
+        }[number]
         laid = self.hull.lay(np.array(center)[None])[0]
-        return min((o for o in self.hull.objects if o["height"]), key=lambda o: np.linalg.norm(laid - o["center"]))
+        return min(
+            (o for o in self.hull.objects if o["height"]),
+            key=lambda o: np.linalg.norm(laid - o["center"]),
+        )
 
     @cached_property
     def regions_refused(self):
@@ -149,7 +175,11 @@ class TrueDive:
 
     def nearest_structure_m(self, at):
         laid = self.hull.lay(at[None])[0]
-        due = [o for o in self.hull.objects if abs(o["height"]) >= DUE_HEIGHT_M and o["views"] >= DUE_VIEWS]
+        due = [
+            o
+            for o in self.hull.objects
+            if abs(o["height"]) >= DUE_HEIGHT_M and o["views"] >= DUE_VIEWS
+        ]
         return min((np.linalg.norm(laid - o["center"]) for o in due), default=np.inf)
 
     # the hull
@@ -195,7 +225,9 @@ class TrueDive:
     def share_on_cad_model(self):
         """Between which shares, in percent, landmarks truly lie on the CAD model."""
         off = np.abs(self.hull.deviation(np.stack([self.landmarks[k] for k in "xyz"], axis=1)))
-        return tuple(100 * np.mean(off < LABEL_BOUNDARY_M + d) for d in (-LABEL_UNCLEAR_M, LABEL_UNCLEAR_M))
+        return tuple(
+            100 * np.mean(off < LABEL_BOUNDARY_M + d) for d in (-LABEL_UNCLEAR_M, LABEL_UNCLEAR_M)
+        )
 
     # what was seen
 
@@ -204,7 +236,9 @@ class TrueDive:
         return true_views(self.package, self._steel())
 
     def _steel(self):
-        """Pieces of hull around what was measured; without a CAD model nothing is known beyond the measured surface."""
+        """Pieces of hull around what was measured; without a CAD model nothing is known beyond the
+        measured surface.
+        """
         mesh, deliver = self.package / "hull.stl", self.run / "deliver"
         if not self.in_ship_frame:
             surface = Steel(deliver / "surface.ply", self.hull.lay)
@@ -221,7 +255,11 @@ class TrueDive:
         return seen | ({"sonar": self.views.by_sonar(np.load(pings))} if pings.exists() else {})
 
     def carried(self, sensor):
-        return sensor in self._seen_by if sensor != "DVL" else (self.run / "ingest" / "dvl.npz").exists()
+        return (
+            sensor in self._seen_by
+            if sensor != "DVL"
+            else (self.run / "ingest" / "dvl.npz").exists()
+        )
 
     def seen_area(self, sensor, on=slice(None)):
         return self.views.steel.area[on][self._seen_by[sensor][on]].sum()
@@ -233,8 +271,13 @@ class TrueDive:
         return ends.query(self.views.steel.middle)[0]
 
     def seen_by_dvl(self, on=slice(None)):
-        """Least and most area that its beams saw: what lies between them is seen as far as a surface can be laid over it."""
-        return [self.views.steel.area[on][self._from_beam_ends[on] < reach].sum() for reach in DVL_REACH_M]
+        """Least and most area that its beams saw: what lies between them is seen as far as a
+        surface can be laid over it.
+        """
+        return [
+            self.views.steel.area[on][self._from_beam_ends[on] < reach].sum()
+            for reach in DVL_REACH_M
+        ]
 
     def within(self, along, girth):
         """Which pieces (n,) lie within limits (low, high) of the map."""
@@ -247,7 +290,11 @@ class TrueDive:
 
     def seen_percentiles(self, name):
         views, distance, incidence = self.views.by_camera
-        values = {"views": views, "incidence": incidence, "gsd": 1000 * distance / self.views.lens.matrix[0, 0]}[name]
+        values = {
+            "views": views,
+            "incidence": incidence,
+            "gsd": 1000 * distance / self.views.lens.matrix[0, 0],
+        }[name]
         seen = views > 0
         return [claims.weighted(values[seen], self.views.steel.area[seen], p) for p in (5, 50, 95)]
 
@@ -257,15 +304,23 @@ class TrueDive:
         return self.hull.chart(self.views.steel.middle)
 
     def holes(self, least_m2):
-        """Areas, m2, of the parts larger than that which no camera saw inside the outline of what was seen."""
+        """Areas, m2, of the parts larger than that which no camera saw inside the outline of what
+        was seen.
+        """
         return [area for area in self._holes(self._seen_by["camera"]) if area >= least_m2]
 
     def holes_of_dvl(self, least_m2):
-        """The same of what no beam saw, as far as a surface can be laid, farthest first: fewest holes and most."""
-        return [[area for area in self._holes(self._from_beam_ends < reach) if area >= least_m2] for reach in DVL_REACH_M[::-1]]
+        """The same of what no beam saw, as far as a surface can be laid, farthest first: fewest
+        holes and most.
+        """
+        return [
+            [area for area in self._holes(self._from_beam_ends < reach) if area >= least_m2]
+            for reach in DVL_REACH_M[::-1]
+        ]
 
     def _holes(self, seen):
-        cell, rim = 0.1, 6  # gaps of up to twelve cells at the rim count, as the report says it counts them
+        # gaps of up to twelve cells at the rim count, as the report says it counts them
+        cell, rim = 0.1, 6
         at = np.floor((self.on_map - self.on_map.min(axis=0)) / cell).astype(int) + rim
         image, hull = np.zeros((2, *(at.max(axis=0) + 1 + rim)), bool)
         hull[tuple(at.T)] = True
@@ -299,7 +354,9 @@ class TrueDive:
         return np.load(self.run / "ingest" / f"images_camera_{camera}.npz")["t_ns"]
 
     def overlaps(self, across):
-        """Pairs of images compared and matched, and the 5th, 50th and 95th percentile of the matched ones' overlap, percent."""
+        """Pairs of images compared and matched, and the 5th, 50th and 95th percentile of the
+        matched ones' overlap, percent.
+        """
         return self._overlaps[across]
 
     @cached_property
@@ -310,7 +367,11 @@ class TrueDive:
             joined = rows & (pairs["reason"] == 0) & ~pairs["rejected"]
             nodes = np.stack([pairs["first"][joined], pairs["second"][joined]], axis=1)
             overlap = self.views.overlaps(self.node_times[nodes]) if len(nodes) else np.zeros(1)
-            out[across] = int(rows.sum()), int(joined.sum()), 100 * np.percentile(overlap, (5, 50, 95))
+            out[across] = (
+                int(rows.sum()),
+                int(joined.sum()),
+                100 * np.percentile(overlap, (5, 50, 95)),
+            )
         return out
 
     @property

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a simulated dive's truth says about the things that a report tells; shares no code with what it judges."""
+"""What a simulated dive's truth says about the things that a report tells; shares no code with what
+it judges.
+"""
 
 import csv
 import json
@@ -33,7 +35,9 @@ class Steel:
     def closest(self, points):
         """Feet (n, 3) and outward normals (n, 3)."""
         answer = self.scene.compute_closest_points(o3d.core.Tensor(points.astype(np.float32)))
-        return answer["points"].numpy().astype(float), answer["primitive_normals"].numpy().astype(float)
+        return answer["points"].numpy().astype(float), answer["primitive_normals"].numpy().astype(
+            float
+        )
 
     def along(self, origin, direction):
         """Distances (n,) to what rays meet, inf where nothing."""
@@ -43,8 +47,9 @@ class Steel:
 
 @dataclass
 class TrueHull:
-    """The hull as it is, its CAD model, and the motion that lays the run's results onto them: what a run says of a piece of
-    steel is held against that piece, wherever the run believes it to be."""
+    """The hull as it is, its CAD model, and the motion that lays the run's results onto them: what
+    a run says of a piece of steel is held against that piece, wherever the run believes it to be.
+    """
 
     built: Steel
     cad: Steel
@@ -71,27 +76,37 @@ class TrueHull:
         return (points - self.shift) @ self.rotation
 
     def chart(self, points, step_m=0.1):
-        """Along and girth (n, 2) of the ship's points: girth is the arc from the keel on the section of the CAD model."""
+        """Along and girth (n, 2) of the ship's points: girth is the arc from the keel on the
+        section of the CAD model.
+        """
         foot, _ = self.cad.closest(points)
         out = np.column_stack([points[:, 0], np.zeros(len(points))])
         number = np.round(foot[:, 0] / step_m).astype(int)
         for k in np.unique(number):
-            arc, at = self.section(k * step_m if (number == k).sum() > 1 else foot[number == k, 0][0])
+            arc, at = self.section(
+                k * step_m if (number == k).sum() > 1 else foot[number == k, 0][0]
+            )
             out[number == k, 1] = arc[cKDTree(at).query(foot[number == k, 1:])[1]]
         return out
 
     def section(self, x):
-        """Arc lengths (n,) from the keel, port positive, and the points (n, 2), y and z, of the CAD model's section at x."""
+        """Arc lengths (n,) from the keel, port positive, and the points (n, 2), y and z, of the CAD
+        model's section at x.
+        """
         z = np.linspace(*self.cad.bounds[:, 2], 4000)[:-1] + 1e-4
         arcs, places = [], []
         for side in (1, -1):
-            origin = np.column_stack([np.full(len(z), x), np.full(len(z), 2 * side * self.cad.bounds[1, 1]), z])
+            origin = np.column_stack(
+                [np.full(len(z), x), np.full(len(z), 2 * side * self.cad.bounds[1, 1]), z]
+            )
             y = origin[:, 1] - side * self.cad.along(origin, np.array([0.0, -side, 0]))
             met = np.isfinite(y)
             line = np.column_stack([y, z])[met]
             keel = np.column_stack([np.linspace(0, line[0, 0], 200)[:-1], np.full(199, line[0, 1])])
             line = np.vstack([keel, line])
-            arcs.append(side * np.append(0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))))
+            arcs.append(
+                side * np.append(0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+            )
             places.append(line)
         return np.concatenate(arcs), np.concatenate(places)
 
@@ -103,13 +118,20 @@ class TrueHull:
         return np.linalg.norm(gap, axis=1) * np.sign(np.einsum("ni,ni->n", gap, normal))
 
     def relief(self, center, half_m=0.4, step_m=0.005):
-        """Heights of the steel on a square of the tangent plane around a true center: along (n, n), across, deviation."""
+        """Heights of the steel on a square of the tangent plane around a true center: along (n, n),
+        across, deviation.
+        """
         on_cad, normal = (a[0] for a in self.cad.closest(np.array([center])))
         along = np.array([1.0, 0, 0]) - normal * normal[0]
         along /= np.linalg.norm(along)
         u, v = np.meshgrid(*(np.arange(-half_m, half_m + step_m, step_m),) * 2, indexing="ij")
-        start = on_cad + u[..., None] * along + v[..., None] * np.cross(normal, along) + 0.5 * normal
-        built, cad = (0.5 - mesh.along(start.reshape(-1, 3), -normal).reshape(u.shape) for mesh in (self.built, self.cad))
+        start = (
+            on_cad + u[..., None] * along + v[..., None] * np.cross(normal, along) + 0.5 * normal
+        )
+        built, cad = (
+            0.5 - mesh.along(start.reshape(-1, 3), -normal).reshape(u.shape)
+            for mesh in (self.built, self.cad)
+        )
         return u, v, built - cad
 
     def footprint(self, center, height, reach):
@@ -152,7 +174,9 @@ class Path:
 def read_poses(path):
     """The path of a table with columns t x y z qx qy qz qw."""
     table = read_table(path)
-    position, quaternion = (np.array([table[k] for k in names], float).T for names in ("xyz", ("qx", "qy", "qz", "qw")))
+    position, quaternion = (
+        np.array([table[k] for k in names], float).T for names in ("xyz", ("qx", "qy", "qz", "qw"))
+    )
     return Path(np.array(table["t"], float), position, Rotation.from_quat(quaternion))
 
 
@@ -162,7 +186,9 @@ def read_ply(path):
     head, body = path.read_bytes().split(b"end_header\n", 1)
     lines = [line.split() for line in head.decode().splitlines()]
     count = {line[1]: int(line[2]) for line in lines if line[0] == "element"}
-    dtype = [(line[2], kinds[line[1]]) for line in lines if line[0] == "property" and line[1] != "list"]
+    dtype = [
+        (line[2], kinds[line[1]]) for line in lines if line[0] == "property" and line[1] != "list"
+    ]
     vertices = np.frombuffer(body, dtype, count["vertex"])
     if not count.get("face"):
         return vertices, np.zeros((0, 3), int)
@@ -175,13 +201,17 @@ def true_hull(deliver, package):
     ours = read_poses(deliver / "trajectory.csv")
     rotation, shift = rigid(ours.position, read_poses(truth / "poses.csv").at(ours.t)[0])
     objects = json.loads((truth / "objects.json").read_text())
-    hull = tomllib.loads((package / "dive.toml").read_text()).get("hull", {}).get("mesh", "hull.stl")
+    hull = (
+        tomllib.loads((package / "dive.toml").read_text()).get("hull", {}).get("mesh", "hull.stl")
+    )
     return TrueHull(
         built=Steel(truth / "as_built.ply"),
         cad=Steel(package / hull),
         rotation=rotation,
         shift=shift,
-        global_from_hull=np.array(json.loads((truth / "alignment.json").read_text())["T_g_M"]["matrix"]),
+        global_from_hull=np.array(
+            json.loads((truth / "alignment.json").read_text())["T_g_M"]["matrix"]
+        ),
         objects=objects["objects"] if isinstance(objects, dict) else objects,
     )
 

@@ -26,7 +26,9 @@ POSE = HullPose(
 def wall() -> tuple[np.ndarray, np.ndarray]:
     """Points on y = 0 and their normals."""
     rng = np.random.default_rng(3)
-    return np.column_stack([rng.uniform(0, 4, N), np.zeros(N), rng.uniform(0, 4, N)]), np.tile([0.0, 1, 0], (N, 1))
+    return np.column_stack([rng.uniform(0, 4, N), np.zeros(N), rng.uniform(0, 4, N)]), np.tile(
+        [0.0, 1, 0], (N, 1)
+    )
 
 
 def along_normal(variance: np.ndarray) -> np.ndarray:
@@ -39,7 +41,9 @@ def test_the_hull_poses_part_is_common_however_it_differs_from_place_to_place() 
     common = np.einsum("ni,ij,nj->n", by_pose, POSE.covariance, by_pose)
     assert common.max() > common.min() + 0.003**2
     found = variance_along_normals(position, normal, along_normal(common + 0.003**2), POSE)
-    np.testing.assert_allclose(found.own + found.common, common + 0.003**2 + MIN_SIGMA_M**2, rtol=1e-3)
+    np.testing.assert_allclose(
+        found.own + found.common, common + 0.003**2 + MIN_SIGMA_M**2, rtol=1e-3
+    )
     np.testing.assert_array_less(found.own, 0.0032**2)
 
 
@@ -54,7 +58,9 @@ def test_without_a_pose_what_neighbours_have_in_common_is_common() -> None:
 def test_covariances_that_do_not_hold_the_pose_keep_what_they_have() -> None:
     position, normal = wall()
     small = along_normal(np.full(N, 0.002**2))
-    with_pose, without = (variance_along_normals(position, normal, small, pose) for pose in (POSE, None))
+    with_pose, without = (
+        variance_along_normals(position, normal, small, pose) for pose in (POSE, None)
+    )
     np.testing.assert_array_equal(with_pose.own, without.own)
     np.testing.assert_array_equal(with_pose.common, without.common)
 
@@ -64,7 +70,9 @@ def test_no_landmark_shares_nothing() -> None:
 
 
 def test_a_depth_that_nothing_measured_is_common_to_normals_that_lean_differently() -> None:
-    """Ten metres along z, as without a pressure sensor: a normal that leans by a degree takes 17 cm of it."""
+    """Ten metres along z, as without a pressure sensor: a normal that leans by a degree takes 17 cm
+    of it.
+    """
     position, normal = wall()
     normal = normal + np.random.default_rng(5).normal(0, 0.02, (N, 1)) * [0, 0, 1]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)

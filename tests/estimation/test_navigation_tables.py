@@ -53,7 +53,9 @@ def test_a_tray_that_was_not_read_is_known_as_badly_as_it_may_have_turned():
 
 
 def test_odometry_is_whitened_by_its_covariance(dive):
-    table = odometry_table(dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal, dive.trajectory.poses())
+    table = odometry_table(
+        dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal, dive.trajectory.poses()
+    )
     np.testing.assert_allclose(table.sqrt_information[4], np.diag(1 / STEP_SIGMA))
     np.testing.assert_array_equal(table.measured[:, :3], dive.odometry.translation)
     np.testing.assert_array_equal(table.measured[:, 3:], dive.odometry.quaternion)
@@ -61,7 +63,9 @@ def test_odometry_is_whitened_by_its_covariance(dive):
 
 def test_a_step_was_reckoned_with_the_mean_of_its_two_angles(dive):
     tray = np.linspace(0, 1.1, 12)
-    table = odometry_table(dive.odometry, tray, from_mount([0, 0, 0.08, 0, 90, 0]), dive.trajectory.poses())
+    table = odometry_table(
+        dive.odometry, tray, from_mount([0, 0, 0.08, 0, 90, 0]), dive.trajectory.poses()
+    )
     np.testing.assert_allclose(table.tray, 0.05 + 0.1 * np.arange(11))
     np.testing.assert_allclose(table.mount[:3], [0, 0, 0.08])
 
@@ -69,7 +73,9 @@ def test_a_step_was_reckoned_with_the_mean_of_its_two_angles(dive):
 def test_a_wrong_scale_stretches_the_motion_as_the_path_has_it(dive):
     longer = Poses(dive.trajectory.quaternion, 2 * dive.trajectory.translation)
     once, twice = (
-        odometry_table(dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal, path).by_navigation[:, :3, 0]
+        odometry_table(dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal, path).by_navigation[
+            :, :3, 0
+        ]
         for path in (dive.trajectory.poses(), longer)
     )
     np.testing.assert_allclose(twice - once, dive.odometry.translation, atol=1e-9)
@@ -77,9 +83,14 @@ def test_a_wrong_scale_stretches_the_motion_as_the_path_has_it(dive):
 
 def whitened(prior, start, step):
     """Rows of a pose that is off by (translation in g, rotation vector in g)."""
-    moved = Poses((Rotation.from_rotvec(step[3:]) * start.rotation).as_quat(), start.translation + step[:3])
+    moved = Poses(
+        (Rotation.from_rotvec(step[3:]) * start.rotation).as_quat(), start.translation + step[:3]
+    )
     back = start.rotation.as_matrix()[0].T
-    local = np.r_[back @ (moved.translation - start.translation)[0], (start.rotation.inv() * moved.rotation).as_rotvec()[0]]
+    local = np.r_[
+        back @ (moved.translation - start.translation)[0],
+        (start.rotation.inv() * moved.rotation).as_rotvec()[0],
+    ]
     return np.linalg.norm(prior.sqrt_information[0] @ local)
 
 
@@ -97,7 +108,9 @@ def attitude(nodes, depth_sigma_m=0.01, nodes_per_reading=1.0):
     )
 
 
-@pytest.mark.parametrize("measured", ["depth and attitude", "coarse depth and attitude", "attitude", "nothing"])
+@pytest.mark.parametrize(
+    "measured", ["depth and attitude", "coarse depth and attitude", "attitude", "nothing"]
+)
 def test_the_gauge_fixes_place_and_heading_and_what_no_sensor_measures(measured):
     start = exp([[5.0, -3.0, 2.0, 0.3, -0.2, 1.1]])
     levels = {
@@ -112,7 +125,9 @@ def test_the_gauge_fixes_place_and_heading_and_what_no_sensor_measures(measured)
     for axis in (0, 1):
         assert whitened(prior, start, 1e-4 * np.eye(6)[axis]) == pytest.approx(1, rel=1e-6)
     assert whitened(prior, start, 1e-5 * np.eye(6)[5]) == pytest.approx(1, rel=1e-4)
-    depth, roll = (whitened(prior, start, step * np.eye(6)[axis]) for axis, step in ((2, 1e-4), (3, 1e-5)))
+    depth, roll = (
+        whitened(prior, start, step * np.eye(6)[axis]) for axis, step in ((2, 1e-4), (3, 1e-5))
+    )
     assert depth == pytest.approx(1e-5 if "depth" in measured else 1, rel=1e-3)
     assert roll == pytest.approx(1 if measured == "nothing" else 1e-5, rel=1e-3)
 
@@ -139,7 +154,12 @@ def test_where_the_dvl_was_silent_the_velocity_goes_on(dive):
     covariance[4:7, [0, 1, 2], [0, 1, 2]] = 0.3**2
     t_ns = (1e9 * 0.5 * np.arange(12)).astype(np.int64)
     table = velocity_table(replace(dive.odometry, covariance=covariance), t_ns)
-    assert np.column_stack([table.first, table.second, table.third]).tolist() == [[3, 4, 5], [4, 5, 6], [5, 6, 7], [6, 7, 8]]
+    assert np.column_stack([table.first, table.second, table.third]).tolist() == [
+        [3, 4, 5],
+        [4, 5, 6],
+        [5, 6, 7],
+        [6, 7, 8],
+    ]
     np.testing.assert_allclose(table.before, 0.5)
     np.testing.assert_allclose(table.sigma[:, :3], np.sqrt(0.01 * 1.0 / 3))
     assert (table.sigma[:, 3:] > 10).all()

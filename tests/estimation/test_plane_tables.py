@@ -16,7 +16,9 @@ from hullrecon.records.links import no_links
 @pytest.fixture(scope="module")
 def solved():
     dive = simulate(1, drift_deg_per_hour=60.0, legs=2, leg_m=5.0)
-    graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
+    graph = PoseGraph(
+        trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig
+    )
     return planar_graph(graph, dive.returns, None).solve(no_links())
 
 
@@ -40,7 +42,8 @@ def test_at_the_solution_ranges_and_pairs_fit_within_their_sigmas(solved):
         rows = found.residual[found.factor == native.FACTORS.index(name)]
         rms[name] = float(np.sqrt(np.mean(rows**2)))
     assert 0.8 < rms["plane_range"] < 1.2
-    assert rms["plane_pair"] < 1.0  # what is shared among the ties of a patch is counted once: they fit better than they claim
+    # what is shared among the ties of a patch is counted once: they fit better than they claim
+    assert rms["plane_pair"] < 1.0
 
 
 def test_a_planes_returns_are_moved_onto_it_along_their_beams(solved):

@@ -22,9 +22,15 @@ def sections(**changed):
         "tray": Tray(origin=(0.4, 0.0, 0.1), sigma_deg=0.8),
         "imu": Imu(heading_drift_deg_per_hour=7.2, bias_sigma_deg=0.2),
         "pressure": Pressure(origin=(-0.3, 0.0, 0.1), bias_sigma_m=0.05),
-        "dvl": Dvl(mount=(0, 0, 0.08, 0, 90, 0), mount_sigma=(0.01, 0.01, 0.02, 0.5, 0.5, 0.5), scale_sigma=0.004),
+        "dvl": Dvl(
+            mount=(0, 0, 0.08, 0, 90, 0),
+            mount_sigma=(0.01, 0.01, 0.02, 0.5, 0.5, 0.5),
+            scale_sigma=0.004,
+        ),
         "camera.top": CameraTop(calibration="t", mount=MOUNT, mount_sigma=SIGMA, sigma_px=0.7),
-        "camera.bottom": CameraBottom(calibration="b", pose_in_top=(0, 0.1, 0, 0, 0, 0), pose_sigma=(0.0,) * 6),
+        "camera.bottom": CameraBottom(
+            calibration="b", pose_in_top=(0, 0.1, 0, 0, 0, 0), pose_sigma=(0.0,) * 6
+        ),
     } | changed
 
 
@@ -43,7 +49,14 @@ def test_lengths_stay_metres_and_angles_become_radians():
     np.testing.assert_array_equal(rig.pressure_origin, [-0.3, 0, 0.1])
     assert rig.tray_sigma == pytest.approx(np.radians(0.8))
     assert rig.sigma_px == 0.7
-    wanted = [0.004, np.radians(7.2) / 3600, np.radians(0.2), np.radians(0.2), 0.05, np.radians(0.8)]
+    wanted = [
+        0.004,
+        np.radians(7.2) / 3600,
+        np.radians(0.2),
+        np.radians(0.2),
+        0.05,
+        np.radians(0.8),
+    ]
     np.testing.assert_allclose(rig.navigation_sigma, wanted)
 
 
@@ -54,7 +67,10 @@ def test_the_densitys_sigma_becomes_a_share_of_the_density():
 
 
 def test_an_error_that_is_said_not_to_exist_keeps_a_sigma_that_can_be_divided_by():
-    rig = rig_of(pressure=Pressure(origin=(0, 0, 0), bias_sigma_m=0.0), dvl=Dvl(mount=(0, 0, 0, 0, 90, 0), scale_sigma=0.0))
+    rig = rig_of(
+        pressure=Pressure(origin=(0, 0, 0), bias_sigma_m=0.0),
+        dvl=Dvl(mount=(0, 0, 0, 0, 90, 0), scale_sigma=0.0),
+    )
     assert rig.navigation_sigma[0] == rig.navigation_sigma[4] == 1e-9
 
 
@@ -100,7 +116,8 @@ def test_both_cameras_stand_where_dive_toml_has_them():
 
 
 @pytest.mark.parametrize(
-    ("absent", "top", "bottom"), [(("camera.bottom",), True, False), (("camera.top", "camera.bottom"), False, False)]
+    ("absent", "top", "bottom"),
+    [(("camera.bottom",), True, False), (("camera.top", "camera.bottom"), False, False)],
 )
 def test_a_camera_that_was_not_carried_has_no_mount(absent, top, bottom):
     rig = rig_priors_from_settings(sections(**dict.fromkeys(absent)), {})

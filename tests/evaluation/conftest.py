@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A package small enough to work out by hand: a wall in the x-z plane that faces y > 0, 12 mm proud of its CAD model, with one
-block of 0.1 m on it, and a vehicle that passes it at y = 1.5."""
+"""A package small enough to work out by hand: a wall in the x-z plane that faces y > 0, 12 mm proud
+of its CAD model, with one block of 0.1 m on it, and a vehicle that passes it at y = 1.5.
+"""
 
 from __future__ import annotations
 
@@ -22,15 +23,29 @@ from hullrecon.rig import SensorRig, rig_from_settings
 
 PROUD_M = 0.012
 BLOCK: dict[str, Any] = {
-    "id": 1, "kind": "box", "center": [1.0, PROUD_M + 0.1, 0.0], "normal": [0, 1, 0], "height": 0.1, "extent": [0.3, 0.3],
-    "views": 9, "painted": False,
-}  # fmt: skip
-MARK = {**BLOCK, "id": 2, "kind": "ring", "center": [2.0, PROUD_M, 0.0], "height": 0.0, "painted": True}
+    "id": 1,
+    "kind": "box",
+    "center": [1.0, PROUD_M + 0.1, 0.0],
+    "normal": [0, 1, 0],
+    "height": 0.1,
+    "extent": [0.3, 0.3],
+    "views": 9,
+    "painted": False,
+}
+MARK = {
+    **BLOCK,
+    "id": 2,
+    "kind": "ring",
+    "center": [2.0, PROUD_M, 0.0],
+    "height": 0.0,
+    "painted": True,
+}
 LESSER = {**BLOCK, "id": 3, "kind": "lump", "center": [3.0, PROUD_M, 0.5], "height": 0.05}
 FRAMES = np.arange(41)
 STAMPS_NS = 1_777_887_000_000_000_000 + FRAMES * 500_000_000
 PATH = np.stack([0.1 * FRAMES, 1.5 + 0 * FRAMES, 0.2 * np.sin(0.3 * FRAMES)], 1)
-FACING = Rotation.from_matrix(np.array([[0, -1, 0], [-1, 0, 0], [0, 0, -1]], float))  # x at the wall, z down
+# x at the wall, z down
+FACING = Rotation.from_matrix(np.array([[0, -1, 0], [-1, 0, 0], [0, 0, -1]], float))
 CAMERA_IN_TRAY = {"translation": [0.05, 0.0, -0.05], "quaternion": [0.5, 0.5, 0.5, 0.5]}
 TRAY_ORIGIN = [0.45, 0.0, 0.1]
 THETA = 0.02
@@ -43,7 +58,9 @@ def wall(y: float, block: bool) -> trimesh.Trimesh:
     top = (np.abs(x - 1) < 0.151) & (np.abs(z) < 0.151) & block
     node = np.arange(x.size).reshape(x.shape)
     a, b, c, d = (node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:])
-    faces = np.concatenate([np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)])
+    faces = np.concatenate(
+        [np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)]
+    )
     return trimesh.Trimesh(np.stack([x, y + 0.1 * top, z], -1).reshape(-1, 3), faces, process=False)
 
 
@@ -88,10 +105,37 @@ class Deliver:
         turned: Rotation | None = None,
     ) -> None:
         """turned: the frame that the path is told in, from M."""
-        quaternion = ((turned or Rotation.identity()) * FACING * Rotation.from_rotvec([np.radians(turn_deg), 0, 0])).as_quat()
-        rows = [",".join(["t_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "sigma_x_m", "sigma_y_m", "sigma_z_m"])]
+        quaternion = (
+            (turned or Rotation.identity())
+            * FACING
+            * Rotation.from_rotvec([np.radians(turn_deg), 0, 0])
+        ).as_quat()
+        rows = [
+            ",".join(
+                [
+                    "t_s",
+                    "x_m",
+                    "y_m",
+                    "z_m",
+                    "qx",
+                    "qy",
+                    "qz",
+                    "qw",
+                    "sigma_x_m",
+                    "sigma_y_m",
+                    "sigma_z_m",
+                ]
+            )
+        ]
         for t, p in zip(STAMPS_NS.tolist(), path.tolist(), strict=True):
-            rows.append(",".join([f"{t // 10**9}.{t % 10**9:09d}", *map(repr, [*p, *quaternion.tolist(), *sigma])]))
+            rows.append(
+                ",".join(
+                    [
+                        f"{t // 10**9}.{t % 10**9:09d}",
+                        *map(repr, [*p, *quaternion.tolist(), *sigma]),
+                    ]
+                )
+            )
         (self.folder / "trajectory.csv").write_text("\n".join(rows) + "\n")
 
     def cloud(self, name: str, points: np.ndarray, **fields: np.ndarray) -> None:
@@ -102,7 +146,9 @@ class Deliver:
         rows = np.empty(len(points), [(n, v.dtype.str) for n, v in columns.items()])
         for n, v in columns.items():
             rows[n] = v
-        (self.folder / name).write_bytes("\n".join([*head, "end_header", ""]).encode() + rows.tobytes())
+        (self.folder / name).write_bytes(
+            "\n".join([*head, "end_header", ""]).encode() + rows.tobytes()
+        )
 
     def objects(self, *found: dict[str, Any]) -> None:
         (self.folder / "objects.json").write_text(json.dumps({"objects": list(found)}))
@@ -117,12 +163,20 @@ def deliver(tmp_path: Path) -> Deliver:
 def on_wall(count: int = 400, seed: int = 0) -> np.ndarray:
     """Points of the true steel away from the block."""
     random = np.random.default_rng(seed)
-    return np.column_stack([random.uniform(1.5, 4.0, count), np.full(count, PROUD_M), random.uniform(-0.6, 0.6, count)])
+    return np.column_stack(
+        [random.uniform(1.5, 4.0, count), np.full(count, PROUD_M), random.uniform(-0.6, 0.6, count)]
+    )
 
 
 def on_block(count: int = 100, seed: int = 1) -> np.ndarray:
     random = np.random.default_rng(seed)
-    return np.column_stack([random.uniform(0.9, 1.1, count), np.full(count, PROUD_M + 0.1), random.uniform(-0.1, 0.1, count)])
+    return np.column_stack(
+        [
+            random.uniform(0.9, 1.1, count),
+            np.full(count, PROUD_M + 0.1),
+            random.uniform(-0.1, 0.1, count),
+        ]
+    )
 
 
 @pytest.fixture
@@ -138,7 +192,9 @@ def block_points() -> np.ndarray:
 def make_solution(landmarks: np.ndarray, label: np.ndarray, path: np.ndarray = PATH) -> Solution:
     """A solution whose g is M shifted by (1, 2, 3), as in the truth; landmarks and path in M."""
     n, m = len(FRAMES), len(landmarks)
-    camera = Poses(np.array([CAMERA_IN_TRAY["quaternion"]]), np.array([CAMERA_IN_TRAY["translation"]]))
+    camera = Poses(
+        np.array([CAMERA_IN_TRAY["quaternion"]]), np.array([CAMERA_IN_TRAY["translation"]])
+    )
     return Solution(
         t_ns=STAMPS_NS,
         image=np.stack([FRAMES, np.full(n, -1)], 1),
@@ -154,9 +210,17 @@ def make_solution(landmarks: np.ndarray, label: np.ndarray, path: np.ndarray = P
             views=np.full(m, 5),
             color=np.zeros((m, 3), np.uint8),
         ),
-        mounts=Mounts(tray_from_dvl=from_mount([0, 0, 0.08, 0, 90, 0]), tray_from_camera=camera, top_from_bottom=None),
+        mounts=Mounts(
+            tray_from_dvl=from_mount([0, 0, 0.08, 0, 90, 0]),
+            tray_from_camera=camera,
+            top_from_bottom=None,
+        ),
         navigation_errors=np.zeros(6),
-        hull_pose=HullPose(global_from_hull=from_mount([*SHIFT, 0, 0, 0]), covariance=np.eye(6), survey_center=np.zeros(3)),
+        hull_pose=HullPose(
+            global_from_hull=from_mount([*SHIFT, 0, 0, 0]),
+            covariance=np.eye(6),
+            survey_center=np.zeros(3),
+        ),
         deviation_field=None,
     )
 
@@ -173,16 +237,24 @@ def returns() -> Returns:
     """One beam straight ahead at each node, as long as the true steel is far; the last one flagged."""
     n = len(FRAMES)
     steel = np.where((np.abs(PATH[:, 0] - 1) < 0.15), PROUD_M + 0.1, PROUD_M)
-    # the tray's origin is 0.45 m ahead, and the beam leans by theta: both small effects are worked out, not neglected
+    # the tray's origin is 0.45 m ahead, and the beam leans by theta: both small effects are worked
+    # out, not neglected
     ahead = PATH[:, 1] - 0.45 - 0.08 * np.sin(THETA) - steel
     return Returns(
-        t_ns=STAMPS_NS, node=np.arange(n), quaternion=np.tile([0.0, 0, 0, 1], (n, 1)), translation=np.zeros((n, 3)),
-        tray_offset=np.zeros(n), beam=np.tile([0.0, 0, 1], (n, 1)), range_m=ahead / np.cos(THETA),
+        t_ns=STAMPS_NS,
+        node=np.arange(n),
+        quaternion=np.tile([0.0, 0, 0, 1], (n, 1)),
+        translation=np.zeros((n, 3)),
+        tray_offset=np.zeros(n),
+        beam=np.tile([0.0, 0, 1], (n, 1)),
+        range_m=ahead / np.cos(THETA),
         flagged=np.arange(n) == n - 1,
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture
 def rig() -> SensorRig:
     """The rig as the truth has it, as a step reads it from dive.toml."""
-    return rig_from_settings({"tray.origin": tuple(TRAY_ORIGIN), "dvl.mount": (0, 0, 0.08, 0, 90, 0)})
+    return rig_from_settings(
+        {"tray.origin": tuple(TRAY_ORIGIN), "dvl.mount": (0, 0, 0.08, 0, 90, 0)}
+    )

@@ -47,15 +47,21 @@ def test_two_images_are_too_few_for_a_figure(truth: Truth, centres: np.ndarray) 
     assert centre_figures(truth.t_s[:2], centres[:2], truth) == {"images": 2}
 
 
-def test_a_colmap_model_is_read_by_the_names_of_its_images(truth: Truth, centres: np.ndarray, tmp_path: Path) -> None:
+def test_a_colmap_model_is_read_by_the_names_of_its_images(
+    truth: Truth, centres: np.ndarray, tmp_path: Path
+) -> None:
     model = pycolmap.Reconstruction()
     model.add_camera_with_trivial_rig(
-        pycolmap.Camera(model="PINHOLE", width=640, height=480, params=[600, 600, 320, 240], camera_id=1)
+        pycolmap.Camera(
+            model="PINHOLE", width=640, height=480, params=[600, 600, 320, 240], camera_id=1
+        )
     )
     for k, (t, centre) in enumerate(zip(truth.t_s, np.add(centres, [0.0, 0.02, 0.0]), strict=True)):
         name = f"camera_{'bottom' if k == 0 else 'top'}/{round(t * 1e9)}.jpg"
         pose = pycolmap.Rigid3d(pycolmap.Rotation3d(np.eye(3)), -centre)
-        model.add_image_with_trivial_frame(pycolmap.Image(name=name, camera_id=1, image_id=k + 1), pose)
+        model.add_image_with_trivial_frame(
+            pycolmap.Image(name=name, camera_id=1, image_id=k + 1), pose
+        )
     model.write(str(tmp_path))
     figures = score_cameras(tmp_path, truth)
     assert figures["images"] == 40  # the lower camera's is not counted

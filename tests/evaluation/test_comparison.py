@@ -8,7 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.comparison.comparison import DeadReckoning, SolvedVariant, compare_methods, comparison_table
+from hullrecon.evaluation.comparison.comparison import (
+    DeadReckoning,
+    SolvedVariant,
+    compare_methods,
+    comparison_table,
+)
 from hullrecon.evaluation.figures.figures import draw_figures
 from hullrecon.evaluation.figures.sections import cut_section, cut_whole_hull
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
@@ -23,7 +28,12 @@ def move_landmarks(solution: Solution, position: np.ndarray) -> Solution:
 
 
 def without_landmarks(solution: Solution) -> Solution:
-    return replace(solution, landmarks=replace(solution.landmarks, position=np.zeros((0, 3)), label=np.zeros(0, np.int64)))
+    return replace(
+        solution,
+        landmarks=replace(
+            solution.landmarks, position=np.zeros((0, 3)), label=np.zeros(0, np.int64)
+        ),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -48,12 +58,18 @@ def start(solution: Solution, returns: Returns, rig: SensorRig) -> DeadReckoning
 
 @pytest.fixture
 def solved(solution: Solution) -> list[SolvedVariant]:
-    """geva squashes the block, naive leaves the landmarks 3 cm off the DVL's surface, maxmix does neither."""
+    """geva squashes the block, naive leaves the landmarks 3 cm off the DVL's surface, maxmix does
+    neither.
+    """
     flat = solution.landmarks.position.copy()
     flat[:, 1] = np.minimum(flat[:, 1], 2.02)
     off = np.add(solution.landmarks.position, [0, 0.03, 0])
     count = np.full(4, len(solution.landmarks))
-    record = {"cost": np.array([9.0, 3.0, 8.0, 2.0]), "on_surface": np.array([300, 390, 395, 400]), "landmarks": count}
+    record = {
+        "cost": np.array([9.0, 3.0, 8.0, 2.0]),
+        "on_surface": np.array([300, 390, 395, 400]),
+        "landmarks": count,
+    }
     record |= {"round": np.array([1, 1, 2, 2]), "accepted": np.array([True, True, True, True])}
     record |= {"label_changes": np.array([0, 90, 0, 5])}
     made = {"naive": off, "geva": flat, "maxmix": solution.landmarks.position}
@@ -71,7 +87,9 @@ def solved(solution: Solution) -> list[SolvedVariant]:
     ]
 
 
-def test_the_table_shows_what_each_method_does(solved: list[SolvedVariant], start: DeadReckoning, truth: Truth) -> None:
+def test_the_table_shows_what_each_method_does(
+    solved: list[SolvedVariant], start: DeadReckoning, truth: Truth
+) -> None:
     figures = compare_methods(solved, start, truth)
     assert list(figures)[:3] == ["naive as published", "geva as published", "maxmix as published"]
     assert figures["geva as published"]["heights"]["ratio_median"] < 0.2
@@ -93,16 +111,26 @@ def test_lengths_are_in_millimetres_and_missing_figures_a_dash(
     assert rows[0][-1] == "2"  # the starts of two rounds are no iterations
 
 
-def test_all_of_the_sources_figures_are_drawn(solved: list[SolvedVariant], start: DeadReckoning, truth: Truth) -> None:
+def test_all_of_the_sources_figures_are_drawn(
+    solved: list[SolvedVariant], start: DeadReckoning, truth: Truth
+) -> None:
     names = [figure.name for figure in draw_figures(solved, start, truth, ())]
-    assert names == ["cost_history", "label_frequency", "cross_sections", "structure_height", "range_residuals"]
+    assert names == [
+        "cost_history",
+        "label_frequency",
+        "cross_sections",
+        "structure_height",
+        "range_residuals",
+    ]
 
 
 def test_without_returns_or_landmarks_their_figures_are_left_out(
     solved: list[SolvedVariant], start: DeadReckoning, truth: Truth
 ) -> None:
     bare = [replace(s, solution=without_landmarks(s.solution)) for s in solved]
-    assert [f.name for f in draw_figures(bare, replace(start, returns=None), truth, ())] == ["cost_history"]
+    assert [f.name for f in draw_figures(bare, replace(start, returns=None), truth, ())] == [
+        "cost_history"
+    ]
 
 
 def test_dead_reckoned_residuals_are_wider_than_adjusted_ones(
@@ -116,7 +144,14 @@ def test_dead_reckoned_residuals_are_wider_than_adjusted_ones(
 
 def test_a_section_keeps_what_lies_in_its_slice(solution: Solution, truth: Truth) -> None:
     landmarks = solution.landmarks.position - [1, 2, 3]
-    section = cut_section(("maxmix", "x"), truth.structures()[0], landmarks, solution.landmarks.label == 1, landmarks, truth)
+    section = cut_section(
+        ("maxmix", "x"),
+        truth.structures()[0],
+        landmarks,
+        solution.landmarks.label == 1,
+        landmarks,
+        truth,
+    )
     assert len(section.off) > 20
     np.testing.assert_allclose(section.off[:, 1], 0.1, atol=1e-9)
     assert np.abs(section.off[:, 0]).max() <= 0.1
@@ -128,16 +163,24 @@ def test_a_section_keeps_what_lies_in_its_slice(solution: Solution, truth: Truth
 def test_the_delivered_height_stands_beside_the_landmarks(
     solved: list[SolvedVariant], start: DeadReckoning, truth: Truth
 ) -> None:
-    block = ReportedObject(center=(1.02, 0.11, 0.0), height=0.104, height_sigma=0.006, views=9, area=0.09)
+    block = ReportedObject(
+        center=(1.02, 0.11, 0.0), height=0.104, height_sigma=0.006, views=9, area=0.09
+    )
     elsewhere = replace(block, center=(4.0, 0.02, 0.0), height=0.3)
-    figure = next(f for f in draw_figures(solved, start, truth, [elsewhere, block]) if f.name == "structure_height")
+    figure = next(
+        f
+        for f in draw_figures(solved, start, truth, [elsewhere, block])
+        if f.name == "structure_height"
+    )
     assert "delivered,0.10400,0.00600" in figure.csv
     assert "0.104 m with a sigma of 0.006 m from 9 images" in figure.caption
 
 
 def test_an_overview_is_the_slice_across_the_whole_hull(solution: Solution, truth: Truth) -> None:
     landmarks = solution.landmarks.position - [1, 2, 3]
-    seen = cut_whole_hull(truth.structures()[0], landmarks, solution.landmarks.label == 1, landmarks, truth)
+    seen = cut_whole_hull(
+        truth.structures()[0], landmarks, solution.landmarks.label == 1, landmarks, truth
+    )
     assert len(seen.off) > 20
     assert len(seen.on) == 0
     np.testing.assert_allclose(seen.off[:, 0], 0.112, atol=1e-9)

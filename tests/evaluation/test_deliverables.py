@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import InputError
-from hullrecon.evaluation.scoring.deliverables import deliver_folder, read_cloud, read_table, read_trajectory
+from hullrecon.evaluation.scoring.deliverables import (
+    deliver_folder,
+    read_cloud,
+    read_table,
+    read_trajectory,
+)
 
 
 def test_empty_cells_are_nan(tmp_path: Path) -> None:

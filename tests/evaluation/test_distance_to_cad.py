@@ -15,7 +15,10 @@ def on_hull(distance: np.ndarray) -> ReturnsOnHull:
 
 def test_the_table_has_a_row_a_path_with_its_spread() -> None:
     figure = distance_to_cad_model(
-        {"dead reckoning": on_hull(np.array([-0.3, 0.1, 0.2, 0.0])), "planes": on_hull(np.full(3, 0.01))}
+        {
+            "dead reckoning": on_hull(np.array([-0.3, 0.1, 0.2, 0.0])),
+            "planes": on_hull(np.full(3, 0.01)),
+        }
     )
     rows = [line.split(",") for line in figure.csv.splitlines()]
     assert rows[1][:3] == ["dead reckoning", "4", "0.15000"]
@@ -27,8 +30,12 @@ def test_the_table_has_a_row_a_path_with_its_spread() -> None:
 def test_there_is_a_panel_a_path_and_one_for_the_histogram() -> None:
     rng = np.random.default_rng(0)
     few = distance_to_cad_model({"a": on_hull(rng.normal(size=50))})
-    many = distance_to_cad_model({"a": on_hull(rng.normal(size=9000)), "b": on_hull(0.1 * rng.normal(size=50))})
-    width = [cv2.imdecode(np.frombuffer(f.png, np.uint8), cv2.IMREAD_COLOR).shape[1] for f in (few, many)]
+    many = distance_to_cad_model(
+        {"a": on_hull(rng.normal(size=9000)), "b": on_hull(0.1 * rng.normal(size=50))}
+    )
+    width = [
+        cv2.imdecode(np.frombuffer(f.png, np.uint8), cv2.IMREAD_COLOR).shape[1] for f in (few, many)
+    ]
     assert width[1] > 1.4 * width[0]
 
 

@@ -7,7 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.comparison.dvl_residuals import adjusted_beams, dead_reckoned_beams, range_residuals
+from hullrecon.evaluation.comparison.dvl_residuals import (
+    adjusted_beams,
+    dead_reckoned_beams,
+    range_residuals,
+)
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.poses import pose_from_vector
 from hullrecon.records.solution import Solution
@@ -24,8 +28,12 @@ def test_beams_end_on_the_steel(solution: Solution, returns: Returns, rig: Senso
     np.testing.assert_allclose(points[bare, 1], 0.012, atol=1e-9)
 
 
-def test_a_residual_is_predicted_minus_measured(package: Path, solution: Solution, returns: Returns, rig: SensorRig) -> None:
-    """The steel stands 12 mm proud of the CAD model, so the CAD model is farther than what was measured."""
+def test_a_residual_is_predicted_minus_measured(
+    package: Path, solution: Solution, returns: Returns, rig: SensorRig
+) -> None:
+    """The steel stands 12 mm proud of the CAD model, so the CAD model is farther than what was
+    measured.
+    """
     truth = read_truth(package)
     assert truth.cad_model is not None
     residuals = range_residuals(adjusted_beams(solution, SHIFT, returns, rig), truth.cad_model)
@@ -33,7 +41,9 @@ def test_a_residual_is_predicted_minus_measured(package: Path, solution: Solutio
     assert residuals.max() == pytest.approx(0.112 / np.cos(0.02), abs=1e-5)
 
 
-def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns, rig: SensorRig) -> None:
+def test_dead_reckoning_is_placed_alike(
+    solution: Solution, returns: Returns, rig: SensorRig
+) -> None:
     n = len(solution.t_ns)
     path = Trajectory(
         t_ns=solution.t_ns,
@@ -47,10 +57,14 @@ def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns, ri
     np.testing.assert_allclose(before.points, adjusted_beams(solution, SHIFT, returns, rig).points)
 
 
-def test_beams_past_the_cad_model_have_no_residual(package: Path, solution: Solution, returns: Returns, rig: SensorRig) -> None:
+def test_beams_past_the_cad_model_have_no_residual(
+    package: Path, solution: Solution, returns: Returns, rig: SensorRig
+) -> None:
     truth = read_truth(package)
     assert truth.cad_model is not None
-    beams = adjusted_beams(solution, pose_from_vector(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, rig)
+    beams = adjusted_beams(
+        solution, pose_from_vector(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, rig
+    )
     assert len(range_residuals(beams, truth.cad_model)) == 0
 
 

@@ -8,7 +8,14 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.figures.figure_style import COLOURS, INK, colour, finish_figure, label_log_axis, new_canvas
+from hullrecon.evaluation.figures.figure_style import (
+    COLOURS,
+    INK,
+    colour,
+    finish_figure,
+    label_log_axis,
+    new_canvas,
+)
 
 
 @pytest.mark.parametrize("method", ["naive", "geva", "maxmix"])
@@ -48,7 +55,11 @@ def test_a_logarithmic_axis_has_plain_numbers_at_one_two_and_five() -> None:
     label_log_axis(axis.yaxis)
     canvas.draw_without_rendering()
     low, high = axis.get_ylim()
-    seen = [label.get_text() for label in axis.get_yticklabels() if low <= label.get_position()[1] <= high]
+    seen = [
+        label.get_text()
+        for label in axis.get_yticklabels()
+        if low <= label.get_position()[1] <= high
+    ]
     assert seen == ["500", "1,000", "2,000", "5,000", "10,000"]
 
 

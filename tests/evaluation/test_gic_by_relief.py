@@ -14,7 +14,9 @@ PEAK_M = np.array([0.0, 0.01, 0.1])
 def trials(homography: list[list[float]], essential: float = 700.0) -> CriterionTrials:
     """Trials in which the essential matrix scores alike everywhere."""
     scores = np.array(homography)
-    return CriterionTrials(peak_m=PEAK_M, homography=scores, essential=np.full(scores.shape, essential))
+    return CriterionTrials(
+        peak_m=PEAK_M, homography=scores, essential=np.full(scores.shape, essential)
+    )
 
 
 RISING = trials([[590.0, 610.0], [650.0, 670.0], [690.0, 830.0]])
@@ -45,7 +47,9 @@ def test_means_that_are_equal_at_a_height_cross_there() -> None:
 
 
 def test_the_table_has_a_row_a_height_and_scoring_with_mean_and_spread() -> None:
-    table = rows(gic_by_relief({"as published": RISING, "capped": trials([[600.0, 600.0]] * 3)}).csv)
+    table = rows(
+        gic_by_relief({"as published": RISING, "capped": trials([[600.0, 600.0]] * 3)}).csv
+    )
     assert [row[0] for row in table[1:]] == ["as published"] * 3 + ["capped"] * 3
     assert {len(row) for row in table} == {8}
     last = dict(zip(table[0], table[3], strict=True))
@@ -57,7 +61,10 @@ def test_the_table_has_a_row_a_height_and_scoring_with_mean_and_spread() -> None
 def test_the_caption_says_where_the_choice_turns_and_what_it_is_at_either_end() -> None:
     caption = gic_by_relief({"as published": RISING, "capped": RISING}).caption
     assert "as published: mean criteria equal at 46 mm" in caption
-    assert "the homography chosen in 100 % of the trials at 0 mm and in 50 % of the trials at 100 mm" in caption
+    assert (
+        "the homography chosen in 100 % of the trials at 0 mm and in 50 % of the trials at 100 mm"
+        in caption
+    )
 
 
 def test_a_criterion_that_grows_to_many_times_the_other_is_drawn_and_the_same_bytes_again() -> None:
@@ -70,7 +77,9 @@ def test_a_criterion_that_grows_to_many_times_the_other_is_drawn_and_the_same_by
 
 def test_there_is_a_panel_a_scoring_and_one_for_the_choice() -> None:
     one, two = (gic_by_relief(dict.fromkeys(names, RISING)).png for names in (["a"], ["a", "b"]))
-    width = [cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR).shape[1] for png in (one, two)]
+    width = [
+        cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR).shape[1] for png in (one, two)
+    ]
     assert width[1] == pytest.approx(1.5 * width[0], rel=0.01)
 
 

@@ -40,7 +40,10 @@ def test_labels_are_counted_by_round_and_iteration() -> None:
 
 
 def test_labels_have_settled_when_fewer_than_a_thousandth_change() -> None:
-    assert "50.0 % to 95.1 %, converged after 1 iteration of the last round" in label_frequency([solve(False)]).caption
+    assert (
+        "50.0 % to 95.1 %, converged after 1 iteration of the last round"
+        in label_frequency([solve(False)]).caption
+    )
     assert label_frequency([solve(True)]).caption.endswith("converged after 4 iterations.")
 
 

@@ -55,7 +55,9 @@ def test_the_truth_keeps_every_height_and_every_gap_closed(
 
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.5])
-def test_a_squashed_block_shows_in_its_ratio(share: float, solution: Solution, rig: SensorRig, truth: Truth) -> None:
+def test_a_squashed_block_shows_in_its_ratio(
+    share: float, solution: Solution, rig: SensorRig, truth: Truth
+) -> None:
     figures = method_figures(squashed(solution, share), None, rig, truth)
     assert figures["heights"]["ratio_median"] == pytest.approx(share, abs=0.01)
 
@@ -71,22 +73,32 @@ def test_landmarks_off_the_dvl_surface_show_in_the_gap(
 
 def test_moving_the_hull_as_a_whole_squashes_nothing(solution: Solution, truth: Truth) -> None:
     points = solution.landmarks.position - [1, 2, 3]
-    around = np.column_stack([np.linspace(1.25, 1.4, 20), np.full(20, 0.012), np.linspace(-0.1, 0.1, 20)])
+    around = np.column_stack(
+        [np.linspace(1.25, 1.4, 20), np.full(20, 0.012), np.linspace(-0.1, 0.1, 20)]
+    )
     figures = height_figures(np.add(np.vstack([points, around]), [0, 0.02, 0]), truth, identity())
     assert figures["ratio_median"] == pytest.approx(1, abs=0.02)
 
 
 def test_too_few_landmarks_on_top_give_no_ratio(truth: Truth) -> None:
-    assert height_figures(np.array([[1.0, 0.112, 0.0], [1.01, 0.112, 0.0]]), truth, identity()) == {"structures": 0}
+    assert height_figures(np.array([[1.0, 0.112, 0.0], [1.01, 0.112, 0.0]]), truth, identity()) == {
+        "structures": 0
+    }
 
 
-def test_landmarks_without_returns_nearby_have_no_gap(truth: Truth, wall_points: np.ndarray) -> None:
+def test_landmarks_without_returns_nearby_have_no_gap(
+    truth: Truth, wall_points: np.ndarray
+) -> None:
     assert truth.cad_model is not None
-    assert gap_figures(wall_points, np.add(wall_points, [20, 0, 0]), truth.cad_model) == {"landmarks": 0}
+    assert gap_figures(wall_points, np.add(wall_points, [20, 0, 0]), truth.cad_model) == {
+        "landmarks": 0
+    }
     assert gap_figures(wall_points, wall_points[:3], truth.cad_model) == {"landmarks": 0}
 
 
-def test_without_cameras_only_the_track_is_scored(solution: Solution, rig: SensorRig, truth: Truth) -> None:
+def test_without_cameras_only_the_track_is_scored(
+    solution: Solution, rig: SensorRig, truth: Truth
+) -> None:
     none = replace(solution.landmarks, position=np.zeros((0, 3)), label=np.zeros(0, np.int64))
     bare = replace(solution, landmarks=none)
     assert set(method_figures(bare, None, rig, truth)) == {"trajectory"}

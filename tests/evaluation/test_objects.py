@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Objects that were reported against the block, the painted ring and the lesser lump of conftest.py."""
+"""Objects that were reported against the block, the painted ring and the lesser lump of
+conftest.py.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.geometry.poses import from_mount, identity
 from hullrecon.records.deliverables import ReportedObject
 
-BLOCK = ReportedObject(id=1, center=(1.0, 0.112, 0.0), height=0.1, height_sigma=0.004, views=9, area=0.09)
+BLOCK = ReportedObject(
+    id=1, center=(1.0, 0.112, 0.0), height=0.1, height_sigma=0.004, views=9, area=0.09
+)
 MARK = ReportedObject(id=2, center=(2.0, 0.02, 0.0), height=0.03)
 LUMP = ReportedObject(id=3, center=(3.0, 0.02, 0.5), height=0.05)
 
@@ -54,7 +58,9 @@ def test_a_report_on_paint_is_false_and_counted_as_such(truth: Truth) -> None:
 
 
 def test_of_two_reports_the_better_height_counts(truth: Truth) -> None:
-    figures = score_objects([replace(BLOCK, height=0.2), replace(BLOCK, height=0.11)], truth, identity())
+    figures = score_objects(
+        [replace(BLOCK, height=0.2), replace(BLOCK, height=0.11)], truth, identity()
+    )
     assert figures["reported_twice"] == 1
     assert figures["height_error_worst_m"] == pytest.approx(0.01)
 
@@ -62,7 +68,9 @@ def test_of_two_reports_the_better_height_counts(truth: Truth) -> None:
 def test_a_height_without_a_sigma_does_not_enter_the_ratio(truth: Truth) -> None:
     figures = score_objects([replace(BLOCK, height=0.12, height_sigma=None)], truth, identity())
     assert np.isnan(figures["height_error_over_sigma"])
-    assert score_objects([replace(BLOCK, height=0.108)], truth, identity())["height_error_over_sigma"] == pytest.approx(2)
+    assert score_objects([replace(BLOCK, height=0.108)], truth, identity())[
+        "height_error_over_sigma"
+    ] == pytest.approx(2)
 
 
 def test_the_reach_grows_with_the_structure(truth: Truth) -> None:

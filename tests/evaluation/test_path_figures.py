@@ -39,9 +39,13 @@ def track(solution: Solution) -> VehicleTrack:
     covariance[:, 0, 0] = np.linspace(0, 0.4, n) ** 2
     covariance[:, 2, 2] = 9.0
     return VehicleTrack(
-        t_ns=solution.t_ns, poses=solution.global_from_vehicle, tray=solution.tray, covariance=covariance,
-        image=solution.image, frame=Frame.GLOBAL,
-    )  # fmt: skip
+        t_ns=solution.t_ns,
+        poses=solution.global_from_vehicle,
+        tray=solution.tray,
+        covariance=covariance,
+        image=solution.image,
+        frame=Frame.GLOBAL,
+    )
 
 
 def drifted(track: VehicleTrack, to_m: float) -> VehicleTrack:
@@ -70,7 +74,9 @@ def table(csv: str) -> list[list[str]]:
 
 def test_the_sigma_is_that_over_the_ground_and_its_end_is_said(track: VehicleTrack) -> None:
     np.testing.assert_allclose(horizontal_sigma(track), np.linspace(0, 0.4, len(track.t_ns)))
-    figure = sigma_along_path({"dead reckoned": track, "with links": replace(track, covariance=0.01 * track.covariance)})
+    figure = sigma_along_path(
+        {"dead reckoned": track, "with links": replace(track, covariance=0.01 * track.covariance)}
+    )
     rows = table(figure.csv)
     assert rows[0] == ["path_m", "dead_reckoned_m", "with_links_m"]
     assert [float(x) for x in rows[-1][1:]] == pytest.approx([0.4, 0.04])
@@ -93,10 +99,13 @@ def test_links_are_counted_by_kind_and_both_errors_said(track: VehicleTrack, tru
     assert table(figure.csv)[3] == ["2", "33", "1", "0", "1"]
 
 
-def test_an_ellipse_holds_three_sigmas_in_the_axes_of_the_hull(track: VehicleTrack, truth: Truth) -> None:
+def test_an_ellipse_holds_three_sigmas_in_the_axes_of_the_hull(
+    track: VehicleTrack, truth: Truth
+) -> None:
     turned = replace(track, poses=from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, np.pi / 2]) @ track.poses)
     last = np.array([len(track.t_ns) - 1])
-    for known, across in ((track, 1), (turned, 0)):  # turned, the sigma along g's x lies along another axis of the hull
+    # turned, the sigma along g's x lies along another axis of the hull
+    for known, across in ((track, 1), (turned, 0)):
         placed = in_hull(known, truth)
         outline = error_ellipses(known, placed, last)[0] - placed.translation[last, :2]
         reach = np.abs(outline).max(axis=0)
@@ -105,7 +114,10 @@ def test_an_ellipse_holds_three_sigmas_in_the_axes_of_the_hull(track: VehicleTra
 
 
 def test_each_model_has_its_pairs_and_errors(track: VehicleTrack, truth: Truth) -> None:
-    paths = {"essential": LinkedBy(track=drifted(track, 0.5), joined=7), "automatic": LinkedBy(track=track, joined=12)}
+    paths = {
+        "essential": LinkedBy(track=drifted(track, 0.5), joined=7),
+        "automatic": LinkedBy(track=track, joined=12),
+    }
     figure = two_view_models(paths, truth)
     rows = {row[0]: [float(x) for x in row[1:]] for row in table(figure.csv)[1:]}
     assert rows["automatic"] == pytest.approx([12, 0, 0], abs=1e-5)
@@ -114,18 +126,28 @@ def test_each_model_has_its_pairs_and_errors(track: VehicleTrack, truth: Truth) 
     assert "automatic" in figure.caption
 
 
-def test_a_path_that_nothing_ties_is_drawn_without_a_link(track: VehicleTrack, truth: Truth) -> None:
+def test_a_path_that_nothing_ties_is_drawn_without_a_link(
+    track: VehicleTrack, truth: Truth
+) -> None:
     none = np.zeros(0, np.int64)
     empty = NodePairs(
-        first=none, second=none, across=none.astype(bool), overlap=np.zeros(0), round=none, putative=none, reason=none,
+        first=none,
+        second=none,
+        across=none.astype(bool),
+        overlap=np.zeros(0),
+        round=none,
+        putative=none,
+        reason=none,
         rejected=none.astype(bool),
-    )  # fmt: skip
+    )
     figure = links_on_hull(drifted(track, 0.3), track, empty, truth)
     assert "0 between neighbours, 0 across legs" in figure.caption
     assert figure.csv.splitlines() == ["first,second,across,joined,rejected"]
 
 
-def test_every_figure_is_a_picture_and_the_same_dive_gives_the_same_bytes(track: VehicleTrack, truth: Truth) -> None:
+def test_every_figure_is_a_picture_and_the_same_dive_gives_the_same_bytes(
+    track: VehicleTrack, truth: Truth
+) -> None:
     def draw() -> list[bytes]:
         off = drifted(track, 0.3)
         paths = {"automatic": LinkedBy(track=track, joined=12)}

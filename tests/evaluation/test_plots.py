@@ -27,7 +27,10 @@ def picture(figure: PublishedFigure) -> np.ndarray:
 
 
 def test_the_histogram_counts_every_residual_in_reach() -> None:
-    before, after = {"registered": np.array([-0.2, 0.0, 0.1, 9.0])}, {"maxmix": np.array([0.001, 0.002])}
+    before, after = (
+        {"registered": np.array([-0.2, 0.0, 0.1, 9.0])},
+        {"maxmix": np.array([0.001, 0.002])},
+    )
     table = rows(range_histogram(before, after, 0.3))
     assert table[0] == ["residual_m", "registered", "maxmix"]
     counts = np.array([[float(v) for v in row[1:]] for row in table[1:]]).sum(0)
@@ -36,12 +39,19 @@ def test_the_histogram_counts_every_residual_in_reach() -> None:
 
 def test_the_spread_of_the_residuals_is_said_in_millimetres() -> None:
     spread = np.array([-0.02, -0.01, 0.0, 0.01, 0.02])  # MAD 10 mm
-    assert "registered 15 mm; maxmix 1 mm" in range_histogram({"registered": spread}, {"maxmix": 0.1 * spread}, 0.3).caption
+    assert (
+        "registered 15 mm; maxmix 1 mm"
+        in range_histogram({"registered": spread}, {"maxmix": 0.1 * spread}, 0.3).caption
+    )
 
 
 def test_heights_are_listed_by_method_beside_the_true_and_the_delivered_one() -> None:
     found = {"geva": np.array([0.02]), "maxmix": np.array([0.1, 0.11])}
-    table = rows(structure_heights(found, 0.11, "cylinder", DeliveredHeight(height_m=0.108, sigma_m=0.004, views=7)))
+    table = rows(
+        structure_heights(
+            found, 0.11, "cylinder", DeliveredHeight(height_m=0.108, sigma_m=0.004, views=7)
+        )
+    )
     assert table[1:] == [
         ["geva", "0.02000", ""],
         ["maxmix", "0.10000", ""],
@@ -60,11 +70,20 @@ def test_a_method_without_landmarks_on_top_does_not_break_the_plot() -> None:
 def test_cross_sections_draw_a_panel_a_method_below_its_overview() -> None:
     nothing = np.zeros((0, 2))
     section = CrossSection(
-        method="geva", weighting="as published", dvl=LINE + 0.01, on=LINE, off=np.add(LINE[:3], [0, 0.1]), steel=LINE,
+        method="geva",
+        weighting="as published",
+        dvl=LINE + 0.01,
+        on=LINE,
+        off=np.add(LINE[:3], [0, 0.1]),
+        steel=LINE,
         cad_model=nothing,
-    )  # fmt: skip
-    overview = WholeSection(on=LINE, off=LINE[:2], dvl=nothing, cad_model=nothing, at=np.array([0.1, 0.0]))
-    figure = cross_sections([[section, section], [section, section]], [overview, overview], "cylinder")
+    )
+    overview = WholeSection(
+        on=LINE, off=LINE[:2], dvl=nothing, cad_model=nothing, at=np.array([0.1, 0.0])
+    )
+    figure = cross_sections(
+        [[section, section], [section, section]], [overview, overview], "cylinder"
+    )
     kinds = {row[2] for row in rows(figure)[1:]}
     assert kinds == {"dvl", "on", "off", "steel"}
     assert len(rows(figure)) == 1 + 4 * (20 + 20 + 3 + 20)

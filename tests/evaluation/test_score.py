@@ -38,7 +38,9 @@ def test_the_true_track_has_no_error(deliver: Any, package: Path) -> None:
         assert figures[f"{name}_rmse_m"] == pytest.approx(0, abs=1e-6)
 
 
-def test_a_shift_is_told_by_direction_and_gone_after_the_alignment(deliver: Any, package: Path, path: np.ndarray) -> None:
+def test_a_shift_is_told_by_direction_and_gone_after_the_alignment(
+    deliver: Any, package: Path, path: np.ndarray
+) -> None:
     deliver.track(np.add(path, [0.3, 0.02, -0.05]), sigma=(0.3, 0.01, 0.1))
     figures = by_hand(deliver, package)["trajectory"]
     assert figures["along_rmse_m"] == pytest.approx(0.3, abs=1e-6)
@@ -66,7 +68,9 @@ def test_half_a_track_covers_half_of_the_frames(deliver: Any, package: Path) -> 
     assert figures["share_of_true_frames_with_a_pose"] == pytest.approx(20 / 41)
 
 
-def test_a_surface_a_centimetre_off_is_a_centimetre_off(deliver: Any, package: Path, wall_points: np.ndarray) -> None:
+def test_a_surface_a_centimetre_off_is_a_centimetre_off(
+    deliver: Any, package: Path, wall_points: np.ndarray
+) -> None:
     deliver.track()
     off = np.add(wall_points, [0, 0.01, 0])
     deliver.cloud("surface.ply", off, support=np.ones(400, "<i4"), sigma=np.full(400, 0.006, "<f4"))
@@ -101,7 +105,9 @@ def test_as_found_counts_where_two_views_saw_it_and_surface_where_one_return_is(
     assert figures["as_found"]["vertices"] == 200
 
 
-def test_nothing_is_judged_where_the_truth_is_unknown(deliver: Any, package: Path, wall_points: np.ndarray) -> None:
+def test_nothing_is_judged_where_the_truth_is_unknown(
+    deliver: Any, package: Path, wall_points: np.ndarray
+) -> None:
     deliver.cloud("surface.ply", np.add(wall_points, [50, 0, 0]), support=np.ones(400, "<i4"))
     assert by_hand(deliver, package)["surface"] == {"vertices": 0}
 
@@ -163,10 +169,18 @@ def test_what_was_missed_is_named(deliver: Any, package: Path) -> None:
 def test_what_was_not_delivered_is_missing(deliver: Any, package: Path) -> None:
     deliver.track()
     figures = by_hand(deliver, package)
-    assert [k for k, v in figures.items() if v == "missing"] == ["surface", "as_found", "landmarks", "objects", "cameras"]
+    assert [k for k, v in figures.items() if v == "missing"] == [
+        "surface",
+        "as_found",
+        "landmarks",
+        "objects",
+        "cameras",
+    ]
 
 
-def test_deliverables_in_g_are_moved_by_the_true_alignment(deliver: Any, package: Path, wall_points: np.ndarray) -> None:
+def test_deliverables_in_g_are_moved_by_the_true_alignment(
+    deliver: Any, package: Path, wall_points: np.ndarray
+) -> None:
     """g is M shifted by (1, 2, 3) there."""
     (deliver.folder / "summary.json").write_text(json.dumps({"frame": "g"}))
     deliver.cloud("surface.ply", np.add(wall_points, [1, 2, 3]), support=np.ones(400, "<i4"))
@@ -176,18 +190,24 @@ def test_deliverables_in_g_are_moved_by_the_true_alignment(deliver: Any, package
 def test_a_path_in_g_is_compared_from_where_it_begins_along_the_axes_of_its_sigmas(
     deliver: Any, package: Path, path: np.ndarray, tmp_path: Path
 ) -> None:
-    """g is turned by a right angle against M, and the path's origin is not quite where the dive began."""
+    """g is turned by a right angle against M, and the path's origin is not quite where the dive
+    began.
+    """
     turned = tmp_path / "turned"
     shutil.copytree(package, turned)
     half = math.sqrt(0.5)
-    pose = {"translation": [0.0, 0.0, 0.0], "quaternion": [0.0, 0.0, half, half]}  # x of M is y of g, y of M is -x
+    # x of M is y of g, y of M is -x
+    pose = {"translation": [0.0, 0.0, 0.0], "quaternion": [0.0, 0.0, half, half]}
     (turned / "truth" / "alignment.json").write_text(json.dumps({"T_g_M": pose}))
     (deliver.folder / "summary.json").write_text(json.dumps({"frame": "g"}))
-    bent = path + np.linspace(0, 1, 41)[:, None] * [0.3, 0.0, 0.0]  # along M's x, and so along y of g
+    # along M's x, and so along y of g
+    bent = path + np.linspace(0, 1, 41)[:, None] * [0.3, 0.0, 0.0]
     in_g = np.add(np.column_stack([-bent[:, 1], bent[:, 0], bent[:, 2]]), [5.0, -2.0, 0.0])
     deliver.track(in_g, sigma=(0.01, 0.3, 0.1), turned=Rotation.from_euler("z", 90, degrees=True))
     figures = score_run(deliver.folder, turned)["trajectory"]
-    assert figures["along_rmse_m"] == pytest.approx(0.3 * math.sqrt(np.mean(np.linspace(0, 1, 41) ** 2)), rel=1e-6)
+    assert figures["along_rmse_m"] == pytest.approx(
+        0.3 * math.sqrt(np.mean(np.linspace(0, 1, 41) ** 2)), rel=1e-6
+    )
     assert figures["error_over_sigma_x"] == pytest.approx(0, abs=1e-6)
     assert figures["error_over_sigma_y"] == pytest.approx(0.586, abs=0.01)
 
@@ -208,7 +228,10 @@ def test_without_a_cad_model_what_needs_one_is_left_out(
 
 
 def test_rows_have_units_and_four_digits() -> None:
-    figures = {"cameras": {"images": 5, "rmse_m": 0.00123456, "scale_error_percent": 0.5}, "objects": "missing"}
+    figures = {
+        "cameras": {"images": 5, "rmse_m": 0.00123456, "scale_error_percent": 0.5},
+        "objects": "missing",
+    }
     assert table_rows(figures) == [
         ("cameras.images", "5", ""),
         ("cameras.rmse_m", "0.001235", "m"),
@@ -219,4 +242,6 @@ def test_rows_have_units_and_four_digits() -> None:
 
 
 def test_json_has_null_for_nan() -> None:
-    assert without_nan({"a": {"b": float("nan"), "c": 1.5, "d": [1]}}) == {"a": {"b": None, "c": 1.5, "d": [1]}}
+    assert without_nan({"a": {"b": float("nan"), "c": 1.5, "d": [1]}}) == {
+        "a": {"b": None, "c": 1.5, "d": [1]}
+    }

@@ -8,7 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.figures.search_ellipses import GATE_CHI2, TransferredPoints, search_ellipses
+from hullrecon.evaluation.figures.search_ellipses import (
+    GATE_CHI2,
+    TransferredPoints,
+    search_ellipses,
+)
 
 IMAGE_PX = (320, 240)
 COVARIANCE = np.array([[[25.0, 12.0], [12.0, 16.0]], [[4.0, 0.0], [0.0, 100.0]]])
@@ -46,7 +50,9 @@ def test_one_that_lies_elsewhere_holds_none(gaussian: TransferredPoints) -> None
 
 
 def test_semi_axes_are_sigmas_times_the_root_of_the_gate(gaussian: TransferredPoints) -> None:
-    np.testing.assert_allclose(gaussian.semi_axes_px()[1], [2 * GATE_CHI2**0.5, 10 * GATE_CHI2**0.5])
+    np.testing.assert_allclose(
+        gaussian.semi_axes_px()[1], [2 * GATE_CHI2**0.5, 10 * GATE_CHI2**0.5]
+    )
     short, long = gaussian.semi_axes_px()[0]
     assert short * long == pytest.approx(GATE_CHI2 * 16.0)  # root of the determinant, 256
 
@@ -61,13 +67,21 @@ def test_every_point_of_an_outline_is_on_the_gate(gaussian: TransferredPoints) -
 def test_the_table_has_a_row_a_point_and_size(gaussian: TransferredPoints) -> None:
     table = rows(search_ellipses({"small": gaussian, "large": gaussian}, IMAGE_PX).csv)
     assert [row[:4] for row in table[1:]] == [
-        [size, point, *at] for size in ("small", "large") for point, at in (("0", ["100.0", "80.0"]), ("1", ["200.0", "150.0"]))
+        [size, point, *at]
+        for size in ("small", "large")
+        for point, at in (("0", ["100.0", "80.0"]), ("1", ["200.0", "150.0"]))
     ]
-    np.testing.assert_allclose([float(row[6]) for row in table[1:3]], gaussian.share_within(), atol=1e-4)
-    np.testing.assert_allclose([[float(v) for v in row[4:6]] for row in table[1:3]], gaussian.semi_axes_px(), atol=0.01)
+    np.testing.assert_allclose(
+        [float(row[6]) for row in table[1:3]], gaussian.share_within(), atol=1e-4
+    )
+    np.testing.assert_allclose(
+        [[float(v) for v in row[4:6]] for row in table[1:3]], gaussian.semi_axes_px(), atol=0.01
+    )
 
 
-def test_the_caption_says_the_median_and_the_least_share_by_size(gaussian: TransferredPoints) -> None:
+def test_the_caption_says_the_median_and_the_least_share_by_size(
+    gaussian: TransferredPoints,
+) -> None:
     off = replace(gaussian, mean=gaussian.mean + np.array([[0.0, 0.0], [500.0, 0.0]]))
     share = 100 * gaussian.share_within()
     caption = search_ellipses({"small": gaussian, "off": off}, IMAGE_PX).caption
@@ -76,6 +90,8 @@ def test_the_caption_says_the_median_and_the_least_share_by_size(gaussian: Trans
 
 
 def test_there_is_a_panel_a_size(gaussian: TransferredPoints) -> None:
-    pngs = [search_ellipses(dict.fromkeys(names, gaussian), IMAGE_PX).png for names in ("ab", "abc")]
+    pngs = [
+        search_ellipses(dict.fromkeys(names, gaussian), IMAGE_PX).png for names in ("ab", "abc")
+    ]
     width = [cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR).shape[1] for png in pngs]
     assert width[1] == pytest.approx(1.5 * width[0], rel=0.01)

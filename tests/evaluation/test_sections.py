@@ -28,7 +28,9 @@ def at_block(*offsets: tuple[float, float, float]) -> np.ndarray:
 
 def test_a_point_is_placed_by_girth_and_height(truth: Truth) -> None:
     points = at_block((0.0, 0.05, 0.2))
-    section = cut_section(("geva", "as published"), truth.structures()[0], points, np.array([True]), NONE, truth)
+    section = cut_section(
+        ("geva", "as published"), truth.structures()[0], points, np.array([True]), NONE, truth
+    )
     assert abs(section.on[0, 0]) == pytest.approx(0.2)
     assert section.on[0, 1] == pytest.approx(0.05)
     assert (section.method, section.weighting) == ("geva", "as published")
@@ -36,19 +38,25 @@ def test_a_point_is_placed_by_girth_and_height(truth: Truth) -> None:
 
 def test_points_beside_the_slice_are_left_out(truth: Truth) -> None:
     points = at_block((0.07, 0, 0), (0.09, 0, 0), (0, 0, 0.5), (0, 0, 0.6), (0, 0.5, 0))
-    section = cut_section(("geva", "x"), truth.structures()[0], points, np.ones(5, bool), NONE, truth)
+    section = cut_section(
+        ("geva", "x"), truth.structures()[0], points, np.ones(5, bool), NONE, truth
+    )
     assert len(section.on) == 2
 
 
 def test_the_dvl_is_taken_from_a_thicker_slice(truth: Truth) -> None:
     points = at_block((0.3, 0, 0), (0.5, 0, 0))
-    section = cut_section(("geva", "x"), truth.structures()[0], NONE, np.zeros(0, bool), points, truth)
+    section = cut_section(
+        ("geva", "x"), truth.structures()[0], NONE, np.zeros(0, bool), points, truth
+    )
     assert len(section.dvl) == 1
 
 
 def test_labels_part_the_landmarks(truth: Truth) -> None:
     points = at_block((0, 0, 0), (0, 0.1, 0), (0, 0.1, 0.05))
-    section = cut_section(("geva", "x"), truth.structures()[0], points, np.array([True, False, False]), NONE, truth)
+    section = cut_section(
+        ("geva", "x"), truth.structures()[0], points, np.array([True, False, False]), NONE, truth
+    )
     assert (len(section.on), len(section.off)) == (1, 2)
     assert set(section.parts()) == {"dvl", "on", "off", "steel", "cad_model"}
 
@@ -59,7 +67,10 @@ def test_without_a_cad_model_its_line_is_empty(truth: Truth) -> None:
     assert len(section.cad_model) == 0
     assert len(section.steel) > 150
     points = at_block((0, 0, 0))
-    assert len(cut_whole_hull(truth.structures()[0], points, np.array([True]), NONE, bare).cad_model) == 0
+    assert (
+        len(cut_whole_hull(truth.structures()[0], points, np.array([True]), NONE, bare).cad_model)
+        == 0
+    )
 
 
 def test_the_whole_section_is_in_y_and_z_of_the_hull(truth: Truth) -> None:

@@ -16,13 +16,17 @@ def of_variance(mean: float, seed: int = 0) -> VarianceMap:
 
 
 def test_the_table_tells_which_share_varies_by_more() -> None:
-    figure = sonar_variance({"dead reckoned": of_variance(300.0), "adjusted": of_variance(100.0, 1)})
+    figure = sonar_variance(
+        {"dead reckoned": of_variance(300.0), "adjusted": of_variance(100.0, 1)}
+    )
     rows = np.array([[float(x) for x in line.split(",")] for line in figure.csv.splitlines()[1:]])
     assert figure.csv.startswith("variance_at_least,share_dead_reckoned,share_adjusted")
     np.testing.assert_allclose(rows[0, 1:], 1.0)
     assert (np.diff(rows[:, 1:], axis=0) <= 0).all()
     near = np.argmin(np.abs(rows[:, 0] - 300))
-    np.testing.assert_allclose(rows[near, 1:], np.exp([-rows[near, 0] / 300, -rows[near, 0] / 100]), atol=0.03)
+    np.testing.assert_allclose(
+        rows[near, 1:], np.exp([-rows[near, 0] / 300, -rows[near, 0] / 100]), atol=0.03
+    )
 
 
 def test_means_are_said_by_source_and_pixels_of_one_view_do_not_count() -> None:

@@ -18,7 +18,9 @@ WAY /= np.linalg.norm(WAY, axis=1, keepdims=True)
 TRUTH = MIDDLE + (RADIUS_M + 1.0) * WAY
 
 
-def mapped(off_m: np.ndarray | float, map_radius_m: float = RADIUS_M, sigma_m: float = 0.1) -> MappedSphere:
+def mapped(
+    off_m: np.ndarray | float, map_radius_m: float = RADIUS_M, sigma_m: float = 0.1
+) -> MappedSphere:
     """A path that lies outside the true one by off_m (n,), and a map of its own radius."""
     path = TRUTH + np.broadcast_to(off_m, 400)[:, None] * WAY
     return MappedSphere(path=path, sigma=np.full(400, sigma_m), points=MIDDLE + map_radius_m * WAY)
@@ -31,7 +33,13 @@ def survey(planes: dict[float, MappedSphere]) -> SphereSurvey:
 
 @pytest.fixture(scope="module")
 def whole() -> SphereSurvey:
-    return survey({2.0: mapped(0.002 * np.sin(3 * ANGLE)), 5.0: mapped(0.004 * np.sin(3 * ANGLE)), 9.0: mapped(0.0, 4.02)})
+    return survey(
+        {
+            2.0: mapped(0.002 * np.sin(3 * ANGLE)),
+            5.0: mapped(0.004 * np.sin(3 * ANGLE)),
+            9.0: mapped(0.0, 4.02),
+        }
+    )
 
 
 def rows(csv: str) -> list[dict[str, str]]:
@@ -68,13 +76,18 @@ def test_the_planes_nearest_to_the_sphere_are_drawn(whole: SphereSurvey) -> None
     assert whole.drawn == {"dead reckoning": whole.reckoned, "with planes": whole.planes[5.0]}
 
 
-def test_the_table_has_a_row_for_dead_reckoning_and_one_a_characteristic_radius(whole: SphereSurvey) -> None:
+def test_the_table_has_a_row_for_dead_reckoning_and_one_a_characteristic_radius(
+    whole: SphereSurvey,
+) -> None:
     table = rows(sphere(whole).csv)
     assert [row["path"] for row in table] == ["dead reckoning"] + ["with planes"] * 3
     assert [row["characteristic_radius_m"] for row in table] == ["", "2", "5", "9"]
     assert [float(row["map_radius_m"]) for row in table] == [4.1, 4.0, 4.0, 4.02]
     np.testing.assert_allclose(
-        [float(row["off_sphere_rms_m"]) for row in table], np.array([0.05, 0.002, 0.004, 0.0]) / 2**0.5, rtol=0.02, atol=1e-5
+        [float(row["off_sphere_rms_m"]) for row in table],
+        np.array([0.05, 0.002, 0.004, 0.0]) / 2**0.5,
+        rtol=0.02,
+        atol=1e-5,
     )
     assert [float(row["end_sigma_m"]) for row in table] == [0.5, 0.1, 0.1, 0.1]
     assert all(float(row["map_off_sphere_rms_m"]) < 1e-6 for row in table)
@@ -90,9 +103,15 @@ def test_the_error_of_the_end_is_that_of_the_last_pose() -> None:
 def test_the_caption_says_how_the_paths_lie_and_where_they_end(whole: SphereSurvey) -> None:
     caption = sphere(whole).caption
     assert "Around a sphere of 4 m" in caption
-    assert "to 35.0 mm rms by dead reckoning, to 0.0 to 2.8 mm with planes of characteristic radii of 2 to 9 m" in caption
+    assert (
+        "to 35.0 mm rms by dead reckoning, to 0.0 to 2.8 mm with planes of characteristic radii of 2 to 9 m"
+        in caption
+    )
     assert "the radius of the map is 4.000 to 4.020 m, by dead reckoning 4.100 m" in caption
-    assert "(sigma 0.50 m) from the truth by dead reckoning, 0.00 m (sigma 0.10 m) with planes" in caption
+    assert (
+        "(sigma 0.50 m) from the truth by dead reckoning, 0.00 m (sigma 0.10 m) with planes"
+        in caption
+    )
 
 
 def test_the_picture_has_four_panels_and_is_the_same_again(whole: SphereSurvey) -> None:
@@ -101,6 +120,8 @@ def test_the_picture_has_four_panels_and_is_the_same_again(whole: SphereSurvey) 
     assert picture.shape == (1230, 1560, 3)
     assert figure.png == sphere(whole).png
     halves = [
-        picture[rows, columns] for rows in (slice(0, 615), slice(615, None)) for columns in (slice(0, 780), slice(780, None))
+        picture[rows, columns]
+        for rows in (slice(0, 615), slice(615, None))
+        for columns in (slice(0, 780), slice(780, None))
     ]
     assert all((half < 200).any(axis=2).mean() > 0.005 for half in halves)

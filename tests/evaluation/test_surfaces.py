@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Surfaces and landmarks against the wall of conftest.py, whose steel stands 12 mm proud of its CAD model."""
+"""Surfaces and landmarks against the wall of conftest.py, whose steel stands 12 mm proud of its CAD
+model.
+"""
 
 from __future__ import annotations
 
@@ -32,16 +34,24 @@ def test_the_true_steel_has_no_error(truth: Truth, wall_points: np.ndarray) -> N
     assert figures["cad_model_alone_rmse_m"] == pytest.approx(0.012, abs=1e-5)
 
 
-def test_a_shift_is_an_error_until_the_alignment_takes_it_away(truth: Truth, wall_points: np.ndarray) -> None:
-    figures = score_surface(cloud(np.add(wall_points, [0, 0.02, 0])), truth, from_mount([0, -0.02, 0, 0, 0, 0]), 1)
+def test_a_shift_is_an_error_until_the_alignment_takes_it_away(
+    truth: Truth, wall_points: np.ndarray
+) -> None:
+    figures = score_surface(
+        cloud(np.add(wall_points, [0, 0.02, 0])), truth, from_mount([0, -0.02, 0, 0, 0, 0]), 1
+    )
     assert figures["rmse_m"] == pytest.approx(0.02, abs=1e-6)
     assert figures["aligned_rmse_m"] == pytest.approx(0, abs=1e-6)
 
 
 def test_support_that_is_too_low_leaves_a_vertex_out(truth: Truth, wall_points: np.ndarray) -> None:
     support = np.r_[np.zeros(100, np.int32), np.full(300, 2, np.int32)]
-    assert score_surface(cloud(wall_points, support=support), truth, identity(), 1)["vertices"] == 300
-    assert score_surface(cloud(wall_points, support=support), truth, identity(), 3) == {"vertices": 0}
+    assert (
+        score_surface(cloud(wall_points, support=support), truth, identity(), 1)["vertices"] == 300
+    )
+    assert score_surface(cloud(wall_points, support=support), truth, identity(), 3) == {
+        "vertices": 0
+    }
 
 
 def test_sigmas_are_held_to_the_errors(truth: Truth, wall_points: np.ndarray) -> None:
@@ -58,7 +68,9 @@ def test_sigmas_that_are_not_known_are_left_out(truth: Truth, wall_points: np.nd
     assert figures["share_within_1_sigma"] == 1
 
 
-def test_landmarks_far_from_the_hull_are_counted_apart(truth: Truth, wall_points: np.ndarray) -> None:
+def test_landmarks_far_from_the_hull_are_counted_apart(
+    truth: Truth, wall_points: np.ndarray
+) -> None:
     away = np.vstack([wall_points, [[1.0, 3.0, 0.0], [2.0, 4.0, 0.0]]])
     figures = score_landmarks(cloud(away), truth, identity())
     assert figures["landmarks"] == 402
@@ -72,7 +84,11 @@ def test_labels_are_scored_on_both_sides_of_the_boundary(
     points = np.vstack([wall_points, block_points])
     right = np.r_[np.ones(400), np.zeros(100)]
     figures = score_landmarks(cloud(points, label=right), truth, identity())
-    assert (figures["off_cad_model"], figures["off_recall"], figures["off_precision"]) == (100, 1, 1)
+    assert (figures["off_cad_model"], figures["off_recall"], figures["off_precision"]) == (
+        100,
+        1,
+        1,
+    )
     wrong = score_landmarks(cloud(points, label=1 - right), truth, identity())
     assert (wrong["off_recall"], wrong["off_precision"]) == (0, 0)
 

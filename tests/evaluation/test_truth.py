@@ -16,14 +16,17 @@ def test_poses_are_interpolated_between_frames(package: Path) -> None:
     truth = read_truth(package)
     middle = truth.vehicle_at(0.5 * (truth.t_s[:1] + truth.t_s[1:2]))
     np.testing.assert_allclose(
-        middle.translation[0], 0.5 * (truth.poses.translation[0] + truth.poses.translation[1]), atol=1e-6
+        middle.translation[0],
+        0.5 * (truth.poses.translation[0] + truth.poses.translation[1]),
+        atol=1e-6,
     )
 
 
 def test_the_camera_stands_where_the_mounts_say(package: Path) -> None:
     truth = read_truth(package)
     camera = truth.cameras_at(np.array([0]))
-    # tray origin 0.45 ahead (-y) and 0.1 down (-z); the camera 0.05 ahead and 0.05 up in the tray, which tilts by 0.02 rad
+    # tray origin 0.45 ahead (-y) and 0.1 down (-z); the camera 0.05 ahead and 0.05 up in the tray,
+    # which tilts by 0.02 rad
     c, s = np.cos(0.02), np.sin(0.02)
     ahead, down = 0.45 + 0.05 * c - 0.05 * s, 0.1 - 0.05 * s - 0.05 * c
     np.testing.assert_allclose(camera.translation[0], [0.0, 1.5 - ahead, -down], atol=1e-9)

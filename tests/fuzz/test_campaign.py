@@ -28,7 +28,10 @@ def test_failures_that_look_alike_are_one_finding_with_its_first_cases():
 
 
 def test_a_traceback_is_known_by_the_innermost_place_of_ours():
-    assert signature(Verdict("traceback", TRACE.format("ValueError", 1))) == 'File "/x/hullrecon/a.py", line 3, in f ValueError'
+    assert (
+        signature(Verdict("traceback", TRACE.format("ValueError", 1)))
+        == 'File "/x/hullrecon/a.py", line 3, in f ValueError'
+    )
     assert signature(Verdict("silence")) == ""
 
 
@@ -37,13 +40,23 @@ def test_findings_go_to_the_corpus_once(tmp_path):
     campaign.add("toml", 4, Verdict("traceback", TRACE.format("ValueError", 1)))
     for _ in range(2):
         add_findings(tmp_path / "c.json", campaign)
-    assert [(e.form, e.found) for e in read_corpus(tmp_path / "c.json")] == [("toml", "traceback: ValueError: 1")]
+    assert [(e.form, e.found) for e in read_corpus(tmp_path / "c.json")] == [
+        ("toml", "traceback: ValueError: 1")
+    ]
 
 
 def test_the_command_prints_what_it_found(capsys):
-    assert main(["--cases", "41", "--seed", "1", "--format", "toml", "--format", "image", "--jobs", "1"]) == 0
+    assert (
+        main(
+            ["--cases", "41", "--seed", "1", "--format", "toml", "--format", "image", "--jobs", "1"]
+        )
+        == 0
+    )
     document = json.loads(capsys.readouterr().out)
-    assert {form: sum(counts.values()) for form, counts in document["formats"].items()} == {"toml": 21, "image": 20}
+    assert {form: sum(counts.values()) for form, counts in document["formats"].items()} == {
+        "toml": 21,
+        "image": 20,
+    }
     assert document["failures"] == []
 
 

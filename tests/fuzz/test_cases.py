@@ -71,7 +71,8 @@ def test_a_reader_that_never_ends_is_stopped_even_where_it_catches_every_error(m
 
 def test_memory_that_was_used_and_given_back_is_seen(monkeypatch):
     def read(folder: Path, name: str) -> Reading:
-        # A mapping of its own: the heap of a process that has run other tests may hold so many free pages that it still owns.
+        # A mapping of its own: the heap of a process that has run other tests may hold so many free
+        # pages that it still owns.
         with mmap.mmap(-1, 128 << 20) as block:
             block[:: mmap.PAGESIZE] = b"x" * len(range(0, len(block), mmap.PAGESIZE))
         raise InputError("it is damaged")
@@ -108,5 +109,7 @@ def test_damage_that_a_sum_of_bytes_cannot_see_is_no_silence(bench):
 
 @pytest.mark.parametrize("form", seeds())
 def test_a_case_is_the_same_wherever_it_runs(form: str) -> None:
-    assert [damaged_input(form, 3, k) for k in range(20)] == [damaged_input(form, 3, k) for k in range(20)]
+    assert [damaged_input(form, 3, k) for k in range(20)] == [
+        damaged_input(form, 3, k) for k in range(20)
+    ]
     assert len({damaged_input(form, 3, k)[1] for k in range(20)}) > 10

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Some thousands of damaged inputs and all that were ever found: a typed error in one line, a named loss, or the same data."""
+"""Some thousands of damaged inputs and all that were ever found: a typed error in one line, a named
+loss, or the same data.
+"""
 
 from pathlib import Path
 
@@ -18,14 +20,19 @@ BATCHES = [(form, part) for form in seeds() for part in range(2)]
 
 
 @pytest.mark.parametrize(("form", "part"), BATCHES)
-def test_a_damaged_input_is_refused_in_a_line_or_its_loss_is_named(bench: Bench, form: str, part: int) -> None:
+def test_a_damaged_input_is_refused_in_a_line_or_its_loss_is_named(
+    bench: Bench, form: str, part: int
+) -> None:
     count = CASES.get(form, OF_A_LOG)
     verdicts = {case: bench.run(form, SEED, case) for case in range(part, count, 2)}
     assert {case: verdict for case, verdict in verdicts.items() if verdict.kind in BAD} == {}
-    assert len({verdict.kind for verdict in verdicts.values()}) > 1  # the damage is neither always seen nor never
+    # the damage is neither always seen nor never
+    assert len({verdict.kind for verdict in verdicts.values()}) > 1
 
 
-@pytest.mark.parametrize("entry", read_corpus(CORPUS), ids=lambda entry: f"{entry.form}-{entry.found[:40]}")
+@pytest.mark.parametrize(
+    "entry", read_corpus(CORPUS), ids=lambda entry: f"{entry.form}-{entry.found[:40]}"
+)
 def test_what_was_ever_found_stays_repaired(bench: Bench, entry: Entry) -> None:
     verdict = bench.judge(entry.form, entry.number, entry.data())
     assert verdict.kind not in BAD, verdict.text

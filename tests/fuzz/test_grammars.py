@@ -15,17 +15,43 @@ from benchmarks.fuzz.seed_files import TABLES
 from hullrecon.dive.config.load import load_config
 from hullrecon.errors import InputError, UsageError
 
-QUICK = settings(max_examples=150, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+QUICK = settings(
+    max_examples=150,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,99}")
 
 text = st.text(st.characters(exclude_categories=("Cs",)), max_size=12)
-quoted = text.map(lambda t: '"' + "".join(c if c.isalnum() and c.isascii() else f"\\U{ord(c):08x}" for c in t) + '"')
+quoted = text.map(
+    lambda t: (
+        '"' + "".join(c if c.isalnum() and c.isascii() else f"\\U{ord(c):08x}" for c in t) + '"'
+    )
+)
 number = st.one_of(
-    st.integers().map(str), st.floats().map(str), st.integers(min_value=0).map(hex),
-    st.sampled_from(["1_000", "0b101", "0o17", "1e400", "-0.0", "+nan", "9" * 500, "0x" + "f" * 5000, "1.", ".5", "1e"]),
-)  # fmt: skip
+    st.integers().map(str),
+    st.floats().map(str),
+    st.integers(min_value=0).map(hex),
+    st.sampled_from(
+        [
+            "1_000",
+            "0b101",
+            "0o17",
+            "1e400",
+            "-0.0",
+            "+nan",
+            "9" * 500,
+            "0x" + "f" * 5000,
+            "1.",
+            ".5",
+            "1e",
+        ]
+    ),
+)
 moment = st.one_of(
-    st.datetimes().map(lambda d: d.isoformat()), st.sampled_from(["07:32:00", "2026-13-40", "2026-05-04T09:30:00Z"])
+    st.datetimes().map(lambda d: d.isoformat()),
+    st.sampled_from(["07:32:00", "2026-13-40", "2026-05-04T09:30:00Z"]),
 )
 value = st.recursive(
     st.one_of(quoted, number, moment, st.sampled_from(["true", "false", "''", '"""a\nb"""', ""])),
@@ -68,9 +94,13 @@ KEYS = [
 @QUICK
 @given(pairs=st.dictionaries(st.sampled_from(KEYS), value, max_size=5))
 @example(pairs={"dive": "{name = 1}"})
-def test_any_fragment_of_toml_is_a_configuration_or_refused_in_a_line(tmp_path: Path, pairs: dict[str, str]) -> None:
+def test_any_fragment_of_toml_is_a_configuration_or_refused_in_a_line(
+    tmp_path: Path, pairs: dict[str, str]
+) -> None:
     lines = {"dive.name": '"x"', "logs.files": '["a"]', **pairs}
-    (tmp_path / "dive.toml").write_text("".join(f"{key} = {item}\n" for key, item in lines.items()), encoding="utf-8")
+    (tmp_path / "dive.toml").write_text(
+        "".join(f"{key} = {item}\n" for key, item in lines.items()), encoding="utf-8"
+    )
     line = ""
     try:
         assert NAME.fullmatch(load_config(tmp_path).config.dive.name)
@@ -101,14 +131,35 @@ cell = st.one_of(
     text,
     number,
     st.sampled_from(
-        ["", " ", '"', '"a,b"', "'", "\\", "1;2", "../../x", "/dev/null", "p.npz", "a.png", "1e19", "-1e19", "0x1"]
+        [
+            "",
+            " ",
+            '"',
+            '"a,b"',
+            "'",
+            "\\",
+            "1;2",
+            "../../x",
+            "/dev/null",
+            "p.npz",
+            "a.png",
+            "1e19",
+            "-1e19",
+            "0x1",
+        ]
     ),
 )
 
 
 @settings(QUICK, max_examples=120)
-@given(table=st.sampled_from(sorted(TABLES)), rows=st.lists(st.lists(cell, max_size=9), max_size=5), keeps_head=st.booleans())
-def test_any_cells_of_a_table_are_readings_or_named(bench: Bench, table: str, rows: list[list[str]], keeps_head: bool) -> None:
+@given(
+    table=st.sampled_from(sorted(TABLES)),
+    rows=st.lists(st.lists(cell, max_size=9), max_size=5),
+    keeps_head=st.booleans(),
+)
+def test_any_cells_of_a_table_are_readings_or_named(
+    bench: Bench, table: str, rows: list[list[str]], keeps_head: bool
+) -> None:
     number = sorted_targets().index(f"logs/{table}.csv")
     whole = TABLES[table].splitlines()
     lines = [*(whole[:1] if keeps_head else []), *whole[1:2], *(",".join(row) for row in rows)]

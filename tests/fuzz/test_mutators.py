@@ -20,14 +20,18 @@ from benchmarks.fuzz.text_mutators import encode_otherwise
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)
 
 
-@pytest.mark.parametrize("mutator", [*dict.fromkeys([*BINARY, *FIELDS, *TEXT])], ids=lambda m: m.__name__)
+@pytest.mark.parametrize(
+    "mutator", [*dict.fromkeys([*BINARY, *FIELDS, *TEXT])], ids=lambda m: m.__name__
+)
 @QUICK
 @given(data=st.binary(max_size=60), other=st.binary(max_size=60), seed=st.integers(0, 99))
 def test_a_mutator_takes_any_bytes(mutator, data, other, seed):
     assert isinstance(mutator(bytearray(data), other, Random(seed)), bytearray)
 
 
-@pytest.mark.parametrize("mutator", [*dict.fromkeys([*BINARY, *FIELDS, *TEXT])], ids=lambda m: m.__name__)
+@pytest.mark.parametrize(
+    "mutator", [*dict.fromkeys([*BINARY, *FIELDS, *TEXT])], ids=lambda m: m.__name__
+)
 def test_a_mutator_changes_something_sooner_or_later(mutator):
     data = b"a = 1, 2\nbb = [3.5, 4]\n" * 20
     assert any(bytes(mutator(bytearray(data), data[::-1], Random(k))) != data for k in range(20))
@@ -40,7 +44,16 @@ def test_damage_at_the_start_of_a_record_is_frequent():
 
 
 @pytest.mark.parametrize(
-    ("form", "least"), [("mcap", 10), ("bag", 10), ("pd0", 4), ("ad2cp", 6), ("aris", 4), ("view_point", 5), ("npz", 6)]
+    ("form", "least"),
+    [
+        ("mcap", 10),
+        ("bag", 10),
+        ("pd0", 4),
+        ("ad2cp", 6),
+        ("aris", 4),
+        ("view_point", 5),
+        ("npz", 6),
+    ],
 )
 def test_the_records_of_a_sound_file_are_found(form, least):
     seed = seeds()[form][0]
@@ -63,7 +76,9 @@ def test_records_are_cut_off_dropped_repeated_moved_and_exchanged_whole():
 def test_a_field_becomes_a_number_that_no_sensor_gives():
     data = struct.pack("<4d", 1.5, 2.5, 3.5, 4.5)
     damaged = [
-        np.frombuffer(bytes(d), "<f8") for d in (set_float(bytearray(data), b"", Random(k)) for k in range(300)) if len(d) == 32
+        np.frombuffer(bytes(d), "<f8")
+        for d in (set_float(bytearray(data), b"", Random(k)) for k in range(300))
+        if len(d) == 32
     ]
     assert any(np.isnan(d).any() for d in damaged)
     assert any(np.isinf(d).any() for d in damaged)

@@ -11,10 +11,18 @@ from datasets import dataset
 from hullrecon.geometry.meshes.mesh import Mesh
 
 
-def barge(length: float = 20.0, radius: float = 3.0, rings: int = 41, corners: int = 72, half: bool = False) -> Mesh:
-    """An open-ended half cylinder of steel along x, keel at z = 0, open on top at z = radius; faces outward.
+def barge(
+    length: float = 20.0,
+    radius: float = 3.0,
+    rings: int = 41,
+    corners: int = 72,
+    half: bool = False,
+) -> Mesh:
+    """An open-ended half cylinder of steel along x, keel at z = 0, open on top at z = radius; faces
+    outward.
 
-    half: its port side only, as a CAD model of one half of a ship."""
+    half: its port side only, as a CAD model of one half of a ship.
+    """
     angle = np.linspace(0.0 if half else -np.pi / 2, np.pi / 2, corners + 1)
     x = np.linspace(0, length, rings)
     grid = np.stack(

@@ -30,7 +30,9 @@ def test_the_distortion_is_opencvs() -> None:
     import cv2
 
     points = np.random.default_rng(0).uniform([-0.5, -0.4, 1], [0.5, 0.4, 2], (50, 3))
-    theirs, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), BENT.matrix(), BENT.distortion())
+    theirs, _ = cv2.projectPoints(
+        points, np.zeros(3), np.zeros(3), BENT.matrix(), BENT.distortion()
+    )
     assert np.allclose(BENT.project(points), theirs[:, 0], atol=1e-9)
 
 
@@ -43,7 +45,17 @@ def test_a_pixel_comes_back_from_its_ray(u: float, v: float) -> None:
 
 
 def test_the_parameters_are_in_the_order_of_the_native_module() -> None:
-    assert BENT.parameters().tolist() == [600.0, 610.0, 321.0, 254.0, -0.21, 0.07, 0.001, -0.0008, -0.01]
+    assert BENT.parameters().tolist() == [
+        600.0,
+        610.0,
+        321.0,
+        254.0,
+        -0.21,
+        0.07,
+        0.001,
+        -0.0008,
+        -0.01,
+    ]
 
 
 @QUICK
@@ -51,7 +63,9 @@ def test_the_parameters_are_in_the_order_of_the_native_module() -> None:
 def test_ideal_coordinates_come_back_from_their_pixels(xy: list[tuple[float, float]]) -> None:
     ideal = np.array(xy)
     np.testing.assert_allclose(BENT.undistort(BENT.distort(ideal), iterations=60), ideal, atol=1e-9)
-    coarse, fine = (np.abs(BENT.undistort(BENT.distort(ideal), iterations=n) - ideal).max() for n in (3, 12))
+    coarse, fine = (
+        np.abs(BENT.undistort(BENT.distort(ideal), iterations=n) - ideal).max() for n in (3, 12)
+    )
     assert fine <= max(coarse, 1e-12)
 
 
@@ -65,14 +79,20 @@ def test_points_along_one_ray_have_one_pixel(x: float, y: float, near: float, fa
 
 @QUICK
 @given(st.floats(0, 639), st.floats(0, 511))
-def test_rays_point_forward_and_without_distortion_are_those_of_the_matrix(u: float, v: float) -> None:
+def test_rays_point_forward_and_without_distortion_are_those_of_the_matrix(
+    u: float, v: float
+) -> None:
     plain = CameraModel(640, 512, 600.0, 610.0, 321.0, 254.0)
     expected = np.linalg.inv(plain.matrix()) @ [u, v, 1.0]
-    np.testing.assert_allclose(plain.rays([[u, v]])[0], expected / np.linalg.norm(expected), atol=1e-12)
+    np.testing.assert_allclose(
+        plain.rays([[u, v]])[0], expected / np.linalg.norm(expected), atol=1e-12
+    )
     assert BENT.rays([[u, v]])[0, 2] > 0
 
 
 def test_points_are_projected_one_by_one() -> None:
     points = np.random.default_rng(1).uniform([-1, -1, -1], [1, 1, 3], (20, 3))
-    np.testing.assert_array_equal(BENT.project(points), np.vstack([BENT.project(point) for point in points]))
+    np.testing.assert_array_equal(
+        BENT.project(points), np.vstack([BENT.project(point) for point in points])
+    )
     assert np.array_equal(np.isnan(BENT.project(points)[:, 0]), points[:, 2] <= 0)

@@ -12,7 +12,10 @@ from hullrecon.geometry.meshes.mesh import Mesh, face_normals
 
 QUICK = settings(max_examples=30, deadline=None, derandomize=True)
 
-FLOOR = Mesh(np.array([[40.0, 0, 2], [41, 0, 2], [41, 1, 2], [40, 1, 2]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+FLOOR = Mesh(
+    np.array([[40.0, 0, 2], [41, 0, 2], [41, 1, 2], [40, 1, 2]]),
+    np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+)
 
 
 def test_the_distance_is_positive_on_the_side_of_the_normal() -> None:
@@ -34,13 +37,17 @@ def test_a_point_that_is_not_finite_has_no_distance() -> None:
 
 
 def test_a_ray_that_misses_is_infinite() -> None:
-    met = Scene(FLOOR).cast(np.array([40.5, 0.2, 3.0]), np.array([[0.0, 0, -1], [0, 0, 1], [0.6, 0, -0.8]]))
+    met = Scene(FLOOR).cast(
+        np.array([40.5, 0.2, 3.0]), np.array([[0.0, 0, -1], [0, 0, 1], [0.6, 0, -0.8]])
+    )
     assert np.isclose(met[0], 1.0, atol=1e-6)
     assert np.isinf(met[1:]).all()
 
 
 def brute_ranges(mesh: Mesh, origin: np.ndarray, direction: np.ndarray) -> float:
-    """Range of the first face met by one ray, by solving origin + t d = a + u (b - a) + v (c - a) for every face."""
+    """Range of the first face met by one ray, by solving origin + t d = a + u (b - a) + v (c - a)
+    for every face.
+    """
     found = np.inf
     for a, b, c in mesh.vertices[mesh.faces]:
         system = np.stack([b - a, c - a, -direction], axis=1)
@@ -52,7 +59,9 @@ def brute_ranges(mesh: Mesh, origin: np.ndarray, direction: np.ndarray) -> float
 
 
 def brute_distance(mesh: Mesh, point: np.ndarray) -> float:
-    """Distance to the closest face: to its plane where the foot is inside, else to its nearest side."""
+    """Distance to the closest face: to its plane where the foot is inside, else to its nearest
+    side.
+    """
     found = np.inf
     for triangle in mesh.vertices[mesh.faces]:
         for a, b in zip(triangle, np.roll(triangle, -1, axis=0), strict=True):
@@ -76,7 +85,10 @@ def test_rays_meet_what_every_face_tried_in_turn_says(seed: int) -> None:
     mesh, rng = soup(seed), np.random.default_rng(seed + 1)
     origins, directions = 2 * rng.normal(size=(12, 3)), rng.normal(size=(12, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    expected = [brute_ranges(mesh, origin, direction) for origin, direction in zip(origins, directions, strict=True)]
+    expected = [
+        brute_ranges(mesh, origin, direction)
+        for origin, direction in zip(origins, directions, strict=True)
+    ]
     np.testing.assert_allclose(Scene(mesh).cast(origins, directions), expected, rtol=1e-9)
 
 
@@ -85,8 +97,15 @@ def test_rays_meet_what_every_face_tried_in_turn_says(seed: int) -> None:
 def test_the_closest_point_is_that_of_every_face_tried_in_turn(seed: int) -> None:
     mesh, points = soup(seed), 2 * np.random.default_rng(seed + 1).normal(size=(12, 3))
     near = Scene(mesh).closest(points)
-    np.testing.assert_allclose(np.abs(near.distance), [brute_distance(mesh, point) for point in points], rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(np.linalg.norm(points - near.foot, axis=1), np.abs(near.distance), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(
+        np.abs(near.distance),
+        [brute_distance(mesh, point) for point in points],
+        rtol=1e-9,
+        atol=1e-9,
+    )
+    np.testing.assert_allclose(
+        np.linalg.norm(points - near.foot, axis=1), np.abs(near.distance), rtol=1e-9, atol=1e-9
+    )
     np.testing.assert_array_equal(near.normal, face_normals(mesh)[near.face])
 
 
@@ -104,7 +123,9 @@ def test_inside_a_sphere_is_negative_and_outside_positive(seed: int) -> None:
 def test_one_origin_serves_many_rays_and_no_ray_meets_nothing() -> None:
     scene, directions = Scene(sphere(2)), np.vstack([np.eye(3), -np.eye(3)])
     np.testing.assert_allclose(scene.cast(np.zeros(3), directions), 1.0)
-    np.testing.assert_array_equal(scene.cast(np.zeros(3), directions), scene.cast(np.zeros((6, 3)), directions))
+    np.testing.assert_array_equal(
+        scene.cast(np.zeros(3), directions), scene.cast(np.zeros((6, 3)), directions)
+    )
     assert scene.cast(np.zeros(3), np.zeros((0, 3))).shape == (0,)
 
 

@@ -14,7 +14,12 @@ from hypothesis import strategies as st
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.charts.address import address
-from hullrecon.geometry.charts.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
+from hullrecon.geometry.charts.chart import (
+    Chart,
+    chart_for_hull,
+    chart_for_points,
+    chart_from_arrays,
+)
 from hullrecon.geometry.charts.region import chart_limits
 from hullrecon.geometry.meshes.mesh import Mesh
 
@@ -29,9 +34,14 @@ def chart(steel: Mesh) -> Chart:
 
 
 def metric(chart: Chart, along_girth: np.ndarray, step_m: float) -> np.ndarray:
-    """Metres on the surface per metre of the chart, along and girth, at (n, 2): (n, 2), NaN where a neighbour is missing."""
+    """Metres on the surface per metre of the chart, along and girth, at (n, 2): (n, 2), NaN where a
+    neighbour is missing.
+    """
     half = 0.5 * step_m * np.eye(2)
-    gaps = [chart.from_chart(along_girth + axis)[0] - chart.from_chart(along_girth - axis)[0] for axis in half]
+    gaps = [
+        chart.from_chart(along_girth + axis)[0] - chart.from_chart(along_girth - axis)[0]
+        for axis in half
+    ]
     return np.stack([np.linalg.norm(gap, axis=1) / step_m for gap in gaps], axis=1)
 
 
@@ -60,7 +70,9 @@ def test_normals_point_outward_even_when_the_faces_do_not(steel: Mesh) -> None:
 
 def test_there_is_no_chart_above_the_sheer_nor_beyond_the_ends(chart: Chart) -> None:
     sheer = RADIUS * np.pi / 2
-    points, _ = chart.from_chart(np.array([[5.0, sheer + 0.3], [-1.0, 0.5], [21.0, 0.5], [5.0, sheer - 0.3]]))
+    points, _ = chart.from_chart(
+        np.array([[5.0, sheer + 0.3], [-1.0, 0.5], [21.0, 0.5], [5.0, sheer - 0.3]])
+    )
     assert np.isnan(points[:3]).all()
     assert np.isfinite(points[3]).all()
 
@@ -79,7 +91,9 @@ def test_from_chart_and_back(chart: Chart, along: float, girth: float) -> None:
 
 @QUICK
 @given(along=st.floats(0.3, 19.7), girth=st.floats(-4.4, 4.4), offset=st.floats(-0.5, 0.5))
-def test_a_point_off_the_hull_is_its_offset_from_its_foot(chart: Chart, along: float, girth: float, offset: float) -> None:
+def test_a_point_off_the_hull_is_its_offset_from_its_foot(
+    chart: Chart, along: float, girth: float, offset: float
+) -> None:
     point = on_barge(along, girth, offset)
     found = chart.to_chart(point[None])
     foot, _ = chart.from_chart(found[:, :2])
@@ -91,7 +105,9 @@ def test_arrays_give_the_same_chart_back(chart: Chart) -> None:
     at = np.array([[3.3, 1.1], [9.0, -2.2]])
     again = chart_from_arrays(arrays)
     assert np.array_equal(again.from_chart(at)[0], chart.from_chart(at)[0])
-    assert np.array_equal(again.to_chart(chart.from_chart(at)[0]), chart.to_chart(chart.from_chart(at)[0]))
+    assert np.array_equal(
+        again.to_chart(chart.from_chart(at)[0]), chart.to_chart(chart.from_chart(at)[0])
+    )
 
 
 def test_a_half_hull_has_girth_from_the_middle_plane(half_steel: Mesh) -> None:
@@ -101,7 +117,8 @@ def test_a_half_hull_has_girth_from_the_middle_plane(half_steel: Mesh) -> None:
 
 
 def test_a_cad_model_with_another_axis_up_has_the_same_girth(steel: Mesh) -> None:
-    turn = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])  # x fwd, y port, z up to z fwd, x port, y up
+    # x fwd, y port, z up to z fwd, x port, y up
+    turn = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])
     turned = chart_for_hull(Mesh(steel.vertices @ turn.T, steel.faces), up=(0.1, 0.9, 0.0))
     assert np.allclose(turned.to_chart((turn @ on_barge(5.0, 2.0))[None])[0], [5, 2, 0], atol=2e-3)
 
@@ -127,7 +144,9 @@ def test_the_metric_of_a_cylinder_is_one(chart: Chart) -> None:
 
 def test_the_metric_of_a_wedge_is_its_slope() -> None:
     x = np.array([0.0, 10.0])
-    corners = np.array([[u, y, z] for u in x for y, z in ((0, 0), (1, 0), (1 + u, 6.0), (-1 - u, 6.0), (-1, 0))])
+    corners = np.array(
+        [[u, y, z] for u in x for y, z in ((0, 0), (1, 0), (1 + u, 6.0), (-1 - u, 6.0), (-1, 0))]
+    )
     section = np.array([[1, 2], [4, 1], [3, 4]])
     faces = np.vstack([[[a, b, a + 5], [b, b + 5, a + 5]] for a, b in section])
     wedge = chart_for_hull(Mesh(corners, faces.astype(np.int32)))
@@ -137,9 +156,13 @@ def test_the_metric_of_a_wedge_is_its_slope() -> None:
 
 
 def test_addresses_are_words(chart: Chart) -> None:
-    points = np.stack([on_barge(5.22, 2.31), on_barge(5.22, -2.31), on_barge(3.0, 0.0), [50.0, 50.0, 90.0]])
+    points = np.stack(
+        [on_barge(5.22, 2.31), on_barge(5.22, -2.31), on_barge(3.0, 0.0), [50.0, 50.0, 90.0]]
+    )
     words = address(chart, points, frame_spacing_m=0.6, depths_m=[1.8, np.nan, -0.2, np.nan])
-    assert words[0] == "frame 8.7 (5.2 m from AP), port, 2.31 m girth from keel, 1.8 m below waterline"
+    assert (
+        words[0] == "frame 8.7 (5.2 m from AP), port, 2.31 m girth from keel, 1.8 m below waterline"
+    )
     assert words[1] == "frame 8.7 (5.2 m from AP), starboard, 2.31 m girth from keel"
     assert words[2] == "frame 5.0 (3.0 m from AP), keel, 0.2 m above waterline"
     assert address(chart, points[1])[0] == "5.2 m from AP, starboard, 2.31 m girth from keel"
@@ -150,12 +173,20 @@ def wall(normal: np.ndarray, seed: int = 1) -> np.ndarray:
     side = np.cross(normal, [0.3, 0.5, 0.8])
     side /= np.linalg.norm(side)
     spread = rng.uniform(-1, 1, (400, 2)) * [6, 2]
-    return 2.0 * normal + spread[:, :1] * side + spread[:, 1:] * np.cross(normal, side) + rng.normal(0, 0.01, (400, 1)) * normal
+    return (
+        2.0 * normal
+        + spread[:, :1] * side
+        + spread[:, 1:] * np.cross(normal, side)
+        + rng.normal(0, 0.01, (400, 1)) * normal
+    )
 
 
 def test_a_plane_looks_toward_the_sensors() -> None:
     normal = np.array([0.0, 1.0, 0.0])
-    for sensors, offset in ((np.array([0.0, 0, 0]), 2.0), (np.array([[0.0, 5, 0], [0, 7, 0]]), -2.0)):
+    for sensors, offset in (
+        (np.array([0.0, 0, 0]), 2.0),
+        (np.array([[0.0, 5, 0], [0, 7, 0]]), -2.0),
+    ):
         chart = chart_for_points(wall(normal), sensors)
         assert chart.to_chart(np.zeros((1, 3)))[0, 2] == pytest.approx(offset, abs=0.01)
 
@@ -164,7 +195,9 @@ def test_girth_of_a_standing_plane_grows_upward_and_the_view_is_not_mirrored() -
     chart = chart_for_points(wall(np.array([0.0, 1.0, 0.0])), np.zeros(3))
     deep, shallow = chart.to_chart(np.array([[0.0, 2, 5], [0, 2, 3]]))  # z is down in g
     assert shallow[1] - deep[1] == pytest.approx(2.0, abs=0.02)
-    origin, along, girth = (chart.from_chart(np.array([at]))[0][0] for at in ([0.0, 0], [1.0, 0], [0.0, 1]))
+    origin, along, girth = (
+        chart.from_chart(np.array([at]))[0][0] for at in ([0.0, 0], [1.0, 0], [0.0, 1])
+    )
     _, normals = chart.from_chart(np.zeros((1, 2)))
     assert np.allclose(np.cross(along - origin, girth - origin), -normals[0])
 
@@ -178,12 +211,18 @@ def test_a_level_plane_lies_along_the_longest_spread() -> None:
 
 def test_stray_returns_do_not_tilt_the_plane() -> None:
     points = np.vstack([wall(np.array([0.0, 1.0, 0.0])), np.tile([3.0, 30.0, 1.0], (20, 1))])
-    assert np.allclose(chart_for_points(points, np.zeros(3)).from_chart(np.zeros((1, 2)))[1], [[0, -1, 0]], atol=0.01)
+    assert np.allclose(
+        chart_for_points(points, np.zeros(3)).from_chart(np.zeros((1, 2)))[1],
+        [[0, -1, 0]],
+        atol=0.01,
+    )
 
 
 def test_a_plane_survives_its_arrays() -> None:
     chart = chart_for_points(wall(np.array([0.6, 0.8, 0.0])), np.zeros(3))
-    again = chart_from_arrays({name: np.asarray(value) for name, value in chart.to_arrays().items()})
+    again = chart_from_arrays(
+        {name: np.asarray(value) for name, value in chart.to_arrays().items()}
+    )
     points = np.array([[1.0, 2.0, 3.0]])
     assert np.array_equal(again.to_chart(points), chart.to_chart(points))
     assert address(again, points)[0].endswith("m across")
@@ -216,7 +255,9 @@ def test_real_hulls_are_charted_without_garbage(data: Path, name: str) -> None:
     chart = chart_for_hull(Mesh(np.asarray(hull.vertices, float), np.asarray(hull.faces, np.int32)))
     points, face = trimesh.sample.sample_surface(hull, 5000, seed=1)
     steel = hull.face_normals[face]
-    shell = (np.abs(steel[:, 0]) < 0.9) & ((np.abs(steel[:, 2]) < 0.7) | (points[:, 2] < hull.vertices[:, 2].mean()))
+    shell = (np.abs(steel[:, 0]) < 0.9) & (
+        (np.abs(steel[:, 2]) < 0.7) | (points[:, 2] < hull.vertices[:, 2].mean())
+    )
     at = chart.to_chart(points)
     charted = np.isfinite(at[:, 1])
     assert charted[shell].mean() > 0.97  # the shell without transoms and decks
@@ -242,16 +283,20 @@ def test_a_model_whose_bow_points_to_the_negative_axis_has_the_same_addresses(st
 @pytest.mark.parametrize(("bow", "sign"), [("+x", 1.0), ("-x", -1.0)])
 def test_stations_count_from_the_aft_perpendicular(steel: Mesh, bow: str, sign: float) -> None:
     turn = np.diag([sign, sign, 1.0])
-    amidships = Mesh((steel.vertices - [10.0, 0, 0]) @ turn, steel.faces)  # a file whose zero lies 10 m ahead of it
+    # a file whose zero lies 10 m ahead of it
+    amidships = Mesh((steel.vertices - [10.0, 0, 0]) @ turn, steel.faces)
     chart = chart_for_hull(amidships, bow=bow, aft_perpendicular_m=-10.0 * sign)
     points = np.array([[5.0, 3.0, 2.7], [7.0, -3.0, 2.5]])
     at, plain = (points - [10.0, 0, 0]) @ turn, chart_for_hull(steel)
     found = chart.to_chart(at)
     np.testing.assert_allclose(found, plain.to_chart(points), atol=1e-9)
     on_skin = plain.from_chart(found[:, :2])[0]
-    np.testing.assert_allclose(chart.from_chart(found[:, :2])[0], (on_skin - [10.0, 0, 0]) @ turn, atol=1e-9)
+    np.testing.assert_allclose(
+        chart.from_chart(found[:, :2])[0], (on_skin - [10.0, 0, 0]) @ turn, atol=1e-9
+    )
     assert address(chart, at, 0.6) == address(plain, points, 0.6)
     again = chart_from_arrays(chart.to_arrays())
     np.testing.assert_array_equal(again.to_chart(at), found)
     np.testing.assert_allclose(chart_limits(chart, amidships), chart_limits(plain, steel), atol=0.1)
-    assert "aft_perpendicular" not in plain.to_arrays()  # artifacts made before are read as they were
+    # artifacts made before are read as they were
+    assert "aft_perpendicular" not in plain.to_arrays()

@@ -9,7 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hullrecon.geometry.charts.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
+from hullrecon.geometry.charts.chart import (
+    Chart,
+    chart_for_hull,
+    chart_for_points,
+    chart_from_arrays,
+)
 from hullrecon.geometry.charts.viewing_side import flips
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
@@ -28,16 +33,23 @@ def plane(seed: int) -> Chart:
     """A chart of points scattered about a plane that lies anyhow in g, seen from the origin."""
     rng = np.random.default_rng(seed)
     flat = rng.normal(size=(60, 3)) * [5.0, 2.0, 0.01] + [0.0, 0.0, 4.0]
-    return chart_for_points(exp(np.r_[np.zeros(3), rng.normal(size=3)][None]).apply(flat), np.zeros(3))
+    return chart_for_points(
+        exp(np.r_[np.zeros(3), rng.normal(size=3)][None]).apply(flat), np.zeros(3)
+    )
 
 
 def on_hull(seed: int, n: int = 20) -> np.ndarray:
     return np.random.default_rng(seed).uniform([0.3, -4.4], [19.7, 4.4], (n, 2))
 
 
-def directions(chart: Chart, at: np.ndarray, step_m: float = 0.05) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def directions(
+    chart: Chart, at: np.ndarray, step_m: float = 0.05
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Along, girth (n, 3) by differences, and the normal."""
-    along, girth = (chart.from_chart(at + step)[0] - chart.from_chart(at - step)[0] for step in 0.5 * step_m * np.eye(2))
+    along, girth = (
+        chart.from_chart(at + step)[0] - chart.from_chart(at - step)[0]
+        for step in 0.5 * step_m * np.eye(2)
+    )
     return along / step_m, girth / step_m, chart.from_chart(at)[1]
 
 
@@ -54,7 +66,10 @@ def test_the_points_of_a_hulls_chart_lie_on_the_hull(chart: Chart, steel: Mesh, 
 @QUICK
 @given(SEEDS)
 def test_every_chart_is_left_handed_about_the_outward_normal(chart: Chart, seed: int) -> None:
-    for made, at in ((chart, on_hull(seed)), (plane(seed), np.random.default_rng(seed).normal(size=(5, 2)))):
+    for made, at in (
+        (chart, on_hull(seed)),
+        (plane(seed), np.random.default_rng(seed).normal(size=(5, 2))),
+    ):
         along, girth, normal = directions(made, at)
         assert (np.einsum("ni,ni->n", np.cross(along, girth), normal) < -0.9).all()
 
@@ -65,7 +80,9 @@ def test_along_the_normal_only_the_offset_grows(chart: Chart, seed: int, offset:
     at = np.random.default_rng(seed).normal(size=(7, 2))
     flat = plane(seed)
     points, normals = flat.from_chart(at)
-    np.testing.assert_allclose(flat.to_chart(points + offset * normals), np.c_[at, np.full(7, offset)], atol=1e-9)
+    np.testing.assert_allclose(
+        flat.to_chart(points + offset * normals), np.c_[at, np.full(7, offset)], atol=1e-9
+    )
     points, normals = chart.from_chart(on_hull(seed))
     np.testing.assert_allclose(chart.to_chart(points + offset * normals)[:, 2], offset, atol=1e-3)
 
@@ -97,7 +114,9 @@ def test_unknown_places_on_a_plane_have_no_normal() -> None:
 
 
 @pytest.mark.parametrize(("side", "expected"), [(1.0, (True, False)), (-1.0, (False, True))])
-def test_a_real_hull_is_turned_as_its_side_asks(chart: Chart, side: float, expected: tuple[bool, bool]) -> None:
+def test_a_real_hull_is_turned_as_its_side_asks(
+    chart: Chart, side: float, expected: tuple[bool, bool]
+) -> None:
     at = np.random.default_rng(2).uniform([1.0, 0.5], [19.0, 4.2], (50, 2)) * [1.0, side]
     assert flips(chart, at) == expected
 

@@ -19,11 +19,14 @@ from hullrecon.geometry.geodesy import earth_fixed, north_east
     ],
 )
 def test_points_of_the_ellipsoid_lie_where_wgs_84_has_them(latitude, longitude, expected):
-    np.testing.assert_allclose(earth_fixed(np.array([latitude]), np.array([longitude]))[0], expected, atol=1e-5)
+    np.testing.assert_allclose(
+        earth_fixed(np.array([latitude]), np.array([longitude]))[0], expected, atol=1e-5
+    )
 
 
 @pytest.mark.parametrize(
-    ("latitude", "metres"),  # a degree of latitude and of longitude [NIMA TR8350.2; the usual table of WGS 84]
+    # a degree of latitude and of longitude [NIMA TR8350.2; the usual table of WGS 84]
+    ("latitude", "metres"),
     [(0.0, (110574.3, 111319.5)), (45.0, (111131.8, 78846.8)), (60.0, (111412.2, 55800.0))],
 )
 def test_a_thousandth_of_a_degree_is_as_long_as_tables_say(latitude, metres):

@@ -62,13 +62,16 @@ def test_shared_edges_are_those_that_a_plain_count_finds(seed: int) -> None:
     expected = {(edge, *faces_of) for edge, faces_of in owners.items() if len(faces_of) == 2}
     shared = find_shared_edges(faces)
     found = {
-        ((int(v[0]), int(v[1])), int(a), int(b)) for v, a, b in zip(shared.vertices, shared.first, shared.second, strict=True)
+        ((int(v[0]), int(v[1])), int(a), int(b))
+        for v, a, b in zip(shared.vertices, shared.first, shared.second, strict=True)
     }
     assert found == expected
 
 
 def test_corners_at_equal_places_are_welded_and_faces_keep_their_order() -> None:
-    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 1e-9], [0, 1, 0], [1, 1, 0]], float)
+    vertices = np.array(
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 1e-9], [0, 1, 0], [1, 1, 0]], float
+    )
     welded = weld_vertices(Mesh(vertices, np.array([[0, 1, 2], [3, 5, 4]], np.int32)))
     assert len(welded.vertices) == 4
     assert np.allclose(welded.vertices[welded.faces], vertices[[[0, 1, 2], [3, 5, 4]]], atol=1e-8)
@@ -94,12 +97,17 @@ def test_edges_do_not_depend_on_the_order_of_the_faces(seed: int) -> None:
     np.testing.assert_array_equal(mixed.face_count, plain.face_count)
     np.testing.assert_array_equal(mixed.of_face, plain.of_face[order])
     np.testing.assert_array_equal(mixed.forward, plain.forward[order])
-    np.testing.assert_array_equal(np.where(plain.forward, *plain.vertices[plain.of_face].transpose(2, 0, 1)), faces)
+    np.testing.assert_array_equal(
+        np.where(plain.forward, *plain.vertices[plain.of_face].transpose(2, 0, 1)), faces
+    )
 
 
 def test_welding_undoes_taking_a_mesh_apart() -> None:
     ball = sphere(2)
-    apart = Mesh(ball.vertices[ball.faces].reshape(-1, 3), np.arange(3 * len(ball.faces), dtype=np.int32).reshape(-1, 3))
+    apart = Mesh(
+        ball.vertices[ball.faces].reshape(-1, 3),
+        np.arange(3 * len(ball.faces), dtype=np.int32).reshape(-1, 3),
+    )
     assert len(find_shared_edges(apart.faces).first) == 0
     welded = weld_vertices(apart)
     assert len(welded.vertices) == len(ball.vertices)
@@ -108,6 +116,9 @@ def test_welding_undoes_taking_a_mesh_apart() -> None:
 
 
 def test_a_wider_tolerance_welds_what_a_narrow_one_leaves_apart() -> None:
-    near = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 0.002]]), np.array([[0, 1, 2], [0, 3, 1]], np.int32))
+    near = Mesh(
+        np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 0.002]]),
+        np.array([[0, 1, 2], [0, 3, 1]], np.int32),
+    )
     assert len(weld_vertices(near).vertices) == 4
     assert len(weld_vertices(near, tolerance_m=0.01).vertices) == 3

@@ -8,11 +8,20 @@ from geometry.spheres import sphere
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.geometry.meshes.mesh import Mesh, face_areas, face_normals, vertex_areas, vertex_normals
+from hullrecon.geometry.meshes.mesh import (
+    Mesh,
+    face_areas,
+    face_normals,
+    vertex_areas,
+    vertex_normals,
+)
 from hullrecon.geometry.meshes.units import METRES_PER_UNIT, UNIT_NAMES
 from hullrecon.geometry.poses import exp
 
-FLOOR = Mesh(np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+FLOOR = Mesh(
+    np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]),
+    np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+)
 ROOF = Mesh(
     np.array([[0.0, 0, 0], [1, 0, 1], [2, 0, 0], [0, 1, 0], [1, 1, 1], [2, 1, 0]]),
     np.array([[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]], np.int32),
@@ -26,7 +35,10 @@ def test_areas_add_up() -> None:
 
 
 def test_a_vertex_inside_has_a_third_of_all_faces_around_it() -> None:
-    tent = Mesh(np.vstack([FLOOR.vertices, [[4.0, 4, 0]]]), np.array([[k, (k + 1) % 4, 4] for k in range(4)], np.int32))
+    tent = Mesh(
+        np.vstack([FLOOR.vertices, [[4.0, 4, 0]]]),
+        np.array([[k, (k + 1) % 4, 4] for k in range(4)], np.int32),
+    )
     assert vertex_areas(tent)[4] == pytest.approx(64 / 3)
 
 
@@ -45,21 +57,30 @@ def test_normals_at_a_ridge_point_up_between_its_sides() -> None:
 @pytest.mark.parametrize("radius", [0.5, 3.0])
 def test_a_sphere_of_triangles_has_nearly_its_area_and_its_normals(radius: float) -> None:
     ball = sphere(4, radius)
-    assert face_areas(ball).sum() == pytest.approx(4 * np.pi * radius**2, rel=4e-3)  # 2048 flat faces
+    # 2048 flat faces
+    assert face_areas(ball).sum() == pytest.approx(4 * np.pi * radius**2, rel=4e-3)
     assert vertex_areas(ball).sum() == pytest.approx(face_areas(ball).sum())
-    np.testing.assert_allclose(vertex_normals(ball), ball.vertices / radius, atol=0.01)  # a tenth of the turn from face to face
+    # a tenth of the turn from face to face
+    np.testing.assert_allclose(vertex_normals(ball), ball.vertices / radius, atol=0.01)
     middle = ball.vertices[ball.faces].mean(axis=1)
-    np.testing.assert_allclose(face_normals(ball), middle / np.linalg.norm(middle, axis=1, keepdims=True), atol=0.02)
+    np.testing.assert_allclose(
+        face_normals(ball), middle / np.linalg.norm(middle, axis=1, keepdims=True), atol=0.02
+    )
 
 
 @given(st.integers(0, 10**6))
 def test_normals_turn_with_the_mesh_and_areas_stay(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    plain = Mesh(rng.normal(size=(8, 3)), np.array([rng.choice(8, 3, replace=False) for _ in range(6)], np.int32))
+    plain = Mesh(
+        rng.normal(size=(8, 3)),
+        np.array([rng.choice(8, 3, replace=False) for _ in range(6)], np.int32),
+    )
     motion = exp(rng.normal(size=(1, 6)))
     moved = Mesh(motion.apply(plain.vertices), plain.faces)
     np.testing.assert_allclose(face_areas(moved), face_areas(plain), atol=1e-9)
-    np.testing.assert_allclose(face_normals(moved), motion.rotation.apply(face_normals(plain)), atol=1e-9)
+    np.testing.assert_allclose(
+        face_normals(moved), motion.rotation.apply(face_normals(plain)), atol=1e-9
+    )
     np.testing.assert_allclose(vertex_areas(moved), vertex_areas(plain), atol=1e-9)
 
 

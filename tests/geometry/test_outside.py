@@ -25,7 +25,9 @@ class Tube:
 
 
 @pytest.mark.parametrize(("girth", "want"), [(3.0, (True, False)), (-3.0, (False, True))])
-def test_port_is_mirrored_along_and_starboard_in_girth(girth: float, want: tuple[bool, bool]) -> None:
+def test_port_is_mirrored_along_and_starboard_in_girth(
+    girth: float, want: tuple[bool, bool]
+) -> None:
     at = np.array([[1.0, girth], [2.0, girth + 0.1], [np.nan, 0.0]])
     assert flips(Tube(), at) == want  # type: ignore[arg-type]
 
@@ -35,8 +37,11 @@ def test_a_chart_seen_from_outside_and_upright_is_left_as_it_is() -> None:
         ship_axes = np.diag([1.0, -1.0, -1.0])
 
         def from_chart(self, at: Array) -> tuple[Array, Array]:
-            # along x, girth up (-z of g), outward towards the viewer at -y: x cross -z is +y, hence along runs against x
-            return np.stack([-at[:, 0], 0 * at[:, 0], -at[:, 1]], axis=1), np.tile([0.0, -1.0, 0.0], (len(at), 1))
+            # along x, girth up (-z of g), outward towards the viewer at -y: x cross -z is +y, hence
+            # along runs against x
+            return np.stack([-at[:, 0], 0 * at[:, 0], -at[:, 1]], axis=1), np.tile(
+                [0.0, -1.0, 0.0], (len(at), 1)
+            )
 
     assert flips(Wall(), np.array([[0.0, -1.0], [1.0, -2.0]])) == (False, False)  # type: ignore[arg-type]
 

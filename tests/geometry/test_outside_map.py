@@ -15,7 +15,9 @@ from hullrecon.geometry.meshes.mesh import Mesh
 
 
 @pytest.mark.parametrize(("y", "signs"), [(3.0, (-1, 1)), (-3.0, (1, -1))])
-def test_x_y_and_outward_are_right_handed_and_y_is_up(steel: Mesh, y: float, signs: tuple[int, int]) -> None:
+def test_x_y_and_outward_are_right_handed_and_y_is_up(
+    steel: Mesh, y: float, signs: tuple[int, int]
+) -> None:
     chart = chart_for_hull(steel)
     points = np.array([[5.0, y, 2.7], [6.0, y, 2.5]])
     seen = outside_map(chart, points, "M")
@@ -69,6 +71,9 @@ def test_the_map_stands_upright_whichever_axis_of_the_model_is_up(
     points = np.array([[5.0, 3.0, 2.7], [6.0, 3.0, 2.5]])
     to_file = np.array(turn, float)
     chart = chart_for_hull(Mesh(steel.vertices @ to_file.T, steel.faces), up)
-    turned, plain = outside_map(chart, points @ to_file.T, "M"), outside_map(chart_for_hull(steel), points, "M")
+    turned, plain = (
+        outside_map(chart, points @ to_file.T, "M"),
+        outside_map(chart_for_hull(steel), points, "M"),
+    )
     assert (turned.x_sign, turned.y_sign) == (plain.x_sign, plain.y_sign)
     np.testing.assert_array_equal(chart.ship_axes @ to_file, np.eye(3))

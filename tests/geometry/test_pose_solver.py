@@ -24,11 +24,13 @@ def point_to_point(target: Array) -> object:
     def linearise(pose: Poses) -> LinearisedCost:
         residual = (pose.apply(SOURCE) - target).ravel()
         rotation = pose.rotation.as_matrix()[0]
-        jacobian = np.concatenate([np.tile(np.eye(3), (len(SOURCE), 1, 1)), -rotation @ cross_matrix(SOURCE)], axis=2).reshape(
-            -1, 6
-        )
+        jacobian = np.concatenate(
+            [np.tile(np.eye(3), (len(SOURCE), 1, 1)), -rotation @ cross_matrix(SOURCE)], axis=2
+        ).reshape(-1, 6)
         return LinearisedCost(
-            cost=0.5 * float(residual @ residual), gradient=jacobian.T @ residual, information=jacobian.T @ jacobian
+            cost=0.5 * float(residual @ residual),
+            gradient=jacobian.T @ residual,
+            information=jacobian.T @ jacobian,
         )
 
     return linearise
@@ -36,7 +38,9 @@ def point_to_point(target: Array) -> object:
 
 def test_the_pose_of_least_cost_is_that_of_the_closed_form() -> None:
     target = TRUTH.apply(SOURCE) + np.random.default_rng(1).normal(scale=0.05, size=SOURCE.shape)
-    found = minimise_over_pose(identity(), point_to_point(target), moved, max_iterations=50, min_relative_decrease=1e-14)
+    found = minimise_over_pose(
+        identity(), point_to_point(target), moved, max_iterations=50, min_relative_decrease=1e-14
+    )
     np.testing.assert_allclose(found.pose.matrix(), fit_rigid(SOURCE, target).matrix(), atol=1e-6)
     assert np.abs(found.at_minimum.gradient).max() < 1e-5
 
@@ -60,7 +64,9 @@ def test_a_cost_that_cannot_fall_ends_where_it_began() -> None:
 
     def rising(pose: Poses) -> LinearisedCost:
         at_start = np.allclose(pose.matrix(), start.matrix(), atol=0)
-        return LinearisedCost(cost=1.0 if at_start else 2.0, gradient=np.ones(6), information=np.eye(6))
+        return LinearisedCost(
+            cost=1.0 if at_start else 2.0, gradient=np.ones(6), information=np.eye(6)
+        )
 
     found = minimise_over_pose(start, rising, moved, max_iterations=100)
     assert np.array_equal(found.pose.matrix(), start.matrix())

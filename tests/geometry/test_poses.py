@@ -15,7 +15,8 @@ QUICK = settings(max_examples=60, deadline=None, derandomize=True)
 
 numbers = st.floats(-10, 10, allow_nan=False)
 vectors = st.lists(numbers, min_size=3, max_size=3)
-turns = st.lists(st.floats(-1.7, 1.7, allow_nan=False), min_size=3, max_size=3)  # within half a turn
+# within half a turn
+turns = st.lists(st.floats(-1.7, 1.7, allow_nan=False), min_size=3, max_size=3)
 
 
 def assert_same(a: Poses, b: Poses) -> None:
@@ -48,7 +49,9 @@ def test_log_and_exp_undo_each_other(shift: list[float], turn: list[float]) -> N
 
 @QUICK
 @given(vectors, turns, vectors)
-def test_a_pose_and_its_inverse_leave_points_where_they_are(shift: list[float], turn: list[float], point: list[float]) -> None:
+def test_a_pose_and_its_inverse_leave_points_where_they_are(
+    shift: list[float], turn: list[float], point: list[float]
+) -> None:
     pose = poses.exp([[*shift, *turn]])
     assert np.allclose(pose.inverse().apply(pose.apply([point])), [point], atol=1e-9)
     assert_same(pose @ pose.inverse(), poses.identity())
@@ -56,7 +59,9 @@ def test_a_pose_and_its_inverse_leave_points_where_they_are(shift: list[float], 
 
 @QUICK
 @given(st.tuples(vectors, turns), st.tuples(vectors, turns), vectors)
-def test_composition_is_one_after_the_other(first: tuple, second: tuple, point: list[float]) -> None:
+def test_composition_is_one_after_the_other(
+    first: tuple, second: tuple, point: list[float]
+) -> None:
     a, b = (poses.exp([[*shift, *turn]]) for shift, turn in (first, second))
     assert np.allclose((a @ b).apply([point]), a.apply(b.apply([point])), atol=1e-9)
     assert_same(poses.from_matrix(a.matrix() @ b.matrix()), a @ b)
@@ -84,7 +89,9 @@ def test_interpolation_goes_half_way_and_holds_the_ends() -> None:
 
 def test_a_single_pose_is_held_everywhere() -> None:
     only = poses.from_mount([1, 2, 3, 0, 0, 0])
-    assert np.allclose(poses.interpolate(np.array([5]), only, np.array([1, 9])).translation, [[1, 2, 3], [1, 2, 3]])
+    assert np.allclose(
+        poses.interpolate(np.array([5]), only, np.array([1, 9])).translation, [[1, 2, 3], [1, 2, 3]]
+    )
 
 
 def test_an_empty_batch_composes_to_an_empty_one() -> None:
@@ -98,7 +105,9 @@ def test_composition_is_the_product_of_matrices(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b = (poses.exp(rng.normal(0, 1, (5, 6))) for _ in range(2))
     np.testing.assert_allclose((a @ b).matrix(), a.matrix() @ b.matrix(), atol=1e-12)
-    np.testing.assert_allclose((a @ a.inverse()).matrix(), np.tile(np.eye(4), (5, 1, 1)), atol=1e-12)
+    np.testing.assert_allclose(
+        (a @ a.inverse()).matrix(), np.tile(np.eye(4), (5, 1, 1)), atol=1e-12
+    )
 
 
 def test_a_pose_of_one_broadcasts_on_either_side() -> None:
@@ -111,7 +120,9 @@ def test_a_pose_of_one_broadcasts_on_either_side() -> None:
 def test_rows_are_taken_by_number_mask_and_slice() -> None:
     many = poses.exp(np.random.default_rng(9).normal(0, 1, (4, 6)))
     assert len(many[2]) == 1
-    np.testing.assert_array_equal(many[np.array([True, False, True, False])].translation, many.translation[[0, 2]])
+    np.testing.assert_array_equal(
+        many[np.array([True, False, True, False])].translation, many.translation[[0, 2]]
+    )
     np.testing.assert_array_equal(many[1:].quaternion, many.quaternion[1:])
 
 
@@ -134,7 +145,9 @@ def test_six_numbers_of_a_mount_are_metres_and_degrees() -> None:
 
 def test_a_tray_turns_about_y_through_its_origin() -> None:
     found = poses.tray_poses([0.5, 0.0, 0.1], [0.0, np.pi / 2])
-    np.testing.assert_allclose(found.apply(np.tile([1.0, 0, 0], (2, 1))), [[1.5, 0, 0.1], [0.5, 0, -0.9]], atol=1e-12)
+    np.testing.assert_allclose(
+        found.apply(np.tile([1.0, 0, 0], (2, 1))), [[1.5, 0, 0.1], [0.5, 0, -0.9]], atol=1e-12
+    )
 
 
 def test_interpolation_of_one_pose_holds_it() -> None:

@@ -17,7 +17,10 @@ from hullrecon.geometry.meshes.topology import find_edges, find_shared_edges
 
 QUICK = settings(max_examples=30, deadline=None, derandomize=True)
 
-SQUARE = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+SQUARE = Mesh(
+    np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]),
+    np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+)
 
 
 def _lengths(mesh: Mesh) -> np.ndarray:
@@ -44,7 +47,11 @@ def test_every_new_face_keeps_its_orientation_and_no_triangle_degenerates() -> N
 
 def test_a_partly_refined_mesh_has_no_cracks() -> None:
     fine, _ = refine(SQUARE, lambda middle: np.where(middle[:, 0] < 0.3, 0.05, np.inf))
-    sides = Counter(tuple(sorted(pair)) for f in fine.faces.tolist() for pair in ((f[0], f[1]), (f[1], f[2]), (f[2], f[0])))
+    sides = Counter(
+        tuple(sorted(pair))
+        for f in fine.faces.tolist()
+        for pair in ((f[0], f[1]), (f[1], f[2]), (f[2], f[0]))
+    )
     alone = np.array([pair for pair, n in sides.items() if n == 1])
     middle = fine.vertices[alone].mean(axis=1)
     on_rim = (np.abs(middle[:, :2] - 0.5).max(axis=1)) > 0.5 - 1e-12
@@ -77,7 +84,9 @@ def test_a_closed_mesh_stays_closed_wherever_it_is_refined(longest: float, seed:
     ball, center = sphere(1), np.random.default_rng(seed).normal(size=3)
     center /= np.linalg.norm(center)
     fine, values = refine(
-        ball, lambda at: np.where(np.linalg.norm(at - center, axis=1) < 0.6, longest, np.inf), ball.vertices @ np.eye(3)[:, :2]
+        ball,
+        lambda at: np.where(np.linalg.norm(at - center, axis=1) < 0.6, longest, np.inf),
+        ball.vertices @ np.eye(3)[:, :2],
     )
     edges = find_edges(fine.faces)
     assert (edges.face_count == 2).all()
@@ -124,7 +133,9 @@ def test_a_mesh_that_is_fine_enough_comes_back_as_it_is() -> None:
 
 
 def test_a_narrow_face_is_cut_across_and_not_into_as_many_narrow_ones() -> None:
-    needle = Mesh(np.array([[0.0, 0, 0], [10, 0, 0], [10, 0.1, 0]]), np.array([[0, 1, 2]], np.int32))
+    needle = Mesh(
+        np.array([[0.0, 0, 0], [10, 0, 0], [10, 0.1, 0]]), np.array([[0, 1, 2]], np.int32)
+    )
     fine, _ = refine(needle, 0.1)
     assert _lengths(fine).max() <= 0.1
     assert (_area(fine) > 0).all()
@@ -140,10 +151,14 @@ def test_the_parts_of_an_old_face_are_delaunay(seed: int, longest: float) -> Non
     corners = np.random.default_rng(seed).normal(size=(3, 2))
     if np.linalg.det(corners[1:] - corners[0]) < 0:
         corners = corners[::-1]
-    fine, _ = refine(Mesh(np.hstack([corners, np.zeros((3, 1))]), np.array([[0, 1, 2]], np.int32)), longest)
+    fine, _ = refine(
+        Mesh(np.hstack([corners, np.zeros((3, 1))]), np.array([[0, 1, 2]], np.int32)), longest
+    )
     at = fine.vertices[:, :2]
     for a, b, c in fine.faces:
         (ux, uy), (vx, vy) = at[b] - at[a], at[c] - at[a]
-        middle = np.linalg.solve([[ux, uy], [vx, vy]], 0.5 * np.array([ux**2 + uy**2, vx**2 + vy**2]))
+        middle = np.linalg.solve(
+            [[ux, uy], [vx, vy]], 0.5 * np.array([ux**2 + uy**2, vx**2 + vy**2])
+        )
         radius = np.linalg.norm(middle)
         assert (np.linalg.norm(at - at[a] - middle, axis=1) >= radius * (1 - 1e-6)).all()

@@ -51,18 +51,28 @@ def test_the_scale_of_a_similarity_is_found_after_its_rigid_part() -> None:
 @given(st.integers(0, 10**6))
 def test_a_fit_moves_with_its_target_and_against_its_source(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    source, target, motion = rng.normal(size=(6, 3)), rng.normal(size=(6, 3)), exp(rng.normal(size=(1, 6)))
+    source, target, motion = (
+        rng.normal(size=(6, 3)),
+        rng.normal(size=(6, 3)),
+        exp(rng.normal(size=(1, 6))),
+    )
     plain = fit_rigid(source, target).matrix()[0]
-    np.testing.assert_allclose(fit_rigid(source, motion.apply(target)).matrix()[0], motion.matrix()[0] @ plain, atol=1e-6)
+    np.testing.assert_allclose(
+        fit_rigid(source, motion.apply(target)).matrix()[0], motion.matrix()[0] @ plain, atol=1e-6
+    )
     against = plain @ motion.inverse().matrix()[0]
-    np.testing.assert_allclose(fit_rigid(motion.apply(source), target).matrix()[0], against, atol=1e-6)
+    np.testing.assert_allclose(
+        fit_rigid(motion.apply(source), target).matrix()[0], against, atol=1e-6
+    )
 
 
 @given(st.integers(0, 10**6))
 def test_three_points_in_a_plane_are_enough(seed: int) -> None:
     rng = np.random.default_rng(seed)
     points, motion = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]), exp(rng.normal(size=(1, 6)))
-    np.testing.assert_allclose(fit_rigid(points, motion.apply(points)).matrix(), motion.matrix(), atol=1e-9)
+    np.testing.assert_allclose(
+        fit_rigid(points, motion.apply(points)).matrix(), motion.matrix(), atol=1e-9
+    )
 
 
 @given(st.integers(0, 10**6), st.floats(0.5, 2.0))
@@ -74,5 +84,7 @@ def test_any_scale_is_found_and_no_other_leaves_less(seed: int, scale: float) ->
     found = fit_scale(points, target, motion)
     assert found == pytest.approx(scale, abs=0.05)
     turned, wanted = motion.rotation.apply(points - middle), target - target.mean(axis=0)
-    left = [np.sum((factor * turned - wanted) ** 2) for factor in (found, found - 1e-3, found + 1e-3)]
+    left = [
+        np.sum((factor * turned - wanted) ** 2) for factor in (found, found - 1e-3, found + 1e-3)
+    ]
     assert left[0] == min(left)

@@ -34,14 +34,18 @@ VALUES = st.lists(st.integers(-(10**6), 10**6), min_size=1, max_size=40)
 
 
 @given(VALUES, st.integers(-1000, 1000), st.integers(1, 50))
-def test_it_scales_with_the_values_and_does_not_see_their_level(values: list[int], shift: int, factor: int) -> None:
+def test_it_scales_with_the_values_and_does_not_see_their_level(
+    values: list[int], shift: int, factor: int
+) -> None:
     plain = robust_sigma(np.array(values, float))
     assert robust_sigma(factor * np.array(values, float) + shift) == pytest.approx(factor * plain)
     assert robust_sigma(-np.array(values, float)) == pytest.approx(plain)
 
 
 @given(st.integers(0, 10**6), st.integers(0, 24), st.floats(1e3, 1e12))
-def test_nearly_half_of_the_values_may_be_as_wild_as_they_like(seed: int, wild: int, size: float) -> None:
+def test_nearly_half_of_the_values_may_be_as_wild_as_they_like(
+    seed: int, wild: int, size: float
+) -> None:
     values = np.random.default_rng(seed).uniform(-1, 1, 50)
     values[:wild] = size
     assert robust_sigma(values) <= 2 * 1.4826  # two tame values are never farther apart

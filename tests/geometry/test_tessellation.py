@@ -12,7 +12,9 @@ RADIUS_M = 5.0
 
 
 def cylinder(sides: int, length_m: float = 2.0, radius_m: float = RADIUS_M) -> Mesh:
-    """A cylinder about x as a strip of quads of `sides` facets, each of two triangles, every quad with corners of its own."""
+    """A cylinder about x as a strip of quads of `sides` facets, each of two triangles, every quad
+    with corners of its own.
+    """
     angle = 2 * np.pi * np.arange(sides + 1) / sides
     ring = radius_m * np.stack([np.zeros_like(angle), np.cos(angle), np.sin(angle)], axis=1)
     vertices, faces = [], []
@@ -42,7 +44,9 @@ def test_edges_drawn_on_purpose_do_not_count() -> None:
 def test_a_turn_of_35_degrees_is_a_curve_for_every_user_alike() -> None:
     coarse = cylinder(10)  # turns of 36 degrees
     assert facet_sagitta(coarse).min() > 0
-    assert tessellation_error(coarse, coarse.vertices).sigma_m == pytest.approx(facet_sagitta(coarse).mean(), rel=1e-6)
+    assert tessellation_error(coarse, coarse.vertices).sigma_m == pytest.approx(
+        facet_sagitta(coarse).mean(), rel=1e-6
+    )
 
 
 def test_faces_out_of_reach_say_nothing() -> None:
@@ -55,6 +59,9 @@ def test_faces_out_of_reach_say_nothing() -> None:
 
 
 def test_a_flat_plate_has_no_error() -> None:
-    plate = Mesh(np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    plate = Mesh(
+        np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]),
+        np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+    )
     assert np.allclose(facet_sagitta(plate), 0)
     assert tessellation_error(plate, plate.vertices).sigma_m == 0

@@ -12,7 +12,8 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.undistortion import undistortion
 
 BARREL = CameraModel(640, 512, 600.0, 610.0, 331.0, 250.0, -0.21, 0.07, 0.001, -0.0008, -0.01)
-PINCUSHION = CameraModel(640, 512, 700.0, 690.0, 312.5, 260.25, 0.4, 0.1, -0.002, 0.001)  # a flat port under water
+# a flat port under water
+PINCUSHION = CameraModel(640, 512, 700.0, 690.0, 312.5, 260.25, 0.4, 0.1, -0.002, 0.001)
 PLAIN = CameraModel(640, 512, 600.0, 610.0, 319.5, 255.5)
 CAMERAS = pytest.mark.parametrize("camera", [BARREL, PINCUSHION, PLAIN])
 
@@ -20,12 +21,16 @@ CAMERAS = pytest.mark.parametrize("camera", [BARREL, PINCUSHION, PLAIN])
 def corners(camera: CameraModel) -> np.ndarray:
     """Ideal coordinates (4, 2) of the corner pixels of a camera without distortion."""
     u, v = (np.array([0, size - 1]) for size in (camera.width, camera.height))
-    return np.stack(np.meshgrid((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy), axis=-1).reshape(-1, 2)
+    return np.stack(
+        np.meshgrid((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy), axis=-1
+    ).reshape(-1, 2)
 
 
 def is_seen(camera: CameraModel, ideal: np.ndarray) -> np.ndarray:
     pixel = camera.distort(ideal)
-    return np.all((pixel > -0.01) & (pixel < np.array([camera.width, camera.height]) - 0.99), axis=1)
+    return np.all(
+        (pixel > -0.01) & (pixel < np.array([camera.width, camera.height]) - 0.99), axis=1
+    )
 
 
 @CAMERAS
@@ -52,7 +57,9 @@ def test_hardly_anything_is_cut_away_that_a_rectangle_could_hold(camera: CameraM
 
 
 @CAMERAS
-def test_the_pinhole_keeps_the_focal_lengths_and_looks_through_its_middle(camera: CameraModel) -> None:
+def test_the_pinhole_keeps_the_focal_lengths_and_looks_through_its_middle(
+    camera: CameraModel,
+) -> None:
     pinhole = undistortion(camera).pinhole
     assert (pinhole.fx, pinhole.fy) == (camera.fx, camera.fy)
     assert (pinhole.cx, pinhole.cy) == ((pinhole.width - 1) / 2, (pinhole.height - 1) / 2)
@@ -73,7 +80,9 @@ def test_what_lies_at_a_pixel_lies_at_its_undistorted_pixel(camera: CameraModel)
     v, u = np.mgrid[: camera.height, : camera.width]
     for at in ([150.3, 120.7], [camera.cx, camera.cy], [500.2, 400.6]):
         dot = 200 * np.exp(-((u - at[0]) ** 2 + (v - at[1]) ** 2) / (2 * 3.0**2))
-        seen = found.resample(np.repeat(dot.astype(np.uint8)[..., None], 3, axis=2))[..., 0].astype(float)
+        seen = found.resample(np.repeat(dot.astype(np.uint8)[..., None], 3, axis=2))[..., 0].astype(
+            float
+        )
         rows, columns = np.mgrid[: seen.shape[0], : seen.shape[1]]
         centroid = [(seen * columns).sum() / seen.sum(), (seen * rows).sum() / seen.sum()]
         np.testing.assert_allclose(
@@ -85,9 +94,17 @@ def test_what_lies_at_a_pixel_lies_at_its_undistorted_pixel(camera: CameraModel)
 def test_opencv_brings_an_undistorted_pixel_back(camera: CameraModel) -> None:
     import cv2
 
-    found, some = undistortion(camera), np.random.default_rng(5).uniform([20, 20], [620, 490], (100, 2))
-    rays = np.column_stack([found.pixels(some), np.ones(100)]) @ np.linalg.inv(found.pinhole.matrix()).T
-    back, _ = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), camera.matrix(), camera.distortion())
+    found, some = (
+        undistortion(camera),
+        np.random.default_rng(5).uniform([20, 20], [620, 490], (100, 2)),
+    )
+    rays = (
+        np.column_stack([found.pixels(some), np.ones(100)])
+        @ np.linalg.inv(found.pinhole.matrix()).T
+    )
+    back, _ = cv2.projectPoints(
+        rays, np.zeros(3), np.zeros(3), camera.matrix(), camera.distortion()
+    )
     np.testing.assert_allclose(back[:, 0], some, atol=1e-3)
 
 

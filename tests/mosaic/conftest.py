@@ -17,7 +17,8 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface
 
 Array = NDArray[np.float64]
-DOWN = np.array([1.0, 0.0, 0.0, 0.0])  # quaternion of a camera that looks along -z, its x along x, its y against y
+# quaternion of a camera that looks along -z, its x along x, its y against y
+DOWN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 @dataclass(frozen=True)

@@ -31,8 +31,12 @@ def test_the_weight_is_one_half_at_the_best_place() -> None:
 
 
 def test_the_weight_is_that_of_the_formula() -> None:
-    np.testing.assert_allclose(band_weight(np.array([0.2]), 5.0), np.exp(-1) / (1 + np.exp(-2)), rtol=1e-6)
-    np.testing.assert_allclose(band_weight(np.array([0.1]), 50.0), np.exp(-5) / (1 + np.exp(-10)), rtol=1e-6)
+    np.testing.assert_allclose(
+        band_weight(np.array([0.2]), 5.0), np.exp(-1) / (1 + np.exp(-2)), rtol=1e-6
+    )
+    np.testing.assert_allclose(
+        band_weight(np.array([0.1]), 50.0), np.exp(-5) / (1 + np.exp(-10)), rtol=1e-6
+    )
 
 
 def test_a_texel_that_the_view_does_not_hold_weighs_nothing() -> None:

@@ -13,7 +13,12 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import VIEWS, ViewLimits, blend_tile, choose_views
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.imagery.image_view import CameraView
-from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, find_unobstructed, sample_surface
+from hullrecon.mosaic.mosaic_surface import (
+    MosaicSurface,
+    SurfacePatch,
+    find_unobstructed,
+    sample_surface,
+)
 from hullrecon.typing import Array
 
 GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.004, height=150, width=200)
@@ -26,7 +31,10 @@ def painted(camera: CameraModel, pose: Poses, gain: float = 1.0) -> CameraView:
     v, u = np.mgrid[0 : camera.height, 0 : camera.width]
     x = (u - camera.cx) / camera.fx + pose.translation[0, 0]
     y = -(v - camera.cy) / camera.fy + pose.translation[0, 1]
-    picture = np.stack([125 + 200 * x, 125 + 200 * y, np.full(x.shape, 60.0)], axis=2).astype(np.float32) * gain
+    picture = (
+        np.stack([125 + 200 * x, 125 + 200 * y, np.full(x.shape, 60.0)], axis=2).astype(np.float32)
+        * gain
+    )
     return CameraView(pose=pose, camera=camera, load=lambda: picture)
 
 
@@ -49,7 +57,8 @@ def test_views_that_disagree_leave_the_variance_of_their_weighted_intensities(
 ) -> None:
     picture = [np.full((320, 400, 3), level, np.float32) for level in (100.0, 140.0)]
     image_views = [
-        CameraView(pose=above(x, 0.0), camera=camera, load=lambda p=p: p) for x, p in zip((-0.1, 0.1), picture, strict=True)
+        CameraView(pose=above(x, 0.0), camera=camera, load=lambda p=p: p)
+        for x, p in zip((-0.1, 0.1), picture, strict=True)
     ]
     tile = blend_tile(flat_surface(), GRID, GRID.whole, image_views, [GRID.whole] * 2, LIMITS, 3)
     # half way between both the weights are equal: the mean is 120, the variance 20 squared
@@ -63,9 +72,19 @@ def test_at_most_four_views_are_kept_and_the_best_first(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     shifts = (0.10, 0.0, 0.16, 0.04, 0.13, 0.07)
-    image_views = {k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None) for k, x in enumerate(shifts)}
+    image_views = {
+        k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None)
+        for k, x in enumerate(shifts)
+    }
     patch = sample_surface(flat_surface(), GRID, GRID.whole)
-    choice = choose_views(flat_surface(), patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
+    choice = choose_views(
+        flat_surface(),
+        patch,
+        GRID.whole,
+        image_views,
+        dict.fromkeys(image_views, GRID.whole),
+        LIMITS,
+    )
     assert choice.view.shape[0] == VIEWS
     np.testing.assert_array_equal(choice.view[:, 75, 100], [1, 3, 5, 0])
     assert (np.diff(choice.cost[:, 75, 100]) > 0).all()
@@ -80,13 +99,20 @@ def test_a_view_behind_a_block_is_not_chosen(
         1: CameraView(pose=above(0.12, 0.0), camera=camera, load=lambda: None),
     }
     patch = sample_surface(surface, GRID, GRID.whole)
-    choice = choose_views(surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
-    beside = round((0.03 - GRID.west) / GRID.step_m)  # 1 cm behind the block, seen from the first camera
+    choice = choose_views(
+        surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS
+    )
+    # 1 cm behind the block, seen from the first camera
+    beside = round((0.03 - GRID.west) / GRID.step_m)
     np.testing.assert_array_equal(choice.view[:2, 75, beside], [1, -1])
 
 
-def ranked(surface: MosaicSurface, patch: SurfacePatch, image_views: dict[int, CameraView]) -> tuple[Array, Array]:
-    """Return views and costs (4, h, w) by a ray for each texel of each view: the plain twin of choose_views."""
+def ranked(
+    surface: MosaicSurface, patch: SurfacePatch, image_views: dict[int, CameraView]
+) -> tuple[Array, Array]:
+    """Return views and costs (4, h, w) by a ray for each texel of each view: the plain twin of
+    choose_views.
+    """
     point, normal = patch.point.reshape(-1, 3), patch.normal.reshape(-1, 3)
     cost = np.full((len(image_views), len(point)), np.inf, np.float32)
     for k, image_view in image_views.items():
@@ -98,17 +124,25 @@ def ranked(surface: MosaicSurface, patch: SurfacePatch, image_views: dict[int, C
         cost[k, free] = (ratio + LIMITS.slant * (1 - cosine))[free]
     order = np.argsort(cost, axis=0, kind="stable")[:VIEWS]
     cost = np.take_along_axis(cost, order, axis=0)
-    return np.where(np.isfinite(cost), order, -1).reshape(VIEWS, *GRID.whole.shape), cost.reshape(VIEWS, *GRID.whole.shape)
+    return np.where(np.isfinite(cost), order, -1).reshape(VIEWS, *GRID.whole.shape), cost.reshape(
+        VIEWS, *GRID.whole.shape
+    )
 
 
 def test_the_best_views_are_those_of_rays_for_all(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     surface = flat_surface(([-0.02, -0.3, 0.0], [0.02, 0.3, 0.2]))
-    shifts = (-0.1503, -0.0807, 0.0311, 0.1219, 0.1623, -0.0191, 0.0927)  # no texel lies half way between two
-    image_views = {k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None) for k, x in enumerate(shifts)}
+    # no texel lies half way between two
+    shifts = (-0.1503, -0.0807, 0.0311, 0.1219, 0.1623, -0.0191, 0.0927)
+    image_views = {
+        k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None)
+        for k, x in enumerate(shifts)
+    }
     patch = sample_surface(surface, GRID, GRID.whole)
-    choice = choose_views(surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
+    choice = choose_views(
+        surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS
+    )
     view, cost = ranked(surface, patch, image_views)
     np.testing.assert_array_equal(choice.view, view)
     np.testing.assert_allclose(choice.cost, cost, rtol=1e-6)
@@ -125,18 +159,28 @@ def test_rays_are_cast_for_the_views_that_are_chosen(
     surface = flat_surface()
     patch = sample_surface(surface, GRID, GRID.whole)
     shifts = np.linspace(-0.2, 0.2, 12)
-    image_views = {k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None) for k, x in enumerate(shifts)}
+    image_views = {
+        k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None)
+        for k, x in enumerate(shifts)
+    }
     rays: list[int] = []
     cast = surface.scene.cast
-    monkeypatch.setattr(surface.scene, "cast", lambda start, way: rays.append(len(way)) or cast(start, way))
-    choice = choose_views(surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
+    monkeypatch.setattr(
+        surface.scene, "cast", lambda start, way: rays.append(len(way)) or cast(start, way)
+    )
+    choice = choose_views(
+        surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS
+    )
     assert 0 < sum(rays) == (choice.view >= 0).sum()
 
 
 def test_an_image_that_cannot_be_read_is_left_out(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
-    image_views = [CameraView(pose=above(0.0, 0.0), camera=camera, load=lambda: None), painted(camera, above(0.02, 0.0))]
+    image_views = [
+        CameraView(pose=above(0.0, 0.0), camera=camera, load=lambda: None),
+        painted(camera, above(0.02, 0.0)),
+    ]
     tile = blend_tile(flat_surface(), GRID, GRID.whole, image_views, [GRID.whole] * 2, LIMITS, 3)
     assert tile.views.max() == 1
     np.testing.assert_allclose(tile.value[75, 100, 2], 60, atol=0.5)
@@ -146,7 +190,11 @@ def test_where_a_view_grazes_the_surface_it_is_not_chosen(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:
     turned = Rotation.from_euler("y", -85, degrees=True) * Rotation.from_quat(DOWN)
-    flat = CameraView(pose=Poses(turned.as_quat()[None], np.array([[-0.5, 0.0, 0.05]])), camera=camera, load=lambda: None)
+    flat = CameraView(
+        pose=Poses(turned.as_quat()[None], np.array([[-0.5, 0.0, 0.05]])),
+        camera=camera,
+        load=lambda: None,
+    )
     patch = sample_surface(flat_surface(), GRID, GRID.whole)
     seen = np.isfinite(flat.project(patch.point.reshape(-1, 3))[1])
     choice = choose_views(flat_surface(), patch, GRID.whole, {0: flat}, {0: GRID.whole}, LIMITS)

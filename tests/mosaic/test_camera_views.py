@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where images were taken, which texels they may see, and the samples that the light is estimated from."""
+"""Where images were taken, which texels they may see, and the samples that the light is estimated
+from.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,9 @@ def ramp(row: int) -> np.ndarray:
 
 
 def images_at(camera: CameraModel, spots: list[tuple[float, float]], read=ramp) -> CameraImages:
-    poses = Poses(np.tile([1.0, 0, 0, 0], (len(spots), 1)), np.array([[x, y, 1.0] for x, y in spots]))
+    poses = Poses(
+        np.tile([1.0, 0, 0, 0], (len(spots), 1)), np.array([[x, y, 1.0] for x, y in spots])
+    )
     return CameraImages(camera=camera, rows=np.arange(len(spots)), poses=poses, read=read)
 
 
@@ -53,21 +57,30 @@ def test_images_that_are_usable_and_posed_are_taken_with_the_rigs_pose(camera: C
         frame=Frame.GLOBAL,
     )
     rig = rig_from_settings(
-        {"tray.origin": (0.5, 0.0, 0.0), "camera.top.mount": (0.2, 0.0, 0.0, 0, 0, 0)}, {Camera.TOP: camera}
+        {"tray.origin": (0.5, 0.0, 0.0), "camera.top.mount": (0.2, 0.0, 0.0, 0, 0, 0)},
+        {Camera.TOP: camera},
     )
     images = images_of_camera(rig, track, Camera.TOP, np.array([True, False, True]), ramp)
     assert images.rows.tolist() == [0, 2]
-    # the last node's tray is turned by a quarter about y: what was ahead of it is now above (z is down)
+    # the last node's tray is turned by a quarter about y: what was ahead of it is now above (z is
+    # down)
     np.testing.assert_allclose(images.poses.translation, [[0.7, 0, 0], [3.5, 0, -0.2]], atol=1e-12)
 
 
 def test_the_footprint_of_an_image_is_where_it_meets_the_surface(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:
-    footprints = compute_footprints(flat_surface(), plain_views([images_at(camera, [(0.1, 0.2), (5.0, 5.0)])]))
+    footprints = compute_footprints(
+        flat_surface(), plain_views([images_at(camera, [(0.1, 0.2), (5.0, 5.0)])])
+    )
     np.testing.assert_allclose(np.nanmean(footprints.at[0], axis=0), [0.1, 0.2], atol=1e-3)
     assert np.isnan(footprints.at[1]).all()
-    assert 1.0 <= footprints.distance[0] < footprints.span_m == pytest.approx(np.hypot(1, np.hypot(0.1985, 0.1585)), abs=1e-3)
+    assert (
+        1.0
+        <= footprints.distance[0]
+        < footprints.span_m
+        == pytest.approx(np.hypot(1, np.hypot(0.1985, 0.1585)), abs=1e-3)
+    )
     assert np.isnan(footprints.distance[1])
 
 
@@ -88,9 +101,12 @@ def test_what_an_image_meets_far_beyond_the_rest_is_none_of_its_footprint(
 def test_the_window_of_an_image_holds_its_footprint_and_a_margin(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:
-    footprints = compute_footprints(flat_surface(), plain_views([images_at(camera, [(0.0, 0.0), (5.0, 5.0)])]))
+    footprints = compute_footprints(
+        flat_surface(), plain_views([images_at(camera, [(0.0, 0.0), (5.0, 5.0)])])
+    )
     seen, missed = footprint_windows(GRID, footprints)
-    assert (seen.left, seen.right, seen.top, seen.bottom) == (5, 15, 6, 14)  # 0.2 by 0.16 m each way, and 2.4 cm
+    # 0.2 by 0.16 m each way, and 2.4 cm
+    assert (seen.left, seen.right, seen.top, seen.bottom) == (5, 15, 6, 14)
     assert missed.empty
 
 
@@ -104,14 +120,20 @@ def test_a_sample_is_the_scenes_brightness_at_its_place_in_the_image(
     samples = sample_light(flat_surface(), GRID, views, windows, [thumbnail], np.zeros(1, np.int64))
     assert len(samples.view) == 8 * 6  # texels of 5 cm whose centres the image of 40 by 32 cm holds
     column = samples.cell % FIELD[1]
-    np.testing.assert_allclose(np.exp(samples.log_value[:, 0]), 50 + 100 * (column + 0.5) / FIELD[1], atol=4)
+    np.testing.assert_allclose(
+        np.exp(samples.log_value[:, 0]), 50 + 100 * (column + 0.5) / FIELD[1], atol=4
+    )
     assert len(np.unique(samples.texel)) == len(samples.texel)
 
 
-def test_texels_that_two_images_see_are_sampled_twice(flat_surface: Callable[..., MosaicSurface], camera: CameraModel) -> None:
+def test_texels_that_two_images_see_are_sampled_twice(
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel
+) -> None:
     views = plain_views([images_at(camera, [(0.0, 0.0), (0.1, 0.0)])])
     windows = footprint_windows(GRID, compute_footprints(flat_surface(), views))
-    samples = sample_light(flat_surface(), GRID, views, windows, [ramp(0)[::5, ::5]] * 2, np.zeros(2, np.int64))
+    samples = sample_light(
+        flat_surface(), GRID, views, windows, [ramp(0)[::5, ::5]] * 2, np.zeros(2, np.int64)
+    )
     assert np.bincount(np.bincount(samples.texel)).tolist() == [0, 2 * 2 * 6, 6 * 6]
 
 
@@ -122,13 +144,22 @@ def test_a_texel_that_a_block_hides_is_no_sample_of_light(
     counts = []
     for surface in (flat_surface(), flat_surface(BLOCK)):
         windows = footprint_windows(GRID, compute_footprints(flat_surface(), views))
-        counts.append(len(sample_light(surface, GRID, views, windows, [ramp(0)[::5, ::5]], np.zeros(1, np.int64)).view))
-    # from 1 m above (0, 0) the block, 0.3 m high, hides the plate up to x = 0.1 / 0.7 and y = 0.1 / 0.7: texels at x = 0.125
-    # behind it, and at x = 0.075 and 0.125 those at y = 0.125 on either side
+        counts.append(
+            len(
+                sample_light(
+                    surface, GRID, views, windows, [ramp(0)[::5, ::5]], np.zeros(1, np.int64)
+                ).view
+            )
+        )
+    # from 1 m above (0, 0) the block, 0.3 m high, hides the plate up to x = 0.1 / 0.7 and y = 0.1 /
+    # 0.7: texels at x = 0.125 behind it, and at x = 0.075 and 0.125 those at y = 0.125 on either
+    # side
     assert counts[0] - counts[1] == 4 + 4
 
 
-def test_an_image_that_cannot_be_read_gives_no_samples(flat_surface: Callable[..., MosaicSurface], camera: CameraModel) -> None:
+def test_an_image_that_cannot_be_read_gives_no_samples(
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel
+) -> None:
     views = plain_views([images_at(camera, [(0.0, 0.0)])])
     windows = footprint_windows(GRID, compute_footprints(flat_surface(), views))
     samples = sample_light(flat_surface(), GRID, views, windows, [None], np.zeros(1, np.int64))
@@ -139,7 +170,9 @@ def test_an_image_that_cannot_be_read_gives_no_samples(flat_surface: Callable[..
 def test_the_light_of_fewer_than_two_images_is_not_estimated(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:
-    images = images_at(camera, [(0.0, 0.0), (0.1, 0.0)], read=lambda row: ramp(row) if row == 0 else None)
+    images = images_at(
+        camera, [(0.0, 0.0), (0.1, 0.0)], read=lambda row: ramp(row) if row == 0 else None
+    )
     views = plain_views([images])
     footprints = compute_footprints(flat_surface(), views)
     assert estimate_light(flat_surface(), [images], views, footprints, lambda rows: rows) is None
@@ -148,9 +181,17 @@ def test_the_light_of_fewer_than_two_images_is_not_estimated(
 def test_the_lamp_over_an_even_plate_is_found_from_overlapping_images(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:
-    images = images_at(camera, [(x, y) for x in np.linspace(-0.3, 0.3, 9) for y in (-0.1, 0.0, 0.1)])
+    images = images_at(
+        camera, [(x, y) for x in np.linspace(-0.3, 0.3, 9) for y in (-0.1, 0.0, 0.1)]
+    )
     views = plain_views([images])
-    light = estimate_light(flat_surface(), [images], views, compute_footprints(flat_surface(), views), lambda rows: rows)
+    light = estimate_light(
+        flat_surface(),
+        [images],
+        views,
+        compute_footprints(flat_surface(), views),
+        lambda rows: rows,
+    )
     assert light is not None
     even = light.correct(ramp(0), camera=0, view=13)
     assert even[40:-40, 40:-40].std() < 0.04 * even.mean()

@@ -16,7 +16,12 @@ from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
-from hullrecon.mosaic.output.deliverables import Presentation, gap_area_m2, make_deliverables, mosaic_document
+from hullrecon.mosaic.output.deliverables import (
+    Presentation,
+    gap_area_m2,
+    make_deliverables,
+    mosaic_document,
+)
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 
 GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.01, height=60, width=80)
@@ -54,28 +59,42 @@ def test_the_document_says_where_and_how_large_the_mosaic_is() -> None:
 
 def test_the_caption_names_the_surface_and_the_known_uncertainty() -> None:
     plain = str(mosaic_document(tiles(2), Frame.HULL, SHOWN.facts)["caption"])
-    assert plain == "10.0 mm a pixel, at most four best views a pixel, laid on the surface as found."
-    known = str(mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": 0.0312})["caption"])
+    assert (
+        plain == "10.0 mm a pixel, at most four best views a pixel, laid on the surface as found."
+    )
+    known = str(
+        mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": 0.0312})[
+            "caption"
+        ]
+    )
     assert known == plain + " A pixel's position on the hull is known to 31 mm (one sigma)."
-    unknown = mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": None})["caption"]
+    unknown = mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": None})[
+        "caption"
+    ]
     assert unknown == plain
 
 
-def test_a_mosaic_that_saw_nothing_has_no_variance_and_no_mesh(flat_surface: Callable[..., MosaicSurface]) -> None:
+def test_a_mosaic_that_saw_nothing_has_no_variance_and_no_mesh(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
     made = make_deliverables(flat_surface(), tiles(0), SHOWN)
     assert made.document["variance_gray_levels_squared"] == {}
     assert made.document["area_m2"] == 0.0
     assert made.textured_mesh is None
 
 
-def test_a_mosaic_comes_with_a_preview_and_a_mesh(flat_surface: Callable[..., MosaicSurface]) -> None:
+def test_a_mosaic_comes_with_a_preview_and_a_mesh(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
     made = make_deliverables(flat_surface(), tiles(2), SHOWN)
     assert made.preview.startswith(b"\x89PNG")
     assert made.textured_mesh is not None
     assert made.textured_mesh.startswith(b"glTF")
 
 
-def test_the_mesh_stands_upright_by_the_axes_of_its_chart(flat_surface: Callable[..., MosaicSurface]) -> None:
+def test_the_mesh_stands_upright_by_the_axes_of_its_chart(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
     class Lying(FlatChart):
         ship_axes = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
@@ -86,17 +105,27 @@ def test_the_mesh_stands_upright_by_the_axes_of_its_chart(flat_surface: Callable
     np.testing.assert_array_equal(turn, np.eye(4))  # y is up in the file of this model, as in glTF
 
 
-def test_frame_numbers_are_shown_in_the_ships_frame_only(flat_surface: Callable[..., MosaicSurface]) -> None:
-    numbered, bare = (make_deliverables(flat_surface(), tiles(2), replace(SHOWN, frame_spacing_m=s)) for s in (0.5, None))
+def test_frame_numbers_are_shown_in_the_ships_frame_only(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
+    numbered, bare = (
+        make_deliverables(flat_surface(), tiles(2), replace(SHOWN, frame_spacing_m=s))
+        for s in (0.5, None)
+    )
     assert numbered.preview != bare.preview
     numbered, bare = (
-        make_deliverables(flat_surface(), tiles(2), replace(SHOWN, frame=Frame.GLOBAL, frame_spacing_m=s)) for s in (0.5, None)
+        make_deliverables(
+            flat_surface(), tiles(2), replace(SHOWN, frame=Frame.GLOBAL, frame_spacing_m=s)
+        )
+        for s in (0.5, None)
     )
     assert numbered.preview == bare.preview
 
 
 def test_gaps_inside_the_outline_are_told_and_the_mosaics_shape_is_none() -> None:
-    """A mosaic of 2 m by 1 m at 1 cm: a hole of 30 cm in it, a notch of 20 cm and a bay of 1 m at its rim."""
+    """A mosaic of 2 m by 1 m at 1 cm: a hole of 30 cm in it, a notch of 20 cm and a bay of 1 m at
+    its rim.
+    """
     alpha = np.zeros((160, 260), np.uint8)
     alpha[30:130, 30:230] = 255
     assert gap_area_m2(alpha, 0.01) == 0.0
@@ -112,8 +141,13 @@ def test_a_mosaic_with_a_gap_says_so() -> None:
     def torn(window: Window) -> Tile:
         rows, columns = np.mgrid[window.top : window.bottom, window.left : window.right]
         gone = (np.abs(columns - 40) < 10) & (np.abs(rows - 30) < 10)
-        return Tile(value=np.full((*window.shape, 1), 120, np.float32), variance=np.zeros(window.shape, np.float32),
-                    views=np.where(gone, 0, 2).astype(np.uint8))  # fmt: skip
+        return Tile(
+            value=np.full((*window.shape, 1), 120, np.float32),
+            variance=np.zeros(window.shape, np.float32),
+            views=np.where(gone, 0, 2).astype(np.uint8),
+        )
 
-    document = mosaic_document(make_tiles(GRID, 1, 16, 80, torn, lambda windows: windows), Frame.HULL, SHOWN.facts)
+    document = mosaic_document(
+        make_tiles(GRID, 1, 16, 80, torn, lambda windows: windows), Frame.HULL, SHOWN.facts
+    )
     assert "Gaps inside its outline: 0.04 m²." in str(document["caption"])

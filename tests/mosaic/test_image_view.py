@@ -12,37 +12,50 @@ from hullrecon.mosaic.imagery.image_view import CameraView
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 
 
-def test_a_point_below_the_camera_falls_on_the_middle_and_is_best(camera: CameraModel, above: Callable[..., Poses]) -> None:
+def test_a_point_below_the_camera_falls_on_the_middle_and_is_best(
+    camera: CameraModel, above: Callable[..., Poses]
+) -> None:
     image_view = CameraView(pose=above(0.3, 0.2), camera=camera, load=lambda: None)
     pixel, ratio = image_view.project(np.array([[0.3, 0.2, 0.0], [0.4, 0.2, 0.0], [0.3, 0.3, 0.0]]))
     np.testing.assert_allclose(pixel, [[199.5, 159.5], [299.5, 159.5], [199.5, 59.5]], atol=1e-9)
-    np.testing.assert_allclose(ratio, np.array([0.0, 100.0, 100.0]) / (0.5 * np.hypot(400, 320)), atol=1e-12)
+    np.testing.assert_allclose(
+        ratio, np.array([0.0, 100.0, 100.0]) / (0.5 * np.hypot(400, 320)), atol=1e-12
+    )
 
 
-def test_points_outside_the_image_or_behind_the_camera_are_not_held(camera: CameraModel, above: Callable[..., Poses]) -> None:
+def test_points_outside_the_image_or_behind_the_camera_are_not_held(
+    camera: CameraModel, above: Callable[..., Poses]
+) -> None:
     image_view = CameraView(pose=above(0.0, 0.0), camera=camera, load=lambda: None)
     _, ratio = image_view.project(np.array([[0.21, 0.0, 0.0], [0.0, 0.0, 1.5], [0.0, -0.17, 0.0]]))
     assert np.isnan(ratio).all()
 
 
-def test_a_distortion_that_folds_back_does_not_bring_far_points_into_the_image(above: Callable[..., Poses]) -> None:
+def test_a_distortion_that_folds_back_does_not_bring_far_points_into_the_image(
+    above: Callable[..., Poses],
+) -> None:
     folding = CameraModel(width=400, height=320, fx=1000.0, fy=1000.0, cx=199.5, cy=159.5, k1=-1.0)
     image_view = CameraView(pose=above(0.0, 0.0), camera=folding, load=lambda: None)
-    assert abs(folding.project([[1.0, 0.0, 1.0]])[0, 0] - 199.5) < 1  # the polynomial alone would hold it
+    # the polynomial alone would hold it
+    assert abs(folding.project([[1.0, 0.0, 1.0]])[0, 0] - 199.5) < 1
     assert np.isnan(image_view.project(np.array([[1.0, 0.0, 0.0]]))[1][0])
 
 
 def test_the_outline_spans_the_footprint(
     camera: CameraModel, above: Callable[..., Poses], flat_surface: Callable[..., MosaicSurface]
 ) -> None:
-    outline = CameraView(pose=above(0.0, 0.0), camera=camera, load=lambda: None).outline(flat_surface())
+    outline = CameraView(pose=above(0.0, 0.0), camera=camera, load=lambda: None).outline(
+        flat_surface()
+    )
     np.testing.assert_allclose(np.ptp(outline, axis=0), [0.397, 0.317, 0.0], atol=1e-5)
 
 
 def test_the_outline_off_the_surface_is_lost(
     camera: CameraModel, above: Callable[..., Poses], flat_surface: Callable[..., MosaicSurface]
 ) -> None:
-    outline = CameraView(pose=above(0.9, 0.0), camera=camera, load=lambda: None).outline(flat_surface())
+    outline = CameraView(pose=above(0.9, 0.0), camera=camera, load=lambda: None).outline(
+        flat_surface()
+    )
     lost = np.isnan(outline[:, 0])
     assert 0 < lost.sum() < len(outline)
     assert np.nanmax(outline[:, 0]) <= 1.0 + 1e-6

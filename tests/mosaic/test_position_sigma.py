@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sonar at the origin that looks along z at a point 2 m ahead; the surface's normal looks back at it."""
+"""A sonar at the origin that looks along z at a point 2 m ahead; the surface's normal looks back at
+it.
+"""
 
 from __future__ import annotations
 
@@ -52,16 +54,24 @@ def test_the_mounts_shift_is_along_the_servos_axes() -> None:
 
 def test_sigma_equals_the_spread_of_drawn_poses_and_mounts() -> None:
     rng = np.random.default_rng(3)
-    hull_from_vehicle = Poses(Rotation.from_rotvec([0.2, -0.4, 0.9]).as_quat()[None], np.array([[3.0, 1.0, -2.0]]))
-    vehicle_from_servo, servo_from_sonar = from_mount([0.4, 0.0, 0.2, 5, 10, 0]), from_mount([0.02, 0.1, 0, 20, 70, -10])
+    hull_from_vehicle = Poses(
+        Rotation.from_rotvec([0.2, -0.4, 0.9]).as_quat()[None], np.array([[3.0, 1.0, -2.0]])
+    )
+    vehicle_from_servo, servo_from_sonar = (
+        from_mount([0.4, 0.0, 0.2, 5, 10, 0]),
+        from_mount([0.02, 0.1, 0, 20, 70, -10]),
+    )
     root = 0.01 * rng.normal(size=(6, 6))
     mount_sigma = np.array([0.01, 0.02, 0.03, 0.01, 0.02, 0.005])
     sonar = hull_from_vehicle @ vehicle_from_servo @ servo_from_sonar
     inside, normal = np.array([0.2, -0.3, 1.7]), np.array([0.6, 0.0, 0.8])
     pings = PingUncertainty(
-        sonar=sonar, vehicle=hull_from_vehicle, pose_covariance=(root @ root.T)[None], servo_from_sonar=servo_from_sonar,
+        sonar=sonar,
+        vehicle=hull_from_vehicle,
+        pose_covariance=(root @ root.T)[None],
+        servo_from_sonar=servo_from_sonar,
         mount_sigma=mount_sigma,
-    )  # fmt: skip
+    )
     sigma = position_sigma(pings, sonar.apply(inside[None])[None], normal[None, None])[0][0, 0]
     drawn = []
     for _ in range(6000):
@@ -69,7 +79,11 @@ def test_sigma_equals_the_spread_of_drawn_poses_and_mounts() -> None:
         T_j_o = servo_from_sonar.rotation * Rotation.from_rotvec(mount[3:])
         in_servo = T_j_o.apply(inside) + servo_from_sonar.translation + mount[:3]
         turn = hull_from_vehicle.rotation * Rotation.from_rotvec(pose[3:])
-        drawn.append(turn.apply(vehicle_from_servo.apply(in_servo)) + hull_from_vehicle.translation + pose[:3])
+        drawn.append(
+            turn.apply(vehicle_from_servo.apply(in_servo))
+            + hull_from_vehicle.translation
+            + pose[:3]
+        )
     spread = np.cov(np.concatenate(drawn).T)
     flat = (np.eye(3) - np.outer(normal, normal)) @ spread @ (np.eye(3) - np.outer(normal, normal))
     assert sigma == pytest.approx(np.sqrt(np.linalg.eigvalsh(flat)[-1]), rel=0.04)

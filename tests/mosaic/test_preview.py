@@ -23,7 +23,13 @@ def checks() -> np.ndarray:
 
 
 def test_the_preview_is_a_picture_with_the_same_bytes_each_time() -> None:
-    caption = Caption(title="Optical mosaic", legend="a legend", frame="M", frame_spacing_m=0.6, flips=(True, False))
+    caption = Caption(
+        title="Optical mosaic",
+        legend="a legend",
+        frame="M",
+        frame_spacing_m=0.6,
+        flips=(True, False),
+    )
     first, second = (preview_png(checks(), -0.8, 0.6, 0.01, caption) for _ in range(2))
     assert first == second
     with Image.open(BytesIO(first)) as picture:
@@ -37,14 +43,21 @@ def test_a_flipped_preview_shows_the_unseen_side_on_the_right() -> None:
             Image.open(
                 BytesIO(
                     preview_png(
-                        checks(), -0.8, 0.6, 0.01, Caption(title="t", legend="l", frame="M", frame_spacing_m=None, flips=f)
+                        checks(),
+                        -0.8,
+                        0.6,
+                        0.01,
+                        Caption(title="t", legend="l", frame="M", frame_spacing_m=None, flips=f),
                     )
                 )
             ).convert("RGB")
         )
         for f in ((False, False), (True, False))
     )
-    unseen = [np.mean(np.nonzero((p == (0xE9, 0xED, 0xF1)).all(axis=2))[1]) / p.shape[1] for p in (plain, flipped)]
+    unseen = [
+        np.mean(np.nonzero((p == (0xE9, 0xED, 0xF1)).all(axis=2))[1]) / p.shape[1]
+        for p in (plain, flipped)
+    ]
     assert unseen[0] < 0.4
     assert unseen[1] > 0.6
 
@@ -67,7 +80,8 @@ def test_colour_is_kept_while_brightness_is_spread() -> None:
     picture[6:12, :, :3] = [110, 130, 90]
     picture[12:, :, :3] = [120, 140, 100]
     out = stretch_contrast(picture).astype(int)
-    np.testing.assert_allclose(out[8, 0, 1] - out[8, 0, 2], 40 * 1.25, atol=2)  # 40 apart before, 1.25 times at most
+    # 40 apart before, 1.25 times at most
+    np.testing.assert_allclose(out[8, 0, 1] - out[8, 0, 2], 40 * 1.25, atol=2)
     assert out[15, 0, :3].mean() - out[0, 0, :3].mean() > 100
 
 
@@ -81,15 +95,23 @@ def test_an_even_mosaic_is_not_stretched_to_noise() -> None:
 def test_a_gray_mosaic_is_shown_in_gray() -> None:
     gray = checks()[..., [0, 3]]
     caption = Caption(title="Sonar mosaic", legend="a legend", frame="g")
-    shown = np.asarray(Image.open(BytesIO(preview_png(gray, -0.8, 0.6, 0.01, caption))).convert("RGB")).astype(int)
-    middle = shown[shown.shape[0] // 3 : shown.shape[0] // 2, shown.shape[1] // 2 : -shown.shape[1] // 6]
+    shown = np.asarray(
+        Image.open(BytesIO(preview_png(gray, -0.8, 0.6, 0.01, caption))).convert("RGB")
+    ).astype(int)
+    middle = shown[
+        shown.shape[0] // 3 : shown.shape[0] // 2, shown.shape[1] // 2 : -shown.shape[1] // 6
+    ]
     assert np.ptp(middle, axis=2).max() == 0
     assert np.ptp(middle[..., 0]) > 100
 
 
 def test_a_long_legend_does_not_widen_the_picture() -> None:
     short, long = (
-        Image.open(BytesIO(preview_png(checks(), -0.8, 0.6, 0.01, Caption(title="t", legend=text, frame="M"))))
+        Image.open(
+            BytesIO(
+                preview_png(checks(), -0.8, 0.6, 0.01, Caption(title="t", legend=text, frame="M"))
+            )
+        )
         for text in ("a legend", "a legend of many words " * 20)
     )
     assert long.size == short.size

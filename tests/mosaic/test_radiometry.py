@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from hullrecon.mosaic.imagery import radiometry
-from hullrecon.mosaic.imagery.radiometry import FIELD, LightModel, LightSamples, first_fields, solve_light
+from hullrecon.mosaic.imagery.radiometry import (
+    FIELD,
+    LightModel,
+    LightSamples,
+    first_fields,
+    solve_light,
+)
 
 
 def lamp() -> np.ndarray:
@@ -26,7 +32,13 @@ def dive(gain: np.ndarray, seed: int = 0) -> LightSamples:
     texel = rng.integers(0, 2000, len(view))
     cell = rng.integers(0, FIELD[0] * FIELD[1], len(view))
     value = scene[texel] + lamp().reshape(-1)[cell] + gain[view] + rng.normal(0, 0.02, len(view))
-    return LightSamples(view=view, texel=texel, cell=cell, log_value=value[:, None], camera=np.zeros(len(gain), np.int64))
+    return LightSamples(
+        view=view,
+        texel=texel,
+        cell=cell,
+        log_value=value[:, None],
+        camera=np.zeros(len(gain), np.int64),
+    )
 
 
 def test_the_lamp_is_told_from_the_scene() -> None:
@@ -46,7 +58,9 @@ def test_a_corrected_image_of_an_even_plate_is_even() -> None:
 
     shown = cv2.resize(np.exp(lamp()[..., 0]), (128, 96), interpolation=cv2.INTER_CUBIC)
     picture = np.rint(100 * shown * np.exp(0.2))[..., None].astype(np.uint8)
-    even = LightModel(log_field=(lamp(),), log_gain=np.array([0.2])).correct(picture, camera=0, view=0)
+    even = LightModel(log_field=(lamp(),), log_gain=np.array([0.2])).correct(
+        picture, camera=0, view=0
+    )
     np.testing.assert_allclose(even[8:-8, 8:-8], 100, atol=2.0)
 
 
@@ -66,7 +80,9 @@ def test_the_first_field_is_the_cameras_own_median() -> None:
     assert fields[1][12, 4, 0] - fields[1][12, 28, 0] == pytest.approx(np.log(0.25), abs=0.02)
 
 
-def test_the_first_field_takes_no_more_memory_for_more_images(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_first_field_takes_no_more_memory_for_more_images(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(radiometry, "MOST_IMAGES", 60)
     peaks = []
     for count in (60, 600):
@@ -78,7 +94,9 @@ def test_the_first_field_takes_no_more_memory_for_more_images(monkeypatch: pytes
     assert peaks[1] < 1.1 * peaks[0]
 
 
-def test_the_images_of_the_first_field_are_chosen_from_the_first_to_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_images_of_the_first_field_are_chosen_from_the_first_to_the_last(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Two thirds of the dive have the lamp to the left: the median is theirs wherever they lie."""
     left, right = (np.full((48, 64, 3), 100, np.uint8) for _ in range(2))
     left[:, 32:], right[:, :32] = 40, 40
@@ -86,4 +104,6 @@ def test_the_images_of_the_first_field_are_chosen_from_the_first_to_the_last(mon
         whole = first_fields(thumbnails, np.zeros(600, np.int64))
         with monkeypatch.context() as patched:
             patched.setattr(radiometry, "MOST_IMAGES", 7)
-            np.testing.assert_allclose(first_fields(thumbnails, np.zeros(600, np.int64)), whole, atol=1e-12)
+            np.testing.assert_allclose(
+                first_fields(thumbnails, np.zeros(600, np.int64)), whole, atol=1e-12
+            )

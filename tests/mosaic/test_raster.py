@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""GeoTIFFs as other programs read them: seen from outside, local and metric, with bands, units and overviews."""
+"""GeoTIFFs as other programs read them: seen from outside, local and metric, with bands, units and
+overviews.
+"""
 
 from __future__ import annotations
 
@@ -21,17 +23,25 @@ from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.output.raster import RasterBands, RasterLayout, write_raster
 
 GRID = TexelGrid(west=30.0, north=6.0, step_m=0.01, height=1000, width=1500)
-COLORS = RasterBands(names=("red", "green", "blue", "alpha"), unit="", dtype="uint8", title="Optical mosaic")
-METRES = RasterBands(names=("deviation",), unit="m", dtype="float32", title="deviation", nodata=float("nan"))
+COLORS = RasterBands(
+    names=("red", "green", "blue", "alpha"), unit="", dtype="uint8", title="Optical mosaic"
+)
+METRES = RasterBands(
+    names=("deviation",), unit="m", dtype="float32", title="deviation", nodata=float("nan")
+)
 SIGNS = ((-1, 1), (1, -1), (1, 1))
 
 
 def layout(x_sign: int, y_sign: int) -> RasterLayout:
-    return RasterLayout(grid=GRID, size=512, outside=OutsideMap(x_sign=x_sign, y_sign=y_sign, frame="M"))
+    return RasterLayout(
+        grid=GRID, size=512, outside=OutsideMap(x_sign=x_sign, y_sign=y_sign, frame="M")
+    )
 
 
 def tiles(bands: int) -> Iterator[NDArray[np.float32]]:
-    """A spot 2 cm wide at along 32.005, girth 4.995 on a field without it; all seen but the first metre along."""
+    """A spot 2 cm wide at along 32.005, girth 4.995 on a field without it; all seen but the first
+    metre along.
+    """
     for window in GRID.tiles(512):
         rows, columns = np.mgrid[window.top : window.bottom, window.left : window.right]
         value = np.where((np.abs(columns - 200) < 2) & (np.abs(rows - 100) < 2), 200.0, 50.0)
@@ -39,7 +49,9 @@ def tiles(bands: int) -> Iterator[NDArray[np.float32]]:
             yield np.where(columns < 100, np.nan, value).astype(np.float32)
         else:
             seen = np.where(columns < 100, 0, 255)[..., None]
-            yield np.concatenate([np.repeat(value[..., None], 3, axis=2) * (seen > 0), seen], axis=2).astype(np.uint8)
+            yield np.concatenate(
+                [np.repeat(value[..., None], 3, axis=2) * (seen > 0), seen], axis=2
+            ).astype(np.uint8)
 
 
 @pytest.mark.parametrize("signs", SIGNS)
@@ -70,14 +82,23 @@ def test_bands_have_names_units_and_overviews(tmp_path: Path) -> None:
     write_raster(tmp_path / "deviation.tif", tiles(1), layout(-1, 1), METRES)
     with rasterio.open(tmp_path / "ortho.tif") as file:
         assert file.descriptions == ("red", "green", "blue", "alpha")
-        assert file.colorinterp == (ColorInterp.red, ColorInterp.green, ColorInterp.blue, ColorInterp.alpha)
+        assert file.colorinterp == (
+            ColorInterp.red,
+            ColorInterp.green,
+            ColorInterp.blue,
+            ColorInterp.alpha,
+        )
         assert file.overviews(1) == [2, 4] or file.overviews(1) == [2]
         assert file.tags(ns="IMAGE_STRUCTURE")["LAYOUT"] == "COG"
         small = file.read(1, out_shape=(500, 750))
         mask = file.read(4, out_shape=(500, 750))
     assert (small[mask == 255] >= 50).all()  # what was not seen darkens no overview
     with rasterio.open(tmp_path / "deviation.tif") as file:
-        assert (file.descriptions, file.units, file.dtypes) == (("deviation",), ("m",), ("float32",))
+        assert (file.descriptions, file.units, file.dtypes) == (
+            ("deviation",),
+            ("m",),
+            ("float32",),
+        )
         assert np.isnan(file.nodata)
         values = file.read(1)
     assert np.isnan(values).sum() == 100 * 1000

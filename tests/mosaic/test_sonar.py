@@ -27,24 +27,43 @@ def still(items, label):
     return items
 
 
-def pings_over(spots: list[float], draw: Callable[[np.ndarray], np.ndarray]) -> tuple[SonarPings, Poses]:
-    """Pings from (x, -0.8, 0.5), the fan in the y-z plane of the plate's normal, 32 degrees below the horizon; draw gives the
-    return of plate points (n, 3)."""
-    turn = Rotation.from_matrix(np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]))  # o: x up out of the fan, z ahead (girth)
+def pings_over(
+    spots: list[float], draw: Callable[[np.ndarray], np.ndarray]
+) -> tuple[SonarPings, Poses]:
+    """Pings from (x, -0.8, 0.5), the fan in the y-z plane of the plate's normal, 32 degrees below
+    the horizon; draw gives the return of plate points (n, 3).
+    """
+    # o: x up out of the fan, z ahead (girth)
+    turn = Rotation.from_matrix(np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]))
     turn = Rotation.from_euler("x", -32, degrees=True) * turn
-    poses = Poses(np.tile(turn.as_quat(), (len(spots), 1)), np.array([[x, -0.8, 0.5] for x in spots]))
+    poses = Poses(
+        np.tile(turn.as_quat(), (len(spots), 1)), np.array([[x, -0.8, 0.5] for x in spots])
+    )
     directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
     images = [plate_image(poses[k], draw) for k in range(len(spots))]
-    return SonarPings(t_ns=np.arange(len(spots)), image=np.stack(images), directions=directions, range_m=RANGES), poses
+    return SonarPings(
+        t_ns=np.arange(len(spots)), image=np.stack(images), directions=directions, range_m=RANGES
+    ), poses
 
 
 def plate_image(pose: Poses, draw: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """What the plate returns by beam and range: the point of each arc that lies on z = 0, found on a fine fan of rays."""
+    """What the plate returns by beam and range: the point of each arc that lies on z = 0, found on
+    a fine fan of rays.
+    """
     image = np.zeros((49, 141))
     for theta in np.linspace(-0.13, 0.13, 400):
-        ray = np.stack([np.full(49, np.sin(theta)), np.cos(theta) * np.sin(BEARING), np.cos(theta) * np.cos(BEARING)], axis=1)
+        ray = np.stack(
+            [
+                np.full(49, np.sin(theta)),
+                np.cos(theta) * np.sin(BEARING),
+                np.cos(theta) * np.cos(BEARING),
+            ],
+            axis=1,
+        )
         world = pose.rotation.apply(ray)
-        gone = np.where(world[:, 2] < 0, -pose.translation[0, 2] / np.minimum(world[:, 2], -1e-9), np.inf)
+        gone = np.where(
+            world[:, 2] < 0, -pose.translation[0, 2] / np.minimum(world[:, 2], -1e-9), np.inf
+        )
         bins = np.rint((gone - 0.4) / 0.01)
         hit = (bins >= 0) & (bins < 141)
         points = pose.translation[0] + np.where(hit, gone, 0)[:, None] * world
@@ -58,19 +77,35 @@ def test_a_bright_stripe_is_mapped_to_its_place(flat_surface: Callable[..., Mosa
 
     pings, poses = pings_over([-0.1, 0.0, 0.1, 0.2], stripe)
     made = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still, BytesIO())
-    grid, gray, alpha = made.store.grid, made.store.small[..., 0].astype(float), made.store.small[..., 1]
+    grid, gray, alpha = (
+        made.store.grid,
+        made.store.small[..., 0].astype(float),
+        made.store.small[..., 1],
+    )
     along = grid.west + (np.arange(grid.width) + 0.5) * grid.step_m
-    profile = np.array([gray[:, k][alpha[:, k] > 0].mean() if (alpha[:, k] > 0).any() else np.nan for k in range(grid.width)])
+    profile = np.array(
+        [
+            gray[:, k][alpha[:, k] > 0].mean() if (alpha[:, k] > 0).any() else np.nan
+            for k in range(grid.width)
+        ]
+    )
     bright = along[profile > 1.6 * np.nanmedian(profile)]
     assert abs(bright.mean() - 0.1) < 0.02
     assert 0.02 < np.ptp(bright) < 0.10
 
 
-def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_surface: Callable[..., MosaicSurface]) -> None:
-    pings, poses = pings_over([-0.2, -0.1, 0.0, 0.1, 0.2], lambda points: np.full(len(points), 120.0))
+def test_an_even_plate_becomes_even_whatever_the_beam_pattern(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
+    pings, poses = pings_over(
+        [-0.2, -0.1, 0.0, 0.1, 0.2], lambda points: np.full(len(points), 120.0)
+    )
     pattern = np.exp(-((BEARING / 0.3) ** 2))[:, None] * np.linspace(1.4, 0.6, 141)
     shaded = SonarPings(
-        t_ns=pings.t_ns, image=(pings.image * pattern).astype(np.uint8), directions=pings.directions, range_m=pings.range_m
+        t_ns=pings.t_ns,
+        image=(pings.image * pattern).astype(np.uint8),
+        directions=pings.directions,
+        range_m=pings.range_m,
     )
     made = sonar_mosaic(flat_surface(), shaded, poses, np.radians(14), OPTIONS, still, BytesIO())
     inner = made.store.small[3:-3, 3:-3]
@@ -80,16 +115,23 @@ def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_surface: Call
     assert seen.std() < 0.15 * LEVEL
 
 
-def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(flat_surface: Callable[..., MosaicSurface]) -> None:
+def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
     pings, poses = pings_over([0.0], lambda points: np.full(len(points), 90.0))
-    free = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still, BytesIO()).store
+    free = sonar_mosaic(
+        flat_surface(), pings, poses, np.radians(14), OPTIONS, still, BytesIO()
+    ).store
     girth = girths(free)
     girth = girth[(girth > 0.06) & [seen_at(free, 0.0, g) for g in girth]]
     assert girth.max() > 0.2
-    # the shadow as seen from y = -0.8 at 0.5 m height, behind the block's far upper edge at y = 0.05
+    # the shadow as seen from y = -0.8 at 0.5 m height, behind the block's far upper edge at y =
+    # 0.05
     for height, end in ((0.05, 0.05 + 0.85 * 0.05 / 0.45), (0.2, 0.05 + 0.85 * 0.2 / 0.3)):
         block = ([-0.1, -0.05, 0.0], [0.1, 0.05, height])
-        made = sonar_mosaic(flat_surface(block), pings, poses, np.radians(14), OPTIONS, still, BytesIO()).store
+        made = sonar_mosaic(
+            flat_surface(block), pings, poses, np.radians(14), OPTIONS, still, BytesIO()
+        ).store
         mapped = [seen_at(made, 0.0, g) for g in girth]
         clear = np.abs(girth - end) > 0.02
         np.testing.assert_array_equal(np.array(mapped)[clear], (girth > end)[clear])
@@ -101,13 +143,25 @@ def test_a_long_shadow_is_found_to_its_end(flat_surface: Callable[..., MosaicSur
     turn = Rotation.from_euler("x", -18, degrees=True) * turn
     poses = Poses(turn.as_quat()[None], np.array([[0.0, -0.9, 0.25]]))
     directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
-    pings = SonarPings(t_ns=np.arange(1), image=np.full((1, 49, 141), 90, np.uint8), directions=directions, range_m=RANGES)
+    pings = SonarPings(
+        t_ns=np.arange(1),
+        image=np.full((1, 49, 141), 90, np.uint8),
+        directions=directions,
+        range_m=RANGES,
+    )
     made = sonar_mosaic(
-        flat_surface(([-0.3, -0.45, 0.0], [0.3, -0.4, 0.12])), pings, poses, np.radians(40), OPTIONS, still, BytesIO()
+        flat_surface(([-0.3, -0.45, 0.0], [0.3, -0.4, 0.12])),
+        pings,
+        poses,
+        np.radians(40),
+        OPTIONS,
+        still,
+        BytesIO(),
     ).store
     end = -0.4 + 0.5 * 0.12 / 0.13
     girth = girths(made)
-    girth = girth[(girth > -0.39) & (girth < 0.4) & (np.abs(girth - end) > 0.04)]  # rays start 4 mm, 1.5 cm of shadow, off it
+    # rays start 4 mm, 1.5 cm of shadow, off it
+    girth = girth[(girth > -0.39) & (girth < 0.4) & (np.abs(girth - end) > 0.04)]
     np.testing.assert_array_equal([seen_at(made, 0.0, g) for g in girth], girth > end)
 
 
@@ -120,29 +174,40 @@ def learn(surface: MosaicSurface, views: list[SonarView]) -> ReturnLevels | None
     return learn_levels(surface, views, compute_footprints(surface, views), 0.1, BytesIO())
 
 
-def test_the_level_is_what_the_bare_hull_returns(flat_surface: Callable[..., MosaicSurface]) -> None:
+def test_the_level_is_what_the_bare_hull_returns(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
     pings, poses = pings_over([-0.1, 0.0, 0.1], lambda points: np.full(len(points), 120.0))
     levels = learn(flat_surface(), views_of(pings, poses, pings.image))
     assert levels is not None
     on_plate = pings.image[1] > 0
-    assert np.abs((levels.mean * levels.gain[1])[on_plate] - 120).mean() < 8  # water before the first return is not counted
+    # water before the first return is not counted
+    assert np.abs((levels.mean * levels.gain[1])[on_plate] - 120).mean() < 8
 
 
-def test_each_ping_has_its_own_gain_within_a_factor_of_two(flat_surface: Callable[..., MosaicSurface]) -> None:
+def test_each_ping_has_its_own_gain_within_a_factor_of_two(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
     _, poses = pings_over([-0.1, 0.0, 0.1, 0.2], lambda points: np.full(len(points), 100.0))
     directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
     fan = build_fan(directions, RANGES, np.radians(60))
     images = [np.full((49, 141), gray, np.uint8) for gray in (100, 130, 100, 10)]
-    levels = learn(flat_surface(), [SonarView(pose=poses[k], fan=fan, image=image) for k, image in enumerate(images)])
+    levels = learn(
+        flat_surface(),
+        [SonarView(pose=poses[k], fan=fan, image=image) for k, image in enumerate(images)],
+    )
     assert levels is not None
     mean = (100 + 130 + 100 + 10) / 4
     ratio = levels.gain / levels.gain[0]
     np.testing.assert_allclose(ratio[1:3], [1.3, 1.0], rtol=0.05)
-    assert abs(ratio[3] - 0.5 * mean / 100) < 0.05  # a ping eight times darker than the mean is evened out by two only
+    # a ping eight times darker than the mean is evened out by two only
+    assert abs(ratio[3] - 0.5 * mean / 100) < 0.05
 
 
 def test_a_shadow_does_not_darken_the_level(flat_surface: Callable[..., MosaicSurface]) -> None:
-    """A block of 10 cm in front of the plate; its shadow reaches from y = -0.2 to -0.05, in 78 to 90 cm of range."""
+    """A block of 10 cm in front of the plate; its shadow reaches from y = -0.2 to -0.05, in 78 to
+    90 cm of range.
+    """
     block = ([-0.3, -0.25, 0.0], [0.3, -0.2, 0.1])
 
     def shadowed(points: np.ndarray) -> np.ndarray:
@@ -156,7 +221,8 @@ def test_a_shadow_does_not_darken_the_level(flat_surface: Callable[..., MosaicSu
     assert blind is not None
     in_shadow = np.s_[20:29, 42:46]
     assert (pings.image[1][in_shadow] == 0).all()
-    assert blind.mean[in_shadow].max() < 50  # without the block in the surface the shadow is taken for a dark hull
+    # without the block in the surface the shadow is taken for a dark hull
+    assert blind.mean[in_shadow].max() < 50
     assert aware.mean[in_shadow].min() > 75
 
 
@@ -172,5 +238,8 @@ def girths(store) -> np.ndarray:
 
 
 def seen_at(store, along: float, girth: float) -> bool:
-    row, column = round((store.grid.north - girth) / 0.02 - 0.5), round((along - store.grid.west) / 0.02 - 0.5)
+    row, column = (
+        round((store.grid.north - girth) / 0.02 - 0.5),
+        round((along - store.grid.west) / 0.02 - 0.5),
+    )
     return bool(store.small[row, column, 1])

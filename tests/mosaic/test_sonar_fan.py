@@ -6,7 +6,8 @@ import numpy as np
 
 from hullrecon.mosaic.imagery.sonar_fan import build_fan
 
-BEARING = np.radians(np.linspace(14, -14, 57))  # numbered from port to starboard, as a driver may have it
+# numbered from port to starboard, as a driver may have it
+BEARING = np.radians(np.linspace(14, -14, 57))
 DIRECTIONS = np.stack([np.zeros(57), np.sin(BEARING), np.cos(BEARING)], axis=1)
 FAN = build_fan(DIRECTIONS, np.linspace(1.0, 5.0, 201), np.radians(14))
 
@@ -33,7 +34,12 @@ def test_elevation_does_not_change_range_and_beam_of_an_arc() -> None:
 
 def test_points_beyond_range_bearing_or_aperture_are_not_held() -> None:
     theta, psi = np.radians(7.1), np.radians(14.2)
-    points = [[0, 0, 0.9], [0, 0, 5.1], [2 * np.sin(theta), 0, 2 * np.cos(theta)], [0, 2 * np.sin(psi), 2 * np.cos(psi)]]
+    points = [
+        [0, 0, 0.9],
+        [0, 0, 5.1],
+        [2 * np.sin(theta), 0, 2 * np.cos(theta)],
+        [0, 2 * np.sin(psi), 2 * np.cos(psi)],
+    ]
     assert np.isnan(FAN.locate(np.array(points))[1]).all()
 
 

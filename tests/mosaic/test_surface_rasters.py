@@ -13,14 +13,21 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.output.raster import RasterLayout
-from hullrecon.mosaic.output.surface_rasters import face_shares, surface_bands, surface_tiles, surface_values
+from hullrecon.mosaic.output.surface_rasters import (
+    face_shares,
+    surface_bands,
+    surface_tiles,
+    surface_values,
+)
 from hullrecon.records.surface import DeviationSplit, Surface
 
 GRID = TexelGrid(west=-1.2, north=1.2, step_m=0.1, height=24, width=24)
 LAYOUT = RasterLayout(grid=GRID, size=32, outside=OutsideMap(x_sign=-1, y_sign=1, frame="M"))
 
 
-def test_a_field_linear_over_the_surface_is_linear_over_its_texels(flat_surface: Callable[..., MosaicSurface]) -> None:
+def test_a_field_linear_over_the_surface_is_linear_over_its_texels(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
     surface = flat_surface()
     slope = 0.01 * surface.mesh.vertices[:, 0] + 0.02 * surface.mesh.vertices[:, 1]
     (tile,) = surface_tiles(surface, {"form": slope}, LAYOUT)["form"]
@@ -30,8 +37,12 @@ def test_a_field_linear_over_the_surface_is_linear_over_its_texels(flat_surface:
     assert np.isnan(tile[:24, :24][~on]).all()
 
 
-def test_counts_are_those_of_the_nearest_corner_and_zero_off_the_surface(flat_surface: Callable[..., MosaicSurface]) -> None:
-    (tile,) = surface_tiles(flat_surface(), {"support": np.array([1.0, 2, 3, 4])}, LAYOUT)["support"]
+def test_counts_are_those_of_the_nearest_corner_and_zero_off_the_surface(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
+    (tile,) = surface_tiles(flat_surface(), {"support": np.array([1.0, 2, 3, 4])}, LAYOUT)[
+        "support"
+    ]
     assert tile.dtype == np.uint16
     assert set(np.unique(tile)) == {0, 1, 2, 3, 4}
     assert tile[3, 3] == 4  # along -0.85, girth 0.85
@@ -42,24 +53,39 @@ def test_shares_of_a_face_give_its_points_back() -> None:
     mesh = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]), np.array([[0, 1, 2]], np.int32))
     points = np.array([[0.2, 0.4, 0.0], [0.0, 0.0, 0.0], [0.5, 0.5, 0.0]])
     corners, share = face_shares(mesh, Scene(mesh), points)
-    np.testing.assert_allclose((mesh.vertices[corners] * share[..., None]).sum(axis=1), points, atol=1e-12)
+    np.testing.assert_allclose(
+        (mesh.vertices[corners] * share[..., None]).sum(axis=1), points, atol=1e-12
+    )
     assert face_shares(mesh, Scene(mesh), np.zeros((0, 3)))[1].shape == (0, 3)
 
 
 def test_what_was_not_seen_has_no_value_and_without_a_cad_model_there_is_support_alone() -> None:
     n = 3
-    surface = Surface(vertices=np.zeros((n, 3)), faces=np.zeros((0, 3), np.int32), deviation=np.full(n, 0.01),
-                      sigma=np.full(n, 0.02), support=np.array([0, 2, 5]))  # fmt: skip
+    surface = Surface(
+        vertices=np.zeros((n, 3)),
+        faces=np.zeros((0, 3), np.int32),
+        deviation=np.full(n, 0.01),
+        sigma=np.full(n, 0.02),
+        support=np.array([0, 2, 5]),
+    )
     one = np.asarray(0.0)
-    split = DeviationSplit(offset=one, offset_sigma=one, tilt=np.zeros(2), tilt_sigma=np.zeros(2), form=np.full(n, 0.003),
-                           form_sigma=np.full(n, 0.002))  # fmt: skip
+    split = DeviationSplit(
+        offset=one,
+        offset_sigma=one,
+        tilt=np.zeros(2),
+        tilt_sigma=np.zeros(2),
+        form=np.full(n, 0.003),
+        form_sigma=np.full(n, 0.002),
+    )
     values = surface_values(surface, split)
     assert set(values) == {"support", "deviation", "deviation_sigma", "form", "form_sigma"}
     np.testing.assert_array_equal(values["form"], [np.nan, 0.003, 0.003])
     assert set(surface_values(surface, None)) == {"support"}
 
 
-@pytest.mark.parametrize(("name", "unit", "dtype"), [("form_sigma", "m", "float32"), ("support", "", "uint16")])
+@pytest.mark.parametrize(
+    ("name", "unit", "dtype"), [("form_sigma", "m", "float32"), ("support", "", "uint16")]
+)
 def test_each_raster_says_what_it_holds(name: str, unit: str, dtype: str) -> None:
     bands = surface_bands(name)
     assert (bands.names, bands.unit, bands.dtype) == ((name,), unit, dtype)
@@ -67,6 +93,10 @@ def test_each_raster_says_what_it_holds(name: str, unit: str, dtype: str) -> Non
 
 
 def test_the_support_says_whether_it_counts_images_or_returns() -> None:
-    assert surface_bands("support").title == "images that saw the surface where landmarks measured it"
-    assert surface_bands("support", by_images=False).title == "DVL returns within reach of the surface"
+    assert (
+        surface_bands("support").title == "images that saw the surface where landmarks measured it"
+    )
+    assert (
+        surface_bands("support", by_images=False).title == "DVL returns within reach of the surface"
+    )
     assert surface_bands("form", by_images=False).title == surface_bands("form").title

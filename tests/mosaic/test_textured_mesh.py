@@ -27,7 +27,9 @@ def checks() -> np.ndarray:
     return picture
 
 
-def test_the_sheet_covers_what_was_seen_and_faces_outward(flat_surface: Callable[..., MosaicSurface]) -> None:
+def test_the_sheet_covers_what_was_seen_and_faces_outward(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
     mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=5000)
     assert 2000 < len(mesh.faces) < 6000
     assert mesh.vertices[:, 0].min() > -0.62  # the first 20 columns were not seen
@@ -49,8 +51,12 @@ class LeftHanded:
         )
 
 
-def test_on_a_left_handed_chart_the_sheet_faces_outward_too(flat_surface: Callable[..., MosaicSurface]) -> None:
-    mesh = build_textured_mesh(replace(flat_surface(), chart=LeftHanded()), GRID, checks()[..., 3], 1, max_faces=5000)
+def test_on_a_left_handed_chart_the_sheet_faces_outward_too(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
+    mesh = build_textured_mesh(
+        replace(flat_surface(), chart=LeftHanded()), GRID, checks()[..., 3], 1, max_faces=5000
+    )
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
     np.testing.assert_allclose(mesh.uv[:, 1], (0.6 - mesh.vertices[:, 1]) / 1.2, atol=0.01)
@@ -67,11 +73,14 @@ def test_the_glb_opens_upright_with_its_texture_and_the_same_bytes_each_time(
     assert len(mesh.faces) == len(mesh.faces)
     assert mesh.visual.material.baseColorTexture.size == (160, 120)
     turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
-    np.testing.assert_allclose(turn, [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # z, up, is y in glTF
+    # z, up, is y in glTF
+    np.testing.assert_allclose(turn, [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 
 
 def test_the_glb_has_the_normals_of_its_surface(flat_surface: Callable[..., MosaicSurface]) -> None:
-    data = encode_glb(build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=500), checks(), UP)
+    data = encode_glb(
+        build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=500), checks(), UP
+    )
     size = int.from_bytes(data[12:16], "little")
     document = json.loads(data[20 : 20 + size])
     accessor = document["accessors"][document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]]
@@ -83,13 +92,19 @@ def test_the_glb_has_the_normals_of_its_surface(flat_surface: Callable[..., Mosa
 
 def test_the_mesh_keeps_to_its_number_of_faces(flat_surface: Callable[..., MosaicSurface]) -> None:
     alpha = np.full((120, 160), 255, np.uint8)
-    few, many = (build_textured_mesh(flat_surface(), GRID, alpha, 1, max_faces=n) for n in (300, 3000))
+    few, many = (
+        build_textured_mesh(flat_surface(), GRID, alpha, 1, max_faces=n) for n in (300, 3000)
+    )
     assert 200 < len(few.faces) <= 320
     assert 2000 < len(many.faces) <= 3200
 
 
-def test_a_mosaic_that_saw_nothing_has_a_mesh_without_faces(flat_surface: Callable[..., MosaicSurface]) -> None:
-    mesh = build_textured_mesh(flat_surface(), GRID, np.zeros((120, 160), np.uint8), 1, max_faces=300)
+def test_a_mosaic_that_saw_nothing_has_a_mesh_without_faces(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
+    mesh = build_textured_mesh(
+        flat_surface(), GRID, np.zeros((120, 160), np.uint8), 1, max_faces=300
+    )
     assert mesh.faces.shape == (0, 3)
     assert mesh.uv.shape == (0, 2)
 
@@ -102,7 +117,8 @@ def test_a_mesh_in_g_is_turned_so_that_down_is_down() -> None:
     )
     scene = trimesh.load(BytesIO(encode_glb(mesh, checks(), DOWN)), file_type="glb")
     turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
-    np.testing.assert_allclose(turn[:3, :3] @ [0, 0, 1], [0, -1, 0], atol=1e-12)  # z of g is down, y of glTF is up
+    # z of g is down, y of glTF is up
+    np.testing.assert_allclose(turn[:3, :3] @ [0, 0, 1], [0, -1, 0], atol=1e-12)
     assert np.linalg.det(turn[:3, :3]) > 0
 
 

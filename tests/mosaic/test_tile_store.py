@@ -31,7 +31,8 @@ def store() -> TileStore:
 def test_the_small_copy_is_reduced_until_it_fits_and_keeps_the_mean(store: TileStore) -> None:
     assert store.reduction == 2
     assert store.small.shape == (50, 75, 4)
-    np.testing.assert_array_equal(store.small[10, 40, :3], 80)  # columns 80 and 81 mean 80.5, rounded to even
+    # columns 80 and 81 mean 80.5, rounded to even
+    np.testing.assert_array_equal(store.small[10, 40, :3], 80)
     assert store.small[10, 20, 3] == 0
     assert store.small[10, 30, 3] == 255
 
@@ -56,7 +57,9 @@ def test_tiles_come_back_as_they_were_made(store: TileStore) -> None:
     windows = list(GRID.tiles(64))
     made = [ramp(window) for window in windows]
     assert len(store.color) == len(store.variance) == len(store.counts) == len(windows)
-    for color, variance, views, tile in zip(store.color, store.variance, store.counts, made, strict=True):
+    for color, variance, views, tile in zip(
+        store.color, store.variance, store.counts, made, strict=True
+    ):
         np.testing.assert_array_equal(color[..., 3] > 0, tile.views > 0)
         np.testing.assert_array_equal(variance[tile.views > 0], tile.variance[tile.views > 0])
         assert np.isnan(variance[tile.views == 0]).all()
@@ -69,7 +72,9 @@ def test_a_tile_of_another_shape_is_refused() -> None:
         tiles.add(np.zeros((4, 5), np.uint8))
 
 
-def test_as_many_tiles_are_made_at_once_as_there_are_cores_and_kept_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_as_many_tiles_are_made_at_once_as_there_are_cores_and_kept_in_order(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 1, 2})
     together = threading.Barrier(3)
 

@@ -17,7 +17,9 @@ Survey = Callable[..., Draft]
 
 
 def jacobian(e: Evaluation) -> np.ndarray:
-    matrix = csr_matrix((e.jacobian_value, e.jacobian_column, e.jacobian_start), shape=(len(e.residual), e.width))
+    matrix = csr_matrix(
+        (e.jacobian_value, e.jacobian_column, e.jacobian_start), shape=(len(e.residual), e.width)
+    )
     return np.asarray(matrix.toarray())
 
 
@@ -32,14 +34,19 @@ def dense_covariance(p: Draft, options: Options) -> tuple[np.ndarray, dict[str, 
 
 def everything_free(p: Draft) -> Draft:
     p.constant = ()
-    p.priors.T_ct_cb = MotionPrior(value=p.unknowns.T_ct_cb.copy(), sqrt_information=np.eye(6) / 1e-3)
+    p.priors.T_ct_cb = MotionPrior(
+        value=p.unknowns.T_ct_cb.copy(), sqrt_information=np.eye(6) / 1e-3
+    )
     p.priors.T_s_d = MotionPrior(value=p.unknowns.T_s_d.copy(), sqrt_information=np.eye(6) / 1e-2)
     p.priors.navigation_sigma = np.full(6, 0.01)
     p.unknowns.deviation = np.array([0.001, -0.002, 0.003])
     rows = len(p.surface.landmark)
     p.surface.field.index = np.tile(np.array([0, 1, 2, 2], np.int32), (rows, 1))
     p.surface.field.weight = np.random.default_rng(3).uniform(size=(rows, 4))
-    p.priors.deviation.start, p.priors.deviation.index = np.arange(4, dtype=np.int32), np.arange(3, dtype=np.int32)
+    p.priors.deviation.start, p.priors.deviation.index = (
+        np.arange(4, dtype=np.int32),
+        np.arange(3, dtype=np.int32),
+    )
     p.priors.deviation.value = np.full(3, 1 / 0.02)
     return p
 
@@ -50,7 +57,9 @@ def assert_equal(got: np.ndarray, expected: np.ndarray) -> None:
 
 @pytest.mark.parametrize("method", ["naive", "maxmix"])
 @pytest.mark.parametrize("threads", [1, 2])
-def test_every_block_equals_that_of_the_dense_inverse(method: str, threads: int, make_survey: Survey) -> None:
+def test_every_block_equals_that_of_the_dense_inverse(
+    method: str, threads: int, make_survey: Survey
+) -> None:
     p = everything_free(make_survey(pixel_noise=1.0))
     p.unknowns.landmark[:5, 2] -= 0.1  # labelled 0
     options = Options(method=method, threads=threads)
@@ -67,7 +76,15 @@ def test_every_block_equals_that_of_the_dense_inverse(method: str, threads: int,
     for k in range(60):
         assert_equal(got.landmark[k], block(f"landmark {k}", f"landmark {k}"))
         assert_equal(got.landmark_T_g_M[k], block(f"landmark {k}", "T_g_M"))
-    for name in ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "intrinsics_top", "intrinsics_bottom"):
+    for name in (
+        "T_g_M",
+        "T_s_ct",
+        "T_ct_cb",
+        "T_s_d",
+        "navigation",
+        "intrinsics_top",
+        "intrinsics_bottom",
+    ):
         assert_equal(getattr(got, name), block(name, name))
     for k in range(3):
         assert_equal(got.deviation[k : k + 1, None], block(f"deviation {k}", f"deviation {k}"))
@@ -75,7 +92,9 @@ def test_every_block_equals_that_of_the_dense_inverse(method: str, threads: int,
 
 
 @pytest.mark.parametrize("method", ["naive", "maxmix"])
-def test_the_leverage_of_factors_without_a_landmark_equals_that_of_the_dense_inverse(method: str, make_survey: Survey) -> None:
+def test_the_leverage_of_factors_without_a_landmark_equals_that_of_the_dense_inverse(
+    method: str, make_survey: Survey
+) -> None:
     p, options = everything_free(make_survey(pixel_noise=1.0)), Options(method=method)
     dense, _ = dense_covariance(p, options)
     e = evaluate(p, options)
@@ -84,11 +103,15 @@ def test_the_leverage_of_factors_without_a_landmark_equals_that_of_the_dense_inv
     got = covariance(p, options).leverage_by_factor
     assert set(got) == set(FACTORS)
     for kind in ("prior", "attitude", "tray", "odometry", "range", "deviation"):
-        assert 0 < got[kind] == pytest.approx(by_row[e.factor == FACTORS.index(kind)].sum(), rel=1e-6), kind
+        assert (
+            0 < got[kind] == pytest.approx(by_row[e.factor == FACTORS.index(kind)].sum(), rel=1e-6)
+        ), kind
     assert got["stereo"] == got["mono"] == got["surface"] == 0
 
 
-def test_what_is_held_has_no_variance_and_the_rest_equals_the_dense_inverse(make_survey: Survey) -> None:
+def test_what_is_held_has_no_variance_and_the_rest_equals_the_dense_inverse(
+    make_survey: Survey,
+) -> None:
     p = make_survey()
     p.constant = (*p.constant, "tray", "T_g_M")
     dense, columns = dense_covariance(p, Options())
@@ -120,19 +143,29 @@ def measured_again(p: Draft, rng: np.random.Generator) -> Draft:
     """Every measurement and every prior with a draw of its own noise."""
     p.priors.T_g_M.sqrt_information = np.eye(6) / 0.01
     for name, sigma in (("T_g_M", 0.01), ("T_s_ct", 0.02)):
-        change(p.priors, f"{name}.value", spread(getattr(p.unknowns, name), sigma * rng.normal(size=6)))
+        change(
+            p.priors, f"{name}.value", spread(getattr(p.unknowns, name), sigma * rng.normal(size=6))
+        )
     p.priors.pose.value = spread(p.priors.pose.value, 1e-3 * rng.normal(size=(1, 6)))
     p.attitude.measured += p.attitude.sigma * rng.normal(size=p.attitude.measured.shape)
     p.tray.measured += p.tray.sigma * rng.normal(size=len(p.tray.measured))
     p.ranges.measured += p.ranges.sigma * rng.normal(size=len(p.ranges.measured))
     p.stereo.pixel += rng.normal(size=p.stereo.pixel.shape)
     p.odometry.measured[:, :3] += 0.01 * rng.normal(size=(7, 3))
-    turned = Rotation.from_quat(p.odometry.measured[:, 3:]) * Rotation.from_rotvec(0.001 * rng.normal(size=(7, 3)))
+    turned = Rotation.from_quat(p.odometry.measured[:, 3:]) * Rotation.from_rotvec(
+        0.001 * rng.normal(size=(7, 3))
+    )
     p.odometry.measured[:, 3:] = turned.as_quat()
     return p
 
 
-PLAIN = Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf, huber_range=np.inf, function_tolerance=1e-9)
+PLAIN = Options(
+    method="naive",
+    huber_stereo=np.inf,
+    huber_mono=np.inf,
+    huber_range=np.inf,
+    function_tolerance=1e-9,
+)
 ROBUST = Options(method="naive", function_tolerance=1e-9)
 
 
@@ -142,10 +175,13 @@ def test_the_errors_of_noisy_dives_are_as_large_as_the_covariance_says(make_surv
         p = measured_again(make_survey(), np.random.default_rng(seed))
         p.unknowns = solve(p, PLAIN).unknowns
         sigma, error = covariance(p, PLAIN), p.unknowns.landmark - truth.unknowns.landmark
-        landmark.append(np.einsum("ki,kij,kj->k", error, np.linalg.inv(sigma.landmark), error).mean())
+        landmark.append(
+            np.einsum("ki,kij,kj->k", error, np.linalg.inv(sigma.landmark), error).mean()
+        )
         moved = p.unknowns.T_g_M[:3] - truth.unknowns.T_g_M[:3]
         hull.append(moved @ np.linalg.inv(sigma.T_g_M[:3, :3]) @ moved)
-    assert 2.6 < np.mean(landmark) < 3.4  # of three degrees of freedom each; twenty dives scatter the mean by 0.2
+    # of three degrees of freedom each; twenty dives scatter the mean by 0.2
+    assert 2.6 < np.mean(landmark) < 3.4
     assert 1.6 < np.mean(hull) < 4.6
 
 
@@ -161,26 +197,36 @@ def images_at_known_poses(p: Draft, mono: bool) -> Draft:
     if mono:
         rows = len(p.stereo.node)
         p.mono.node, p.mono.landmark = np.tile(p.stereo.node, 2), np.tile(p.stereo.landmark, 2)
-        p.mono.camera, p.mono.pixel = np.repeat([0, 1], rows), np.vstack([p.stereo.pixel[:, :2], p.stereo.pixel[:, 2:]])
+        p.mono.camera, p.mono.pixel = (
+            np.repeat([0, 1], rows),
+            np.vstack([p.stereo.pixel[:, :2], p.stereo.pixel[:, 2:]]),
+        )
         clear(p, "stereo")
     return p
 
 
 @pytest.mark.parametrize("mono", [False, True], ids=["stereo", "mono"])
-def test_hubers_loss_widens_the_sigmas_of_normal_noise_by_less_than_three_percent(mono: bool, make_survey: Survey) -> None:
+def test_hubers_loss_widens_the_sigmas_of_normal_noise_by_less_than_three_percent(
+    mono: bool, make_survey: Survey
+) -> None:
     p = images_at_known_poses(make_survey(poses=20, landmarks=300, pixel_noise=1.0), mono)
-    robust, plain = (np.sqrt(np.trace(covariance(p, o).landmark, axis1=1, axis2=2)) for o in (ROBUST, PLAIN))
+    robust, plain = (
+        np.sqrt(np.trace(covariance(p, o).landmark, axis1=1, axis2=2)) for o in (ROBUST, PLAIN)
+    )
     assert 1.005 < np.median(robust / plain) < 1.03
 
 
 @pytest.mark.parametrize("mono", [False, True], ids=["stereo", "mono"])
-def test_under_hubers_loss_landmarks_err_as_much_as_their_covariance_says(mono: bool, make_survey: Survey) -> None:
+def test_under_hubers_loss_landmarks_err_as_much_as_their_covariance_says(
+    mono: bool, make_survey: Survey
+) -> None:
     p = images_at_known_poses(make_survey(poses=20, landmarks=2000, pixel_noise=1.0), mono)
     truth = p.unknowns.landmark
     p.unknowns.landmark = solve(p, ROBUST).unknowns.landmark
     error, sigma = p.unknowns.landmark - truth, covariance(p, ROBUST).landmark
     squared = np.einsum("ki,kij,kj->k", error, np.linalg.inv(sigma), error)
-    assert np.mean(squared) == pytest.approx(3, abs=0.25)  # two thousand landmarks scatter the mean by 0.055
+    # two thousand landmarks scatter the mean by 0.055
+    assert np.mean(squared) == pytest.approx(3, abs=0.25)
 
 
 def test_a_hull_that_nothing_ties_is_named(make_survey: Survey) -> None:
@@ -210,7 +256,9 @@ def test_a_landmark_without_views_is_named(make_survey: Survey) -> None:
         covariance(p)
 
 
-def test_a_landmark_in_one_mono_image_is_named_with_the_direction_of_its_ray(make_survey: Survey) -> None:
+def test_a_landmark_in_one_mono_image_is_named_with_the_direction_of_its_ray(
+    make_survey: Survey,
+) -> None:
     p = make_survey()
     p.unknowns.landmark = np.vstack([p.unknowns.landmark, p.unknowns.landmark[:1]])
     p.mono.node, p.mono.landmark = np.zeros(1, np.int32), np.full(1, 60, np.int32)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever stands in a problem's tables: a typed error that names it or numbers that are numbers, never a crash.
+"""Whatever stands in a problem's tables: a typed error that names it or numbers that are numbers,
+never a crash.
 
 A campaign of more: HULLRECON_DAMAGED_PROBLEMS=10000 pytest tests/native/test_damaged_problems.py
 """
@@ -72,13 +73,25 @@ def of_another_type(table: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 
 DAMAGES: tuple[Damage, ...] = (
-    one_number, one_number, one_number, all_numbers, scaled, noisy, a_row_less, empty, shuffled, flat, of_another_type,
-)  # fmt: skip
+    one_number,
+    one_number,
+    one_number,
+    all_numbers,
+    scaled,
+    noisy,
+    a_row_less,
+    empty,
+    shuffled,
+    flat,
+    of_another_type,
+)
 
 
 def damaged(p: Draft, rng: np.random.Generator) -> Draft:
     """Between one and four of its tables."""
-    names = [path for path, value in leaves(p).items() if isinstance(value, np.ndarray) and value.size]
+    names = [
+        path for path, value in leaves(p).items() if isinstance(value, np.ndarray) and value.size
+    ]
     for name in rng.choice(names, rng.integers(1, 5)):
         table = leaves(p)[name]
         if table.size:
@@ -126,7 +139,9 @@ def joint(p: Draft, options: Options) -> list[np.ndarray]:
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::numpy.exceptions.ComplexWarning")
 @pytest.mark.parametrize("batch", range(BATCHES // 2))
-def test_a_damaged_pose_graph_is_refused_in_words_or_solved_in_numbers(batch: int, make_survey: Survey, shaken: Survey) -> None:
+def test_a_damaged_pose_graph_is_refused_in_words_or_solved_in_numbers(
+    batch: int, make_survey: Survey, shaken: Survey
+) -> None:
     answers = {}
     for seed in range(batch * BATCH, (batch + 1) * BATCH):
         rng = np.random.default_rng(seed)
@@ -134,19 +149,29 @@ def test_a_damaged_pose_graph_is_refused_in_words_or_solved_in_numbers(batch: in
         for change_it in (links, planes, no_landmarks):
             change_it(p)
         p = damaged(p, rng)
-        answers |= {(seed, call.__name__): answer(call, p, options) for call in (solved, evaluated, marginals, joint)}
+        answers |= {
+            (seed, call.__name__): answer(call, p, options)
+            for call in (solved, evaluated, marginals, joint)
+        }
     assert {key for key, said in answers.items() if said in ("", "no numbers")} == set()
-    assert sum(said == "numbers" for said in answers.values()) > BATCH / 10, "too much was damaged to tell"
+    assert sum(said == "numbers" for said in answers.values()) > BATCH / 10, (
+        "too much was damaged to tell"
+    )
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::numpy.exceptions.ComplexWarning")
 @pytest.mark.parametrize("batch", range(BATCHES))
-def test_a_damaged_problem_is_refused_in_words_or_solved_in_numbers(batch: int, make_survey: Survey, shaken: Survey) -> None:
+def test_a_damaged_problem_is_refused_in_words_or_solved_in_numbers(
+    batch: int, make_survey: Survey, shaken: Survey
+) -> None:
     answers = {}
     for seed in range(batch * BATCH, (batch + 1) * BATCH):
         rng = np.random.default_rng(seed)
         p, options = damaged(shaken(make_survey(landmarks=25), seed=seed), rng), chosen(rng)
-        answers |= {(seed, call.__name__): answer(call, p, options) for call in (solved, evaluated, marginals)}
+        answers |= {
+            (seed, call.__name__): answer(call, p, options)
+            for call in (solved, evaluated, marginals)
+        }
     assert {key for key, said in answers.items() if said in ("", "no numbers")} == set()
     solvable = sum(said == "numbers" for said in answers.values())
     assert BATCH / 10 < solvable < 2.5 * BATCH, "too much or too little was damaged to tell"

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Through the tables: every derivative against numeric ones, every measurement's sign, the loss's slope as the cost's."""
+"""Through the tables: every derivative against numeric ones, every measurement's sign, the loss's
+slope as the cost's.
+"""
 
 from __future__ import annotations
 
@@ -40,22 +42,31 @@ def representatives(e: Evaluation, rng: np.random.Generator) -> list[int]:
     return list(chosen.values())
 
 
-# The mesh is bumpy: distance and range have kinks at its edges, so only the linear parts of those factors are exact to order h.
-@pytest.mark.parametrize("case", ["everything free, mono", "tray held", "everything free, planes", "links, tray held"])
+# The mesh is bumpy: distance and range have kinks at its edges, so only the linear parts of those
+# factors are exact to order h.
+@pytest.mark.parametrize(
+    "case", ["everything free, mono", "tray held", "everything free, planes", "links, tray held"]
+)
 def test_derivatives_equal_numeric_ones(case: str, make_survey: Survey, shaken: Survey) -> None:
     p = problem(case, make_survey, shaken)
     options = Options(method="maxmix")
     e = evaluate(p, options)
     J = jacobian(e)
     smooth = ~np.isin(e.factor, [FACTORS.index("range"), FACTORS.index("surface")])
-    blocks = [e.columns[name] for name in ("intrinsics_top", "intrinsics_bottom") if name in e.columns]
+    blocks = [
+        e.columns[name] for name in ("intrinsics_top", "intrinsics_bottom") if name in e.columns
+    ]
     intrinsics = {start + k for start, width in blocks for k in range(width)}
     for column in representatives(e, np.random.default_rng(1)):
         numeric = numeric_column(p, e, column, options, 1e-4)
         if column in intrinsics:  # their prior is about the start, which moves along
-            numeric[e.factor == FACTORS.index("prior")] = J[e.factor == FACTORS.index("prior"), column]
+            numeric[e.factor == FACTORS.index("prior")] = J[
+                e.factor == FACTORS.index("prior"), column
+            ]
         scale = np.abs(J[:, column]).max()
-        np.testing.assert_allclose(J[smooth, column], numeric[smooth], rtol=0, atol=2e-7 * (scale + 1), err_msg=str(column))
+        np.testing.assert_allclose(
+            J[smooth, column], numeric[smooth], rtol=0, atol=2e-7 * (scale + 1), err_msg=str(column)
+        )
 
 
 def flat(p: Draft) -> Draft:
@@ -66,7 +77,9 @@ def flat(p: Draft) -> Draft:
 
 
 @pytest.mark.parametrize("table", ["range", "surface"])
-def test_derivatives_by_the_mesh_equal_numeric_ones_on_a_plane(table: str, make_survey: Survey, shaken: Survey) -> None:
+def test_derivatives_by_the_mesh_equal_numeric_ones_on_a_plane(
+    table: str, make_survey: Survey, shaken: Survey
+) -> None:
     p = flat(problem("everything free", make_survey, shaken))
     e = evaluate(p)
     J, mine = jacobian(e), e.factor == FACTORS.index(table)
@@ -74,12 +87,18 @@ def test_derivatives_by_the_mesh_equal_numeric_ones_on_a_plane(table: str, make_
     for column in representatives(e, np.random.default_rng(2)):
         numeric = numeric_column(p, e, column, Options(), 1e-4)
         scale = np.abs(J[mine, column]).max()
-        np.testing.assert_allclose(J[mine, column], numeric[mine], rtol=0, atol=2e-7 * (scale + 1), err_msg=str(column))
+        np.testing.assert_allclose(
+            J[mine, column], numeric[mine], rtol=0, atol=2e-7 * (scale + 1), err_msg=str(column)
+        )
 
 
 @pytest.mark.parametrize("method", ["naive", "geva", "maxmix"])
-@pytest.mark.parametrize("case", ["as it is", "mono beside stereo", "outliers", "two surfaces", "links", "planes"])
-def test_the_gradient_is_that_of_the_robust_cost(case: str, method: str, make_survey: Survey, shaken: Survey) -> None:
+@pytest.mark.parametrize(
+    "case", ["as it is", "mono beside stereo", "outliers", "two surfaces", "links", "planes"]
+)
+def test_the_gradient_is_that_of_the_robust_cost(
+    case: str, method: str, make_survey: Survey, shaken: Survey
+) -> None:
     p = problem(case, make_survey, shaken)
     if case != "outliers":
         p = flat(p)
@@ -122,15 +141,23 @@ def test_a_larger_measurement_lowers_its_own_residual_and_no_other(
     values[(k, entry) if entry is not None else k] += 1e-3
     change(p, field, values)
     moved_by = evaluate(p, NAIVE).residual - before.residual
-    sigma = {"attitude": p.attitude.sigma[k], "tray": p.tray.sigma[k : k + 1], "range": p.ranges.sigma[k : k + 1]}
-    sigma |= {name: np.full(4, of.sigma_ratio[k]) for name, of in (("stereo", p.stereo), ("mono", p.mono))}
+    sigma = {
+        "attitude": p.attitude.sigma[k],
+        "tray": p.tray.sigma[k : k + 1],
+        "range": p.ranges.sigma[k : k + 1],
+    }
+    sigma |= {
+        name: np.full(4, of.sigma_ratio[k]) for name, of in (("stereo", p.stereo), ("mono", p.mono))
+    }
     mine = np.flatnonzero((before.factor == FACTORS.index(table)) & (before.table_row == k))[row]
     assert moved_by[mine] == pytest.approx(-1e-3 / sigma[table][row], rel=1e-6)
     assert np.delete(moved_by, mine) == pytest.approx(0, abs=1e-15)
 
 
 @pytest.mark.parametrize("coordinate", range(3))
-def test_a_longer_measured_step_lowers_the_odometrys_residual(coordinate: int, make_survey: Survey) -> None:
+def test_a_longer_measured_step_lowers_the_odometrys_residual(
+    coordinate: int, make_survey: Survey
+) -> None:
     p = make_survey()
     before = evaluate(p, NAIVE)
     p.odometry.measured = p.odometry.measured.copy()
@@ -144,7 +171,14 @@ def test_a_longer_measured_step_lowers_the_odometrys_residual(coordinate: int, m
 
 @pytest.mark.parametrize(
     ("navigation", "table", "sign"),
-    [(0, "odometry", -1), (1, "odometry", -1), (2, "attitude", 1), (3, "attitude", 1), (4, "attitude", 1), (5, "tray", 0)],
+    [
+        (0, "odometry", -1),
+        (1, "odometry", -1),
+        (2, "attitude", 1),
+        (3, "attitude", 1),
+        (4, "attitude", 1),
+        (5, "tray", 0),
+    ],
 )
 def test_each_systematic_error_enters_its_own_table_with_its_own_sign(
     navigation: int, table: str, sign: int, make_survey: Survey
@@ -161,7 +195,8 @@ def test_each_systematic_error_enters_its_own_table_with_its_own_sign(
         whitened = (
             np.einsum("kij,kj->ki", p.odometry.sqrt_information, derivative).ravel()
             if derivative is not None
-            else np.tile(np.eye(3)[{4: 0, 2: 1, 3: 2}[navigation]], len(p.unknowns.pose)) / p.attitude.sigma.ravel()
+            else np.tile(np.eye(3)[{4: 0, 2: 1, 3: 2}[navigation]], len(p.unknowns.pose))
+            / p.attitude.sigma.ravel()
         )
         np.testing.assert_allclose(column[mine], sign * whitened, rtol=1e-12)
     else:
@@ -169,10 +204,20 @@ def test_each_systematic_error_enters_its_own_table_with_its_own_sign(
 
 
 @pytest.mark.parametrize("case", [c for c in CASES if "held" in c or "free" in c])
-def test_a_held_block_has_no_column_and_a_free_one_its_width(case: str, make_survey: Survey, shaken: Survey) -> None:
+def test_a_held_block_has_no_column_and_a_free_one_its_width(
+    case: str, make_survey: Survey, shaken: Survey
+) -> None:
     p = problem(case, make_survey, shaken)
     e = evaluate(p)
-    widths = {"T_g_M": 6, "T_s_ct": 6, "T_ct_cb": 6, "T_s_d": 6, "navigation": 6, "intrinsics_top": 9, "intrinsics_bottom": 9}
+    widths = {
+        "T_g_M": 6,
+        "T_s_ct": 6,
+        "T_ct_cb": 6,
+        "T_s_d": 6,
+        "navigation": 6,
+        "intrinsics_top": 9,
+        "intrinsics_bottom": 9,
+    }
     for name, width in widths.items():
         assert e.columns.get(name, (0, 0))[1] == (0 if name in p.constant else width), name
     assert e.columns["pose 2"][1] == (6 if "tray" in p.constant else 7)
@@ -182,7 +227,9 @@ def test_a_held_block_has_no_column_and_a_free_one_its_width(case: str, make_sur
 
 
 @pytest.mark.parametrize("case", ["everything free, mono", "links, tray held"])
-def test_without_the_jacobian_all_else_is_the_same(case: str, make_survey: Survey, shaken: Survey) -> None:
+def test_without_the_jacobian_all_else_is_the_same(
+    case: str, make_survey: Survey, shaken: Survey
+) -> None:
     p = built(problem(case, make_survey, shaken))
     whole, bare = native.evaluate(p, NAIVE), native.evaluate(p, NAIVE, jacobian=False)
     for name in ("residual", "weight", "factor", "table_row"):

@@ -34,12 +34,21 @@ def test_keys_that_are_negative_or_too_many_are_refused():
 def test_nothing_has_no_best():
     best, following = native.best_and_next(NONE, np.zeros(0, np.float32))
     assert (len(best), len(following)) == (0, 0)
-    assert len(native.descriptor_distances(np.zeros((0, 8), np.float32), np.zeros((0, 8), np.float32), NONE, NONE)) == 0
+    assert (
+        len(
+            native.descriptor_distances(
+                np.zeros((0, 8), np.float32), np.zeros((0, 8), np.float32), NONE, NONE
+            )
+        )
+        == 0
+    )
 
 
 def test_points_must_be_in_the_plane():
     center = np.zeros((1, 2))
     with pytest.raises(InputError, match="points"):
         native.pairs_in_regions(center, np.ones((1, 2)), None, np.zeros((4, 3)))
-    first, second = native.pairs_in_regions(center, np.ones((1, 2)), None, np.array([[2.0, 0.0], [1.0, 1.0]]))
+    first, second = native.pairs_in_regions(
+        center, np.ones((1, 2)), None, np.array([[2.0, 0.0], [1.0, 1.0]])
+    )
     assert (first.tolist(), second.tolist()) == ([0], [1])

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The extended information filter of [KimEustice2009 II] as a reference: on a linear problem it ends where the batch does."""
+"""The extended information filter of [KimEustice2009 II] as a reference: on a linear problem it
+ends where the batch does.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +18,17 @@ N = 6
 
 
 class InformationFilter:
-    """A delayed-state filter on nodes of six coordinates: information and information vector, all nodes kept."""
+    """A delayed-state filter on nodes of six coordinates: information and information vector, all
+    nodes kept.
+    """
 
     def __init__(self, information: np.ndarray, vector: np.ndarray) -> None:
         self.information, self.vector = information, vector
 
     def augment(self, transition: np.ndarray, offset: np.ndarray, noise: np.ndarray) -> None:
-        """Adds x_k+1 = transition x_k + offset + w: three blocks, of the last node, the new one and between them."""
+        """Adds x_k+1 = transition x_k + offset + w: three blocks, of the last node, the new one and
+        between them.
+        """
         n, inverse = len(self.vector), np.linalg.inv(noise)
         whole = np.zeros((n + N, n + N))
         whole[:n, :n] = self.information
@@ -32,7 +38,9 @@ class InformationFilter:
         self.information, self.vector = whole, np.r_[self.vector, inverse @ offset]
         self.vector[n - N : n] -= transition.T @ inverse @ offset
 
-    def update(self, nodes: tuple[int, int], H: tuple[np.ndarray, np.ndarray], z: np.ndarray) -> None:
+    def update(
+        self, nodes: tuple[int, int], H: tuple[np.ndarray, np.ndarray], z: np.ndarray
+    ) -> None:
         """z = H_i x_i + H_j x_j + v, v of unit covariance."""
         for a, by in zip(nodes, H, strict=True):
             self.vector[N * a : N * a + N] += by.T @ z
@@ -41,14 +49,18 @@ class InformationFilter:
 
 
 def rows(p: Draft, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Whitened derivative (R / 6, 6, 6 n) and residual of priors and links, and which of them are links."""
+    """Whitened derivative (R / 6, 6, 6 n) and residual of priors and links, and which of them are
+    links.
+    """
     e = evaluate(p)
     links = (e.factor == FACTORS.index("link")).reshape(-1, N)[:, 0]
     return jacobian(e).reshape(-1, N, N * n), e.residual.reshape(-1, N), links
 
 
 def filtered(p: Draft, n: int) -> tuple[InformationFilter, list[np.ndarray]]:
-    """Prior, then nodes one by one, each link as soon as both its nodes are there; what each link changed."""
+    """Prior, then nodes one by one, each link as soon as both its nodes are there; what each link
+    changed.
+    """
     J, r, links = rows(p, n)
     (prior,) = np.flatnonzero(~links)
     at = J[prior][:, :N]
@@ -65,7 +77,11 @@ def filtered(p: Draft, n: int) -> tuple[InformationFilter, list[np.ndarray]]:
                 continue
             before = found.information.copy()
             found.update((i, j), (by[0], by[1]), -r[of_link[k]])
-            changed.append(np.argwhere((found.information != before).reshape(new + 1, N, new + 1, N).any((1, 3))))
+            changed.append(
+                np.argwhere(
+                    (found.information != before).reshape(new + 1, N, new + 1, N).any((1, 3))
+                )
+            )
     return found, changed
 
 
@@ -92,13 +108,21 @@ def test_its_covariances_are_those_of_the_batch(graph: Draft) -> None:
     alone = covariance(graph).pose[:, :N, :N]
     for k in range(40):
         np.testing.assert_allclose(
-            alone[k], dense[N * k : N * k + N, N * k : N * k + N], rtol=0, atol=1e-9 * np.abs(dense).max()
+            alone[k],
+            dense[N * k : N * k + N, N * k : N * k + N],
+            rtol=0,
+            atol=1e-9 * np.abs(dense).max(),
         )
     pairs = np.array([[0, 39], [7, 21], [38, 3]])
     free = np.r_[0:6, 7:13]
     for (i, j), joint in zip(pairs, pair_covariance(graph.build(), pairs).pose, strict=True):
         at = np.r_[N * i : N * i + N, N * j : N * j + N]
-        np.testing.assert_allclose(joint[np.ix_(free, free)], dense[np.ix_(at, at)], rtol=0, atol=1e-9 * np.abs(dense).max())
+        np.testing.assert_allclose(
+            joint[np.ix_(free, free)],
+            dense[np.ix_(at, at)],
+            rtol=0,
+            atol=1e-9 * np.abs(dense).max(),
+        )
 
 
 def test_each_link_touches_four_blocks_only(graph: Draft) -> None:

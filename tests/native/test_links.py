@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Links between cameras: values by hand, against a twin in NumPy, what they are blind to, truth from noisy ones."""
+"""Links between cameras: values by hand, against a twin in NumPy, what they are blind to, truth
+from noisy ones.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ Empty = Callable[[int], Draft]
 Survey = Callable[..., Draft]
 
 
-def one_link(p: Draft, measured: np.ndarray, *, scaled: bool, kernel: LinkKernel = LinkKernel.NONE) -> None:
+def one_link(
+    p: Draft, measured: np.ndarray, *, scaled: bool, kernel: LinkKernel = LinkKernel.NONE
+) -> None:
     """Between the top cameras of the first two nodes, sigmas of one."""
     p.links.first, p.links.second = np.zeros(1, np.int32), np.ones(1, np.int32)
     p.links.camera_first = p.links.camera_second = np.zeros(1, np.int32)
@@ -33,12 +37,17 @@ def test_a_link_with_length_reads_in_the_axes_of_its_first_camera(empty: Empty) 
     p = empty(2)
     p.unknowns.pose[:, 3:7] = turned(2, np.pi / 2)
     p.unknowns.pose[1, :3] = [0, 2.0, 0]
-    p.unknowns.T_s_ct = np.array([0, 0, 1.0, *turned(2, -np.pi / 2)])  # the cameras stand upright in g, 1 m above the nodes
-    p.unknowns.pose[1, 7] = np.pi / 2  # the second tray turns about y of the vehicle, -x of g: its camera is at -y and ahead
+    # the cameras stand upright in g, 1 m above the nodes
+    p.unknowns.T_s_ct = np.array([0, 0, 1.0, *turned(2, -np.pi / 2)])
+    # the second tray turns about y of the vehicle, -x of g: its camera is at -y and ahead
+    p.unknowns.pose[1, 7] = np.pi / 2
     one_link(p, np.array([0.1, 0.5, -0.5, *turned(0, -0.2)]), scaled=True)
     p.links.sqrt_information = np.diag([1, 2, 1, 1, 1, 1.0])[None]
-    # T_g_c1 = (0, 0, 1); the second: z of the tray is x of the vehicle, y of g, so its camera is 1 m beyond: (0, 3, 0)
-    np.testing.assert_allclose(residuals(p, "link"), [-0.1, 5.0, -0.5, -np.pi / 2 + 0.2, 0, 0], atol=1e-12)
+    # T_g_c1 = (0, 0, 1); the second: z of the tray is x of the vehicle, y of g, so its camera is 1
+    # m beyond: (0, 3, 0)
+    np.testing.assert_allclose(
+        residuals(p, "link"), [-0.1, 5.0, -0.5, -np.pi / 2 + 0.2, 0, 0], atol=1e-12
+    )
 
 
 def test_a_bearing_is_the_angle_between_the_directions_whatever_their_length(empty: Empty) -> None:
@@ -49,11 +58,15 @@ def test_a_bearing_is_the_angle_between_the_directions_whatever_their_length(emp
     # the measured direction is z; it leans least to x, so b1 = z x x = y and b2 = z x y = -x
     angle = np.arctan2(3, 4)
     np.testing.assert_allclose(residuals(p, "link"), [0, -2 * angle, 0, -0.3, 0], atol=1e-12)
-    np.testing.assert_allclose(bearing_basis(np.array([0, 0, 7.0])).T, [[0, 1, 0], [-1, 0, 0]], atol=1e-15)
+    np.testing.assert_allclose(
+        bearing_basis(np.array([0, 0, 7.0])).T, [[0, 1, 0], [-1, 0, 0]], atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("place", [[0, 0, 0], [0, 0, -3.0]])
-def test_cameras_without_a_direction_or_with_the_opposite_one_cost_pi_on_both_rows(place: list[float], empty: Empty) -> None:
+def test_cameras_without_a_direction_or_with_the_opposite_one_cost_pi_on_both_rows(
+    place: list[float], empty: Empty
+) -> None:
     p = empty(2)
     p.unknowns.pose[1, :3] = place
     one_link(p, np.array([0, 0, 1.0, *turned(2, 0.0)]), scaled=False)
@@ -74,18 +87,25 @@ def test_every_link_equals_its_twin(make_survey: Survey, shaken: Survey) -> None
     expected = []
     for k, scaled in enumerate(p.links.scaled):
         if scaled:
-            expected.append(p.links.sqrt_information[k] @ np.r_[step.translation[k] - z.translation[k], turn[k]])
+            expected.append(
+                p.links.sqrt_information[k] @ np.r_[step.translation[k] - z.translation[k], turn[k]]
+            )
             continue
         from_, to = (v / np.linalg.norm(v) for v in (z.translation[k], step.translation[k]))
         across = np.cross(from_, to)
         angle = np.arctan2(np.linalg.norm(across), from_ @ to)
         tangent = angle * np.cross(across / np.linalg.norm(across), from_)
-        expected.append(p.links.sqrt_information[k, :5, :5] @ np.r_[bearing_basis(z.translation[k]).T @ tangent, turn[k]])
+        expected.append(
+            p.links.sqrt_information[k, :5, :5]
+            @ np.r_[bearing_basis(z.translation[k]).T @ tangent, turn[k]]
+        )
     np.testing.assert_allclose(residuals(p, "link"), np.concatenate(expected), atol=1e-9)
 
 
 @pytest.mark.parametrize("square", [2.0, 5.0, 5.1, 80.0])
-def test_scaling_weighs_a_link_as_the_method_does_and_costs_its_integral(square: float, empty: Empty) -> None:
+def test_scaling_weighs_a_link_as_the_method_does_and_costs_its_integral(
+    square: float, empty: Empty
+) -> None:
     p = empty(2)
     p.unknowns.pose[1, 0] = np.sqrt(square)
     one_link(p, np.array([0, 0, 0, 0, 0, 0, 1.0]), scaled=True, kernel=LinkKernel.SCALING)
@@ -110,7 +130,10 @@ def test_a_solved_switch_stands_where_its_cost_is_least(empty: Empty) -> None:
     """At s = Phi / (Phi + u): the switch of a link that the rest holds apart."""
     p = empty(2)
     p.unknowns.pose[1, 0] = 10.0
-    p.priors.pose.node, p.priors.pose.value = np.arange(2, dtype=np.int32), p.unknowns.pose[:, :7].copy()
+    p.priors.pose.node, p.priors.pose.value = (
+        np.arange(2, dtype=np.int32),
+        p.unknowns.pose[:, :7].copy(),
+    )
     p.priors.pose.sqrt_information = np.tile(np.eye(6) * 1e6, (2, 1, 1))
     p.constant = (*p.constant, "tray")
     one_link(p, np.array([0, 0, 0, 0, 0, 0, 1.0]), scaled=True, kernel=LinkKernel.SWITCH)
@@ -149,28 +172,56 @@ def test_a_longer_measured_link_lowers_its_residual(coordinate: int, empty: Empt
     one_link(p, np.array([0.3, 0.2, 0.1, 0, 0, 0, 1.0]), scaled=True)
     before = residuals(p, "link")
     p.links.measured[0, coordinate] += 1e-3
-    np.testing.assert_allclose(residuals(p, "link") - before, -1e-3 * np.eye(6)[coordinate], atol=1e-12)
+    np.testing.assert_allclose(
+        residuals(p, "link") - before, -1e-3 * np.eye(6)[coordinate], atol=1e-12
+    )
 
 
 def circle(n: int, rng: np.random.Generator, *, wrong: int) -> tuple[Draft, Poses]:
-    """A path of n nodes twice around a circle by odometry that drifts, tied across by links; some link it to a wrong place."""
+    """A path of n nodes twice around a circle by odometry that drifts, tied across by links; some
+    link it to a wrong place.
+    """
     t = np.linspace(0, 4 * np.pi, n)
     truth = Poses(
-        Rotation.from_euler("z", t[:, None] + np.pi / 2).as_quat(), np.c_[5 * np.cos(t), 5 * np.sin(t), 0.1 * np.sin(3 * t)]
+        Rotation.from_euler("z", t[:, None] + np.pi / 2).as_quat(),
+        np.c_[5 * np.cos(t), 5 * np.sin(t), 0.1 * np.sin(3 * t)],
     )
     step = truth[:-1].inverse() @ truth[1:]
-    noisy = step @ exp(rng.normal(size=(n - 1, 6)) * np.repeat([0.01, 0.003], 3) + np.r_[0, 0, 0, 0, 0, 0.004])
+    noisy = step @ exp(
+        rng.normal(size=(n - 1, 6)) * np.repeat([0.01, 0.003], 3) + np.r_[0, 0, 0, 0, 0, 0.004]
+    )
     path = truth[:1]
     for k in range(n - 1):
         ahead = path[-1:] @ noisy[k : k + 1]
-        path = Poses(np.vstack([path.quaternion, ahead.quaternion]), np.vstack([path.translation, ahead.translation]))
-    held = ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "intrinsics_top", "intrinsics_bottom", "tray")
-    p = Draft(Problem(unknowns=Unknowns(pose=np.c_[path.translation, path.quaternion, np.zeros(n)]), constant=held))
+        path = Poses(
+            np.vstack([path.quaternion, ahead.quaternion]),
+            np.vstack([path.translation, ahead.translation]),
+        )
+    held = (
+        "T_g_M",
+        "T_s_ct",
+        "T_ct_cb",
+        "T_s_d",
+        "navigation",
+        "intrinsics_top",
+        "intrinsics_bottom",
+        "tray",
+    )
+    p = Draft(
+        Problem(
+            unknowns=Unknowns(pose=np.c_[path.translation, path.quaternion, np.zeros(n)]),
+            constant=held,
+        )
+    )
     p.priors.pose.node, p.priors.pose.value = np.zeros(1, np.int32), p.unknowns.pose[:1, :7].copy()
     p.priors.pose.sqrt_information = np.eye(6)[None] * 1e3
     first = np.r_[np.arange(n - 1), np.arange(n // 2)]
     second = np.r_[np.arange(1, n), np.arange(n // 2) + n // 2]
-    measured = truth[first].inverse() @ truth[second] @ exp(rng.normal(size=(len(first), 6)) * np.repeat([0.005, 0.001], 3))
+    measured = (
+        truth[first].inverse()
+        @ truth[second]
+        @ exp(rng.normal(size=(len(first), 6)) * np.repeat([0.005, 0.001], 3))
+    )
     measured.translation[n - 1 : n - 1 + wrong] += [1.5, -1.0, 0.5]
     p.links.first, p.links.second = first.astype(np.int32), second.astype(np.int32)
     p.links.camera_first = p.links.camera_second = np.zeros(len(first), np.int32)
@@ -187,7 +238,9 @@ def rms_m(got: np.ndarray, truth: Poses) -> float:
 
 @pytest.mark.parametrize("core", ["schur", "ceres"])
 @pytest.mark.parametrize("kernel", [LinkKernel.SCALING, LinkKernel.SWITCH])
-def test_noisy_links_give_the_path_back_and_wrong_ones_are_let_go(core: str, kernel: LinkKernel) -> None:
+def test_noisy_links_give_the_path_back_and_wrong_ones_are_let_go(
+    core: str, kernel: LinkKernel
+) -> None:
     p, truth = circle(80, np.random.default_rng(2), wrong=6)
     p.links.kernel[79:] = kernel
     p.unknowns.link_switch = np.ones(np.count_nonzero(p.links.kernel == LinkKernel.SWITCH))
@@ -208,7 +261,10 @@ def test_noisy_bearings_across_take_the_drift_out(make_survey: Survey) -> None:
     """Odometry has the length, links of one camera the direction and the turn."""
     rng = np.random.default_rng(7)
     p, truth = circle(80, rng, wrong=0)
-    p.links.measured[:79], p.links.sqrt_information[:79] = drifted(p.links.measured[:79]), np.diag([100.0] * 3 + [200.0] * 3)
+    p.links.measured[:79], p.links.sqrt_information[:79] = (
+        drifted(p.links.measured[:79]),
+        np.diag([100.0] * 3 + [200.0] * 3),
+    )
     across = np.arange(79, len(p.links.first))
     p.links.second[across] = p.links.first[across] + 35
     noise = exp(rng.normal(size=(len(across), 6)) * np.repeat([0.005, 0.001], 3))
@@ -220,7 +276,16 @@ def test_noisy_bearings_across_take_the_drift_out(make_survey: Survey) -> None:
     p.links.sqrt_information[across, :2, :2] = 200 * length[:, :, None] * np.eye(2)
     p.links.sqrt_information[across, 2:5, 2:5] = 1000 * np.eye(3)
     got = rms_m(solve(p, Options(function_tolerance=1e-10)).unknowns.pose, truth)
-    for name in ("first", "second", "camera_first", "camera_second", "measured", "sqrt_information", "scaled", "kernel"):
+    for name in (
+        "first",
+        "second",
+        "camera_first",
+        "camera_second",
+        "measured",
+        "sqrt_information",
+        "scaled",
+        "kernel",
+    ):
         setattr(p.links, name, getattr(p.links, name)[:79])
     alone = rms_m(solve(p).unknowns.pose, truth)
     assert alone > 0.5
@@ -237,7 +302,10 @@ def test_links_tie_the_camera_to_the_vehicle(make_survey: Survey) -> None:
     """Six turned pairs tell where the camera sits, when the path is known."""
     p = make_survey()
     links(p)
-    place = [camera_poses(p, n, c) for n, c in ((p.links.first, p.links.camera_first), (p.links.second, p.links.camera_second))]
+    place = [
+        camera_poses(p, n, c)
+        for n, c in ((p.links.first, p.links.camera_first), (p.links.second, p.links.camera_second))
+    ]
     exact = place[0].inverse() @ place[1]
     p.links.measured = np.c_[exact.translation, exact.quaternion]
     truth = p.unknowns.T_s_ct.copy()
@@ -245,7 +313,10 @@ def test_links_tie_the_camera_to_the_vehicle(make_survey: Survey) -> None:
     p.priors.T_s_ct = MotionPrior(value=p.unknowns.T_s_ct.copy(), sqrt_information=np.eye(6))
     clear(p, "stereo", "ranges", "surface")
     p.unknowns.landmark = p.unknowns.landmark[:0]
-    p.priors.pose.node, p.priors.pose.value = np.arange(8, dtype=np.int32), p.unknowns.pose[:, :7].copy()
+    p.priors.pose.node, p.priors.pose.value = (
+        np.arange(8, dtype=np.int32),
+        p.unknowns.pose[:, :7].copy(),
+    )
     p.priors.pose.sqrt_information = np.tile(np.eye(6) * 1e4, (8, 1, 1))
     got = solve(p, Options(method="naive", function_tolerance=1e-14))
     np.testing.assert_allclose(got.unknowns.T_s_ct[:3], truth[:3], atol=2e-3)

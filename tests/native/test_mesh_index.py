@@ -10,7 +10,45 @@ from hullrecon.native import MeshIndex
 
 CUBE_VERTICES = np.array([[x, y, z] for x in (0.0, 1) for y in (0.0, 1) for z in (0.0, 1)])
 CUBE_FACES = np.array(
-    [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3], np.int32
+    [
+        0,
+        1,
+        3,
+        0,
+        3,
+        2,
+        4,
+        6,
+        7,
+        4,
+        7,
+        5,
+        0,
+        4,
+        5,
+        0,
+        5,
+        1,
+        2,
+        3,
+        7,
+        2,
+        7,
+        6,
+        0,
+        2,
+        6,
+        0,
+        6,
+        4,
+        1,
+        5,
+        7,
+        1,
+        7,
+        3,
+    ],
+    np.int32,
 ).reshape(-1, 3)
 
 
@@ -19,7 +57,9 @@ def bumpy_hull(n: int = 24, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     theta, phi = np.linspace(0, np.pi, n), np.linspace(0, 2 * np.pi, 2 * n, endpoint=False)
     t, p = np.meshgrid(theta[1:-1], phi, indexing="ij")
-    ring = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=-1).reshape(-1, 3)
+    ring = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=-1).reshape(
+        -1, 3
+    )
     ring *= 1 + 0.05 * rng.normal(size=(len(ring), 1))
     vertices = np.vstack([ring, [[0, 0, 1], [0, 0, -1]]]) * [5, 2, 1]
     wide, faces = 2 * n, []
@@ -34,11 +74,15 @@ def bumpy_hull(n: int = 24, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:
 
 
 def twin_distance(vertices: np.ndarray, faces: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Unsigned distance by brute force: the plane's foot where it lies inside, else the nearest of the three edges."""
+    """Unsigned distance by brute force: the plane's foot where it lies inside, else the nearest of
+    the three edges.
+    """
     a, b, c = (vertices[faces[:, k]][None] for k in range(3))
     p = points[:, None]
     normal = np.cross(b - a, c - a)
-    foot = p - ((p - a) * normal).sum(-1, keepdims=True) / (normal**2).sum(-1, keepdims=True) * normal
+    foot = (
+        p - ((p - a) * normal).sum(-1, keepdims=True) / (normal**2).sum(-1, keepdims=True) * normal
+    )
     inside = np.ones(foot.shape[:2], bool)
     best = np.full(foot.shape[:2], np.inf)
     for u, v in ((a, b), (b, c), (c, a)):
@@ -48,7 +92,9 @@ def twin_distance(vertices: np.ndarray, faces: np.ndarray, points: np.ndarray) -
     return np.where(inside, np.linalg.norm(p - foot, axis=-1), best).min(axis=1)
 
 
-def twin_cast(vertices: np.ndarray, faces: np.ndarray, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def twin_cast(
+    vertices: np.ndarray, faces: np.ndarray, origins: np.ndarray, directions: np.ndarray
+) -> np.ndarray:
     """Range by brute force: each ray in each face's barycentric coordinates by a 3 x 3 solve."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     out = np.full(len(origins), np.inf)
@@ -64,8 +110,12 @@ def test_distances_equal_those_of_the_brute_force_twin() -> None:
     vertices, faces = bumpy_hull()
     points = np.random.default_rng(0).uniform(-6, 6, (300, 3))
     got = MeshIndex(vertices, faces).closest(points)
-    np.testing.assert_allclose(np.abs(got.distance), twin_distance(vertices, faces, points), rtol=1e-12, atol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(points - got.point, axis=1), np.abs(got.distance), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(
+        np.abs(got.distance), twin_distance(vertices, faces, points), rtol=1e-12, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        np.linalg.norm(points - got.point, axis=1), np.abs(got.distance), rtol=1e-12, atol=1e-12
+    )
 
 
 def test_ranges_equal_those_of_the_brute_force_twin_misses_included() -> None:
@@ -73,7 +123,10 @@ def test_ranges_equal_those_of_the_brute_force_twin_misses_included() -> None:
     rng = np.random.default_rng(1)
     origins, directions = rng.uniform(-6, 6, (300, 3)), rng.normal(size=(300, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    got, expected = MeshIndex(vertices, faces).cast(origins, directions), twin_cast(vertices, faces, origins, directions)
+    got, expected = (
+        MeshIndex(vertices, faces).cast(origins, directions),
+        twin_cast(vertices, faces, origins, directions),
+    )
     assert 20 < np.isinf(expected).sum() < 280
     np.testing.assert_allclose(got.range, expected, rtol=1e-10)
     assert ((got.face == -1) == np.isinf(expected)).all()
@@ -111,22 +164,32 @@ def test_distance_and_gradient_about_a_cube_are_those_worked_out_by_hand(
 
 @pytest.mark.parametrize(
     ("point", "gradient"),
-    [([0.3, 0.2, 1.0], [0, 0, 1]), ([0.5, 1, 1], [0, np.sqrt(0.5), np.sqrt(0.5)]), ([1, 1, 1], np.ones(3) / np.sqrt(3))],
+    [
+        ([0.3, 0.2, 1.0], [0, 0, 1]),
+        ([0.5, 1, 1], [0, np.sqrt(0.5), np.sqrt(0.5)]),
+        ([1, 1, 1], np.ones(3) / np.sqrt(3)),
+    ],
     ids=["on a face", "on an edge", "on a corner"],
 )
-def test_on_the_surface_the_gradient_is_the_pseudonormal(point: list[float], gradient: list[float]) -> None:
+def test_on_the_surface_the_gradient_is_the_pseudonormal(
+    point: list[float], gradient: list[float]
+) -> None:
     got = MeshIndex(CUBE_VERTICES, CUBE_FACES).closest([point])
     assert abs(got.distance[0]) < 1e-15
     np.testing.assert_allclose(got.gradient, [gradient], atol=1e-12)
 
 
-def test_a_point_beside_a_sharp_corner_is_outside_though_the_nearest_faces_plane_says_inside() -> None:
+def test_a_point_beside_a_sharp_corner_is_outside_though_the_nearest_faces_plane_says_inside() -> (
+    None
+):
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [-0.2, -0.2, 1.0], [0.0, 0, -1]])
     faces = np.array([[3, 0, 1], [3, 1, 2], [3, 2, 0], [4, 1, 0], [4, 2, 1], [4, 0, 2]], np.int32)
     point = np.array([-0.35, -0.35, 1.02])
     got = MeshIndex(vertices, faces).closest([point])
     np.testing.assert_allclose(got.point, [[-0.2, -0.2, 1.0]])
-    normals = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
+    normals = np.cross(
+        vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]]
+    )
     sides = ((point - vertices[faces[:3, 0]]) * normals[:3]).sum(axis=1)
     assert (sides < 0).any()
     assert (sides > 0).any()
@@ -139,16 +202,21 @@ def test_the_gradient_is_the_derivative_of_the_distance() -> None:
     index, step = MeshIndex(vertices, faces), 1e-6
     got = index.closest(points)
     for axis in np.eye(3):
-        slope = (index.closest(points + step * axis).distance - index.closest(points - step * axis).distance) / (2 * step)
+        slope = (
+            index.closest(points + step * axis).distance
+            - index.closest(points - step * axis).distance
+        ) / (2 * step)
         smooth = np.abs(slope - got.gradient @ axis) < 1e-5
-        assert smooth.mean() > 0.98  # the rest stands on the medial axis, where the distance has a crease
+        # the rest stands on the medial axis, where the distance has a crease
+        assert smooth.mean() > 0.98
 
 
 def test_a_mesh_with_a_triangle_soup_has_the_signs_of_the_welded_one() -> None:
     soup = CUBE_VERTICES[CUBE_FACES].reshape(-1, 3)
     points = np.random.default_rng(5).uniform(-0.5, 1.5, (500, 3))
     loose, welded = (
-        MeshIndex(v, f).closest(points) for v, f in ((soup, np.arange(36).reshape(12, 3)), (CUBE_VERTICES, CUBE_FACES))
+        MeshIndex(v, f).closest(points)
+        for v, f in ((soup, np.arange(36).reshape(12, 3)), (CUBE_VERTICES, CUBE_FACES))
     )
     np.testing.assert_array_equal(loose.distance, welded.distance)
     np.testing.assert_array_equal(loose.gradient, welded.gradient)
@@ -159,8 +227,12 @@ def test_a_sliver_without_area_does_no_harm() -> None:
     points = np.random.default_rng(6).uniform([-0.5, -0.5, 0.5], [1.5, 1.5, 2.5], (200, 3))
     with_sliver, plain = MeshIndex(CUBE_VERTICES, faces), MeshIndex(CUBE_VERTICES, CUBE_FACES)
     outside = plain.closest(points).distance > 0
-    np.testing.assert_allclose(with_sliver.closest(points[outside]).distance, plain.closest(points[outside]).distance)
-    np.testing.assert_array_equal(with_sliver.cast(points, -points).range, plain.cast(points, -points).range)
+    np.testing.assert_allclose(
+        with_sliver.closest(points[outside]).distance, plain.closest(points[outside]).distance
+    )
+    np.testing.assert_array_equal(
+        with_sliver.cast(points, -points).range, plain.cast(points, -points).range
+    )
 
 
 def test_bytes_do_not_depend_on_the_number_of_threads() -> None:
@@ -169,9 +241,15 @@ def test_bytes_do_not_depend_on_the_number_of_threads() -> None:
     points, directions = rng.uniform(-6, 6, (3000, 3)), rng.normal(size=(3000, 3))
     one, two = MeshIndex(vertices, faces, threads=1), MeshIndex(vertices, faces, threads=2)
     for name in ("distance", "point", "gradient", "face"):
-        assert getattr(one.closest(points), name).tobytes() == getattr(two.closest(points), name).tobytes()
+        assert (
+            getattr(one.closest(points), name).tobytes()
+            == getattr(two.closest(points), name).tobytes()
+        )
     for name in ("range", "face", "normal"):
-        assert getattr(one.cast(points, directions), name).tobytes() == getattr(two.cast(points, directions), name).tobytes()
+        assert (
+            getattr(one.cast(points, directions), name).tobytes()
+            == getattr(two.cast(points, directions), name).tobytes()
+        )
 
 
 def test_rays_through_shared_edges_and_corners_do_not_slip_through() -> None:
@@ -204,7 +282,9 @@ def test_no_points_give_empty_answers() -> None:
         (CUBE_VERTICES * np.nan, CUBE_FACES, "vertices"),
     ],
 )
-def test_a_mesh_that_cannot_be_is_refused_by_name(vertices: np.ndarray, faces: np.ndarray, where: str) -> None:
+def test_a_mesh_that_cannot_be_is_refused_by_name(
+    vertices: np.ndarray, faces: np.ndarray, where: str
+) -> None:
     with pytest.raises(InputError) as caught:
         MeshIndex(vertices, faces)
     assert caught.value.where == where

@@ -13,7 +13,15 @@ from native.test_links import circle
 
 from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.poses import Poses, exp
-from hullrecon.native import LinkKernel, Options, PairCovariance, covariance, evaluate, pair_covariance, solve
+from hullrecon.native import (
+    LinkKernel,
+    Options,
+    PairCovariance,
+    covariance,
+    evaluate,
+    pair_covariance,
+    solve,
+)
 
 Survey = Callable[..., Draft]
 
@@ -23,7 +31,9 @@ def all_pairs(n: int) -> np.ndarray:
     return np.random.default_rng(0).permutation(np.c_[i.ravel(), j.ravel()])
 
 
-def assert_equals_dense(p: Draft, got: PairCovariance, pairs: np.ndarray, options: Options = Options()) -> None:  # noqa: B008
+def assert_equals_dense(
+    p: Draft, got: PairCovariance, pairs: np.ndarray, options: Options = Options()  # noqa: B008
+) -> None:
     dense, columns = dense_covariance(p, options)
 
     def block(a: str, b: str) -> np.ndarray:
@@ -43,9 +53,13 @@ def assert_equals_dense(p: Draft, got: PairCovariance, pairs: np.ndarray, option
     np.testing.assert_allclose(got.T_s_ct, block("T_s_ct", "T_s_ct"), rtol=1e-6, atol=1e-12)
 
 
-@pytest.mark.parametrize("case", ["as it is", "everything free, planes", "links, tray held", "both held", "links alone"])
+@pytest.mark.parametrize(
+    "case", ["as it is", "everything free, planes", "links, tray held", "both held", "links alone"]
+)
 @pytest.mark.parametrize("threads", [1, 2])
-def test_every_pair_equals_the_dense_inverse(case: str, threads: int, make_survey: Survey, shaken: Survey) -> None:
+def test_every_pair_equals_the_dense_inverse(
+    case: str, threads: int, make_survey: Survey, shaken: Survey
+) -> None:
     p, pairs = problem(case, make_survey, shaken), all_pairs(8)
     options = Options(method="naive", threads=threads)
     assert_equals_dense(p, pair_covariance(p.build(), pairs, options), pairs, options)
@@ -71,7 +85,11 @@ def test_a_pose_on_its_own_has_the_marginal_of_covariance(make_survey: Survey) -
 
 
 def test_no_pairs_give_empty_tables(make_survey: Survey) -> None:
-    assert pair_covariance(make_survey().build(), np.zeros((0, 2), np.int32)).pose.shape == (0, 14, 14)
+    assert pair_covariance(make_survey().build(), np.zeros((0, 2), np.int32)).pose.shape == (
+        0,
+        14,
+        14,
+    )
 
 
 @pytest.mark.parametrize(
@@ -84,7 +102,9 @@ def test_no_pairs_give_empty_tables(make_survey: Survey) -> None:
         (np.array([[0.0, 1.0]]), "wrong type"),
     ],
 )
-def test_pairs_that_cannot_be_meant_are_refused(pairs: np.ndarray, words: str, make_survey: Survey) -> None:
+def test_pairs_that_cannot_be_meant_are_refused(
+    pairs: np.ndarray, words: str, make_survey: Survey
+) -> None:
     with pytest.raises(InputError, match=words) as error:
         pair_covariance(make_survey().build(), pairs)
     assert error.value.where == "pairs"
@@ -99,7 +119,9 @@ def test_a_path_that_nothing_ties_down_is_named() -> None:
 
 
 def test_the_innovation_of_a_true_candidate_is_chi_square() -> None:
-    """Over many draws of the noise, r' (J S J' + 1)^-1 r of a link that the graph does not have averages its rows."""
+    """Over many draws of the noise, r' (J S J' + 1)^-1 r of a link that the graph does not have
+    averages its rows.
+    """
     found = []
     for seed in range(60):
         rng = np.random.default_rng(seed)
@@ -127,7 +149,9 @@ def test_the_innovation_of_a_true_candidate_is_chi_square() -> None:
             for at in range(e.jacobian_start[row], e.jacobian_start[row + 1]):
                 node, k = divmod(int(e.jacobian_column[at]), 6)
                 J[r, k + (6 if node == 18 else 0)] = e.jacobian_value[at]
-        found.append(e.residual[rows] @ np.linalg.solve(J @ joint @ J.T + np.eye(6), e.residual[rows]))
+        found.append(
+            e.residual[rows] @ np.linalg.solve(J @ joint @ J.T + np.eye(6), e.residual[rows])
+        )
     assert 5.1 < np.mean(found) < 7.0  # 6, the mean of 60 within 2.2 of its sigma of 0.45
 
 

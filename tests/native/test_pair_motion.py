@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from benchmarks.pair_motion import BASELINE_M, BOTTOM_FROM_TOP, MOTION, compared, difference, moved, plain_normal, scene
+from benchmarks.pair_motion import (
+    BASELINE_M,
+    BOTTOM_FROM_TOP,
+    MOTION,
+    compared,
+    difference,
+    moved,
+    plain_normal,
+    scene,
+)
 from hullrecon import native
 from hullrecon.errors import InputError
 from hullrecon.geometry.poses import exp
@@ -38,7 +47,9 @@ def test_compiled_and_plain_are_the_same(data, part):
 
 
 def test_reduced_features_are_those_of_plain_numpy(data):
-    """A feature that one camera saw alone has an inverse of 1 / damping: it says nothing, to fewer digits."""
+    """A feature that one camera saw alone has an inverse of 1 / damping: it says nothing, to fewer
+    digits.
+    """
     compiled, plain = (way() for way in compared(data)["reduced"])
     sure = np.isfinite(data.seen).all(axis=1)
     assert sure.sum() > 100
@@ -53,7 +64,9 @@ def test_the_normal_equations_are_of_numeric_derivatives(data, backward):
     counts = np.isfinite(xy[:, 0])
 
     def at(motion):
-        return native.normal_of_reprojections(motion, points, xy, BOTTOM_FROM_TOP, backward, STIFF_M, counts)
+        return native.normal_of_reprojections(
+            motion, points, xy, BOTTOM_FROM_TOP, backward, STIFF_M, counts
+        )
 
     def residuals(step):
         way = np.linalg.inv(stepped(step)) if backward else stepped(step)
@@ -63,7 +76,9 @@ def test_the_normal_equations_are_of_numeric_derivatives(data, backward):
     jacobian = central(residuals, 6)
     normal, gradient, cost = at(MOTION)
     np.testing.assert_allclose(normal, jacobian.T @ jacobian, rtol=1e-6, atol=1e-6 * normal.max())
-    np.testing.assert_allclose(gradient, jacobian.T @ residuals(np.zeros(6)), atol=1e-6 * np.abs(gradient).max())
+    np.testing.assert_allclose(
+        gradient, jacobian.T @ residuals(np.zeros(6)), atol=1e-6 * np.abs(gradient).max()
+    )
     np.testing.assert_allclose(cost, (residuals(np.zeros(6)) ** 2).sum())
 
 
@@ -117,7 +132,12 @@ def test_what_no_camera_saw_says_nothing(data):
 
 @pytest.mark.parametrize("name", ["points", "seen", "bottom_from_top"])
 def test_arrays_that_do_not_fit_are_refused_by_name(data, name):
-    given = {"motion": MOTION, "bottom_from_top": BOTTOM_FROM_TOP, "points": data.points, "seen": data.seen}
+    given = {
+        "motion": MOTION,
+        "bottom_from_top": BOTTOM_FROM_TOP,
+        "points": data.points,
+        "seen": data.seen,
+    }
     given[name] = given[name][:, :2]
     with pytest.raises(InputError, match=name):
         native.reduce_stereo(**given)
@@ -128,4 +148,6 @@ def test_views_that_do_not_fit_are_refused_by_name(data):
     with pytest.raises(InputError, match="xy"):
         native.squared_reprojections(MOTION[None], data.points, xy[1:])
     with pytest.raises(InputError, match="counts"):
-        native.normal_of_reprojections(MOTION, data.points, xy, MOTION, False, 0.1, np.ones(3, bool))
+        native.normal_of_reprojections(
+            MOTION, data.points, xy, MOTION, False, 0.1, np.ones(3, bool)
+        )

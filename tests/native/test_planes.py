@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Planes, beams to them and constant velocity: values by hand, a twin, what they are blind to, truth from noisy ones."""
+"""Planes, beams to them and constant velocity: values by hand, a twin, what they are blind to,
+truth from noisy ones.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,14 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses, exp, from_rpy, tray_poses
-from hullrecon.native import LinkKernel, Options, Problem, Unknowns, curvature_difference, curvature_information
+from hullrecon.native import (
+    LinkKernel,
+    Options,
+    Problem,
+    Unknowns,
+    curvature_difference,
+    curvature_information,
+)
 
 Empty = Callable[[int], Draft]
 Survey = Callable[..., Draft]
@@ -28,14 +37,21 @@ def ahead(p: Draft, distance: float = 2.0) -> None:
 
 
 def sight(p: Draft, node: int, measured: list[float]) -> None:
-    p.plane_sightings.node, p.plane_sightings.plane = np.array([node], np.int32), np.zeros(1, np.int32)
-    p.plane_sightings.measured, p.plane_sightings.sqrt_information = np.array([measured]), np.eye(3)[None]
+    p.plane_sightings.node, p.plane_sightings.plane = (
+        np.array([node], np.int32),
+        np.zeros(1, np.int32),
+    )
+    p.plane_sightings.measured, p.plane_sightings.sqrt_information = (
+        np.array([measured]),
+        np.eye(3)[None],
+    )
 
 
 def test_a_wall_seen_from_the_side_is_turned_and_nearer(empty: Empty) -> None:
     p = empty(2)
     ahead(p)
-    p.unknowns.pose[1, :3], p.unknowns.pose[1, 3:7] = [0.5, 7.0, -3.0], turned(2, np.pi / 2)  # its x is y of g
+    # its x is y of g
+    p.unknowns.pose[1, :3], p.unknowns.pose[1, 3:7] = [0.5, 7.0, -3.0], turned(2, np.pi / 2)
     sight(p, 1, [0.0, 1.0, 0.0])
     p.plane_sightings.sqrt_information = np.diag([1.0, 2.0, 1.0])[None]
     # 1.5 m away; the normal, -x of g, is +y of the turned vehicle
@@ -48,21 +64,30 @@ def test_a_sighting_from_the_anchor_compares_the_three_numbers(empty: Empty) -> 
     p.unknowns.pose[0, :3] = [9.0, 9, 9]
     sight(p, 0, [-1.5, 0.25, 0.0])
     np.testing.assert_allclose(residuals(p, "plane"), [-0.5, -0.25, 0])
-    assert set(np.flatnonzero(np.bincount(evaluate(p).jacobian_column))) == {14, 15, 16}  # the plane alone
+    # the plane alone
+    assert set(np.flatnonzero(np.bincount(evaluate(p).jacobian_column))) == {14, 15, 16}
 
 
 def test_two_parallel_walls_differ_by_the_step_between_them(empty: Empty) -> None:
     p = empty(2)
     p.unknowns.pose[1, 0] = 0.5
-    p.unknowns.plane, p.planes.anchor = np.array([[-2, 0, 0.0], [-1.2, 0, 0]]), np.arange(2, dtype=np.int32)
+    p.unknowns.plane, p.planes.anchor = (
+        np.array([[-2, 0, 0.0], [-1.2, 0, 0]]),
+        np.arange(2, dtype=np.int32),
+    )
     p.plane_pairs.first, p.plane_pairs.second = np.zeros(1, np.int32), np.ones(1, np.int32)
-    p.plane_pairs.measured, p.plane_pairs.sqrt_information = np.array([[0.1, 0, 0]]), 2 * np.eye(3)[None]
+    p.plane_pairs.measured, p.plane_pairs.sqrt_information = (
+        np.array([[0.1, 0, 0]]),
+        2 * np.eye(3)[None],
+    )
     p.plane_pairs.point, p.plane_pairs.place = np.array([[1.2, 0.3, 0]]), np.array([[1.7, 0.1, 0]])
     p.plane_pairs.by_place = np.zeros((1, 3, 3))
     # the second stands 1.7 m from the first node
     np.testing.assert_allclose(residuals(p, "plane_pair"), [2 * (-1.7 + 2 - 0.1), 0, 0], atol=1e-12)
     p.plane_pairs.by_place[0, 2, 1] = 0.5  # its point lies 0.2 m farther along than it was
-    np.testing.assert_allclose(residuals(p, "plane_pair"), [2 * (-1.7 + 2 - 0.1), 0, -2 * 0.5 * 0.2], atol=1e-12)
+    np.testing.assert_allclose(
+        residuals(p, "plane_pair"), [2 * (-1.7 + 2 - 0.1), 0, -2 * 0.5 * 0.2], atol=1e-12
+    )
 
 
 def test_a_beam_meets_a_wall_where_the_corrected_formula_says(empty: Empty) -> None:
@@ -70,7 +95,10 @@ def test_a_beam_meets_a_wall_where_the_corrected_formula_says(empty: Empty) -> N
     ahead(p)
     p.unknowns.pose[1, 0], p.unknowns.T_s_d = 0.5, np.array([0.1, 0, 0, 0, 0, 0, 1.0])
     p.plane_ranges.node, p.plane_ranges.plane = np.ones(1, np.int32), np.zeros(1, np.int32)
-    p.plane_ranges.offset, p.plane_ranges.tray_offset = np.array([[0.2, 0, 0, 0, 0, 0, 1.0]]), np.zeros(1)
+    p.plane_ranges.offset, p.plane_ranges.tray_offset = (
+        np.array([[0.2, 0, 0, 0, 0, 0, 1.0]]),
+        np.zeros(1),
+    )
     p.plane_ranges.beam, p.plane_ranges.measured = np.array([[0.8, 0.6, 0.0]]), np.array([1.4])
     p.plane_ranges.sigma = np.array([0.1])
     # the DVL is at x = 0.8, the wall at 2: 1.2 m ahead, 1.5 m along the beam
@@ -85,7 +113,9 @@ def test_a_vehicle_that_speeds_up_shows_its_change_of_velocity(empty: Empty) -> 
     p.unknowns.pose[:, 3:7] = turned(2, np.pi / 2)
     p.unknowns.pose[1, 1], p.unknowns.pose[2, 1] = 1.0, 4.0  # ahead in the vehicle's axes
     p.unknowns.pose[2, 3:7] = turned(2, np.pi / 2 + 0.3)
-    p.velocities.first, p.velocities.second, p.velocities.third = (np.array([k], np.int32) for k in range(3))
+    p.velocities.first, p.velocities.second, p.velocities.third = (
+        np.array([k], np.int32) for k in range(3)
+    )
     p.velocities.before, p.velocities.after = np.array([2.0]), np.array([3.0])
     p.velocities.sigma = np.array([[0.1, 1, 1, 1, 1, 0.05]])
     np.testing.assert_allclose(residuals(p, "velocity"), [5.0, 0, 0, 0, 0, 2.0], atol=1e-12)
@@ -99,10 +129,16 @@ def test_every_row_equals_its_twin(make_survey: Survey, shaken: Survey) -> None:
     expected = np.einsum("kij,kj->ki", t.sqrt_information, seen - t.measured).ravel()
     np.testing.assert_allclose(residuals(p, "plane"), expected, atol=1e-10)
     t = p.plane_pairs
-    seen = planes_seen(at, p.unknowns.plane[t.second], p.planes.anchor[t.second], p.planes.anchor[t.first])
+    seen = planes_seen(
+        at, p.unknowns.plane[t.second], p.planes.anchor[t.second], p.planes.anchor[t.first]
+    )
     anchors = at[p.planes.anchor[t.first]].inverse() @ at[p.planes.anchor[t.second]]
-    by_curvature = t.measured + np.einsum("kij,kj->ki", t.by_place, anchors.apply(t.point) - t.place)
-    expected = np.einsum("kij,kj->ki", t.sqrt_information, seen - p.unknowns.plane[t.first] - by_curvature).ravel()
+    by_curvature = t.measured + np.einsum(
+        "kij,kj->ki", t.by_place, anchors.apply(t.point) - t.place
+    )
+    expected = np.einsum(
+        "kij,kj->ki", t.sqrt_information, seen - p.unknowns.plane[t.first] - by_curvature
+    ).ravel()
     np.testing.assert_allclose(residuals(p, "plane_pair"), expected, atol=1e-10)
     t = p.plane_ranges
     mount = Poses(p.unknowns.T_s_d[None, 3:], p.unknowns.T_s_d[None, :3])
@@ -113,22 +149,36 @@ def test_every_row_equals_its_twin(make_survey: Survey, shaken: Survey) -> None:
     )
     in_anchor = at[p.planes.anchor[t.plane]].inverse() @ at[t.node] @ dvl
     pi, along = p.unknowns.plane[t.plane], in_anchor.rotation.apply(t.beam)
-    predicted = -(np.sum(pi * pi, 1) + np.sum(pi * in_anchor.translation, 1)) / np.sum(pi * along, 1)
-    np.testing.assert_allclose(residuals(p, "plane_range"), (predicted - t.measured) / t.sigma, atol=1e-9)
+    predicted = -(np.sum(pi * pi, 1) + np.sum(pi * in_anchor.translation, 1)) / np.sum(
+        pi * along, 1
+    )
+    np.testing.assert_allclose(
+        residuals(p, "plane_range"), (predicted - t.measured) / t.sigma, atol=1e-9
+    )
     end = in_anchor.translation + predicted[:, None] * along
-    np.testing.assert_allclose(np.sum(pi * end, 1), -np.sum(pi * pi, 1))  # the ends lie on the planes
+    # the ends lie on the planes
+    np.testing.assert_allclose(np.sum(pi * end, 1), -np.sum(pi * pi, 1))
     t = p.velocities
     i, j, k = at[t.first], at[t.second], at[t.third]
     came, goes = i.inverse() @ j, j.inverse() @ k
-    linear = goes.translation / t.after[:, None] - came.rotation.inv().apply(came.translation) / t.before[:, None]
-    angular = goes.rotation.as_rotvec() / t.after[:, None] - came.rotation.as_rotvec() / t.before[:, None]
-    np.testing.assert_allclose(residuals(p, "velocity"), (np.hstack([linear, angular]) / t.sigma).ravel(), atol=1e-9)
+    linear = (
+        goes.translation / t.after[:, None]
+        - came.rotation.inv().apply(came.translation) / t.before[:, None]
+    )
+    angular = (
+        goes.rotation.as_rotvec() / t.after[:, None] - came.rotation.as_rotvec() / t.before[:, None]
+    )
+    np.testing.assert_allclose(
+        residuals(p, "velocity"), (np.hstack([linear, angular]) / t.sigma).ravel(), atol=1e-9
+    )
 
 
 def test_none_of_them_sees_where_the_whole_path_stands(make_survey: Survey, shaken: Survey) -> None:
     p = shaken(make_survey())
     planes(p)
-    before = {kind: residuals(p, kind) for kind in ("plane", "plane_pair", "plane_range", "velocity")}
+    before = {
+        kind: residuals(p, kind) for kind in ("plane", "plane_pair", "plane_range", "velocity")
+    }
     moved_rigidly(p, exp(np.array([[30.0, -20, 10, 0.5, 1.5, -1]])))
     for kind, rows in before.items():
         np.testing.assert_allclose(residuals(p, kind), rows, atol=1e-8, err_msg=kind)
@@ -147,8 +197,15 @@ def test_a_beam_along_its_plane_is_refused_by_name(empty: Empty) -> None:
     p = empty(1)
     ahead(p)
     p.plane_ranges.node = p.plane_ranges.plane = np.zeros(1, np.int32)
-    p.plane_ranges.offset, p.plane_ranges.tray_offset = np.array([[0, 0, 0, 0, 0, 0, 1.0]]), np.zeros(1)
-    p.plane_ranges.beam, p.plane_ranges.measured, p.plane_ranges.sigma = np.array([[0, 1.0, 0]]), np.ones(1), np.ones(1)
+    p.plane_ranges.offset, p.plane_ranges.tray_offset = (
+        np.array([[0, 0, 0, 0, 0, 0, 1.0]]),
+        np.zeros(1),
+    )
+    p.plane_ranges.beam, p.plane_ranges.measured, p.plane_ranges.sigma = (
+        np.array([[0, 1.0, 0]]),
+        np.ones(1),
+        np.ones(1),
+    )
     with pytest.raises(StageError, match="cannot be evaluated") as caught:
         evaluate(p)
     assert caught.value.where == "plane_range 0"
@@ -156,7 +213,9 @@ def test_a_beam_along_its_plane_is_refused_by_name(empty: Empty) -> None:
 
 @pytest.mark.parametrize("core", ["schur", "ceres"])
 def test_planes_seen_again_take_the_drift_out_of_what_their_normals_reach(core: str) -> None:
-    """Twice around a room of six walls: the odometry of `circle`, no link across; the walls bound the drift to centimetres."""
+    """Twice around a room of six walls: the odometry of `circle`, no link across; the walls bound
+    the drift to centimetres.
+    """
     rng = np.random.default_rng(4)
     p, truth = circle(80, rng, wrong=0)
     for name, value in vars(p.links).items():
@@ -169,7 +228,8 @@ def test_planes_seen_again_take_the_drift_out_of_what_their_normals_reach(core: 
     alone = rms_m(solve(p).unknowns.pose, truth)
     corners = np.linspace(0, 2 * np.pi, 6, endpoint=False)
     walls = np.c_[np.cos(corners), np.sin(corners), 0.3 * np.sin(3 * corners + 1)]
-    walls = np.vstack([walls / np.linalg.norm(walls, axis=1, keepdims=True), [[0, 0, 1.0]]])  # and a floor
+    # and a floor
+    walls = np.vstack([walls / np.linalg.norm(walls, axis=1, keepdims=True), [[0, 0, 1.0]]])
     node = np.tile(np.arange(80), 3)
     near = np.argsort(-truth.translation @ walls[:6].T, axis=1)[:, :2]
     wall = np.r_[near[:, 0], near[:, 1], np.full(80, 6)]
@@ -180,14 +240,19 @@ def test_planes_seen_again_take_the_drift_out_of_what_their_normals_reach(core: 
     p.plane_sightings.measured = pi + 0.01 * rng.normal(size=pi.shape)
     p.plane_sightings.sqrt_information = np.tile(np.eye(3) * 100, (len(node), 1, 1))
     first = np.array([np.flatnonzero(wall == k)[0] for k in range(7)])
-    p.planes.anchor, p.unknowns.plane = node[first].astype(np.int32), p.plane_sightings.measured[first].copy()
+    p.planes.anchor, p.unknowns.plane = (
+        node[first].astype(np.int32),
+        p.plane_sightings.measured[first].copy(),
+    )
     got = solve(p, Options(core=core, function_tolerance=1e-10))
     assert alone > 0.3
     assert rms_m(got.unknowns.pose, truth) < 0.02
 
 
 def sphere(n: int, radius: float, standoff: float) -> tuple[Poses, np.ndarray]:
-    """Poses that look along their x at the middle of a sphere from outside, by spirals; what plane each sees."""
+    """Poses that look along their x at the middle of a sphere from outside, by spirals; what plane
+    each sees.
+    """
     turn, tilt = np.linspace(0, 20 * np.pi, n), np.linspace(-0.9, 0.9, n)
     out = np.c_[np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)]
     at = from_rpy((radius + standoff) * out, np.c_[np.zeros(n), tilt, turn + np.pi])
@@ -195,30 +260,42 @@ def sphere(n: int, radius: float, standoff: float) -> tuple[Poses, np.ndarray]:
 
 
 def test_the_curvature_of_a_sphere_is_its_radius_in_both_directions() -> None:
-    """The difference that the radius predicts, against that of the true planes, to the third order of the step."""
+    """The difference that the radius predicts, against that of the true planes, to the third order
+    of the step.
+    """
     n = 1200
     at, plane = sphere(n, 8.0, 1.0)
     step = at[:-1].inverse() @ at[1:]
     true = planes_seen(at, plane[1:], np.arange(1, n), np.arange(n - 1)) - plane[:-1]
     flat = np.linalg.norm(true, axis=1)
-    made = curvature_difference(plane[:-1], step.translation, np.full(n - 1, 8.0), np.full(n - 1, 8.0))
+    made = curvature_difference(
+        plane[:-1], step.translation, np.full(n - 1, 8.0), np.full(n - 1, 8.0)
+    )
     assert np.median(flat) > 0.02
     assert np.linalg.norm(true - made, axis=1).max() < 0.03 * flat.max()
 
 
 def test_azimuth_and_elevation_have_radii_of_their_own_and_the_right_sign() -> None:
-    """Ahead along +x stands a hull that curves away on both sides: its normal leans towards where the vehicle has gone."""
+    """Ahead along +x stands a hull that curves away on both sides: its normal leans towards where
+    the vehicle has gone.
+    """
     plane, inf = np.array([[-2.0, 0, 0]]), np.array([np.inf])
     aside = curvature_difference(plane, np.array([[0, 0.1, 0]]), np.array([5.0]), inf)[0]
     above = curvature_difference(plane, np.array([[0, 0, 0.1]]), inf, np.array([4.0]))[0]
     np.testing.assert_allclose(aside[1:], [2 * 0.1 / 7, 0], atol=1e-4)
     np.testing.assert_allclose(above[1:], [0, 2 * 0.1 / 6], atol=1e-4)
     assert (curvature_difference(plane, np.array([[0.3, 0.1, 0.2]]), inf, inf) == 0).all()
-    np.testing.assert_allclose(curvature_difference(plane, np.array([[0.3, 0, 0]]), np.ones(1), np.ones(1)), 0, atol=1e-15)
+    np.testing.assert_allclose(
+        curvature_difference(plane, np.array([[0.3, 0, 0]]), np.ones(1), np.ones(1)), 0, atol=1e-15
+    )
 
 
 def test_the_weight_counts_the_curvature_the_poses_and_the_floor() -> None:
-    plane, moved, radius = np.array([[-2.0, 0.1, 0.2]]), np.array([[0.1, 0.6, -0.4]]), np.array([5.0])
+    plane, moved, radius = (
+        np.array([[-2.0, 0.1, 0.2]]),
+        np.array([[0.1, 0.6, -0.4]]),
+        np.array([5.0]),
+    )
     turn = Rotation.from_rotvec([0.3, 0.2, -0.1]).as_matrix()[None]
     difference = curvature_difference(plane, moved, radius, radius)[0]
 
@@ -226,7 +303,9 @@ def test_the_weight_counts_the_curvature_the_poses_and_the_floor() -> None:
         root = curvature_information(plane, moved, radius, radius, turn, joint[None], 0.01)[0]
         return np.asarray(np.linalg.inv(root.T @ root))
 
-    np.testing.assert_allclose(covariance(np.zeros((14, 14))), np.diag(difference**2 + 1e-4), rtol=1e-9)
+    np.testing.assert_allclose(
+        covariance(np.zeros((14, 14))), np.diag(difference**2 + 1e-4), rtol=1e-9
+    )
     rng = np.random.default_rng(0)
     a = 0.01 * rng.normal(size=(14, 14))
     joint = a @ a.T
@@ -240,41 +319,81 @@ def test_the_weight_counts_the_curvature_the_poses_and_the_floor() -> None:
 
 
 def test_pairs_by_curvature_tie_a_spiral_around_a_sphere() -> None:
-    """The sphere of [Ozog2016 C]: no plane is seen twice; pairs hold the path on its sphere, with the right radius best, with
-    half of it and more than twice of it nearly as well."""
+    """The sphere of [Ozog2016 C]: no plane is seen twice; pairs hold the path on its sphere, with
+    the right radius best, with half of it and more than twice of it nearly as well.
+    """
     at, plane = sphere(400, 8.0, 1.0)
     rng = np.random.default_rng(3)
     n = len(at)
-    step = at[:-1].inverse() @ at[1:] @ exp(np.r_[0.01, 0.005, 0.0, 0, 0, 0] + 0.002 * rng.normal(size=(n - 1, 6)))
-    held = ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "intrinsics_top", "intrinsics_bottom", "tray")
+    step = (
+        at[:-1].inverse()
+        @ at[1:]
+        @ exp(np.r_[0.01, 0.005, 0.0, 0, 0, 0] + 0.002 * rng.normal(size=(n - 1, 6)))
+    )
+    held = (
+        "T_g_M",
+        "T_s_ct",
+        "T_ct_cb",
+        "T_s_d",
+        "navigation",
+        "intrinsics_top",
+        "intrinsics_bottom",
+        "tray",
+    )
     start = [at[:1]]
     for k in range(n - 1):
         start.append(start[-1] @ step[k : k + 1])
-    path = Poses(np.vstack([x.quaternion for x in start]), np.vstack([x.translation for x in start]))
-    p = Draft(Problem(unknowns=Unknowns(pose=np.c_[path.translation, path.quaternion, np.zeros(n)]), constant=held))
+    path = Poses(
+        np.vstack([x.quaternion for x in start]), np.vstack([x.translation for x in start])
+    )
+    p = Draft(
+        Problem(
+            unknowns=Unknowns(pose=np.c_[path.translation, path.quaternion, np.zeros(n)]),
+            constant=held,
+        )
+    )
     p.priors.pose.node, p.priors.pose.value = np.zeros(1, np.int32), p.unknowns.pose[:1, :7].copy()
     p.priors.pose.sqrt_information = np.eye(6)[None] * 1e3
-    p.links.first, p.links.second = np.arange(n - 1, dtype=np.int32), np.arange(1, n, dtype=np.int32)
+    p.links.first, p.links.second = (
+        np.arange(n - 1, dtype=np.int32),
+        np.arange(1, n, dtype=np.int32),
+    )
     p.links.camera_first = p.links.camera_second = np.zeros(n - 1, np.int32)
-    p.links.measured, p.links.scaled = np.c_[step.translation, step.quaternion], np.ones(n - 1, bool)
+    p.links.measured, p.links.scaled = (
+        np.c_[step.translation, step.quaternion],
+        np.ones(n - 1, bool),
+    )
     p.links.sqrt_information = np.tile(np.diag([100.0] * 3 + [400.0] * 3), (n - 1, 1, 1))
     p.links.kernel = np.full(n - 1, LinkKernel.NONE, np.int32)
     rpy = at.rotation.as_euler("xyz")
-    p.attitude.node, p.attitude.sigma = np.arange(n, dtype=np.int32), np.tile([0.02, 0.002, 0.002], (n, 1))
+    p.attitude.node, p.attitude.sigma = (
+        np.arange(n, dtype=np.int32),
+        np.tile([0.02, 0.002, 0.002], (n, 1)),
+    )
     p.attitude.measured = np.c_[at.translation[:, 2], rpy[:, :2]]
     p.unknowns.plane, p.planes.anchor = plane.copy(), np.arange(n, dtype=np.int32)
     p.plane_sightings.node = p.plane_sightings.plane = np.arange(n, dtype=np.int32)
     p.plane_sightings.measured = plane + 0.005 * rng.normal(size=plane.shape)
     p.plane_sightings.sqrt_information = np.tile(np.eye(3) * 200, (n, 1, 1))
     gap = np.linalg.norm(at.translation[:, None] - at.translation[None], axis=2)
-    first, second = np.nonzero(np.triu((gap < 2.0) & (np.abs(np.subtract.outer(np.arange(n), np.arange(n))) > 20)))
+    first, second = np.nonzero(
+        np.triu((gap < 2.0) & (np.abs(np.subtract.outer(np.arange(n), np.arange(n))) > 20))
+    )
     p.plane_pairs.first, p.plane_pairs.second = first.astype(np.int32), second.astype(np.int32)
     p.plane_pairs.point = p.plane_pairs.place = np.zeros((len(first), 3))
     p.plane_pairs.by_place = np.zeros((len(first), 3, 3))
     errors = {}
     for radius in (4.0, 8.0, 20.0, None):
         if radius is None:
-            for name in ("first", "second", "measured", "sqrt_information", "point", "place", "by_place"):
+            for name in (
+                "first",
+                "second",
+                "measured",
+                "sqrt_information",
+                "point",
+                "place",
+                "by_place",
+            ):
                 setattr(p.plane_pairs, name, getattr(p.plane_pairs, name)[:0])
         else:
             moved = (at[first].inverse() @ at[second]).translation
@@ -284,7 +403,9 @@ def test_pairs_by_curvature_tie_a_spiral_around_a_sphere() -> None:
             p.plane_pairs.sqrt_information = curvature_information(
                 plane[first], moved, radii, radii, at[first].rotation.as_matrix(), none, 0.05
             )
-        errors[radius] = off_sphere_m(solve(p, Options(function_tolerance=1e-9)).unknowns.pose[:, :3])
+        errors[radius] = off_sphere_m(
+            solve(p, Options(function_tolerance=1e-9)).unknowns.pose[:, :3]
+        )
     assert errors[None] > 0.05
     assert errors[8.0] < 0.2 * errors[None]
     assert max(errors[4.0], errors[20.0]) < 0.4 * errors[None]
@@ -292,5 +413,7 @@ def test_pairs_by_curvature_tie_a_spiral_around_a_sphere() -> None:
 
 def off_sphere_m(points: np.ndarray) -> float:
     """Spread of the distances from the middle of the sphere that fits best."""
-    (*middle, _), *_ = np.linalg.lstsq(np.c_[2 * points, np.ones(len(points))], np.sum(points**2, axis=1), rcond=None)
+    (*middle, _), *_ = np.linalg.lstsq(
+        np.c_[2 * points, np.ones(len(points))], np.sum(points**2, axis=1), rcond=None
+    )
     return float(np.linalg.norm(points - middle, axis=1).std())

@@ -20,7 +20,9 @@ NAIVE = Options(method="naive")
 
 
 def square(p: Draft, sigma_m: float = 0.1) -> None:
-    """The first four nodes at the corners of a square of 2 m, each with a position; g's x axis points east."""
+    """The first four nodes at the corners of a square of 2 m, each with a position; g's x axis
+    points east.
+    """
     p.unknowns.pose[:4, :3] = [[0, 0, 1], [2, 0, 1], [2, 2, 1], [0, 2, 1]]
     p.unknowns.world = np.array([100.0, -50.0, np.pi / 2])
     p.positions.node, p.positions.antenna = np.arange(4, dtype=np.int32), np.zeros((4, 3))
@@ -38,7 +40,8 @@ def test_ahead_is_where_the_heading_points_and_starboard_to_its_right(empty: Emp
     p = empty(4)
     square(p)
     np.testing.assert_allclose(residuals(p), 0, atol=1e-12)
-    p.positions.antenna = np.tile([0.5, 0.2, 0.0], (4, 1))  # each a little ahead (east) and to starboard (south)
+    # each a little ahead (east) and to starboard (south)
+    p.positions.antenna = np.tile([0.5, 0.2, 0.0], (4, 1))
     np.testing.assert_allclose(residuals(p).reshape(4, 2), np.tile([-2.0, 5.0], (4, 1)), atol=1e-12)
 
 
@@ -58,7 +61,10 @@ def test_place_and_heading_of_the_world_come_back(make_survey: Survey) -> None:
     place, heading = np.array([30.0, -12.0]), 2.0
     at = p.unknowns.pose[:, :2]
     turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
-    p.positions.node, p.positions.antenna = np.arange(len(at), dtype=np.int32), np.zeros((len(at), 3))
+    p.positions.node, p.positions.antenna = (
+        np.arange(len(at), dtype=np.int32),
+        np.zeros((len(at), 3)),
+    )
     p.positions.measured, p.positions.sigma = place + at @ turn.T, np.full(len(at), 0.05)
     p.unknowns.world = np.array([29.0, -10.0, 1.6])
     found = solve(p, replace(NAIVE, function_tolerance=1e-12))
@@ -83,7 +89,9 @@ def test_an_outlier_weighs_as_a_position_at_the_threshold(empty: Empty) -> None:
     p.positions.measured[0] += [30.0, 40.0]  # 500 sigmas
     k = Options().huber_position
     assert evaluate(p).cost_by_factor["position"] == pytest.approx(0.5 * (2 * k * 500 - k**2))
-    assert evaluate(p, replace(NAIVE, huber_position=np.inf)).cost_by_factor["position"] == pytest.approx(0.5 * 500**2)
+    assert evaluate(p, replace(NAIVE, huber_position=np.inf)).cost_by_factor[
+        "position"
+    ] == pytest.approx(0.5 * 500**2)
     with pytest.raises(UsageError, match="must be positive"):
         evaluate(p, replace(NAIVE, huber_position=0.0))
 

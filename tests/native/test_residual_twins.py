@@ -34,7 +34,16 @@ def got(p: Draft, table: str, options: Options = NAIVE) -> np.ndarray:
 def dive(make_survey: Survey, shaken: Survey) -> Draft:
     """Everything free and off its place, biases and field not zero."""
     p = shaken(make_survey(pixel_noise=0.5))
-    free("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top", "intrinsics_bottom")(p)
+    free(
+        "T_g_M",
+        "T_s_ct",
+        "T_ct_cb",
+        "T_s_d",
+        "navigation",
+        "deviation",
+        "intrinsics_top",
+        "intrinsics_bottom",
+    )(p)
     field(p)
     mono_beside_stereo(p)
     rng = np.random.default_rng(8)
@@ -42,7 +51,9 @@ def dive(make_survey: Survey, shaken: Survey) -> Draft:
     for name in ("T_s_ct", "T_ct_cb", "T_s_d"):
         moved = getattr(p.unknowns, name).copy()
         moved[:3] += 0.01 * rng.normal(size=3)
-        moved[3:] = (Rotation.from_quat(moved[3:]) * Rotation.from_rotvec(0.01 * rng.normal(size=3))).as_quat()
+        moved[3:] = (
+            Rotation.from_quat(moved[3:]) * Rotation.from_rotvec(0.01 * rng.normal(size=3))
+        ).as_quat()
         setattr(p.unknowns, name, moved)
     return p
 
@@ -54,15 +65,22 @@ def motion_prior(x: np.ndarray, prior: np.ndarray, root: np.ndarray) -> np.ndarr
 
 def test_priors(dive: Draft) -> None:
     p = dive
-    p.priors.pose.node, p.priors.pose.value = np.array([0, 3], np.int32), p.unknowns.pose[[1, 2], :7].copy()
+    p.priors.pose.node, p.priors.pose.value = (
+        np.array([0, 3], np.int32),
+        p.unknowns.pose[[1, 2], :7].copy(),
+    )
     p.priors.pose.sqrt_information = np.random.default_rng(0).normal(size=(2, 6, 6))
     expected = [
         motion_prior(p.unknowns.pose[n], z, w)
-        for n, z, w in zip(p.priors.pose.node, p.priors.pose.value, p.priors.pose.sqrt_information, strict=True)
+        for n, z, w in zip(
+            p.priors.pose.node, p.priors.pose.value, p.priors.pose.sqrt_information, strict=True
+        )
     ]
     for name in ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d"):
         prior = getattr(p.priors, name)
-        expected.append(motion_prior(getattr(p.unknowns, name), prior.value, prior.sqrt_information))
+        expected.append(
+            motion_prior(getattr(p.unknowns, name), prior.value, prior.sqrt_information)
+        )
     expected.append(p.unknowns.navigation / p.priors.navigation_sigma)
     expected.append(np.zeros(18))  # intrinsics, about their start
     np.testing.assert_allclose(got(p, "prior"), np.concatenate(expected), atol=1e-10)
@@ -78,14 +96,18 @@ def test_depths_rolls_and_pitches(dive: Draft) -> None:
         rpy[:, 1] + p.unknowns.navigation[3],
     ]
     np.testing.assert_allclose(
-        got(p, "attitude").reshape(-1, 3), (predicted - p.attitude.measured) / p.attitude.sigma, atol=1e-10
+        got(p, "attitude").reshape(-1, 3),
+        (predicted - p.attitude.measured) / p.attitude.sigma,
+        atol=1e-10,
     )
 
 
 def test_tray_angles(dive: Draft) -> None:
     p = dive
     predicted = p.unknowns.pose[p.tray.node, 7] + p.unknowns.navigation[5] * p.tray.direction
-    np.testing.assert_allclose(got(p, "tray"), (predicted - p.tray.measured) / p.tray.sigma, atol=1e-12)
+    np.testing.assert_allclose(
+        got(p, "tray"), (predicted - p.tray.measured) / p.tray.sigma, atol=1e-12
+    )
 
 
 def test_odometry(dive: Draft) -> None:
@@ -93,9 +115,18 @@ def test_odometry(dive: Draft) -> None:
     at, z = poses_of(p.unknowns.pose), poses_of(p.odometry.measured)
     step = at[p.odometry.first].inverse() @ at[p.odometry.second]
     e = np.c_[step.translation - z.translation, (z.rotation.inv() * step.rotation).as_rotvec()]
-    tilt = (Rotation.from_quat(p.odometry.mount[3:]).inv() * Rotation.from_quat(p.unknowns.T_s_d[3:])).as_rotvec()
-    angle = 0.5 * (p.unknowns.pose[p.odometry.first, 7] + p.unknowns.pose[p.odometry.second, 7]) - p.odometry.tray
-    e -= p.odometry.by_navigation @ p.unknowns.navigation[:2] + p.odometry.by_mount @ tilt + p.odometry.by_tray * angle[:, None]
+    tilt = (
+        Rotation.from_quat(p.odometry.mount[3:]).inv() * Rotation.from_quat(p.unknowns.T_s_d[3:])
+    ).as_rotvec()
+    angle = (
+        0.5 * (p.unknowns.pose[p.odometry.first, 7] + p.unknowns.pose[p.odometry.second, 7])
+        - p.odometry.tray
+    )
+    e -= (
+        p.odometry.by_navigation @ p.unknowns.navigation[:2]
+        + p.odometry.by_mount @ tilt
+        + p.odometry.by_tray * angle[:, None]
+    )
     expected = np.einsum("kij,kj->ki", p.odometry.sqrt_information, e)
     np.testing.assert_allclose(got(p, "odometry").reshape(-1, 6), expected, atol=1e-9)
 
@@ -120,9 +151,13 @@ def test_stereo_pairs(dive: Draft) -> None:
     p = dive
     p.sigma_px = 0.7
     top, bottom = in_cameras(p, p.stereo.node, p.stereo.landmark)
-    predicted = np.hstack([pixels(p.unknowns.intrinsics_top, top), pixels(p.unknowns.intrinsics_bottom, bottom)])
+    predicted = np.hstack(
+        [pixels(p.unknowns.intrinsics_top, top), pixels(p.unknowns.intrinsics_bottom, bottom)]
+    )
     np.testing.assert_allclose(
-        got(p, "stereo").reshape(-1, 4), (predicted - p.stereo.pixel) / (0.7 * p.stereo.sigma_ratio[:, None]), atol=1e-8
+        got(p, "stereo").reshape(-1, 4),
+        (predicted - p.stereo.pixel) / (0.7 * p.stereo.sigma_ratio[:, None]),
+        atol=1e-8,
     )
 
 
@@ -131,16 +166,24 @@ def test_rows_without_a_ratio_have_the_common_sigma(dive: Draft) -> None:
     own = {name: got(p, name).reshape(-1, rows) for name, rows in (("stereo", 4), ("mono", 2))}
     for table, name in ((p.stereo, "stereo"), (p.mono, "mono")):
         ratio, table.sigma_ratio = table.sigma_ratio, np.zeros(0)
-        np.testing.assert_allclose(got(p, name).reshape(own[name].shape), own[name] * ratio[:, None], rtol=1e-12)
+        np.testing.assert_allclose(
+            got(p, name).reshape(own[name].shape), own[name] * ratio[:, None], rtol=1e-12
+        )
 
 
 def test_single_images(dive: Draft) -> None:
     p = dive
     top, bottom = in_cameras(p, p.mono.node, p.mono.landmark)
     of_bottom = p.mono.camera[:, None] == 1
-    predicted = np.where(of_bottom, pixels(p.unknowns.intrinsics_bottom, bottom), pixels(p.unknowns.intrinsics_top, top))
+    predicted = np.where(
+        of_bottom,
+        pixels(p.unknowns.intrinsics_bottom, bottom),
+        pixels(p.unknowns.intrinsics_top, top),
+    )
     np.testing.assert_allclose(
-        got(p, "mono").reshape(-1, 2), (predicted - p.mono.pixel) / p.mono.sigma_ratio[:, None], atol=1e-8
+        got(p, "mono").reshape(-1, 2),
+        (predicted - p.mono.pixel) / p.mono.sigma_ratio[:, None],
+        atol=1e-8,
     )
 
 
@@ -163,7 +206,9 @@ def test_ranges(dive: Draft) -> None:
     hit = MeshIndex(p.cad_mesh.vertices, p.cad_mesh.faces).cast(instrument.translation, along)
     assert np.isfinite(hit.range).all()
     predicted = hit.range + field_value(p, "ranges") / (hit.normal * along).sum(axis=1)
-    np.testing.assert_allclose(got(p, "range"), (predicted - p.ranges.measured) / p.ranges.sigma, atol=1e-8)
+    np.testing.assert_allclose(
+        got(p, "range"), (predicted - p.ranges.measured) / p.ranges.sigma, atol=1e-8
+    )
 
 
 @pytest.mark.parametrize("sigma_on", [0.02, 0.005])
@@ -171,7 +216,8 @@ def test_distances_to_the_hull(sigma_on: float, dive: Draft) -> None:
     p = dive
     in_hull = poses_of(p.unknowns.T_g_M).inverse().apply(p.unknowns.landmark[p.surface.landmark])
     expected = (
-        MeshIndex(p.cad_mesh.vertices, p.cad_mesh.faces).closest(in_hull).distance - field_value(p, "surface")
+        MeshIndex(p.cad_mesh.vertices, p.cad_mesh.faces).closest(in_hull).distance
+        - field_value(p, "surface")
     ) / sigma_on
     np.testing.assert_allclose(got(p, "surface", Options(sigma_on=sigma_on)), expected, atol=1e-9)
 
@@ -195,7 +241,8 @@ def huber(s: np.ndarray, threshold: float) -> np.ndarray:
 
 @pytest.mark.parametrize("threshold", [0.5, 1.345, 2.508, np.inf])
 @pytest.mark.parametrize(
-    ("table", "rows", "option"), [("stereo", 4, "huber_stereo"), ("mono", 2, "huber_mono"), ("range", 1, "huber_range")]
+    ("table", "rows", "option"),
+    [("stereo", 4, "huber_stereo"), ("mono", 2, "huber_mono"), ("range", 1, "huber_range")],
 )
 def test_hubers_cost_and_weight_by_the_norm_of_a_factors_rows(
     table: str, rows: int, option: str, threshold: float, dive: Draft
@@ -224,7 +271,9 @@ def test_the_mixtures_cost_is_that_of_the_likelier_label_times_the_weight(
     label = (on <= off) | (method == "geva")
     assert label.any()
     cost = np.where(label, on, off)
-    assert e.cost_by_factor["surface"] == pytest.approx(0.5 * (p.surface.weight * cost).sum(), rel=1e-12)
+    assert e.cost_by_factor["surface"] == pytest.approx(
+        0.5 * (p.surface.weight * cost).sum(), rel=1e-12
+    )
     slope = np.where(label, 1.0, (sigma_on / sigma_off) ** 2)
     np.testing.assert_allclose(e.weight[mine] ** 2, p.surface.weight * slope, rtol=1e-12)
 
@@ -233,5 +282,7 @@ def test_rows_of_a_table_stand_in_its_order(dive: Draft) -> None:
     e = evaluate(dive, NAIVE)
     for table, node, rows in (("stereo", "node", 4), ("mono", "node", 2), ("odometry", "first", 6)):
         mine = e.factor == FACTORS.index(table)
-        np.testing.assert_array_equal(e.table_row[mine], np.repeat(np.arange(len(getattr(getattr(dive, table), node))), rows))
+        np.testing.assert_array_equal(
+            e.table_row[mine], np.repeat(np.arange(len(getattr(getattr(dive, table), node))), rows)
+        )
     assert (np.diff(e.factor) >= 0).all()

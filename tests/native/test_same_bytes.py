@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""At the field's scale, where every sum is cut into many slabs, the number of threads still changes no byte."""
+"""At the field's scale, where every sum is cut into many slabs, the number of threads still changes
+no byte.
+"""
 
 from __future__ import annotations
 
@@ -25,14 +27,20 @@ def test_half_a_million_observations_give_the_same_bytes_for_one_and_two_threads
     for name, values in vars(one.unknowns).items():
         assert values.tobytes() == getattr(two.unknowns, name).tobytes(), name
     for name in ("cost", "step_norm", "gradient_norm", "radius", "on_surface", "label_changes"):
-        np.testing.assert_array_equal(getattr(one.iterations, name), getattr(two.iterations, name), err_msg=name)
+        np.testing.assert_array_equal(
+            getattr(one.iterations, name), getattr(two.iterations, name), err_msg=name
+        )
     for name in ("label", "distance", "ray_hit"):
         assert getattr(one, name).tobytes() == getattr(two, name).tobytes(), name
 
 
-def test_a_pose_graph_of_many_chunks_of_links_gives_the_same_bytes_for_any_number_of_threads() -> None:
+def test_a_pose_graph_of_many_chunks_of_links_gives_the_same_bytes_for_any_number_of_threads() -> (
+    None
+):
     problem, _ = pose_graph.make(2 * pose_graph.LEG_NODES)
-    one, *others = (solve(problem, replace(OPTIONS, threads=threads, max_iterations=2)) for threads in (1, 2, 3))
+    one, *others = (
+        solve(problem, replace(OPTIONS, threads=threads, max_iterations=2)) for threads in (1, 2, 3)
+    )
     assert one.iterations.accepted.sum() > 1
     for other in others:
         assert one.unknowns.pose.tobytes() == other.unknowns.pose.tobytes()

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Schur core's step against the dense normal equations, and docs/schur.md's equations against the factors' derivatives."""
+"""The Schur core's step against the dense normal equations, and docs/schur.md's equations against
+the factors' derivatives.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +12,26 @@ import numpy as np
 import pytest
 from drafts import Draft, evaluate, solve
 from native.test_cores import CASES, problem
-from native.twins import columns_with_factors, cost, damping, jacobian, moved, normal_equations, step_between
+from native.twins import (
+    columns_with_factors,
+    cost,
+    damping,
+    jacobian,
+    moved,
+    normal_equations,
+    step_between,
+)
 from scipy.spatial.transform import Rotation
 
 from hullrecon.native import FACTORS, Evaluation, Options
 
 Survey = Callable[..., Draft]
-ONE_STEP = {"max_iterations": 1, "function_tolerance": 0.0, "parameter_tolerance": 0.0, "gradient_tolerance": 0.0}
+ONE_STEP = {
+    "max_iterations": 1,
+    "function_tolerance": 0.0,
+    "parameter_tolerance": 0.0,
+    "gradient_tolerance": 0.0,
+}
 
 
 def dense_step(e: Evaluation, radius: float) -> np.ndarray:
@@ -27,8 +42,11 @@ def dense_step(e: Evaluation, radius: float) -> np.ndarray:
     return np.asarray(solved * scale)
 
 
-# "outliers" has an observation behind its camera, a constant of which no row of evaluate has a derivative either
-@pytest.mark.parametrize(("method", "radius"), [("naive", 1e2), ("geva", 1e4), ("maxmix", 1e-2), ("maxmix", 1e4)])
+# "outliers" has an observation behind its camera, a constant of which no row of evaluate has a
+# derivative either
+@pytest.mark.parametrize(
+    ("method", "radius"), [("naive", 1e2), ("geva", 1e4), ("maxmix", 1e-2), ("maxmix", 1e4)]
+)
 @pytest.mark.parametrize("case", CASES)
 def test_a_step_solves_the_dense_normal_equations(
     case: str, method: str, radius: float, make_survey: Survey, shaken: Survey
@@ -46,12 +64,16 @@ def test_a_step_solves_the_dense_normal_equations(
     information = np.diag(normal_equations(e)[0])
     # in the unit of each unknown's own sigma: what one factor alone would leave open
     own_sigma = 1 / np.sqrt(information[met])
-    np.testing.assert_allclose((step - expected)[met] / own_sigma, 0, atol=2e-6 * np.abs(expected[met] / own_sigma).max())
+    np.testing.assert_allclose(
+        (step - expected)[met] / own_sigma, 0, atol=2e-6 * np.abs(expected[met] / own_sigma).max()
+    )
     assert (step[~met] == 0).all()
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_start_reports_cost_and_gradient_of_the_dense_problem(case: str, make_survey: Survey, shaken: Survey) -> None:
+def test_the_start_reports_cost_and_gradient_of_the_dense_problem(
+    case: str, make_survey: Survey, shaken: Survey
+) -> None:
     p = problem(case, make_survey, shaken)
     options = Options(max_iterations=0)
     e = evaluate(p, options)
@@ -68,9 +90,18 @@ def test_the_start_reports_cost_and_gradient_of_the_dense_problem(case: str, mak
     far = max(
         far,
         np.abs(step.unknowns.pose - p.unknowns.pose).max(),
-        np.abs(step.unknowns.landmark - p.unknowns.landmark).max() if len(p.unknowns.landmark) else 0,
+        np.abs(step.unknowns.landmark - p.unknowns.landmark).max()
+        if len(p.unknowns.landmark)
+        else 0,
     )
-    for name in ("deviation", "navigation", "intrinsics_top", "intrinsics_bottom", "T_ct_cb", "T_s_d"):
+    for name in (
+        "deviation",
+        "navigation",
+        "intrinsics_top",
+        "intrinsics_bottom",
+        "T_ct_cb",
+        "T_s_d",
+    ):
         if getattr(p.unknowns, name).size:
             far = max(far, np.abs(getattr(step.unknowns, name) - getattr(p.unknowns, name)).max())
     # a turn by a large gradient is normalised, so only its size is compared
@@ -91,7 +122,11 @@ def chain(p: Draft, i: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     by_pose, by_mount = np.zeros((6, 7)), np.zeros((6, 6))
     by_pose[:3, :3], by_pose[3:, 3:6] = -np.eye(3), -vehicle
     by_pose[:3, 6], by_pose[3:, 6] = np.cross(axis, hinge), -axis
-    by_mount[:3, :3], by_mount[:3, 3:], by_mount[3:, 3:] = -tray, -hat(centre - origin) @ camera, -camera
+    by_mount[:3, :3], by_mount[:3, 3:], by_mount[3:, 3:] = (
+        -tray,
+        -hat(centre - origin) @ camera,
+        -camera,
+    )
     return origin, by_pose, by_mount
 
 
@@ -101,7 +136,9 @@ def block(e: Evaluation, J: np.ndarray, name: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("case", ["as it is", "mono", "mono beside stereo"])
-def test_an_images_derivative_by_landmark_tells_those_by_pose_and_mount(case: str, make_survey: Survey, shaken: Survey) -> None:
+def test_an_images_derivative_by_landmark_tells_those_by_pose_and_mount(
+    case: str, make_survey: Survey, shaken: Survey
+) -> None:
     p = problem(case, make_survey, shaken)
     e = evaluate(p)
     J = jacobian(e)
@@ -114,11 +151,17 @@ def test_an_images_derivative_by_landmark_tells_those_by_pose_and_mount(case: st
             by_landmark = block(e, rows, f"landmark {landmark[k]}")
             by_twist = by_landmark @ displacement
             atol = 1e-10 * np.abs(by_landmark).max()
-            np.testing.assert_allclose(block(e, rows, f"pose {node[k]}"), by_twist @ by_pose, rtol=1e-9, atol=atol)
-            np.testing.assert_allclose(block(e, rows, "T_s_ct"), by_twist @ by_mount, rtol=1e-9, atol=atol)
+            np.testing.assert_allclose(
+                block(e, rows, f"pose {node[k]}"), by_twist @ by_pose, rtol=1e-9, atol=atol
+            )
+            np.testing.assert_allclose(
+                block(e, rows, "T_s_ct"), by_twist @ by_mount, rtol=1e-9, atol=atol
+            )
 
 
-def test_a_surface_factor_meets_its_landmark_in_one_direction(make_survey: Survey, shaken: Survey) -> None:
+def test_a_surface_factor_meets_its_landmark_in_one_direction(
+    make_survey: Survey, shaken: Survey
+) -> None:
     p = problem("field", make_survey, shaken)
     e = evaluate(p)
     rows = jacobian(e)[e.factor == FACTORS.index("surface")]
@@ -126,16 +169,24 @@ def test_a_surface_factor_meets_its_landmark_in_one_direction(make_survey: Surve
     for k, row in enumerate(rows):
         n = block(e, row[None], f"landmark {p.surface.landmark[k]}")[0]
         assert np.linalg.norm(n) == pytest.approx(1 / 0.02)
-        turn = hull_from_global @ np.cross(n, p.unknowns.landmark[p.surface.landmark[k]] - p.unknowns.T_g_M[:3])
+        turn = hull_from_global @ np.cross(
+            n, p.unknowns.landmark[p.surface.landmark[k]] - p.unknowns.T_g_M[:3]
+        )
         np.testing.assert_allclose(block(e, row[None], "T_g_M")[0], np.r_[-n, turn], atol=1e-9)
         expected = np.zeros(len(p.unknowns.deviation))
         np.add.at(expected, p.surface.field.index[k], -p.surface.field.weight[k] / 0.02)
-        got = [block(e, row[None], f"deviation {m}")[0, 0] for m in range(len(p.unknowns.deviation))]
+        got = [
+            block(e, row[None], f"deviation {m}")[0, 0] for m in range(len(p.unknowns.deviation))
+        ]
         np.testing.assert_allclose(got, expected, atol=1e-12)
 
 
-def test_the_twist_information_gives_the_dense_schur_complement(make_survey: Survey, shaken: Survey) -> None:
-    """(9) and (10) in NumPy: landmarks eliminated in twists leave what they leave in poses and mount."""
+def test_the_twist_information_gives_the_dense_schur_complement(
+    make_survey: Survey, shaken: Survey
+) -> None:
+    """(9) and (10) in NumPy: landmarks eliminated in twists leave what they leave in poses and
+    mount.
+    """
     p = problem("images alone", make_survey, shaken)
     options = Options(method="naive")
     e = evaluate(p, options)
@@ -157,7 +208,13 @@ def test_the_twist_information_gives_the_dense_schur_complement(make_survey: Sur
         for k in np.flatnonzero(p.stereo.landmark == landmark):
             own = rows[e.table_row[image] == k][:, at]
             origin = chains[p.stereo.node[k]][0]
-            seen.append((p.stereo.node[k], own.T @ own, np.hstack([np.eye(3), -hat(p.unknowns.landmark[landmark] - origin)])))
+            seen.append(
+                (
+                    p.stereo.node[k],
+                    own.T @ own,
+                    np.hstack([np.eye(3), -hat(p.unknowns.landmark[landmark] - origin)]),
+                )
+            )
         K = np.linalg.inv(1e-3 * np.eye(3) + sum((H for _, H, _ in seen), np.zeros((3, 3))))
         for i, Hi, Ei in seen:
             X[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] += Ei.T @ Hi @ Ei

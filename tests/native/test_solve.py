@@ -23,14 +23,20 @@ Survey = Callable[..., Draft]
 
 
 def with_prior(problem: Draft, sigma: float) -> Draft:
-    problem.priors.pose.node, problem.priors.pose.value = np.zeros(1, np.int32), problem.unknowns.pose[:1, :7].copy()
+    problem.priors.pose.node, problem.priors.pose.value = (
+        np.zeros(1, np.int32),
+        problem.unknowns.pose[:1, :7].copy(),
+    )
     problem.priors.pose.sqrt_information = np.eye(6)[None] / sigma
     return problem
 
 
 def test_the_toy_graph_of_the_source_gives_thirds(empty: Callable[[int], Draft]) -> None:
     p = with_prior(empty(3), 0.001)
-    p.odometry.first, p.odometry.second = np.array([0, 1, 0], np.int32), np.array([1, 2, 2], np.int32)
+    p.odometry.first, p.odometry.second = (
+        np.array([0, 1, 0], np.int32),
+        np.array([1, 2, 2], np.int32),
+    )
     p.odometry.measured = np.tile([1.0, 0, 0, 0, 0, 0, 1], (3, 1))
     p.odometry.sqrt_information = np.tile(np.eye(6), (3, 1, 1))
     p.odometry.by_navigation, p.odometry.by_mount, p.odometry.by_tray = (
@@ -45,12 +51,16 @@ def test_the_toy_graph_of_the_source_gives_thirds(empty: Callable[[int], Draft])
 
 
 @pytest.mark.parametrize("method", ["naive", "geva", "maxmix"])
-def test_a_shaken_stereo_survey_comes_home(method: str, make_survey: Survey, shaken: Survey) -> None:
+def test_a_shaken_stereo_survey_comes_home(
+    method: str, make_survey: Survey, shaken: Survey
+) -> None:
     truth = make_survey()
     got = solve(shaken(make_survey()), dataclasses.replace(TIGHT, method=method))
     assert got.converged
     for name in ("pose", "landmark", "T_g_M", "T_s_ct"):
-        np.testing.assert_allclose(getattr(got.unknowns, name), getattr(truth.unknowns, name), atol=1e-9)
+        np.testing.assert_allclose(
+            getattr(got.unknowns, name), getattr(truth.unknowns, name), atol=1e-9
+        )
 
 
 def test_one_camera_of_either_kind_comes_home_too(make_survey: Survey, shaken: Survey) -> None:
@@ -64,8 +74,13 @@ def test_one_camera_of_either_kind_comes_home_too(make_survey: Survey, shaken: S
     np.testing.assert_allclose(got.unknowns.landmark, truth.unknowns.landmark, atol=1e-7)
 
 
-def test_one_thread_gives_the_same_bytes_twice_and_two_agree_to_rounding(make_survey: Survey, shaken: Survey) -> None:
-    runs = [solve(shaken(make_survey(pixel_noise=0.5)), Options(threads=threads)) for threads in (1, 1, 2)]
+def test_one_thread_gives_the_same_bytes_twice_and_two_agree_to_rounding(
+    make_survey: Survey, shaken: Survey
+) -> None:
+    runs = [
+        solve(shaken(make_survey(pixel_noise=0.5)), Options(threads=threads))
+        for threads in (1, 1, 2)
+    ]
     first, second, two = (run.unknowns.landmark for run in runs)
     assert first.tobytes() == second.tobytes()
     np.testing.assert_allclose(two, first, atol=1e-8)
@@ -79,20 +94,25 @@ def test_the_input_is_not_written_to(make_survey: Survey, shaken: Survey) -> Non
         np.testing.assert_array_equal(value, before[path])
 
 
-def test_landmarks_on_a_structure_are_labelled_off_and_keep_their_height(make_survey: Survey) -> None:
+def test_landmarks_on_a_structure_are_labelled_off_and_keep_their_height(
+    make_survey: Survey,
+) -> None:
     p = make_survey()
     raised = np.flatnonzero(np.bincount(p.stereo.landmark, minlength=60) >= 3)[:8]
     higher = make_survey()
     higher.unknowns.landmark[raised] += [0, 0, -0.15]  # z is down in g, the plate looks up
     moved = _project_again(higher)
     moved.surface.weight[:] = 1.0
-    by_method = {m: solve(moved, dataclasses.replace(TIGHT, method=m)) for m in ("naive", "geva", "maxmix")}
+    by_method = {
+        m: solve(moved, dataclasses.replace(TIGHT, method=m)) for m in ("naive", "geva", "maxmix")
+    }
     assert set(np.flatnonzero(by_method["maxmix"].label == 0)) == set(raised)
     assert by_method["geva"].label.all()
     assert not by_method["naive"].label.any()
     height = {m: r.distance[raised].mean() for m, r in by_method.items()}
     assert height["maxmix"] == pytest.approx(height["naive"], rel=0.02)
-    assert height["geva"] < 0.9 * height["maxmix"]  # squashed onto the hull as in [Ozog2016 Fig. 4.10, 4.11]
+    # squashed onto the hull as in [Ozog2016 Fig. 4.10, 4.11]
+    assert height["geva"] < 0.9 * height["maxmix"]
 
 
 def _project_again(p: Draft) -> Draft:
@@ -111,7 +131,16 @@ def test_the_record_adds_up_and_counts(make_survey: Survey, shaken: Survey) -> N
     np.testing.assert_allclose(record.cost_change[1], record.cost[0] - record.cost[1], rtol=1e-9)
     assert record.on_surface[-1] == 60
     assert (record.rays_missed == 0).all()
-    assert len({len(getattr(record, f.name)) for f in dataclasses.fields(record) if f.name != "cost_by_factor"}) == 1
+    assert (
+        len(
+            {
+                len(getattr(record, f.name))
+                for f in dataclasses.fields(record)
+                if f.name != "cost_by_factor"
+            }
+        )
+        == 1
+    )
 
 
 def test_held_labels_stay_though_the_landmarks_move(make_survey: Survey) -> None:
@@ -151,22 +180,30 @@ def test_the_field_takes_up_a_hull_that_is_off_its_cad_model(make_survey: Survey
     rows = len(p.surface.landmark)
     p.surface.field.index = np.tile(np.array([0, 1, 1, 2], np.int32), (rows, 1))
     p.surface.field.weight = np.tile([0.5, 0.25, 0.25, 0.0], (rows, 1))
-    p.priors.deviation.start, p.priors.deviation.index = np.arange(4, dtype=np.int32), np.arange(3, dtype=np.int32)
+    p.priors.deviation.start, p.priors.deviation.index = (
+        np.arange(4, dtype=np.int32),
+        np.arange(3, dtype=np.int32),
+    )
     p.priors.deviation.value = np.full(3, 1 / 0.5)
     clear(p, "ranges")
     p.cad_mesh.vertices = p.cad_mesh.vertices - [0, 0, 0.03]
     got = solve(p, TIGHT).unknowns
-    assert got.deviation[:2] == pytest.approx([0.028, 0.028], abs=0.002)  # 0.03 along z, less along the bumps' normals
+    # 0.03 along z, less along the bumps' normals
+    assert got.deviation[:2] == pytest.approx([0.028, 0.028], abs=0.002)
     assert got.deviation[2] == 0
     np.testing.assert_allclose(got.landmark, p.unknowns.landmark, atol=1e-3)
 
 
-def test_a_landmark_that_starts_behind_its_camera_spoils_nothing_else(make_survey: Survey, shaken: Survey) -> None:
+def test_a_landmark_that_starts_behind_its_camera_spoils_nothing_else(
+    make_survey: Survey, shaken: Survey
+) -> None:
     p, truth = shaken(make_survey()), make_survey()
     p.unknowns.landmark[7] = p.unknowns.pose[0, :3] - [0, 0, 3.0]
     got = solve(p, dataclasses.replace(TIGHT, method="naive"))
     others = np.arange(60) != 7
-    np.testing.assert_allclose(got.unknowns.landmark[others], truth.unknowns.landmark[others], atol=1e-6)
+    np.testing.assert_allclose(
+        got.unknowns.landmark[others], truth.unknowns.landmark[others], atol=1e-6
+    )
 
 
 def test_the_backlash_of_the_tray_is_found(make_survey: Survey) -> None:
@@ -209,7 +246,9 @@ def test_the_backlash_of_the_tray_is_found(make_survey: Survey) -> None:
         ("priors.navigation_sigma", np.zeros(6)),
     ],
 )
-def test_a_table_that_cannot_be_is_refused_by_name(field: str, value: Any, make_survey: Survey) -> None:
+def test_a_table_that_cannot_be_is_refused_by_name(
+    field: str, value: Any, make_survey: Survey
+) -> None:
     p = make_survey()
     change(p, field, value)
     with pytest.raises(InputError) as caught:
@@ -233,7 +272,9 @@ def test_a_table_that_cannot_be_is_refused_by_name(field: str, value: Any, make_
         ("threads", "two"),
     ],
 )
-def test_an_option_that_cannot_be_meant_is_refused_by_name(option: str, value: Any, make_survey: Survey) -> None:
+def test_an_option_that_cannot_be_meant_is_refused_by_name(
+    option: str, value: Any, make_survey: Survey
+) -> None:
     with pytest.raises(UsageError) as caught:
         solve(make_survey(), dataclasses.replace(Options(), **{option: value}))
     assert caught.value.where == option
@@ -259,8 +300,10 @@ def test_nothing_is_printed(make_survey: Survey, capfd: pytest.CaptureFixture[st
 
 @pytest.mark.parametrize("core", ["schur", "ceres"])
 def test_ctrl_c_stops_between_iterations(core: str, make_survey: Survey, shaken: Survey) -> None:
-    """A timer's signals reach Python only where the solve looks for them: the frame of `solve` sees one before the native call
-    at most and one after it, so a fourth can only have come between two iterations."""
+    """A timer's signals reach Python only where the solve looks for them: the frame of `solve` sees
+    one before the native call at most and one after it, so a fourth can only have come between two
+    iterations.
+    """
     p = shaken(make_survey(poses=30, landmarks=800, pixel_noise=0.5))
     in_solve = 0
 
@@ -271,7 +314,13 @@ def test_ctrl_c_stops_between_iterations(core: str, make_survey: Survey, shaken:
             signal.setitimer(signal.ITIMER_REAL, 0)
             signal.raise_signal(signal.SIGINT)
 
-    options = Options(core=core, function_tolerance=0.0, gradient_tolerance=0.0, parameter_tolerance=0.0, max_iterations=100000)
+    options = Options(
+        core=core,
+        function_tolerance=0.0,
+        gradient_tolerance=0.0,
+        parameter_tolerance=0.0,
+        max_iterations=100000,
+    )
     before = signal.signal(signal.SIGALRM, count)
     try:
         signal.setitimer(signal.ITIMER_REAL, 1e-4, 1e-4)
@@ -308,5 +357,7 @@ raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 
 
 def test_a_process_forked_after_a_solve_solves_as_well() -> None:
-    forked = subprocess.run([sys.executable, "-c", AFTER_A_FORK], capture_output=True, text=True, timeout=120)
+    forked = subprocess.run(
+        [sys.executable, "-c", AFTER_A_FORK], capture_output=True, text=True, timeout=120
+    )
     assert forked.returncode == 0, forked.stderr

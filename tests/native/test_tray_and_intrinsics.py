@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Unknowns that few dives free: the tray's backlash, the cameras' intrinsics and baseline, the DVL's mount, biases."""
+"""Unknowns that few dives free: the tray's backlash, the cameras' intrinsics and baseline, the
+DVL's mount, biases.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from scipy.spatial.transform import Rotation
 from hullrecon.native import FACTORS, Options
 
 Survey = Callable[..., Draft]
-TIGHT = Options(method="naive", function_tolerance=1e-14, parameter_tolerance=1e-14, max_iterations=200)
+TIGHT = Options(
+    method="naive", function_tolerance=1e-14, parameter_tolerance=1e-14, max_iterations=200
+)
 
 
 def with_free(p: Draft, *names: str) -> Draft:
@@ -31,7 +35,9 @@ def at_known_poses(p: Draft, weight: float) -> None:
 
 
 @pytest.mark.parametrize("backlash", [-0.02, 0.005, 0.03])
-def test_the_backlash_is_that_of_angles_measured_on_both_sides(backlash: float, make_survey: Survey) -> None:
+def test_the_backlash_is_that_of_angles_measured_on_both_sides(
+    backlash: float, make_survey: Survey
+) -> None:
     p = with_free(make_survey(), "navigation")
     p.priors.navigation_sigma = np.full(6, 10.0)
     p.tray.measured = p.tray.measured + backlash * p.tray.direction
@@ -45,10 +51,14 @@ def test_at_rest_the_backlash_has_no_direction_and_stays_at_its_prior(make_surve
     p.tray.direction = np.zeros_like(p.tray.direction)
     got = solve(p, TIGHT)
     assert got.unknowns.navigation[5] == pytest.approx(0, abs=1e-12)
-    assert covariance(p, TIGHT).navigation[5, 5] == pytest.approx(p.priors.navigation_sigma[5] ** 2, rel=1e-9)
+    assert covariance(p, TIGHT).navigation[5, 5] == pytest.approx(
+        p.priors.navigation_sigma[5] ** 2, rel=1e-9
+    )
 
 
-def test_a_tray_that_always_turns_one_way_tells_angle_and_backlash_apart_by_the_images_alone(make_survey: Survey) -> None:
+def test_a_tray_that_always_turns_one_way_tells_angle_and_backlash_apart_by_the_images_alone(
+    make_survey: Survey,
+) -> None:
     p = with_free(make_survey(), "navigation")
     p.tray.direction = np.ones_like(p.tray.direction)
     with_images = covariance(p, TIGHT).navigation[5, 5]
@@ -58,7 +68,9 @@ def test_a_tray_that_always_turns_one_way_tells_angle_and_backlash_apart_by_the_
 
 
 @pytest.mark.parametrize("bias", [2, 3, 4])
-def test_a_bias_of_roll_pitch_or_depth_is_found_where_the_rest_says_otherwise(bias: int, make_survey: Survey) -> None:
+def test_a_bias_of_roll_pitch_or_depth_is_found_where_the_rest_says_otherwise(
+    bias: int, make_survey: Survey
+) -> None:
     p = with_free(make_survey(), "navigation")
     p.priors.navigation_sigma = np.full(6, 1.0)
     at_known_poses(p, 1e4)
@@ -89,7 +101,9 @@ def test_a_camera_that_is_off_its_calibration_comes_home(
     start = getattr(p.unknowns, block).copy()
     start[: len(moved)] += moved
     setattr(p.unknowns, block, start)
-    result = solve(p, Options(method="naive", core=core, function_tolerance=1e-12, max_iterations=100))
+    result = solve(
+        p, Options(method="naive", core=core, function_tolerance=1e-12, max_iterations=100)
+    )
     got = getattr(result.unknowns, block)
     before = np.abs(start - getattr(truth.unknowns, block)).max()
     assert np.abs(got - getattr(truth.unknowns, block)).max() < 0.02 * before
@@ -108,19 +122,29 @@ def test_the_prior_of_the_intrinsics_holds_them_where_few_images_speak(make_surv
 
 def test_bottom_images_say_nothing_of_the_top_cameras_intrinsics(make_survey: Survey) -> None:
     p = with_free(make_survey(), "intrinsics_top", "intrinsics_bottom", "T_ct_cb")
-    p.mono.node, p.mono.landmark, p.mono.pixel = p.stereo.node, p.stereo.landmark, p.stereo.pixel[:, 2:]
+    p.mono.node, p.mono.landmark, p.mono.pixel = (
+        p.stereo.node,
+        p.stereo.landmark,
+        p.stereo.pixel[:, 2:],
+    )
     p.mono.camera = np.ones(len(p.mono.node), np.int32)
     clear(p, "stereo")
     e = evaluate(p, Options(method="geva"))
     start, width = e.columns["intrinsics_top"]
-    touching = (e.jacobian_column >= start) & (e.jacobian_column < start + width) & (e.jacobian_value != 0)
+    touching = (
+        (e.jacobian_column >= start) & (e.jacobian_column < start + width) & (e.jacobian_value != 0)
+    )
     rows = np.searchsorted(e.jacobian_start, np.flatnonzero(touching), side="right") - 1
     assert set(e.factor[rows]) == {FACTORS.index("prior")}
     expected = np.diag(p.priors.intrinsics_sigma**2)
-    np.testing.assert_allclose(covariance(p, Options(method="geva")).intrinsics_top, expected, atol=1e-12)
+    np.testing.assert_allclose(
+        covariance(p, Options(method="geva")).intrinsics_top, expected, atol=1e-12
+    )
 
 
-def test_the_dvls_mount_is_found_by_odometry_that_knows_how_it_depends_on_it(make_survey: Survey) -> None:
+def test_the_dvls_mount_is_found_by_odometry_that_knows_how_it_depends_on_it(
+    make_survey: Survey,
+) -> None:
     p = with_free(make_survey(), "T_s_d")
     clear(p, "ranges")
     tilt = np.array([0.01, -0.02, 0.015])
@@ -133,4 +157,6 @@ def test_the_dvls_mount_is_found_by_odometry_that_knows_how_it_depends_on_it(mak
     p.priors.T_s_d.sqrt_information = np.eye(6)
     at_known_poses(p, 1e5)
     got = solve(p, TIGHT).unknowns.T_s_d
-    assert (true.inv() * Rotation.from_quat(got[3:])).magnitude() < 1e-3 * np.linalg.norm(tilt) + 1e-4
+    assert (true.inv() * Rotation.from_quat(got[3:])).magnitude() < 1e-3 * np.linalg.norm(
+        tilt
+    ) + 1e-4

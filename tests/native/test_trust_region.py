@@ -36,7 +36,9 @@ def test_after_a_failed_step_the_radius_falls_by_two_then_four_then_eight(hard: 
         shrink *= 2
 
 
-def test_after_a_good_step_the_radius_grows_by_its_quality_and_threefold_at_most(hard: Draft) -> None:
+def test_after_a_good_step_the_radius_grows_by_its_quality_and_threefold_at_most(
+    hard: Draft,
+) -> None:
     record = solve(hard, Options(initial_radius=1e8, function_tolerance=1e-10)).iterations
     growth = (record.radius[1:] / record.radius[:-1])[record.accepted[1:]]
     assert (growth <= 3 * (1 + 1e-12)).all()
@@ -44,7 +46,9 @@ def test_after_a_good_step_the_radius_grows_by_its_quality_and_threefold_at_most
     assert growth.max() == pytest.approx(3)
 
 
-def test_the_first_radius_follows_from_how_well_the_linear_model_foretold_the_cost(make_survey: Survey, shaken: Survey) -> None:
+def test_the_first_radius_follows_from_how_well_the_linear_model_foretold_the_cost(
+    make_survey: Survey, shaken: Survey
+) -> None:
     p = shaken(make_survey(pixel_noise=0.5), 0.05, 0.01)
     options = Options(method="naive", initial_radius=10.0, max_iterations=1, **ENDLESS)
     e = evaluate(p, options)
@@ -57,7 +61,9 @@ def test_the_first_radius_follows_from_how_well_the_linear_model_foretold_the_co
     record = solve(p, options).iterations
     assert record.accepted[1]
     assert record.cost_change[1] == pytest.approx(found, rel=1e-6)
-    assert record.radius[1] == pytest.approx(10.0 / max(1 / 3, 1 - (2 * quality - 1) ** 3), rel=1e-5)
+    assert record.radius[1] == pytest.approx(
+        10.0 / max(1 / 3, 1 - (2 * quality - 1) ** 3), rel=1e-5
+    )
 
 
 @pytest.mark.parametrize("core", CORES)
@@ -80,7 +86,9 @@ def test_each_tolerance_ends_the_solve_and_says_so(
 
 
 @pytest.mark.parametrize("core", CORES)
-def test_no_iterations_leave_the_unknowns_where_they_are(core: str, make_survey: Survey, shaken: Survey) -> None:
+def test_no_iterations_leave_the_unknowns_where_they_are(
+    core: str, make_survey: Survey, shaken: Survey
+) -> None:
     p = shaken(make_survey())
     got = solve(p, Options(core=core, max_iterations=0))
     assert not got.converged
@@ -90,7 +98,9 @@ def test_no_iterations_leave_the_unknowns_where_they_are(core: str, make_survey:
 
 
 @pytest.mark.parametrize("core", CORES)
-def test_the_least_cost_of_a_linear_problem_is_met_in_one_step(core: str, empty: Callable[[int], Draft]) -> None:
+def test_the_least_cost_of_a_linear_problem_is_met_in_one_step(
+    core: str, empty: Callable[[int], Draft]
+) -> None:
     p = empty(6)
     p.constant = (*p.constant, "tray")
     n = np.arange(6, dtype=np.int32)
@@ -99,7 +109,8 @@ def test_the_least_cost_of_a_linear_problem_is_met_in_one_step(core: str, empty:
     p.priors.pose.node, p.priors.pose.value = n, p.unknowns.pose[:, :7].copy()
     p.priors.pose.sqrt_information = np.tile(np.eye(6), (6, 1, 1))
     got = solve(p, Options(core=core, initial_radius=1e12, function_tolerance=1e-12))
-    np.testing.assert_allclose(got.unknowns.pose[:, 2], 0.5 * np.arange(6), atol=1e-9)  # between prior 0 and depth k
+    # between prior 0 and depth k
+    np.testing.assert_allclose(got.unknowns.pose[:, 2], 0.5 * np.arange(6), atol=1e-9)
     assert got.iterations.cost[1] == pytest.approx(0.25 * (np.arange(6) ** 2).sum(), rel=1e-9)
 
 
@@ -124,7 +135,9 @@ def test_label_changes_count_from_one_accepted_point_to_the_next(hard: Draft) ->
 
 
 @pytest.mark.parametrize("radius", [1e-8, 1e-4, 1.0])
-def test_a_small_radius_gives_a_short_step_down_the_gradient(radius: float, make_survey: Survey, shaken: Survey) -> None:
+def test_a_small_radius_gives_a_short_step_down_the_gradient(
+    radius: float, make_survey: Survey, shaken: Survey
+) -> None:
     p = shaken(make_survey(pixel_noise=0.5))
     options = Options(initial_radius=radius, max_iterations=1, **ENDLESS)
     record = solve(p, options).iterations
@@ -135,7 +148,9 @@ def test_a_small_radius_gives_a_short_step_down_the_gradient(radius: float, make
 
 
 @pytest.mark.parametrize("threads", [1, 3])
-def test_seconds_name_the_parts_and_their_whole(threads: int, make_survey: Survey, shaken: Survey) -> None:
+def test_seconds_name_the_parts_and_their_whole(
+    threads: int, make_survey: Survey, shaken: Survey
+) -> None:
     seconds = solve(shaken(make_survey()), Options(threads=threads)).seconds
     parts = {
         "preprocess",
@@ -161,10 +176,18 @@ def test_what_no_factor_meets_stays(make_survey: Survey) -> None:
     np.testing.assert_array_equal(got.landmark[-1], p.unknowns.landmark[-1])
 
 
-def test_the_solve_ends_where_the_robust_gradient_vanishes(make_survey: Survey, shaken: Survey) -> None:
+def test_the_solve_ends_where_the_robust_gradient_vanishes(
+    make_survey: Survey, shaken: Survey
+) -> None:
     p = shaken(make_survey(pixel_noise=0.5))
-    before = np.abs(normal_equations(evaluate(p))[1] / np.linalg.norm(jacobian(evaluate(p)), axis=0)).max()
-    for name, value in solve(p, Options(function_tolerance=1e-15, parameter_tolerance=1e-15)).unknowns.__dict__.items():
+    before = np.abs(
+        normal_equations(evaluate(p))[1] / np.linalg.norm(jacobian(evaluate(p)), axis=0)
+    ).max()
+    for name, value in solve(
+        p, Options(function_tolerance=1e-15, parameter_tolerance=1e-15)
+    ).unknowns.__dict__.items():
         setattr(p.unknowns, name, value)
     e = evaluate(p)
-    assert np.abs(normal_equations(e)[1] / np.linalg.norm(jacobian(e), axis=0)).max() < 1e-6 * before
+    assert (
+        np.abs(normal_equations(e)[1] / np.linalg.norm(jacobian(e), axis=0)).max() < 1e-6 * before
+    )

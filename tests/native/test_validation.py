@@ -53,8 +53,16 @@ REFUSALS: list[tuple[str, Callable[[np.ndarray], Any], str]] = [
     ("unknowns.navigation", lambda x: x[:5], r"expected \(6, \)"),
     ("unknowns.deviation", lambda x: x[:, None], "expected"),
     ("unknowns.intrinsics_top", lambda x: x[:8], r"expected \(9, \)"),
-    ("unknowns.intrinsics_top", lambda x: x * np.r_[-1, np.ones(8)], "a focal length is not positive"),
-    ("unknowns.intrinsics_bottom", lambda x: x * np.r_[1, 0, np.ones(7)], "a focal length is not positive"),
+    (
+        "unknowns.intrinsics_top",
+        lambda x: x * np.r_[-1, np.ones(8)],
+        "a focal length is not positive",
+    ),
+    (
+        "unknowns.intrinsics_bottom",
+        lambda x: x * np.r_[1, 0, np.ones(7)],
+        "a focal length is not positive",
+    ),
     ("lever_arms.tray", lambda x: x[:2], r"expected \(3, \)"),
     ("lever_arms.pressure", lambda x: x[:2], r"expected \(3, \)"),
     ("cad_mesh.vertices", lambda x: x[:, :2], "expected"),
@@ -175,12 +183,18 @@ REFUSALS: list[tuple[str, Callable[[np.ndarray], Any], str]] = [
 ]
 
 
-@pytest.mark.parametrize(("name", "damage", "words"), REFUSALS, ids=[f"{n}-{k}" for k, (n, _, _) in enumerate(REFUSALS)])
+@pytest.mark.parametrize(
+    ("name", "damage", "words"), REFUSALS, ids=[f"{n}-{k}" for k, (n, _, _) in enumerate(REFUSALS)]
+)
 def test_a_table_that_cannot_be_used_is_named_with_what_is_wrong(
     name: str, damage: Callable[[np.ndarray], Any], words: str, whole: Draft
 ) -> None:
     value = damage(leaves(whole)[name])
-    change(whole, name, value.astype(Ints) if isinstance(value, np.ndarray) and value.dtype.kind == "i" else value)
+    change(
+        whole,
+        name,
+        value.astype(Ints) if isinstance(value, np.ndarray) and value.dtype.kind == "i" else value,
+    )
     with pytest.raises(InputError, match=words) as caught:
         evaluate(whole)
     assert caught.value.where == name
@@ -211,7 +225,9 @@ def test_every_table_is_refused_with_text_or_complex_numbers_in_it(whole: Draft)
         change(whole, name, table)
 
 
-def test_an_index_that_is_no_integer_is_refused_and_one_of_another_width_is_taken(whole: Draft) -> None:
+def test_an_index_that_is_no_integer_is_refused_and_one_of_another_width_is_taken(
+    whole: Draft,
+) -> None:
     before = evaluate(whole).residual
     for name in list(array_fields(whole)):
         table = leaves(whole)[name]
@@ -295,7 +311,9 @@ def test_every_call_validates_tables_and_options(call: Callable[..., Any], whole
         ("sigma_on", "thin", "it is of the wrong type"),
     ],
 )
-def test_an_option_that_cannot_be_meant_says_what_it_must_be(option: str, value: Any, words: str, whole: Draft) -> None:
+def test_an_option_that_cannot_be_meant_says_what_it_must_be(
+    option: str, value: Any, words: str, whole: Draft
+) -> None:
     with pytest.raises(UsageError, match=words) as caught:
         evaluate(whole, dataclasses.replace(Options(), **{option: value}))
     assert caught.value.where == option

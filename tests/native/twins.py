@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Plain NumPy twins of what native does: steps on the manifolds, dense Jacobians, the dense normal equations of one step."""
+"""Plain NumPy twins of what native does: steps on the manifolds, dense Jacobians, the dense normal
+equations of one step.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,9 @@ def moved(p: Draft, e: Evaluation, delta: Array) -> Draft:
     for name, (start, width) in e.columns.items():
         field, index = unknown_of(name)
         table = getattr(out.unknowns, field)
-        table[index or ...] = moved_numbers(getattr(p.unknowns, field)[index or ...], delta[start : start + width])
+        table[index or ...] = moved_numbers(
+            getattr(p.unknowns, field)[index or ...], delta[start : start + width]
+        )
     return out
 
 
@@ -68,13 +72,17 @@ def step_between(p: Draft, unknowns: Unknowns, e: Evaluation) -> Array:
     for name, (start, width) in e.columns.items():
         field, index = unknown_of(name)
         at = index or ...
-        out[start : start + width] = difference(getattr(unknowns, field)[at], getattr(p.unknowns, field)[at], width)
+        out[start : start + width] = difference(
+            getattr(unknowns, field)[at], getattr(p.unknowns, field)[at], width
+        )
     return out
 
 
 def jacobian(e: Evaluation) -> Array:
     """(R, width), whitened, without the loss's weights."""
-    matrix = csr_matrix((e.jacobian_value, e.jacobian_column, e.jacobian_start), shape=(len(e.residual), e.width))
+    matrix = csr_matrix(
+        (e.jacobian_value, e.jacobian_column, e.jacobian_start), shape=(len(e.residual), e.width)
+    )
     return np.asarray(matrix.toarray())
 
 
@@ -85,7 +93,9 @@ def normal_equations(e: Evaluation) -> tuple[Array, Array]:
 
 
 def damping(information: Array, radius: float) -> Array:
-    """Diagonal of Levenberg-Marquardt at the start, with Ceres' scaling of the columns and its bounds."""
+    """Diagonal of Levenberg-Marquardt at the start, with Ceres' scaling of the columns and its
+    bounds.
+    """
     diagonal = np.diag(information)
     scale = (1 + np.sqrt(diagonal)) ** 2
     return np.asarray(np.clip(diagonal / scale, LEAST_DIAGONAL, MOST_DIAGONAL) * scale / radius)
@@ -93,7 +103,9 @@ def damping(information: Array, radius: float) -> Array:
 
 def columns_with_factors(e: Evaluation) -> Array:
     """Mask (width,) of the columns that any factor meets."""
-    return np.asarray(np.bincount(e.jacobian_column, np.abs(e.jacobian_value) > 0, minlength=e.width) > 0)
+    return np.asarray(
+        np.bincount(e.jacobian_column, np.abs(e.jacobian_value) > 0, minlength=e.width) > 0
+    )
 
 
 def array_fields(p: Draft) -> Iterator[str]:

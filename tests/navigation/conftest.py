@@ -12,11 +12,19 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImageIndex,
+    ImuSamples,
+    JointSamples,
+    PressureSamples,
+)
 from hullrecon.rig import SensorRig
 
 START_NS = 1_777_887_000_000_000_000
-JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
+JANUS = np.array(
+    [[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]]
+)
 
 
 def nanoseconds(t_s: np.ndarray) -> np.ndarray:
@@ -25,7 +33,9 @@ def nanoseconds(t_s: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class SimulatedPath:
-    """A swum path whose every quantity is known in closed form: seconds to poses, tray and sensor readings."""
+    """A swum path whose every quantity is known in closed form: seconds to poses, tray and sensor
+    readings.
+    """
 
     rig: SensorRig
     duration_s: float = 40.0
@@ -44,7 +54,11 @@ class SimulatedPath:
         return Poses(self.attitude(t).as_quat(), self.place(t))
 
     def instrument(self, t: np.ndarray) -> Poses:
-        return self.poses(t) @ poses.tray_poses(self.rig.tray_origin, self.tray(t)) @ self.rig.tray_from_dvl
+        return (
+            self.poses(t)
+            @ poses.tray_poses(self.rig.tray_origin, self.tray(t))
+            @ self.rig.tray_from_dvl
+        )
 
     def velocity(self, t: np.ndarray) -> np.ndarray:
         """Of the instrument in dvl: central differences of its path, good to 1e-8 m/s."""
@@ -56,8 +70,12 @@ class SimulatedPath:
         h = 1e-4
         return (self.attitude(t - h).inv() * self.attitude(t + h)).as_rotvec() / (2 * h)
 
-    def logs(self, noise: float = 0.0, seed: int = 0, dvl_hz: float = 20.0, imu_hz: float = 50.0) -> NavigationLogs:
-        """noise 1: usual instruments; 0: perfect ones, sampled fast enough that sampling does not show."""
+    def logs(
+        self, noise: float = 0.0, seed: int = 0, dvl_hz: float = 20.0, imu_hz: float = 50.0
+    ) -> NavigationLogs:
+        """noise 1: usual instruments; 0: perfect ones, sampled fast enough that sampling does not
+        show.
+        """
         rng = np.random.default_rng(seed)
         end = self.duration_s
         t = np.arange(0, end, 1 / dvl_hz)
@@ -66,7 +84,9 @@ class SimulatedPath:
         drift = Rotation.from_rotvec(noise * np.radians(0.1) * rng.standard_normal((len(ti), 3)))
         velocity = self.velocity(t) + noise * 0.003 * rng.standard_normal((len(t), 3))
         rates = self.rates(ti) + noise * 0.002 * rng.standard_normal((len(ti), 3))
-        depth = self.poses(tp).apply(self.rig.pressure_origin)[:, 2] + noise * 0.02 * rng.standard_normal(len(tp))
+        depth = self.poses(tp).apply(self.rig.pressure_origin)[
+            :, 2
+        ] + noise * 0.02 * rng.standard_normal(len(tp))
         frames = np.arange(0.25, end - 0.3, 0.5)
         return NavigationLogs(
             dvl=DvlPings(
@@ -91,7 +111,13 @@ class SimulatedPath:
 def frames_at(t_s: np.ndarray) -> ImageIndex:
     n = len(t_s)
     empty = np.zeros(n, np.int64)
-    return ImageIndex(t_ns=nanoseconds(t_s), file=np.full(n, ""), offset=empty, size=empty, usable=np.ones(n, bool))
+    return ImageIndex(
+        t_ns=nanoseconds(t_s),
+        file=np.full(n, ""),
+        offset=empty,
+        size=empty,
+        usable=np.ones(n, bool),
+    )
 
 
 @pytest.fixture(scope="session")

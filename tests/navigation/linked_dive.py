@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two long legs with truth, there and back, in plain NumPy: what navigation measures of them under a drifting heading, and what
-pairs of images measure.
+"""Two long legs with truth, there and back, in plain NumPy: what navigation measures of them under
+a drifting heading, and what pairs of images measure.
 
-Every error is drawn from the sigma that the records state: scale, drift and mount of the DVL, biases, white noise, links.
+Every error is drawn from the sigma that the records state: scale, drift and mount of the DVL,
+biases, white noise, links.
 """
 
 from __future__ import annotations
@@ -23,9 +24,13 @@ from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
 STEP_S, STEP_M, APART_M = 2.0, 0.5, 0.6
 STEP_SIGMA = np.r_[np.full(3, 3e-3), np.full(3, 5e-4)]  # m, rad of odometry a step
 LINK_SIGMA = np.r_[np.full(3, 3e-3), np.full(3, 1e-3)]
-NAVIGATION_SIGMA = np.array([0.01, 1e-3, 2e-3, 2e-3, 0.02, 1e-3])  # scale, drift rad/s, roll, pitch, depth m, backlash
+# scale, drift rad/s, roll, pitch, depth m, backlash
+NAVIGATION_SIGMA = np.array([0.01, 1e-3, 2e-3, 2e-3, 0.02, 1e-3])
 DVL_TURN_SIGMA = np.radians(0.3)
-TRAY_FROM_TOP, TOP_FROM_BOTTOM = from_mount([0.03, 0.05, -0.05, 90, 0, 90]), from_mount([0.0, 0.1, 0.0, 0.5, -0.3, 0.2])
+TRAY_FROM_TOP, TOP_FROM_BOTTOM = (
+    from_mount([0.03, 0.05, -0.05, 90, 0, 90]),
+    from_mount([0.0, 0.1, 0.0, 0.5, -0.3, 0.2]),
+)
 
 
 def matrices(translation: np.ndarray, rotation: Rotation) -> np.ndarray:
@@ -50,7 +55,9 @@ class LinkedDive:
     rig: Rig
 
     def cameras(self, bottom: np.ndarray | bool = False) -> np.ndarray:
-        """T_g_c (n, 4, 4) of the top camera, or of the bottom one at the nodes where that is asked for."""
+        """T_g_c (n, 4, 4) of the top camera, or of the bottom one at the nodes where that is asked
+        for.
+        """
         offset = np.eye(4)
         offset[:3, 3] = TRAY_ORIGIN_M
         top = self.global_from_vehicle @ offset @ TRAY_FROM_TOP.matrix()[0]
@@ -64,11 +71,13 @@ def simulate(seed: int, per_leg: int = 30, drift: float | None = None) -> Linked
     truth = true_path(per_leg)
     navigation = NAVIGATION_SIGMA * rng.standard_normal(6)
     navigation[1] = navigation[1] if drift is None else drift
-    odometry = measured_steps(rng, truth, navigation, DVL_TURN_SIGMA * rng.standard_normal(3), STEP_S, STEP_SIGMA)
-    roll_pitch = Rotation.from_matrix(truth[:, :3, :3]).as_euler("xyz")[:, :2] + navigation[2:4]
-    measured = np.column_stack([truth[:, 2, 3] + navigation[4], roll_pitch]) + ATTITUDE_SIGMA * rng.standard_normal(
-        (len(truth), 3)
+    odometry = measured_steps(
+        rng, truth, navigation, DVL_TURN_SIGMA * rng.standard_normal(3), STEP_S, STEP_SIGMA
     )
+    roll_pitch = Rotation.from_matrix(truth[:, :3, :3]).as_euler("xyz")[:, :2] + navigation[2:4]
+    measured = np.column_stack(
+        [truth[:, 2, 3] + navigation[4], roll_pitch]
+    ) + ATTITUDE_SIGMA * rng.standard_normal((len(truth), 3))
     attitude = Attitude(
         node=np.arange(len(truth)),
         depth=measured[:, 0],
@@ -108,11 +117,15 @@ def rig() -> Rig:
 
 
 def true_path(per_leg: int) -> np.ndarray:
-    """A vehicle that faces the hull and goes sideways along it, out and back, half a metre deeper on its way back."""
+    """A vehicle that faces the hull and goes sideways along it, out and back, half a metre deeper
+    on its way back.
+    """
     k = np.arange(2 * per_leg)
     back = k >= per_leg
     along = STEP_M * np.where(back, 2 * per_leg - 1 - k, k)
-    place = np.column_stack([0.05 * np.sin(0.3 * k), along, 3.0 + APART_M * back + 0.05 * np.sin(0.2 * k)])
+    place = np.column_stack(
+        [0.05 * np.sin(0.3 * k), along, 3.0 + APART_M * back + 0.05 * np.sin(0.2 * k)]
+    )
     turn = np.column_stack([0.03 * np.sin(0.2 * k), 0.02 * np.cos(0.3 * k), 0.1 * np.sin(0.1 * k)])
     return matrices(place, Rotation.from_euler("xyz", turn))
 
@@ -124,16 +137,24 @@ def neighbours(per_leg: int = 30, reach: int = 2) -> np.ndarray:
 
 
 def opposite(per_leg: int = 30, every: int = 1) -> np.ndarray:
-    """Pairs (m, 2) of nodes of the two legs that stand before the same piece of hull; the turn's four are neighbours."""
+    """Pairs (m, 2) of nodes of the two legs that stand before the same piece of hull; the turn's
+    four are neighbours.
+    """
     k = np.arange(0, per_leg - 2, every)
     return np.column_stack([k, 2 * per_leg - 1 - k])
 
 
 def link(
-    dive: LinkedDive, pairs: np.ndarray, rng: np.random.Generator, *, scaled: bool = True, bottom: np.ndarray | bool = False
+    dive: LinkedDive,
+    pairs: np.ndarray,
+    rng: np.random.Generator,
+    *,
+    scaled: bool = True,
+    bottom: np.ndarray | bool = False,
 ) -> CameraLinks:
-    """The relative poses of pairs (m, 2), with noise of LINK_SIGMA times the root of how many links share each image; without
-    scale, the translation's length is one metre."""
+    """The relative poses of pairs (m, 2), with noise of LINK_SIGMA times the root of how many links
+    share each image; without scale, the translation's length is one metre.
+    """
     camera = dive.cameras(bottom)
     first, second = pairs.T
     relative = np.linalg.inv(camera[second]) @ camera[first]
@@ -160,17 +181,25 @@ def link(
 def joined(*parts: CameraLinks) -> CameraLinks:
     """Links one after the other."""
     names = ("first", "second", "translation", "quaternion", "covariance", "scaled", "bottom")
-    return CameraLinks(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
+    return CameraLinks(
+        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    )
 
 
-def disturbed(links: CameraLinks, rows: np.ndarray, shift_m: float, turn_rad: float, rng: np.random.Generator) -> CameraLinks:
+def disturbed(
+    links: CameraLinks, rows: np.ndarray, shift_m: float, turn_rad: float, rng: np.random.Generator
+) -> CameraLinks:
     """Some of the links made wrong, each in another direction."""
     translation, rotation = links.translation.copy(), Rotation.from_quat(links.quaternion)
     way, axis = (rng.standard_normal((len(rows), 3)) for _ in range(2))
     translation[rows] += shift_m * way / np.linalg.norm(way, axis=1, keepdims=True)
     wrong = np.zeros((len(links), 3))
     wrong[rows] = turn_rad * axis / np.linalg.norm(axis, axis=1, keepdims=True)
-    return replace(links, translation=translation, quaternion=(rotation * Rotation.from_rotvec(wrong)).as_quat())
+    return replace(
+        links,
+        translation=translation,
+        quaternion=(rotation * Rotation.from_rotvec(wrong)).as_quat(),
+    )
 
 
 def aligned_error_m(found: Poses, truth: np.ndarray) -> float:
@@ -178,4 +207,6 @@ def aligned_error_m(found: Poses, truth: np.ndarray) -> float:
     a, b = found.translation, truth[:, :3, 3]
     u, _, vt = np.linalg.svd((b - b.mean(0)).T @ (a - a.mean(0)))
     rotation = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
-    return float(np.sqrt(np.mean(np.sum(((a - a.mean(0)) @ rotation.T - (b - b.mean(0))) ** 2, axis=1))))
+    return float(
+        np.sqrt(np.mean(np.sum(((a - a.mean(0)) @ rotation.T - (b - b.mean(0))) ** 2, axis=1)))
+    )

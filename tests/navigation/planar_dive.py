@@ -1,13 +1,21 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Dives at the level of poses and beams: legs up and down before an ellipsoid, DVL, attitude, depth, no camera."""
+"""Dives at the level of poses and beams: legs up and down before an ellipsoid, DVL, attitude,
+depth, no camera.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from hullrecon.geometry.poses import Poses, from_rpy
-from hullrecon.synthetic.ellipsoid_dive import POLE_DEPTH_M, STANDOFF_M, STEP_M, EllipsoidDive, measured_dive
+from hullrecon.synthetic.ellipsoid_dive import (
+    POLE_DEPTH_M,
+    STANDOFF_M,
+    STEP_M,
+    EllipsoidDive,
+    measured_dive,
+)
 
 
 def simulate(
@@ -21,8 +29,10 @@ def simulate(
     off_m: float = 0.0,
     bumps_m: float = 0.0,
 ) -> EllipsoidDive:
-    """The dive. semi_axes_m: of the ellipsoid across, along and down; off_m: by how much the odd legs truly see another, nearer
-    surface, as where something hangs before the hull; bumps_m: of a surface that is rough, as rock is."""
+    """The dive. semi_axes_m: of the ellipsoid across, along and down; off_m: by how much the odd
+    legs truly see another, nearer surface, as where something hangs before the hull; bumps_m: of a
+    surface that is rough, as rock is.
+    """
     rng = np.random.default_rng(seed)
     axes = np.array(semi_axes_m)
     truth, leg = true_path(legs, leg_m, spacing_m, axes, rng)
@@ -45,7 +55,10 @@ def true_path(
     z = spacing_m * (leg - 0.5 * (legs - 1)) + 0.3
     turn = (
         np.sum(
-            [np.sin(np.outer(np.arange(len(k)), rate) + rng.uniform(0, 6, 6)) for rate in rng.uniform(0.05, 0.5, (5, 6))],
+            [
+                np.sin(np.outer(np.arange(len(k)), rate) + rng.uniform(0, 6, 6))
+                for rate in rng.uniform(0.05, 0.5, (5, 6))
+            ],
             axis=0,
         )
         * np.r_[np.full(3, 0.008), np.radians([0.6, 0.6, 0.8])]

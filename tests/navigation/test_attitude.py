@@ -21,7 +21,9 @@ def bursts(t_s: np.ndarray) -> np.ndarray:
 
 
 def orientation(t_s: np.ndarray) -> Rotation:
-    angles = np.stack([0.3 * np.sin(2 * np.pi * t_s / 40), 0.05 * np.sin(2 * np.pi * t_s / 7), 0 * t_s], axis=1)
+    angles = np.stack(
+        [0.3 * np.sin(2 * np.pi * t_s / 40), 0.05 * np.sin(2 * np.pi * t_s / 7), 0 * t_s], axis=1
+    )
     return Rotation.from_euler("ZYX", angles)
 
 

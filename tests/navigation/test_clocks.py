@@ -15,7 +15,13 @@ from navigation.instruments import RIG
 from navigation.wall_dive import STREAMS, AlongWall, late, logs_along_wall, unsteady
 
 from hullrecon.geometry import poses
-from hullrecon.navigation.clocks.clock_errors import ClockError, Sensor, describe_errors, join_errors, put_images_right
+from hullrecon.navigation.clocks.clock_errors import (
+    ClockError,
+    Sensor,
+    describe_errors,
+    join_errors,
+    put_images_right,
+)
 from hullrecon.navigation.clocks.stretches import stretches
 from hullrecon.navigation.clocks.synchronise import Synchronised, choose_runs, synchronise
 from hullrecon.navigation.clocks.time_shift import find_far_shift, find_time_shift, preference
@@ -34,7 +40,9 @@ def logged(swum) -> NavigationLogs:
 
 @pytest.fixture(scope="module")
 def measure(swum, logged):
-    """Motions between images by the truth, with the noise of good pairs, at the times at which they were truly taken."""
+    """Motions between images by the truth, with the noise of good pairs, at the times at which they
+    were truly taken.
+    """
     true_s = (logged.top.t_ns - START_NS) * 1e-9
     camera, rng = swum.cameras(true_s), np.random.default_rng(5)
 
@@ -63,7 +71,9 @@ def test_clocks_that_agree_are_left_alone(logged, measure):
     for found in (put_right(logged), put_right(logged, measure)):
         assert (found.errors, found.remarks) == ([], [])
         for name in STREAMS.values():
-            np.testing.assert_array_equal(getattr(found.logs, name).t_ns, getattr(logged, name).t_ns)
+            np.testing.assert_array_equal(
+                getattr(found.logs, name).t_ns, getattr(logged, name).t_ns
+            )
 
 
 @pytest.mark.parametrize("seconds", [0.6, -1.5])
@@ -94,7 +104,9 @@ def test_without_images_an_imu_off_by_many_seconds_is_put_right_by_those(logged,
 
 
 @pytest.mark.parametrize("seconds", [70.0, -90.0])
-def test_without_images_an_imu_off_by_more_than_a_minute_is_not_put_right_to_what_is_false(logged, seconds):
+def test_without_images_an_imu_off_by_more_than_a_minute_is_not_put_right_to_what_is_false(
+    logged, seconds
+):
     assert put_right(late(logged, Sensor.IMU, seconds)).errors == []
 
 
@@ -106,7 +118,9 @@ def test_of_an_imu_off_by_minutes_no_shift_that_fits_by_chance_is_taken(monkeypa
 
 def test_a_fifth_of_a_second_of_the_dvl_is_told_by_images_and_depth_together(logged, measure):
     found = put_right(late(logged, Sensor.DVL, 0.2), measure)
-    assert [(one.sensor, one.beside) for one in found.errors] == [(Sensor.DVL, (Sensor.IMU, Sensor.PRESSURE, Sensor.IMAGES))]
+    assert [(one.sensor, one.beside) for one in found.errors] == [
+        (Sensor.DVL, (Sensor.IMU, Sensor.PRESSURE, Sensor.IMAGES))
+    ]
     assert off_s(found, logged, Sensor.DVL) < 0.06
 
 
@@ -150,8 +164,14 @@ def test_which_of_two_clocks_is_wrong_is_not_guessed(logged):
 def test_a_vehicle_at_rest_tells_nothing(logged, measure):
     still = replace(
         logged,
-        dvl=replace(logged.dvl, velocity=np.zeros_like(logged.dvl.velocity), ranges=np.full_like(logged.dvl.ranges, 1.5)),
-        imu=replace(logged.imu, quaternion=np.tile(logged.imu.quaternion[:1], (len(logged.imu.t_ns), 1))),
+        dvl=replace(
+            logged.dvl,
+            velocity=np.zeros_like(logged.dvl.velocity),
+            ranges=np.full_like(logged.dvl.ranges, 1.5),
+        ),
+        imu=replace(
+            logged.imu, quaternion=np.tile(logged.imu.quaternion[:1], (len(logged.imu.t_ns), 1))
+        ),
     )
     assert put_right(late(still, Sensor.DVL, 0.8)).errors == []
     assert put_right(late(still, Sensor.DVL, 0.8), lambda first, second: None).errors == []
@@ -176,7 +196,10 @@ def test_pauses_without_a_jump_change_nothing(logged, measure):
     """The DVL loses the bottom for 15 s, the cameras pause."""
     t_s = (logged.dvl.t_ns - START_NS) * 1e-9
     kept = (t_s < 90) | (t_s > 105)
-    rows = {name: getattr(logged.dvl, name)[kept] for name in ("t_ns", "velocity", "velocity_sigma", "ranges")}
+    rows = {
+        name: getattr(logged.dvl, name)[kept]
+        for name in ("t_ns", "velocity", "velocity_sigma", "ranges")
+    }
     paused = replace(logged, dvl=replace(logged.dvl, **rows))
     for found in (put_right(paused), put_right(paused, measure)):
         assert found.errors == []
@@ -186,11 +209,16 @@ def without_pings(logs: NavigationLogs, *spans: tuple[float, float]) -> Navigati
     """Return the logs without the DVL's pings from so many seconds to so many."""
     t_s = (logs.dvl.t_ns - START_NS) * 1e-9
     kept = ~np.any([(t_s > begin) & (t_s < end) for begin, end in spans], axis=0)
-    rows = {name: getattr(logs.dvl, name)[kept] for name in ("t_ns", "velocity", "velocity_sigma", "ranges")}
+    rows = {
+        name: getattr(logs.dvl, name)[kept]
+        for name in ("t_ns", "velocity", "velocity_sigma", "ranges")
+    }
     return replace(logs, dvl=replace(logs.dvl, **rows))
 
 
-@pytest.mark.parametrize("spans", [[(200, 202)], [(60, 62), (120, 122), (190, 192)]], ids=["one pause", "three"])
+@pytest.mark.parametrize(
+    "spans", [[(200, 202)], [(60, 62), (120, 122), (190, 192)]], ids=["one pause", "three"]
+)
 @pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU, Sensor.PRESSURE])
 def test_a_clock_that_is_late_all_along_is_put_right_over_pauses_too(logged, sensor, spans):
     """Stretches of less than a minute tell nothing by themselves."""
@@ -201,7 +229,9 @@ def test_a_clock_that_is_late_all_along_is_put_right_over_pauses_too(logged, sen
     assert np.abs(ours - stamps).max() < 0.15e9
 
 
-def test_with_images_a_pressure_sensor_that_is_late_is_put_right_beside_a_short_stretch_too(logged, measure):
+def test_with_images_a_pressure_sensor_that_is_late_is_put_right_beside_a_short_stretch_too(
+    logged, measure
+):
     true = without_pings(logged, (200, 202))
     found = put_right(late(true, Sensor.PRESSURE, 1.5), measure)
     assert np.abs(found.logs.pressure.t_ns - true.pressure.t_ns).max() < 0.2e9
@@ -218,16 +248,29 @@ def test_a_short_stretch_before_a_jump_is_left_as_it_is(logged):
 
 def error(sensor: Sensor, begin_s: float, end_s: float, late_s: float) -> ClockError:
     return ClockError(
-        sensor=sensor, from_ns=round(begin_s * 1e9), to_ns=round(end_s * 1e9), late_s=late_s, sigma_s=0.01, beside=(Sensor.IMU,)
+        sensor=sensor,
+        from_ns=round(begin_s * 1e9),
+        to_ns=round(end_s * 1e9),
+        late_s=late_s,
+        sigma_s=0.01,
+        beside=(Sensor.IMU,),
     )
 
 
 def test_neighbouring_stretches_with_one_error_are_said_as_one():
-    joined = join_errors([error(Sensor.DVL, 5, 9, 0.5), error(Sensor.DVL, 0, 5, 0.52), error(Sensor.IMU, 0, 9, -0.4)])
-    assert [(one.sensor, one.from_ns, one.to_ns) for one in joined] == [(Sensor.DVL, 0, 9e9), (Sensor.IMU, 0, 9e9)]
+    joined = join_errors(
+        [error(Sensor.DVL, 5, 9, 0.5), error(Sensor.DVL, 0, 5, 0.52), error(Sensor.IMU, 0, 9, -0.4)]
+    )
+    assert [(one.sensor, one.from_ns, one.to_ns) for one in joined] == [
+        (Sensor.DVL, 0, 9e9),
+        (Sensor.IMU, 0, 9e9),
+    ]
     words = describe_errors(joined)
     assert words[0].startswith("DVL: the clock is 0.5")
-    assert "s late (sigma 0.010 s) from 1970-01-01T00:00:00.000Z to 1970-01-01T00:00:09.000Z" in words[0]
+    assert (
+        "s late (sigma 0.010 s) from 1970-01-01T00:00:00.000Z to 1970-01-01T00:00:09.000Z"
+        in words[0]
+    )
     assert words[1].startswith("IMU: the clock is 0.40 s early")
     assert words[1].endswith("beside that of IMU; the stamps were put right")
     three = replace(joined[0], beside=(Sensor.IMU, Sensor.PRESSURE, Sensor.IMAGES))
@@ -282,13 +325,17 @@ def test_the_shift_of_a_signal_is_found_with_its_sigma():
 
 def test_a_shift_beyond_reach_is_found_far_away_or_not_at_all():
     block = np.arange(240) // 20
-    assert find_far_shift(lambda shift: apart(shift - 30), block).seconds == pytest.approx(30.7, abs=0.1)
+    assert find_far_shift(lambda shift: apart(shift - 30), block).seconds == pytest.approx(
+        30.7, abs=0.1
+    )
     found = find_far_shift(lambda shift: apart(shift - 300), block)
     assert found is None or not found.is_unique()
 
 
 def test_rows_without_data_are_for_no_shift():
-    """Of a signal that ends, a far shift leaves few rows: they must not make it the better one, nor hide the right one."""
+    """Of a signal that ends, a far shift leaves few rows: they must not make it the better one, nor
+    hide the right one.
+    """
     t, block = np.arange(0, 120, 0.5), np.arange(240) // 20
 
     def ended(shift: float) -> np.ndarray:
@@ -308,4 +355,11 @@ def test_noise_has_no_shift():
 
 
 def test_errors_have_the_fields_that_navigation_json_tells():
-    assert [field.name for field in fields(ClockError)] == ["sensor", "from_ns", "to_ns", "late_s", "sigma_s", "beside"]
+    assert [field.name for field in fields(ClockError)] == [
+        "sensor",
+        "from_ns",
+        "to_ns",
+        "late_s",
+        "sigma_s",
+        "beside",
+    ]

@@ -44,7 +44,9 @@ def test_perfect_instruments_give_the_path_back_lever_and_tray_included(simulate
     assert np.abs(edges_error(simulated, found)).max() < 1e-4
 
 
-def test_the_path_starts_at_nothing_in_the_plane_and_depth_is_from_the_surface(simulated, perfect, rig):
+def test_the_path_starts_at_nothing_in_the_plane_and_depth_is_from_the_surface(
+    simulated, perfect, rig
+):
     found = reckoned(perfect, rig)
     first = truth_at(simulated, found).translation[0]
     assert np.allclose(found.trajectory.translation[0], first, atol=2e-3)
@@ -62,7 +64,9 @@ def test_odometry_does_not_know_the_pressure(perfect, rig):
     lifted = replace(perfect, pressure=replace(perfect.pressure, depth=depth))
     plain, other = reckoned(perfect, rig), reckoned(lifted, rig)
     assert np.array_equal(plain.odometry.translation, other.odometry.translation)
-    assert other.trajectory.translation[0, 2] - plain.trajectory.translation[0, 2] == pytest.approx(3.0, abs=0.05)
+    assert other.trajectory.translation[0, 2] - plain.trajectory.translation[0, 2] == pytest.approx(
+        3.0, abs=0.05
+    )
 
 
 def test_odometry_errors_are_as_large_as_their_covariance_says(simulated, noisy, rig):
@@ -75,14 +79,19 @@ def test_odometry_errors_are_as_large_as_their_covariance_says(simulated, noisy,
 
 def test_rates_make_the_attitude_far_better_than_one_reading(simulated, noisy, rig):
     with_rates = edges_error(simulated, reckoned(noisy, rig))[:, 3:]
-    silent = replace(noisy, imu=replace(noisy.imu, angular_velocity=np.full_like(noisy.imu.angular_velocity, np.nan)))
+    silent = replace(
+        noisy,
+        imu=replace(noisy.imu, angular_velocity=np.full_like(noisy.imu.angular_velocity, np.nan)),
+    )
     without = reckoned(silent, rig)
     assert np.std(with_rates) < 0.3 * np.std(edges_error(simulated, without)[:, 3:])
     assert any("no rates" in words for words in without.remarks)
 
 
 def test_depth_drifts_neither_with_the_dvl_nor_scatters_with_the_pressure(simulated, noisy, rig):
-    fast = replace(noisy, dvl=replace(noisy.dvl, velocity=noisy.dvl.velocity + np.array([0.01, 0, 0])))
+    fast = replace(
+        noisy, dvl=replace(noisy.dvl, velocity=noisy.dvl.velocity + np.array([0.01, 0, 0]))
+    )
     found = reckoned(fast, rig)
     error = found.trajectory.translation[:, 2] - truth_at(simulated, found).translation[:, 2]
     assert np.abs(error).max() < 0.012  # 0.40 m by the DVL alone, 0.02 m a reading
@@ -91,7 +100,9 @@ def test_depth_drifts_neither_with_the_dvl_nor_scatters_with_the_pressure(simula
 def test_the_trajectory_stays_within_its_sigma_when_scale_and_mount_are_off(simulated, noisy, rig):
     mount = rig.tray_from_dvl.rotation * Rotation.from_rotvec([0.004, -0.003, 0.005])
     off = replace(rig, tray_from_dvl=Poses(mount.as_quat(), rig.tray_from_dvl.translation))
-    found = reckoned(replace(noisy, dvl=replace(noisy.dvl, velocity=1.004 * noisy.dvl.velocity)), off)
+    found = reckoned(
+        replace(noisy, dvl=replace(noisy.dvl, velocity=1.004 * noisy.dvl.velocity)), off
+    )
     error = found.trajectory.translation - truth_at(simulated, found).translation
     sigma = np.sqrt(np.diagonal(found.trajectory.covariance, axis1=1, axis2=2))[:, :3]
     assert np.abs(error[-1, :2]).max() > 0.01
@@ -101,30 +112,47 @@ def test_the_trajectory_stays_within_its_sigma_when_scale_and_mount_are_off(simu
 
 
 def central(changed, step: float) -> np.ndarray:
-    """Numeric derivative (m, 6) of the odometry by a cause: `changed(c)` gives logs and rig with it accounted for."""
+    """Numeric derivative (m, 6) of the odometry by a cause: `changed(c)` gives logs and rig with it
+    accounted for.
+    """
     plus, minus = (dead_reckon(*changed(c), SIGMAS, OPTIONS).odometry for c in (step, -step))
-    turn = (Rotation.from_quat(minus.quaternion).inv() * Rotation.from_quat(plus.quaternion)).as_rotvec()
+    turn = (
+        Rotation.from_quat(minus.quaternion).inv() * Rotation.from_quat(plus.quaternion)
+    ).as_rotvec()
     return np.hstack([plus.translation - minus.translation, turn]) / (2 * step)
 
 
 def test_the_derivative_by_scale_is_that_of_reckoning_anew(perfect, rig):
     def changed(e: float):
-        return replace(perfect, dvl=replace(perfect.dvl, velocity=(1 + e) * perfect.dvl.velocity)), rig
+        return replace(
+            perfect, dvl=replace(perfect.dvl, velocity=(1 + e) * perfect.dvl.velocity)
+        ), rig
 
-    assert np.allclose(reckoned(perfect, rig).odometry.by_navigation[:, :, 0], central(changed, 1e-3), atol=1e-8)
+    assert np.allclose(
+        reckoned(perfect, rig).odometry.by_navigation[:, :, 0], central(changed, 1e-3), atol=1e-8
+    )
 
 
 def test_the_derivative_by_heading_drift_is_that_of_reckoning_anew(perfect, rig):
-    silent = replace(perfect, imu=replace(perfect.imu, angular_velocity=np.full_like(perfect.imu.angular_velocity, np.nan)))
+    silent = replace(
+        perfect,
+        imu=replace(
+            perfect.imu, angular_velocity=np.full_like(perfect.imu.angular_velocity, np.nan)
+        ),
+    )
     t = (silent.imu.t_ns - silent.dvl.t_ns[0]) * 1e-9
 
     def changed(c: float):
-        turned = Rotation.from_rotvec(np.outer(c * t, [0, 0, 1])) * Rotation.from_quat(silent.imu.quaternion)
+        turned = Rotation.from_rotvec(np.outer(c * t, [0, 0, 1])) * Rotation.from_quat(
+            silent.imu.quaternion
+        )
         return replace(silent, imu=replace(silent.imu, quaternion=turned.as_quat())), rig
 
     numeric = central(changed, 1e-4)
     assert np.allclose(reckoned(silent, rig).odometry.by_navigation[:, :, 1], numeric, atol=2e-4)
-    assert np.allclose(reckoned(silent, rig).odometry.by_navigation[:, 3:, 1], numeric[:, 3:], atol=1e-6)
+    assert np.allclose(
+        reckoned(silent, rig).odometry.by_navigation[:, 3:, 1], numeric[:, 3:], atol=1e-6
+    )
 
 
 def test_the_derivative_by_mount_is_that_of_reckoning_anew(perfect, rig):
@@ -133,7 +161,9 @@ def test_the_derivative_by_mount_is_that_of_reckoning_anew(perfect, rig):
 
         def changed(c: float, k: int = k):
             turn = rig.tray_from_dvl.rotation * Rotation.from_rotvec(c * np.eye(3)[k])
-            return perfect, replace(rig, tray_from_dvl=Poses(turn.as_quat(), rig.tray_from_dvl.translation))
+            return perfect, replace(
+                rig, tray_from_dvl=Poses(turn.as_quat(), rig.tray_from_dvl.translation)
+            )
 
         assert np.allclose(analytic[:, :, k], central(changed, 1e-4), atol=1e-7)
 
@@ -146,13 +176,25 @@ def test_the_derivative_by_tray_is_that_of_reckoning_anew(perfect, rig):
 
 
 def test_the_covariance_of_the_path_is_that_of_its_causes(perfect, rig):
-    """All sigmas but the scale's are nothing: what is left is the outer product of the path's change by scale."""
+    """All sigmas but the scale's are nothing: what is left is the outer product of the path's
+    change by scale.
+    """
     alone = replace(
-        SIGMAS, mount=np.zeros(6), heading_drift_rad_s=0.0, tilt_bias_rad=0.0, tray_rad=0.0, tilt_rad=0.0, scale=0.1
+        SIGMAS,
+        mount=np.zeros(6),
+        heading_drift_rad_s=0.0,
+        tilt_bias_rad=0.0,
+        tray_rad=0.0,
+        tilt_rad=0.0,
+        scale=0.1,
     )
-    still = replace(perfect, dvl=replace(perfect.dvl, velocity_sigma=np.full(len(perfect.dvl.t_ns), 1e-6)))
+    still = replace(
+        perfect, dvl=replace(perfect.dvl, velocity_sigma=np.full(len(perfect.dvl.t_ns), 1e-6))
+    )
     base = reckoned(still, rig, alone).trajectory
-    faster = reckoned(replace(still, dvl=replace(still.dvl, velocity=1.1 * still.dvl.velocity)), rig, alone).trajectory
+    faster = reckoned(
+        replace(still, dvl=replace(still.dvl, velocity=1.1 * still.dvl.velocity)), rig, alone
+    ).trajectory
     moved = (faster.translation - base.translation)[:, :2]
     assert np.allclose(base.covariance[-1, :2, :2], np.outer(moved[-1], moved[-1]), atol=1e-5)
 
@@ -167,30 +209,46 @@ def test_velocities_beyond_an_imu_that_stopped_are_counted(perfect, rig):
     imu_s = (perfect.imu.t_ns - perfect.dvl.t_ns[0]) * 1e-9
     found = reckoned(replace(perfect, imu=cut(perfect.imu, imu_s < 10), top=None, bottom=None), rig)
     (velocities,) = [words for words in found.remarks if "of its velocities" in words]
-    assert velocities.startswith("DVL: 74 % of its velocities (588 of 800) lie where no attitude was read and are not used")
+    assert velocities.startswith(
+        "DVL: 74 % of its velocities (588 of 800) lie where no attitude was read and are not used"
+    )
     (ranges,) = [words for words in found.remarks if "of its ranges" in words]
     assert ranges.endswith("of 3200) lie before or after the path and are not used")
 
 
-def test_an_imu_that_ran_on_under_water_without_a_velocity_is_said_and_one_on_deck_is_not(perfect, rig):
+def test_an_imu_that_ran_on_under_water_without_a_velocity_is_said_and_one_on_deck_is_not(
+    perfect, rig
+):
     dvl_s = (perfect.dvl.t_ns - perfect.dvl.t_ns[0]) * 1e-9
     stopped = replace(perfect, dvl=cut(perfect.dvl, dvl_s < 15), top=None, bottom=None)
-    (words,) = [words for words in reckoned(stopped, rig).remarks if "of its readings under water" in words]
+    (words,) = [
+        words for words in reckoned(stopped, rig).remarks if "of its readings under water" in words
+    ]
     assert float(words.split()[1]) == pytest.approx(25.5, abs=1.0)
-    depth = np.where((perfect.pressure.t_ns - perfect.dvl.t_ns[0]) * 1e-9 > 16, 0.0, perfect.pressure.depth)
+    depth = np.where(
+        (perfect.pressure.t_ns - perfect.dvl.t_ns[0]) * 1e-9 > 16, 0.0, perfect.pressure.depth
+    )
     on_deck = replace(stopped, pressure=replace(perfect.pressure, depth=depth))
     assert not [words for words in reckoned(on_deck, rig).remarks if "under water" in words]
 
 
 def test_a_dive_that_dvl_and_imu_cover_leaves_nothing_out(noisy, rig):
-    assert not [words for words in reckoned(noisy, rig).remarks if "not used" in words or "under water" in words]
+    assert not [
+        words
+        for words in reckoned(noisy, rig).remarks
+        if "not used" in words or "under water" in words
+    ]
 
 
 def test_a_slow_dvl_has_no_outage_between_two_pings(perfect, rig):
     slow = cut(perfect.dvl, np.arange(len(perfect.dvl.t_ns)) % 20 == 0)
-    assert not [words for words in reckoned(replace(perfect, dvl=slow), rig).remarks if "outage" in words]
+    assert not [
+        words for words in reckoned(replace(perfect, dvl=slow), rig).remarks if "outage" in words
+    ]
     holed = cut(slow, np.abs(np.arange(len(slow.t_ns)) - 20) > 2)
-    (words,) = [words for words in reckoned(replace(perfect, dvl=holed), rig).remarks if "outage" in words]
+    (words,) = [
+        words for words in reckoned(replace(perfect, dvl=holed), rig).remarks if "outage" in words
+    ]
     assert words.startswith("DVL: 1 outage bridged at constant velocity, the longest 6.0 s")
 
 
@@ -210,7 +268,9 @@ def test_a_wild_velocity_is_rejected_and_reported(simulated, perfect, rig):
     velocity = perfect.dvl.velocity.copy()
     velocity[200] += [3.0, 0, 0]
     found = reckoned(replace(perfect, dvl=replace(perfect.dvl, velocity=velocity)), rig)
-    assert np.abs(found.trajectory.translation - truth_at(simulated, found).translation).max() < 3e-3
+    assert (
+        np.abs(found.trajectory.translation - truth_at(simulated, found).translation).max() < 3e-3
+    )
     assert any("1 velocity rejected" in sentence for sentence in found.remarks)
 
 
@@ -218,7 +278,13 @@ def test_stamps_out_of_order_and_repeated_are_put_right_and_said(perfect, rig):
     order = np.arange(len(perfect.dvl.t_ns))
     order[[50, 51]] = [51, 50]
     order = np.concatenate([order, [300]])
-    dvl = replace(perfect.dvl, **{f: getattr(perfect.dvl, f)[order] for f in ("t_ns", "velocity", "velocity_sigma", "ranges")})
+    dvl = replace(
+        perfect.dvl,
+        **{
+            f: getattr(perfect.dvl, f)[order]
+            for f in ("t_ns", "velocity", "velocity_sigma", "ranges")
+        },
+    )
     found, plain = reckoned(replace(perfect, dvl=dvl), rig), reckoned(perfect, rig)
     assert np.array_equal(found.trajectory.translation, plain.trajectory.translation)
     assert any(words.startswith("dvl:") and "backwards" in words for words in found.remarks)
@@ -252,14 +318,21 @@ def test_a_pressure_sensor_that_stopped_measures_no_depth_afterwards(simulated, 
     sigma = np.sqrt(found.trajectory.covariance[:, 2, 2])
     assert (error < 3 * sigma).all()
     assert sigma[-1] > 1.05 * sigma[read][-1]  # DVL, mount and tray drift from there
-    assert "pressure: no reading for 24.4 s of the path's 39.0; there the depth is counted on by the DVL" in found.remarks
+    assert (
+        "pressure: no reading for 24.4 s of the path's 39.0; there the depth is counted on by the DVL"
+        in found.remarks
+    )
 
 
-def test_what_nodes_say_of_the_depth_is_no_more_than_a_slow_pressure_sensor_did(simulated, noisy, rig, frames):
+def test_what_nodes_say_of_the_depth_is_no_more_than_a_slow_pressure_sensor_did(
+    simulated, noisy, rig, frames
+):
     many = replace(noisy, top=frames(np.arange(0.25, 39.5, 0.1)))
     usual = dead_reckon(many, rig, SIGMAS, NavigateOptions()).attitude.sigma[:, 0]
     assert usual[50:-50] == pytest.approx(SIGMAS.depth_m, rel=0.01)
-    pressure = replace(noisy.pressure, t_ns=noisy.pressure.t_ns[::10], depth=noisy.pressure.depth[::10])
+    pressure = replace(
+        noisy.pressure, t_ns=noisy.pressure.t_ns[::10], depth=noisy.pressure.depth[::10]
+    )
     slow = replace(many, pressure=pressure)
     sigma = dead_reckon(slow, rig, SIGMAS, NavigateOptions()).attitude.sigma[:, 0]
     assert (1 / sigma**2).sum() == pytest.approx(40 / SIGMAS.depth_m**2, rel=0.1)
@@ -284,7 +357,9 @@ def test_a_tray_that_is_no_longer_read_may_have_turned_on(simulated, perfect, ri
     assert wrong.max() > 0.3
     assert (found.odometry.covariance[-5:, 0, 0] > 2 * whole.odometry.covariance[-5:, 0, 0]).all()
     error = np.abs(found.trajectory.translation - truth_at(simulated, found).translation)[:, :2]
-    assert (error < 3 * np.sqrt(np.diagonal(found.trajectory.covariance, axis1=1, axis2=2))[:, :2]).all()
+    assert (
+        error < 3 * np.sqrt(np.diagonal(found.trajectory.covariance, axis1=1, axis2=2))[:, :2]
+    ).all()
     assert any(words.startswith("tray: no reading for 19.") for words in found.remarks)
 
 
@@ -336,7 +411,9 @@ def test_a_dvl_that_never_saw_the_bottom_is_an_error_in_words(perfect, rig, sile
 
 
 def test_an_imu_without_orientation_is_an_error_in_words(perfect, rig):
-    blind = replace(perfect, imu=replace(perfect.imu, quaternion=np.full_like(perfect.imu.quaternion, np.nan)))
+    blind = replace(
+        perfect, imu=replace(perfect.imu, quaternion=np.full_like(perfect.imu.quaternion, np.nan))
+    )
     with pytest.raises(StageError, match="no orientation"):
         reckoned(blind, rig)
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A heading that steps while the vehicle goes on: found, taken off, and told from turns, biases and scales of the rates."""
+"""A heading that steps while the vehicle goes on: found, taken off, and told from turns, biases and
+scales of the rates.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ RATE_HZ = 25
 
 
 def imu(yaw: np.ndarray, stepped: np.ndarray, scale: float = 1.0, seed: int = 1) -> ImuSamples:
-    """An IMU of a vehicle that truly yaws so (rad, at 25 Hz), whose heading is logged with steps; its rates have a scale."""
+    """An IMU of a vehicle that truly yaws so (rad, at 25 Hz), whose heading is logged with steps;
+    its rates have a scale.
+    """
     random, n = np.random.default_rng(seed), len(yaw)
     tilt = 0.05 * np.sin(np.arange(n) / 60)
     true = Rotation.from_euler("xyz", np.column_stack([tilt, -tilt, yaw]))
@@ -27,7 +31,12 @@ def imu(yaw: np.ndarray, stepped: np.ndarray, scale: float = 1.0, seed: int = 1)
     logged = Rotation.from_euler("z", (stepped + 4e-4 * random.standard_normal(n))[:, None]) * true
     noisy = scale * rates + 0.002 * random.standard_normal((n, 3)) + [0.001, 0.0, 0.002]
     t_ns = np.round(1e9 * np.arange(n) / RATE_HZ).astype(np.int64)
-    return ImuSamples(t_ns=t_ns, quaternion=logged.as_quat(), angular_velocity=noisy, acceleration=np.zeros((n, 3)))
+    return ImuSamples(
+        t_ns=t_ns,
+        quaternion=logged.as_quat(),
+        angular_velocity=noisy,
+        acceleration=np.zeros((n, 3)),
+    )
 
 
 def heading(quaternion: np.ndarray) -> np.ndarray:
@@ -51,13 +60,17 @@ def test_the_error_that_a_step_leaves_is_within_its_sigma() -> None:
     errors = []
     for seed in range(12):
         found = attitude_history(imu(SWING, 0.05 * (T >= 60), seed=seed), 0.002, 0.6)
-        turned = np.diff(heading(found.quaternion)[[1450, 1550]])[0] - np.diff(SWING[[1450, 1550]])[0]
+        turned = (
+            np.diff(heading(found.quaternion)[[1450, 1550]])[0] - np.diff(SWING[[1450, 1550]])[0]
+        )
         variance = found.turn_variance(found.t_ns[[1450]], found.t_ns[[1550]])[0]
         errors.append(turned / np.sqrt(variance))
     assert 0.3 < float(np.sqrt(np.mean(np.square(errors)))) < 1.5
 
 
-def test_a_heading_that_parts_slowly_from_the_rates_makes_the_turn_as_unsure_as_they_differ() -> None:
+def test_a_heading_that_parts_slowly_from_the_rates_makes_the_turn_as_unsure_as_they_differ() -> (
+    None
+):
     slow = np.radians(3) * np.clip((T - 60) / 0.8, 0, 1)
     found = attitude_history(imu(SWING, slow), 0.002, 0.6)
     assert len(found.steps.row) == 0
@@ -69,7 +82,9 @@ def test_a_heading_that_parts_slowly_from_the_rates_makes_the_turn_as_unsure_as_
 
 
 def test_turns_of_the_vehicle_are_no_steps_though_its_rates_have_a_scale() -> None:
-    sharp = gaussian_filter1d(np.interp(T, [0, 40, 41.5, 90, 91, 120], [0, 0, 1.5, 1.5, 0.5, 0.5]), 0.2 * RATE_HZ)
+    sharp = gaussian_filter1d(
+        np.interp(T, [0, 40, 41.5, 90, 91, 120], [0, 0, 1.5, 1.5, 0.5, 0.5]), 0.2 * RATE_HZ
+    )
     for scale in (1.0, 0.98):
         assert len(attitude_history(imu(sharp, np.zeros(len(T)), scale), 0.002, 0.6).steps.row) == 0
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Attitude, velocities and depth, each by itself: what is kept, what is bridged and how sure each is."""
+"""Attitude, velocities and depth, each by itself: what is kept, what is bridged and how sure each
+is.
+"""
 
 from __future__ import annotations
 
@@ -35,16 +37,25 @@ def stamps(t_s: np.ndarray) -> np.ndarray:
 # attitude
 
 
-def imu(seed: int = 0, white_rad: float = 0.002, bias: float = 0.0, n: int = 2000) -> tuple[ImuSamples, Rotation]:
+def imu(
+    seed: int = 0, white_rad: float = 0.002, bias: float = 0.0, n: int = 2000
+) -> tuple[ImuSamples, Rotation]:
     """A heading that swings at 50 Hz: noisy orientations, rates with a bias; and the truth."""
     t = np.arange(n) / 50
-    truth = Rotation.from_euler("xyz", np.stack([0.05 * np.sin(t), 0 * t, 0.4 * np.sin(0.3 * t)], axis=1))
+    truth = Rotation.from_euler(
+        "xyz", np.stack([0.05 * np.sin(t), 0 * t, 0.4 * np.sin(0.3 * t)], axis=1)
+    )
     h = 1e-4
-    later = Rotation.from_euler("xyz", np.stack([0.05 * np.sin(t + h), 0 * t, 0.4 * np.sin(0.3 * (t + h))], axis=1))
+    later = Rotation.from_euler(
+        "xyz", np.stack([0.05 * np.sin(t + h), 0 * t, 0.4 * np.sin(0.3 * (t + h))], axis=1)
+    )
     rates = (truth.inv() * later).as_rotvec() / h + bias
     noise = Rotation.from_rotvec(white_rad * np.random.default_rng(seed).standard_normal((n, 3)))
     return ImuSamples(
-        t_ns=stamps(t), quaternion=(truth * noise).as_quat(), angular_velocity=rates, acceleration=np.zeros((n, 3))
+        t_ns=stamps(t),
+        quaternion=(truth * noise).as_quat(),
+        angular_velocity=rates,
+        acceleration=np.zeros((n, 3)),
     ), truth
 
 
@@ -62,7 +73,10 @@ def test_fused_attitude_is_as_good_as_its_sigma_says_and_far_better_than_a_readi
 
 
 def test_a_bias_of_the_rates_does_not_turn_the_attitude() -> None:
-    error = [departure(attitude_history(r, 0.01, 0.5), r, t)[200:-200] for r, t in (imu(), imu(bias=0.01))]
+    error = [
+        departure(attitude_history(r, 0.01, 0.5), r, t)[200:-200]
+        for r, t in (imu(), imu(bias=0.01))
+    ]
     assert np.abs(error[1] - error[0]).max() < 3e-4
 
 
@@ -75,8 +89,12 @@ def test_without_rates_the_readings_stand_as_they_are() -> None:
     assert np.array_equal(history.quaternion, record.quaternion)
 
 
-def history(fused: bool, walk: float = 1e-8, holes: np.ndarray = NO_HOLES, sigma: float = 0.001) -> AttitudeHistory:
-    return AttitudeHistory(stamps([0, 100]), np.tile([0, 0, 0, 1.0], (2, 1)), sigma, walk, holes, fused)
+def history(
+    fused: bool, walk: float = 1e-8, holes: np.ndarray = NO_HOLES, sigma: float = 0.001
+) -> AttitudeHistory:
+    return AttitudeHistory(
+        stamps([0, 100]), np.tile([0, 0, 0, 1.0], (2, 1)), sigma, walk, holes, fused
+    )
 
 
 def test_a_short_turn_is_as_sure_as_the_rates_and_a_long_one_as_two_attitudes() -> None:
@@ -84,7 +102,9 @@ def test_a_short_turn_is_as_sure_as_the_rates_and_a_long_one_as_two_attitudes() 
     (long,) = history(True, walk=1e-5).turn_variance(stamps([0]), stamps([100]))
     assert short == pytest.approx(1e-9 + LEAST_SIGMA_RAD**2, rel=1e-3)
     assert long == pytest.approx(2e-6 + LEAST_SIGMA_RAD**2)
-    assert history(False).turn_variance(stamps([0]), stamps([0.1]))[0] == pytest.approx(2e-6 + LEAST_SIGMA_RAD**2)
+    assert history(False).turn_variance(stamps([0]), stamps([0.1]))[0] == pytest.approx(
+        2e-6 + LEAST_SIGMA_RAD**2
+    )
 
 
 def test_beyond_the_readings_the_attitude_turns_as_a_vehicle_does() -> None:
@@ -92,7 +112,9 @@ def test_beyond_the_readings_the_attitude_turns_as_a_vehicle_does() -> None:
     ends = history(True)
     sigma = ends.unread_sigma(stamps([-64, -2, 50, 102, 164]))
     assert sigma == pytest.approx([0.8, 0.1, 0, 0.1, 0.8])
-    variance = ends.turn_variance(stamps([100, 110, -20, 40, -64]), stamps([102, 120, -10, 60, 164]))
+    variance = ends.turn_variance(
+        stamps([100, 110, -20, 40, -64]), stamps([102, 120, -10, 60, 164])
+    )
     assert variance == pytest.approx([0.01, 0.1, 0.1, 0, 1.28], abs=3e-6)
 
 
@@ -133,7 +155,9 @@ def test_lost_velocities_and_those_outside_the_attitude_are_left_out() -> None:
     record = pings(velocity)
     record.velocity_sigma[30] = 0.0
     found = usable_velocities(record, (int(record.t_ns[5]), int(record.t_ns[44])), 0.6)
-    assert found.t_ns.tolist() == record.t_ns[[k for k in range(5, 45) if k not in (20, 30)]].tolist()
+    assert (
+        found.t_ns.tolist() == record.t_ns[[k for k in range(5, 45) if k not in (20, 30)]].tolist()
+    )
 
 
 def test_a_jump_is_a_stray_and_a_steady_acceleration_is_none() -> None:
@@ -146,13 +170,17 @@ def test_a_jump_is_a_stray_and_a_steady_acceleration_is_none() -> None:
 
 
 def pausing(hz: float, pause_s: float) -> np.ndarray:
-    """Velocities of a vehicle that goes at 0.35 m/s and pauses every 20 s; it stops, and goes on, within half a second."""
+    """Velocities of a vehicle that goes at 0.35 m/s and pauses every 20 s; it stops, and goes on,
+    within half a second.
+    """
     since = np.mod(np.arange(round(60 * hz)) / hz - 10.0, 20.0)
     along = 0.35 * np.clip(np.maximum(1 - since / 0.5, (since - pause_s) / 0.5), 0, 1)
     return np.column_stack([along, np.zeros((len(along), 2))])
 
 
-@pytest.mark.parametrize(("hz", "pause_s"), [(1.0, 1.0), (1.0, 4.0), (2.0, 1.0), (2.0, 2.0), (3.0, 1.5), (5.0, 1.5)])
+@pytest.mark.parametrize(
+    ("hz", "pause_s"), [(1.0, 1.0), (1.0, 4.0), (2.0, 1.0), (2.0, 2.0), (3.0, 1.5), (5.0, 1.5)]
+)
 def test_a_stop_is_no_stray_however_slow_the_dvl(hz: float, pause_s: float) -> None:
     assert len(usable_velocities(pings(pausing(hz, pause_s), hz), ALWAYS, 1.5).outliers) == 0
 
@@ -202,8 +230,14 @@ def test_beyond_the_first_and_the_last_velocity_the_way_is_known_from_one_end_on
         agitation=WALK,
         outliers=np.zeros(0, np.int64),
     )
-    walked = 0.1 * np.random.default_rng(1).normal(0, 0.1, (4000, 600)).cumsum(axis=1).cumsum(axis=1) * np.sqrt(0.01 / 0.1)
-    after, later, before, across, inside = v.bridged_variance(stamps([10, 13, -6, -6, 2]), stamps([16, 16, 0, 16, 8]))
+    walked = (
+        0.1
+        * np.random.default_rng(1).normal(0, 0.1, (4000, 600)).cumsum(axis=1).cumsum(axis=1)
+        * np.sqrt(0.01 / 0.1)
+    )
+    after, later, before, across, inside = v.bridged_variance(
+        stamps([10, 13, -6, -6, 2]), stamps([16, 16, 0, 16, 8])
+    )
     assert after == pytest.approx(float(walked[:, 59].var()), rel=0.1)
     assert later == pytest.approx(after - 0.01 * 3**3 / 3)
     assert before == pytest.approx(after)
@@ -214,37 +248,56 @@ def test_beyond_the_first_and_the_last_velocity_the_way_is_known_from_one_end_on
 def test_a_vehicle_that_darts_about_has_a_wider_bridge() -> None:
     t = np.arange(200) / 5
     calm, wild = (np.column_stack([a * np.sin(2 * t), 0 * t, 0 * t]) for a in (0.01, 0.3))
-    rate = [float(usable_velocities(pings(v), ALWAYS, 0.6).agitation.over(1.0)) for v in (calm, wild)]
+    rate = [
+        float(usable_velocities(pings(v), ALWAYS, 0.6).agitation.over(1.0)) for v in (calm, wild)
+    ]
     assert rate[0] < 3e-4
     assert rate[1] > 100 * rate[0]
 
 
-def test_the_agitation_of_a_walk_is_one_whatever_the_silence_and_that_of_a_swing_grows_with_it() -> None:
-    """A walk of 0.002 m2/s3 on one axis; a swing of 0.3 m/s in a minute hardly changes in a second, wholly in half a minute."""
+def test_the_agitation_of_a_walk_is_one_whatever_the_silence_and_that_of_a_swing_grows_with_it() -> (
+    None
+):
+    """A walk of 0.002 m2/s3 on one axis; a swing of 0.3 m/s in a minute hardly changes in a second,
+    wholly in half a minute.
+    """
     rng, t = np.random.default_rng(2), np.arange(20_000) / 5
     nothing = np.zeros((len(t), 2))
     walk = np.column_stack([np.cumsum(rng.normal(0, np.sqrt(0.002 / 5), len(t))), nothing])
-    swing = np.column_stack([0.3 * np.sin(2 * np.pi * t / 60), nothing]) + rng.normal(0, 0.003, (len(t), 3))
-    of_walk, of_swing = (usable_velocities(pings(v), ALWAYS, 0.6).agitation.over(np.array([1, 8, 30])) for v in (walk, swing))
+    swing = np.column_stack([0.3 * np.sin(2 * np.pi * t / 60), nothing]) + rng.normal(
+        0, 0.003, (len(t), 3)
+    )
+    of_walk, of_swing = (
+        usable_velocities(pings(v), ALWAYS, 0.6).agitation.over(np.array([1, 8, 30]))
+        for v in (walk, swing)
+    )
     assert of_walk == pytest.approx([0.002] * 3, rel=0.25)
-    assert of_swing == pytest.approx([0.3**2 * (1 - np.cos(2 * np.pi * s / 60)) / s for s in (1, 8, 30)], rel=0.25)
+    assert of_swing == pytest.approx(
+        [0.3**2 * (1 - np.cos(2 * np.pi * s / 60)) / s for s in (1, 8, 30)], rel=0.25
+    )
 
 
 # a path of one's own making: straight ahead and level
 
 
 def straight(rig, speed: float = 0.2, down: float = 0.0, duration_s: float = 60.0):
-    """The vehicle swims along x of g; the DVL looks forward, so its z is the vehicle's x and its x is up."""
+    """The vehicle swims along x of g; the DVL looks forward, so its z is the vehicle's x and its x
+    is up.
+    """
     n = int(duration_s * 5)
     mount = rig.tray_from_dvl.rotation.as_matrix()[0]
     velocity = np.tile(mount.T @ [speed, 0.0, down], (n, 1))
-    level = AttitudeHistory(stamps([-1, duration_s + 1]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False)
+    level = AttitudeHistory(
+        stamps([-1, duration_s + 1]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False
+    )
     return reckon(usable_velocities(pings(velocity), ALWAYS, 0.6), level, servo(None, 0), rig)
 
 
 def test_a_straight_run_is_as_long_as_its_speed_and_time_say(rig) -> None:
     at = straight(rig, 0.25).at(stamps([0, 10, 30]))
-    assert np.allclose(np.diff(at.poses().translation, axis=0), [[2.5, 0, 0], [5.0, 0, 0]], atol=1e-12)
+    assert np.allclose(
+        np.diff(at.poses().translation, axis=0), [[2.5, 0, 0], [5.0, 0, 0]], atol=1e-12
+    )
 
 
 def test_velocity_noise_grows_with_time_and_with_the_pings_period(rig) -> None:
@@ -290,7 +343,9 @@ def test_a_scatter_of_the_pressure_is_smoothed_and_its_sigma_said(rig) -> None:
     assert found.sigma == pytest.approx(0.02 * np.sqrt(0.1 / (2 * np.sqrt(np.pi) * 5)), rel=0.15)
 
 
-def test_depth_in_an_outage_of_the_dvl_is_that_of_the_pressure_and_says_how_well_it_is_known(rig) -> None:
+def test_depth_in_an_outage_of_the_dvl_is_that_of_the_pressure_and_says_how_well_it_is_known(
+    rig,
+) -> None:
     def true(at_s):  # down by a metre and up again, unheard
         return 3.0 + 0.5 * (1 - np.cos(2 * np.pi * np.clip(at_s - 20, 0, 20) / 20))
 
@@ -298,9 +353,14 @@ def test_depth_in_an_outage_of_the_dvl_is_that_of_the_pressure_and_says_how_well
     heard = (heard_s < 20) | (heard_s > 40)
     mount = rig.tray_from_dvl.rotation.as_matrix()[0]
     every = pings(np.tile(mount.T @ [0.2, 0.0, 0.0], (300, 1)))
-    parts = {name: getattr(every, name)[heard] for name in ("t_ns", "velocity", "velocity_sigma", "ranges")}
+    parts = {
+        name: getattr(every, name)[heard]
+        for name in ("t_ns", "velocity", "velocity_sigma", "ranges")
+    }
     some = DvlPings(**parts, beams=every.beams)
-    level = AttitudeHistory(stamps([-1, 61]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False)
+    level = AttitudeHistory(
+        stamps([-1, 61]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False
+    )
     path = reckon(usable_velocities(some, ALWAYS, 0.6), level, servo(None, 0), rig)
     nodes_s = np.arange(2, 58, 0.5)
     noise = 0.02 * np.random.default_rng(3).standard_normal(600)
@@ -309,16 +369,29 @@ def test_depth_in_an_outage_of_the_dvl_is_that_of_the_pressure_and_says_how_well
     error, silent = z - true(nodes_s), (nodes_s > 20) & (nodes_s < 40)
     assert (np.abs(error) < 4 * found.sigma).all()
     assert np.abs(error[~silent]).max() < 0.01
-    assert np.median(found.sigma[~silent]) < 0.003 < 0.005 < found.sigma[silent].min() < found.sigma.max() < 0.03
+    assert (
+        np.median(found.sigma[~silent])
+        < 0.003
+        < 0.005
+        < found.sigma[silent].min()
+        < found.sigma.max()
+        < 0.03
+    )
 
 
 def test_a_dvl_of_a_ping_a_second_is_not_silent_between_two(rig) -> None:
     mount = rig.tray_from_dvl.rotation.as_matrix()[0]
-    slow = usable_velocities(pings(np.tile(mount.T @ [0.2, 0.0, 0.0], (60, 1)), hz=1.0), ALWAYS, 0.6)
-    level = AttitudeHistory(stamps([-1, 61]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False)
+    slow = usable_velocities(
+        pings(np.tile(mount.T @ [0.2, 0.0, 0.0], (60, 1)), hz=1.0), ALWAYS, 0.6
+    )
+    level = AttitudeHistory(
+        stamps([-1, 61]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False
+    )
     noise = 0.02 * np.random.default_rng(4).standard_normal(590)
     nodes = stamps(np.arange(10, 50, 0.5))
-    found = hold_to_pressure(readings(3.0 + noise), reckon(slow, level, servo(None, 0), rig), nodes, 0.2)
+    found = hold_to_pressure(
+        readings(3.0 + noise), reckon(slow, level, servo(None, 0), rig), nodes, 0.2
+    )
     assert len(slow.outages) == 59
     assert found.sigma.max() < 0.002
 

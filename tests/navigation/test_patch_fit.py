@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One patch through the ends of beams: its plane and curvature, how sure they are, and what is no patch."""
+"""One patch through the ends of beams: its plane and curvature, how sure they are, and what is no
+patch.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +18,14 @@ SIGMA_M = 0.01
 def surface(
     rng: np.random.Generator, curvature: np.ndarray, n: int = 60, noise_m: float = SIGMA_M
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Points of a surface one metre ahead (+x) in the axes of a patch there, and rays that run along x."""
+    """Points of a surface one metre ahead (+x) in the axes of a patch there, and rays that run
+    along x.
+    """
     axes = patch_axes(np.array([-1.0, 0, 0]))
     at = rng.uniform(-0.7, 0.7, (n, 2))
-    local = np.column_stack([at, height_over_plane(curvature, at) + noise_m * rng.standard_normal(n)])
+    local = np.column_stack(
+        [at, height_over_plane(curvature, at) + noise_m * rng.standard_normal(n)]
+    )
     return local @ axes.T + [1.0, 0, 0], np.tile([1.0, 0, 0], (n, 1))
 
 
@@ -41,7 +47,8 @@ def test_plane_and_curvature_are_found_without_noise() -> None:
     curvature = np.array([0.03, -0.05, -0.3])
     fit = fit_patch(*surface(np.random.default_rng(1), curvature, noise_m=0.0), 0.001, BROAD)
     assert fit is not None
-    np.testing.assert_allclose(fit.curvature, curvature, atol=0.02)  # told at the middle of the points
+    # told at the middle of the points
+    np.testing.assert_allclose(fit.curvature, curvature, atol=0.02)
     off = fit.center - [1.0, 0, 0]
     local = off @ patch_axes(np.array([-1.0, 0, 0]))
     assert local[2] == pytest.approx(height_over_plane(curvature, local[None])[0], abs=1e-4)
@@ -61,7 +68,9 @@ def test_the_sigmas_are_those_of_many_draws() -> None:
     axes = patch_axes(np.array([-1.0, 0, 0]))
     slopes, ks, fits = [], [], []
     for _ in range(150):
-        local = np.column_stack([at, height_over_plane(curvature, at) + SIGMA_M * rng.standard_normal(50)])
+        local = np.column_stack(
+            [at, height_over_plane(curvature, at) + SIGMA_M * rng.standard_normal(50)]
+        )
         fit = fit_patch(local @ axes.T + [1.0, 0, 0], np.tile([1.0, 0, 0], (50, 1)), SIGMA_M, BROAD)
         assert fit is not None
         n = axes.T @ fit.axes[:, 2]

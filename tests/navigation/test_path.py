@@ -35,13 +35,19 @@ def stamps(t_s) -> np.ndarray:
 
 @pytest.fixture
 def plain(rig: SensorRig) -> SensorRig:
-    """The DVL's axes are the vehicle's; it sits 0.5 m ahead of it, on a tray that turns about the vehicle's origin."""
+    """The DVL's axes are the vehicle's; it sits 0.5 m ahead of it, on a tray that turns about the
+    vehicle's origin.
+    """
     ahead = poses.from_mount([0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
     return replace(rig, tray_origin=np.zeros(3), tray_from_dvl=ahead)
 
 
-def run(rig: SensorRig, velocity, turn_rad_s: float = 0.0, tray=None, outages: np.ndarray = NO_HOLES) -> Reckoning:
-    """Ten seconds at 20 Hz; velocity (3,) of the instrument in dvl, heading turn_rad_s t, tray (n,) rad at each ping."""
+def run(
+    rig: SensorRig, velocity, turn_rad_s: float = 0.0, tray=None, outages: np.ndarray = NO_HOLES
+) -> Reckoning:
+    """Ten seconds at 20 Hz; velocity (3,) of the instrument in dvl, heading turn_rad_s t, tray (n,)
+    rad at each ping.
+    """
     t = np.arange(0, 10.001, 0.05)
     n = len(t)
     heading = Rotation.from_euler("z", (turn_rad_s * t)[:, None])
@@ -59,7 +65,9 @@ def run(rig: SensorRig, velocity, turn_rad_s: float = 0.0, tray=None, outages: n
 
 
 def test_a_vehicle_that_turns_on_the_spot_stays_there(plain) -> None:
-    """The instrument, half a metre ahead, moves sideways at 0.05 m/s; the vehicle's own origin does not."""
+    """The instrument, half a metre ahead, moves sideways at 0.05 m/s; the vehicle's own origin does
+    not.
+    """
     at = run(plain, [0.0, 0.05, 0.0], turn_rad_s=0.1).at(stamps([0, 3, 10]))
     assert np.allclose(at.poses().translation, [[-0.5, 0, 0]] * 3, atol=1e-5)
     assert np.linalg.norm(at.instrument[2]) == pytest.approx(2 * 0.5 * np.sin(0.5), abs=1e-5)
@@ -70,12 +78,14 @@ def test_a_circle_closes(plain) -> None:
     rate = 2 * np.pi / 10
     at = run(on_axis, [0.3, 0.0, 0.0], turn_rad_s=rate).at(stamps([0, 5, 10]))
     assert np.allclose(at.instrument[2], 0, atol=1e-9)
-    assert np.allclose(at.instrument[1], [0, 2 * 0.3 / rate, 0], atol=1e-3)  # a diameter to starboard
+    # a diameter to starboard
+    assert np.allclose(at.instrument[1], [0, 2 * 0.3 / rate, 0], atol=1e-3)
 
 
 def test_a_tray_that_is_turned_down_turns_the_velocity(plain) -> None:
     at = run(plain, [0.2, 0.0, 0.0], tray=np.radians(90.0)).at(stamps([0, 10]))
-    assert np.allclose(np.diff(at.instrument, axis=0), [[0, 0, -2.0]], atol=1e-9)  # +90 degrees about y: x becomes -z
+    # +90 degrees about y: x becomes -z
+    assert np.allclose(np.diff(at.instrument, axis=0), [[0, 0, -2.0]], atol=1e-9)
     assert np.allclose(at.lever[0], [0, 0, -0.5], atol=1e-12)
 
 
@@ -92,14 +102,18 @@ def test_steps_put_together_are_the_path(plain) -> None:
 
 
 def test_the_drift_of_a_straight_step_bends_it_by_half_its_time(plain) -> None:
-    """0.2 m/s over 4 s with a drift c: sideways c * 0.2 * 16 / 2, less the lever's swing c * 4 * 0.5."""
+    """0.2 m/s over 4 s with a drift c: sideways c * 0.2 * 16 / 2, less the lever's swing c * 4 *
+    0.5.
+    """
     path = run(plain, [0.2, 0.0, 0.0])
     step = odometry(path, path.at(stamps([3, 7])))
     assert np.allclose(step.by_navigation[0, :, 1], [0, 1.6 - 2.0, 0, 0, 0, 4.0], atol=1e-9)
     assert np.allclose(step.by_navigation[0, :, 0], [0.8, 0, 0, 0, 0, 0], atol=1e-9)
 
 
-def test_the_white_covariance_is_that_of_velocity_noise_and_of_a_turn_that_swings_the_lever(plain) -> None:
+def test_the_white_covariance_is_that_of_velocity_noise_and_of_a_turn_that_swings_the_lever(
+    plain,
+) -> None:
     path = run(plain, [0.2, 0.0, 0.0])
     at = path.at(stamps([2, 6]))
     found = white_covariance(path, at, at.poses()[[0]].inverse() @ at.poses()[[1]])[0]
@@ -107,7 +121,8 @@ def test_the_white_covariance_is_that_of_velocity_noise_and_of_a_turn_that_swing
     turn = path.attitude.turn_variance(stamps([2]), stamps([6]))[0]
     assert np.allclose(np.diag(found)[:3], shift + turn * np.array([0, 0.25, 0.25]))
     assert np.allclose(found[3:, 3:], turn * np.eye(3))
-    assert found[1, 5] == pytest.approx(-0.5 * turn)  # a turn to starboard about the instrument moves the vehicle to port
+    # a turn to starboard about the instrument moves the vehicle to port
+    assert found[1, 5] == pytest.approx(-0.5 * turn)
     assert np.array_equal(found, found.T)
 
 
@@ -141,7 +156,9 @@ def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain
     across = f"navigation alone knows the way across it to {sigma_m:.2f} m (one sigma, each axis)"
     assert f"DVL: 2 outages bridged at constant velocity, the longest 3.5 s; {across}" in sentences
     assert "1 of 402 DVL ranges rejected as outliers" in sentences
-    assert any(s.startswith("2 images have no pose: DVL and IMU did not both run then") for s in sentences)
+    assert any(
+        s.startswith("2 images have no pose: DVL and IMU did not both run then") for s in sentences
+    )
     assert facts["outages_s"] == [[1.0, 2.0], [4.0, 7.5]]
     assert facts["flagged_returns_s"] == [5.0]
     assert facts["path_length_m"] == pytest.approx(2.0)
@@ -151,7 +168,9 @@ def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain
 def test_a_run_without_a_flaw_says_only_what_was_not_logged(plain) -> None:
     path = run(plain, [0.2, 0, 0], tray=0.0)
     pings = pings_along(path, range_m=np.nan)
-    sentences, facts = remarks_on(path, pings, Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0), np.zeros((201, 2), bool))
+    sentences, facts = remarks_on(
+        path, pings, Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0), np.zeros((201, 2), bool)
+    )
     assert sentences == [
         "IMU: no rates; the attitude between readings is interpolated",
         "no pressure: the depth is counted from the start and drifts",
@@ -159,28 +178,43 @@ def test_a_run_without_a_flaw_says_only_what_was_not_logged(plain) -> None:
     assert facts["returns"] == 0
 
 
-@pytest.mark.parametrize(("outage", "way"), [(NO_HOLES, " and 1.3 m of way;"), (np.array([stamps([1.5, 8.0])]), ";")])
-def test_a_span_without_images_is_named_with_its_time_and_its_way_if_that_is_known(plain, outage, way) -> None:
+@pytest.mark.parametrize(
+    ("outage", "way"), [(NO_HOLES, " and 1.3 m of way;"), (np.array([stamps([1.5, 8.0])]), ";")]
+)
+def test_a_span_without_images_is_named_with_its_time_and_its_way_if_that_is_known(
+    plain, outage, way
+) -> None:
     path = run(plain, [0.2, 0, 0], outages=outage)
     t_s = np.array([0, 0.5, 1, 1.5, 2, 4, 6, 8, 8.5, 9])
     image = np.full((10, 2), -1)
     image[[0, 1, 2, 3, 7, 8, 9], 0] = np.arange(7)
     pings = pings_along(path, range_m=np.nan)
-    sentences, facts = remarks_on(path, pings, Nodes(stamps(t_s), image, 0, 0), np.zeros((201, 2), bool))
+    sentences, facts = remarks_on(
+        path, pings, Nodes(stamps(t_s), image, 0, 0), np.zeros((201, 2), bool)
+    )
     (named,) = [sentence for sentence in sentences if sentence.startswith("camera")]
-    assert named.startswith(f"camera: 1 span without images that have a pose, the longest 6.5 s{way}")
+    assert named.startswith(
+        f"camera: 1 span without images that have a pose, the longest 6.5 s{way}"
+    )
     assert facts["without_images_s"] == [[1.5, 8.0]]
 
 
 def test_a_heading_that_steps_is_named_with_its_size_and_time(plain) -> None:
     path = run(plain, [0.2, 0, 0])
     stepped = replace(
-        path.attitude, steps=HeadingSteps(np.array([1]), np.array([np.radians(3)]), 0.001, np.array([50]), np.array([0.02]))
+        path.attitude,
+        steps=HeadingSteps(
+            np.array([1]), np.array([np.radians(3)]), 0.001, np.array([50]), np.array([0.02])
+        ),
     )
     pings = pings_along(path, range_m=np.nan)
     nodes = Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0)
-    sentences, facts = remarks_on(replace(path, attitude=stepped), pings, nodes, np.zeros((201, 2), bool))
+    sentences, facts = remarks_on(
+        replace(path, attitude=stepped), pings, nodes, np.zeros((201, 2), bool)
+    )
     step, disagreement = [sentence for sentence in sentences if "heading" in sentence]
     assert step.startswith("IMU: 1 step in the heading, by +3.0 degrees at ")
-    assert disagreement.startswith("IMU: heading and rates part 1 time, at most by 1.1 degrees at 1970-01-01T00:00:02.500Z")
+    assert disagreement.startswith(
+        "IMU: heading and rates part 1 time, at most by 1.1 degrees at 1970-01-01T00:00:02.500Z"
+    )
     assert facts["heading_steps_deg"] == [3.0]

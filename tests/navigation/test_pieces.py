@@ -47,10 +47,14 @@ def pings(ranges: np.ndarray, hz: float = 5.0) -> DvlPings:
 
 @QUICK
 @given(slope=st.floats(-5, 5), level=st.floats(-5, 5), seed=st.integers(0, 99))
-def test_a_straight_trend_passes_unchanged_to_the_ends(slope: float, level: float, seed: int) -> None:
+def test_a_straight_trend_passes_unchanged_to_the_ends(
+    slope: float, level: float, seed: int
+) -> None:
     t = np.sort(np.random.default_rng(seed).uniform(0, 30, 200))
     value, rate = local_line(t, level + slope * t, np.array([t[0], 12.0, t[-1]]), 2.0)
-    assert np.allclose(value[:, 0], level + slope * np.array([t[0], 12.0, t[-1]]), atol=0.02 * abs(slope) + 1e-9)
+    assert np.allclose(
+        value[:, 0], level + slope * np.array([t[0], 12.0, t[-1]]), atol=0.02 * abs(slope) + 1e-9
+    )
     assert np.allclose(rate, slope, atol=1e-6)
 
 
@@ -107,7 +111,9 @@ def test_a_record_in_order_is_left_alone() -> None:
 
 
 def test_the_first_of_equal_stamps_stays() -> None:
-    record, said = in_order(PressureSamples(t_ns=stamps(2, 0, 0, 1), depth=np.array([3.0, 1.0, 9.0, 2.0])), "pressure")
+    record, said = in_order(
+        PressureSamples(t_ns=stamps(2, 0, 0, 1), depth=np.array([3.0, 1.0, 9.0, 2.0])), "pressure"
+    )
     assert record.depth.tolist() == [1, 2, 3]
     assert said == [
         "pressure: 1 times its clock ran backwards; sorted",
@@ -176,7 +182,9 @@ def test_nodes_stand_at_frames_and_at_pings_far_from_any() -> None:
 
 
 def test_a_lower_frame_without_partner_has_its_own_node() -> None:
-    nodes = choose_nodes(rows(stamps(1, 2)), rows(stamps(1.01, 2.01, 2.5)), stamps(), (0, 9 * SECOND), 0.4)
+    nodes = choose_nodes(
+        rows(stamps(1, 2)), rows(stamps(1.01, 2.01, 2.5)), stamps(), (0, 9 * SECOND), 0.4
+    )
     assert nodes.image.tolist() == [[0, 0], [1, 1], [-1, 2]]
     assert nodes.unpaired == 1
 

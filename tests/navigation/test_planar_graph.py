@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Dives without a camera, at the level of poses and beams: what planes take out of the drift, and when they are left out."""
+"""Dives without a camera, at the level of poses and beams: what planes take out of the drift, and
+when they are left out.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ from hullrecon.synthetic.vehicle.odometry import reckoned
 
 
 def graph(dive: EllipsoidDive) -> PoseGraph:
-    return PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
+    return PoseGraph(
+        trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig
+    )
 
 
 def solve(dive: EllipsoidDive) -> tuple[GraphSolution, PlanarSolution]:
@@ -52,7 +56,8 @@ def test_they_gain_across_the_hull_and_in_heading_and_nothing_along_it(drifting)
     """g's x points into the hull, y along it: a patch slid along a smooth hull is the same patch."""
     dive, alone, planar = drifting
     before, after = (
-        np.sqrt(np.mean(aligned(s.path.poses.translation, dive.truth.translation) ** 2, axis=0)) for s in (alone, planar)
+        np.sqrt(np.mean(aligned(s.path.poses.translation, dive.truth.translation) ** 2, axis=0))
+        for s in (alone, planar)
     )
     assert after[0] < 0.15 * before[0]
     assert after[1] > 0.5 * before[1]
@@ -72,7 +77,10 @@ def test_errors_lie_within_a_few_of_the_sigmas_of_the_solve(drifting) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize(("kind", "drift"), [({}, 1.0), ({"semi_axes_m": (3.0, 30.0, 4.0)}, 40.0), ({"spacing_m": 1.5}, 100.0)])
+@pytest.mark.parametrize(
+    ("kind", "drift"),
+    [({}, 1.0), ({"semi_axes_m": (3.0, 30.0, 4.0)}, 40.0), ({"spacing_m": 1.5}, 100.0)],
+)
 def test_they_never_make_a_path_worse(seed: int, kind: dict, drift: float) -> None:
     dive = simulate(seed, drift_deg_per_hour=drift, legs=2, leg_m=8.0, **kind)
     alone, planar = solve(dive)
@@ -80,7 +88,9 @@ def test_they_never_make_a_path_worse(seed: int, kind: dict, drift: float) -> No
 
 
 def with_outage(dive: EllipsoidDive, off_m: float, sigma_m: float) -> EllipsoidDive:
-    """The dive with one step in its middle that nothing measured, of a minute more: off along the hull."""
+    """The dive with one step in its middle that nothing measured, of a minute more: off along the
+    hull.
+    """
     step = len(dive.odometry) // 2
     odometry = dive.odometry
     translation, covariance = odometry.translation.copy(), odometry.covariance.copy()
@@ -98,8 +108,9 @@ def with_outage(dive: EllipsoidDive, off_m: float, sigma_m: float) -> EllipsoidD
 
 
 def test_patches_whose_place_along_the_hull_is_a_guess_are_not_compared() -> None:
-    """After a minute without a DVL the hull's form, taken as known where it is not, pulled the path 1.7 m along to where it
-    fits as well, and was sure of it to 0.24 m."""
+    """After a minute without a DVL the hull's form, taken as known where it is not, pulled the path
+    1.7 m along to where it fits as well, and was sure of it to 0.24 m.
+    """
     dive = simulate(2, drift_deg_per_hour=60.0, legs=2, semi_axes_m=(5.0, 60.0, 6.0))
     lost = with_outage(dive, 0.2, 2.3)
     alone, planar = solve(lost)
@@ -115,7 +126,11 @@ def test_a_surface_that_is_not_the_same_again_ties_little_and_harms_nothing(kind
     """Something hung before the hull on every other leg; a rough rock."""
     dive = simulate(7, drift_deg_per_hour=20.0, legs=3, leg_m=8.0, **kind)
     alone, planar = solve(dive)
-    assert planar.refusal is not None or planar.planes is None or rms_m(dive, planar) <= rms_m(dive, alone)
+    assert (
+        planar.refusal is not None
+        or planar.planes is None
+        or rms_m(dive, planar) <= rms_m(dive, alone)
+    )
     assert rms_m(dive, planar) <= 1.05 * rms_m(dive, alone)
 
 
@@ -146,16 +161,22 @@ def test_the_same_dive_gives_the_same_bytes(drifting) -> None:
 def test_a_solution_with_planes_is_a_start_for_the_next_round_of_links(drifting) -> None:
     dive, _, planar = drifting
     again = planar_graph(graph(dive), dive.returns, None).solve(no_links(), planar)
-    np.testing.assert_allclose(again.path.poses.translation, planar.path.poses.translation, atol=2e-3)
+    np.testing.assert_allclose(
+        again.path.poses.translation, planar.path.poses.translation, atol=2e-3
+    )
 
 
 def test_a_sphere_is_mapped_alike_with_characteristic_radii_of_4_to_20_m() -> None:
-    """[Ozog2016 C]: a spiral around a sphere of 8 m. What counts is how well a sphere fits the path."""
+    """[Ozog2016 C]: a spiral around a sphere of 8 m. What counts is how well a sphere fits the
+    path.
+    """
     dive, radius = spiral_around_a_sphere(5, radius_m=8.0, turns=2.0, drift_deg_per_hour=60.0), 9.2
     odd = {}
     for characteristic in (4.0, 8.0, 20.0):
         curvature = np.array([1.0, 0.3, 1.0]) / characteristic
-        planar = PlanarGraph(graph=graph(dive), returns=dive.returns, curvature=curvature).solve(no_links())
+        planar = PlanarGraph(graph=graph(dive), returns=dive.returns, curvature=curvature).solve(
+            no_links()
+        )
         odd[characteristic] = sphere_error_m(planar.path.poses.translation, radius)
     alone = sphere_error_m(graph(dive).solve(no_links()).path.poses.translation, radius)
     assert max(odd.values()) < 0.4 * alone
@@ -164,7 +185,9 @@ def test_a_sphere_is_mapped_alike_with_characteristic_radii_of_4_to_20_m() -> No
 
 def sphere_error_m(at: np.ndarray, radius: float) -> float:
     """Root mean square distance from the sphere that fits best."""
-    solution = np.linalg.lstsq(np.c_[2 * at, np.ones(len(at))], np.sum(at**2, axis=1), rcond=None)[0]
+    solution = np.linalg.lstsq(np.c_[2 * at, np.ones(len(at))], np.sum(at**2, axis=1), rcond=None)[
+        0
+    ]
     assert abs(np.sqrt(solution[3] + solution[:3] @ solution[:3]) - radius) < 0.5 * radius
     return float(np.std(np.linalg.norm(at - solution[:3], axis=1)))
 

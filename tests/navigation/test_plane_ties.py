@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Patches along a path, which of them are proposed and pass the gate, and what a pair is expected to show."""
+"""Patches along a path, which of them are proposed and pass the gate, and what a pair is expected
+to show.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,17 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.planes.comparison import compare_patches, difference_of_planes, gap_by_poses
-from hullrecon.navigation.planes.curvature import BROAD, LEAST, curvature_of_mesh, curvature_of_patches
+from hullrecon.navigation.planes.comparison import (
+    compare_patches,
+    difference_of_planes,
+    gap_by_poses,
+)
+from hullrecon.navigation.planes.curvature import (
+    BROAD,
+    LEAST,
+    curvature_of_mesh,
+    curvature_of_patches,
+)
 from hullrecon.navigation.planes.patches import WINDOW_M, Patches, find_patches
 from hullrecon.navigation.planes.ties import (
     MOST_TIES,
@@ -46,15 +57,20 @@ def patches(dive: EllipsoidDive, path: VehiclePath) -> Patches:
     return find_patches(dive.returns, path, dive.trajectory.t_ns, dive.rig, BROAD)
 
 
-def test_there_is_a_patch_for_every_window_of_the_path(patches: Patches, dive: EllipsoidDive) -> None:
-    assert 0.85 < len(patches) * WINDOW_M / patches.travelled[-1] <= 1.05  # a window ends at the node that exceeds it
+def test_there_is_a_patch_for_every_window_of_the_path(
+    patches: Patches, dive: EllipsoidDive
+) -> None:
+    # a window ends at the node that exceeds it
+    assert 0.85 < len(patches) * WINDOW_M / patches.travelled[-1] <= 1.05
     assert (np.diff(patches.anchor) > 0).all()
     rows = np.concatenate(patches.rows)
     assert len(np.unique(rows)) == len(rows)  # a return measures one patch
     np.testing.assert_allclose(np.linalg.norm(patches.plane, axis=1), STANDOFF_M, atol=0.1)
 
 
-def test_flagged_returns_and_rough_windows_make_no_patch(dive: EllipsoidDive, path: VehiclePath) -> None:
+def test_flagged_returns_and_rough_windows_make_no_patch(
+    dive: EllipsoidDive, path: VehiclePath
+) -> None:
     flagged = replace(dive.returns, flagged=np.ones(len(dive.returns.node), bool))
     assert len(find_patches(flagged, path, dive.trajectory.t_ns, dive.rig, BROAD)) == 0
     noise = 0.2 * np.random.default_rng(0).standard_normal(len(dive.returns.node))
@@ -62,7 +78,9 @@ def test_flagged_returns_and_rough_windows_make_no_patch(dive: EllipsoidDive, pa
     assert len(find_patches(rough, path, dive.trajectory.t_ns, dive.rig, BROAD)) == 0
 
 
-def test_only_patches_of_other_passes_within_reach_are_proposed(patches: Patches, path: VehiclePath) -> None:
+def test_only_patches_of_other_passes_within_reach_are_proposed(
+    patches: Patches, path: VehiclePath
+) -> None:
     first, second = propose_ties(patches, path)
     assert len(first) > 10
     assert (patches.travelled[second] - patches.travelled[first] > SAME_PASS_M).all()
@@ -72,28 +90,41 @@ def test_only_patches_of_other_passes_within_reach_are_proposed(patches: Patches
     assert len(set(zip(first, second, strict=True))) == len(first)
 
 
-def test_patches_of_two_sides_of_a_plate_are_not_proposed(patches: Patches, path: VehiclePath) -> None:
-    turned = replace(patches, axes=patches.axes * np.where(np.arange(len(patches)) % 2, 1, -1)[:, None, None])
+def test_patches_of_two_sides_of_a_plate_are_not_proposed(
+    patches: Patches, path: VehiclePath
+) -> None:
+    turned = replace(
+        patches, axes=patches.axes * np.where(np.arange(len(patches)) % 2, 1, -1)[:, None, None]
+    )
     first, second = propose_ties(turned, path)
     assert ((first - second) % 2 == 0).all()
 
 
-def test_on_the_true_path_gaps_are_as_large_as_what_measures_them(patches: Patches, path: VehiclePath) -> None:
+def test_on_the_true_path_gaps_are_as_large_as_what_measures_them(
+    patches: Patches, path: VehiclePath
+) -> None:
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
     whole = pairs.noise + pairs.fit
     chi2 = np.sum(pairs.gap * np.linalg.solve(whole, pairs.gap[:, :, None])[:, :, 0], axis=1)
     assert 0.3 < np.mean(chi2) / 3 < 1.5
 
 
-def test_the_gap_is_what_a_wrong_pose_makes_of_it(patches: Patches, path: VehiclePath, dive: EllipsoidDive) -> None:
-    """All poses after the first leg moved away from the hull by 10 cm: seen by the first leg, the hull has come nearer."""
+def test_the_gap_is_what_a_wrong_pose_makes_of_it(
+    patches: Patches, path: VehiclePath, dive: EllipsoidDive
+) -> None:
+    """All poses after the first leg moved away from the hull by 10 cm: seen by the first leg, the
+    hull has come nearer.
+    """
     later = np.arange(len(dive.truth)) >= 50
     moved = VehiclePath(
-        poses=Poses(dive.truth.quaternion, dive.truth.translation - np.outer(later, [0.1, 0, 0])), tray=path.tray
+        poses=Poses(dive.truth.quaternion, dive.truth.translation - np.outer(later, [0.1, 0, 0])),
+        tray=path.tray,
     )
     first, second = propose_ties(patches, path)
     across = later[patches.anchor[second]] & ~later[patches.anchor[first]]
-    before, after = (compare_patches(patches, first[across], second[across], p) for p in (path, moved))
+    before, after = (
+        compare_patches(patches, first[across], second[across], p) for p in (path, moved)
+    )
     np.testing.assert_allclose(after.gap[:, 0] - before.gap[:, 0], 0.1, atol=0.01)
 
 
@@ -105,38 +136,55 @@ def test_the_derivative_by_poses_and_trays_is_that_of_the_gaps(
     pairs = compare_patches(patches, first[:6], second[:6], path)
     by = gap_by_poses(patches, pairs, path, dive.rig.tray_origin)
     step = 1e-4 * rng.standard_normal((len(dive.truth), 6))
-    turned = Poses((path.poses.rotation * Rotation.from_rotvec(step[:, 3:])).as_quat(), path.poses.translation + step[:, :3])
-    after = compare_patches(patches, pairs.first, pairs.second, VehiclePath(poses=turned, tray=path.tray))
+    turned = Poses(
+        (path.poses.rotation * Rotation.from_rotvec(step[:, 3:])).as_quat(),
+        path.poses.translation + step[:, :3],
+    )
+    after = compare_patches(
+        patches, pairs.first, pairs.second, VehiclePath(poses=turned, tray=path.tray)
+    )
     anchors = [patches.anchor[pairs.first], patches.anchor[pairs.second]]
     none = np.zeros((len(pairs), 1))
     change = np.hstack([step[anchors[0]], none, step[anchors[1]], none])
-    np.testing.assert_allclose(after.gap - pairs.gap, np.einsum("mij,mj->mi", by, change), atol=2e-6)
+    np.testing.assert_allclose(
+        after.gap - pairs.gap, np.einsum("mij,mj->mi", by, change), atol=2e-6
+    )
     lever = np.abs(by[:, :, [6, 13]]).max(axis=0)
     assert (lever[2] > 0.5).all()  # the tray turns what it carries: the slope in elevation
 
 
-def test_a_tie_has_to_pass_both_ways(patches: Patches, path: VehiclePath, dive: EllipsoidDive) -> None:
+def test_a_tie_has_to_pass_both_ways(
+    patches: Patches, path: VehiclePath, dive: EllipsoidDive
+) -> None:
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
     known = np.zeros((len(pairs), 14, 14))
     assert passing(patches, pairs, path, dive.rig, known).mean() > 0.9
-    off = replace(patches, center=patches.center + (np.arange(len(patches)) == pairs.second[0])[:, None] * [0.3, 0, 0])
+    off = replace(
+        patches,
+        center=patches.center + (np.arange(len(patches)) == pairs.second[0])[:, None] * [0.3, 0, 0],
+    )
     wrong = compare_patches(off, pairs.first, pairs.second, path)
     touched = (pairs.first == pairs.second[0]) | (pairs.second == pairs.second[0])
     assert not passing(off, wrong, path, dive.rig, known)[touched].any()
     wide = np.tile(np.diag(np.r_[np.full(3, 1.0), np.full(4, 1e-4)]), (2, 1, 1))
     joint = np.zeros((len(pairs), 14, 14))
     joint[:, :7, :7], joint[:, 7:, 7:] = wide
-    assert passing(off, wrong, path, dive.rig, joint)[touched].all()  # nothing speaks against it where nothing is known
+    # nothing speaks against it where nothing is known
+    assert passing(off, wrong, path, dive.rig, joint)[touched].all()
 
 
-def test_a_tie_gains_where_less_is_known_than_it_measures(patches: Patches, path: VehiclePath, dive: EllipsoidDive) -> None:
+def test_a_tie_gains_where_less_is_known_than_it_measures(
+    patches: Patches, path: VehiclePath, dive: EllipsoidDive
+) -> None:
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
     for sigma, gains in ((1e-4, False), (0.1, True)):
         joint = np.tile(np.eye(14) * sigma**2, (len(pairs), 1, 1))
         assert (gaining(patches, pairs, path, dive.rig, joint) == gains).all()
 
 
-def test_a_rough_hull_is_weighed_by_what_it_shows(patches: Patches, path: VehiclePath, dive: EllipsoidDive) -> None:
+def test_a_rough_hull_is_weighed_by_what_it_shows(
+    patches: Patches, path: VehiclePath, dive: EllipsoidDive
+) -> None:
     rng = np.random.default_rng(6)
     center = patches.center + 0.08 * rng.standard_normal((len(patches), 1)) * patches.axes[:, :, 2]
     rough = replace(patches, center=center)
@@ -146,10 +194,14 @@ def test_a_rough_hull_is_weighed_by_what_it_shows(patches: Patches, path: Vehicl
     assert roughness(patches, smooth, path, dive.rig, known)[0] == 1.0
     factor = roughness(rough, pairs, path, dive.rig, known)
     assert factor[0] > 4
-    np.testing.assert_allclose(pairs.roughened(factor).noise[:, 0, 0], factor[0] ** 2 * pairs.noise[:, 0, 0])
+    np.testing.assert_allclose(
+        pairs.roughened(factor).noise[:, 0, 0], factor[0] ** 2 * pairs.noise[:, 0, 0]
+    )
 
 
-def test_the_difference_of_two_planes_is_that_of_the_true_ones(patches: Patches, path: VehiclePath) -> None:
+def test_the_difference_of_two_planes_is_that_of_the_true_ones(
+    patches: Patches, path: VehiclePath
+) -> None:
     """Within the sigmas that its information claims, and those of the fits."""
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
     found = difference_of_planes(patches, pairs, pairs.noise + pairs.fit)
@@ -158,7 +210,9 @@ def test_the_difference_of_two_planes_is_that_of_the_true_ones(patches: Patches,
     normal = motion.rotation.apply(patches.axes[pairs.second][:, :, 2])
     distance = -np.sum(normal * motion.apply(patches.center[pairs.second]), axis=1)
     seen = distance[:, None] * normal - patches.plane[pairs.first]
-    square = np.sum(np.einsum("mij,mj->mi", found.information, seen - found.difference) ** 2, axis=1)
+    square = np.sum(
+        np.einsum("mij,mj->mi", found.information, seen - found.difference) ** 2, axis=1
+    )
     assert 0.3 < square.mean() / 3 < 1.5
 
 
@@ -171,10 +225,14 @@ def test_its_information_is_that_of_height_and_slopes(patches: Patches, path: Ve
         raised = difference_of_planes(patches, replace(pairs, expected=expected), pairs.noise)
         by[:, :, k] = (raised.difference - found.difference) / 1e-6
     whole = np.linalg.inv(root.swapaxes(1, 2) @ root)
-    np.testing.assert_allclose(whole, by @ pairs.noise @ by.swapaxes(1, 2), atol=1e-4 * np.abs(whole).max())
+    np.testing.assert_allclose(
+        whole, by @ pairs.noise @ by.swapaxes(1, 2), atol=1e-4 * np.abs(whole).max()
+    )
 
 
-def test_it_changes_with_the_place_as_its_derivative_says(patches: Patches, path: VehiclePath) -> None:
+def test_it_changes_with_the_place_as_its_derivative_says(
+    patches: Patches, path: VehiclePath
+) -> None:
     """The second patch slid along each axis of the vehicle of the first."""
     first, second = propose_ties(patches, path)
     pairs = compare_patches(patches, first, second, path)
@@ -187,7 +245,8 @@ def test_it_changes_with_the_place_as_its_derivative_says(patches: Patches, path
         for step in (1e-4, -1e-4):
             center = patches.center.copy()
             slid = []
-            for row, patch in enumerate(second):  # each pair alone: a patch may be the second of several
+            # each pair alone: a patch may be the second of several
+            for row, patch in enumerate(second):
                 center[patch] += step * into_second[row, :, k]
                 one = replace(patches, center=center)
                 moved = compare_patches(one, first[[row]], second[[row]], path)
@@ -197,12 +256,16 @@ def test_it_changes_with_the_place_as_its_derivative_says(patches: Patches, path
         np.testing.assert_allclose(found.by_place[:, :, k], (there[0] - there[1]) / 2e-4, atol=1e-5)
 
 
-def test_a_patch_in_many_pairs_says_less_in_each(patches: Patches, path: VehiclePath, dive: EllipsoidDive) -> None:
+def test_a_patch_in_many_pairs_says_less_in_each(
+    patches: Patches, path: VehiclePath, dive: EllipsoidDive
+) -> None:
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
     one = pairs.rows(np.arange(len(pairs)) == 0)
     alone, many = tie_planes(patches, one, dive.returns), tie_planes(patches, pairs, dive.returns)
     assert len(alone.plane) == 2
-    row = np.flatnonzero((many.anchor[many.first] == alone.anchor[0]) & (many.anchor[many.second] == alone.anchor[1]))[0]
+    row = np.flatnonzero(
+        (many.anchor[many.first] == alone.anchor[0]) & (many.anchor[many.second] == alone.anchor[1])
+    )[0]
     assert np.linalg.norm(many.information[row]) < 0.8 * np.linalg.norm(alone.information[0])
     np.testing.assert_array_equal(alone.difference[0], many.difference[row])
 
@@ -214,16 +277,23 @@ def test_the_dive_tells_how_its_hull_bends(patches: Patches) -> None:
     assert found[2] == pytest.approx(5 / 36, rel=0.25)
 
 
-def test_too_few_patches_tell_nothing(patches: Patches, dive: EllipsoidDive, path: VehiclePath) -> None:
+def test_too_few_patches_tell_nothing(
+    patches: Patches, dive: EllipsoidDive, path: VehiclePath
+) -> None:
     few = replace(dive.returns, flagged=dive.returns.node > 20)
-    assert curvature_of_patches(find_patches(few, path, dive.trajectory.t_ns, dive.rig, BROAD)) is BROAD
+    assert (
+        curvature_of_patches(find_patches(few, path, dive.trajectory.t_ns, dive.rig, BROAD))
+        is BROAD
+    )
 
 
 def test_a_cad_model_tells_how_it_bends() -> None:
     turn, along = np.meshgrid(np.linspace(0, 2 * np.pi, 61), np.linspace(0, 20, 11), indexing="ij")
     vertices = np.column_stack([4 * np.cos(turn).ravel(), 4 * np.sin(turn).ravel(), along.ravel()])
     k = np.arange(60 * 11).reshape(60, 11)[:, :10].ravel()
-    faces = np.vstack([np.column_stack([k, k + 11, k + 1]), np.column_stack([k + 11, k + 12, k + 1])])
+    faces = np.vstack(
+        [np.column_stack([k, k + 11, k + 1]), np.column_stack([k + 11, k + 12, k + 1])]
+    )
     found = curvature_of_mesh(Mesh(vertices, faces))
     assert found[0] == pytest.approx(1 / 4, rel=0.25)
     assert found[2] < 0.06

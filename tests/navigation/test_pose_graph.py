@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pose graph on two legs of 15 m with truth: what links do to the path, and which of them are believed."""
+"""The pose graph on two legs of 15 m with truth: what links do to the path, and which of them are
+believed.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,13 @@ from scipy.spatial.transform import Rotation
 from hullrecon import native
 from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses, exp, pose_from_vector
-from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph, link_table, linked_parts
+from hullrecon.navigation.pose_graph.graph import (
+    OPTIONS,
+    GraphSolution,
+    PoseGraph,
+    link_table,
+    linked_parts,
+)
 from hullrecon.navigation.pose_graph.start import path_along_links
 from hullrecon.records.links import CameraLinks
 from hullrecon.synthetic.vehicle.odometry import reckoned
@@ -33,7 +41,13 @@ DRIFT = 1.5e-3  # rad/s: 10 degrees over the two minutes of the dive
 
 
 def graph_of(dive: LinkedDive, kernel: str = "scaling") -> PoseGraph:
-    return PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig, kernel=kernel)
+    return PoseGraph(
+        trajectory=dive.trajectory,
+        odometry=dive.odometry,
+        attitude=dive.attitude,
+        rig=dive.rig,
+        kernel=kernel,
+    )
 
 
 def error_m(found: GraphSolution, dive: LinkedDive) -> float:
@@ -61,14 +75,20 @@ def links(dive: LinkedDive) -> CameraLinks:
 def test_without_links_the_path_is_dead_reckoning(dive: LinkedDive) -> None:
     found = graph_of(dive).solve(no_links(dive))
     assert found.converged
-    np.testing.assert_allclose(found.path.poses.translation[:, :2], dive.trajectory.translation[:, :2], atol=0.1)
+    np.testing.assert_allclose(
+        found.path.poses.translation[:, :2], dive.trajectory.translation[:, :2], atol=0.1
+    )
     assert error_m(found, dive) > 0.2
 
 
-def test_links_between_the_legs_take_the_drift_out_of_the_path(dive: LinkedDive, links: CameraLinks) -> None:
+def test_links_between_the_legs_take_the_drift_out_of_the_path(
+    dive: LinkedDive, links: CameraLinks
+) -> None:
     """Dead reckoning, neighbours alone, neighbours and opposite nodes: 22 cm, 6 mm, 4.5 mm."""
     reckoned = aligned_error_m(dive.trajectory.poses(), dive.global_from_vehicle)
-    chained = error_m(graph_of(dive).solve(link(dive, neighbours(), np.random.default_rng(2))), dive)
+    chained = error_m(
+        graph_of(dive).solve(link(dive, neighbours(), np.random.default_rng(2))), dive
+    )
     tied = graph_of(dive).solve(links)
     assert tied.converged
     assert not tied.rejected.any()
@@ -89,11 +109,17 @@ def test_a_second_solve_starts_from_the_first_and_ends_where_one_solve_does(
     graph = graph_of(dive, kernel)
     before = graph.solve(link(dive, neighbours(), np.random.default_rng(2)))
     again, at_once = graph.solve(links, before), graph.solve(links)
-    np.testing.assert_allclose(again.path.poses.translation, at_once.path.poses.translation, atol=5e-4)
+    np.testing.assert_allclose(
+        again.path.poses.translation, at_once.path.poses.translation, atol=5e-4
+    )
 
 
-def test_with_scaling_both_ways_end_in_paths_of_one_shape(dive: LinkedDive, links: CameraLinks) -> None:
-    """Scaling is not convex: which right links are weighed down depends on the start, which turns the path a little."""
+def test_with_scaling_both_ways_end_in_paths_of_one_shape(
+    dive: LinkedDive, links: CameraLinks
+) -> None:
+    """Scaling is not convex: which right links are weighed down depends on the start, which turns
+    the path a little.
+    """
     graph = graph_of(dive)
     again = graph.solve(links, graph.solve(link(dive, neighbours(), np.random.default_rng(2))))
     shape = np.tile(np.eye(4), (60, 1, 1))
@@ -101,39 +127,58 @@ def test_with_scaling_both_ways_end_in_paths_of_one_shape(dive: LinkedDive, link
     assert aligned_error_m(again.path.poses, shape) < 1e-3
 
 
-def test_links_without_length_take_the_drift_out_and_leave_the_scale_to_the_dvl(dive: LinkedDive) -> None:
+def test_links_without_length_take_the_drift_out_and_leave_the_scale_to_the_dvl(
+    dive: LinkedDive,
+) -> None:
     pairs = np.vstack([neighbours(), opposite(every=3)])
     mono = link(dive, pairs, np.random.default_rng(2), scaled=False)
     found = graph_of(dive).solve(mono)
     assert error_m(found, dive) < 0.05
-    longer = replace(mono, translation=7 * mono.translation, covariance=scaled_by(mono.covariance, 7.0))
+    longer = replace(
+        mono, translation=7 * mono.translation, covariance=scaled_by(mono.covariance, 7.0)
+    )
     again = graph_of(dive).solve(longer)
-    np.testing.assert_allclose(again.path.poses.translation, found.path.poses.translation, atol=1e-4)
+    np.testing.assert_allclose(
+        again.path.poses.translation, found.path.poses.translation, atol=1e-4
+    )
 
 
 def silent_from(dive: LinkedDive, node: int) -> LinkedDive:
-    """The dive with a DVL that says nothing more from a node on: odometry goes on as it went, and knows it badly."""
+    """The dive with a DVL that says nothing more from a node on: odometry goes on as it went, and
+    knows it badly.
+    """
     odometry = dive.odometry
     silent = odometry.first >= node
     translation, covariance = odometry.translation.copy(), odometry.covariance.copy()
     translation[silent] = odometry.translation[node - 1]
-    covariance[silent, :3, :3] += np.arange(1, silent.sum() + 1)[:, None, None] ** 2 * 0.1**2 * np.eye(3)
+    covariance[silent, :3, :3] += (
+        np.arange(1, silent.sum() + 1)[:, None, None] ** 2 * 0.1**2 * np.eye(3)
+    )
     odometry = replace(odometry, translation=translation, covariance=covariance)
-    return replace(dive, odometry=odometry, trajectory=reckoned(dive.global_from_vehicle[0], odometry, STEP_S))
+    return replace(
+        dive, odometry=odometry, trajectory=reckoned(dive.global_from_vehicle[0], odometry, STEP_S)
+    )
 
 
 @pytest.mark.parametrize("every", [1, 2])
-def test_links_without_length_follow_a_vehicle_that_turns_back_unheard(dive: LinkedDive, every: int) -> None:
+def test_links_without_length_follow_a_vehicle_that_turns_back_unheard(
+    dive: LinkedDive, every: int
+) -> None:
     """Also where every second image alone is compared. The steps' lengths are as guessed."""
     unheard = silent_from(dive, 24)
     pairs = neighbours()
     pairs = pairs[(pairs % every == 0).all(axis=1)]
     found = graph_of(unheard).solve(link(unheard, pairs, np.random.default_rng(2), scaled=False))
     seen = np.arange(0, 60, every)
-    reckoned_m = aligned_error_m(unheard.trajectory.poses()[seen], unheard.global_from_vehicle[seen])
+    reckoned_m = aligned_error_m(
+        unheard.trajectory.poses()[seen], unheard.global_from_vehicle[seen]
+    )
     assert reckoned_m > 4
     assert not found.rejected.any()
-    assert aligned_error_m(found.path.poses[seen], unheard.global_from_vehicle[seen]) < 0.15 * reckoned_m
+    assert (
+        aligned_error_m(found.path.poses[seen], unheard.global_from_vehicle[seen])
+        < 0.15 * reckoned_m
+    )
 
 
 def test_where_odometry_knows_the_way_the_start_is_dead_reckoning(dive: LinkedDive) -> None:
@@ -149,7 +194,9 @@ def scaled_by(covariance: np.ndarray, factor: float) -> np.ndarray:
 
 def test_links_with_and_without_length_are_solved_together(dive: LinkedDive) -> None:
     rng = np.random.default_rng(2)
-    found = graph_of(dive).solve(joined(link(dive, neighbours(), rng, scaled=False), link(dive, opposite(every=3), rng)))
+    found = graph_of(dive).solve(
+        joined(link(dive, neighbours(), rng, scaled=False), link(dive, opposite(every=3), rng))
+    )
     assert error_m(found, dive) < 0.05
 
 
@@ -157,19 +204,30 @@ def test_a_link_of_the_bottom_camera_says_where_that_one_stood(dive: LinkedDive)
     """Every fifth node lacks its top image."""
     lower = np.arange(60) % 5 == 0
     found = graph_of(dive).solve(
-        link(dive, np.vstack([neighbours(), opposite(every=3)]), np.random.default_rng(2), bottom=lower)
+        link(
+            dive,
+            np.vstack([neighbours(), opposite(every=3)]),
+            np.random.default_rng(2),
+            bottom=lower,
+        )
     )
     assert error_m(found, dive) < 0.03
     assert not found.rejected.any()
 
 
-def test_the_cameras_mount_is_found_where_it_has_a_prior(dive: LinkedDive, links: CameraLinks) -> None:
+def test_the_cameras_mount_is_found_where_it_has_a_prior(
+    dive: LinkedDive, links: CameraLinks
+) -> None:
     true_mount = dive.rig.T_s_ct.nominal
     wrong = true_mount @ exp([[0, 0, 0, *np.radians([0.8, -0.5, 0.6])]])
     prior = Mount(wrong, np.diag(1 / np.r_[np.full(3, 0.01), np.full(3, np.radians(1.0))]))
     found = replace(graph_of(dive), rig=replace(dive.rig, T_s_ct=prior)).solve(links)
-    off = (true_mount.inverse() @ pose_from_vector(found.problem.unknowns.T_s_ct)).rotation.magnitude()[0]
-    assert np.degrees(off) < 0.4 < np.degrees((true_mount.inverse() @ wrong).rotation.magnitude()[0])
+    off = (
+        true_mount.inverse() @ pose_from_vector(found.problem.unknowns.T_s_ct)
+    ).rotation.magnitude()[0]
+    assert (
+        np.degrees(off) < 0.4 < np.degrees((true_mount.inverse() @ wrong).rotation.magnitude()[0])
+    )
     assert error_m(found, dive) < 0.04
 
 
@@ -183,7 +241,9 @@ def test_the_same_links_give_the_same_bytes(dive: LinkedDive, links: CameraLinks
 
 
 def with_wrong(dive: LinkedDive, count: int) -> tuple[CameraLinks, np.ndarray]:
-    """Links between the legs of which some are off by half a metre and six degrees, and which those are."""
+    """Links between the legs of which some are off by half a metre and six degrees, and which those
+    are.
+    """
     rng = np.random.default_rng(4)
     right = link(dive, np.vstack([neighbours(), opposite()]), rng)
     rows = len(neighbours()) + rng.choice(len(opposite()), count, replace=False)
@@ -198,7 +258,9 @@ def test_wrong_links_are_named_and_do_not_move_the_path(dive: LinkedDive, kernel
     found = graph_of(dive, kernel).solve(links)
     np.testing.assert_array_equal(np.flatnonzero(found.rejected), np.flatnonzero(wrong))
     without = graph_of(dive, kernel).solve(kept(links, ~wrong))
-    np.testing.assert_allclose(found.path.poses.translation, without.path.poses.translation, atol=0.01)
+    np.testing.assert_allclose(
+        found.path.poses.translation, without.path.poses.translation, atol=0.01
+    )
 
 
 def test_without_a_guard_wrong_links_move_the_path(dive: LinkedDive) -> None:
@@ -214,17 +276,25 @@ def kept(links: CameraLinks, rows: np.ndarray) -> CameraLinks:
     return CameraLinks(**{name: getattr(links, name)[rows] for name in names})
 
 
-def test_a_wrong_link_that_comes_in_a_later_round_is_named(dive: LinkedDive, links: CameraLinks) -> None:
+def test_a_wrong_link_that_comes_in_a_later_round_is_named(
+    dive: LinkedDive, links: CameraLinks
+) -> None:
     rng = np.random.default_rng(7)
     before = graph_of(dive).solve(links)
     astray = disturbed(link(dive, np.array([[4, 55]]), rng), np.array([0]), 0.4, 0.05, rng)
     found = graph_of(dive).solve(joined(links, astray), before)
     assert np.flatnonzero(found.rejected).tolist() == [len(links)]
-    np.testing.assert_allclose(found.path.poses.translation, before.path.poses.translation, atol=0.01)
+    np.testing.assert_allclose(
+        found.path.poses.translation, before.path.poses.translation, atol=0.01
+    )
 
 
-def test_where_a_path_makes_many_new_links_look_wrong_it_may_be_the_path_that_is(dive: LinkedDive) -> None:
-    """Links that say too much of themselves: from the path of the neighbours alone more of them are rejected than need be."""
+def test_where_a_path_makes_many_new_links_look_wrong_it_may_be_the_path_that_is(
+    dive: LinkedDive,
+) -> None:
+    """Links that say too much of themselves: from the path of the neighbours alone more of them are
+    rejected than need be.
+    """
     rng = np.random.default_rng(3)
     along, across = (link(dive, pairs, rng, scaled=False) for pairs in (neighbours(), opposite()))
     links = joined(along, replace(across, covariance=0.3**2 * across.covariance))
@@ -233,21 +303,33 @@ def test_where_a_path_makes_many_new_links_look_wrong_it_may_be_the_path_that_is
     from_before, cost = graph._solve_guarded(links, before.problem.unknowns)
     found = graph.solve(links, before)
     assert found.rejected.sum() < from_before.rejected.sum()
-    assert sum(native.evaluate(found.problem, OPTIONS, jacobian=False).cost_by_factor.values()) < cost
+    assert (
+        sum(native.evaluate(found.problem, OPTIONS, jacobian=False).cost_by_factor.values()) < cost
+    )
 
 
 # how sure it is
 
 
 def relative_cameras(
-    pose: np.ndarray, tray: np.ndarray, dive: LinkedDive, first: int, second: int, bottom: int | None = None
+    pose: np.ndarray,
+    tray: np.ndarray,
+    dive: LinkedDive,
+    first: int,
+    second: int,
+    bottom: int | None = None,
 ) -> Poses:
-    """second_from_first of the top cameras, of vehicles `pose` (n, 7) with their trays; bottom: the node whose bottom camera
-    leads."""
+    """second_from_first of the top cameras, of vehicles `pose` (n, 7) with their trays; bottom: the
+    node whose bottom camera leads.
+    """
     chain = []
     for k in (first, second):
         hinge = Poses(Rotation.from_euler("y", [tray[k]]).as_quat(), dive.rig.tray_origin[None])
-        mount = dive.rig.T_s_ct.nominal if k != bottom else dive.rig.T_s_ct.nominal @ dive.rig.T_ct_cb.nominal
+        mount = (
+            dive.rig.T_s_ct.nominal
+            if k != bottom
+            else dive.rig.T_s_ct.nominal @ dive.rig.T_ct_cb.nominal
+        )
         chain.append(Poses(pose[[k], 3:7], pose[[k], :3]) @ hinge @ mount)
     return chain[1].inverse() @ chain[0]
 
@@ -259,7 +341,9 @@ ALL_TOP = np.zeros(60, bool)
 def test_the_relative_covariance_is_that_of_poses_moved_as_their_joint_covariance_says(
     dive: LinkedDive, links: CameraLinks, bottom: int | None
 ) -> None:
-    """Central differences of the cameras' relative pose by all fourteen numbers of the two vehicles."""
+    """Central differences of the cameras' relative pose by all fourteen numbers of the two
+    vehicles.
+    """
     found = graph_of(dive).solve(links)
     pair = (7, 41)
     pose = found.problem.unknowns.pose
@@ -278,7 +362,9 @@ def test_the_relative_covariance_is_that_of_poses_moved_as_their_joint_covarianc
             else:
                 moved[k, 7] += sign
             at = relative_cameras(moved[:, :7], moved[:, 7], dive, *pair, bottom)
-            ends.append(np.r_[at.translation[0], (middle.rotation.inv() * at.rotation).as_rotvec()[0]])
+            ends.append(
+                np.r_[at.translation[0], (middle.rotation.inv() * at.rotation).as_rotvec()[0]]
+            )
         jacobian[:, column] = (ends[0] - ends[1]) / 2e-6
     errors = found.relative_errors(np.arange(60) == bottom)
     predicted = errors.relative_covariance(np.array([7]), np.array([41]))[0]
@@ -287,11 +373,15 @@ def test_the_relative_covariance_is_that_of_poses_moved_as_their_joint_covarianc
 
 def test_no_pairs_have_no_covariances(dive: LinkedDive, links: CameraLinks) -> None:
     none = np.zeros(0, np.int64)
-    assert graph_of(dive).solve(links).relative_errors(ALL_TOP).relative_covariance(none, none).shape == (0, 6, 6)
+    assert graph_of(dive).solve(links).relative_errors(ALL_TOP).relative_covariance(
+        none, none
+    ).shape == (0, 6, 6)
 
 
 def test_relative_poses_err_as_their_covariance_says() -> None:
-    """Normalised squared errors of pairs far apart over ten dives with all errors drawn: chi-square of six."""
+    """Normalised squared errors of pairs far apart over ten dives with all errors drawn: chi-square
+    of six.
+    """
     first, second = np.array([2, 10, 15, 5]), np.array([57, 30, 44, 25])
     squares = []
     for seed in range(10):
@@ -311,9 +401,13 @@ def test_relative_poses_err_as_their_covariance_says() -> None:
     assert 4.5 < np.mean(squares) < 7.5  # forty squares of six, correlated within a dive
 
 
-def test_what_links_tie_is_known_better_than_what_they_do_not(dive: LinkedDive, links: CameraLinks) -> None:
+def test_what_links_tie_is_known_better_than_what_they_do_not(
+    dive: LinkedDive, links: CameraLinks
+) -> None:
     ends = np.array([0]), np.array([59])
-    loose, tied = (graph_of(dive).solve(x).relative_errors(ALL_TOP) for x in (no_links(dive), links))
+    loose, tied = (
+        graph_of(dive).solve(x).relative_errors(ALL_TOP) for x in (no_links(dive), links)
+    )
     sigma = [np.sqrt(np.trace(e.relative_covariance(*ends)[0, :3, :3])) for e in (loose, tied)]
     assert sigma[1] < 0.02 < 0.1 * sigma[0]
 
@@ -333,14 +427,21 @@ def test_the_record_holds_path_covariance_and_parts(dive: LinkedDive, links: Cam
 
 def test_a_link_says_less_the_more_links_share_its_images(dive: LinkedDive) -> None:
     rng = np.random.default_rng(0)
-    alone, crowd = link(dive, np.array([[0, 1]]), rng), link(dive, np.array([[0, k] for k in range(1, 8)]), rng)
-    one, many = (link_table(x, 60, native.LinkKernel.NONE).sqrt_information[0] for x in (alone, crowd))
+    alone, crowd = (
+        link(dive, np.array([[0, 1]]), rng),
+        link(dive, np.array([[0, k] for k in range(1, 8)]), rng),
+    )
+    one, many = (
+        link_table(x, 60, native.LinkKernel.NONE).sqrt_information[0] for x in (alone, crowd)
+    )
     np.testing.assert_allclose(one, np.linalg.inv(np.linalg.cholesky(alone.covariance[0])))
     np.testing.assert_allclose(many, one / np.sqrt((7 + 1) / 4))
 
 
 def test_a_link_without_length_is_whitened_by_its_direction(dive: LinkedDive) -> None:
-    """A metre along x, known to 1 cm along it and to 2 and 3 cm across: angles of 0.02 and 0.03 rad."""
+    """A metre along x, known to 1 cm along it and to 2 and 3 cm across: angles of 0.02 and 0.03
+    rad.
+    """
     made = link(dive, np.array([[0, 1]]), np.random.default_rng(0), scaled=False)
     covariance = np.diag([0.01, 0.02, 0.03, 0.1, 0.2, 0.3])[None] ** 2
     made = replace(made, translation=np.array([[1.0, 0, 0]]), covariance=covariance)
@@ -367,10 +468,14 @@ def test_without_links_no_node_is_in_a_part() -> None:
     assert linked_parts(3, none, none).tolist() == [-1, -1, -1]
 
 
-def test_a_motion_that_images_measured_is_left_out_where_a_link_joins_its_nodes(dive: LinkedDive) -> None:
+def test_a_motion_that_images_measured_is_left_out_where_a_link_joins_its_nodes(
+    dive: LinkedDive,
+) -> None:
     odometry = replace(dive.odometry, from_images=np.arange(len(dive.odometry)) % 3 > 0)
     pairs = np.column_stack([odometry.first, odometry.second])[::2]
-    found = replace(graph_of(dive), odometry=odometry).solve(link(dive, pairs, np.random.default_rng(4)))
+    found = replace(graph_of(dive), odometry=odometry).solve(
+        link(dive, pairs, np.random.default_rng(4))
+    )
     assert found.converged
     linked = np.arange(len(odometry)) % 2 == 0
     kept = ~(odometry.from_images & linked)

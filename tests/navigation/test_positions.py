@@ -27,11 +27,17 @@ SIGMA_M = 0.1
 def turned(xy: np.ndarray, world: np.ndarray = WORLD) -> np.ndarray:
     """Points (n, 2) of g north and east in a world that lies any way to it."""
     c, s = np.cos(world[2]), np.sin(world[2])
-    return np.asarray(world[:2] + np.column_stack([c * xy[:, 0] - s * xy[:, 1], s * xy[:, 0] + c * xy[:, 1]]))
+    return np.asarray(
+        world[:2] + np.column_stack([c * xy[:, 0] - s * xy[:, 1], s * xy[:, 0] + c * xy[:, 1]])
+    )
 
 
-def fixes_of(dive: LinkedDive, sigma_m: float = SIGMA_M, seed: int = 3, wild: float = 0.0) -> PositionFixes:
-    """A fix at each node, a second later where the vehicle is half way; wild: share that is off by up to 50 m."""
+def fixes_of(
+    dive: LinkedDive, sigma_m: float = SIGMA_M, seed: int = 3, wild: float = 0.0
+) -> PositionFixes:
+    """A fix at each node, a second later where the vehicle is half way; wild: share that is off by
+    up to 50 m.
+    """
     rng = np.random.default_rng(seed)
     antenna = poses(dive.global_from_vehicle).apply(ORIGIN)[:, :2]
     between = 0.5 * (antenna[:-1] + antenna[1:])
@@ -43,7 +49,13 @@ def fixes_of(dive: LinkedDive, sigma_m: float = SIGMA_M, seed: int = 3, wild: fl
 
 
 def solve(dive: LinkedDive, ties: PositionTies | None) -> GraphSolution:
-    graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig, positions=ties)
+    graph = PoseGraph(
+        trajectory=dive.trajectory,
+        odometry=dive.odometry,
+        attitude=dive.attitude,
+        rig=dive.rig,
+        positions=ties,
+    )
     return graph.solve(no_links())
 
 
@@ -77,7 +89,9 @@ def test_fixes_bound_the_drift_of_a_dive_without_a_camera(dive: LinkedDive) -> N
 
 
 def test_errors_of_a_bounded_path_are_as_large_as_its_sigmas_say() -> None:
-    """Of twelve dives whose errors are drawn from their sigmas, the end of each in its own covariance: chi-square, two each."""
+    """Of twelve dives whose errors are drawn from their sigmas, the end of each in its own
+    covariance: chi-square, two each.
+    """
     square = []
     for seed in range(12):
         drawn = simulate(seed)
@@ -91,7 +105,9 @@ def test_errors_of_a_bounded_path_are_as_large_as_its_sigmas_say() -> None:
 def test_a_wrong_scale_of_the_dvl_is_found(dive: LinkedDive) -> None:
     wrong = replace(dive.odometry, translation=1.03 * dive.odometry.translation)
     scaled = replace(
-        dive, odometry=wrong, rig=replace(dive.rig, navigation_sigma=dive.rig.navigation_sigma * [5, 1, 1, 1, 1, 1])
+        dive,
+        odometry=wrong,
+        rig=replace(dive.rig, navigation_sigma=dive.rig.navigation_sigma * [5, 1, 1, 1, 1, 1]),
     )
     before, after = (solve(scaled, ties) for ties in (None, ties_of(scaled, fixes_of(dive))))
     assert rms(errors_m(after, dive)) < 0.5 * rms(errors_m(before, dive))
@@ -99,7 +115,9 @@ def test_a_wrong_scale_of_the_dvl_is_found(dive: LinkedDive) -> None:
 
 @pytest.mark.parametrize("wild", [0.1, 0.25])
 def test_outliers_hardly_move_the_path(dive: LinkedDive, wild: float) -> None:
-    clean, spoilt = (solve(dive, ties_of(dive, fixes_of(dive, wild=share))) for share in (0.0, wild))
+    clean, spoilt = (
+        solve(dive, ties_of(dive, fixes_of(dive, wild=share))) for share in (0.0, wild)
+    )
     assert rms(errors_m(spoilt, dive) - errors_m(clean, dive)) < 0.6 * SIGMA_M
     fit = spoilt.fit_of_positions()
     assert fit is not None
@@ -117,7 +135,9 @@ def test_the_heading_of_the_world_is_found_within_its_sigma(dive: LinkedDive) ->
 
 def test_fixes_that_contradict_navigation_are_told_in_words(dive: LinkedDive) -> None:
     fixes = fixes_of(dive)
-    mirrored = replace(fixes, north_east=fixes.north_east * [1, -1] + np.arange(59)[:, None] * [0.5, 0.0])
+    mirrored = replace(
+        fixes, north_east=fixes.north_east * [1, -1] + np.arange(59)[:, None] * [0.5, 0.0]
+    )
     sentence = solve(dive, ties_of(dive, mirrored)).fit_of_positions()
     assert sentence is not None
     assert "disagree with navigation" in (sentence.disagreement() or "")
@@ -153,7 +173,9 @@ def _true(dive: LinkedDive) -> dict[str, np.ndarray]:
 
 
 def rows(fixes: PositionFixes, keep: slice | np.ndarray) -> PositionFixes:
-    return PositionFixes(t_ns=fixes.t_ns[keep], north_east=fixes.north_east[keep], sigma=fixes.sigma[keep])
+    return PositionFixes(
+        t_ns=fixes.t_ns[keep], north_east=fixes.north_east[keep], sigma=fixes.sigma[keep]
+    )
 
 
 def test_one_fix_tells_nothing_and_two_do(dive: LinkedDive) -> None:
@@ -166,7 +188,9 @@ def test_one_fix_tells_nothing_and_two_do(dive: LinkedDive) -> None:
     both = attach_positions(rows(fixes, np.array([0, 29])), dive.trajectory, ORIGIN)
     assert both.ties is not None
     assert both.sentences() == []
-    assert rms(errors_m(solve(dive, both.ties), dive)) <= rms(errors_m(solve(dive, None), dive)) + 0.05
+    assert (
+        rms(errors_m(solve(dive, both.ties), dive)) <= rms(errors_m(solve(dive, None), dive)) + 0.05
+    )
 
 
 def test_fixes_of_one_place_tell_nothing(dive: LinkedDive) -> None:
@@ -183,8 +207,13 @@ def test_fixes_before_and_after_the_path_are_counted(dive: LinkedDive) -> None:
     late = replace(fixes, t_ns=fixes.t_ns + np.int64(60_000_000_000))
     found = attach_positions(late, dive.trajectory, ORIGIN)
     assert found.outside == 30
-    assert "30 positions from outside lie before or after the path, or more than 5 s from a pose" in found.sentences()[0]
-    none = attach_positions(replace(fixes, t_ns=fixes.t_ns + np.int64(10**12)), dive.trajectory, ORIGIN)
+    assert (
+        "30 positions from outside lie before or after the path, or more than 5 s from a pose"
+        in found.sentences()[0]
+    )
+    none = attach_positions(
+        replace(fixes, t_ns=fixes.t_ns + np.int64(10**12)), dive.trajectory, ORIGIN
+    )
     assert none.refusal == "there is none along the path"
 
 

@@ -47,14 +47,18 @@ def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(simulated, 
     sensor = simulated.poses(t).apply(rig.pressure_origin)[:, 2]
     assert np.abs(found.attitude.depth - sensor).max() < 3e-3
     rpy = roll_pitch_yaw(simulated.attitude(t))
-    assert np.allclose(np.stack([found.attitude.roll, found.attitude.pitch], 1), rpy[:, :2], atol=1e-3)
+    assert np.allclose(
+        np.stack([found.attitude.roll, found.attitude.pitch], 1), rpy[:, :2], atol=1e-3
+    )
     assert found.attitude.sigma[0].tolist() == [SIGMAS.depth_m, SIGMAS.tilt_rad, SIGMAS.tilt_rad]
 
 
 def test_an_image_that_does_not_decode_has_no_node(perfect, rig):
     usable = perfect.top.usable.copy()
     usable[3] = False
-    gone = dead_reckon(replace(perfect, top=replace(perfect.top, usable=usable)), rig, SIGMAS, NavigateOptions())
+    gone = dead_reckon(
+        replace(perfect, top=replace(perfect.top, usable=usable)), rig, SIGMAS, NavigateOptions()
+    )
     assert 3 not in gone.trajectory.image[:, 0]
     assert {2, 4} <= set(gone.trajectory.image[:, 0].tolist())
 
@@ -72,7 +76,8 @@ def test_neighbouring_edges_compose_to_the_path_in_the_plane(found):
     for k in range(len(edge)):
         end = end @ edge[k]
     whole = found.trajectory.poses()[[0]].inverse() @ found.trajectory.poses()[[-1]]
-    assert np.allclose(end.translation, whole.translation, atol=5e-3)  # the pressure holds z of the path alone
+    # the pressure holds z of the path alone
+    assert np.allclose(end.translation, whole.translation, atol=5e-3)
 
 
 def heard_only(logs, begin_s, end_s):
@@ -85,7 +90,9 @@ def heard_only(logs, begin_s, end_s):
 
 
 def walk(logs, goes_on=lambda first, second: True):
-    """The upper camera's images, each of which goes on from the other where goes_on says so, by their rows."""
+    """The upper camera's images, each of which goes on from the other where goes_on says so, by
+    their rows.
+    """
     return ImageWalk(frames=usable_frames(logs.top), goes_on=goes_on)
 
 
@@ -119,7 +126,9 @@ def test_images_are_not_followed_across_a_blank(perfect, rig):
     assert found.trajectory.image[:, 0].max() == 59
 
 
-@pytest.mark.parametrize(("blind", "last"), [((), 99), ((40,), 99), (range(40, 44), 99), (range(40, 47), 39)])
+@pytest.mark.parametrize(
+    ("blind", "last"), [((), 99), ((40,), 99), (range(40, 44), 99), (range(40, 47), 39)]
+)
 def test_dense_images_are_followed_by_strides_and_one_by_one_where_a_stride_fails(blind, last):
     """At 10 Hz: five at a time, and around those that show nothing."""
     asked = []
@@ -136,11 +145,20 @@ def test_dense_images_are_followed_by_strides_and_one_by_one_where_a_stride_fail
 
 @pytest.mark.parametrize(
     ("lasts_s", "shown", "gone"),
-    [(20, range(0), range(20, 60)), (20, range(30, 41), range(20, 60)), (20, range(15, 30), range(30, 60)), (1, range(0), ())],
+    [
+        (20, range(0), range(20, 60)),
+        (20, range(30, 41), range(20, 60)),
+        (20, range(15, 30), range(30, 60)),
+        (1, range(0), ()),
+    ],
     ids=["nothing", "an island", "one side", "a short outage"],
 )
-def test_in_an_outage_images_that_go_on_from_neither_side_have_no_pose(perfect, rig, lasts_s, shown, gone):
-    """The DVL is silent from 9.9 s; images 20 to 59 lie in the longer outage. A second leaves the way known to centimetres."""
+def test_in_an_outage_images_that_go_on_from_neither_side_have_no_pose(
+    perfect, rig, lasts_s, shown, gone
+):
+    """The DVL is silent from 9.9 s; images 20 to 59 lie in the longer outage. A second leaves the
+    way known to centimetres.
+    """
     dvl, start = perfect.dvl, START_NS
     velocity = dvl.velocity.copy()
     velocity[(dvl.t_ns > start + 9.9e9) & (dvl.t_ns < start + (9.9 + lasts_s) * 1e9)] = np.nan
@@ -151,7 +169,12 @@ def test_in_an_outage_images_that_go_on_from_neither_side_have_no_pose(perfect, 
         rig,
         SIGMAS,
         NavigateOptions(),
-        walk(logs, lambda first, second: second in outside or (second in shown and first in {*outside, *shown})),
+        walk(
+            logs,
+            lambda first, second: (
+                second in outside or (second in shown and first in {*outside, *shown})
+            ),
+        ),
     )
     every = set(perfect_images(perfect, rig))
     assert every - set(found.trajectory.image[:, 0].tolist()) == set(gone)
@@ -171,7 +194,9 @@ def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfe
     t = found.trajectory
     seconds = (t.t_ns - START_NS) * 1e-9
     start = np.flatnonzero(seconds >= 15)[0]
-    error = (t.translation - t.translation[start]) - (simulated.place(seconds) - simulated.place(seconds)[start])
+    error = (t.translation - t.translation[start]) - (
+        simulated.place(seconds) - simulated.place(seconds)[start]
+    )
     sigma = np.sqrt(np.diagonal(t.covariance, axis1=1, axis2=2)[:, :2])
     assert np.abs(error[[0, -1], :2]).max() > 0.5
     assert (np.abs(error[:, :2]) < 3 * sigma + 0.01).all()
@@ -182,10 +207,16 @@ def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfe
 
 
 @pytest.mark.parametrize(("begin_s", "end_s"), [(0, 20), (20, 40)])
-def test_beyond_the_imu_the_attitude_is_off_by_no_more_than_it_says(simulated, perfect, rig, begin_s, end_s):
+def test_beyond_the_imu_the_attitude_is_off_by_no_more_than_it_says(
+    simulated, perfect, rig, begin_s, end_s
+):
     """The DVL is heard throughout: the way is of the right length, and turned with the attitude."""
-    read = (perfect.imu.t_ns >= START_NS + begin_s * SECOND) & (perfect.imu.t_ns <= START_NS + end_s * SECOND)
-    logs = replace(perfect, imu=ImuSamples(**{name: value[read] for name, value in vars(perfect.imu).items()}))
+    read = (perfect.imu.t_ns >= START_NS + begin_s * SECOND) & (
+        perfect.imu.t_ns <= START_NS + end_s * SECOND
+    )
+    logs = replace(
+        perfect, imu=ImuSamples(**{name: value[read] for name, value in vars(perfect.imu).items()})
+    )
     found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
     t = found.trajectory
     assert t.image[:, 0].tolist() == perfect_images(perfect, rig)
@@ -195,7 +226,9 @@ def test_beyond_the_imu_the_attitude_is_off_by_no_more_than_it_says(simulated, p
     assert turn.max() > 0.1
     assert (turn < 3 * np.sqrt(covariance[:, 3:].sum(axis=1)) + 0.01).all()
     start = np.argmin(np.abs(seconds - begin_s))
-    error = (t.translation - t.translation[start]) - (simulated.place(seconds) - simulated.place(seconds)[start])
+    error = (t.translation - t.translation[start]) - (
+        simulated.place(seconds) - simulated.place(seconds)[start]
+    )
     assert np.abs(error).max() > 0.3
     assert (np.abs(error[:, :2]) < 3 * np.sqrt(covariance[:, :2]) + 0.02).all()
     known = found.attitude.sigma[:, 1]

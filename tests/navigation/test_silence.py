@@ -18,7 +18,11 @@ TWICE = stamps(np.r_[5:10:0.5, 20:30:0.5])  # twice a second, from 5 to 9.5 s an
 
 
 def test_the_time_before_the_first_and_after_the_last_reading_is_silent_too() -> None:
-    assert (silent_spans(TWICE, 0, 40 * SECOND) / SECOND).tolist() == [[0, 5], [9.5, 20], [29.5, 40]]
+    assert (silent_spans(TWICE, 0, 40 * SECOND) / SECOND).tolist() == [
+        [0, 5],
+        [9.5, 20],
+        [29.5, 40],
+    ]
 
 
 def test_spans_end_where_the_path_does() -> None:
@@ -30,7 +34,9 @@ def test_a_slow_sensor_is_not_silent_between_two_readings() -> None:
 
 
 def test_an_instant_is_as_far_from_what_was_read_as_the_nearer_reading() -> None:
-    assert unread_s(TWICE, stamps([0, 7.1, 12, 19, 24, 34.5])) == pytest.approx([5, 0, 2.5, 1, 0, 5])
+    assert unread_s(TWICE, stamps([0, 7.1, 12, 19, 24, 34.5])) == pytest.approx(
+        [5, 0, 2.5, 1, 0, 5]
+    )
 
 
 def test_a_single_reading_is_a_sensor_that_fell_silent() -> None:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The errors of dead reckoning, against paths that were reckoned anew with the error in the instruments."""
+"""The errors of dead reckoning, against paths that were reckoned anew with the error in the
+instruments.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,11 @@ from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning import error_propagation
 from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs, dead_reckon
-from hullrecon.navigation.dead_reckoning.error_propagation import pose_by_error, trajectory_covariance, twist_by_pose_error
+from hullrecon.navigation.dead_reckoning.error_propagation import (
+    pose_by_error,
+    trajectory_covariance,
+    twist_by_pose_error,
+)
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning, reckon
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
@@ -39,7 +45,9 @@ def path_of(logs: NavigationLogs, rig: SensorRig, error: np.ndarray) -> Reckonin
     """Dead reckoning of instruments that err by `error` (ERRORS,), the depth's bias aside."""
     span = int(logs.imu.t_ns[0]), int(logs.imu.t_ns[-1])
     velocities = usable_velocities(logs.dvl, span, 0.6)
-    velocities = replace(velocities, velocity=(1 + error[error_propagation.SCALE]) * velocities.velocity)
+    velocities = replace(
+        velocities, velocity=(1 + error[error_propagation.SCALE]) * velocities.velocity
+    )
     t = (logs.imu.t_ns - logs.dvl.t_ns[0]) * 1e-9
     heading = error[error_propagation.HEADING] + error[error_propagation.DRIFT] * t
     turned = Rotation.from_euler("z", heading[:, None]) * Rotation.from_quat(logs.imu.quaternion)
@@ -68,36 +76,68 @@ def numeric(logs: NavigationLogs, rig: SensorRig, column: int, step: float = 1e-
 @pytest.mark.parametrize(
     ("column", "tolerance"),
     # The drift's turn of a velocity grows between two pings, the play flips between two readings.
-    [(0, 1e-6), (1, 5e-3), (2, 1e-5), (3, 1e-5), (4, 1e-5), (5, 2e-2), (6, 1e-5), (7, 1e-5), (8, 1e-5)],
+    [
+        (0, 1e-6),
+        (1, 5e-3),
+        (2, 1e-5),
+        (3, 1e-5),
+        (4, 1e-5),
+        (5, 2e-2),
+        (6, 1e-5),
+        (7, 1e-5),
+        (8, 1e-5),
+    ],
 )
-def test_the_path_changes_with_each_error_as_reckoning_anew_says(perfect, rig, column: int, tolerance: float) -> None:
-    analytic = pose_by_error(path_of(perfect, rig, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect)))[:, :, column]
+def test_the_path_changes_with_each_error_as_reckoning_anew_says(
+    perfect, rig, column: int, tolerance: float
+) -> None:
+    analytic = pose_by_error(
+        path_of(perfect, rig, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect))
+    )[:, :, column]
     assert np.abs(analytic).max() > 0.5
     assert np.abs(analytic - numeric(perfect, rig, column)).max() < tolerance
 
 
 def certain(**sigma: float) -> NavigationSigmas:
     """Every error that persists is nothing, but for those named."""
-    none = {"scale": 0.0, "heading_drift_rad_s": 0.0, "tilt_bias_rad": 0.0, "tray_rad": 0.0, "tilt_rad": 0.0}
+    none = {
+        "scale": 0.0,
+        "heading_drift_rad_s": 0.0,
+        "tilt_bias_rad": 0.0,
+        "tray_rad": 0.0,
+        "tilt_rad": 0.0,
+    }
     return replace(SIGMAS, mount=np.zeros(6), **(none | sigma))
 
 
-def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_changes_its_speed(perfect, rig) -> None:
+def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_changes_its_speed(
+    perfect, rig
+) -> None:
     drift = 1e-3
     silent = replace(
         perfect,
-        imu=replace(perfect.imu, angular_velocity=np.full_like(perfect.imu.angular_velocity, np.nan)),
+        imu=replace(
+            perfect.imu, angular_velocity=np.full_like(perfect.imu.angular_velocity, np.nan)
+        ),
         dvl=replace(perfect.dvl, velocity_sigma=np.full(len(perfect.dvl.t_ns), 1e-6)),
     )
     t = (silent.imu.t_ns - silent.dvl.t_ns[0]) * 1e-9
-    turned = Rotation.from_euler("z", (drift * t)[:, None]) * Rotation.from_quat(silent.imu.quaternion)
+    turned = Rotation.from_euler("z", (drift * t)[:, None]) * Rotation.from_quat(
+        silent.imu.quaternion
+    )
     drifted = replace(silent, imu=replace(silent.imu, quaternion=turned.as_quat()))
     off = certain(heading_drift_rad_s=drift)
-    base, other = (dead_reckon(logs, rig, off, NavigateOptions()).trajectory for logs in (silent, drifted))
+    base, other = (
+        dead_reckon(logs, rig, off, NavigateOptions()).trajectory for logs in (silent, drifted)
+    )
     moved = (other.translation - base.translation)[:, :2]
     assert np.linalg.norm(moved[-1]) > 0.1
     for k in (20, 40, 60, -1):
-        assert np.allclose(base.covariance[k, :2, :2], np.outer(moved[k], moved[k]), atol=0.02 * moved[k] @ moved[k])
+        assert np.allclose(
+            base.covariance[k, :2, :2],
+            np.outer(moved[k], moved[k]),
+            atol=0.02 * moved[k] @ moved[k],
+        )
 
 
 def relative_by_error(
@@ -107,7 +147,9 @@ def relative_by_error(
     out = np.zeros((len(first), 6, error_propagation.ERRORS))
     for k in range(error_propagation.DEPTH_BIAS):
         error = step * np.eye(error_propagation.ERRORS)[k]
-        plus, minus = (path_of(logs, rig, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1))
+        plus, minus = (
+            path_of(logs, rig, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1)
+        )
         after, before = plus[second].inverse() @ plus[first], minus[second].inverse() @ minus[first]
         turn = (before.rotation.inv() * after.rotation).as_rotvec()
         out[:, :, k] = np.hstack([after.translation - before.translation, turn]) / (2 * step)
@@ -115,23 +157,33 @@ def relative_by_error(
 
 
 def test_the_relative_covariance_of_two_nodes_is_that_of_paths_reckoned_anew(perfect, rig) -> None:
-    """Scale, drift, mount, play, attitude bias and heading at once; of nodes far apart, near, and in the other order."""
+    """Scale, drift, mount, play, attitude bias and heading at once; of nodes far apart, near, and
+    in the other order.
+    """
     sigma = np.array([0.005, 2e-4, 0.005, 0.005, 0.005, 0.01, 0.003, 0.003, 0.01, 0.0])
     truth = path_of(perfect, rig, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect))
     by_error = twist_by_pose_error(truth.poses()) @ pose_by_error(truth)
     none = np.zeros((len(truth.t_ns), 6, 6))
-    model = TrajectoryErrorModel(by_error=by_error, error_covariance=np.diag(sigma**2), walk=none, white=none)
+    model = TrajectoryErrorModel(
+        by_error=by_error, error_covariance=np.diag(sigma**2), walk=none, white=none
+    )
     first, second = np.array([0, 3, 9]), np.array([12, 5, 1])
-    predicted = NavigationErrors(global_from_camera=truth.poses(), model=model).relative_covariance(first, second)
+    predicted = NavigationErrors(global_from_camera=truth.poses(), model=model).relative_covariance(
+        first, second
+    )
     J = relative_by_error(perfect, rig, first, second)
     wanted = (J * sigma**2) @ J.swapaxes(1, 2)
     for p in range(len(first)):
-        scale = np.repeat([np.sqrt(np.trace(wanted[p][k, k])) for k in (slice(0, 3), slice(3, 6))], 3)
+        scale = np.repeat(
+            [np.sqrt(np.trace(wanted[p][k, k])) for k in (slice(0, 3), slice(3, 6))], 3
+        )
         assert np.abs((predicted[p] - wanted[p]) / np.outer(scale, scale)).max() < 0.02
 
 
 def test_a_dvl_whose_sigma_changes_from_ping_to_ping_is_known_ever_less_well(perfect, rig) -> None:
-    """What two nodes gained between them is what its parts gained, of each axis, whatever the pings' sigmas."""
+    """What two nodes gained between them is what its parts gained, of each axis, whatever the
+    pings' sigmas.
+    """
     sigma = 0.004 * np.exp(0.5 * np.random.default_rng(1).standard_normal(len(perfect.dvl.t_ns)))
     logs = replace(perfect, dvl=replace(perfect.dvl, velocity_sigma=sigma))
     at = path_of(logs, rig, np.zeros(error_propagation.ERRORS)).at(logs.dvl.t_ns[3:-3:7])
@@ -141,7 +193,9 @@ def test_a_dvl_whose_sigma_changes_from_ping_to_ping_is_known_ever_less_well(per
     period_s = float(np.median(np.diff(logs.dvl.t_ns))) * 1e-9
     assert (gained > 0).all()
     # A ping's noise holds until the next one: seven pings to a step.
-    steps = np.array([(sigma[k : k + 7] ** 2).mean() for k in range(3, len(sigma) - 10, 7)])[: len(gained)]
+    steps = np.array([(sigma[k : k + 7] ** 2).mean() for k in range(3, len(sigma) - 10, 7)])[
+        : len(gained)
+    ]
     assert np.median(np.abs(gained / (steps * 7 * period_s**2) - 1)) < 0.3
     assert gained.sum() == pytest.approx(steps.sum() * 7 * period_s**2, rel=0.05)
     errors = NavigationErrors(global_from_camera=at.poses(), model=model)
@@ -153,22 +207,34 @@ def test_an_error_of_a_pose_and_its_twist_are_one_motion() -> None:
     rng = np.random.default_rng(1)
     true = poses.exp(rng.normal(0, 1, (4, 6)) + np.array([5, 9, 2, 0, 0, 0]))
     error = 1e-6 * rng.standard_normal((4, 6))
-    off = Poses((true.rotation * Rotation.from_rotvec(error[:, 3:])).as_quat(), true.translation + error[:, :3])
+    off = Poses(
+        (true.rotation * Rotation.from_rotvec(error[:, 3:])).as_quat(),
+        true.translation + error[:, :3],
+    )
     carried = off @ true.inverse()  # what moves the true frame onto the wrong one
-    assert np.allclose(np.einsum("nij,nj->ni", twist_by_pose_error(true), error), carried.log(), atol=1e-11)
+    assert np.allclose(
+        np.einsum("nij,nj->ni", twist_by_pose_error(true), error), carried.log(), atol=1e-11
+    )
 
 
 def test_a_model_gives_each_nodes_own_covariance_back() -> None:
-    """One error that shifts x by 3 m a unit, a walk of 4 mm2 and white noise of 2 mrad, at a node away from the origin."""
+    """One error that shifts x by 3 m a unit, a walk of 4 mm2 and white noise of 2 mrad, at a node
+    away from the origin.
+    """
     at = poses.exp([[10.0, 5.0, 2.0, 0.1, 0.2, 0.3]])
     by_error, walk, white = np.zeros((1, 6, 1)), np.zeros((1, 6, 6)), np.zeros((1, 6, 6))
     by_error[0, 0, 0], walk[0, 1, 1] = 3.0, 4e-6
     white[0, [3, 4, 5], [3, 4, 5]] = 0.002**2
     to_twist = twist_by_pose_error(at)
     model = TrajectoryErrorModel(
-        by_error=by_error, error_covariance=np.array([[0.01]]), walk=walk, white=to_twist @ white @ to_twist.swapaxes(1, 2)
+        by_error=by_error,
+        error_covariance=np.array([[0.01]]),
+        walk=walk,
+        white=to_twist @ white @ to_twist.swapaxes(1, 2),
     )
-    assert np.allclose(trajectory_covariance(model, at)[0], np.diag([0.09, 4e-6, 0, 4e-6, 4e-6, 4e-6]), atol=1e-12)
+    assert np.allclose(
+        trajectory_covariance(model, at)[0], np.diag([0.09, 4e-6, 0, 4e-6, 4e-6, 4e-6]), atol=1e-12
+    )
 
 
 def test_with_pressure_no_error_of_the_dvl_moves_the_depth(perfect, rig) -> None:
@@ -190,11 +256,14 @@ def test_without_pressure_the_depth_of_the_start_is_one_unknown_for_the_dive(per
 def test_velocity_noise_accumulates_and_is_no_smaller_later(noisy, rig) -> None:
     walk = dead_reckon(noisy, rig, SIGMAS, NavigateOptions()).error_model.walk
     assert (np.diff(walk[:, 0, 0]) > 0).all()
-    assert walk[-1, 0, 0] == pytest.approx(0.003**2 * 0.05 * 39.5, rel=0.05)  # sigma^2 period duration
+    # sigma^2 period duration
+    assert walk[-1, 0, 0] == pytest.approx(0.003**2 * 0.05 * 39.5, rel=0.05)
 
 
 def test_a_path_through_a_hole_of_the_imu_is_known_as_badly_as_it_is(perfect, rig) -> None:
-    """Twelve seconds around a turn without a reading: the attitude there is a guess, and the way is off with it."""
+    """Twelve seconds around a turn without a reading: the attitude there is a guess, and the way is
+    off with it.
+    """
     t = (perfect.imu.t_ns - perfect.imu.t_ns[0]) * 1e-9
     there = (t < 20.0) | (t > 32.0)
     silent = replace(perfect, imu=imu_rows(perfect.imu, there))
@@ -218,19 +287,32 @@ def test_two_holes_are_two_errors(perfect, rig) -> None:
         logs = replace(perfect, imu=imu_rows(perfect.imu, there))
         return float(dead_reckon(logs, rig, SIGMAS, NavigateOptions()).error_model.walk[-1, 0, 0])
 
-    first, second, none = end_variance((20.0, 26.0)), end_variance((40.0, 46.0)), end_variance((-2.0, -1.0))
+    first, second, none = (
+        end_variance((20.0, 26.0)),
+        end_variance((40.0, 46.0)),
+        end_variance((-2.0, -1.0)),
+    )
     assert first > 2 * none
-    np.testing.assert_allclose(end_variance((20.0, 26.0), (40.0, 46.0)) - none, first + second - 2 * none, rtol=0.02)
+    np.testing.assert_allclose(
+        end_variance((20.0, 26.0), (40.0, 46.0)) - none, first + second - 2 * none, rtol=0.02
+    )
 
 
 def test_a_heading_that_parts_from_the_rates_turns_the_rest_of_the_path(perfect, rig) -> None:
-    """Five degrees within a second, which no rate tells: either may be wrong, so heading and place after it may be too."""
+    """Five degrees within a second, which no rate tells: either may be wrong, so heading and place
+    after it may be too.
+    """
     t = (perfect.imu.t_ns - perfect.imu.t_ns[0]) * 1e-9
     off = np.radians(5.0) * np.clip(t - 30.0, 0.0, 1.0)
-    turned = (Rotation.from_euler("z", off[:, None]) * Rotation.from_quat(perfect.imu.quaternion)).as_quat()
+    turned = (
+        Rotation.from_euler("z", off[:, None]) * Rotation.from_quat(perfect.imu.quaternion)
+    ).as_quat()
     whole = dead_reckon(perfect, rig, SIGMAS, NavigateOptions()).trajectory
     found = dead_reckon(
-        replace(perfect, imu=replace(perfect.imu, quaternion=turned)), rig, SIGMAS, NavigateOptions()
+        replace(perfect, imu=replace(perfect.imu, quaternion=turned)),
+        rig,
+        SIGMAS,
+        NavigateOptions(),
     ).trajectory
     sigma = np.sqrt(np.einsum("nii->ni", found.covariance))
     turn = (whole.poses().rotation.inv() * found.poses().rotation).magnitude()
@@ -238,4 +320,6 @@ def test_a_heading_that_parts_from_the_rates_turns_the_rest_of_the_path(perfect,
     assert turn[-1] < 3 * np.linalg.norm(sigma[-1, 3:])
     before = whole.t_ns < perfect.imu.t_ns[0] + 28 * 10**9
     assert np.linalg.norm(sigma[before, 3:], axis=1).max() < np.radians(0.5)
-    assert np.linalg.norm(found.translation[-1] - whole.translation[-1]) < 3 * np.linalg.norm(sigma[-1, :3])
+    assert np.linalg.norm(found.translation[-1] - whole.translation[-1]) < 3 * np.linalg.norm(
+        sigma[-1, :3]
+    )

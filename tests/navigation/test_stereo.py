@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The path of a dive by its stereo cameras: a motion between pairs that is told, as vision tells it."""
+"""The path of a dive by its stereo cameras: a motion between pairs that is told, as vision tells
+it.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,12 @@ from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_cov
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
-from hullrecon.navigation.stereo_odometry.visual_odometry import StepGuess, chain_errors, compose, follow
+from hullrecon.navigation.stereo_odometry.visual_odometry import (
+    StepGuess,
+    chain_errors,
+    compose,
+    follow,
+)
 from hullrecon.records.sensors import ImuSamples, PressureSamples
 from hullrecon.vision.pairs.camera_track import NavigationErrors
 
@@ -28,7 +35,9 @@ START_NS = 10**15
 PATH = [poses.from_mount([0.15 * k, 0.01 * k, 0.0, 0.5 * k, 0.0, 1.0 * k]) for k in range(6)]
 SIGMA = np.array([2e-3, 2e-3, 2e-3, 1e-3, 1e-3, 1e-3])
 # Of one error of the calibration that changes nothing and of which nothing is seen.
-EFFECT = CalibrationEffect(by_error=np.zeros((6, 1)), information=np.zeros((1, 1)), gradient=np.zeros(1))
+EFFECT = CalibrationEffect(
+    by_error=np.zeros((6, 1)), information=np.zeros((1, 1)), gradient=np.zeros(1)
+)
 NONE = np.zeros((8, 6, 0)), np.zeros((0, 0))
 EVERY_SECOND = StepGuess(t_s=np.arange(6.0))
 
@@ -50,8 +59,12 @@ class KnownMotion:
             return None
         w = SIGMA * np.random.default_rng((first, second)).standard_normal(6)
         step = PATH[first].inverse() @ PATH[second]
-        noisy = Poses((step.rotation * Rotation.from_rotvec(w[3:])).as_quat(), step.translation + w[:3])
-        return StereoMotion(pose=noisy, covariance=np.diag(SIGMA**2), inliers=200, calibration=EFFECT)
+        noisy = Poses(
+            (step.rotation * Rotation.from_rotvec(w[3:])).as_quat(), step.translation + w[:3]
+        )
+        return StereoMotion(
+            pose=noisy, covariance=np.diag(SIGMA**2), inliers=200, calibration=EFFECT
+        )
 
 
 def images(count: int) -> list[tuple[int, int]]:
@@ -68,7 +81,9 @@ def test_each_pair_is_read_once_and_in_order() -> None:
 
 
 def test_a_blind_pair_is_bridged_by_the_one_before_it() -> None:
-    """The step into it is repeated; the step out of it takes up what is left of the motion from the pair before."""
+    """The step into it is repeated; the step out of it takes up what is left of the motion from the
+    pair before.
+    """
     chain = follow(images(6), KnownMotion(blind=(3,)), EVERY_SECOND, list)
     assert chain.lost.tolist() == [2]
     np.testing.assert_array_equal(chain.step.translation[2], chain.step.translation[1])
@@ -76,7 +91,8 @@ def test_a_blind_pair_is_bridged_by_the_one_before_it() -> None:
     told = KnownMotion().between(2, 4)
     assert told is not None
     np.testing.assert_allclose(both.translation, told.pose.translation, atol=1e-12)
-    assert np.sqrt(chain.covariance[3, 0, 0]) > 0.4  # as badly known as the guess that it makes up for
+    # as badly known as the guess that it makes up for
+    assert np.sqrt(chain.covariance[3, 0, 0]) > 0.4
 
 
 def test_the_first_step_of_all_is_guessed_as_none() -> None:
@@ -94,8 +110,12 @@ class TwoStretches(KnownMotion):
 
 
 def test_a_blank_of_a_minute_is_known_as_badly_as_a_minute_is_long() -> None:
-    """The vehicle may have gone on, stood still or turned back: the step before, repeated once, was known to half a metre."""
-    chain = follow(images(6), TwoStretches(), StepGuess(t_s=np.array([0, 1, 2, 52, 53, 54.0])), list)
+    """The vehicle may have gone on, stood still or turned back: the step before, repeated once, was
+    known to half a metre.
+    """
+    chain = follow(
+        images(6), TwoStretches(), StepGuess(t_s=np.array([0, 1, 2, 52, 53, 54.0])), list
+    )
     assert chain.lost.tolist() == [2]
     np.testing.assert_allclose(chain.step.translation[2], 50 * chain.step.translation[1])
     sigma_m, sigma_rad = np.sqrt(np.diag(chain.covariance[2]))[[0, 3]]
@@ -106,7 +126,12 @@ def test_a_blank_of_a_minute_is_known_as_badly_as_a_minute_is_long() -> None:
 def test_across_a_blank_the_turn_is_the_imus() -> None:
     camera = Rotation.from_euler("z", [[0.0], [0.1], [0.2], [1.7], [1.8], [1.9]])
     times = np.array([0, 1, 2, 52, 53, 54.0])
-    chain = follow(images(6), TwoStretches(), StepGuess(t_s=times, camera=camera, turn_variance=np.full(5, 1e-4)), list)
+    chain = follow(
+        images(6),
+        TwoStretches(),
+        StepGuess(t_s=times, camera=camera, turn_variance=np.full(5, 1e-4)),
+        list,
+    )
     np.testing.assert_allclose(chain.step.rotation[2].as_rotvec(), [0, 0, 1.5], atol=1e-12)
     assert np.sqrt(chain.covariance[2, 5, 5]) == pytest.approx(0.01)
 
@@ -119,18 +144,24 @@ def test_the_covariance_of_a_chain_is_the_spread_of_disturbed_chains() -> None:
     ends = []
     for _ in range(600):
         w = sigma * rng.standard_normal((8, 6))
-        disturbed = Poses((step.rotation * Rotation.from_rotvec(w[:, 3:])).as_quat(), step.translation + w[:, :3])
+        disturbed = Poses(
+            (step.rotation * Rotation.from_rotvec(w[:, 3:])).as_quat(), step.translation + w[:, :3]
+        )
         ends.append(compose(poses.identity(), disturbed)[[-1]])
     shift = np.vstack([e.translation for e in ends]) - path.translation[-1]
     turn = np.vstack([(path[[-1]].rotation.inv() * e.rotation).as_rotvec() for e in ends])
     spread = np.cov(np.hstack([shift, turn]).T)
-    predicted = trajectory_covariance(chain_errors(path, np.tile(np.diag(sigma**2), (8, 1, 1)), *NONE), path)[-1]
+    predicted = trajectory_covariance(
+        chain_errors(path, np.tile(np.diag(sigma**2), (8, 1, 1)), *NONE), path
+    )[-1]
     assert np.allclose(np.sqrt(np.diag(predicted)), np.sqrt(np.diag(spread)), rtol=0.12)
     assert predicted[0, 5] == pytest.approx(spread[0, 5], rel=0.25)
 
 
 def test_an_error_of_the_calibration_grows_with_the_way_and_not_with_its_root() -> None:
-    """A share of 1 % too long: 1 % of the way at its end, where steps that err independently would leave a third of that."""
+    """A share of 1 % too long: 1 % of the way at its end, where steps that err independently would
+    leave a third of that.
+    """
     step = poses.exp(np.tile([0.4, 0.0, 0.0, 0.0, 0.0, 0.0], (9, 1)))
     path = compose(poses.identity(), step)
     by_scale = np.zeros((9, 6, 1))
@@ -139,7 +170,9 @@ def test_an_error_of_the_calibration_grows_with_the_way_and_not_with_its_root() 
     sigma = np.sqrt(trajectory_covariance(errors, path)[:, 0, 0])
     np.testing.assert_allclose(sigma, 0.01 * 0.4 * np.arange(10), atol=1e-4)
     relative = NavigationErrors(global_from_camera=path, model=errors)
-    assert np.sqrt(relative.relative_covariance(np.array([3]), np.array([4]))[0, 0, 0]) == pytest.approx(0.004, rel=0.01)
+    assert np.sqrt(
+        relative.relative_covariance(np.array([3]), np.array([4]))[0, 0, 0]
+    ) == pytest.approx(0.004, rel=0.01)
 
 
 def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:
@@ -150,7 +183,9 @@ def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:
     errors = NavigationErrors(global_from_camera=path, model=chain_errors(path, covariance, *NONE))
     found = errors.relative_covariance(np.array([7]), np.array([3]))[0]
     anew = compose(poses.identity(), step[3:7])
-    wanted = trajectory_covariance(chain_errors(anew, covariance[3:7], NONE[0][3:7], NONE[1]), anew)[-1]
+    wanted = trajectory_covariance(
+        chain_errors(anew, covariance[3:7], NONE[0][3:7], NONE[1]), anew
+    )[-1]
     assert np.allclose(found, wanted, atol=1e-7)  # 1e-8 is new at each node
     assert np.sqrt(wanted[0, 0]) > 4e-3
 
@@ -160,12 +195,23 @@ def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:
 
 def navigated(rig, aids: Aids, blind: tuple[int, ...] = (), count: int = 6) -> Navigated:
     rows = (START_NS + 10**9 * np.arange(count), np.arange(count))
-    return stereo_navigate(Frames(top=rows, bottom=rows), aids, KnownMotion(blind), rig, SIGMAS, NavigateOptions(), np.zeros(1))
+    return stereo_navigate(
+        Frames(top=rows, bottom=rows),
+        aids,
+        KnownMotion(blind),
+        rig,
+        SIGMAS,
+        NavigateOptions(),
+        np.zeros(1),
+    )
 
 
 def true_path(rig) -> Poses:
     T_v_ct = poses.tray_poses(rig.tray_origin, np.zeros(1)) @ rig.tray_from(Camera.TOP)
-    world = Poses(np.vstack([p.quaternion for p in PATH]), np.vstack([p.translation for p in PATH])) @ T_v_ct.inverse()
+    world = (
+        Poses(np.vstack([p.quaternion for p in PATH]), np.vstack([p.translation for p in PATH]))
+        @ T_v_ct.inverse()
+    )
     return world[[0]].inverse() @ world
 
 
@@ -192,7 +238,12 @@ def test_an_imu_and_a_pressure_sensor_give_the_start(rig) -> None:
     tilt = Rotation.from_euler("xyz", [0.1, -0.2, 0.7])
     nothing = np.full((65, 3), np.nan)
     aids = Aids(
-        imu=ImuSamples(t_ns=t, quaternion=np.tile(tilt.as_quat(), (65, 1)), angular_velocity=nothing, acceleration=nothing),
+        imu=ImuSamples(
+            t_ns=t,
+            quaternion=np.tile(tilt.as_quat(), (65, 1)),
+            angular_velocity=nothing,
+            acceleration=nothing,
+        ),
         pressure=PressureSamples(t_ns=t, depth=np.full(65, 3.0)),
     )
     found = navigated(rig, aids)
@@ -208,13 +259,18 @@ def test_a_pressure_sensor_that_stopped_holds_no_depth_under_the_cameras(rig) ->
     found = navigated(rig, Aids(pressure=PressureSamples(t_ns=t, depth=np.full(30, 3.0))))
     assert found.attitude.sigma[:3, 0].tolist() == [SIGMAS.depth_m] * 3
     assert (found.attitude.sigma[3:, 0] >= 100.0).all()
-    assert "pressure: no reading for 2.6 s of the path's 5.0; there the depth is counted on by the cameras" in found.remarks
+    assert (
+        "pressure: no reading for 2.6 s of the path's 5.0; there the depth is counted on by the cameras"
+        in found.remarks
+    )
 
 
 def test_nodes_that_share_a_reading_of_the_pressure_share_what_it_says(rig) -> None:
     slow = PressureSamples(t_ns=START_NS + 3 * 10**9 * np.arange(-4, 8), depth=np.full(12, 3.0))
     found = navigated(rig, Aids(pressure=slow))
-    assert found.attitude.sigma[:, 0] == pytest.approx(np.full(6, SIGMAS.depth_m * np.sqrt(6 / 5)), rel=1e-9)
+    assert found.attitude.sigma[:, 0] == pytest.approx(
+        np.full(6, SIGMAS.depth_m * np.sqrt(6 / 5)), rel=1e-9
+    )
 
 
 def test_a_pair_that_sees_nothing_is_stepped_over(rig) -> None:
@@ -242,7 +298,14 @@ def test_an_imu_without_orientation_does_not_stop_the_cameras(rig) -> None:
     nothing = np.full((60, 3), np.nan)
     found = navigated(
         rig,
-        Aids(imu=ImuSamples(t_ns=t, quaternion=np.full((60, 4), np.nan), angular_velocity=nothing, acceleration=nothing)),
+        Aids(
+            imu=ImuSamples(
+                t_ns=t,
+                quaternion=np.full((60, 4), np.nan),
+                angular_velocity=nothing,
+                acceleration=nothing,
+            )
+        ),
         count=3,
     )
     assert len(found.trajectory.t_ns) == 3

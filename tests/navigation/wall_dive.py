@@ -26,7 +26,9 @@ def unsteady(t: np.ndarray, seed: int = 11) -> np.ndarray:
 
 @dataclass(frozen=True)
 class AlongWall(SimulatedPath):
-    """Sideways before the wall x = WALL_M, with turns and heaving of a vehicle that is held by hand."""
+    """Sideways before the wall x = WALL_M, with turns and heaving of a vehicle that is held by
+    hand.
+    """
 
     duration_s: float = 240.0
 
@@ -49,12 +51,16 @@ def logs_along_wall(swum: AlongWall) -> NavigationLogs:
     """With the noise of usual instruments."""
     logs = swum.logs(noise=1.0, seed=3, dvl_hz=5.0, imu_hz=25.0)
     at = swum.instrument((logs.dvl.t_ns - START_NS) * 1e-9)
-    ranges = np.stack([(WALL_M - at.translation[:, 0]) / at.rotation.apply(beam)[:, 0] for beam in JANUS], axis=1)
+    ranges = np.stack(
+        [(WALL_M - at.translation[:, 0]) / at.rotation.apply(beam)[:, 0] for beam in JANUS], axis=1
+    )
     noise = 0.01 * np.random.default_rng(4).standard_normal(ranges.shape)
     return replace(logs, dvl=replace(logs.dvl, ranges=ranges + noise))
 
 
-def late(logs: NavigationLogs, sensor: Sensor, seconds: float, from_s: float = -10.0) -> NavigationLogs:
+def late(
+    logs: NavigationLogs, sensor: Sensor, seconds: float, from_s: float = -10.0
+) -> NavigationLogs:
     stream = getattr(logs, STREAMS[sensor])
     t_ns = stream.t_ns + np.where(stream.t_ns >= START_NS + from_s * 1e9, round(seconds * 1e9), 0)
     return replace(logs, **{STREAMS[sensor]: replace(stream, t_ns=t_ns)})

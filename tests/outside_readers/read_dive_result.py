@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""dive_result.mcap by Foxglove's own reader and schemas, and by the mcap package; the point cloud by laspy."""
+"""dive_result.mcap by Foxglove's own reader and schemas, and by the mcap package; the point cloud
+by laspy.
+"""
 
 import json
 from collections import Counter
@@ -55,9 +57,14 @@ def test_the_file_reads_from_a_pipe_too_and_says_what_it_is(mcap):
 
 
 def test_laspy_reads_the_points_that_the_ply_has_where_they_were_seen(deliver):
-    cloud, vertex = laspy.read(deliver / "as_found.las"), plyfile.PlyData.read(deliver / "as_found.ply")["vertex"]
+    cloud, vertex = (
+        laspy.read(deliver / "as_found.las"),
+        plyfile.PlyData.read(deliver / "as_found.ply")["vertex"],
+    )
     seen = vertex["support"] > 0
-    np.testing.assert_allclose(cloud.xyz, np.stack([vertex[axis][seen] for axis in "xyz"], axis=1), atol=0.00006)
+    np.testing.assert_allclose(
+        cloud.xyz, np.stack([vertex[axis][seen] for axis in "xyz"], axis=1), atol=0.00006
+    )
     for name in ("sigma", "deviation", "form", "form_sigma", "support"):
         np.testing.assert_array_equal(cloud[name], vertex[name][seen])
 

@@ -17,8 +17,12 @@ def test_evo_reads_the_trajectory_that_the_table_has(deliver):
     is_valid, details = path.check()
     assert is_valid, details
     rows = list(csv.DictReader((deliver / "trajectory.csv").read_text().splitlines()))
-    np.testing.assert_allclose(path.positions_xyz, [[float(row[f"{axis}_m"]) for axis in "xyz"] for row in rows], atol=1e-8)
-    np.testing.assert_allclose(path.timestamps, [float(row["t_s"]) for row in rows], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(
+        path.positions_xyz, [[float(row[f"{axis}_m"]) for axis in "xyz"] for row in rows], atol=1e-8
+    )
+    np.testing.assert_allclose(
+        path.timestamps, [float(row["t_s"]) for row in rows], rtol=0, atol=1e-6
+    )
 
 
 def test_pycolmap_reads_the_model_with_its_reprojection_error(deliver):
@@ -44,9 +48,15 @@ def test_pycolmap_finds_an_image_of_the_cameras_size_for_every_exported_pose(exp
 def test_undistorting_what_is_exported_changes_nothing(exported, tmp_path):
     """COLMAP's own undistortion takes the folder, and finds nothing left to undo."""
     pycolmap.undistort_images(tmp_path, exported / "sparse", exported / "images")
-    again, model = pycolmap.Reconstruction(str(tmp_path / "sparse")), pycolmap.Reconstruction(str(exported / "sparse"))
+    again, model = (
+        pycolmap.Reconstruction(str(tmp_path / "sparse")),
+        pycolmap.Reconstruction(str(exported / "sparse")),
+    )
     for number, camera in model.cameras.items():
-        assert (again.cameras[number].width, again.cameras[number].height) == (camera.width, camera.height)
+        assert (again.cameras[number].width, again.cameras[number].height) == (
+            camera.width,
+            camera.height,
+        )
         np.testing.assert_allclose(again.cameras[number].params, camera.params)
     names = sorted(image.name for image in model.images.values())
     assert sorted((tmp_path / "stereo" / "fusion.cfg").read_text().split()) == names

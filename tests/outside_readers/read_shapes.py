@@ -23,6 +23,8 @@ def test_plyfile_reads_points_faces_frame_and_unit(deliver, name):
 @pytest.mark.parametrize("name", ["mosaic_optical", "mosaic_sonar"])
 def test_the_khronos_validator_finds_nothing_in_a_mesh(deliver, node, name):
     found = node("validate_gltf.mjs", deliver / f"{name}.glb")
-    assert (found["issues"]["numErrors"], found["issues"]["numWarnings"]) == (0, 0), found["issues"]["messages"]
+    assert (found["issues"]["numErrors"], found["issues"]["numWarnings"]) == (0, 0), found[
+        "issues"
+    ]["messages"]
     assert found["info"]["totalTriangleCount"] > 10_000
     assert found["info"]["maxAttributes"] == 3  # position, normal, texture

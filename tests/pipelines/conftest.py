@@ -75,7 +75,12 @@ def program(tmp_path: Path, trace: Path) -> Path:
 def call() -> Callable[..., subprocess.CompletedProcess[str]]:
     def call(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
         # under `make test` an outer make's flags would print the folders it enters
-        options.setdefault("env", {k: v for k, v in os.environ.items() if not k.startswith("MAKE") and k != "MFLAGS"})
-        return subprocess.run([str(a) for a in arguments], capture_output=True, text=True, check=False, **options)  # type: ignore[call-overload,no-any-return]
+        options.setdefault(
+            "env",
+            {k: v for k, v in os.environ.items() if not k.startswith("MAKE") and k != "MFLAGS"},
+        )
+        return subprocess.run(
+            [str(a) for a in arguments], capture_output=True, text=True, check=False, **options
+        )  # type: ignore[call-overload,no-any-return]
 
     return call

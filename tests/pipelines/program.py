@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """hullrecon with steps that only join what their inputs hold; called as hullrecon is.
 
-TOY_STEPS: a JSON file of [name, inputs, optional, needs a camera]. TOY_TRACE: a file that gets a line for each step that runs.
-TOY_FAIL: a word; where it is among the arguments, navigate fails."""
+TOY_STEPS: a JSON file of [name, inputs, optional, needs a camera]. TOY_TRACE: a file that gets a
+line for each step that runs. TOY_FAIL: a word; where it is among the arguments, navigate fails.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +54,8 @@ def toy(name: str, inputs: list[str], optional: list[str], needs_camera: bool) -
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] and sys.argv[1].isdigit():  # started by a fleet, which gives its own process first
+    # started by a fleet, which gives its own process first
+    if sys.argv[1:2] and sys.argv[1].isdigit():
         processes.end_with_parent(int(sys.argv.pop(1)))
     processes.PROGRAM = (sys.executable, "-P", __file__)
     stages = {step[0]: toy(*step) for step in json.loads(Path(os.environ["TOY_STEPS"]).read_text())}

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Packages that try to run code or to write outside RUNS through the pipelines: each was possible once."""
+"""Packages that try to run code or to write outside RUNS through the pipelines: each was possible
+once.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from pathlib import Path
 import pytest
 from dive.conftest import Entry, Kit
 
-# A file that appears when code of a package has run; without a slash it can be part of a file's name.
+# A file that appears when code of a package has run; without a slash it can be part of a file's
+# name.
 MARK = "code-has-run"
 ATTACK = f"$(shell touch {MARK})$(touch {MARK})`touch {MARK}`; touch {MARK}; '; touch {MARK}; '\"; touch {MARK}; \""
 QUOTED = ATTACK.replace('"', '\\"')  # in a TOML string
@@ -22,19 +25,29 @@ Pipeline = Callable[[Path], object]
 
 @pytest.fixture(params=["fleet", "make"])
 def pipeline(request, call, pipelines: Path, program: Path, tmp_path: Path) -> Pipeline:
-    """Gives a package to pipelines/fleet or to dive.mk, in a folder of its own; nothing may appear there."""
+    """Gives a package to pipelines/fleet or to dive.mk, in a folder of its own; nothing may appear
+    there.
+    """
     here = tmp_path / "here"
     here.mkdir()
 
     def run(package: Path):
         runs = tmp_path / "runs"
-        environment = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))} | {
-            "HULLRECON": str(program)
-        }
+        environment = {
+            k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))
+        } | {"HULLRECON": str(program)}
         if request.param == "fleet":
             answer = call(pipelines / "fleet", package.parent, runs, env=environment, cwd=here)
         else:
-            answer = call("make", "-f", pipelines / "dive.mk", f"PACKAGE={package}", f"RUNS={runs}", env=environment, cwd=here)
+            answer = call(
+                "make",
+                "-f",
+                pipelines / "dive.mk",
+                f"PACKAGE={package}",
+                f"RUNS={runs}",
+                env=environment,
+                cwd=here,
+            )
         assert list(here.iterdir()) == [], answer.stderr
         assert not [p for p in tmp_path.rglob(MARK) if p.parent != package]
         return answer
@@ -58,7 +71,9 @@ def test_the_name_of_a_packages_folder_or_file_runs_no_code(
     (package / f"{ATTACK}\nend").write_text("x")
     (package / "logs of today").mkdir()
     (package / "log.mcap").rename(package / "logs of today" / f"{ATTACK}.mcap")
-    (package / "dive.toml").write_text(f'[dive]\nname = "kestrel"\n[logs]\nfiles = ["logs of today/{QUOTED}.mcap"]\n')
+    (package / "dive.toml").write_text(
+        f'[dive]\nname = "kestrel"\n[logs]\nfiles = ["logs of today/{QUOTED}.mcap"]\n'
+    )
     answer = pipeline(package)
     assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
     assert (tmp_path / "runs/kestrel/deliver/report.txt").exists()
@@ -71,7 +86,8 @@ def test_a_vessel_of_several_lines_that_looks_like_a_name_is_only_a_vessel(
     vessel = f'"""\nname = "x{QUOTED}"\n[dive]\nname = \'{QUOTED}\'\n"""'
     (package / "dive.toml").write_text(f'[dive]\nvessel = {vessel}\n  name = "kestrel"\n{LOGS}')
     answer = pipeline(package)
-    # several lines are refused, in words or by make for want of a run; what they hold is no name and no code
+    # several lines are refused, in words or by make for want of a run; what they hold is no name
+    # and no code
     assert answer.returncode != 0
     assert {p.name for p in (tmp_path / "runs").glob("[!.]*")} <= {PAGE}
 
@@ -82,7 +98,10 @@ def test_a_topics_name_that_init_writes_into_dive_toml_runs_no_code(
     kit = Kit()
     topics = [f'/imu"\nname = "x{ATTACK}"\n[dive]\nname = "{ATTACK}', f"/other\nname = {ATTACK} # "]
     package = tmp_path / "dives" / "kestrel"
-    entries = [Entry(topic, "sensor_msgs/msg/Imu", kit.start_ns + k, kit.imu(kit.start_ns)) for k, topic in enumerate(topics)]
+    entries = [
+        Entry(topic, "sensor_msgs/msg/Imu", kit.start_ns + k, kit.imu(kit.start_ns))
+        for k, topic in enumerate(topics)
+    ]
     kit.mcap(package / "log.mcap", entries)
     answer = call(program, "init", package)
     assert answer.returncode == 0, answer.stderr
@@ -90,7 +109,17 @@ def test_a_topics_name_that_init_writes_into_dive_toml_runs_no_code(
     assert {p.name for p in (tmp_path / "runs").glob("[!.]*")} <= {"kestrel", PAGE}
 
 
-NO_NAMES = ("..", ".", "kestrel\\n", "../kestrel", "/kestrel", "a/../../kestrel", "", "-rf", "x" * 300)
+NO_NAMES = (
+    "..",
+    ".",
+    "kestrel\\n",
+    "../kestrel",
+    "/kestrel",
+    "a/../../kestrel",
+    "",
+    "-rf",
+    "x" * 300,
+)
 
 
 def test_a_dives_name_writes_nothing_outside_its_folder_of_runs(
@@ -102,13 +131,22 @@ def test_a_dives_name_writes_nothing_outside_its_folder_of_runs(
         make_package(tmp_path / "dives" / str(k), "kestrel")
         (tmp_path / "dives" / str(k) / "dive.toml").write_text(f'[dive]\nname = "{name}"\n{LOGS}')
     before = sorted(p for p in tmp_path.rglob("*") if p.is_file())
-    answer = call(pipelines / "fleet", tmp_path / "dives", tmp_path / "runs", env=os.environ | {"HULLRECON": str(program)})
+    answer = call(
+        pipelines / "fleet",
+        tmp_path / "dives",
+        tmp_path / "runs",
+        env=os.environ | {"HULLRECON": str(program)},
+    )
     assert answer.returncode == 4
     assert [line.split(": ")[:3] for line in sorted(answer.stderr.splitlines())] == [
         ["failed", str(k), "exit code 2"] for k in range(len(NO_NAMES))
     ]
     assert (
-        sorted(p for p in tmp_path.rglob("*") if p.is_file() and ".fleet" not in p.parts and p != tmp_path / "runs" / PAGE)
+        sorted(
+            p
+            for p in tmp_path.rglob("*")
+            if p.is_file() and ".fleet" not in p.parts and p != tmp_path / "runs" / PAGE
+        )
         == before
     )
 
@@ -120,7 +158,14 @@ def test_make_of_a_dive_with_no_valid_name_writes_nothing(
     package = make_package(tmp_path / "a", "kestrel")
     (package / "dive.toml").write_text(f'[dive]\nname = "{name}"\n{LOGS}')
     before = sorted(tmp_path.rglob("*"))
-    answer = call("make", "-f", pipelines / "dive.mk", f"PACKAGE={package}", f"RUNS={tmp_path}", f"HULLRECON={program}")
+    answer = call(
+        "make",
+        "-f",
+        pipelines / "dive.mk",
+        f"PACKAGE={package}",
+        f"RUNS={tmp_path}",
+        f"HULLRECON={program}",
+    )
     assert answer.returncode == 2
     assert "dive.name" in answer.stderr
     assert sorted(tmp_path.rglob("*")) == before
@@ -131,9 +176,13 @@ def test_runs_that_are_the_folder_of_dives_are_refused(
 ) -> None:
     package = make_package(tmp_path / "dives" / "kestrel", "kestrel")
     before = sorted(tmp_path.rglob("*"))
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))} | {"HULLRECON": str(program)}
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))} | {
+        "HULLRECON": str(program)
+    }
     for runs in (".", tmp_path / "dives", package):
-        answer = call(pipelines / "fleet", tmp_path / "dives", runs, env=environment, cwd=tmp_path / "dives")
+        answer = call(
+            pipelines / "fleet", tmp_path / "dives", runs, env=environment, cwd=tmp_path / "dives"
+        )
         assert answer.returncode == 2
         assert answer.stderr.startswith("error: results would lie among the packages")
         assert answer.stderr.count("\n") == 1
@@ -148,11 +197,16 @@ def test_links_and_special_files_of_a_package_are_not_followed_out_of_the_folder
     (tmp_path / "dives" / "out").symlink_to(tmp_path / "private")
     os.mkfifo(tmp_path / "dives" / "pipe")
     os.mkfifo(tmp_path / "dives" / "kestrel" / "pipe")
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))} | {"HULLRECON": str(program)}
-    answer = call(program, "fleet", tmp_path / "dives", "--runs", tmp_path / "runs", env=environment)
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))} | {
+        "HULLRECON": str(program)
+    }
+    answer = call(
+        program, "fleet", tmp_path / "dives", "--runs", tmp_path / "runs", env=environment
+    )
     assert answer.returncode == 0, answer.stderr
     assert {line for line in answer.stderr.splitlines() if line.startswith("skipped")} == {
-        "skipped: kestrel/pipe: a FIFO, not opened", "skipped: out: a link that leaves the folder of dives",
+        "skipped: kestrel/pipe: a FIFO, not opened",
+        "skipped: out: a link that leaves the folder of dives",
         "skipped: pipe: a FIFO, not opened",
-    }  # fmt: skip
+    }
     assert {p.name for p in (tmp_path / "runs").iterdir()} == {"kestrel", ".fleet", PAGE}

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""pipelines/dive.mk: it runs what is new or out of date, in order, and says nothing when all is well."""
+"""pipelines/dive.mk: it runs what is new or out of date, in order, and says nothing when all is
+well.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,9 @@ def downstream(name: str, present: set[str]) -> set[str]:
     return found
 
 
-def test_a_dive_is_made_step_by_step_and_then_left_alone(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+def test_a_dive_is_made_step_by_step_and_then_left_alone(
+    make_dive, make_package, trace: Path, tmp_path: Path
+) -> None:
     package = make_package(tmp_path / "package", "kestrel")
     first = make_dive(package, "-j", "4")
     assert (first.returncode, first.stdout, first.stderr) == (0, "", "")
@@ -66,17 +70,23 @@ def test_a_touched_dive_is_looked_at_but_not_made_again_and_make_is_content(
     assert trace.read_text() == ran
 
 
-def test_a_changed_option_makes_its_step_and_what_takes_it(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+def test_a_changed_option_makes_its_step_and_what_takes_it(
+    make_dive, make_package, trace: Path, tmp_path: Path
+) -> None:
     package = make_package(tmp_path / "package", "kestrel")
     make_dive(package)
     ran = trace.read_text().split()
-    (package / "dive.toml").write_text((package / "dive.toml").read_text() + "[surface]\nfactor = 2\n")
+    (package / "dive.toml").write_text(
+        (package / "dive.toml").read_text() + "[surface]\nfactor = 2\n"
+    )
     make_dive(package)
     again = trace.read_text().split()[len(ran) :]
     assert sorted(again) == sorted(downstream("surface", set(ran)))
 
 
-def test_the_rules_are_those_that_the_steps_declare(make_dive, make_package, tmp_path: Path) -> None:
+def test_the_rules_are_those_that_the_steps_declare(
+    make_dive, make_package, tmp_path: Path
+) -> None:
     package = make_package(tmp_path / "package", "kestrel", camera=True)
     assert make_dive(package).returncode == 0
     run = tmp_path / "runs" / "kestrel"
@@ -97,7 +107,9 @@ def test_a_folder_without_dive_toml_is_refused(make_dive, tmp_path: Path) -> Non
     assert "is no dive package" in answer.stderr
 
 
-def test_a_dives_folder_and_files_may_have_any_names(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+def test_a_dives_folder_and_files_may_have_any_names(
+    make_dive, make_package, trace: Path, tmp_path: Path
+) -> None:
     package = make_package(tmp_path / "port side $(shell touch here) 'a' #1", "kestrel")
     (package / "notes: 50 % $(shell touch here).txt").write_text("x")
     first = make_dive(package)
@@ -107,7 +119,9 @@ def test_a_dives_folder_and_files_may_have_any_names(make_dive, make_package, tr
     assert make_dive(package, "-q").returncode == 0
 
 
-def test_a_new_file_of_the_package_makes_ingest_look_again(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+def test_a_new_file_of_the_package_makes_ingest_look_again(
+    make_dive, make_package, trace: Path, tmp_path: Path
+) -> None:
     package = make_package(tmp_path / "package", "kestrel")
     make_dive(package)
     ran = trace.read_text().split()
@@ -117,7 +131,9 @@ def test_a_new_file_of_the_package_makes_ingest_look_again(make_dive, make_packa
     assert make_dive(package, "-q").returncode == 0
 
 
-def test_an_earlier_dive_that_was_rerun_makes_change_look_again(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+def test_an_earlier_dive_that_was_rerun_makes_change_look_again(
+    make_dive, make_package, trace: Path, tmp_path: Path
+) -> None:
     package = make_package(tmp_path / "package", "kestrel")
     make_dive(package)
     ran = trace.read_text().split()
@@ -128,7 +144,9 @@ def test_an_earlier_dive_that_was_rerun_makes_change_look_again(make_dive, make_
     assert make_dive(package, "-q").returncode == 0
 
 
-def test_a_folder_of_runs_with_spaces_is_refused_by_its_name(make_dive, make_package, tmp_path: Path) -> None:
+def test_a_folder_of_runs_with_spaces_is_refused_by_its_name(
+    make_dive, make_package, tmp_path: Path
+) -> None:
     answer = make_dive(make_package(tmp_path / "package", "kestrel"), f"RUNS={tmp_path}/all runs")
     assert answer.returncode == 2
     assert "all runs has spaces" in answer.stderr

@@ -31,7 +31,11 @@ def toy_steps() -> dict[str, str]:
 
 def with_folders(text: str, home: Path, tmp_path: Path) -> str:
     """The text with this test's folders in place of those that one sets."""
-    for fixed, here in (("/opt/hullrecon", home), ("/srv/dives", tmp_path / "dives"), ("/srv/runs", tmp_path / "runs")):
+    for fixed, here in (
+        ("/opt/hullrecon", home),
+        ("/srv/dives", tmp_path / "dives"),
+        ("/srv/runs", tmp_path / "runs"),
+    ):
         text = text.replace(fixed, str(here))
     return text
 
@@ -40,17 +44,23 @@ def with_folders(text: str, home: Path, tmp_path: Path) -> str:
 def cron(call, pipelines: Path, home: Path, tmp_path: Path):
     """Runs the line as cron does: by sh, with hardly any variables."""
     (tmp_path / "runs").mkdir()
-    (line,) = [line for line in (pipelines / "fleet.cron").read_text().splitlines() if line.startswith("*")]
+    (line,) = [
+        line for line in (pipelines / "fleet.cron").read_text().splitlines() if line.startswith("*")
+    ]
     command = with_folders(line.split(maxsplit=5)[5], home, tmp_path)
 
     def run():
         toy = {"TOY_TRACE": os.environ["TOY_TRACE"], **toy_steps()}
-        return call("/bin/sh", "-c", command, env={"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), **toy})
+        return call(
+            "/bin/sh", "-c", command, env={"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), **toy}
+        )
 
     return run
 
 
-def test_cron_makes_what_is_new_and_prints_nothing(cron, make_package, trace: Path, tmp_path: Path) -> None:
+def test_cron_makes_what_is_new_and_prints_nothing(
+    cron, make_package, trace: Path, tmp_path: Path
+) -> None:
     make_package(tmp_path / "dives" / "a", "kestrel")
     for _ in range(2):
         answer = cron()
@@ -58,7 +68,9 @@ def test_cron_makes_what_is_new_and_prints_nothing(cron, make_package, trace: Pa
     assert trace.read_text().split().count("report") == 1
 
 
-def test_cron_gives_way_to_a_run_that_is_under_way(cron, make_package, trace: Path, tmp_path: Path) -> None:
+def test_cron_gives_way_to_a_run_that_is_under_way(
+    cron, make_package, trace: Path, tmp_path: Path
+) -> None:
     import fcntl
 
     make_package(tmp_path / "dives" / "a", "kestrel")
@@ -88,12 +100,16 @@ def test_the_cron_file_is_lines_of_a_users_crontab(pipelines: Path) -> None:
     assert "%" not in line
 
 
-def test_the_cron_line_is_appended_to_a_crontab_as_the_file_says(call, pipelines: Path, home: Path, tmp_path: Path) -> None:
+def test_the_cron_line_is_appended_to_a_crontab_as_the_file_says(
+    call, pipelines: Path, home: Path, tmp_path: Path
+) -> None:
     text = (pipelines / "fleet.cron").read_text()
     (command,) = re.findall(r"sudo -u hullrecon sh -c '(.*)'", text)
     tool = tmp_path / "tools" / "crontab"
     tool.parent.mkdir()
-    tool.write_text(f'#!/bin/sh\n[ "$1" = -l ] && exec cat {tmp_path}/table\nnew=$(cat)\necho "$new" > {tmp_path}/table\n')
+    tool.write_text(
+        f'#!/bin/sh\n[ "$1" = -l ] && exec cat {tmp_path}/table\nnew=$(cat)\necho "$new" > {tmp_path}/table\n'
+    )
     tool.chmod(0o755)
     (tmp_path / "table").write_text("0 3 * * * backup\n")
     command = with_folders(command, home, tmp_path)
@@ -126,7 +142,9 @@ def test_the_services_command_makes_what_is_new_and_prints_nothing(
     make_package(tmp_path / "dives" / "a", "kestrel")
     text = (units / "hullrecon-fleet.service").read_text()
     (command,) = re.findall(r"^ExecStart=(.*)$", text, re.MULTILINE)
-    answer = call(*command.split(), env={"PATH": "/usr/bin:/bin", "TOY_TRACE": str(trace), **toy_steps()})
+    answer = call(
+        *command.split(), env={"PATH": "/usr/bin:/bin", "TOY_TRACE": str(trace), **toy_steps()}
+    )
     assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
     assert trace.read_text().split().count("report") == 1
 
@@ -177,11 +195,27 @@ def test_a_dask_launch_gives_the_same_bytes_and_leaves_no_process(
     package = make_package(tmp_path / "package", "kestrel")
     port = _free_port()
     (scratch := tmp_path / "scratch").mkdir()
-    environment = os.environ | {"PYTHON": sys.executable, "HULLRECON": str(program), "PORT": port, "TMPDIR": str(scratch)}
-    answer = call(pipelines / "dask-launch", 2, "--quiet", "run", package, "--runs", tmp_path / "dask", env=environment)
+    environment = os.environ | {
+        "PYTHON": sys.executable,
+        "HULLRECON": str(program),
+        "PORT": port,
+        "TMPDIR": str(scratch),
+    }
+    answer = call(
+        pipelines / "dask-launch",
+        2,
+        "--quiet",
+        "run",
+        package,
+        "--runs",
+        tmp_path / "dask",
+        env=environment,
+    )
     assert (answer.returncode, answer.stdout) == (0, ""), answer.stderr
     call(program, "--quiet", "run", package, "--runs", tmp_path / "alone")
-    texts = [path.relative_to(tmp_path / "alone") for path in (tmp_path / "alone").rglob("text.txt")]
+    texts = [
+        path.relative_to(tmp_path / "alone") for path in (tmp_path / "alone").rglob("text.txt")
+    ]
     assert texts
     for text in texts:
         assert (tmp_path / "dask" / text).read_bytes() == (tmp_path / "alone" / text).read_bytes()
@@ -189,9 +223,15 @@ def test_a_dask_launch_gives_the_same_bytes_and_leaves_no_process(
     assert port not in call("ps", "-eo", "args").stdout.replace("ps -eo args", "")
 
 
-def test_a_dask_launch_passes_the_programs_exit_code(call, pipelines: Path, program: Path, tmp_path: Path) -> None:
+def test_a_dask_launch_passes_the_programs_exit_code(
+    call, pipelines: Path, program: Path, tmp_path: Path
+) -> None:
     pytest.importorskip("distributed")
-    environment = os.environ | {"PYTHON": sys.executable, "HULLRECON": str(program), "PORT": _free_port()}
+    environment = os.environ | {
+        "PYTHON": sys.executable,
+        "HULLRECON": str(program),
+        "PORT": _free_port(),
+    }
     answer = call(pipelines / "dask-launch", 1, "run", tmp_path, env=environment)
     assert answer.returncode == 3
     assert "no dive.toml" in answer.stderr
@@ -205,7 +245,11 @@ def test_a_dask_launch_ends_though_a_worker_does_not_and_leaves_no_process(
     sleep = f"sleep 1{os.getpid()}"  # of this test alone: they would be in the way of no other
     deaf.write_text(f"#!/bin/bash\ntrap '' TERM INT\n{sleep} & {sleep}\n")
     deaf.chmod(0o755)
-    environment = os.environ | {"PYTHON": str(deaf), "HULLRECON": str(program), "STOP_TIMEOUT_S": "1"}
+    environment = os.environ | {
+        "PYTHON": str(deaf),
+        "HULLRECON": str(program),
+        "STOP_TIMEOUT_S": "1",
+    }
     answer = call(pipelines / "dask-launch", 1, "run", tmp_path, env=environment, timeout=120)
     assert answer.returncode != 0
     assert sleep not in call("ps", "-eo", "args").stdout

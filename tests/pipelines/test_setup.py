@@ -19,7 +19,9 @@ def script(path: Path, body: str) -> None:
 
 @pytest.fixture
 def tools(tmp_path: Path) -> Path:
-    """Programs before the system's: no system package is installed, and every installer only notes that it was called."""
+    """Programs before the system's: no system package is installed, and every installer only notes
+    that it was called.
+    """
     folder = tmp_path / "tools"
     for name, body in (
         ("dpkg-query", "exit 1"), ("id", "echo 0"), ("apt-get", f"echo called: apt-get $* >> {tmp_path}/calls"),
@@ -32,8 +34,14 @@ def tools(tmp_path: Path) -> Path:
 def setup(call, pipelines: Path, tools: Path, tmp_path: Path):
     """Runs `setup.sh packages`, or another of its commands, with those tools, on Debian."""
     script(tmp_path / "venv" / "bin" / "python", "")
-    (tmp_path / "os-release").write_text('PRETTY_NAME="Debian GNU/Linux 12 (bookworm)"\nID=debian\n')
-    ours = {"PYTHON": sys.executable, "SETUP_DELAY_S": "0", "OS_RELEASE": str(tmp_path / "os-release")}
+    (tmp_path / "os-release").write_text(
+        'PRETTY_NAME="Debian GNU/Linux 12 (bookworm)"\nID=debian\n'
+    )
+    ours = {
+        "PYTHON": sys.executable,
+        "SETUP_DELAY_S": "0",
+        "OS_RELEASE": str(tmp_path / "os-release"),
+    }
 
     def run(command: str = "packages", **variables: str):
         environment = {k: v for k, v in os.environ.items() if k != "SKIP_SYSTEM_PACKAGES"}
@@ -43,7 +51,9 @@ def setup(call, pipelines: Path, tools: Path, tmp_path: Path):
     return run
 
 
-def test_what_will_be_installed_is_listed_with_the_command_before_it_runs(setup, tmp_path: Path) -> None:
+def test_what_will_be_installed_is_listed_with_the_command_before_it_runs(
+    setup, tmp_path: Path
+) -> None:
     answer = setup()
     assert answer.returncode == 0, answer.stderr
     lines = answer.stdout.splitlines()
@@ -75,8 +85,12 @@ def test_a_user_without_root_is_told_which_packages_are_missing_and_the_command_
     assert not (tmp_path / "calls").exists()
 
 
-def test_a_library_that_is_missing_is_named_when_system_packages_are_skipped(call, pipelines: Path, tmp_path: Path) -> None:
-    """Without root and with SKIP_SYSTEM_PACKAGES=1 the build fails: its cause is in the last lines, with what to install."""
+def test_a_library_that_is_missing_is_named_when_system_packages_are_skipped(
+    call, pipelines: Path, tmp_path: Path
+) -> None:
+    """Without root and with SKIP_SYSTEM_PACKAGES=1 the build fails: its cause is in the last lines,
+    with what to install.
+    """
     script(tmp_path / "bin" / "python", "echo 'CMake Error: could not find Ceres' >&2\nexit 1")
     answer = call("bash", pipelines / "setup.sh", "install", tmp_path)
     assert answer.returncode == 1
@@ -92,7 +106,9 @@ def test_a_browser_is_no_package_of_the_set_up_itself(setup, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("name", ["chromium", "google-chrome-stable", "google-chrome"])
-def test_a_system_that_has_a_browser_gets_none(setup, tools: Path, tmp_path: Path, name: str) -> None:
+def test_a_system_that_has_a_browser_gets_none(
+    setup, tools: Path, tmp_path: Path, name: str
+) -> None:
     script(tools / "dpkg-query", f'for last; do :; done; [ "$last" = {name} ] && echo installed')
     answer = setup("browser")
     assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
@@ -106,7 +122,9 @@ def test_a_browser_that_was_removed_is_not_there(setup, tools: Path, tmp_path: P
     assert "chromium" in (tmp_path / "calls").read_text()
 
 
-def test_on_debian_root_is_told_of_the_browser_before_it_is_installed(setup, tools: Path, tmp_path: Path) -> None:
+def test_on_debian_root_is_told_of_the_browser_before_it_is_installed(
+    setup, tools: Path, tmp_path: Path
+) -> None:
     script(tools / "apt-get", f"echo 'apt-get runs'; echo $* >> {tmp_path}/calls")
     answer = setup("browser")
     assert answer.returncode == 0, answer.stderr
@@ -114,7 +132,10 @@ def test_on_debian_root_is_told_of_the_browser_before_it_is_installed(setup, too
     assert lines[0] == "setup: running in 0 s: apt-get install -y --no-install-recommends chromium"
     assert "SKIP_SYSTEM_PACKAGES=1" in lines[1]
     assert lines[2:] == ["apt-get runs", "apt-get runs"]
-    assert (tmp_path / "calls").read_text().splitlines() == ["update -q", "install -y --no-install-recommends chromium"]
+    assert (tmp_path / "calls").read_text().splitlines() == [
+        "update -q",
+        "install -y --no-install-recommends chromium",
+    ]
 
 
 def without_a_browser(answer, why: str) -> None:
@@ -131,11 +152,15 @@ def test_on_ubuntu_no_browser_is_installed_as_its_chromium_is_a_snap(setup, tmp_
     assert not (tmp_path / "calls").exists()
 
 
-def test_a_user_without_root_is_told_the_command_for_the_browser(setup, tools: Path, tmp_path: Path) -> None:
+def test_a_user_without_root_is_told_the_command_for_the_browser(
+    setup, tools: Path, tmp_path: Path
+) -> None:
     """Not by sudo: a password is never asked for what only tests of the page need."""
     script(tools / "id", "echo 1000")
     script(tools / "sudo", f"echo called: sudo $* >> {tmp_path}/calls")
-    without_a_browser(setup("browser"), "as root: apt-get install -y --no-install-recommends chromium")
+    without_a_browser(
+        setup("browser"), "as root: apt-get install -y --no-install-recommends chromium"
+    )
     assert not (tmp_path / "calls").exists()
 
 
@@ -149,7 +174,10 @@ def test_a_browser_that_cannot_be_had_stops_nothing(setup, tools: Path, failing:
     script(tools / "apt-get", f'[ "$1" != {failing} ]')
     answer = setup("browser")
     assert answer.returncode == 0
-    assert answer.stdout.splitlines()[-1] == "setup: no browser could be installed: tests of the report's page will be skipped"
+    assert (
+        answer.stdout.splitlines()[-1]
+        == "setup: no browser could be installed: tests of the report's page will be skipped"
+    )
 
 
 @pytest.fixture
@@ -171,7 +199,9 @@ def checkout(tmp_path: Path, pipelines: Path) -> Path:
     return folder
 
 
-def test_hullrecon_is_installed_again_when_its_modules_have_moved_and_only_then(call, checkout: Path) -> None:
+def test_hullrecon_is_installed_again_when_its_modules_have_moved_and_only_then(
+    call, checkout: Path
+) -> None:
     def installations() -> int:
         answer = call("make", "-C", checkout, "setup")
         assert answer.returncode == 0, answer.stderr
@@ -194,9 +224,14 @@ def test_make_alone_sets_up(call, checkout: Path) -> None:
 
 @pytest.mark.parametrize(
     ("target", "calls"),
-    [("test", ["packages", "install", "browser", "python"]), ("demo", ["packages", "install", "hullrecon"])],
+    [
+        ("test", ["packages", "install", "browser", "python"]),
+        ("demo", ["packages", "install", "hullrecon"]),
+    ],
 )
-def test_the_tests_ask_for_a_browser_and_the_demo_does_not(call, checkout: Path, target: str, calls: list[str]) -> None:
+def test_the_tests_ask_for_a_browser_and_the_demo_does_not(
+    call, checkout: Path, target: str, calls: list[str]
+) -> None:
     for program in ("python", "hullrecon"):
         script(checkout / ".venv" / "bin" / program, f"echo {program} >> calls")
     answer = call("make", "-C", checkout, target)

@@ -10,10 +10,21 @@ import pytest
 from hullrecon.records.deliverables import Coverage, ReportedObject
 
 ROW = {
-    "id": 3, "center": [1, 2.5, 3.0], "normal": [0, 1, 0], "height": 0.1, "height_sigma": 0.004, "deviation": None,
-    "extent": [0.2, 0.1], "area": 0.02, "volume": 0.001, "views": 7, "p_value": 1e-9, "address": "frame 3", "images": ["a"],
+    "id": 3,
+    "center": [1, 2.5, 3.0],
+    "normal": [0, 1, 0],
+    "height": 0.1,
+    "height_sigma": 0.004,
+    "deviation": None,
+    "extent": [0.2, 0.1],
+    "area": 0.02,
+    "volume": 0.001,
+    "views": 7,
+    "p_value": 1e-9,
+    "address": "frame 3",
+    "images": ["a"],
     "outline": [[1, 2, 3], [1, 2, 4]],
-}  # fmt: skip
+}
 
 
 def test_a_row_of_objects_json_is_a_record() -> None:
@@ -45,7 +56,9 @@ def test_a_centre_of_two_numbers_is_refused() -> None:
 
 
 def test_a_sensor_that_was_not_carried_is_none() -> None:
-    coverage = msgspec.convert({"frame": "M", "camera": {"area_m2": 4.0}, "sonar": None, "holes": []}, Coverage)
+    coverage = msgspec.convert(
+        {"frame": "M", "camera": {"area_m2": 4.0}, "sonar": None, "holes": []}, Coverage
+    )
     assert coverage.sonar is None
     assert coverage.dvl is None
     assert coverage.camera is not None
@@ -54,5 +67,7 @@ def test_a_sensor_that_was_not_carried_is_none() -> None:
 
 
 def test_holes_have_area_and_address() -> None:
-    (hole,) = msgspec.convert({"holes": [{"area_m2": 0.2, "address": "frame 3", "sigma_along": 0.3}]}, Coverage).holes
+    (hole,) = msgspec.convert(
+        {"holes": [{"area_m2": 0.2, "address": "frame 3", "sigma_along": 0.3}]}, Coverage
+    ).holes
     assert (hole.area_m2, hole.address, hole.sigma_along) == (0.2, "frame 3", 0.3)

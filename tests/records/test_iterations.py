@@ -29,7 +29,9 @@ def test_a_curve_has_a_gap_where_a_round_begins():
 
 
 @given(st.lists(st.tuples(st.floats(0, 1e6), st.booleans()), min_size=1, max_size=30))
-def test_the_cost_reached_is_what_a_walk_along_the_rows_finds(rows: list[tuple[float, bool]]) -> None:
+def test_the_cost_reached_is_what_a_walk_along_the_rows_finds(
+    rows: list[tuple[float, bool]],
+) -> None:
     expected, held = [], rows[0][0]  # the first row is the start of the solve
     for cost, accepted in rows:
         held = cost if accepted else held
@@ -45,7 +47,9 @@ def test_every_round_counts_its_rows_but_the_first(lengths: list[int]) -> None:
 
 
 @given(st.lists(st.integers(1, 6), min_size=1, max_size=6), st.integers(0, 10**6))
-def test_a_broken_curve_is_the_rounds_with_one_gap_between_each_two(lengths: list[int], seed: int) -> None:
+def test_a_broken_curve_is_the_rounds_with_one_gap_between_each_two(
+    lengths: list[int], seed: int
+) -> None:
     rounds = np.repeat(np.arange(1, len(lengths) + 1), lengths)
     cost = np.random.default_rng(seed).uniform(0, 9, len(rounds))
     at, values = broken(np.arange(len(rounds)), cost, rounds)

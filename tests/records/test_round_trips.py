@@ -91,7 +91,8 @@ def test_every_record_of_arrays_is_tried() -> None:
         for value in vars(module).values()
         if isinstance(value, type) and is_dataclass(value) and value.__module__ == module.__name__
     }
-    assert defined - set(SHAPES) == {trajectory.VehicleTrack}  # made of a Solution or a Trajectory, and not stored
+    # made of a Solution or a Trajectory, and not stored
+    assert defined - set(SHAPES) == {trajectory.VehicleTrack}
     assert set(SHAPES) - defined == {Poses}
 
 

@@ -51,7 +51,9 @@ IMAGES = ImageIndex(
 ALL = SensorRecords(dvl=DVL, imu=IMU, pressure=PRESSURE, tray=TRAY, sonar_tray=TRAY, sonar=SONAR)
 
 
-@pytest.mark.parametrize("record", [DVL, IMU, PRESSURE, TRAY, SONAR, IMAGES], ids=lambda record: type(record).__name__)
+@pytest.mark.parametrize(
+    "record", [DVL, IMU, PRESSURE, TRAY, SONAR, IMAGES], ids=lambda record: type(record).__name__
+)
 def test_a_record_reads_back_as_it_was_written(record: object) -> None:
     again = from_arrays(type(record), to_arrays(record))
     for field in fields(record):  # type: ignore[arg-type]
@@ -81,7 +83,12 @@ def test_sensors_are_listed_by_name_in_the_order_of_the_fields() -> None:
 
 def test_a_sensor_that_was_not_read_is_not_listed() -> None:
     assert SensorRecords().by_name() == {}
-    assert list(replace(ALL, imu=None, sonar_tray=None).by_name()) == ["dvl", "pressure", "tray", "sonar"]
+    assert list(replace(ALL, imu=None, sonar_tray=None).by_name()) == [
+        "dvl",
+        "pressure",
+        "tray",
+        "sonar",
+    ]
 
 
 def test_a_sensor_without_readings_is_listed_all_the_same() -> None:

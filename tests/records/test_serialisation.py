@@ -25,20 +25,32 @@ def solution(with_cad_model: bool = True) -> Solution:
         tray_sigma=np.full(4, 0.01),
         pose_covariance=np.tile(np.eye(6), (4, 1, 1)),
         landmarks=Landmarks(
-            position=rng.normal(size=(3, 3)), covariance=np.tile(np.eye(3), (3, 1, 1)), label=np.array([1, 0, 1]),
-            deviation=rng.normal(size=3), views=np.array([2, 3, 4]), color=np.zeros((3, 3), np.uint8),
+            position=rng.normal(size=(3, 3)),
+            covariance=np.tile(np.eye(3), (3, 1, 1)),
+            label=np.array([1, 0, 1]),
+            deviation=rng.normal(size=3),
+            views=np.array([2, 3, 4]),
+            color=np.zeros((3, 3), np.uint8),
         ),
         mounts=Mounts(
-            tray_from_dvl=exp(rng.normal(size=(1, 6))), tray_from_camera=exp(rng.normal(size=(1, 6))), top_from_bottom=None
+            tray_from_dvl=exp(rng.normal(size=(1, 6))),
+            tray_from_camera=exp(rng.normal(size=(1, 6))),
+            top_from_bottom=None,
         ),
         navigation_errors=rng.normal(size=6),
-        hull_pose=HullPose(global_from_hull=exp(rng.normal(size=(1, 6))), covariance=np.eye(6), survey_center=np.ones(3))
+        hull_pose=HullPose(
+            global_from_hull=exp(rng.normal(size=(1, 6))),
+            covariance=np.eye(6),
+            survey_center=np.ones(3),
+        )
         if with_cad_model
         else None,
-        deviation_field=DeviationField(origin=np.zeros(2), step=np.ones(2), value=np.zeros((2, 2)), sigma=np.ones((2, 2)))
+        deviation_field=DeviationField(
+            origin=np.zeros(2), step=np.ones(2), value=np.zeros((2, 2)), sigma=np.ones((2, 2))
+        )
         if with_cad_model
         else None,
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("with_cad_model", [True, False])
@@ -55,7 +67,9 @@ def test_a_record_of_records_survives_the_disk(tmp_path: Path, with_cad_model: b
 
 
 def test_members_are_named_by_part_and_field() -> None:
-    assert {"tray", "landmarks.position", "hull_pose.global_from_hull.quaternion"} <= to_arrays(solution()).keys()
+    assert {"tray", "landmarks.position", "hull_pose.global_from_hull.quaternion"} <= to_arrays(
+        solution()
+    ).keys()
 
 
 def test_a_missing_member_is_named() -> None:
@@ -77,7 +91,11 @@ def test_a_flat_record_has_its_fields_as_members() -> None:
 
 
 def test_a_part_that_was_not_carried_leaves_nothing_to_read() -> None:
-    assert not [name for name in to_arrays(solution(with_cad_model=False)) if name.startswith(("hull_pose", "deviation_field"))]
+    assert not [
+        name
+        for name in to_arrays(solution(with_cad_model=False))
+        if name.startswith(("hull_pose", "deviation_field"))
+    ]
 
 
 def test_the_track_is_given_in_the_hull_frame_where_the_hull_is_known() -> None:
@@ -85,13 +103,19 @@ def test_the_track_is_given_in_the_hull_frame_where_the_hull_is_known() -> None:
     assert known.hull_pose is not None
     hull = known.hull_pose.global_from_hull
     assert known.track().frame is Frame.HULL
-    np.testing.assert_allclose((hull @ known.track().poses).matrix(), known.global_from_vehicle.matrix(), atol=1e-12)
+    np.testing.assert_allclose(
+        (hull @ known.track().poses).matrix(), known.global_from_vehicle.matrix(), atol=1e-12
+    )
     assert unknown.track().frame is Frame.GLOBAL
-    np.testing.assert_allclose(unknown.track().poses.matrix(), unknown.global_from_vehicle.matrix(), atol=1e-12)
+    np.testing.assert_allclose(
+        unknown.track().poses.matrix(), unknown.global_from_vehicle.matrix(), atol=1e-12
+    )
 
 
 def test_sigma_along_a_direction_is_that_of_the_covariance() -> None:
-    track = replace(solution(), pose_covariance=np.tile(np.diag([4.0, 9.0, 16.0, 1, 1, 1]), (4, 1, 1))).track()
+    track = replace(
+        solution(), pose_covariance=np.tile(np.diag([4.0, 9.0, 16.0, 1, 1, 1]), (4, 1, 1))
+    ).track()
     assert track.sigma[0].tolist() == [2, 3, 4, 1, 1, 1]
     assert track.sigma_towards(np.tile([0.0, 1.0, 0.0], (4, 1))).tolist() == [3.0] * 4
 

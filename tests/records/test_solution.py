@@ -40,7 +40,9 @@ def test_the_field_is_bilinear_inside_a_cell() -> None:
 
 
 def test_the_field_is_held_beyond_its_ends() -> None:
-    np.testing.assert_allclose(FIELD.value_at(np.array([[9.0, 9.0], [-9.0, -9.0], [1.5, 7.0]])), [0.10, 0.0, 0.05])
+    np.testing.assert_allclose(
+        FIELD.value_at(np.array([[9.0, 9.0], [-9.0, -9.0], [1.5, 7.0]])), [0.10, 0.0, 0.05]
+    )
 
 
 def test_a_point_off_the_chart_has_no_value_and_is_not_covered() -> None:
@@ -55,7 +57,9 @@ def test_the_grid_covers_what_lies_between_its_outer_nodes() -> None:
 
 
 def test_a_field_of_one_node_is_that_value_everywhere() -> None:
-    one = DeviationField(origin=np.zeros(2), step=np.ones(2), value=np.array([[0.03]]), sigma=np.array([[0.01]]))
+    one = DeviationField(
+        origin=np.zeros(2), step=np.ones(2), value=np.array([[0.03]]), sigma=np.array([[0.01]])
+    )
     np.testing.assert_allclose(one.value_at(np.array([[0.0, 0.0], [4.0, -2.0]])), 0.03)
 
 
@@ -73,7 +77,9 @@ def random_field(seed: int) -> DeviationField:
 def places(field: DeviationField, seed: int, beyond: float = 0.0) -> np.ndarray:
     """Random chart points (40, 2) on the grid, or up to `beyond` of its size off its ends."""
     span = (np.array(field.value.shape) - 1) * field.step
-    return field.origin + span * np.random.default_rng(seed + 1).uniform(-beyond, 1 + beyond, (40, 2))
+    return field.origin + span * np.random.default_rng(seed + 1).uniform(
+        -beyond, 1 + beyond, (40, 2)
+    )
 
 
 @QUICK
@@ -91,7 +97,9 @@ def test_the_field_is_what_scipy_interpolates_on_the_same_grid(seed: int) -> Non
 def test_beyond_its_ends_the_field_is_that_of_the_nearest_covered_point(seed: int) -> None:
     field = random_field(seed)
     at = places(field, seed, beyond=0.5)
-    nearest = np.clip(at, field.origin, field.origin + field.step * (np.array(field.value.shape) - 1))
+    nearest = np.clip(
+        at, field.origin, field.origin + field.step * (np.array(field.value.shape) - 1)
+    )
     np.testing.assert_allclose(field.value_at(at), field.value_at(nearest), atol=1e-9)
     span = field.step * (np.array(field.value.shape) - 1)
     inside = ((at >= field.origin) & (at <= field.origin + span)).all(axis=1)
@@ -109,8 +117,12 @@ def test_a_sigma_between_nodes_is_never_beyond_those_of_the_nodes(seed: int) -> 
 
 @QUICK
 @given(SEEDS)
-def test_a_track_is_in_the_frame_of_the_results_and_keeps_what_belongs_to_the_nodes(seed: int) -> None:
-    solution = random_record(Solution, np.random.default_rng(seed), {"n": 4, "m": 2, "k": 2, "b": 2, "r": 2})
+def test_a_track_is_in_the_frame_of_the_results_and_keeps_what_belongs_to_the_nodes(
+    seed: int,
+) -> None:
+    solution = random_record(
+        Solution, np.random.default_rng(seed), {"n": 4, "m": 2, "k": 2, "b": 2, "r": 2}
+    )
     rng = np.random.default_rng(seed)
     solution = replace(solution, global_from_vehicle=exp(rng.normal(size=(4, 6))))
     if solution.hull_pose is not None:
@@ -120,7 +132,15 @@ def test_a_track_is_in_the_frame_of_the_results_and_keeps_what_belongs_to_the_no
     if solution.hull_pose is not None:
         expected = np.linalg.inv(solution.hull_pose.global_from_hull.matrix()) @ expected
     np.testing.assert_allclose(track.poses.matrix(), expected, atol=1e-9)
-    assert track.frame is solution.frame is (Frame.GLOBAL if solution.hull_pose is None else Frame.HULL)
+    assert (
+        track.frame
+        is solution.frame
+        is (Frame.GLOBAL if solution.hull_pose is None else Frame.HULL)
+    )
     assert track.covariance is solution.pose_covariance
-    assert (track.t_ns is solution.t_ns, track.tray is solution.tray, track.image is solution.image) == (True, True, True)
+    assert (
+        track.t_ns is solution.t_ns,
+        track.tray is solution.tray,
+        track.image is solution.image,
+    ) == (True, True, True)
     assert len(solution.landmarks) == 2

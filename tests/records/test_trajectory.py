@@ -11,7 +11,13 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.serialisation import from_arrays, to_arrays
-from hullrecon.records.trajectory import Odometry, Trajectory, TrajectoryErrorModel, VehiclePath, VehicleTrack
+from hullrecon.records.trajectory import (
+    Odometry,
+    Trajectory,
+    TrajectoryErrorModel,
+    VehiclePath,
+    VehicleTrack,
+)
 
 N = 4
 T = np.arange(N, dtype=np.int64) * 1_000_000_000
@@ -33,19 +39,30 @@ def covariance() -> np.ndarray:
 
 def track() -> VehicleTrack:
     return VehicleTrack(
-        t_ns=T, poses=poses(), tray=0.1 * np.arange(N), covariance=covariance(), image=np.full((N, 2), -1), frame=Frame.HULL
+        t_ns=T,
+        poses=poses(),
+        tray=0.1 * np.arange(N),
+        covariance=covariance(),
+        image=np.full((N, 2), -1),
+        frame=Frame.HULL,
     )
 
 
 def trajectory() -> Trajectory:
     p = poses()
     return Trajectory(
-        t_ns=T, quaternion=p.quaternion, translation=p.translation, covariance=covariance(), tray=0.1 * np.arange(N),
+        t_ns=T,
+        quaternion=p.quaternion,
+        translation=p.translation,
+        covariance=covariance(),
+        tray=0.1 * np.arange(N),
         image=np.column_stack([np.arange(N), np.full(N, -1)]),
-    )  # fmt: skip
+    )
 
 
-@pytest.mark.parametrize("rows", [slice(1, 3), np.array([1, 2]), np.array([False, True, True, False])])
+@pytest.mark.parametrize(
+    "rows", [slice(1, 3), np.array([1, 2]), np.array([False, True, True, False])]
+)
 def test_a_path_is_cut_by_slice_rows_or_mask(rows: slice | np.ndarray) -> None:
     path = VehiclePath(poses=poses(), tray=np.arange(float(N)))
     part = path[rows]

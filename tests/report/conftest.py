@@ -24,25 +24,38 @@ from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.export.trajectory import track_of
 from hullrecon.report.step_documents import AdjustSummary, NavigationFacts
-from hullrecon.report.survey import AdjustedDive, DiveFacts, Findings, Provenance, StepRun, Surfaces, Survey
+from hullrecon.report.survey import (
+    AdjustedDive,
+    DiveFacts,
+    Findings,
+    Provenance,
+    StepRun,
+    Surfaces,
+    Survey,
+)
 from hullrecon.rig import SensorRig
 
 NODES = 5
 START = 1_777_887_000_468_241_234
-TURNED = from_rpy([10.0, 20.0, 3.0], [np.pi, 0.0, 0.0])  # T_g_M: moved, and turned by 180 degrees about x
+# T_g_M: moved, and turned by 180 degrees about x
+TURNED = from_rpy([10.0, 20.0, 3.0], [np.pi, 0.0, 0.0])
 CAMERA = CameraModel(width=400, height=320, fx=500.0, fy=500.0, cx=199.5, cy=159.5)
 
 
 @dataclass(frozen=True)
 class FlatChart:
-    """along is x, girth is y, outward is -z: with along to the right and girth up it is seen from inside."""
+    """along is x, girth is y, outward is -z: with along to the right and girth up it is seen from
+    inside.
+    """
 
     ship_axes = np.eye(3)
 
     def to_chart(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(points, float) * [1, 1, -1]
 
-    def from_chart(self, along_girth: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def from_chart(
+        self, along_girth: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         at = np.asarray(along_girth, float)
         return np.column_stack([at, np.zeros(len(at))]), np.tile([0.0, 0.0, -1.0], (len(at), 1))
 
@@ -53,7 +66,9 @@ class FlatChart:
 @pytest.fixture
 def trajectory() -> Trajectory:
     """Half a metre a second along x of g, 2 m deep; sigmas grow."""
-    covariance = np.stack([np.diag([0.1, 0.1, 0.02, 0.001, 0.001, 0.01]) ** 2 * (1 + k) for k in range(NODES)])
+    covariance = np.stack(
+        [np.diag([0.1, 0.1, 0.02, 0.001, 0.001, 0.01]) ** 2 * (1 + k) for k in range(NODES)]
+    )
     return Trajectory(
         t_ns=START + np.arange(NODES) * 10**9,
         quaternion=np.tile([0.0, 0.0, 0.0, 1.0], (NODES, 1)),
@@ -72,7 +87,9 @@ def solution(trajectory: Trajectory) -> Solution:
         global_from_vehicle=trajectory.poses(),
         tray=trajectory.tray,
         tray_sigma=np.full(NODES, 0.001),
-        pose_covariance=np.tile(np.diag([0.5, 0.02, 0.01, 0.001, 0.001, 0.002]) ** 2, (NODES, 1, 1)),
+        pose_covariance=np.tile(
+            np.diag([0.5, 0.02, 0.01, 0.001, 0.001, 0.002]) ** 2, (NODES, 1, 1)
+        ),
         landmarks=Landmarks(
             position=np.array([[10.0, 21.0, 3.0], [11.0, 21.5, 2.9], [12.0, 20.5, 3.0]]),
             covariance=np.tile(np.diag([0.001, 0.002, 0.002]) ** 2, (3, 1, 1)),
@@ -97,7 +114,12 @@ def plate() -> Surface:
     """The plate z = 0 of M from (-1, -2) to (3, 0), 1 m squares; half of it seen, raised by 6 mm."""
     x, y = np.meshgrid(np.arange(-1.0, 4.0), np.arange(-2.0, 1.0))
     index = np.arange(15).reshape(3, 5)
-    a, b, c, d = index[:-1, :-1].ravel(), index[:-1, 1:].ravel(), index[1:, :-1].ravel(), index[1:, 1:].ravel()
+    a, b, c, d = (
+        index[:-1, :-1].ravel(),
+        index[:-1, 1:].ravel(),
+        index[1:, :-1].ravel(),
+        index[1:, 1:].ravel(),
+    )
     faces = np.concatenate([np.stack([a, c, b], 1), np.stack([b, c, d], 1)]).astype(np.int32)
     vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(15)])
     return Surface(
@@ -128,13 +150,37 @@ def found() -> ReportedObject:
     ring = np.linspace(0, 2 * np.pi, 8, endpoint=False)
     outline = np.column_stack([1 + 0.1 * np.cos(ring), -1.2 + 0.08 * np.sin(ring), 0 * ring])
     return ReportedObject(
-        id=1, center=(1.0, -1.2, -0.1), normal=(0.0, 0.0, -1.0), height=0.1, height_sigma=0.004, deviation=0.104,
-        deviation_sigma=0.021, extent_sigma=(0.01, 0.01), area_sigma=0.002, volume_sigma=0.0002, open_edge=0.0,
-        position_covariance=((0.09, 0.0, 0.0), (0.0, 0.0004, 0.0), (0.0, 0.0, 0.0025)), position_sigma=(0.3, 0.02, 0.05),
-        sigma_along=0.3, sigma_girth=0.02, sigma_normal=0.05, along=1.0, girth=-1.2, side="starboard", frame=1.67, depth=2.9,
-        depth_sigma=0.05, extent=(0.2, 0.16), area=0.025, volume=0.0019, views=6, p_value=1e-9, address="frame 3 + 0.2 m, port",
-        images=(f"camera_top/{START + 2 * 10**9}.jpg",), outline=tuple((x, y, z) for x, y, z in outline.tolist()),
-    )  # fmt: skip
+        id=1,
+        center=(1.0, -1.2, -0.1),
+        normal=(0.0, 0.0, -1.0),
+        height=0.1,
+        height_sigma=0.004,
+        deviation=0.104,
+        deviation_sigma=0.021,
+        extent_sigma=(0.01, 0.01),
+        area_sigma=0.002,
+        volume_sigma=0.0002,
+        open_edge=0.0,
+        position_covariance=((0.09, 0.0, 0.0), (0.0, 0.0004, 0.0), (0.0, 0.0, 0.0025)),
+        position_sigma=(0.3, 0.02, 0.05),
+        sigma_along=0.3,
+        sigma_girth=0.02,
+        sigma_normal=0.05,
+        along=1.0,
+        girth=-1.2,
+        side="starboard",
+        frame=1.67,
+        depth=2.9,
+        depth_sigma=0.05,
+        extent=(0.2, 0.16),
+        area=0.025,
+        volume=0.0019,
+        views=6,
+        p_value=1e-9,
+        address="frame 3 + 0.2 m, port",
+        images=(f"camera_top/{START + 2 * 10**9}.jpg",),
+        outline=tuple((x, y, z) for x, y, z in outline.tolist()),
+    )
 
 
 @dataclass(frozen=True)
@@ -163,7 +209,9 @@ def pictures() -> Pictures:
 
 @pytest.fixture
 def rig() -> SensorRig:
-    """The camera looks along z of the vehicle, which is outward of the plate seen from above; the tray does not turn it."""
+    """The camera looks along z of the vehicle, which is outward of the plate seen from above; the
+    tray does not turn it.
+    """
     return SensorRig(
         tray_origin=np.zeros(3),
         pressure_origin=np.zeros(3),
@@ -175,7 +223,9 @@ def rig() -> SensorRig:
 
 @pytest.fixture
 def dvl() -> DvlPings:
-    beams = np.array([[0.5, 0, 0.75**0.5], [-0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
+    beams = np.array(
+        [[0.5, 0, 0.75**0.5], [-0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]]
+    )
     ranges = np.full((3, 4), 1.2 / 0.75**0.5)
     ranges[1, 2:] = np.nan
     ranges[2] = np.nan
@@ -188,7 +238,11 @@ def dvl() -> DvlPings:
     )
 
 
-WEAK = {"direction": [1.0, 0, 0], "sigma": 0.5, "sentence": "The position along the hull is uncertain by 0.50 m."}
+WEAK = {
+    "direction": [1.0, 0, 0],
+    "sigma": 0.5,
+    "sentence": "The position along the hull is uncertain by 0.50 m.",
+}
 
 
 @pytest.fixture
@@ -204,12 +258,16 @@ def survey(
     )
     return Survey(
         facts=DiveFacts(
-            dive=Dive(name="plate-1", vessel="MV Plate", date=datetime(2026, 5, 4, 9, 30, tzinfo=UTC)),
+            dive=Dive(
+                name="plate-1", vessel="MV Plate", date=datetime(2026, 5, 4, 9, 30, tzinfo=UTC)
+            ),
             hull=Hull(mesh="hull.stl", frame_spacing=0.6),
             dvl=dvl,
             rig=rig,
             images={Camera.TOP: pictures},
-            navigation=NavigationFacts(start_ns=1_777_887_000_000_000_000, outages_s=((31.0, 34.2),)),
+            navigation=NavigationFacts(
+                start_ns=1_777_887_000_000_000_000, outages_s=((31.0, 34.2),)
+            ),
         ),
         track=track_of(trajectory, solution),
         trajectory=trajectory,
@@ -218,12 +276,18 @@ def survey(
             summary=AdjustSummary(method="maxmix", observations=98, observations_left_out=2),
             weak_directions=(WEAK,),
             iterations={
-                "cost": np.array([100.0, 10.0, 9.0]), "on_surface": np.array([1, 2, 2]), "label_changes": np.array([0, 1, 0])
+                "cost": np.array([100.0, 10.0, 9.0]),
+                "on_surface": np.array([1, 2, 2]),
+                "label_changes": np.array([0, 1, 0]),
             },
         ),
         surfaces=Surfaces(
-            chart=FlatChart(), outside=OutsideMap(x_sign=-1, y_sign=1, frame="M"), surveyed=plate, as_found=plate,
-            deviation=split, comparison="The comparison is partly circular.",
+            chart=FlatChart(),
+            outside=OutsideMap(x_sign=-1, y_sign=1, frame="M"),
+            surveyed=plate,
+            as_found=plate,
+            deviation=split,
+            comparison="The comparison is partly circular.",
         ),
         findings=Findings(objects=(found,), coverage=coverage),
         provenance=Provenance(
@@ -238,7 +302,7 @@ def survey(
                 ),
             )
         ),
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture
@@ -263,7 +327,11 @@ def ply_reader() -> Callable[[bytes], tuple[np.ndarray, np.ndarray | None]]:
         head, body = data.split(b"end_header\n", 1)
         lines = [line.split() for line in head.decode().splitlines()]
         count = {line[1]: int(line[2]) for line in lines if line[0] == "element"}
-        dtype = [(line[2], kinds[line[1]]) for line in lines if line[0] == "property" and line[1] != "list"]
+        dtype = [
+            (line[2], kinds[line[1]])
+            for line in lines
+            if line[0] == "property" and line[1] != "list"
+        ]
         vertices = np.frombuffer(body, dtype, count["vertex"])
         rest = body[vertices.nbytes :]
         faces = np.frombuffer(rest, [("n", "u1"), ("v", "<i4", 3)]) if "face" in count else None

@@ -19,14 +19,19 @@ from hullrecon.report.content.page_context import page_context
 from hullrecon.report.survey import Survey
 
 ABOUT = AboutInspection(
-    client="Harbour & Sons", operator="Deep <Eye>", equipment=("A50 DVL", "two cameras"), water="6 m visibility",
+    client="Harbour & Sons",
+    operator="Deep <Eye>",
+    equipment=("A50 DVL", "two cameras"),
+    water="6 m visibility",
     conclusion="No repair\nis due.\n\nLook again in May.",
-)  # fmt: skip
+)
 
 
 def page_of(survey: Survey, about: AboutInspection) -> str:
     """The page without its scripts."""
-    page = render_page(page_context(replace(survey, facts=replace(survey.facts, about=about)), [], {}, {}))
+    page = render_page(
+        page_context(replace(survey, facts=replace(survey.facts, about=about)), [], {}, {})
+    )
     return re.sub(r"(?s)<(script|style)\b.*?</\1>", "", page)
 
 
@@ -51,7 +56,9 @@ def test_blocks_that_nobody_wrote_are_absent(survey: Survey) -> None:
     assert AboutInspection(conclusion=" \n\n ").paragraphs() == []
 
 
-def test_a_logo_is_shown_small_and_without_what_its_file_says(tmp_path: Path, survey: Survey) -> None:
+def test_a_logo_is_shown_small_and_without_what_its_file_says(
+    tmp_path: Path, survey: Survey
+) -> None:
     path = tmp_path / "logo.png"
     noted = Image.new("RGB", (1000, 100), (20, 90, 160))
     exif = noted.getexif()
@@ -66,9 +73,12 @@ def test_a_logo_is_shown_small_and_without_what_its_file_says(tmp_path: Path, su
 
 
 @pytest.mark.parametrize(
-    ("name", "data"), [("logo.svg", b"<svg xmlns='x'><script/></svg>"), ("logo.png", b"\x89PNG\r\n\x1a\n")]
+    ("name", "data"),
+    [("logo.svg", b"<svg xmlns='x'><script/></svg>"), ("logo.png", b"\x89PNG\r\n\x1a\n")],
 )
-def test_a_logo_that_is_no_picture_is_refused_in_one_line(tmp_path: Path, name: str, data: bytes) -> None:
+def test_a_logo_that_is_no_picture_is_refused_in_one_line(
+    tmp_path: Path, name: str, data: bytes
+) -> None:
     (tmp_path / name).write_bytes(data)
     with pytest.raises(InputError, match=r"report\.logo cannot be used: logo") as caught:
         read_logo(tmp_path / name)

@@ -24,12 +24,14 @@ from hullrecon.report.survey import EarlierComparison, Survey
 
 CHANGE = hull_change(
     [
-        object_change("gone", 4, None, 33.4, 0.14, 0.001), object_change("new", None, 5, 31.2, 0.0, 0.09),
-        object_change("grown", 1, 1, 30.6, 0.11, 0.141), object_change("uncertain", 6, None, 31.0, 0.03, 0.0),
+        object_change("gone", 4, None, 33.4, 0.14, 0.001),
+        object_change("new", None, 5, 31.2, 0.0, 0.09),
+        object_change("grown", 1, 1, 30.6, 0.11, 0.141),
+        object_change("uncertain", 6, None, 31.0, 0.03, 0.0),
         object_change("unchanged", 2, 3, 31.8, 0.12, 0.121),
     ],
     [MOVE],
-)  # fmt: skip
+)
 FILES = change_files(CHANGE, OutsideMap(x_sign=-1, y_sign=1, frame="M"), T_NS)
 CHAPTER = change_chapter(CHANGE)
 
@@ -42,7 +44,9 @@ def compared(survey: Survey) -> Survey:
 
 def words(html: str) -> str:
     """What a reader sees of a page."""
-    return " ".join(unescape(re.sub(r"<(style|script)\b.*?</\1>|<[^>]+>", " ", html, flags=re.S)).split())
+    return " ".join(
+        unescape(re.sub(r"<(style|script)\b.*?</\1>|<[^>]+>", " ", html, flags=re.S)).split()
+    )
 
 
 def page_of(survey: Survey) -> str:
@@ -54,7 +58,9 @@ def chapter_of(html: str) -> str:
     return found
 
 
-def test_the_chapter_is_numbered_titled_by_the_earlier_dive_and_in_the_contents(compared: Survey) -> None:
+def test_the_chapter_is_numbered_titled_by_the_earlier_dive_and_in_the_contents(
+    compared: Survey,
+) -> None:
     for html in (page_of(compared), render_html(page_context(compared, [], {}, {}))):
         number = re.search(r"<h2>(\d+) Change since may</h2>", chapter_of(html))
         assert number
@@ -67,17 +73,33 @@ def test_the_page_has_verdict_map_and_a_row_for_each_object(compared: Survey) ->
     chapter = chapter_of(page_of(compared))
     seen = words(chapter)
     assert f"{CHAPTER.verdict}." in seen
-    assert len(re.findall(r'<img src="data:image/png;base64,[^"]{1000,}" alt="Map of the hull from outside', chapter)) == 1
+    assert (
+        len(
+            re.findall(
+                r'<img src="data:image/png;base64,[^"]{1000,}" alt="Map of the hull from outside',
+                chapter,
+            )
+        )
+        == 1
+    )
     rows = [words(row) for row in re.findall(r"<tr><th scope=\"row\">.*?</tr>", chapter)]
     assert [row.split()[0] for row in rows] == ["gone", "new", "grown", "uncertain", "unchanged"]
     assert rows[2] == "grown 1 1 frame 51, port 110 ± 3 141 ± 4 31 ± 4 < 0.0001"
-    assert "moved: 0.36 m² of bare hull at frame 53, port, −12 ± 3 mm along the normal (chance of none: 0.0002)" in seen
+    assert (
+        "moved: 0.36 m² of bare hull at frame 53, port, −12 ± 3 mm along the normal (chance of none: 0.0002)"
+        in seen
+    )
     assert "dashed: bare hull that moved" in seen
-    assert set(re.findall(r'href="\.\./(change/[^"]+)"', chapter)) == {f"change/{n}" for n in FILES if n != "change.png"}
+    assert set(re.findall(r'href="\.\./(change/[^"]+)"', chapter)) == {
+        f"change/{n}" for n in FILES if n != "change.png"
+    }
 
 
 def test_a_legend_names_what_the_map_has(survey: Survey) -> None:
-    still = replace(survey, change=EarlierComparison(chapter=change_chapter(hull_change()), map=FILES["change.png"]))
+    still = replace(
+        survey,
+        change=EarlierComparison(chapter=change_chapter(hull_change()), map=FILES["change.png"]),
+    )
     assert "dashed" not in words(chapter_of(page_of(still)))
 
 

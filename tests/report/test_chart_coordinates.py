@@ -66,7 +66,9 @@ def test_without_a_chart_all_is_lost(bare: Survey) -> None:
     assert at.side == ["", "", ""]
 
 
-def test_the_vehicles_depth_is_that_of_the_adjusted_path_or_the_reckoned_one(survey: Survey, bare: Survey) -> None:
+def test_the_vehicles_depth_is_that_of_the_adjusted_path_or_the_reckoned_one(
+    survey: Survey, bare: Survey
+) -> None:
     np.testing.assert_allclose(vehicle_depth(survey), 2.0)
     np.testing.assert_allclose(vehicle_depth(bare), 2.0)
     assert vehicle_depth(replace(bare, facts=replace(bare.facts, has_depth=False))) is None

@@ -12,7 +12,12 @@ import pytest
 from PIL import Image
 
 from hullrecon.records.surface import DeviationSplit, Surface
-from hullrecon.report.content.deviation import DeviationFigures, deviation_document, deviation_figures, deviation_rows
+from hullrecon.report.content.deviation import (
+    DeviationFigures,
+    deviation_document,
+    deviation_figures,
+    deviation_rows,
+)
 from hullrecon.report.figures.chart_map import form_png
 from hullrecon.report.figures.survey_map import chart_view
 from hullrecon.report.survey import Survey
@@ -29,7 +34,9 @@ def with_split(survey: Survey, split: DeviationSplit | None) -> Survey:
     return replace(survey, surfaces=replace(survey.surfaces, deviation=split))
 
 
-def test_percentiles_of_the_form_go_by_the_area_seen(survey: Survey, split: DeviationSplit, plate: Surface) -> None:
+def test_percentiles_of_the_form_go_by_the_area_seen(
+    survey: Survey, split: DeviationSplit, plate: Surface
+) -> None:
     # columns x = -1, 0, 1 were seen: areas 1/2, 1, and 1 (half of its cells lie beyond)
     form = np.where(plate.support > 0, np.where(plate.vertices[:, 0] < -0.5, -0.01, 0.004), np.nan)
     found = deviation_figures(with_split(survey, replace(split, form=form)))
@@ -38,8 +45,13 @@ def test_percentiles_of_the_form_go_by_the_area_seen(survey: Survey, split: Devi
     assert found.form_sigma == pytest.approx(0.002)
 
 
-def test_the_words_of_an_offset_say_its_side_and_what_its_sigma_makes_of_it(figures: DeviationFigures) -> None:
-    assert figures.offset_words == "6 mm outside it (one sigma 20 mm, not significantly different from zero)"
+def test_the_words_of_an_offset_say_its_side_and_what_its_sigma_makes_of_it(
+    figures: DeviationFigures,
+) -> None:
+    assert (
+        figures.offset_words
+        == "6 mm outside it (one sigma 20 mm, not significantly different from zero)"
+    )
     assert replace(figures, offset=0.0003).offset_words.startswith("0 mm from it (")
     assert replace(figures, offset=-0.041).offset_words == "41 mm inside it (one sigma 20 mm)"
 
@@ -51,7 +63,9 @@ def test_the_words_of_the_form_have_its_sigma(figures: DeviationFigures) -> None
 def test_the_table_has_form_offset_and_tilt(figures: DeviationFigures) -> None:
     rows = dict(deviation_rows(figures))
     assert rows["Offset of the surveyed patch"] == "+6 ± 20 mm"
-    assert rows["Tilt of the surveyed patch, along / in girth"] == "+1.0 ± 4.0 / −2.0 ± 5.0 mm per m"
+    assert (
+        rows["Tilt of the surveyed patch, along / in girth"] == "+1.0 ± 4.0 / −2.0 ± 5.0 mm per m"
+    )
     assert deviation_rows(None) == []
 
 
@@ -74,10 +88,14 @@ def test_without_a_cad_model_a_split_or_anything_seen_there_are_no_figures(
     assert deviation_figures(replace(survey, track=bare.track)) is None
     assert deviation_figures(with_split(survey, None)) is None
     assert deviation_figures(with_split(survey, replace(split, form=np.full(15, np.nan)))) is None
-    assert deviation_figures(replace(survey, surfaces=replace(survey.surfaces, as_found=None))) is None
+    assert (
+        deviation_figures(replace(survey, surfaces=replace(survey.surfaces, as_found=None))) is None
+    )
 
 
-def test_the_map_spans_the_bare_hull_and_not_its_structures(survey: Survey, split: DeviationSplit) -> None:
+def test_the_map_spans_the_bare_hull_and_not_its_structures(
+    survey: Survey, split: DeviationSplit
+) -> None:
     """A structure far beyond the hull's form leaves its colours as they are."""
     view = chart_view(survey)
     assert view is not None
@@ -98,7 +116,9 @@ def test_the_map_spans_the_bare_hull_and_not_its_structures(survey: Survey, spli
     assert 0 < changed.mean() < 0.25
 
 
-def test_the_map_of_a_hull_that_was_not_seen_is_empty(survey: Survey, split: DeviationSplit) -> None:
+def test_the_map_of_a_hull_that_was_not_seen_is_empty(
+    survey: Survey, split: DeviationSplit
+) -> None:
     view = chart_view(survey)
     assert view is not None
     assert view.found is not None

@@ -34,7 +34,10 @@ def rows_of(text: str) -> list[dict[str, str]]:
 
 
 def test_seconds_keep_all_nanoseconds() -> None:
-    assert seconds(np.array([1_777_887_000_468_241_234, 5])) == ["1777887000.468241234", "0.000000005"]
+    assert seconds(np.array([1_777_887_000_468_241_234, 5])) == [
+        "1777887000.468241234",
+        "0.000000005",
+    ]
 
 
 def test_a_lost_value_is_an_empty_cell() -> None:
@@ -48,11 +51,15 @@ def test_cells_with_commas_and_quotes_are_read_back_as_they_were() -> None:
 
 def test_the_trajectory_is_in_the_hull_frame(survey: Survey) -> None:
     row = rows_of(trajectory_table(survey).csv)[1]
-    # T_g_M turns by 180 degrees about x and moves by (10, 20, 3): (10.5, 21, 2) of g is (0.5, -1, 1) of M
+    # T_g_M turns by 180 degrees about x and moves by (10, 20, 3): (10.5, 21, 2) of g is (0.5, -1,
+    # 1) of M
     np.testing.assert_allclose([float(row[f"{k}_m"]) for k in "xyz"], [0.5, -1.0, 1.0], atol=1e-9)
-    np.testing.assert_allclose([abs(float(row[k])) for k in ("qx", "qy", "qz", "qw")], [1, 0, 0, 0], atol=1e-9)
     np.testing.assert_allclose(
-        [float(row[f"sigma_{k}"]) for k in ("x_m", "y_m", "z_m", "roll_rad", "yaw_rad")], [0.5, 0.02, 0.01, 0.001, 0.002]
+        [abs(float(row[k])) for k in ("qx", "qy", "qz", "qw")], [1, 0, 0, 0], atol=1e-9
+    )
+    np.testing.assert_allclose(
+        [float(row[f"sigma_{k}"]) for k in ("x_m", "y_m", "z_m", "roll_rad", "yaw_rad")],
+        [0.5, 0.02, 0.01, 0.001, 0.002],
     )
     assert row["t_s"] == "1777887001.468241234"
     assert float(row["tray_rad"]) == 0.1
@@ -60,7 +67,9 @@ def test_the_trajectory_is_in_the_hull_frame(survey: Survey) -> None:
 
 def test_the_trajectory_says_where_on_the_ship_and_how_deep(survey: Survey) -> None:
     row = rows_of(trajectory_table(survey).csv)[1]
-    assert (float(row["along_m"]), float(row["girth_m"]), float(row["depth_m"])) == pytest.approx((0.5, -1.0, 2.0))
+    assert (float(row["along_m"]), float(row["girth_m"]), float(row["depth_m"])) == pytest.approx(
+        (0.5, -1.0, 2.0)
+    )
     dry = replace(survey, facts=replace(survey.facts, has_depth=False))
     assert rows_of(trajectory_table(dry).csv)[1]["depth_m"] == ""
 
@@ -68,7 +77,9 @@ def test_the_trajectory_says_where_on_the_ship_and_how_deep(survey: Survey) -> N
 def test_where_on_the_ship_and_how_deep_have_their_sigmas(survey: Survey) -> None:
     row = rows_of(trajectory_table(survey).csv)[1]
     # without a sigma of the pressure sensor's bias, that towards the water
-    assert [float(row[k]) for k in ("sigma_along_m", "sigma_girth_m", "depth_sigma_m")] == pytest.approx([0.5, 0.02, 0.01])
+    assert [
+        float(row[k]) for k in ("sigma_along_m", "sigma_girth_m", "depth_sigma_m")
+    ] == pytest.approx([0.5, 0.02, 0.01])
     assert survey.adjusted is not None
     known = replace(survey, adjusted=replace(survey.adjusted, depth_sigma_m=0.095))
     assert float(rows_of(trajectory_table(known).csv)[1]["depth_sigma_m"]) == pytest.approx(0.095)
@@ -82,7 +93,9 @@ def test_a_dead_reckoned_depth_has_the_sigma_of_the_position(bare: Survey) -> No
     assert row["depth_sigma_m"] == row["sigma_z_m"]
 
 
-def test_the_metadata_name_unit_and_meaning_of_every_column(survey: Survey, found: ReportedObject) -> None:
+def test_the_metadata_name_unit_and_meaning_of_every_column(
+    survey: Survey, found: ReportedObject
+) -> None:
     tables = [trajectory_table(survey), objects_table([found])]
     for table, entry in zip(tables, csv_metadata(tables)["tables"], strict=True):  # type: ignore[arg-type]
         columns = entry["tableSchema"]["columns"]
@@ -91,7 +104,11 @@ def test_the_metadata_name_unit_and_meaning_of_every_column(survey: Survey, foun
         assert all(c["dc:description"] for c in columns)
         units = {c["name"]: c.get("unit") for c in columns}
         assert units.get("x_m", "m") == units.get("height_m", "m") == "m"
-        assert all(units[name] == name.rsplit("_", 1)[1] for name in units if name.endswith(("_m", "_m2", "_m3")))
+        assert all(
+            units[name] == name.rsplit("_", 1)[1]
+            for name in units
+            if name.endswith(("_m", "_m2", "_m3"))
+        )
 
 
 def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(bare: Survey) -> None:
@@ -103,7 +120,9 @@ def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(bare: Survey) -
     assert float(row["sigma_x_m"]) == pytest.approx(0.1 * 5**0.5, rel=1e-5)
 
 
-def test_without_a_cad_model_the_trajectory_is_adjusted_in_g(trajectory: Trajectory, solution: Solution) -> None:
+def test_without_a_cad_model_the_trajectory_is_adjusted_in_g(
+    trajectory: Trajectory, solution: Solution
+) -> None:
     track = track_of(trajectory, replace(solution, hull_pose=None))
     assert track.frame == "g"
     np.testing.assert_allclose(track.poses.translation, solution.global_from_vehicle.translation)
@@ -113,7 +132,9 @@ def test_the_tum_file_holds_the_same_poses(survey: Survey) -> None:
     lines = [line.split() for line in trajectory_tum(survey.track).splitlines()]
     table = rows_of(trajectory_table(survey).csv)
     assert [line[0] for line in lines] == [row["t_s"] for row in table]
-    assert [line[1:] for line in lines] == [[row[k] for k in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")] for row in table]
+    assert [line[1:] for line in lines] == [
+        [row[k] for k in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")] for row in table
+    ]
 
 
 def test_sigma_towards_a_direction_uses_the_whole_covariance(trajectory: Trajectory) -> None:
@@ -122,7 +143,9 @@ def test_sigma_towards_a_direction_uses_the_whole_covariance(trajectory: Traject
     track = track_of(replace(trajectory, covariance=covariance), None)
     across = np.tile([2**-0.5, -(2**-0.5), 0.0], (5, 1))
     np.testing.assert_allclose(track.sigma_towards(across), 0, atol=1e-9)
-    np.testing.assert_allclose(track.sigma_towards(-across * [1, -1, 1])[0], 0.1 * 2**0.5, rtol=1e-6)
+    np.testing.assert_allclose(
+        track.sigma_towards(-across * [1, -1, 1])[0], 0.1 * 2**0.5, rtol=1e-6
+    )
 
 
 def test_landmarks_are_in_the_hull_frame_with_label_deviation_and_sigma(
@@ -144,14 +167,18 @@ def test_a_ply_says_its_frame_and_its_units(survey: Survey, plate: Surface) -> N
     assert "comment unit metre" in head
 
 
-def test_the_hull_as_found_carries_its_form(survey: Survey, plate: Surface, split: DeviationSplit, ply_reader: Reader) -> None:
+def test_the_hull_as_found_carries_its_form(
+    survey: Survey, plate: Surface, split: DeviationSplit, ply_reader: Reader
+) -> None:
     vertices, _ = ply_reader(surface_ply(survey, plate, split))
     np.testing.assert_allclose(vertices["form"], split.form, rtol=1e-6)
     np.testing.assert_allclose(vertices["form_sigma"], split.form_sigma, rtol=1e-6)
     assert "form" not in ply_reader(surface_ply(survey, replace(plate)))[0].dtype.names
 
 
-def test_a_surface_keeps_its_faces_and_values(survey: Survey, plate: Surface, ply_reader: Reader) -> None:
+def test_a_surface_keeps_its_faces_and_values(
+    survey: Survey, plate: Surface, ply_reader: Reader
+) -> None:
     vertices, faces = ply_reader(surface_ply(survey, plate))
     np.testing.assert_array_equal(faces, plate.faces)
     np.testing.assert_allclose(np.stack([vertices[k] for k in "xyz"], axis=1), plate.vertices)
@@ -176,13 +203,21 @@ def test_the_alignment_names_its_prior_and_its_weak_directions(solution: Solutio
     assert document["T_g_M"]["translation"] == [10.0, 20.0, 3.0]
     np.testing.assert_allclose(np.abs(document["prior"]["quaternion"]), [1, 0, 0, 0], atol=1e-9)
     assert document["covariance"] == solution.hull_pose.covariance.tolist()
-    assert document["covariance_order"].startswith("translation x y z in g")  # as Solution has it: added in the parent frame
+    # as Solution has it: added in the parent frame
+    assert document["covariance_order"].startswith("translation x y z in g")
     assert document["weak_directions"][0]["sentence"] == "along"
 
 
 def test_objects_have_one_line_each(found: ReportedObject) -> None:
     (row,) = rows_of(objects_table([found]).csv)
     assert row["address"] == "frame 3 + 0.2 m, port"
-    values = [row[name] for name in ("center_x_m", "height_m", "height_sigma_m", "views", "image_count")]
+    values = [
+        row[name] for name in ("center_x_m", "height_m", "height_sigma_m", "views", "image_count")
+    ]
     assert values == ["1", "0.1", "0.004", "6", "1"]
-    assert (row["sigma_along_m"], row["sigma_girth_m"], row["along_m"], row["side"]) == ("0.3", "0.02", "1", "starboard")
+    assert (row["sigma_along_m"], row["sigma_girth_m"], row["along_m"], row["side"]) == (
+        "0.3",
+        "0.02",
+        "1",
+        "starboard",
+    )

@@ -32,7 +32,9 @@ KINDS = {1: "u1", 7: "<f4"}
 
 @pytest.fixture
 def returns() -> Returns:
-    """Five beams straight down from two pings near the second and the third node; the last one is flagged."""
+    """Five beams straight down from two pings near the second and the third node; the last one is
+    flagged.
+    """
     return Returns(
         t_ns=START + np.array([1, 1, 1, 2, 2]) * 10**9,
         node=np.array([1, 1, 1, 2, 2]),
@@ -73,10 +75,14 @@ def read(data: bytes) -> dict[str, list[dict]]:
 
 def cloud(value: dict) -> np.ndarray:
     """The points as a structured array."""
-    kind = np.dtype({
-        "names": [f["name"] for f in value["fields"]], "formats": [KINDS[f["type"]] for f in value["fields"]],
-        "offsets": [f["offset"] for f in value["fields"]], "itemsize": value["point_stride"],
-    })  # fmt: skip
+    kind = np.dtype(
+        {
+            "names": [f["name"] for f in value["fields"]],
+            "formats": [KINDS[f["type"]] for f in value["fields"]],
+            "offsets": [f["offset"] for f in value["fields"]],
+            "itemsize": value["point_stride"],
+        }
+    )
     return np.frombuffer(base64.b64decode(value["data"]), kind)
 
 
@@ -85,16 +91,25 @@ def xyz(points: np.ndarray) -> np.ndarray:
 
 
 def chain(transforms: list[dict], *frames: str, t_ns: int) -> Poses:
-    """The pose of the last frame in the first, by the transforms of that time or, where nothing moves, of the start."""
+    """The pose of the last frame in the first, by the transforms of that time or, where nothing
+    moves, of the start.
+    """
     pose = from_rpy(np.zeros((1, 3)), np.zeros((1, 3)))
     for parent, child in pairwise(frames):
         (found,) = (
-            t for t in transforms
+            t
+            for t in transforms
             if (t["parent_frame_id"], t["child_frame_id"]) == (parent, child)
-            and (child not in ("vehicle", "tray") or t["timestamp"]["sec"] * 10**9 + t["timestamp"]["nsec"] == t_ns)
-        )  # fmt: skip
+            and (
+                child not in ("vehicle", "tray")
+                or t["timestamp"]["sec"] * 10**9 + t["timestamp"]["nsec"] == t_ns
+            )
+        )
         step = Poses(
-            *(np.array([[found[part][k] for k in names]]) for part, names in (("rotation", "xyzw"), ("translation", "xyz")))
+            *(
+                np.array([[found[part][k] for k in names]])
+                for part, names in (("rotation", "xyzw"), ("translation", "xyz"))
+            )
         )
         pose = pose @ step
     return pose
@@ -115,23 +130,33 @@ def test_the_pose_at_a_node_is_the_tracks(whole: Survey) -> None:
         at = [value["pose"]["position"][axis] for axis in "xyz"]
         np.testing.assert_allclose(at, whole.track.poses.translation[row])
     sigma = found["/vehicle/sigma"][2]
-    np.testing.assert_allclose([sigma["x"], sigma["yaw"], sigma["tray"]], [*whole.track.sigma[2, [0, 5]], whole.track.tray[2]])
+    np.testing.assert_allclose(
+        [sigma["x"], sigma["yaw"], sigma["tray"]],
+        [*whole.track.sigma[2, [0, 5]], whole.track.tray[2]],
+    )
 
 
 def test_a_node_whose_sigma_was_lost_has_its_pose_alone(whole: Survey) -> None:
     covariance = whole.track.covariance.copy()
     covariance[1, 0, 0] = np.nan
-    found = read(dive_result_mcap(replace(whole, track=replace(whole.track, covariance=covariance))))
+    found = read(
+        dive_result_mcap(replace(whole, track=replace(whole.track, covariance=covariance)))
+    )
     assert (len(found["/vehicle/pose"]), len(found["/vehicle/sigma"])) == (NODES, NODES - 1)
 
 
 def test_the_frames_lead_from_the_ship_to_the_sensors(whole: Survey) -> None:
     transforms, rig = read(dive_result_mcap(whole))["/tf"], whole.facts.rig
-    expected = {"camera_top": rig.camera_poses(whole.track.path, rig.cameras[0]), "dvl": rig.dvl_poses(whole.track.path)}
+    expected = {
+        "camera_top": rig.camera_poses(whole.track.path, rig.cameras[0]),
+        "dvl": rig.dvl_poses(whole.track.path),
+    }
     for row, t_ns in enumerate(whole.track.t_ns.tolist()):
         for sensor, poses in expected.items():
             found = chain(transforms, "hull", "vehicle", "tray", sensor, t_ns=t_ns)
-            np.testing.assert_allclose(found.apply([[0.1, 0.2, 0.3]]), poses[[row]].apply([[0.1, 0.2, 0.3]]), atol=1e-9)
+            np.testing.assert_allclose(
+                found.apply([[0.1, 0.2, 0.3]]), poses[[row]].apply([[0.1, 0.2, 0.3]]), atol=1e-9
+            )
 
 
 def test_a_beams_end_lies_its_range_along_the_dvls_axis(whole: Survey) -> None:
@@ -140,7 +165,9 @@ def test_a_beams_end_lies_its_range_along_the_dvls_axis(whole: Survey) -> None:
     assert [len(points) for points in pings] == [3, 2]
     np.testing.assert_array_equal(pings[1]["flagged"], [0, 1])
     dvl = chain(found["/tf"], "hull", "vehicle", "tray", "dvl", t_ns=START + 10**9)
-    np.testing.assert_allclose(xyz(pings[0]), dvl.apply([[0, 0, 1.0], [0, 0, 1.1], [0, 0, 1.2]]), atol=1e-5)
+    np.testing.assert_allclose(
+        xyz(pings[0]), dvl.apply([[0, 0, 1.0], [0, 0, 1.1], [0, 0, 1.2]]), atol=1e-5
+    )
     np.testing.assert_allclose(pings[0]["range"], [1.0, 1.1, 1.2], rtol=1e-6)
 
 
@@ -152,11 +179,16 @@ def test_landmarks_lie_in_the_hull_frame_with_their_colours(whole: Survey) -> No
     np.testing.assert_array_equal(points["green"], solution.landmarks.color[:, 1])
     np.testing.assert_array_equal(points["label"], solution.landmarks.label)
     hull_from_global = chain(found["/tf"], "hull", "global", t_ns=START)
-    np.testing.assert_allclose(xyz(points), hull_from_global.apply(solution.landmarks.position), atol=1e-5)
+    np.testing.assert_allclose(
+        xyz(points), hull_from_global.apply(solution.landmarks.position), atol=1e-5
+    )
 
 
 def test_only_what_was_seen_of_the_hull_is_in_its_cloud(whole: Survey) -> None:
-    points, plate = cloud(read(dive_result_mcap(whole))["/hull/as_found"][0]), whole.surfaces.as_found
+    points, plate = (
+        cloud(read(dive_result_mcap(whole))["/hull/as_found"][0]),
+        whole.surfaces.as_found,
+    )
     assert plate is not None
     np.testing.assert_allclose(xyz(points), plate.vertices[plate.support > 0], atol=1e-6)
     np.testing.assert_allclose(points["deviation"], 0.006, rtol=1e-6)
@@ -173,7 +205,9 @@ def test_an_object_has_outline_label_and_address(whole: Survey) -> None:
 
 
 def foxglove_sees(glb: bytes) -> np.ndarray:
-    """Vertices as Foxglove shows them: glTF's scene turned by 90 degrees about x, so that its y points up."""
+    """Vertices as Foxglove shows them: glTF's scene turned by 90 degrees about x, so that its y
+    points up.
+    """
     scene = trimesh.load(BytesIO(glb), file_type="glb")
     turn = trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0])
     return trimesh.transform_points(scene.to_geometry().vertices, turn)
@@ -184,13 +218,17 @@ def test_the_cad_model_stands_where_it_is_in_the_hull_frame(whole: Survey) -> No
     (model,) = entity["models"]
     assert (entity["frame_id"], model["media_type"]) == ("hull", "model/gltf-binary")
     seen = foxglove_sees(base64.b64decode(model["data"]))
-    np.testing.assert_allclose(np.sort(seen, axis=0), np.sort(CAD_MODEL.vertices, axis=0), atol=1e-6)
+    np.testing.assert_allclose(
+        np.sort(seen, axis=0), np.sort(CAD_MODEL.vertices, axis=0), atol=1e-6
+    )
 
 
 def test_a_fine_cad_model_is_thinned_and_keeps_its_size(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ship_model, "MAX_FACES", 200)
     ball = trimesh.creation.icosphere(subdivisions=3, radius=2.0)
-    seen = foxglove_sees(ship_model.ship_glb(Mesh(np.array(ball.vertices), np.array(ball.faces, np.int32))))
+    seen = foxglove_sees(
+        ship_model.ship_glb(Mesh(np.array(ball.vertices), np.array(ball.faces, np.int32)))
+    )
     assert len(seen) < 150
     np.testing.assert_allclose(np.linalg.norm(seen, axis=1), 2.0, atol=0.1)
 
@@ -210,9 +248,15 @@ def test_a_cad_model_with_y_up_has_a_frame_that_stands_upright_in_a_viewer(whole
     class Lying(FlatChart):
         ship_axes = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
-    assert not any(tf["parent_frame_id"] == "hull_z_up" for tf in read(dive_result_mcap(whole))["/tf"])
+    assert not any(
+        tf["parent_frame_id"] == "hull_z_up" for tf in read(dive_result_mcap(whole))["/tf"]
+    )
     found = read(dive_result_mcap(replace(whole, surfaces=replace(whole.surfaces, chart=Lying()))))
-    np.testing.assert_allclose(chain(found["/tf"], "hull_z_up", "hull", t_ns=START).apply([[1.0, 2, 3]]), [[1, -3, 2]])
+    np.testing.assert_allclose(
+        chain(found["/tf"], "hull_z_up", "hull", t_ns=START).apply([[1.0, 2, 3]]), [[1, -3, 2]]
+    )
     (model,) = found["/hull/cad_model"][0]["entities"][0]["models"]
     seen = foxglove_sees(base64.b64decode(model["data"]))  # in the frame `hull`, as all else
-    np.testing.assert_allclose(np.sort(seen, axis=0), np.sort(CAD_MODEL.vertices, axis=0), atol=1e-6)
+    np.testing.assert_allclose(
+        np.sort(seen, axis=0), np.sort(CAD_MODEL.vertices, axis=0), atol=1e-6
+    )

@@ -18,9 +18,17 @@ def test_a_time_keeps_its_nanoseconds() -> None:
 
 
 def test_a_clouds_fields_say_where_each_value_lies() -> None:
-    columns = {"x": np.array([1.5, 2.5], np.float32), "y": np.array([0.0, -1.0]), "z": np.array([7, 9], np.uint8)}
+    columns = {
+        "x": np.array([1.5, 2.5], np.float32),
+        "y": np.array([0.0, -1.0]),
+        "z": np.array([7, 9], np.uint8),
+    }
     value = messages.point_cloud(0, "hull", columns)
-    assert [(f["name"], f["offset"], f["type"]) for f in value["fields"]] == [("x", 0, 7), ("y", 4, 8), ("z", 12, 1)]
+    assert [(f["name"], f["offset"], f["type"]) for f in value["fields"]] == [
+        ("x", 0, 7),
+        ("y", 4, 8),
+        ("z", 12, 1),
+    ]
     assert value["point_stride"] == 13
     data = base64.b64decode(value["data"])
     assert np.frombuffer(data, "<f4", 1, 13)[0] == 2.5
@@ -35,7 +43,9 @@ def test_a_number_of_a_type_that_foxglove_does_not_know_is_refused() -> None:
 
 
 def test_an_entity_without_a_list_that_foxglove_asks_for_breaks_the_schema() -> None:
-    entity = messages.entity(0, "hull", "1", facts={"views": 3}, lines=[messages.line_loop(np.eye(3), (1, 0, 0, 1), 2.0)])
+    entity = messages.entity(
+        0, "hull", "1", facts={"views": 3}, lines=[messages.line_loop(np.eye(3), (1, 0, 0, 1), 2.0)]
+    )
     assert violations(messages.scene_update([entity]), schemas.SCENE_UPDATE) == []
     assert entity["metadata"] == [{"key": "views", "value": "3"}]
     for name in ("arrows", "models", "lifetime"):

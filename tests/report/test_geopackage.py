@@ -63,11 +63,19 @@ def test_fields_come_back_with_their_types(base: sqlite3.Connection) -> None:
         (2, 2, None, None),
     ]
     columns = {name: kind for _, name, kind, *_ in base.execute("PRAGMA table_info(walls)")}
-    assert columns == {"fid": "INTEGER", "geom": "POLYGON", "number": "INTEGER", "height": "DOUBLE", "name": "TEXT"}
+    assert columns == {
+        "fid": "INTEGER",
+        "geom": "POLYGON",
+        "number": "INTEGER",
+        "height": "DOUBLE",
+        "name": "TEXT",
+    }
 
 
 def test_the_contents_have_the_layers_bounds(base: sqlite3.Connection) -> None:
-    (row,) = base.execute("SELECT table_name, data_type, min_x, min_y, max_x, max_y, srs_id FROM gpkg_contents")
+    (row,) = base.execute(
+        "SELECT table_name, data_type, min_x, min_y, max_x, max_y, srs_id FROM gpkg_contents"
+    )
     assert row == ("walls", "features", 0.0, 0.0, 7.0, 6.0, SRS_ID)
 
 

@@ -14,9 +14,21 @@ from hullrecon.records.deliverables import RejectedRegion, ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit
 from hullrecon.report.content.frame_words import origin_in_words
-from hullrecon.report.content.headline import headline, key_figures, path_length_m, verdict, weak_sentences
+from hullrecon.report.content.headline import (
+    headline,
+    key_figures,
+    path_length_m,
+    verdict,
+    weak_sentences,
+)
 from hullrecon.report.export.summary import counts
-from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, PositionFacts, StereoContradictionFacts
+from hullrecon.report.step_documents import (
+    AdjustSummary,
+    LogFindings,
+    MosaicFacts,
+    PositionFacts,
+    StereoContradictionFacts,
+)
 from hullrecon.report.survey import Mosaic, Mosaics, Provenance, StepRun, Survey
 
 
@@ -43,7 +55,10 @@ def test_the_path_is_as_long_in_the_sentence_as_in_the_files(bare: Survey, lengt
 
 
 def test_a_dive_without_a_camera_says_so(bare: Survey) -> None:
-    assert headline(bare)[0] == "Dive bare on the vessel: 4 s, 2.00 m of path, 5 poses, without a camera."
+    assert (
+        headline(bare)[0]
+        == "Dive bare on the vessel: 4 s, 2.00 m of path, 5 poses, without a camera."
+    )
 
 
 def test_dead_reckoning_is_named_as_such(bare: Survey) -> None:
@@ -54,10 +69,14 @@ def test_an_adjusted_dive_names_method_and_frame(survey: Survey) -> None:
     assert "adjusted by method maxmix and given in the ship's frame (M)" in headline(survey)[1]
 
 
-def test_positions_from_outside_are_told_with_how_far_they_lie_from_the_path(survey: Survey) -> None:
+def test_positions_from_outside_are_told_with_how_far_they_lie_from_the_path(
+    survey: Survey,
+) -> None:
     assert survey.adjusted is not None
     facts = PositionFacts(count=40, span_s=200.0, sigma_m=0.5, rms_sigmas=1.04, outliers=2)
-    bounded = replace(survey.adjusted, summary=replace_struct(survey.adjusted.summary, positions=facts))
+    bounded = replace(
+        survey.adjusted, summary=replace_struct(survey.adjusted.summary, positions=facts)
+    )
     assert line_with(replace(survey, adjusted=bounded), "from outside").endswith(
         "bound its drift; they lie 1.0 sigmas (rms, 2 outliers apart) from the path."
     )
@@ -82,14 +101,27 @@ def test_an_adjusted_dive_without_a_cad_model_is_in_g(survey: Survey, solution: 
     assert line_with(in_g, "landmarks were") == "3 landmarks were measured in the images."
 
 
-def test_a_cad_model_that_was_left_out_is_not_said_to_be_none(survey: Survey, solution: Solution) -> None:
+def test_a_cad_model_that_was_left_out_is_not_said_to_be_none(
+    survey: Survey, solution: Solution
+) -> None:
     assert survey.adjusted is not None
     free = replace(solution, hull_pose=None)
-    refused = replace(survey.adjusted, solution=free, summary=AdjustSummary(cad_model_refused="it is another ship's"))
+    refused = replace(
+        survey.adjusted,
+        solution=free,
+        summary=AdjustSummary(cad_model_refused="it is another ship's"),
+    )
     in_g = replace(survey, track=free.track(), adjusted=refused)
-    assert "a local frame (g), as the CAD model was left out, see warnings; median" in headline(in_g)[1]
-    assert origin_in_words(in_g).startswith("The CAD model was left out: positions are relative to the start of the dive")
-    assert origin_in_words(replace(in_g, adjusted=None)).startswith("There is no CAD model to align with")
+    assert (
+        "a local frame (g), as the CAD model was left out, see warnings; median"
+        in headline(in_g)[1]
+    )
+    assert origin_in_words(in_g).startswith(
+        "The CAD model was left out: positions are relative to the start of the dive"
+    )
+    assert origin_in_words(replace(in_g, adjusted=None)).startswith(
+        "There is no CAD model to align with"
+    )
 
 
 def test_landmarks_on_the_hull_are_a_share_of_all(survey: Survey) -> None:
@@ -113,8 +145,12 @@ def test_a_small_sigma_makes_no_sentence(bare: Survey) -> None:
 
 def test_protrusions_and_recesses_are_counted_apart(survey: Survey, found: ReportedObject) -> None:
     recess = replace(found, id=2, height=-0.2)
-    line = line_with(with_objects(survey, found, recess, replace(found, id=3, height=-0.05)), "found on the hull")
-    assert line.startswith("3 objects found on the hull (1 protrusion and 2 recesses); the largest, no. 2,")
+    line = line_with(
+        with_objects(survey, found, recess, replace(found, id=3, height=-0.05)), "found on the hull"
+    )
+    assert line.startswith(
+        "3 objects found on the hull (1 protrusion and 2 recesses); the largest, no. 2,"
+    )
 
 
 def test_objects_that_were_not_looked_for_are_not_mentioned(bare: Survey) -> None:
@@ -130,11 +166,15 @@ def test_form_and_offset_are_told_apart_each_with_its_sigma(survey: Survey) -> N
 
 def test_an_offset_beyond_two_sigmas_is_a_finding(survey: Survey, split: DeviationSplit) -> None:
     far = replace(split, offset=np.asarray(-0.05))
-    line = line_with(replace(survey, surfaces=replace(survey.surfaces, deviation=far)), "CAD model by")
+    line = line_with(
+        replace(survey, surfaces=replace(survey.surfaces, deviation=far)), "CAD model by"
+    )
     assert line.endswith("as a whole the patch lies 50 mm inside it (one sigma 20 mm).")
 
 
-def test_without_a_cad_model_no_sentence_speaks_of_a_deviation(survey: Survey, bare: Survey) -> None:
+def test_without_a_cad_model_no_sentence_speaks_of_a_deviation(
+    survey: Survey, bare: Survey
+) -> None:
     in_g = replace(survey, track=bare.track)
     assert not any("patch" in line or "deviat" in line for line in headline(in_g))
 
@@ -151,12 +191,17 @@ def test_a_dive_without_warnings_says_so(bare: Survey) -> None:
 def test_losses_and_warnings_are_counted(survey: Survey) -> None:
     facts = replace(survey.facts, log=LogFindings(lost=("a", "b")))
     line = line_with(replace(survey, facts=facts), "rejected data")
-    assert line == "2 spans of data were lost and 1 warning was raised; see rejected data and warnings."
+    assert (
+        line
+        == "2 spans of data were lost and 1 warning was raised; see rejected data and warnings."
+    )
 
 
 def test_a_mosaic_without_a_resolution_is_not_named(survey: Survey) -> None:
     unknown = Mosaic(facts=MosaicFacts(caption="x"), preview=b"", has_mesh=False)
-    assert not any("Mosaic" in line for line in headline(replace(survey, mosaics=Mosaics(optical=unknown))))
+    assert not any(
+        "Mosaic" in line for line in headline(replace(survey, mosaics=Mosaics(optical=unknown)))
+    )
 
 
 def test_the_verdict_says_why_nothing_was_looked_for(survey: Survey, bare: Survey) -> None:
@@ -169,11 +214,29 @@ def test_the_verdict_says_why_nothing_was_looked_for(survey: Survey, bare: Surve
     assert verdict(survey) in headline(survey)
 
 
-def test_where_no_object_was_found_the_page_says_what_was_looked_for_and_what_was_examined(survey: Survey) -> None:
-    options = {"min_height_m": 0.03, "min_area_m2": 0.0025, "min_views": 3, "max_p_value": 0.001, "fusion": "heights"}
-    detect = StepRun(name="detect", version=1, settings={"detect": options, "hull.region": []}, inputs={}, warnings=(), run={})
+def test_where_no_object_was_found_the_page_says_what_was_looked_for_and_what_was_examined(
+    survey: Survey,
+) -> None:
+    options = {
+        "min_height_m": 0.03,
+        "min_area_m2": 0.0025,
+        "min_views": 3,
+        "max_p_value": 0.001,
+        "fusion": "heights",
+    }
+    detect = StepRun(
+        name="detect",
+        version=1,
+        settings={"detect": options, "hull.region": []},
+        inputs={},
+        warnings=(),
+        run={},
+    )
     region = RejectedRegion(
-        center=(0.0, 0.0, 0.0), reason="only 0.025 m off the hull around it", height=0.025, height_sigma=0.003
+        center=(0.0, 0.0, 0.0),
+        reason="only 0.025 m off the hull around it",
+        height=0.025,
+        height_sigma=0.003,
     )
     clean = replace(
         survey,
@@ -195,7 +258,10 @@ def test_a_figure_is_given_where_it_was_measured(survey: Survey, bare: Survey) -
     ]
     assert key_figures(bare) == []
     blind = replace(survey, findings=replace(survey.findings, coverage=None, objects=None))
-    assert [name for name, _, _ in key_figures(blind)] == ["Vehicle, along the hull", "Form off the CAD model"]
+    assert [name for name, _, _ in key_figures(blind)] == [
+        "Vehicle, along the hull",
+        "Form off the CAD model",
+    ]
 
 
 def test_without_a_cad_model_the_place_is_along_and_across(survey: Survey, bare: Survey) -> None:

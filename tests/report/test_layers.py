@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is laid over the orthos: the chart itself, outlines and photos of objects. Read back without the code that wrote it."""
+"""What is laid over the orthos: the chart itself, outlines and photos of objects. Read back without
+the code that wrote it.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,12 @@ from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.content.object_images import object_crops, photo_jpeg
 from hullrecon.report.export.chart_export import chart_document, chart_mesh, chart_ply
-from hullrecon.report.export.object_layers import object_layers, objects_geojson, objects_gpkg, photo_name
+from hullrecon.report.export.object_layers import (
+    object_layers,
+    objects_geojson,
+    objects_gpkg,
+    photo_name,
+)
 from hullrecon.report.survey import Survey
 
 CHART = PlaneChart(np.array([0.0, 0, 0]), np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, -1]]))
@@ -44,7 +51,9 @@ def polygon(blob: bytes) -> np.ndarray:
 def test_the_chart_mesh_goes_from_chart_to_ship_and_faces_outward() -> None:
     mesh = chart_mesh(CHART, CORNERS)
     assert mesh.step_m == 0.1
-    np.testing.assert_allclose(mesh.points, np.column_stack([mesh.along_girth, 0 * mesh.along_girth[:, 0]]), atol=1e-12)
+    np.testing.assert_allclose(
+        mesh.points, np.column_stack([mesh.along_girth, 0 * mesh.along_girth[:, 0]]), atol=1e-12
+    )
     a, b, c = mesh.points[mesh.faces].transpose(1, 0, 2)
     assert (np.cross(b - a, c - a)[:, 2] < 0).all()
     assert np.ptp(mesh.along_girth[:, 0]) == pytest.approx(3.0, abs=0.21)
@@ -81,7 +90,12 @@ def test_the_chart_document_gives_the_map_and_a_plane_exactly() -> None:
     document = chart_document(CHART, OUTSIDE, chart_mesh(CHART, CORNERS))
     assert document["map"]["along_from_x"] == -1  # type: ignore[index]
     assert document["kind"] == "plane"
-    assert document["plane"] == {"origin": [0, 0, 0], "along": [1, 0, 0], "girth": [0, 1, 0], "normal": [0, 0, -1]}
+    assert document["plane"] == {
+        "origin": [0, 0, 0],
+        "along": [1, 0, 0],
+        "girth": [0, 1, 0],
+        "normal": [0, 0, -1],
+    }
 
 
 def test_an_outline_lies_on_the_map_in_every_layer(found: ReportedObject) -> None:
@@ -102,12 +116,18 @@ def test_an_outline_lies_on_the_map_in_every_layer(found: ReportedObject) -> Non
 def test_a_feature_says_each_number_with_its_sigma(found: ReportedObject) -> None:
     fields = object_layers([found], set(), CHART, OUTSIDE)[0].fields[0]
     sure = {"id", "kind", "views", "p_value", "side", "frame", "open_edge", "address", "photo"}
-    bare = {n for n in fields if n not in sure and "sigma" not in n and not {f"{n}_sigma", f"sigma_{n}"} & fields.keys()}
+    bare = {
+        n
+        for n in fields
+        if n not in sure and "sigma" not in n and not {f"{n}_sigma", f"sigma_{n}"} & fields.keys()
+    }
     assert bare == set()
 
 
 def test_the_geopackage_keeps_to_the_standards_tables(found: ReportedObject) -> None:
-    layers = object_layers([found, replace(found, id=2, outline=(), depth=None)], set(), CHART, OUTSIDE)
+    layers = object_layers(
+        [found, replace(found, id=2, outline=(), depth=None)], set(), CHART, OUTSIDE
+    )
     base = database(objects_gpkg(layers, OUTSIDE, 1_777_887_000_468_241_234))
     assert base.execute("PRAGMA application_id").fetchone() == (0x47504B47,)
     assert base.execute("PRAGMA integrity_check").fetchone() == ("ok",)
@@ -116,12 +136,18 @@ def test_the_geopackage_keeps_to_the_standards_tables(found: ReportedObject) -> 
     assert {-1, 0, 4326} < set(systems)
     (local,) = set(systems) - {-1, 0, 4326}
     assert systems[local] == OUTSIDE.wkt
-    kinds = base.execute("SELECT table_name, geometry_type_name, srs_id FROM gpkg_geometry_columns").fetchall()
+    kinds = base.execute(
+        "SELECT table_name, geometry_type_name, srs_id FROM gpkg_geometry_columns"
+    ).fetchall()
     assert kinds == [("objects", "POLYGON", local), ("object_centers", "POINT", local)]
     (changed,) = base.execute("SELECT DISTINCT last_change FROM gpkg_contents").fetchone()
     assert changed == "2026-05-04T09:30:00.468Z"
-    assert base.execute("SELECT id, height, depth FROM object_centers").fetchall() == [(1, 0.1, 2.9), (2, 0.1, None)]
-    assert base.execute("SELECT count(*) FROM objects").fetchone() == (1,)  # the second has no outline
+    assert base.execute("SELECT id, height, depth FROM object_centers").fetchall() == [
+        (1, 0.1, 2.9),
+        (2, 0.1, None),
+    ]
+    # the second has no outline
+    assert base.execute("SELECT count(*) FROM objects").fetchone() == (1,)
 
 
 def test_a_dive_without_objects_has_empty_layers() -> None:
@@ -132,7 +158,9 @@ def test_a_dive_without_objects_has_empty_layers() -> None:
 
 
 def test_the_same_objects_give_the_same_bytes(found: ReportedObject) -> None:
-    one, two = (objects_gpkg(object_layers([found], {1}, CHART, OUTSIDE), OUTSIDE, 5) for _ in range(2))
+    one, two = (
+        objects_gpkg(object_layers([found], {1}, CHART, OUTSIDE), OUTSIDE, 5) for _ in range(2)
+    )
     assert one == two
 
 

@@ -16,7 +16,13 @@ from PIL import Image
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.report.figures import map_layers
 from hullrecon.report.figures.chart_map import Extent, Shading, form_shadings, project_surface
-from hullrecon.report.figures.map_layers import MapLayer, bounds_of, field_layer, mosaic_layer, palette
+from hullrecon.report.figures.map_layers import (
+    MapLayer,
+    bounds_of,
+    field_layer,
+    mosaic_layer,
+    palette,
+)
 from hullrecon.report.figures.survey_map import chart_view, survey_layers
 from hullrecon.report.step_documents import MosaicFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Survey
@@ -34,8 +40,18 @@ def ortho(tmp_path: Path) -> Path:
     """6 by 4 pixels of 0.5 m from x = 10, y = 7: red on the left, nothing seen on the right."""
     values = np.zeros((4, 4, 6), np.uint8)
     values[0, :, :3], values[3, :, :3] = 200, 255
-    profile = {"driver": "GTiff", "width": 6, "height": 4, "count": 4, "dtype": "uint8", "photometric": "RGB", "alpha": "YES"}
-    with rasterio.open(tmp_path / "ortho.tif", "w", transform=rasterio.Affine(0.5, 0, 10, 0, -0.5, 7), **profile) as file:
+    profile = {
+        "driver": "GTiff",
+        "width": 6,
+        "height": 4,
+        "count": 4,
+        "dtype": "uint8",
+        "photometric": "RGB",
+        "alpha": "YES",
+    }
+    with rasterio.open(
+        tmp_path / "ortho.tif", "w", transform=rasterio.Affine(0.5, 0, 10, 0, -0.5, 7), **profile
+    ) as file:
         file.write(values)
     return tmp_path / "ortho.tif"
 
@@ -50,17 +66,30 @@ def test_a_mosaic_lies_where_its_raster_lies(ortho: Path) -> None:
     assert layer.legend is None
 
 
-def test_the_hazy_range_of_an_underwater_mosaic_is_spread_and_its_colours_stay(tmp_path: Path) -> None:
+def test_the_hazy_range_of_an_underwater_mosaic_is_spread_and_its_colours_stay(
+    tmp_path: Path,
+) -> None:
     values = np.full((4, 20, 20), 255, np.uint8)
     values[0], values[1], values[2] = np.linspace(60, 120, 20)[None], 90, 75
-    profile = {"driver": "GTiff", "width": 20, "height": 20, "count": 4, "dtype": "uint8", "photometric": "RGB", "alpha": "YES"}
-    with rasterio.open(tmp_path / "hazy.tif", "w", transform=rasterio.Affine(1, 0, 5, 0, -1, 0), **profile) as file:
+    profile = {
+        "driver": "GTiff",
+        "width": 20,
+        "height": 20,
+        "count": 4,
+        "dtype": "uint8",
+        "photometric": "RGB",
+        "alpha": "YES",
+    }
+    with rasterio.open(
+        tmp_path / "hazy.tif", "w", transform=rasterio.Affine(1, 0, 5, 0, -1, 0), **profile
+    ) as file:
         file.write(values)
     picture = pixels_of(mosaic_layer("optical", "Camera mosaic", tmp_path / "hazy.tif")).astype(int)
     level = picture[..., :3].mean(axis=2)
     assert level[10, 1] < 40
     assert level[10, 18] > 160
-    assert 10 <= (picture[5:15, 5:15, 1] - picture[5:15, 5:15, 2]).mean() <= 25  # 15 before: colours do not glare
+    # 15 before: colours do not glare
+    assert 10 <= (picture[5:15, 5:15, 1] - picture[5:15, 5:15, 2]).mean() <= 25
 
 
 def test_a_large_mosaic_is_shown_smaller(ortho: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -82,11 +111,14 @@ def test_every_pixel_of_a_field_has_a_colour_of_its_legend(survey: Survey, plate
 
 def test_a_field_is_read_back_from_its_pixels(survey: Survey, plate: Surface) -> None:
     view = chart_view(survey)
-    layer = field_layer("form", "Form", view.found, 4.0 * plate.vertices[:, 0], SHADING, view.extent)
+    layer = field_layer(
+        "form", "Form", view.found, 4.0 * plate.vertices[:, 0], SHADING, view.extent
+    )
     picture = pixels_of(layer)
     left, bottom, right, top = layer.bounds
     level = {tuple(colour): k for k, colour in enumerate(palette("RdBu_r").tolist())}
-    for x, y in ((-0.4, -1.3), (0.3, -0.5), (0.8, -1.6)):  # along, girth: on the map x is minus along
+    # along, girth: on the map x is minus along
+    for x, y in ((-0.4, -1.3), (0.3, -0.5), (0.8, -1.6)):
         row = int((top - y) / (top - bottom) * len(picture))
         column = int((-x - left) / (right - left) * picture.shape[1])
         value = -10 + 20 * level[tuple(picture[row, column, :3].tolist())] / 255
@@ -97,7 +129,8 @@ def test_what_was_not_seen_is_transparent(survey: Survey, plate: Surface) -> Non
     view = chart_view(survey)
     picture = pixels_of(field_layer("form", "Form", view.found, np.zeros(15), SHADING, view.extent))
     left, _, right, _ = bounds_of(view.extent)
-    seen_to = int((-1.0 - left) / (right - left) * picture.shape[1])  # the plate is seen up to along = 1, which is x = -1
+    # the plate is seen up to along = 1, which is x = -1
+    seen_to = int((-1.0 - left) / (right - left) * picture.shape[1])
     middle = picture[picture.shape[0] // 2, :, 3]
     assert not middle[: seen_to - 3].any()
     assert middle[seen_to + 3]
@@ -109,7 +142,9 @@ def test_bounds_are_in_map_coordinates() -> None:
     assert bounds_of(replace(extent, flips=(False, True))) == (30.0, -7.0, 40.0, -2.0)
 
 
-def test_the_bare_hull_sets_the_colours_and_not_its_objects(survey: Survey, plate: Surface, split: DeviationSplit) -> None:
+def test_the_bare_hull_sets_the_colours_and_not_its_objects(
+    survey: Survey, plate: Surface, split: DeviationSplit
+) -> None:
     found = project_surface(plate, survey.surfaces.chart)
     form, sigma = form_shadings(found, split)
     high = split.form.copy()
@@ -130,7 +165,9 @@ def test_a_dive_has_the_layers_that_it_gives(survey: Survey, bare: Survey, ortho
     assert names(survey) == ["form", "form_sigma", "coverage"]
     optical = Mosaic(facts=MosaicFacts(caption="At 5 mm a pixel."), preview=b"", has_mesh=False)
     copies = replace(survey.provenance, copies={"ortho_optical.tif": ortho})
-    assert names(replace(survey, mosaics=Mosaics(optical=optical), provenance=copies))[0] == "optical"
+    assert (
+        names(replace(survey, mosaics=Mosaics(optical=optical), provenance=copies))[0] == "optical"
+    )
     no_cad = replace(bare, surfaces=replace(survey.surfaces, deviation=None, outside=None))
     assert names(no_cad) == ["sigma", "coverage"]
     assert names(replace(survey, surfaces=replace(survey.surfaces, as_found=None))) == []
@@ -149,4 +186,7 @@ def test_coverage_by_the_dvl_is_not_called_the_cameras(survey: Survey) -> None:
 
 def test_the_note_of_the_form_says_what_it_leaves_out(survey: Survey) -> None:
     form = survey_layers(survey, chart_view(survey))[0]
-    assert "as a whole the patch lies 6 mm outside it (one sigma 20 mm, not significantly different from zero)" in form.note
+    assert (
+        "as a whole the patch lies 6 mm outside it (one sigma 20 mm, not significantly different from zero)"
+        in form.note
+    )

@@ -7,7 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon.records.solution import Solution
-from hullrecon.report.content.missing_deliverables import OF_DEVIATION, Carried, missing_deliverables
+from hullrecon.report.content.missing_deliverables import (
+    OF_DEVIATION,
+    Carried,
+    missing_deliverables,
+)
 
 ALL = Carried(camera=True, sonar=True, cad_model=True)
 CHAIN = ("ingest", "navigate", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar")
@@ -20,14 +24,20 @@ def test_a_whole_dive_lacks_nothing(solution: Solution) -> None:
 def test_without_cameras_all_that_needs_images_says_so(solution: Solution) -> None:
     blind = replace(solution, landmarks=replace(solution.landmarks, position=np.zeros((0, 3))))
     reasons = missing_deliverables(
-        replace(ALL, camera=False), ("ingest", "navigate", "adjust", "surface", "mosaic-sonar"), blind
+        replace(ALL, camera=False),
+        ("ingest", "navigate", "adjust", "surface", "mosaic-sonar"),
+        blind,
     )
-    assert {reasons[k] for k in ("ortho_optical.tif", "landmarks.ply", "colmap/")} == {"no camera was carried"}
+    assert {reasons[k] for k in ("ortho_optical.tif", "landmarks.ply", "colmap/")} == {
+        "no camera was carried"
+    }
     assert "ortho_sonar.tif" not in reasons
 
 
 def test_without_a_cad_model_there_is_no_alignment(solution: Solution) -> None:
-    reasons = missing_deliverables(replace(ALL, cad_model=False), CHAIN, replace(solution, hull_pose=None))
+    reasons = missing_deliverables(
+        replace(ALL, cad_model=False), CHAIN, replace(solution, hull_pose=None)
+    )
     assert next(iter(reasons)) == "alignment.json"
     assert set(reasons) == {"alignment.json", *OF_DEVIATION}
     assert "no CAD model was given" in reasons["alignment.json"]
@@ -38,10 +48,14 @@ def test_without_a_sonar_its_mosaic_is_absent(solution: Solution) -> None:
     assert set(reasons.values()) == {"no imaging sonar was carried"}
 
 
-def test_rasters_that_lie_on_a_mosaics_grid_are_named_where_there_is_none(solution: Solution) -> None:
+def test_rasters_that_lie_on_a_mosaics_grid_are_named_where_there_is_none(
+    solution: Solution,
+) -> None:
     carried = Carried(camera=False, sonar=False, cad_model=True)
     reasons = missing_deliverables(carried, CHAIN[:-2], solution)
-    assert {reasons[name] for name in (*OF_DEVIATION, "support.tif")} == {"they lie on a mosaic's grid, and there is none"}
+    assert {reasons[name] for name in (*OF_DEVIATION, "support.tif")} == {
+        "they lie on a mosaic's grid, and there is none"
+    }
     assert "support.tif" not in missing_deliverables(ALL, CHAIN[:-1], solution)
 
 
@@ -65,12 +79,18 @@ def test_a_cad_model_that_was_left_out_is_named_as_such(solution: Solution) -> N
 
 
 def test_without_a_cad_model_the_rasters_of_the_deviation_are_named() -> None:
-    reasons = missing_deliverables(Carried(camera=True, sonar=True, cad_model=False), ("adjust",), None)
+    reasons = missing_deliverables(
+        Carried(camera=True, sonar=True, cad_model=False), ("adjust",), None
+    )
     assert (
-        reasons["deviation.tif"] == reasons["form_sigma.tif"] == "no CAD model was given, so there is nothing to deviate from"
+        reasons["deviation.tif"]
+        == reasons["form_sigma.tif"]
+        == "no CAD model was given, so there is nothing to deviate from"
     )
     assert reasons["objects.gpkg"] == "the step detect left no result"
-    with_cad = missing_deliverables(Carried(camera=True, sonar=True, cad_model=True), ("adjust", "mosaic-sonar"), None)
+    with_cad = missing_deliverables(
+        Carried(camera=True, sonar=True, cad_model=True), ("adjust", "mosaic-sonar"), None
+    )
     assert "form.tif" not in with_cad
 
 
@@ -80,5 +100,10 @@ def test_a_comparison_is_missed_only_where_an_earlier_dive_is_named(solution: So
     assert missing_deliverables(ALL, CHAIN, solution) == {}
     assert missing_deliverables(named, CHAIN, solution, failures) == {"change/": failures["change"]}
     assert missing_deliverables(named, (*CHAIN, "change"), solution) == {}
-    without_cad = missing_deliverables(replace(named, cad_model=False), CHAIN, replace(solution, hull_pose=None))
-    assert without_cad["change/"] == "no CAD model was given, and two dives are compared on their hull's CAD model"
+    without_cad = missing_deliverables(
+        replace(named, cad_model=False), CHAIN, replace(solution, hull_pose=None)
+    )
+    assert (
+        without_cad["change/"]
+        == "no CAD model was given, and two dives are compared on their hull's CAD model"
+    )

@@ -42,13 +42,17 @@ def test_the_named_image_is_shown(survey: Survey, found: ReportedObject) -> None
     assert crop.t_ns == survey.track.t_ns[2]
 
 
-def test_without_names_the_most_central_view_is_shown(survey: Survey, found: ReportedObject) -> None:
+def test_without_names_the_most_central_view_is_shown(
+    survey: Survey, found: ReportedObject
+) -> None:
     crop = crop_of(survey, replace(found, images=(), center=(1.5, -1.0, 0.0), outline=()))
     assert crop is not None
     assert crop.row == 3  # x = 0.5 k of the plate: the fourth stands straight before 1.5
 
 
-def test_an_image_that_does_not_decode_gives_way_to_the_next(survey: Survey, found: ReportedObject) -> None:
+def test_an_image_that_does_not_decode_gives_way_to_the_next(
+    survey: Survey, found: ReportedObject
+) -> None:
     index = survey.facts.images[Camera.TOP].index
     central = replace(found, images=(), center=(1.0, -1.0, 0.0), outline=())
     crop = crop_of(survey, central, Unreadable(index, readable=(1, 3)))
@@ -65,11 +69,15 @@ def test_an_unusable_image_is_not_read(survey: Survey, found: ReportedObject) ->
     assert crop_of(survey, found, Unreadable(index, readable=(0, 1, 2, 3, 4))) is None
 
 
-def test_an_object_outside_every_image_gives_no_picture(survey: Survey, found: ReportedObject) -> None:
+def test_an_object_outside_every_image_gives_no_picture(
+    survey: Survey, found: ReportedObject
+) -> None:
     assert crop_of(survey, replace(found, images=(), center=(50.0, -1.0, 0.0))) is None
 
 
-def test_an_image_of_another_camera_is_not_taken_for_this_one(survey: Survey, found: ReportedObject) -> None:
+def test_an_image_of_another_camera_is_not_taken_for_this_one(
+    survey: Survey, found: ReportedObject
+) -> None:
     stamp = int(survey.track.t_ns[2])
     assert crop_of(survey, replace(found, images=(f"camera_bottom/{stamp}.jpg",))) is None
 

@@ -69,7 +69,13 @@ class Reader(HTMLParser):
 
 
 def page_of(survey: Survey, plots: bool = False) -> Reader:
-    return Reader(render_page(page_context(survey, draw_all_plots(survey) if plots else [], FILES, object_crops(survey))))
+    return Reader(
+        render_page(
+            page_context(
+                survey, draw_all_plots(survey) if plots else [], FILES, object_crops(survey)
+            )
+        )
+    )
 
 
 def test_the_page_needs_no_network(survey: Survey) -> None:
@@ -109,14 +115,17 @@ def test_the_card_shows_its_outline_on_the_image_that_it_names(survey: Survey) -
     crop = card["crop"]["crop"]
     assert (crop.camera, crop.row) == (Camera.TOP, 2)
     center = crop.outline.mean(axis=0)
-    np.testing.assert_allclose(np.ptp(crop.outline[:, 0]), 0.2 * 500 / 1.0, rtol=0.03)  # 1 m away, 500 px a metre
+    # 1 m away, 500 px a metre
+    np.testing.assert_allclose(np.ptp(crop.outline[:, 0]), 0.2 * 500 / 1.0, rtol=0.03)
     assert 0 < center[0] < crop.width
     assert 0 < center[1] < crop.height
 
 
 def test_text_from_the_package_cannot_become_markup(survey: Survey) -> None:
     evil_facts = replace(
-        survey.facts, dive=Dive(name="plate-1", vessel="<script>x</script>"), log=LogFindings(lost=("<b>topic</b>",))
+        survey.facts,
+        dive=Dive(name="plate-1", vessel="<script>x</script>"),
+        log=LogFindings(lost=("<b>topic</b>",)),
     )
     evil = replace(survey, facts=evil_facts)
     page, tame = page_of(evil), page_of(survey)
@@ -131,12 +140,25 @@ def test_a_bare_dive_gets_the_whole_page_with_reasons(bare: Survey) -> None:
     assert "dead reckon" in page.text
     ids = set(page.with_attribute("id"))
     assert {"summary", "position", "rejected", "record"} <= ids
-    assert not ids & {"plan", "map", "objects", "object-table", "deviation", "mosaics", "coverage", "view", "scene"}
+    assert not ids & {
+        "plan",
+        "map",
+        "objects",
+        "object-table",
+        "deviation",
+        "mosaics",
+        "coverage",
+        "view",
+        "scene",
+    }
     assert "Objects were not looked for: no camera was carried." in page.text
 
 
 def test_the_same_survey_gives_the_same_bytes(survey: Survey) -> None:
-    first, second = (render_page(page_context(survey, draw_all_plots(survey), FILES, object_crops(survey))) for _ in range(2))
+    first, second = (
+        render_page(page_context(survey, draw_all_plots(survey), FILES, object_crops(survey)))
+        for _ in range(2)
+    )
     assert first == second
 
 
@@ -148,11 +170,15 @@ def after(survey: Survey, seconds: float, peak_rss_bytes: int) -> list[str]:
     return render_page(page_context(again, [], FILES, object_crops(again))).splitlines()
 
 
-def test_two_runs_of_other_speed_differ_only_in_lines_that_are_marked_volatile(survey: Survey) -> None:
+def test_two_runs_of_other_speed_differ_only_in_lines_that_are_marked_volatile(
+    survey: Survey,
+) -> None:
     quick, slow = after(survey, 1.0, 10**8), after(survey, 9.0, 3 * 10**8)
     assert len([line for line in quick if "data-volatile" in line]) > len(survey.provenance.steps)
     assert quick != slow
-    assert [a for a in quick if "data-volatile" not in a] == [b for b in slow if "data-volatile" not in b]
+    assert [a for a in quick if "data-volatile" not in a] == [
+        b for b in slow if "data-volatile" not in b
+    ]
 
 
 def gray_png() -> bytes:
@@ -167,7 +193,9 @@ def gray_png() -> bytes:
 
 def test_mosaics_are_shown_with_their_caption(survey: Survey) -> None:
     mosaic = Mosaic(
-        facts=MosaicFacts(caption="31 m² at 17.6 mm per pixel.", resolution_m=0.0176), preview=gray_png(), has_mesh=True
+        facts=MosaicFacts(caption="31 m² at 17.6 mm per pixel.", resolution_m=0.0176),
+        preview=gray_png(),
+        has_mesh=True,
     )
     shown = replace(survey, mosaics=Mosaics(sonar=mosaic))
     page = page_of(shown)
@@ -181,28 +209,48 @@ def test_mosaics_are_shown_with_their_caption(survey: Survey) -> None:
 def test_the_summary_has_at_most_ten_lines_and_begins_with_the_dive(survey: Survey) -> None:
     lines = headline(survey)
     assert len(lines) <= 10
-    assert lines[0] == "Dive plate-1 on MV Plate: 4 s, 2.00 m of path, 5 poses, 5 images from 1 camera."
+    assert (
+        lines[0]
+        == "Dive plate-1 on MV Plate: 4 s, 2.00 m of path, 5 poses, 5 images from 1 camera."
+    )
     assert "The position along the hull is uncertain by 0.50 m." in lines
-    assert "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m." in lines
-    assert any(line.startswith("Within the surveyed patch the hull's form departs from its CAD model by") for line in lines)
+    assert (
+        "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m."
+        in lines
+    )
+    assert any(
+        line.startswith("Within the surveyed patch the hull's form departs from its CAD model by")
+        for line in lines
+    )
 
 
-def test_without_the_adjustments_words_a_large_sigma_is_said_all_the_same(survey: Survey, bare: Survey) -> None:
-    assert weak_sentences(replace(survey, adjusted=replace(survey.adjusted, weak_directions=()))) == [
-        "The position along x of the ship is uncertain by 0.50 m (one sigma)."
-    ]
+def test_without_the_adjustments_words_a_large_sigma_is_said_all_the_same(
+    survey: Survey, bare: Survey
+) -> None:
+    assert weak_sentences(
+        replace(survey, adjusted=replace(survey.adjusted, weak_directions=()))
+    ) == ["The position along x of the ship is uncertain by 0.50 m (one sigma)."]
     assert [s.split(" is ")[0] for s in weak_sentences(bare)] == [
         "The position in x of the local frame", "The position in y of the local frame"]  # fmt: skip
 
 
 def test_a_place_that_was_not_reported_is_named_with_its_reason(survey: Survey) -> None:
-    region = RejectedRegion(center=(1.0, -1.2, 0.0), height=0.031, reason="seen from two views only", address="frame 2, port")
+    region = RejectedRegion(
+        center=(1.0, -1.2, 0.0),
+        height=0.031,
+        reason="seen from two views only",
+        address="frame 2, port",
+    )
     page = page_of(replace(survey, findings=replace(survey.findings, not_reported=(region,))))
     assert "seen from two views only (height 0.031 m, frame 2, port)" in page.text
 
 
-def test_an_object_without_a_cad_model_has_no_distance_to_it(survey: Survey, found: ReportedObject) -> None:
-    (card,) = page_context(with_objects(survey, replace(found, deviation=None)), [], FILES, {})["cards"]
+def test_an_object_without_a_cad_model_has_no_distance_to_it(
+    survey: Survey, found: ReportedObject
+) -> None:
+    (card,) = page_context(with_objects(survey, replace(found, deviation=None)), [], FILES, {})[
+        "cards"
+    ]
     assert not any("CAD model" in name for name, _ in card["rows"])
 
 
@@ -211,16 +259,24 @@ def test_no_object_is_said_in_words(survey: Survey) -> None:
 
 
 def test_a_sensor_that_was_not_carried_saw_no_area(survey: Survey) -> None:
-    assert "Hull seen: 4.0 m² by camera; 1 hole of more than 0.03 m² in the coverage." in headline(survey)
-    with_dvl = replace(survey.findings, coverage=Coverage(camera=None, dvl=SensorCoverage(area_m2=2.0)))
+    assert "Hull seen: 4.0 m² by camera; 1 hole of more than 0.03 m² in the coverage." in headline(
+        survey
+    )
+    with_dvl = replace(
+        survey.findings, coverage=Coverage(camera=None, dvl=SensorCoverage(area_m2=2.0))
+    )
     assert "Hull seen: 2.0 m² by DVL." in headline(replace(survey, findings=with_dvl))
 
 
 def test_a_row_of_sigmas_has_one_unit(survey: Survey) -> None:
-    assert any("one sigma in x / y / z: 0.500 / 0.020 / 0.010 m." in line for line in headline(survey))
+    assert any(
+        "one sigma in x / y / z: 0.500 / 0.020 / 0.010 m." in line for line in headline(survey)
+    )
 
 
-def test_the_page_says_how_circular_a_comparison_with_the_cad_model_is(survey: Survey, bare: Survey) -> None:
+def test_the_page_says_how_circular_a_comparison_with_the_cad_model_is(
+    survey: Survey, bare: Survey
+) -> None:
     assert "The comparison is partly circular." in page_of(survey).text
     in_g = replace(bare, surfaces=survey.surfaces)
     assert "circular" not in page_of(in_g).text
@@ -232,7 +288,8 @@ def test_without_a_cad_model_no_deviation_is_claimed(survey: Survey, bare: Surve
     text = page_of(in_g).text
     assert "Deviation from the CAD model" not in text
     numbers = [int(n) for n in re.findall(r"(?m)^(\d+) [A-Z]", text)]
-    assert sorted(set(numbers)) == list(range(1, max(numbers) + 1))  # without a gap for the section that is absent
+    # without a gap for the section that is absent
+    assert sorted(set(numbers)) == list(range(1, max(numbers) + 1))
     assert "deviation_histogram" not in [plot.name for plot in draw_all_plots(in_g)]
 
 
@@ -249,8 +306,14 @@ def test_what_was_not_measured_is_not_spoken_of(survey: Survey, bare: Survey) ->
 
 
 def test_no_page_denies_holes_beside_a_mosaic_with_gaps(survey: Survey) -> None:
-    whole = replace(survey, findings=replace(survey.findings, coverage=Coverage(camera=SensorCoverage(area_m2=4.0))))
-    assert "No hole of more than 0.03 m² was found within the outline of what was seen." in page_of(whole).text
+    whole = replace(
+        survey,
+        findings=replace(survey.findings, coverage=Coverage(camera=SensorCoverage(area_m2=4.0))),
+    )
+    assert (
+        "No hole of more than 0.03 m² was found within the outline of what was seen."
+        in page_of(whole).text
+    )
     gappy = Mosaic(facts=MosaicFacts(gap_area_m2=0.4), preview=gray_png(), has_mesh=False)
     torn = replace(whole, mosaics=Mosaics(optical=gappy))
     assert "the mosaics have gaps that their captions name" in page_of(torn).text
@@ -259,15 +322,27 @@ def test_no_page_denies_holes_beside_a_mosaic_with_gaps(survey: Survey) -> None:
 def test_coverage_by_region_is_a_table_where_dive_toml_has_regions(survey: Survey) -> None:
     """On the page and in print; without regions neither has a word of them."""
     share = RegionShare(area_m2=2.0, area_sigma_m2=0.01, share=0.25, share_sigma=0.001)
-    bow = RegionCoverage(name="<bow>", along=(30.0, 34.0), girth=(0.0, 2.0), area_m2=8.0, camera=share)
+    bow = RegionCoverage(
+        name="<bow>", along=(30.0, 34.0), girth=(0.0, 2.0), area_m2=8.0, camera=share
+    )
     coverage = replace(survey.findings.coverage, regions=(bow,))
     counted = replace(survey, findings=replace(survey.findings, coverage=coverage))
     for render in (render_page, render_html):
         text = Reader(render(page_context(counted, [], FILES, object_crops(counted)))).text
         assert all(
-            words in text for words in ("Coverage by region", "<bow>", "30 to 34 m", "2.0 ± 0.1 m² (25 ± 1 %)", "not carried")
+            words in text
+            for words in (
+                "Coverage by region",
+                "<bow>",
+                "30 to 34 m",
+                "2.0 ± 0.1 m² (25 ± 1 %)",
+                "not carried",
+            )
         )
-        assert "by region" not in Reader(render(page_context(survey, [], FILES, object_crops(survey)))).text
+        assert (
+            "by region"
+            not in Reader(render(page_context(survey, [], FILES, object_crops(survey)))).text
+        )
 
 
 def test_rejected_observations_are_counted_out_of_all(survey: Survey) -> None:
@@ -313,10 +388,14 @@ def test_the_page_links_only_rasters_that_are_delivered(survey: Survey) -> None:
 
 def test_what_a_reader_asks_first_is_on_top(survey: Survey) -> None:
     found = re.search(
-        r'(?s)class="verdict">(.*?)</p>.*?class="tiles">(.*?)</dl>', render_page(page_context(survey, [], FILES, {}))
+        r'(?s)class="verdict">(.*?)</p>.*?class="tiles">(.*?)</dl>',
+        render_page(page_context(survey, [], FILES, {})),
     )
     assert found is not None
-    assert found[1] == "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m."
+    assert (
+        found[1]
+        == "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m."
+    )
     words = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", found[2])).strip()
     assert words == (
         "Object 1 on the hull Hull seen 4.0 m² by camera Vehicle, along the hull ± 0.50 m ± 20 mm in girth, one sigma "
@@ -324,20 +403,43 @@ def test_what_a_reader_asks_first_is_on_top(survey: Survey) -> None:
     )
 
 
-def test_the_table_has_a_row_an_object_that_leads_to_its_card(survey: Survey, found: ReportedObject) -> None:
+def test_the_table_has_a_row_an_object_that_leads_to_its_card(
+    survey: Survey, found: ReportedObject
+) -> None:
     recess = replace(found, id=2, height=-0.03, address="frame 9", p_value=None, depth=None)
     page = page_of(with_objects(survey, found, recess))
     assert {"row-1", "row-2", "object-1", "object-2"} <= set(page.with_attribute("id"))
-    assert [a["data-object"] for t, a in page.tags if t == "a" and a.get("data-action") == "card"] == ["1", "2"]
+    assert [
+        a["data-object"] for t, a in page.tags if t == "a" and a.get("data-action") == "card"
+    ] == ["1", "2"]
     table = object_rows(with_objects(survey, found, recess))
-    assert table.headings == ["No.", "Kind", "Height", "Area", "Along", "Girth", "Depth", "False alarm"]
+    assert table.headings == [
+        "No.",
+        "Kind",
+        "Height",
+        "Area",
+        "Along",
+        "Girth",
+        "Depth",
+        "False alarm",
+    ]
     cells = dict(table.rows)[2]
     assert [cell.text for cell in cells] == [
-        "2", "recess", "−0.030 ± 0.004 m", "250 ± 20 cm²", "1.0 ± 0.3 m", "−1.20 ± 0.02 m", "–", "–"]  # fmt: skip
+        "2",
+        "recess",
+        "−0.030 ± 0.004 m",
+        "250 ± 20 cm²",
+        "1.0 ± 0.3 m",
+        "−1.20 ± 0.02 m",
+        "–",
+        "–",
+    ]
     assert [cell.value for cell in cells] == [2, None, -0.03, 0.025, 1.0, -1.2, None, None]
 
 
-def test_a_column_that_no_object_fills_is_absent(survey: Survey, bare: Survey, found: ReportedObject) -> None:
+def test_a_column_that_no_object_fills_is_absent(
+    survey: Survey, bare: Survey, found: ReportedObject
+) -> None:
     dry = with_objects(survey, replace(found, depth=None, along=None))
     assert object_rows(dry).headings == ["No.", "Kind", "Height", "Area", "Girth", "False alarm"]
     assert "Across" in object_rows(with_objects(bare, found)).headings
@@ -354,7 +456,9 @@ def test_many_cards_are_folded_away_and_few_are_not(survey: Survey, found: Repor
 
 
 def test_headings_never_skip_a_level(survey: Survey) -> None:
-    levels = [int(tag[1]) for tag, _ in page_of(survey, plots=True).tags if re.fullmatch(r"h[1-6]", tag)]
+    levels = [
+        int(tag[1]) for tag, _ in page_of(survey, plots=True).tags if re.fullmatch(r"h[1-6]", tag)
+    ]
     assert levels[0] == 1
     assert all(below <= above + 1 for above, below in pairwise(levels))
 

@@ -48,7 +48,10 @@ def preview(width: int) -> bytes:
 @pytest.mark.parametrize(
     ("percentiles", "text"),
     [
-        ({"p05": 0.0018, "p50": 0.002, "p95": 0.0025}, "2 mm (5th to 95th percentile 1.8 to 2.5 mm)"),
+        (
+            {"p05": 0.0018, "p50": 0.002, "p95": 0.0025},
+            "2 mm (5th to 95th percentile 1.8 to 2.5 mm)",
+        ),
         ({"p05": 0.0018, "p95": 0.0025}, "5th to 95th percentile 1.8 to 2.5 mm"),
         ({"p50": 0.002}, "2 mm"),
     ],
@@ -59,7 +62,9 @@ def test_percentiles_are_named(percentiles: dict[str, float], text: str) -> None
 
 def test_coverage_rows_are_by_sensor_in_its_order() -> None:
     coverage = Coverage(
-        camera=SensorCoverage(area_m2=8.3, area_twice_m2=8.1, incidence_deg={"p05": 3.0, "p50": 15.0, "p95": 32.0}),
+        camera=SensorCoverage(
+            area_m2=8.3, area_twice_m2=8.1, incidence_deg={"p05": 3.0, "p50": 15.0, "p95": 32.0}
+        ),
         dvl=SensorCoverage(area_m2=10.7),
     )
     assert coverage_rows(coverage) == [
@@ -110,23 +115,32 @@ def test_a_card_without_a_picture_has_none(survey: Survey, found: ReportedObject
     assert card_context(found, survey, None)["crop"] is None
 
 
-def test_every_measured_number_of_a_card_has_its_sigma(survey: Survey, found: ReportedObject) -> None:
+def test_every_measured_number_of_a_card_has_its_sigma(
+    survey: Survey, found: ReportedObject
+) -> None:
     rows = dict(card_context(found, survey, None)["rows"])  # type: ignore[call-overload]
-    counted = ("More than half of its top seen in", "False-alarm probability, anywhere in the survey")
+    counted = (
+        "More than half of its top seen in",
+        "False-alarm probability, anywhere in the survey",
+    )
     assert all("±" in text for name, text in rows.items() if name not in counted)
     assert rows["Largest distance to the CAD model"] == "0.10 ± 0.02 m"
     assert rows["Along, girth"] == "1.0 ± 0.3 m, −1.20 ± 0.02 m"
     assert rows["Centre (x, y, z)"] == "1.0 ± 0.3, −1.20 ± 0.02, −0.10 ± 0.05 m in M"
 
 
-def test_a_card_says_where_the_survey_cut_its_object_off(survey: Survey, found: ReportedObject) -> None:
+def test_a_card_says_where_the_survey_cut_its_object_off(
+    survey: Survey, found: ReportedObject
+) -> None:
     name = "Outline beyond which nothing was measured"
     assert name not in dict(card_context(found, survey, None)["rows"])  # type: ignore[call-overload]
     rows = dict(card_context(replace(found, open_edge=0.287), survey, None)["rows"])  # type: ignore[call-overload]
     assert rows[name] == "29 %: it may be larger, as the sigmas of its size say"
 
 
-def test_without_a_pressure_sensor_a_card_has_no_depth(survey: Survey, found: ReportedObject) -> None:
+def test_without_a_pressure_sensor_a_card_has_no_depth(
+    survey: Survey, found: ReportedObject
+) -> None:
     rows = dict(card_context(replace(found, depth=None), survey, None)["rows"])  # type: ignore[call-overload]
     assert not any("epth" in name for name in rows)
 
@@ -153,13 +167,22 @@ def test_a_wide_mosaic_is_reduced_for_the_page() -> None:
 
 
 def test_a_mosaic_is_named_by_its_sensor() -> None:
-    shown = mosaic_context("sonar", Mosaic(facts=MosaicFacts(caption="c"), preview=preview(20), has_mesh=False))
-    assert (shown["name"], shown["stem"], shown["caption"], shown["has_mesh"]) == ("Sonar", "sonar", "c", False)
+    shown = mosaic_context(
+        "sonar", Mosaic(facts=MosaicFacts(caption="c"), preview=preview(20), has_mesh=False)
+    )
+    assert (shown["name"], shown["stem"], shown["caption"], shown["has_mesh"]) == (
+        "Sonar",
+        "sonar",
+        "c",
+        False,
+    )
 
 
 def test_frames_are_numbered_on_the_ship_alone(survey: Survey, bare: Survey) -> None:
     """A CAD model that was left out leaves its frame spacing in dive.toml."""
-    in_g = replace(bare, facts=replace(bare.facts, hull=survey.facts.hull), surfaces=survey.surfaces)
+    in_g = replace(
+        bare, facts=replace(bare.facts, hull=survey.facts.hull), surfaces=survey.surfaces
+    )
     on_ship, off_ship = (draw_plan(dive, chart_view(dive)) for dive in (survey, in_g))
     assert ">fr " in on_ship
     assert ">fr " not in off_ship
@@ -169,8 +192,18 @@ def test_frames_are_numbered_on_the_ship_alone(survey: Survey, bare: Survey) -> 
 
 def test_regions_are_rows_of_limits_and_of_what_each_sensor_saw() -> None:
     share = RegionShare(area_m2=2.04, area_sigma_m2=0.21, share=0.255, share_sigma=0.026)
-    region = RegionCoverage(name="bow", along=(30.0, 34.5), girth=None, area_m2=8.0, camera=share, dvl=None, sonar=share)
+    region = RegionCoverage(
+        name="bow", along=(30.0, 34.5), girth=None, area_m2=8.0, camera=share, dvl=None, sonar=share
+    )
     assert region_rows(Coverage(regions=(region,))) == [
-        ("bow", "30 to 34.5 m", "whole", "8.0 m²", "2.0 ± 0.2 m² (26 ± 3 %)", "2.0 ± 0.2 m² (26 ± 3 %)", "not carried")
+        (
+            "bow",
+            "30 to 34.5 m",
+            "whole",
+            "8.0 m²",
+            "2.0 ± 0.2 m² (26 ± 3 %)",
+            "2.0 ± 0.2 m² (26 ± 3 %)",
+            "not carried",
+        )
     ]
     assert region_rows(Coverage()) == region_rows(None) == []

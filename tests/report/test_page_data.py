@@ -29,7 +29,9 @@ TEMPLATES = WEB.parent / "templates"
 def data_of(survey: Survey) -> dict[str, Any]:
     """The document as a browser finds it."""
     text = render_page(page_context(survey, [], {}, {}))
-    (found,) = re.findall(r'(?s)<script type="application/json" id="report-data">(.*?)</script>', text)
+    (found,) = re.findall(
+        r'(?s)<script type="application/json" id="report-data">(.*?)</script>', text
+    )
     return json.loads(found)
 
 
@@ -49,7 +51,9 @@ def test_objects_lie_on_the_map_as_in_the_files_beside_it(survey: Survey) -> Non
     np.testing.assert_allclose(np.ptp(outline, axis=0), (0.2, 0.16), atol=1e-4)
     ring = np.array(found["ellipse"]) - found["at"]
     np.testing.assert_allclose(np.abs(ring).max(axis=0), (0.3, 0.02), atol=1e-3)
-    layers = object_layers(survey.findings.objects, (), survey.surfaces.chart, survey.surfaces.outside)
+    layers = object_layers(
+        survey.findings.objects, (), survey.surfaces.chart, survey.surfaces.outside
+    )
     np.testing.assert_allclose(layers[0].shapes[0], outline, atol=1e-4)
 
 
@@ -70,7 +74,9 @@ def test_the_map_knows_its_place_and_its_layers(survey: Survey) -> None:
         assert f'<script type="text/plain" id="{layer["image"]}">data:image/webp;base64,' in text
 
 
-def test_a_dive_without_a_cad_model_has_no_frames_and_no_girth(survey: Survey, bare: Survey) -> None:
+def test_a_dive_without_a_cad_model_has_no_frames_and_no_girth(
+    survey: Survey, bare: Survey
+) -> None:
     document = data_of(replace(bare, surfaces=replace(survey.surfaces, deviation=None)))["map"]
     assert document["axes"] == ["along", "across"]
     assert document["frame_spacing"] is None
@@ -79,9 +85,15 @@ def test_a_dive_without_a_cad_model_has_no_frames_and_no_girth(survey: Survey, b
 
 def test_matched_pairs_are_links_by_kind(survey: Survey) -> None:
     pairs = NodePairs(
-        first=np.array([0, 1, 0]), second=np.array([1, 2, 4]), across=np.array([False, False, True]), overlap=np.ones(3),
-        round=np.zeros(3, int), putative=np.ones(3, int), reason=np.array([0, 2, 0]), rejected=np.zeros(3, bool),
-    )  # fmt: skip
+        first=np.array([0, 1, 0]),
+        second=np.array([1, 2, 4]),
+        across=np.array([False, False, True]),
+        overlap=np.ones(3),
+        round=np.zeros(3, int),
+        putative=np.ones(3, int),
+        reason=np.array([0, 2, 0]),
+        rejected=np.zeros(3, bool),
+    )
     linked = replace(survey, facts=replace(survey.facts, node_pairs=pairs))
     links = {link["kind"]: link["segments"] for link in data_of(linked)["map"]["links"]}
     path = data_of(linked)["map"]["path"][0]
@@ -117,7 +129,9 @@ def test_what_is_built_is_built_from_the_sources_that_lie_here() -> None:
     for path in [WEB / "package.json", *sorted((WEB / "src").iterdir(), key=lambda p: p.name)]:
         hash_of.update(f"{path.relative_to(WEB).as_posix()}\n".encode() + path.read_bytes())
     for name in ("report.js", "report.css"):
-        assert f"of sources {hash_of.hexdigest()}." in (TEMPLATES / name).read_text(), "out of date: make web"
+        assert f"of sources {hash_of.hexdigest()}." in (TEMPLATES / name).read_text(), (
+            "out of date: make web"
+        )
 
 
 def test_the_script_finds_its_elements_in_the_page(survey: Survey) -> None:
@@ -130,7 +144,9 @@ def test_the_script_finds_its_elements_in_the_page(survey: Survey) -> None:
 
 def test_the_lock_names_exact_versions_and_no_registry() -> None:
     package = json.loads((WEB / "package.json").read_text())
-    assert all(re.fullmatch(r"\d+\.\d+\.\d+", version) for version in package["devDependencies"].values())
+    assert all(
+        re.fullmatch(r"\d+\.\d+\.\d+", version) for version in package["devDependencies"].values()
+    )
     lock = (WEB / "package-lock.json").read_text()
     assert "registry" not in lock
     assert '"resolved"' not in lock

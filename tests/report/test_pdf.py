@@ -38,7 +38,10 @@ def pages_of(pdf: bytes) -> list[str]:
 def crowded(survey: Survey) -> Survey:
     """The survey with many objects and a long table of parameters."""
     one = (survey.findings.objects or ())[0]
-    objects = tuple(replace(one, id=k + 1, height=0.05 + 0.001 * k, address=f"frame {k + 1}, port") for k in range(MANY))
+    objects = tuple(
+        replace(one, id=k + 1, height=0.05 + 0.001 * k, address=f"frame {k + 1}, port")
+        for k in range(MANY)
+    )
     step = survey.provenance.steps[0]
     settings = {"adjust": {f"option_{k}": k * 1.5 for k in range(120)}}
     return replace(
@@ -48,12 +51,16 @@ def crowded(survey: Survey) -> Survey:
     )
 
 
-def test_each_page_has_its_number_and_each_but_the_first_names_dive_and_software(survey: Survey) -> None:
+def test_each_page_has_its_number_and_each_but_the_first_names_dive_and_software(
+    survey: Survey,
+) -> None:
     pages = pages_of(render_pdf(context_of(survey, plots=True)))
     assert len(pages) > 3
     for number, text in enumerate(pages, start=1):
         assert f"{number} of {len(pages)}" in text
-        assert number == 1 or ("Hull survey: plate-1" in text and f"hullrecon {__version__}" in text)
+        assert number == 1 or (
+            "Hull survey: plate-1" in text and f"hullrecon {__version__}" in text
+        )
 
 
 def test_nothing_is_lost_on_the_way_to_paper(survey: Survey) -> None:
@@ -75,7 +82,10 @@ def test_nothing_is_lost_on_the_way_to_paper(survey: Survey) -> None:
 
 def _check_rows(text: str) -> None:
     """Every object has its row in the list and in the annex."""
-    listed, annex = text.split("Objects, 24 in all")[1], text.split("Annex: the numbers of all objects")[-1]
+    listed, annex = (
+        text.split("Objects, 24 in all")[1],
+        text.split("Annex: the numbers of all objects")[-1],
+    )
     for k in range(1, MANY + 1):
         assert re.search(rf"\b{k} protrusion {0.05 + 0.001 * (k - 1):.3f} ±", listed), k
         assert re.search(rf"\b{k} frame {k}, port", annex), k
@@ -89,7 +99,12 @@ def test_many_objects_have_a_photo_with_a_line_each_and_all_their_numbers_in_the
     reader = PdfReader(io.BytesIO(render_pdf(context)))
     text = re.sub(r"\s+", "", "".join(page.extract_text() for page in reader.pages))
     for card in context["cards"]:  # type: ignore[attr-defined]
-        assert f"{card['id']}·Protrusion,{dict(card['rows'])['Height above the hull around it']}".replace(" ", "") in text
+        assert (
+            f"{card['id']}·Protrusion,{dict(card['rows'])['Height above the hull around it']}".replace(
+                " ", ""
+            )
+            in text
+        )
     annex = text.split("Annex:thenumbersofallobjects")[-1]
     for card in context["cards"]:  # type: ignore[attr-defined]
         for _, value in card["rows"]:
@@ -105,9 +120,10 @@ def test_a_heading_never_ends_a_page(survey: Survey) -> None:
     html = render_html(context_of(survey, plots=True))
     for page in weasyprint.HTML(string=html, url_fetcher=_fetch, base_url="font:").render().pages:
         lines = [
-            (box.position_y, box.element_tag) for box in page._page_box.descendants() if getattr(box, "text", "").strip()
-            and page.height - 75 > box.position_y > 70
-        ]  # fmt: skip
+            (box.position_y, box.element_tag)
+            for box in page._page_box.descendants()
+            if getattr(box, "text", "").strip() and page.height - 75 > box.position_y > 70
+        ]
         if lines:
             assert max(lines)[1] not in ("h1", "h2", "h3", "caption")
 
@@ -136,18 +152,28 @@ def test_the_document_is_tagged_titled_and_has_bookmarks(survey: Survey) -> None
     assert reader.trailer["/Root"]["/MarkInfo"]["/Marked"]  # type: ignore[index]
     assert any(str(entry.title).startswith("1 ") for entry in _flat(reader.outline))  # type: ignore[attr-defined]
     html = render_html(context_of(survey))
-    assert html.count("<svg") == len(re.findall(r"<svg[^>]*>(?:<style>[^<]*</style>)?<title>[^<]+</title>", html)) > 0
+    assert (
+        html.count("<svg")
+        == len(re.findall(r"<svg[^>]*>(?:<style>[^<]*</style>)?<title>[^<]+</title>", html))
+        > 0
+    )
     assert html.count("<img") == len(re.findall(r'<img[^>]* alt="[^"]+"', html))
 
 
 def _flat(outline: list[object]) -> list[object]:
-    return [entry for item in outline for entry in (_flat(item) if isinstance(item, list) else [item])]
+    return [
+        entry for item in outline for entry in (_flat(item) if isinstance(item, list) else [item])
+    ]
 
 
 def test_nothing_is_fetched_from_disk_or_network(survey: Survey) -> None:
     from hullrecon.report.pdf.render import _fetch
 
-    for url in ("file:///etc/passwd", "https://example.com/logo.png", "font:../../../../etc/passwd"):
+    for url in (
+        "file:///etc/passwd",
+        "https://example.com/logo.png",
+        "font:../../../../etc/passwd",
+    ):
         with pytest.raises((ValueError, FileNotFoundError)):
             _fetch(url)
 
@@ -179,14 +205,27 @@ def test_who_asked_who_dived_and_the_conclusion_stand_on_the_first_page(survey: 
         water="visibility 3 m",
         conclusion="Nothing that hinders service.\n\nClean the intake.",
     )
-    reader = PdfReader(io.BytesIO(render_pdf(context_of(replace(survey, facts=replace(survey.facts, about=about))))))
+    reader = PdfReader(
+        io.BytesIO(
+            render_pdf(context_of(replace(survey, facts=replace(survey.facts, about=about))))
+        )
+    )
     text = " ".join(reader.pages[0].extract_text().split())
-    for words in ("Client Harbour Authority & Sons", "Inspected by Divers <Ltd>", "ROV with DVL; stereo rig", "visibility 3 m",
-                  "Conclusion of the inspector", "Nothing that hinders service.", "Clean the intake."):  # fmt: skip
+    for words in (
+        "Client Harbour Authority & Sons",
+        "Inspected by Divers <Ltd>",
+        "ROV with DVL; stereo rig",
+        "visibility 3 m",
+        "Conclusion of the inspector",
+        "Nothing that hinders service.",
+        "Clean the intake.",
+    ):
         assert words in text
 
 
-def test_times_of_a_run_are_not_on_paper_since_they_differ_between_equal_runs(survey: Survey) -> None:
+def test_times_of_a_run_are_not_on_paper_since_they_differ_between_equal_runs(
+    survey: Survey,
+) -> None:
     html = render_html(context_of(survey))
     assert "7.5 s" not in html
     assert "Quality of the data" in html

@@ -29,7 +29,9 @@ from hullrecon.report.content.phrases import (
         (-0.04, 0.02, "−0.04 ± 0.02 m"),
     ],
 )
-def test_a_number_has_no_more_digits_than_its_sigma_deserves(value: float, sigma: float | None, text: str) -> None:
+def test_a_number_has_no_more_digits_than_its_sigma_deserves(
+    value: float, sigma: float | None, text: str
+) -> None:
     assert with_sigma(value, sigma, "m") == text
 
 
@@ -84,7 +86,10 @@ def test_a_range_with_signs_has_minus_signs_and_no_hyphens() -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "sigma", "text"), [(-0.124, 0.03, "−0.12 ± 0.03°"), (0.124, 0.012, "+0.124 ± 0.012°"), (-0.124, 0.0, "−0.12°")]
+    ("error", "sigma", "text"),
+    [(-0.124, 0.03, "−0.12 ± 0.03°"), (0.124, 0.012, "+0.124 ± 0.012°"), (-0.124, 0.0, "−0.12°")],
 )
-def test_an_error_has_its_sign_and_a_sigma_where_that_is_known(error: float, sigma: float, text: str) -> None:
+def test_an_error_has_its_sign_and_a_sigma_where_that_is_known(
+    error: float, sigma: float, text: str
+) -> None:
     assert error_with_sigma(error, sigma, "°") == text

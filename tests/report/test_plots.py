@@ -14,14 +14,26 @@ from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.report.figures.all_plots import draw_all_plots
 from hullrecon.report.figures.deviation_histogram import deviation_histogram
-from hullrecon.report.figures.plots import convergence, depth_and_standoff, labels, residuals, standoff
+from hullrecon.report.figures.plots import (
+    convergence,
+    depth_and_standoff,
+    labels,
+    residuals,
+    standoff,
+)
 from hullrecon.report.step_documents import FactorResiduals
 from hullrecon.report.survey import Survey
 
 
 def test_all_plots_of_a_whole_survey_have_pictures_words_and_numbers(survey: Survey) -> None:
     found = {p.name: p for p in draw_all_plots(survey)}
-    assert list(found) == ["depth_standoff", "position_sigma", "convergence", "labels", "deviation_histogram"]
+    assert list(found) == [
+        "depth_standoff",
+        "position_sigma",
+        "convergence",
+        "labels",
+        "deviation_histogram",
+    ]
     for plot in found.values():
         with Image.open(BytesIO(plot.png)) as picture:
             assert picture.width > 600
@@ -54,13 +66,19 @@ def test_convergence_lists_the_cost_of_each_factor() -> None:
 
 
 def test_a_step_that_was_not_taken_shows_the_cost_that_stayed() -> None:
-    plot = convergence({"cost": np.array([9.0, 1e28, 4.0]), "accepted": np.array([True, False, True])})
+    plot = convergence(
+        {"cost": np.array([9.0, 1e28, 4.0]), "accepted": np.array([True, False, True])}
+    )
     assert plot.table["cost"] == ["9", "9", "4"]
 
 
 def test_costs_of_two_rounds_are_told_apart() -> None:
     plot = convergence(
-        {"cost": np.array([9.0, 4.0, 90.0]), "round": np.array([1, 1, 2]), "pixel_sigma_px": np.array([1, 1, 0.2])}
+        {
+            "cost": np.array([9.0, 4.0, 90.0]),
+            "round": np.array([1, 1, 2]),
+            "pixel_sigma_px": np.array([1, 1, 0.2]),
+        }
     )
     assert plot.table["round"] == [1, 1, 2]
     assert "from 9 to 4 in 1 iteration, then from 90 to 90 in 0 iterations" in plot.alt
@@ -69,11 +87,18 @@ def test_costs_of_two_rounds_are_told_apart() -> None:
 
 def test_labels_say_how_many_ended_on_the_hull() -> None:
     plot = labels({"on_surface": np.array([5, 7]), "label_changes": np.array([0, 2])})
-    assert plot.alt == "7 of 7 landmarks end as on the hull; 2 labels changed at the last iteration."
+    assert (
+        plot.alt == "7 of 7 landmarks end as on the hull; 2 labels changed at the last iteration."
+    )
 
 
 def test_labels_are_a_share_of_the_landmarks_of_their_round() -> None:
-    record = {"on_surface": [5, 70], "label_changes": [0, 0], "landmarks": [10, 100], "round": [1, 2]}
+    record = {
+        "on_surface": [5, 70],
+        "label_changes": [0, 0],
+        "landmarks": [10, 100],
+        "round": [1, 2],
+    }
     plot = labels({name: np.array(values) for name, values in record.items()})
     assert plot.table["landmarks"] == [10, 100]
     assert plot.alt.startswith("70 of 100 landmarks")
@@ -81,9 +106,15 @@ def test_labels_are_a_share_of_the_landmarks_of_their_round() -> None:
 
 def test_residuals_compare_the_factors_that_both_have() -> None:
     plot = residuals(
-        {"stereo": FactorResiduals(rms=4.0), "range": FactorResiduals(rms=2.0)}, {"stereo": FactorResiduals(rms=1.1, count=90)}
+        {"stereo": FactorResiduals(rms=4.0), "range": FactorResiduals(rms=2.0)},
+        {"stereo": FactorResiduals(rms=1.1, count=90)},
     )
-    assert plot.table == {"factor": ["stereo"], "rms_before": ["4"], "rms_after": ["1.1"], "count": [90]}
+    assert plot.table == {
+        "factor": ["stereo"],
+        "rms_before": ["4"],
+        "rms_after": ["1.1"],
+        "count": [90],
+    }
 
 
 def test_without_depth_and_dvl_there_is_nothing_to_draw_of_them(dvl: DvlPings) -> None:
@@ -108,21 +139,34 @@ def test_a_distance_is_given_only_while_the_dvl_was_heard(dvl: DvlPings) -> None
 
 def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, split: DeviationSplit) -> None:
     deviation = np.where(plate.vertices[:, 0] < 0.5, 0.048, 0.0)
-    plot = deviation_histogram(None, replace(plate, deviation=deviation), replace(split, form=deviation - 0.02))
+    plot = deviation_histogram(
+        None, replace(plate, deviation=deviation), replace(split, form=deviation - 0.02)
+    )
     assert plot is not None
-    for column, first, second in (("as_found_percent", "0.046", "-0.002"), ("form_percent", "0.026", "-0.022")):
+    for column, first, second in (
+        ("as_found_percent", "0.046", "-0.002"),
+        ("form_percent", "0.026", "-0.022"),
+    ):
         share = dict(zip(plot.table["from_m"], map(float, plot.table[column]), strict=True))
         # of the columns x = -1, 0, 1 (seen) the first has half the area of the others
         assert share[first] == pytest.approx(100 * 1.5 / 2.5, abs=1e-3)
         assert share[second] == pytest.approx(100 * 1.0 / 2.5, abs=1e-3)
 
 
-def test_the_histogram_tells_the_offset_with_its_sigma(plate: Surface, split: DeviationSplit, solution: Solution) -> None:
+def test_the_histogram_tells_the_offset_with_its_sigma(
+    plate: Surface, split: DeviationSplit, solution: Solution
+) -> None:
     plot = deviation_histogram(solution, plate, split)
     assert plot is not None
     assert "offset of the whole patch +6 mm, one sigma 20 mm" in plot.alt
     assert "median one sigma 2.0 mm" in plot.alt
-    assert list(plot.table) == ["from_m", "to_m", "landmarks_percent", "as_found_percent", "form_percent"]
+    assert list(plot.table) == [
+        "from_m",
+        "to_m",
+        "landmarks_percent",
+        "as_found_percent",
+        "form_percent",
+    ]
 
 
 def test_without_a_cad_model_there_is_no_histogram(plate: Surface, solution: Solution) -> None:

@@ -32,7 +32,10 @@ def test_missing_deliverables_stand_with_their_reason(bare: Survey) -> None:
 
 def test_outages_stand_at_the_logs_own_times(bare: Survey) -> None:
     navigation = NavigationFacts(
-        start_ns=60 * 10**9, outages_s=((1.0, 2.5),), attitude_gaps_s=((3.0, 4.0),), remarks=("one remark",)
+        start_ns=60 * 10**9,
+        outages_s=((1.0, 2.5),),
+        attitude_gaps_s=((3.0, 4.0),),
+        remarks=("one remark",),
     )
     items = groups_of(replace(bare, facts=replace(bare.facts, navigation=navigation)))["Navigation"]
     assert items == [
@@ -44,11 +47,15 @@ def test_outages_stand_at_the_logs_own_times(bare: Survey) -> None:
 
 def test_pairs_are_counted_by_reason_singular_and_plural(bare: Survey) -> None:
     pairs = PairFacts(failed={"too few inliers": 1, "inconsistent with navigation": 12})
-    items = groups_of(replace(bare, facts=replace(bare.facts, pairs=pairs)))["Image pairs without a relative pose"]
+    items = groups_of(replace(bare, facts=replace(bare.facts, pairs=pairs)))[
+        "Image pairs without a relative pose"
+    ]
     assert items == ["inconsistent with navigation: 12 pairs", "too few inliers: 1 pair"]
 
 
-def test_what_the_log_lost_and_what_the_check_of_the_cad_model_found_are_apart(bare: Survey) -> None:
+def test_what_the_log_lost_and_what_the_check_of_the_cad_model_found_are_apart(
+    bare: Survey,
+) -> None:
     log = LogFindings(lost=("2 s of /dvl",), hull=("22 boundary edges",), remarks=("no sonar",))
     groups = groups_of(replace(bare, facts=replace(bare.facts, log=log)))
     assert groups["Lost data"] == ["2 s of /dvl"]
@@ -65,7 +72,11 @@ def test_no_observation_is_counted_where_none_was_rejected(survey: Survey) -> No
 
 def test_a_region_has_its_height_and_its_address(bare: Survey) -> None:
     region = RejectedRegion(
-        center=(1.0, -2.0, 0.5), height=-0.043, height_sigma=0.006, reason="only 4 landmarks", address="frame 3, port"
+        center=(1.0, -2.0, 0.5),
+        height=-0.043,
+        height_sigma=0.006,
+        reason="only 4 landmarks",
+        address="frame 3, port",
     )
     groups = groups_of(replace(bare, findings=replace(bare.findings, not_reported=(region,))))
     assert groups["Regions examined and not reported as objects"] == [
@@ -79,16 +90,23 @@ def test_warnings_carry_the_name_of_their_step(survey: Survey) -> None:
 
 def test_options_are_listed_once_by_section_and_key() -> None:
     steps = [
-        step("adjust", {"adjust": {"rounds": 3, "method": "maxmix"}, "dvl": {"mount": [0, 0, 1.5]}}),
+        step(
+            "adjust", {"adjust": {"rounds": 3, "method": "maxmix"}, "dvl": {"mount": [0, 0, 1.5]}}
+        ),
         step("surface", {"dvl": {"mount": [0, 0, 1.5]}, "surface": {"cell_m": None}}),
     ]
     assert settings_rows(steps) == [
-        ("adjust.method", "maxmix"), ("adjust.rounds", "3"), ("dvl.mount", "0, 0, 1.5"), ("surface.cell_m", "not set")
-    ]  # fmt: skip
+        ("adjust.method", "maxmix"),
+        ("adjust.rounds", "3"),
+        ("dvl.mount", "0, 0, 1.5"),
+        ("surface.cell_m", "not set"),
+    ]
 
 
 def test_nested_options_have_dotted_names_and_absent_sections_no_row() -> None:
-    assert settings_rows([step("x", {"hull": None, "camera": {"top": {"mount": 1}}})]) == [("camera.top.mount", "1")]
+    assert settings_rows([step("x", {"hull": None, "camera": {"top": {"mount": 1}}})]) == [
+        ("camera.top.mount", "1")
+    ]
 
 
 def test_a_table_among_the_settings_is_a_line_of_words() -> None:

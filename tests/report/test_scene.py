@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the 3-D view is given: the hull without its form plus its form is the hull as found, block and document agree."""
+"""What the 3-D view is given: the hull without its form plus its form is the hull as found, block
+and document agree.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,8 @@ def arrays(scene: SceneView, name: str) -> dict[str, np.ndarray]:
 
     step = part["form_step_m"]  # type: ignore[index]
     return {
-        "vertices": np.array(part["low"]) + at("vertices", "<u2", 3 * n).reshape(n, 3) * np.array(part["step"]),  # type: ignore[index]
+        "vertices": np.array(part["low"])
+        + at("vertices", "<u2", 3 * n).reshape(n, 3) * np.array(part["step"]),  # type: ignore[index]
         "form": at("form", "<i2", n) * step,
         "relief": at("relief", "<i2", n) * step,
         "normals": at("normals", "i1", 3 * n).reshape(n, 3) / 127,
@@ -74,7 +77,8 @@ def test_the_block_holds_what_the_document_says(survey: Survey) -> None:
     np.testing.assert_allclose(read["form"], surveyed.form, atol=1e-6)
     np.testing.assert_allclose(read["normals"], surveyed.normals, atol=1 / 127)
     np.testing.assert_array_equal(read["faces"], surveyed.faces)
-    np.testing.assert_allclose(read["map"], surveyed.chart * [-1, 1], atol=1e-4)  # the test's map has x = -along
+    # the test's map has x = -along
+    np.testing.assert_allclose(read["map"], surveyed.chart * [-1, 1], atol=1e-4)
 
 
 def test_without_a_cad_model_the_surveyed_surface_is_shown_without_form(survey: Survey) -> None:
@@ -133,10 +137,20 @@ def test_a_large_mesh_is_thinned_keeps_its_shape_and_gives_the_same_bytes() -> N
     n = 60
     points, form = wavy(n)
     index = np.arange(n * n).reshape(n, n)
-    a, b, c, d = index[:-1, :-1].ravel(), index[:-1, 1:].ravel(), index[1:, :-1].ravel(), index[1:, 1:].ravel()
+    a, b, c, d = (
+        index[:-1, :-1].ravel(),
+        index[:-1, 1:].ravel(),
+        index[1:, :-1].ravel(),
+        index[1:, 1:].ravel(),
+    )
     faces = np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1)])
-    whole = parts.ScenePart(vertices=points, form=form, normals=np.tile([0.0, 0.0, 1.0], (len(points), 1)), faces=faces,
-                            chart=points[:, :2])  # fmt: skip
+    whole = parts.ScenePart(
+        vertices=points,
+        form=form,
+        normals=np.tile([0.0, 0.0, 1.0], (len(points), 1)),
+        faces=faces,
+        chart=points[:, :2],
+    )
     thin = parts._decimate(whole, 4000)
     assert thin is not None
     assert len(thin.faces) <= 4000
@@ -147,7 +161,9 @@ def test_a_large_mesh_is_thinned_keeps_its_shape_and_gives_the_same_bytes() -> N
     np.testing.assert_array_equal(thin.faces, again.faces)
 
 
-def test_a_long_path_is_thinned_and_small_objects_keep_their_outline(survey: Survey, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_long_path_is_thinned_and_small_objects_keep_their_outline(
+    survey: Survey, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("hullrecon.report.scene.scene_data.MAX_PATH", 2)
     document = scene_of(survey).document
     assert len(document["path"]) == 2  # type: ignore[arg-type]
@@ -155,7 +171,9 @@ def test_a_long_path_is_thinned_and_small_objects_keep_their_outline(survey: Sur
     np.testing.assert_allclose(outline, (survey.findings.objects or ())[0].outline, atol=1e-4)
 
 
-def test_the_document_is_json_without_a_nan_and_each_array_begins_at_a_multiple_of_four(survey: Survey) -> None:
+def test_the_document_is_json_without_a_nan_and_each_array_begins_at_a_multiple_of_four(
+    survey: Survey,
+) -> None:
     document = scene_of(survey).document
     assert json.loads(json.dumps(document, allow_nan=False))["block"] == "scene-block"
     for part in (document["surveyed"], document["rest"]):
@@ -167,7 +185,9 @@ def test_the_document_is_json_without_a_nan_and_each_array_begins_at_a_multiple_
 def test_an_object_without_a_place_is_left_out(survey: Survey) -> None:
     (one,) = survey.findings.objects or ()
     lost = replace(one, id=2, center=(float("nan"),) * 3)
-    document = scene_of(replace(survey, findings=replace(survey.findings, objects=(one, lost)))).document
+    document = scene_of(
+        replace(survey, findings=replace(survey.findings, objects=(one, lost)))
+    ).document
     assert [shown["id"] for shown in document["objects"]] == [1]  # type: ignore[attr-defined]
 
 

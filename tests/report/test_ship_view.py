@@ -69,9 +69,14 @@ def test_the_patch_is_in_colour_where_its_frame_is(name: str) -> None:
     orange = (picture[..., 0] > 1.3 * picture[..., 2]) & (picture[..., 3] == 255)
     rows, columns = np.nonzero(orange)
     factor = float(image.attrib["width"]) / picture.shape[1]
-    middle = factor * columns.mean() + float(image.attrib["x"]), factor * rows.mean() + float(image.attrib["y"])
+    middle = (
+        factor * columns.mean() + float(image.attrib["x"]),
+        factor * rows.mean() + float(image.attrib["y"]),
+    )
     place = {k: float(frame.attrib[k]) for k in ("x", "y", "width", "height")}
-    np.testing.assert_allclose(middle, (place["x"] + place["width"] / 2, place["y"] + place["height"] / 2), atol=1.5)
+    np.testing.assert_allclose(
+        middle, (place["x"] + place["width"] / 2, place["y"] + place["height"] / 2), atol=1.5
+    )
     assert (picture[..., 3] == 255).mean() > 0.95  # a box fills its picture
 
 
@@ -88,17 +93,28 @@ def test_the_scale_bar_is_as_long_as_it_says() -> None:
     assert float(pixels) / float(metres) == pytest.approx((1000 - 2 * 26) / 40, rel=1e-3)
 
 
-def test_the_survey_draws_its_ship_from_the_chart_and_the_hull_as_found(survey: Survey, bare: Survey) -> None:
+def test_the_survey_draws_its_ship_from_the_chart_and_the_hull_as_found(
+    survey: Survey, bare: Survey
+) -> None:
     chart = build_axis_chart(Mesh(SHIP.vertices, SHIP.faces), Z)
     patch = PATCHES["starboard"][0]
     count = len(patch.vertices)
     seen = Surface(
-        vertices=patch.vertices, faces=patch.faces, deviation=np.zeros(count), sigma=np.ones(count), support=np.ones(count, int)
+        vertices=patch.vertices,
+        faces=patch.faces,
+        deviation=np.zeros(count),
+        sigma=np.ones(count),
+        support=np.ones(count, int),
     )
-    shown = draw_ship(replace(survey, surfaces=replace(survey.surfaces, chart=chart, as_found=seen)))
+    shown = draw_ship(
+        replace(survey, surfaces=replace(survey.surfaces, chart=chart, as_found=seen))
+    )
     assert shown is not None
     assert shown[1] == "starboard side"
     unseen = replace(seen, support=np.zeros(count, int))
-    assert draw_ship(replace(survey, surfaces=replace(survey.surfaces, chart=chart, as_found=unseen))) is None
+    assert (
+        draw_ship(replace(survey, surfaces=replace(survey.surfaces, chart=chart, as_found=unseen)))
+        is None
+    )
     assert draw_ship(survey) is None  # its chart is not that of a ship
     assert draw_ship(bare) is None

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two legs of five nodes along a flat painted wall with truth; what navigation and the features of the images left."""
+"""Two legs of five nodes along a flat painted wall with truth; what navigation and the features of
+the images left.
+"""
 
 import dataclasses
 import json
@@ -34,11 +36,15 @@ def build_dive(folder, along=0.12, per_leg=5, apart=0.35, corners=False):
     x = along * np.arange(per_leg)
     place = np.concatenate([np.column_stack([x, 0 * x]), np.column_stack([x[::-1], 0 * x + apart])])
     global_from_top = exp(np.column_stack([place, np.zeros((2 * per_leg, 4))]))
-    paint = cv2.GaussianBlur(np.random.default_rng(0).integers(0, 255, (1000, 1200)).astype(np.uint8), (0, 0), 2.0)
+    paint = cv2.GaussianBlur(
+        np.random.default_rng(0).integers(0, 255, (1000, 1200)).astype(np.uint8), (0, 0), 2.0
+    )
     paint = cv2.normalize(paint, None, 0, 255, cv2.NORM_MINMAX)
     write_features(folder / "features", global_from_top, paint, corners)
     (folder / "ingest").mkdir()
-    (folder / "ingest" / "cameras.json").write_text(json.dumps({k: dataclasses.asdict(CAMERA) for k in ("top", "bottom")}))
+    (folder / "ingest" / "cameras.json").write_text(
+        json.dumps({k: dataclasses.asdict(CAMERA) for k in ("top", "bottom")})
+    )
     write_navigation(folder / "navigate", global_from_top)
     return SimpleNamespace(folder=folder, global_from_top=global_from_top)
 
@@ -46,7 +52,9 @@ def build_dive(folder, along=0.12, per_leg=5, apart=0.35, corners=False):
 def write_features(folder, global_from_top, paint, corners=False):
     folder.mkdir()
     options, index = FeatureOptions(reduction=1.0, max_features=600), {}
-    for camera, offset in zip(("camera_top", "camera_bottom"), (from_mount((0,) * 6), from_mount(BELOW)), strict=True):
+    for camera, offset in zip(
+        ("camera_top", "camera_bottom"), (from_mount((0,) * 6), from_mount(BELOW)), strict=True
+    ):
         found = [
             extract(see(pose.matrix()[0], paint), options, corners)
             for pose in ((global_from_top @ offset)[k] for k in range(len(global_from_top)))
@@ -54,7 +62,11 @@ def write_features(folder, global_from_top, paint, corners=False):
         index[f"{camera}_start"] = np.concatenate([[0], np.cumsum([len(f) for f in found])])
         index[f"{camera}_saliency"] = np.ones(len(global_from_top))
         index |= {f"{camera}_corners": np.array([f.corners for f in found])} if corners else {}
-        for kind, width, dtype in (("keypoints", 4, np.float32), ("descriptors", 128, np.uint8), ("color", 3, np.uint8)):
+        for kind, width, dtype in (
+            ("keypoints", 4, np.float32),
+            ("descriptors", 128, np.uint8),
+            ("color", 3, np.uint8),
+        ):
             with GrowingArray(folder / f"{kind}_{camera}.npy", width, dtype) as file:
                 for features in found:
                     file.append(getattr(features, kind))
@@ -66,15 +78,22 @@ def see(global_from_camera, paint):
     wall_from_paint = np.array([[1, 0, -500], [0, 1, -500], [0, 0, PIXELS_PER_M]]) / PIXELS_PER_M
     x, y, z, origin = np.linalg.inv(global_from_camera)[:3].T
     plane = np.column_stack([x, y, z * WALL_M + origin])
-    return cv2.warpPerspective(paint, CAMERA.matrix() @ plane @ wall_from_paint, (CAMERA.width, CAMERA.height))
+    return cv2.warpPerspective(
+        paint, CAMERA.matrix() @ plane @ wall_from_paint, (CAMERA.width, CAMERA.height)
+    )
 
 
 def write_navigation(folder, global_from_top, image=None, sigma_m=0.01):
-    """The camera sits in the vehicle's origin and looks along its z (mount and tray are the identity). The path may be another
-    one than the images' (drift); odometry and attitude are those of the path that is written."""
+    """The camera sits in the vehicle's origin and looks along its z (mount and tray are the
+    identity). The path may be another one than the images' (drift); odometry and attitude are those
+    of the path that is written.
+    """
     folder.mkdir()
     n = len(global_from_top)
-    covariance = np.tile(np.diag([sigma_m**2] * 3 + [1e-5] * 3), (n, 1, 1)) * (1 + np.arange(n))[:, None, None]
+    covariance = (
+        np.tile(np.diag([sigma_m**2] * 3 + [1e-5] * 3), (n, 1, 1))
+        * (1 + np.arange(n))[:, None, None]
+    )
     off = 0.003 * np.random.default_rng(2).standard_normal((n, 3))
     rows = np.column_stack([np.arange(n)] * 2) if image is None else image
     record = Trajectory(
@@ -86,15 +105,25 @@ def write_navigation(folder, global_from_top, image=None, sigma_m=0.01):
         image=rows,
     )
     errors = TrajectoryErrorModel(
-        by_error=np.zeros((n, 6, 0)), error_covariance=np.zeros((0, 0)), walk=covariance, white=np.zeros((n, 6, 6))
+        by_error=np.zeros((n, 6, 0)),
+        error_covariance=np.zeros((0, 0)),
+        walk=covariance,
+        white=np.zeros((n, 6, 6)),
     )
-    kept = {"trajectory": record, "error_model": errors, "odometry": steps_of(record, sigma_m), "attitude": level(record)}
+    kept = {
+        "trajectory": record,
+        "error_model": errors,
+        "odometry": steps_of(record, sigma_m),
+        "attitude": level(record),
+    }
     for name, kept_record in kept.items():
         np.savez(folder / f"{name}.npz", **to_arrays(kept_record))
 
 
 def steps_of(record, sigma_m):
-    """The path's own steps, each known to sigma_m; the drift of the heading turns them, one second a step."""
+    """The path's own steps, each known to sigma_m; the drift of the heading turns them, one second
+    a step.
+    """
     at, m = record.poses(), len(record.t_ns) - 1
     step = at[np.arange(m)].inverse() @ at[np.arange(1, m + 1)]
     by_navigation = np.zeros((m, 6, 2))
@@ -140,7 +169,10 @@ def with_navigation(dive, folder, global_from_top, image=None, sigma_m=0.01):
 
 def sections(stereo=True, links=LinkOptions(), **options):  # noqa: B008
     """What dive.toml says; options are those of [matches]."""
-    top, bottom = CameraTop(calibration="t", mount=(0,) * 6), CameraBottom(calibration="b", pose_in_top=BELOW)
+    top, bottom = (
+        CameraTop(calibration="t", mount=(0,) * 6),
+        CameraBottom(calibration="b", pose_in_top=BELOW),
+    )
     return {
         "camera": Cameras(top=top, bottom=bottom if stereo else None),
         "tray": Tray(),
@@ -161,5 +193,7 @@ def run_links(dive, out, jobs=1, **options):
 
 def run_matches(dive, out, **options):
     """Run the step matches after it into out/matches."""
-    inputs = {name: dive.folder / name for name in ("ingest", "navigate", "features")} | {"links": out / "links"}
+    inputs = {name: dive.folder / name for name in ("ingest", "navigate", "features")} | {
+        "links": out / "links"
+    }
     run_stage(MATCHES, sections(**options), inputs, out / "matches")

@@ -42,17 +42,33 @@ TO_DEGREES = np.r_[np.ones(3), np.full(3, 180 / np.pi)]
 def six(pose):
     """A mount as dive.toml has it, of a matrix (4, 4) or a batch of one."""
     matrix = pose if isinstance(pose, np.ndarray) else pose.matrix()[0]
-    return tuple(np.r_[matrix[:3, 3], Rotation.from_matrix(matrix[:3, :3]).as_euler("xyz", degrees=True)].tolist())
+    return tuple(
+        np.r_[
+            matrix[:3, 3], Rotation.from_matrix(matrix[:3, :3]).as_euler("xyz", degrees=True)
+        ].tolist()
+    )
 
 
 def sections(dive, **options):
     """dive.toml of the simulated dive."""
     m = dive.measured
     sigma = tuple((MOUNT_SIGMA * TO_DEGREES).tolist())
-    top = schema.CameraTop(calibration="top.yaml", mount=six(m.rig.T_s_ct.nominal), mount_sigma=sigma) if m.rig.T_s_ct else None
-    bottom = schema.CameraBottom(calibration="bottom.yaml", pose_in_top=six(TOP_FROM_BOTTOM)) if m.rig.T_ct_cb else None
+    top = (
+        schema.CameraTop(calibration="top.yaml", mount=six(m.rig.T_s_ct.nominal), mount_sigma=sigma)
+        if m.rig.T_s_ct
+        else None
+    )
+    bottom = (
+        schema.CameraBottom(calibration="bottom.yaml", pose_in_top=six(TOP_FROM_BOTTOM))
+        if m.rig.T_ct_cb
+        else None
+    )
     hull = (
-        schema.Hull(mesh="hull.stl", pose=six(m.cad_model.guess), pose_sigma=tuple((GUESS_SIGMA * TO_DEGREES).tolist()))
+        schema.Hull(
+            mesh="hull.stl",
+            pose=six(m.cad_model.guess),
+            pose_sigma=tuple((GUESS_SIGMA * TO_DEGREES).tolist()),
+        )
         if m.cad_model
         else None
     )
@@ -69,7 +85,8 @@ def sections(dive, **options):
 
 def keep(folder, name, record):
     folder.mkdir(exist_ok=True)
-    with zipfile.ZipFile(folder / f"{name}.npz", "w") as file:  # np.savez cannot hold a member called `file`
+    # np.savez cannot hold a member called `file`
+    with zipfile.ZipFile(folder / f"{name}.npz", "w") as file:
         for member, value in to_arrays(record).items():
             with file.open(f"{member}.npy", "w") as stream:
                 np.save(stream, value)
@@ -80,14 +97,24 @@ def ingested(folder, m):
     folder.mkdir()
     n = len(m.trajectory.t_ns)
     if m.rig.top is not None:
-        cameras = {"top": asdict(CAMERA)} | ({"bottom": asdict(CAMERA)} if m.rig.bottom is not None else {})
+        cameras = {"top": asdict(CAMERA)} | (
+            {"bottom": asdict(CAMERA)} if m.rig.bottom is not None else {}
+        )
         (folder / "cameras.json").write_text(json.dumps(cameras))
         zero = np.zeros(n, np.int64)
-        index = ImageIndex(t_ns=m.trajectory.t_ns, file=np.full(n, ""), offset=zero, size=zero, usable=np.ones(n, bool))
+        index = ImageIndex(
+            t_ns=m.trajectory.t_ns,
+            file=np.full(n, ""),
+            offset=zero,
+            size=zero,
+            usable=np.ones(n, bool),
+        )
         for name in cameras:
             keep(folder, f"images_camera_{name}", index)
     if m.cad_model is not None:
-        np.savez(folder / "hull.npz", vertices=m.cad_model.mesh.vertices, faces=m.cad_model.mesh.faces)
+        np.savez(
+            folder / "hull.npz", vertices=m.cad_model.mesh.vertices, faces=m.cad_model.mesh.faces
+        )
 
 
 def run(root, dive, **options):
@@ -119,7 +146,12 @@ def test_the_solution_is_the_dive_to_millimetres(stereo):
     found = solution_in(out)
     truth = dive.global_from_vehicle[:, :3, 3]
     error = np.linalg.norm(
-        moved(aligning(found.global_from_vehicle.translation, truth), found.global_from_vehicle.translation) - truth, axis=1
+        moved(
+            aligning(found.global_from_vehicle.translation, truth),
+            found.global_from_vehicle.translation,
+        )
+        - truth,
+        axis=1,
     )
     assert np.sqrt(np.mean(error**2)) < 2e-3
     assert np.median(found.landmarks.label) == 1
@@ -129,7 +161,13 @@ def test_the_files_are_those_that_later_steps_read(stereo):
     _, out = stereo
     names = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
     colmap = {f"colmap/{name}.bin" for name in ("cameras", "rigs", "frames", "images", "points3D")}
-    assert {"solution.npz", "iterations.npz", "adjust.json", "chart.npz", "manifest.json"} | colmap <= names
+    assert {
+        "solution.npz",
+        "iterations.npz",
+        "adjust.json",
+        "chart.npz",
+        "manifest.json",
+    } | colmap <= names
     assert "cameras.json" not in names
 
 
@@ -141,7 +179,8 @@ def test_the_summary_agrees_with_the_solution(stereo):
     assert sorted(summary["navigation"].values()) == sorted(found.navigation_errors.tolist())
     assert summary["navigation"]["dvl_scale"] == found.navigation_errors[0]
     assert np.array_equal(
-        summary["mounts"]["T_g_M"], np.r_[found_hull(found)[:3, 3], found.hull_pose.global_from_hull.quaternion[0]]
+        summary["mounts"]["T_g_M"],
+        np.r_[found_hull(found)[:3, 3], found.hull_pose.global_from_hull.quaternion[0]],
     )
 
 
@@ -158,7 +197,11 @@ def test_a_guess_of_the_hulls_pose_without_a_depth_is_spoken_of():
         node=np.arange(3), depth=np.zeros(3), roll=np.zeros(3), pitch=np.zeros(3), sigma=sigma,
         nodes_per_reading=np.zeros(3), tray_direction=np.ones(3), tray_sigma=np.zeros(3),
     )  # fmt: skip
-    measured = replace(attitude, nodes_per_reading=np.array([25.0, 0, 0]), sigma=np.vstack([[2.0, 0.002, 0.002], sigma[1:]]))
+    measured = replace(
+        attitude,
+        nodes_per_reading=np.array([25.0, 0, 0]),
+        sigma=np.vstack([[2.0, 0.002, 0.002], sigma[1:]]),
+    )
     assert "take that depth off it" in guess_without_depth(object(), attitude)[0]
     assert guess_without_depth(object(), measured) == guess_without_depth(None, attitude) == []
 
@@ -166,7 +209,9 @@ def test_a_guess_of_the_hulls_pose_without_a_depth_is_spoken_of():
 def test_the_chart_is_the_hulls(stereo):
     _, out = stereo
     at = cad_hull().vertices[5000:5200]
-    np.testing.assert_allclose(chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at), hull_chart().to_chart(at))
+    np.testing.assert_allclose(
+        chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at), hull_chart().to_chart(at)
+    )
 
 
 def test_the_chart_has_the_bow_and_the_stations_of_dive_toml():
@@ -254,6 +299,10 @@ def test_the_true_hull_is_found_where_the_guess_was_centimetres_off(stereo):
     middle = found.hull_pose.survey_center
 
     def off(pose):
-        return np.abs((GLOBAL_FROM_HULL[:3, :3].T @ (moved(pose, middle) - moved(GLOBAL_FROM_HULL, middle)))[1])
+        return np.abs(
+            (GLOBAL_FROM_HULL[:3, :3].T @ (moved(pose, middle) - moved(GLOBAL_FROM_HULL, middle)))[
+                1
+            ]
+        )
 
     assert off(found_hull(found)) < 0.03 < off(guess)

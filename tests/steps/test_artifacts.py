@@ -16,8 +16,10 @@ from hullrecon.steps.artifacts import AdjustArtifact
     ("summary", "sigma_m"),
     [
         ({"navigation_sigma": {"depth_bias_m": 0.04}, "sigmas": {"depth_m": 0.03}}, 0.05),
-        ({"navigation_sigma": {"depth_bias_m": 0.0}, "sigmas": {"depth_m": 0.03}}, None),  # zero: not known
-        ({"navigation_sigma": {"depth_bias_m": 0.04}, "sigmas": {"depth_m": None}}, None),  # no depth was measured
+        # zero: not known
+        ({"navigation_sigma": {"depth_bias_m": 0.0}, "sigmas": {"depth_m": 0.03}}, None),
+        # no depth was measured
+        ({"navigation_sigma": {"depth_bias_m": 0.04}, "sigmas": {"depth_m": None}}, None),
         ({}, None),
     ],
 )

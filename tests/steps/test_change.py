@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The step that compares a dive with an earlier one: what it leaves, when it is out of date, and how it fails alone."""
+"""The step that compares a dive with an earlier one: what it leaves, when it is out of date, and
+how it fails alone.
+"""
 
 from __future__ import annotations
 
@@ -59,11 +61,19 @@ def absent(dive: SimulatedDive) -> str:
     return reason
 
 
-def test_the_step_leaves_document_table_layers_map_and_the_texts_of_a_chapter(compared: Compared) -> None:
+def test_the_step_leaves_document_table_layers_map_and_the_texts_of_a_chapter(
+    compared: Compared,
+) -> None:
     folder = compared[1].workspace.root / "change"
     assert sorted(path.name for path in folder.iterdir()) == [
-        "change.csv", "change.geojson", "change.gpkg", "change.json", "change.png", "chapter.json", "manifest.json",
-    ]  # fmt: skip
+        "change.csv",
+        "change.geojson",
+        "change.gpkg",
+        "change.json",
+        "change.png",
+        "chapter.json",
+        "manifest.json",
+    ]
     chapter = msgspec.json.decode((folder / "chapter.json").read_bytes(), type=ChangeChapter)
     document = json.loads((folder / "change.json").read_text())
     assert chapter.verdict == document["verdict"]
@@ -100,7 +110,9 @@ def test_the_earlier_run_may_be_given_by_its_deliverables(compared: Compared) ->
 
 
 @pytest.mark.parametrize("step", ["ingest", "adjust", "surface", "detect"])
-def test_a_rerun_of_the_first_dive_makes_change_and_report_of_the_second_out_of_date(compared: Compared, step: str) -> None:
+def test_a_rerun_of_the_first_dive_makes_change_and_report_of_the_second_out_of_date(
+    compared: Compared, step: str
+) -> None:
     first, second = compared
     first.rewrite(step, lambda files: {**files, "more.txt": b"new"}, may())
     first.run()
@@ -109,7 +121,9 @@ def test_a_rerun_of_the_first_dive_makes_change_and_report_of_the_second_out_of_
     assert out_of_date(second) == set()
 
 
-def test_other_objects_of_the_first_dive_are_in_the_second_ones_report_after_a_run(compared: Compared) -> None:
+def test_other_objects_of_the_first_dive_are_in_the_second_ones_report_after_a_run(
+    compared: Compared,
+) -> None:
     first, second = compared
     fewer = may()
     fewer = replace(fewer, objects=fewer.objects[:3])
@@ -120,7 +134,9 @@ def test_other_objects_of_the_first_dive_are_in_the_second_ones_report_after_a_r
     assert {row["first_id"] for row in rows if row["first_id"]} == {1, 2, 3}
 
 
-def test_a_rerun_of_the_second_dive_makes_its_own_change_and_report_out_of_date(compared: Compared) -> None:
+def test_a_rerun_of_the_second_dive_makes_its_own_change_and_report_out_of_date(
+    compared: Compared,
+) -> None:
     second = compared[1]
     second.rewrite("detect", lambda files: {**files, "more.txt": b"new"}, june())
     assert out_of_date(second) == {"detect", "change", "report"}
@@ -177,7 +193,9 @@ def test_without_a_sound_earlier_run_it_fails_alone_and_all_else_is_delivered_fr
     assert str(tmp_path) not in line
 
 
-def test_once_the_earlier_run_is_back_the_chapter_is_too(compared: Compared, tmp_path: Path) -> None:
+def test_once_the_earlier_run_is_back_the_chapter_is_too(
+    compared: Compared, tmp_path: Path
+) -> None:
     shutil.move(tmp_path / "runs" / "may", tmp_path / "apart")
     absent(compared[1])
     shutil.move(tmp_path / "apart", tmp_path / "runs" / "may")
@@ -226,7 +244,13 @@ def test_where_detect_failed_the_step_says_so(compared: Compared, tmp_path: Path
 def test_it_applies_to_a_dive_with_a_cad_model_that_names_another(
     earlier: str | None, mesh: str | None, reason: str | None
 ) -> None:
-    assert why_not(StageSettings("change", {"change": EarlierDive(earlier=earlier), "hull.mesh": mesh}), Path()) == reason
+    assert (
+        why_not(
+            StageSettings("change", {"change": EarlierDive(earlier=earlier), "hull.mesh": mesh}),
+            Path(),
+        )
+        == reason
+    )
 
 
 def test_files_of_a_run_that_is_not_there_are_none(tmp_path: Path) -> None:
@@ -235,7 +259,9 @@ def test_files_of_a_run_that_is_not_there_are_none(tmp_path: Path) -> None:
     assert files_of_earlier_dive(StageSettings("change", {"change": EarlierDive()}), tmp_path) == []
 
 
-def test_dives_that_lie_farther_apart_than_their_poses_foresaw_are_warned_of(compared: Compared, tmp_path: Path) -> None:
+def test_dives_that_lie_farther_apart_than_their_poses_foresaw_are_warned_of(
+    compared: Compared, tmp_path: Path
+) -> None:
     from change.simulated_surveys import BEFORE, SIGMAS, Errors, survey
 
     far = survey(BEFORE, Errors(pose=SIGMAS * [0, 9, 0, 0, 0, 0], seed=4), name="june")

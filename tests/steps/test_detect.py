@@ -28,7 +28,13 @@ from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.steps.detect import STAGE
 
 OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its CAD model and carries a disc 9 cm high
-SCHEMA = Path(__file__).resolve().parents[2] / "hullrecon" / "report" / "schemas" / "coverage.schema.json"
+SCHEMA = (
+    Path(__file__).resolve().parents[2]
+    / "hullrecon"
+    / "report"
+    / "schemas"
+    / "coverage.schema.json"
+)
 T_g_M = from_mount([5, 7, 3, 180, 0, 0])
 CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
 
@@ -48,7 +54,9 @@ def _solution(landmarks: np.ndarray) -> Solution:
     x = np.arange(0.5, 3.6, 0.25)
     n, m = len(x), len(landmarks)
     toward = Rotation.from_matrix(np.array([[-1.0, 0, 0], [0, 0, -1], [0, -1, 0]]).T)
-    hull_from_vehicle = Poses(np.tile(toward.as_quat(), (n, 1)), np.column_stack([x, np.full(n, 3.3), np.ones(n)]))
+    hull_from_vehicle = Poses(
+        np.tile(toward.as_quat(), (n, 1)), np.column_stack([x, np.full(n, 3.3), np.ones(n)])
+    )
     T_g_v = T_g_M[np.zeros(n, int)] @ hull_from_vehicle
     grid = np.full((9, 5), OFF)
     return Solution(
@@ -69,18 +77,31 @@ def _solution(landmarks: np.ndarray) -> Solution:
         mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=identity(), top_from_bottom=None),
         navigation_errors=np.zeros(6),
         hull_pose=HullPose(global_from_hull=T_g_M, covariance=np.eye(6), survey_center=np.zeros(3)),
-        deviation_field=DeviationField(origin=np.zeros(2), step=np.full(2, 0.5), value=grid, sigma=np.abs(grid)),
+        deviation_field=DeviationField(
+            origin=np.zeros(2), step=np.full(2, 0.5), value=grid, sigma=np.abs(grid)
+        ),
     )
 
 
 def _dvl_surface() -> Surface:
     x, z = np.meshgrid(np.arange(0.4, 3.61, 0.1), np.arange(0.5, 1.51, 0.1), indexing="ij")
     number = np.arange(x.size).reshape(x.shape)
-    a, b, c, d = number[:-1, :-1].ravel(), number[1:, :-1].ravel(), number[1:, 1:].ravel(), number[:-1, 1:].ravel()
+    a, b, c, d = (
+        number[:-1, :-1].ravel(),
+        number[1:, :-1].ravel(),
+        number[1:, 1:].ravel(),
+        number[:-1, 1:].ravel(),
+    )
     faces = np.concatenate([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]).astype(np.int32)
     n = x.size
     vertices = np.column_stack([x.ravel(), np.full(n, 2 + OFF), z.ravel()])
-    return Surface(vertices=vertices, faces=faces, deviation=np.full(n, OFF), sigma=np.full(n, 0.005), support=np.full(n, 3))
+    return Surface(
+        vertices=vertices,
+        faces=faces,
+        deviation=np.full(n, OFF),
+        sigma=np.full(n, 0.005),
+        support=np.full(n, 3),
+    )
 
 
 class EarlierSteps:
@@ -97,7 +118,9 @@ class EarlierSteps:
     def without_cad_model(self) -> None:
         self.hull = False
         unknown = np.full(len(self.surface.sigma), np.nan)
-        self.surface = replace(self.surface, vertices=T_g_M.apply(self.surface.vertices), deviation=unknown)
+        self.surface = replace(
+            self.surface, vertices=T_g_M.apply(self.surface.vertices), deviation=unknown
+        )
         self.solution = replace(self.solution, hull_pose=None, deviation_field=None)
 
     def without_camera(self) -> None:
@@ -116,7 +139,9 @@ class EarlierSteps:
         if self.hull or self.regions:
             sections["hull"] = schema.Hull(mesh="hull.stl", frame_spacing=0.5, region=self.regions)
         if self.camera:
-            (ingest / "cameras.json").write_text(json.dumps({"top": asdict(CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5))}))
+            (ingest / "cameras.json").write_text(
+                json.dumps({"top": asdict(CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5))})
+            )
             n = len(self.solution.t_ns)
             index = ImageIndex(
                 t_ns=5000 + np.arange(n),
@@ -145,14 +170,24 @@ class EarlierSteps:
         )
         np.savez(surface / "chart.npz", **PlaneChart(origin, axes).to_arrays())
         inputs = {"ingest": ingest, "adjust": adjust, "surface": surface}
-        return run_stage(STAGE, {**sections, "detect": DetectOptions(**options)}, inputs, self.root / "detect")
+        return run_stage(
+            STAGE, {**sections, "detect": DetectOptions(**options)}, inputs, self.root / "detect"
+        )
 
     def _carry_sonar(self, ingest: Path) -> None:
         bearing = np.linspace(-0.4, 0.4, 9)
         beams = np.column_stack([np.zeros(9), np.sin(bearing), np.cos(bearing)])
-        np.savez(ingest / "sonar.npz", t_ns=np.array([1002, 1008]), directions=beams, range_m=np.linspace(0.5, 3, 4))
+        np.savez(
+            ingest / "sonar.npz",
+            t_ns=np.array([1002, 1008]),
+            directions=beams,
+            range_m=np.linspace(0.5, 3, 4),
+        )
         np.save(ingest / "sonar_image.npy", np.zeros((2, 9, 4), np.uint8))
-        np.savez(ingest / "sonar_tray.npz", **to_arrays(JointSamples(t_ns=np.array([0, 2000]), angle=np.zeros(2))))
+        np.savez(
+            ingest / "sonar_tray.npz",
+            **to_arrays(JointSamples(t_ns=np.array([0, 2000]), angle=np.zeros(2))),
+        )
 
     def _folder(self, name: str) -> Path:
         path = self.root / name
@@ -196,7 +231,8 @@ def test_the_hull_as_found_lies_where_it_was_seen(earlier: EarlierSteps) -> None
     assert seen.sum() > 1000
     assert np.sqrt(np.mean((y - truth)[seen] ** 2)) < 0.002
     assert (found.support[z > 1.7] == 0).all()
-    assert found.sigma[seen].min() > 0.009  # every landmark shares a centimetre of doubt about the dive's place
+    # every landmark shares a centimetre of doubt about the dive's place
+    assert found.sigma[seen].min() > 0.009
 
 
 def test_coverage_tells_each_sensors_area(earlier: EarlierSteps) -> None:
@@ -245,7 +281,9 @@ def test_without_a_sonar_coverage_says_null(earlier: EarlierSteps) -> None:
     assert _json(earlier.run(), "coverage.json")["sonar"] is None
 
 
-def test_without_a_cad_model_structures_are_told_from_the_own_surface(earlier: EarlierSteps) -> None:
+def test_without_a_cad_model_structures_are_told_from_the_own_surface(
+    earlier: EarlierSteps,
+) -> None:
     earlier.without_cad_model()
     out = earlier.run()
     (item,) = _json(out, "objects.json")["objects"]
@@ -273,7 +311,9 @@ def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(earlier: Ea
     assert _json(out, "coverage.json")["camera"] is None
 
 
-def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(earlier: EarlierSteps) -> None:
+def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(
+    earlier: EarlierSteps,
+) -> None:
     earlier.without_cad_model()
     earlier.without_camera()
     out = earlier.run()
@@ -319,31 +359,47 @@ def test_coverage_is_counted_against_the_regions_of_dive_toml(earlier: EarlierSt
     assert list(found) == ["whole", "middle", "above"]
     assert found["middle"]["along"] == [1.5, 2.5]
     assert found["above"]["along"] is None
-    assert [r["area_m2"] for r in found.values()] == pytest.approx([8.0, 0.4, 0.8], rel=0.06)  # rims: half a cell or none
+    # rims: half a cell or none
+    assert [r["area_m2"] for r in found.values()] == pytest.approx([8.0, 0.4, 0.8], rel=0.06)
     for sensor in ("camera", "dvl", "sonar"):
         seen = found["whole"][sensor]
-        assert seen["area_m2"] == pytest.approx(facts[sensor]["area_m2"], rel=0.15)  # whose patches are wider
+        # whose patches are wider
+        assert seen["area_m2"] == pytest.approx(facts[sensor]["area_m2"], rel=0.15)
         assert seen["share"] == pytest.approx(seen["area_m2"] / 8, abs=1e-4)
     assert (found["middle"]["camera"]["share"], found["above"]["camera"]["share"]) == (1.0, 0.0)
 
 
-def test_the_share_of_a_region_is_as_uncertain_as_the_place_of_its_limits_on_the_survey(earlier: EarlierSteps) -> None:
-    """The DVL's surface is a strip a metre high, and 8 cm more above and below: a decimetre along is a tenth of that."""
+def test_the_share_of_a_region_is_as_uncertain_as_the_place_of_its_limits_on_the_survey(
+    earlier: EarlierSteps,
+) -> None:
+    """The DVL's surface is a strip a metre high, and 8 cm more above and below: a decimetre along
+    is a tenth of that.
+    """
     earlier.sonar = True
-    earlier.regions = (schema.HullRegion(name="all", along=(-1.0, 5.0)), schema.HullRegion(name="half", along=(0.0, 2.0)))
+    earlier.regions = (
+        schema.HullRegion(name="all", along=(-1.0, 5.0)),
+        schema.HullRegion(name="half", along=(0.0, 2.0)),
+    )
     hull_pose = earlier.solution.hull_pose
     assert hull_pose is not None
     sigma = np.append(np.full(3, 0.1), np.full(3, 1e-4))
-    earlier.solution = replace(earlier.solution, hull_pose=replace(hull_pose, covariance=np.diag(sigma**2)))
+    earlier.solution = replace(
+        earlier.solution, hull_pose=replace(hull_pose, covariance=np.diag(sigma**2))
+    )
     facts = _json(earlier.run(), "coverage.json")
     found = {region["name"]: region for region in facts["regions"]}
     assert found["half"]["dvl"]["area_sigma_m2"] == pytest.approx(0.116, rel=0.15)
-    assert found["all"]["dvl"]["area_sigma_m2"] < 0.02  # cells of 5 cm, of which the rim holds one more or less
+    # cells of 5 cm, of which the rim holds one more or less
+    assert found["all"]["dvl"]["area_sigma_m2"] < 0.02
     for sensor in ("camera", "dvl", "sonar"):
         half = found["half"][sensor]
         assert half["area_sigma_m2"] > 0.05
-        assert half["share_sigma"] == pytest.approx(half["area_sigma_m2"] / found["half"]["area_m2"], abs=1e-4)
-    assert violations(facts["regions"], json.loads(SCHEMA.read_text())["properties"]["regions"]) == []
+        assert half["share_sigma"] == pytest.approx(
+            half["area_sigma_m2"] / found["half"]["area_m2"], abs=1e-4
+        )
+    assert (
+        violations(facts["regions"], json.loads(SCHEMA.read_text())["properties"]["regions"]) == []
+    )
 
 
 def test_sensors_that_were_not_carried_saw_no_share_of_a_region(earlier: EarlierSteps) -> None:

@@ -49,7 +49,8 @@ def ingest(folder, pictures, usable):
         size=size,
         usable=np.array(usable),
     )
-    with zipfile.ZipFile(folder / "images_camera_top.npz", "w") as file:  # numpy.savez has no room for a member named file
+    # numpy.savez has no room for a member named file
+    with zipfile.ZipFile(folder / "images_camera_top.npz", "w") as file:
         for name, values in to_arrays(index).items():
             with file.open(f"{name}.npy", "w") as member:
                 np.lib.format.write_array(member, values, allow_pickle=False)
@@ -64,7 +65,9 @@ def made(tmp_path):
 
 
 def run(ingested, out, jobs=1, sections=SECTIONS):
-    return run_stage(STAGE, sections, {"ingest": ingested}, out, source=ingested.parent / "package", jobs=jobs)
+    return run_stage(
+        STAGE, sections, {"ingest": ingested}, out, source=ingested.parent / "package", jobs=jobs
+    )
 
 
 def test_each_image_keeps_its_row_and_an_unusable_one_is_empty(made, tmp_path):
@@ -81,7 +84,12 @@ def test_each_image_keeps_its_row_and_an_unusable_one_is_empty(made, tmp_path):
 
 def test_files_are_the_same_bytes_whatever_the_number_of_processes(made, tmp_path):
     one, two = run(made, tmp_path / "one"), run(made, tmp_path / "two", jobs=2)
-    for name in ("keypoints_camera_top.npy", "descriptors_camera_top.npy", "color_camera_top.npy", "index.npz"):
+    for name in (
+        "keypoints_camera_top.npy",
+        "descriptors_camera_top.npy",
+        "color_camera_top.npy",
+        "index.npz",
+    ):
         assert (one / name).read_bytes() == (two / name).read_bytes()
 
 
@@ -93,14 +101,20 @@ def test_corners_stand_behind_the_sift_features_of_their_image(made, tmp_path):
         assert found.corners > 10
         assert len(found) == len(sift) + found.corners
         for name in ("keypoints", "descriptors", "color"):
-            np.testing.assert_array_equal(getattr(found.without_corners(), name), getattr(sift, name))
+            np.testing.assert_array_equal(
+                getattr(found.without_corners(), name), getattr(sift, name)
+            )
     assert both.read(1).corners == 0
 
 
 def test_an_image_is_as_salient_with_corners_as_without(made, tmp_path):
     store = FeatureStore(run(made, tmp_path / "both", sections=WITH_CORNERS), Camera.TOP)
     found = store.read(2)
-    assert store.saliency(2) == local_saliency(found.without_corners().descriptors) != local_saliency(found.descriptors)
+    assert (
+        store.saliency(2)
+        == local_saliency(found.without_corners().descriptors)
+        != local_saliency(found.descriptors)
+    )
 
 
 def test_without_the_option_an_artifact_says_nothing_of_corners(made, tmp_path):
@@ -132,7 +146,9 @@ def test_a_camera_that_logged_no_image_is_said_with_what_to_do(made, tmp_path):
     """Without the upper camera's images a lower one alone ended in a KeyError of the step links."""
     (made / "images_camera_top.npz").rename(made / "images_camera_bottom.npz")
     (made / "images_camera_top.bin").rename(made / "images_camera_bottom.bin")
-    with pytest.raises(InputError, match=r"dive.toml has a camera.top, but no image of it was logged"):
+    with pytest.raises(
+        InputError, match=r"dive.toml has a camera.top, but no image of it was logged"
+    ):
         run(made, tmp_path / "out")
 
 
@@ -145,9 +161,12 @@ def test_image_files_that_a_table_names_are_known_so_that_a_change_is_seen(tmp_p
     (tmp_path / "logs" / "left").mkdir(parents=True)
     for name in ("logs/left/b.JPG", "logs/left/a.png", "logs/left/other.png"):
         (tmp_path / name).write_text("")
-    (tmp_path / "logs" / "camera_top.csv").write_text("t,file\n1,left/b.JPG\n2,left/a.png\n3,left/gone.png\n")
+    (tmp_path / "logs" / "camera_top.csv").write_text(
+        "t,file\n1,left/b.JPG\n2,left/a.png\n3,left/gone.png\n"
+    )
     settings = StageSettings("features", {"logs": Logs(files=("logs", "logs/dive.mcap"))})
     names = [Path("logs/left/a.png"), Path("logs/left/b.JPG")]
     assert STAGE.external(settings, tmp_path) == names
     monkeypatch.chdir(tmp_path.parent)
-    assert STAGE.external(settings, Path(tmp_path.name)) == names  # of a package given by a relative path, too
+    # of a package given by a relative path, too
+    assert STAGE.external(settings, Path(tmp_path.name)) == names

@@ -49,7 +49,9 @@ def test_a_run_that_did_not_come_to_its_objects_is_not_finished(tmp_path: Path) 
 
 
 def test_a_run_whose_adjustment_was_rerun_alone_is_not_finished(tmp_path: Path) -> None:
-    left = manifests(tmp_path / "may", ingest={}, adjust={}, surface={}, detect={"adjust": "another content"})
+    left = manifests(
+        tmp_path / "may", ingest={}, adjust={}, surface={}, detect={"adjust": "another content"}
+    )
     with pytest.raises(InputError, match="adjust was rerun and detect was not"):
         read_run(left)
 
@@ -61,7 +63,9 @@ def test_a_damaged_step_is_named(tmp_path: Path) -> None:
         read_run(damaged)
 
 
-@pytest.mark.parametrize("file", ["adjust/solution.npz", "detect/objects.json", "surface/chart.npz"])
+@pytest.mark.parametrize(
+    "file", ["adjust/solution.npz", "detect/objects.json", "surface/chart.npz"]
+)
 def test_a_damaged_file_is_named(tmp_path: Path, file: str) -> None:
     run = write_run(tmp_path / "may")
     data = bytearray((run / file).read_bytes())
@@ -94,13 +98,20 @@ def test_a_run_without_a_cad_model_cannot_be_compared(tmp_path: Path) -> None:
 
 def test_cad_models_of_different_hulls_are_refused_by_their_geometry() -> None:
     with pytest.raises(InputError, match=r"of different hulls: they lie up to 0\.5 m apart"):
-        compare_runs(finished("may", Mesh(BOX, FACES)), finished("june", Mesh(BOX * [1, 1.5, 1], FACES)))
+        compare_runs(
+            finished("may", Mesh(BOX, FACES)), finished("june", Mesh(BOX * [1, 1.5, 1], FACES))
+        )
 
 
 @pytest.mark.parametrize(("shift_m", "refused"), [(0.001, False), (0.004, True)])
-def test_cad_models_of_one_hull_may_differ_by_rounding(shift_m: float, refused: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cad_models_of_one_hull_may_differ_by_rounding(
+    shift_m: float, refused: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(hull_survey, "compare_surveys", lambda *_: "compared")
-    pair = finished("may", Mesh(BOX, FACES)), finished("june", Mesh(BOX + np.array([shift_m, 0, 0]), FACES))
+    pair = (
+        finished("may", Mesh(BOX, FACES)),
+        finished("june", Mesh(BOX + np.array([shift_m, 0, 0]), FACES)),
+    )
     if refused:
         with pytest.raises(InputError, match="different hulls"):
             compare_runs(*pair)

@@ -17,7 +17,13 @@ from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.schema import FROM_LOG, Dvl
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import InputError
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImageIndex,
+    ImuSamples,
+    JointSamples,
+    PressureSamples,
+)
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.steps.ingest import STAGE, USES, external, request_of
@@ -53,7 +59,9 @@ def package(tmp_path: Path) -> Path:
     (folder / "dive.toml").write_text(TOML)
     (folder / "top.yaml").write_text(YAML)
     (folder / "hull.off").write_text(TETRAHEDRON)
-    (logs / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n")
+    (logs / "dvl.csv").write_text(
+        "t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n"
+    )
     (logs / "imu.csv").write_text("t,qx,qy,qz,qw\n0,0,0,0,1\n1,0,0,0,1\n")
     (logs / "pressure.csv").write_text("t,pascal\n0,101325\n2,111380.25\n")
     (logs / "joints.csv").write_text("t,name,rad\n0,tray,0.1\n1,tray,0.2\n0,fan,0.3\n")
@@ -61,7 +69,12 @@ def package(tmp_path: Path) -> Path:
     cv2.imwrite(str(logs / "a.png"), pixels)
     (logs / "b.png").write_bytes(b"broken")
     (logs / "camera_top.csv").write_text("t,file\n0,a.png\n1,b.png\n")
-    np.savez(logs / "p.npz", image=np.eye(3, 4, dtype=np.uint8), azimuth=[-0.1, 0, 0.1], range=[1.0, 2, 3, 4])
+    np.savez(
+        logs / "p.npz",
+        image=np.eye(3, 4, dtype=np.uint8),
+        azimuth=[-0.1, 0, 0.1],
+        range=[1.0, 2, 3, 4],
+    )
     (logs / "sonar.csv").write_text("t,file\n0,p.npz\n")
     return folder
 
@@ -73,9 +86,17 @@ def run(package: Path, out: Path, *overrides: str) -> Path:
 
 def test_the_artifact_holds_a_record_of_every_sensor(package, tmp_path):
     out = run(package, tmp_path / "ingest")
-    kinds = {"dvl": DvlPings, "imu": ImuSamples, "pressure": PressureSamples, "tray": JointSamples, "sonar_tray": JointSamples,
-             "images_camera_top": ImageIndex}  # fmt: skip
-    found = {name: from_arrays(kind, load_arrays(out / f"{name}.npz")) for name, kind in kinds.items()}
+    kinds = {
+        "dvl": DvlPings,
+        "imu": ImuSamples,
+        "pressure": PressureSamples,
+        "tray": JointSamples,
+        "sonar_tray": JointSamples,
+        "images_camera_top": ImageIndex,
+    }
+    found = {
+        name: from_arrays(kind, load_arrays(out / f"{name}.npz")) for name, kind in kinds.items()
+    }
     assert np.isnan(found["dvl"].ranges[0, 3])
     assert found["pressure"].depth == pytest.approx([0, 1.0])
     assert found["tray"].angle.tolist() == [0.1, 0.2]
@@ -99,7 +120,9 @@ def test_cameras_hull_and_findings_lie_beside_them(package, tmp_path):
     assert hull["faces"].dtype == np.int32
     findings = json.loads((out / "findings.json").read_text())
     assert set(findings) == {"spans", "lost", "hull", "remarks"}
-    assert "camera_top: 1 of 2 images are missing or damaged and are left out" in findings["remarks"]
+    assert (
+        "camera_top: 1 of 2 images are missing or damaged and are left out" in findings["remarks"]
+    )
     warnings = json.loads((out / "manifest.json").read_text())["warnings"]
     assert warnings == [*findings["lost"], *findings["remarks"]]
 
@@ -113,7 +136,9 @@ def test_images_that_are_files_are_read_from_the_package(package, tmp_path):
 def test_two_runs_give_the_same_bytes(package, tmp_path):
     first, second = run(package, tmp_path / "one"), run(package, tmp_path / "two")
     names = sorted(p.name for p in first.iterdir() if p.name != "manifest.json")
-    assert [(first / name).read_bytes() for name in names] == [(second / name).read_bytes() for name in names]
+    assert [(first / name).read_bytes() for name in names] == [
+        (second / name).read_bytes() for name in names
+    ]
 
 
 def test_without_a_cad_model_there_is_no_hull(package, tmp_path):
@@ -145,7 +170,9 @@ def test_an_option_that_ingest_does_not_read_leaves_it_fresh(package, override):
     assert key(package, override) == key(package)
 
 
-@pytest.mark.parametrize("name", ["logs/dvl.csv", "logs/a.png", "top.yaml", "hull.off", "logs/p.npz"])
+@pytest.mark.parametrize(
+    "name", ["logs/dvl.csv", "logs/a.png", "top.yaml", "hull.off", "logs/p.npz"]
+)
 def test_a_changed_file_of_the_package_makes_it_stale(package, name):
     before = key(package)
     (package / name).write_bytes((package / name).read_bytes() + b"\n")
@@ -191,7 +218,9 @@ def test_what_a_run_leaves_beside_the_logs_does_not_make_it_stale(package):
 
 def test_a_fixed_tray_has_no_joint(package):
     loaded = load_config(package, {}, ["tray.joint=''"])
-    assert request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})).joints == {"sonar_tray": "fan"}
+    assert request_of(
+        StageSettings("ingest", {name: loaded.value(name) for name in USES})
+    ).joints == {"sonar_tray": "fan"}
 
 
 def test_the_files_of_a_ros2_folder_are_its_own(package):
@@ -213,7 +242,14 @@ def files_of(package: Path) -> list[Path]:
 def test_a_write_ahead_log_is_one_of_the_files_that_ingest_depends_on(tmp_path: Path) -> None:
     """Else a run would not notice that it came, went or changed."""
     (tmp_path / "bag").mkdir()
-    for name in ("dive.db3", "dive.db3-wal", "bag/a.db3", "bag/a.db3-wal", "bag/metadata.yaml", "bag/notes.txt"):
+    for name in (
+        "dive.db3",
+        "dive.db3-wal",
+        "bag/a.db3",
+        "bag/a.db3-wal",
+        "bag/metadata.yaml",
+        "bag/notes.txt",
+    ):
         (tmp_path / name).write_bytes(b"x")
     os.mkfifo(tmp_path / "bag" / "b.mcap")
     (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["dive.db3", "bag"]\n')
@@ -233,9 +269,16 @@ def test_mounts_that_dive_toml_leaves_out_are_those_that_ingest_found_in_the_log
     folder = tmp_path / "ingest"
     folder.mkdir()
     inputs = InputArtifacts({"ingest": folder})
-    settings = StageSettings("x", {"dvl": Dvl(), "tray.origin": FROM_LOG, "pressure.origin": (1.0, 2.0, 3.0)})
+    settings = StageSettings(
+        "x", {"dvl": Dvl(), "tray.origin": FROM_LOG, "pressure.origin": (1.0, 2.0, 3.0)}
+    )
     assert inputs.mounted(settings).read("dvl", Dvl).mount == (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
-    sensor = {"frame": "d", "pose": [0.5, 0, 0.2, 0, 80, 0], "on_servo": False, "servo_origin": [0.4, 0, 0.1]}
+    sensor = {
+        "frame": "d",
+        "pose": [0.5, 0, 0.2, 0, 80, 0],
+        "on_servo": False,
+        "servo_origin": [0.4, 0, 0.1],
+    }
     (folder / "mounts.json").write_text(json.dumps({"dvl": sensor}))
     found = inputs.mounted(settings)
     assert found.read("dvl", Dvl).mount == pytest.approx((0.1, 0.0, 0.1, 0.0, 80.0, 0.0))
@@ -249,7 +292,10 @@ def test_a_dvl_that_is_fixed_beside_a_camera_on_a_servo_that_turns_ends_the_step
     fixed = {"frame": "d", "pose": [0.5, 0, 0.2, 0, 0, 0], "on_servo": False, "servo_origin": None}
     turning = {"frame": "c", "pose": [0.1, 0, 0, 90, 0, 90], "on_servo": True, "servo_origin": None}
     (folder / "mounts.json").write_text(json.dumps({"dvl": fixed, "camera_top": turning}))
-    inputs, settings = InputArtifacts({"ingest": folder}), StageSettings("x", {"dvl.mount": FROM_LOG, "tray.origin": FROM_LOG})
+    inputs, settings = (
+        InputArtifacts({"ingest": folder}),
+        StageSettings("x", {"dvl.mount": FROM_LOG, "tray.origin": FROM_LOG}),
+    )
     assert inputs.mounted(settings)["dvl.mount"] == (0.5, 0.0, 0.2, 0.0, 0.0, 0.0)
     np.savez(folder / "tray.npz", t_ns=np.arange(3), angle=np.array([0.0, 0.1, 0.2]))
     with pytest.raises(InputError, match="one tray carries DVL and cameras"):

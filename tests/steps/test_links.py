@@ -27,7 +27,9 @@ def run(dive, out, **options):
 
 @pytest.fixture(scope="module")
 def linked(dive, tmp_path_factory):
-    """The dive as it is linked where only the next node is a neighbour: the legs are tied by rounds."""
+    """The dive as it is linked where only the next node is a neighbour: the legs are tied by
+    rounds.
+    """
     return run(dive, tmp_path_factory.mktemp("out"), sequential=1)
 
 
@@ -42,7 +44,9 @@ def relative_error_m(dive, links):
 def path_error_m(dive, translation):
     """Largest distance from the truth of the path laid onto it at its mean, m."""
     truth = dive.global_from_top.translation
-    return float(np.linalg.norm(translation - truth - (translation - truth).mean(axis=0), axis=1).max())
+    return float(
+        np.linalg.norm(translation - truth - (translation - truth).mean(axis=0), axis=1).max()
+    )
 
 
 def test_every_link_is_the_true_relative_pose(dive, linked):
@@ -86,7 +90,9 @@ def test_the_rounds_are_counted(linked):
 def test_the_features_of_each_pair_and_node_lie_together(linked):
     links, features, stereo = linked.links, linked.features, linked.stereo
     assert len(features.start) == len(links) + 1
-    assert features.start[-1] == len(features.first) == len(features.second) == len(features.distance)
+    assert (
+        features.start[-1] == len(features.first) == len(features.second) == len(features.distance)
+    )
     assert (np.diff(features.start) >= 12).all()
     top_count = stereo.features[links.first]
     for k in range(len(links)):
@@ -97,7 +103,11 @@ def test_the_features_of_each_pair_and_node_lie_together(linked):
 
 def test_the_path_is_straighter_than_navigation_has_it(dive, linked):
     reckoned = NavigateArtifact(dive.folder / "navigate").trajectory
-    assert path_error_m(dive, linked.path.pose[:, :3]) < 0.003 < path_error_m(dive, reckoned.translation)
+    assert (
+        path_error_m(dive, linked.path.pose[:, :3])
+        < 0.003
+        < path_error_m(dive, reckoned.translation)
+    )
     assert linked.path.part.tolist() == [0] * 10
     assert linked.path.covariance.shape == (10, 6, 6)
 
@@ -107,9 +117,13 @@ def drifted(dive, folder, drift_rad):
     start = dive.global_from_top[np.zeros(1, int)]
     chain = [start]
     for k in range(9):
-        step = dive.global_from_top[np.array([k])].inverse() @ dive.global_from_top[np.array([k + 1])]
+        step = (
+            dive.global_from_top[np.array([k])].inverse() @ dive.global_from_top[np.array([k + 1])]
+        )
         chain.append(chain[-1] @ step @ exp([[0, 0, 0, 0, 0, drift_rad]]))
-    path = Poses(np.vstack([p.quaternion for p in chain]), np.vstack([p.translation for p in chain]))
+    path = Poses(
+        np.vstack([p.quaternion for p in chain]), np.vstack([p.translation for p in chain])
+    )
     return with_navigation(dive, folder, path, sigma_m=0.02)
 
 
@@ -154,7 +168,9 @@ def test_links_of_one_camera_have_a_direction_and_no_length(dive, tmp_path):
 def test_a_node_whose_top_image_is_missing_is_linked_by_its_bottom_camera(dive, tmp_path):
     image = np.column_stack([np.arange(10)] * 2)
     image[3, 0] = -1
-    found = run(with_navigation(dive, tmp_path, dive.global_from_top, image), tmp_path, sequential=1)
+    found = run(
+        with_navigation(dive, tmp_path, dive.global_from_top, image), tmp_path, sequential=1
+    )
     touched = found.links.first == 3, found.links.second == 3
     assert touched[0].any() or touched[1].any()
     np.testing.assert_array_equal(found.links.bottom, np.column_stack(touched))
@@ -175,8 +191,12 @@ def test_a_dive_in_two_parts_is_said_to_be(dive, tmp_path):
     )
 
 
-def test_where_appearance_is_asked_its_answer_is_written_and_a_refusal_is_said(dive, linked, tmp_path, monkeypatch):
-    pairs = Proposal(first=np.array([1]), second=np.array([8]), across=np.ones(1, bool), overlap=np.ones(1))
+def test_where_appearance_is_asked_its_answer_is_written_and_a_refusal_is_said(
+    dive, linked, tmp_path, monkeypatch
+):
+    pairs = Proposal(
+        first=np.array([1]), second=np.array([8]), across=np.ones(1, bool), overlap=np.ones(1)
+    )
     refused = Recognition(
         proposal=pairs,
         found=(failed_match(5, Reason.FEW_INLIERS),),

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""links and adjust on a dive without a camera: the path stands on the patches of hull that were passed again."""
+"""links and adjust on a dive without a camera: the path stands on the patches of hull that were
+passed again.
+"""
 
 import json
 import shutil
@@ -115,8 +117,12 @@ def test_the_adjusted_dive_stands_on_the_same_path_and_covariance(tied):
 def test_without_them_links_and_adjust_give_what_navigation_gives(dive, folder, tied, tmp_path):
     links, adjust = run(folder, tmp_path, planes=False)
     assert links.planes is None
-    assert error_m(dive, adjust.solution.global_from_vehicle.translation) > 0.8 * error_m(dive, dive.trajectory.translation)
-    across, tied_across = (found[1].solution.track().sigma[-1, 0] for found in ((links, adjust), tied))
+    assert error_m(dive, adjust.solution.global_from_vehicle.translation) > 0.8 * error_m(
+        dive, dive.trajectory.translation
+    )
+    across, tied_across = (
+        found[1].solution.track().sigma[-1, 0] for found in ((links, adjust), tied)
+    )
     assert tied_across < 0.5 * across  # x of g points into the hull
 
 
@@ -133,7 +139,9 @@ def test_positions_bound_the_path_in_links_and_in_adjust_alike(dive, folder, bou
     links, adjust = bounded
     without, _ = run(folder, tmp_path, planes=False)
     assert error_m(dive, links.path.pose[:, :3]) < 0.3 * error_m(dive, without.path.pose[:, :3])
-    np.testing.assert_allclose(adjust.solution.global_from_vehicle.translation, links.path.pose[:, :3], atol=2e-3)
+    np.testing.assert_allclose(
+        adjust.solution.global_from_vehicle.translation, links.path.pose[:, :3], atol=2e-3
+    )
     sigma, free = (np.sqrt(found.path.covariance[-1, 0, 0]) for found in (links, without))
     assert sigma < 0.3 * free
 
@@ -144,7 +152,9 @@ def test_both_documents_say_how_far_positions_lie_from_the_path(dive, bounded):
         assert found["count"] == len(positions(dive))
         assert 0.5 < found["rms_sigmas"] < 1.5
         assert found["outliers"] == 0
-        assert found["heading_deg"] == pytest.approx(np.degrees(2.0), abs=3 * found["heading_sigma_deg"])
+        assert found["heading_deg"] == pytest.approx(
+            np.degrees(2.0), abs=3 * found["heading_sigma_deg"]
+        )
     assert adjust.summary["residuals_after"]["position"]["count"] == 2 * len(positions(dive))
 
 

@@ -30,7 +30,11 @@ def run(dive, out, **options):
 def left(out):
     folder = out / "matches"
     with np.load(folder / "tracks.npz") as tracks, np.load(folder / "pairs.npz") as pairs:
-        return from_arrays(Tracks, dict(tracks)), dict(pairs), json.loads((folder / "pairs.json").read_text())
+        return (
+            from_arrays(Tracks, dict(tracks)),
+            dict(pairs),
+            json.loads((folder / "pairs.json").read_text()),
+        )
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +55,10 @@ def wall_points(dive, tracks, camera=0):
 def test_every_observation_of_a_landmark_is_of_one_point_of_the_wall(dive, matched):
     tracks, report = matched.tracks, matched.report
     point = wall_points(dive, tracks)
-    mean = np.stack([np.bincount(tracks.landmark, point[:, k]) for k in range(2)], 1) / np.bincount(tracks.landmark)[:, None]
+    mean = (
+        np.stack([np.bincount(tracks.landmark, point[:, k]) for k in range(2)], 1)
+        / np.bincount(tracks.landmark)[:, None]
+    )
     error_px = np.linalg.norm(point - mean[tracks.landmark], axis=1) * CAMERA.fx / WALL_M
     assert np.median(error_px) < 0.3
     assert (error_px > 2).mean() < 0.01
@@ -65,7 +72,9 @@ def test_every_observation_of_a_landmark_is_of_one_point_of_the_wall(dive, match
 def both_kinds(tmp_path_factory):
     """The dive with corners beside the SIFT features, up to a share of 0.3, and the same without."""
     dive = build_dive(tmp_path_factory.mktemp("corners"), corners=True)
-    found = {share: run(dive, tmp_path_factory.mktemp("out"), harris_share=share) for share in (0.0, 0.3)}
+    found = {
+        share: run(dive, tmp_path_factory.mktemp("out"), harris_share=share) for share in (0.0, 0.3)
+    }
     return SimpleNamespace(dive=dive, found=found)
 
 
@@ -87,7 +96,9 @@ def test_corners_are_the_share_of_the_matches_asked_for(both_kinds):
     assert counts["matches"] == pairs["inliers"].sum()
     assert counts["corner_matches"] == pairs["corners"].sum()
     assert (pairs["corners"] <= share * pairs["inliers"] + 1e-6).all()
-    assert pairs["corners"].sum() == pytest.approx(share * pairs["inliers"].sum(), abs=0.05 * pairs["inliers"].sum())
+    assert pairs["corners"].sum() == pytest.approx(
+        share * pairs["inliers"].sum(), abs=0.05 * pairs["inliers"].sum()
+    )
 
 
 def test_with_corners_no_pair_has_fewer_features_in_common(both_kinds):
@@ -124,7 +135,10 @@ def test_tracks_are_sorted_and_hold_a_node_once(matched):
 
 
 def test_the_pairs_are_those_of_the_links_with_what_each_has_in_common(matched):
-    with np.load(matched.out / "links" / "pairs.npz") as pairs, np.load(matched.out / "links" / "features.npz") as features:
+    with (
+        np.load(matched.out / "links" / "pairs.npz") as pairs,
+        np.load(matched.out / "links" / "features.npz") as features,
+    ):
         for name in pairs.files:
             np.testing.assert_array_equal(matched.pairs[name], pairs[name])
         joined = (pairs["reason"] == 0) & ~pairs["rejected"]
@@ -139,7 +153,9 @@ def test_a_second_run_leaves_the_same_bytes(dive, matched, tmp_path):
     (tmp_path / "links").symlink_to(matched.out / "links")
     run_matches(dive, tmp_path)
     for name in ("tracks.npz", "pairs.npz", "pairs.json"):
-        assert (tmp_path / "matches" / name).read_bytes() == (matched.out / "matches" / name).read_bytes()
+        assert (tmp_path / "matches" / name).read_bytes() == (
+            matched.out / "matches" / name
+        ).read_bytes()
 
 
 def test_a_mono_dive_gives_tracks_of_the_top_camera(dive, tmp_path):

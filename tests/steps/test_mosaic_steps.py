@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The mosaic steps on a wall that a small dive passes: images and pings are drawn here, the files are read back."""
+"""The mosaic steps on a wall that a small dive passes: images and pings are drawn here, the files
+are read back.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +57,12 @@ def wall() -> Surface:
     """The plane y = 1 of g, from x = -1 to 3 and z = 1 to 3, in squares of 10 cm."""
     x, z = np.meshgrid(np.linspace(-1, 3, 41), np.linspace(1, 3, 21))
     index = np.arange(x.size).reshape(x.shape)
-    a, b, c, d = index[:-1, :-1].ravel(), index[:-1, 1:].ravel(), index[1:, :-1].ravel(), index[1:, 1:].ravel()
+    a, b, c, d = (
+        index[:-1, :-1].ravel(),
+        index[:-1, 1:].ravel(),
+        index[1:, :-1].ravel(),
+        index[1:, 1:].ravel(),
+    )
     faces = np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1)]).astype(np.int32)
     vertices = np.column_stack([x.ravel(), np.ones(x.size), z.ravel()])
     return Surface(
@@ -77,23 +84,35 @@ def spot_image(x_m: float) -> NDArray[np.uint8]:
 
 @pytest.fixture
 def passed(tmp_path: Path) -> dict[str, Path]:
-    """Artifacts of ingest, navigate and surface: the vehicle goes along x at 2 m depth, the wall 1 m to starboard."""
+    """Artifacts of ingest, navigate and surface: the vehicle goes along x at 2 m depth, the wall 1
+    m to starboard.
+    """
     x = np.linspace(0, 2, NODES)
     trajectory = Trajectory(
-        t_ns=TIMES, quaternion=np.tile([0.0, 0, 0, 1], (NODES, 1)), translation=np.column_stack([x, np.zeros(NODES),
-        np.full(NODES, 2.0)]),
-        covariance=np.tile(np.eye(6) * 1e-4, (NODES, 1, 1)), tray=np.zeros(NODES), image=np.column_stack([np.arange(NODES),
-        np.full(NODES, -1)]),
-    )  # fmt: skip
+        t_ns=TIMES,
+        quaternion=np.tile([0.0, 0, 0, 1], (NODES, 1)),
+        translation=np.column_stack([x, np.zeros(NODES), np.full(NODES, 2.0)]),
+        covariance=np.tile(np.eye(6) * 1e-4, (NODES, 1, 1)),
+        tray=np.zeros(NODES),
+        image=np.column_stack([np.arange(NODES), np.full(NODES, -1)]),
+    )
     save(tmp_path / "navigate", "trajectory.npz", to_arrays(trajectory))
     surface = wall()
     save(tmp_path / "surface", "surface.npz", to_arrays(surface))
-    save(tmp_path / "surface", "chart.npz", dict(chart_for_points(surface.vertices, toward=[1.0, 0.0, 2.0]).to_arrays()))
+    save(
+        tmp_path / "surface",
+        "chart.npz",
+        dict(chart_for_points(surface.vertices, toward=[1.0, 0.0, 2.0]).to_arrays()),
+    )
     ingest = tmp_path / "ingest"
     encoded = [cv2.imencode(".png", spot_image(v)[..., ::-1])[1].tobytes() for v in x]
     size = np.array([len(e) for e in encoded])
     index = ImageIndex(
-        t_ns=TIMES, file=np.full(NODES, ""), offset=np.cumsum(size) - size, size=size, usable=np.arange(NODES) != 3
+        t_ns=TIMES,
+        file=np.full(NODES, ""),
+        offset=np.cumsum(size) - size,
+        size=size,
+        usable=np.arange(NODES) != 3,
     )
     save(ingest, "images_camera_top.npz", to_arrays(index))
     (ingest / "images_camera_top.bin").write_bytes(b"".join(encoded))
@@ -105,20 +124,38 @@ def settings(sonar: Sonar | None = None) -> dict[str, Any]:
     # T_s_c: the camera's z to starboard (y of the vehicle), its x ahead, its y down
     top = CameraTop(calibration="top.yaml", mount=(0.0, 0.0, 0.0, -90.0, 0.0, 0.0))
     config = DiveConfig(
-        dive=Dive(name="wall"), logs=Logs(files=()), camera=Cameras(top=top), sonar=sonar, topics=Topics(sonar="/s")
+        dive=Dive(name="wall"),
+        logs=Logs(files=()),
+        camera=Cameras(top=top),
+        sonar=sonar,
+        topics=Topics(sonar="/s"),
     )
-    return {name: getattr(config, name) for name in ("dive", "logs", "topics", "tray", "camera", "sonar", "hull")}
+    return {
+        name: getattr(config, name)
+        for name in ("dive", "logs", "topics", "tray", "camera", "sonar", "hull")
+    }
 
 
-def test_the_optical_mosaic_of_a_dead_reckoned_dive_shows_the_disc_where_it_is(passed: dict[str, Path], tmp_path: Path) -> None:
+def test_the_optical_mosaic_of_a_dead_reckoned_dive_shows_the_disc_where_it_is(
+    passed: dict[str, Path], tmp_path: Path
+) -> None:
     out = run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / "out", source=tmp_path)
     document = json.loads((out / "mosaic.json").read_text())
     picture = tifffile.imread(out / "ortho.tif")
     assert {p.name for p in out.iterdir()} == {
-        "ortho.tif", "variance.tif", "views.tif", "ortho.png", "mosaic.glb", "mosaic.json", "manifest.json"}  # fmt: skip
+        "ortho.tif",
+        "variance.tif",
+        "views.tif",
+        "ortho.png",
+        "mosaic.glb",
+        "mosaic.json",
+        "manifest.json",
+    }
     assert document["frame"] == "g"
     assert document["images"] == NODES - 1  # one was unusable
-    bright = (picture[..., 0] > 1.4 * np.median(picture[..., 0][picture[..., 3] > 0])) & (picture[..., 3] > 0)
+    bright = (picture[..., 0] > 1.4 * np.median(picture[..., 0][picture[..., 3] > 0])) & (
+        picture[..., 3] > 0
+    )
     assert bright.sum() * document["resolution_m"] ** 2 == pytest.approx(np.pi * 0.15**2, rel=0.05)
     rows, columns = np.nonzero(bright)
     with rasterio.open(out / "ortho.tif") as file:
@@ -130,8 +167,18 @@ def test_the_optical_mosaic_of_a_dead_reckoned_dive_shows_the_disc_where_it_is(p
 
 
 def test_a_mosaic_run_twice_gives_the_same_bytes(passed: dict[str, Path], tmp_path: Path) -> None:
-    one, two = (run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / n, source=tmp_path) for n in ("one", "two"))
-    for name in ("ortho.tif", "variance.tif", "views.tif", "ortho.png", "mosaic.glb", "mosaic.json"):
+    one, two = (
+        run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / n, source=tmp_path)
+        for n in ("one", "two")
+    )
+    for name in (
+        "ortho.tif",
+        "variance.tif",
+        "views.tif",
+        "ortho.png",
+        "mosaic.glb",
+        "mosaic.json",
+    ):
         assert (one / name).read_bytes() == (two / name).read_bytes(), name
 
 
@@ -148,7 +195,11 @@ def test_the_raster_of_the_support_says_what_it_counts(
     save(tmp_path / "detect", "as_found.npz", to_arrays(wall()))
     (tmp_path / "detect" / "detect.json").write_text(json.dumps(facts))
     out = run_stage(
-        mosaic_optical.STAGE, settings(), {**passed, "detect": tmp_path / "detect"}, tmp_path / "out", source=tmp_path
+        mosaic_optical.STAGE,
+        settings(),
+        {**passed, "detect": tmp_path / "detect"},
+        tmp_path / "out",
+        source=tmp_path,
     )
     with tifffile.TiffFile(out / "support.tif") as file:
         assert title in file.pages[0].tags["ImageDescription"].value
@@ -160,7 +211,9 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     slant = 1 / np.cos(bearing)
     image = np.where(ranges >= slant[:, None], 100, 0) + np.zeros((NODES, 1, 1))
     directions = np.stack([0 * bearing, np.sin(bearing), np.cos(bearing)], axis=1)
-    save(passed["ingest"], "sonar.npz", {"t_ns": TIMES, "directions": directions, "range_m": ranges})
+    save(
+        passed["ingest"], "sonar.npz", {"t_ns": TIMES, "directions": directions, "range_m": ranges}
+    )
     np.save(passed["ingest"] / "sonar_image.npy", image.astype(np.uint8))
     # z of the sonar to starboard, its fan along x: x of the sonar is up
     sonar = Sonar(mount=(0.0, 0.0, 0.0, -90.0, 90.0, 0.0), elevation_deg=20.0)
@@ -171,48 +224,87 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     assert document["poses"] == "dead reckoned"
     assert document["pings"] == NODES
     assert document["area_m2"] > 0.2
-    # the mount is known to 1 cm and half a degree, the vehicle to 1 cm and 0.01 rad, the wall some 1.07 m away
-    assert document["position_sigma_of_mount_m"] == pytest.approx(np.hypot(0.01, 1.07 * np.radians(0.5)), abs=5e-4)
+    # the mount is known to 1 cm and half a degree, the vehicle to 1 cm and 0.01 rad, the wall some
+    # 1.07 m away
+    assert document["position_sigma_of_mount_m"] == pytest.approx(
+        np.hypot(0.01, 1.07 * np.radians(0.5)), abs=5e-4
+    )
     assert document["position_sigma_m"] == pytest.approx(0.0200, abs=1e-3)
     assert "known to 20 mm (one sigma)" in document["caption"]
     out = run_stage(mosaic_sonar.STAGE, {**blind, "sonar": loose}, passed, tmp_path / "loose")
     worse = json.loads((out / "mosaic.json").read_text())
-    assert worse["position_sigma_of_mount_m"] == pytest.approx(np.hypot(0.01, 1.05 * np.radians(2.0)), abs=2e-3)
+    assert worse["position_sigma_of_mount_m"] == pytest.approx(
+        np.hypot(0.01, 1.05 * np.radians(2.0)), abs=2e-3
+    )
 
 
-def test_a_sonar_that_sees_nothing_of_the_surface_says_how_far_it_reached(passed: dict[str, Path], tmp_path: Path) -> None:
+def test_a_sonar_that_sees_nothing_of_the_surface_says_how_far_it_reached(
+    passed: dict[str, Path], tmp_path: Path
+) -> None:
     rays = np.array([[0.0, 0.1, 1.0], [0.0, -0.1, 1.0]]) / np.sqrt(1.01)
-    save(passed["ingest"], "sonar.npz", {"t_ns": TIMES, "directions": rays, "range_m": np.linspace(0.1, 0.4, 4)})
+    save(
+        passed["ingest"],
+        "sonar.npz",
+        {"t_ns": TIMES, "directions": rays, "range_m": np.linspace(0.1, 0.4, 4)},
+    )
     np.save(passed["ingest"] / "sonar_image.npy", np.full((NODES, 2, 4), 9, np.uint8))
-    sonar = Sonar(mount=(0.0, 0.0, 0.0, 90.0, 90.0, 0.0), elevation_deg=20.0)  # to port, away from the wall
-    with pytest.raises(StageError, match=r"check the mount of the sonar, and whether its 0\.4 m reach the surface"):
-        run_stage(mosaic_sonar.STAGE, {**settings(sonar), "camera": Cameras()}, passed, tmp_path / "out")
+    # to port, away from the wall
+    sonar = Sonar(mount=(0.0, 0.0, 0.0, 90.0, 90.0, 0.0), elevation_deg=20.0)
+    with pytest.raises(
+        StageError, match=r"check the mount of the sonar, and whether its 0\.4 m reach the surface"
+    ):
+        run_stage(
+            mosaic_sonar.STAGE, {**settings(sonar), "camera": Cameras()}, passed, tmp_path / "out"
+        )
 
 
 def test_steps_apply_only_where_their_sensor_was_carried(tmp_path: Path) -> None:
-    carried = {"camera.top.time_offset": 0.0, "sonar.mount": Sonar().mount, "topics": Topics(sonar="/s"), "logs": BAG}
+    carried = {
+        "camera.top.time_offset": 0.0,
+        "sonar.mount": Sonar().mount,
+        "topics": Topics(sonar="/s"),
+        "logs": BAG,
+    }
     assert mosaic_optical.applies(carried, tmp_path) is None
     assert mosaic_sonar.applies(carried, tmp_path) is None
-    assert mosaic_optical.applies({"camera.top.time_offset": None}, tmp_path) == "no camera was carried"
-    assert mosaic_sonar.applies({**carried, "sonar.mount": None}, tmp_path) == "no imaging sonar was carried"
+    assert (
+        mosaic_optical.applies({"camera.top.time_offset": None}, tmp_path)
+        == "no camera was carried"
+    )
+    assert (
+        mosaic_sonar.applies({**carried, "sonar.mount": None}, tmp_path)
+        == "no imaging sonar was carried"
+    )
 
 
 @pytest.mark.parametrize("topics", [Topics(), Topics(dvl="/dvl")])
-def test_a_sonar_in_a_log_without_topics_gets_its_mosaic_whatever_topics_are_named(topics: Topics, tmp_path: Path) -> None:
+def test_a_sonar_in_a_log_without_topics_gets_its_mosaic_whatever_topics_are_named(
+    topics: Topics, tmp_path: Path
+) -> None:
     for folder, table in (("tables", "sonar.csv"), ("others", "dvl.csv")):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / table).touch()
     carried = {"sonar.mount": Sonar().mount, "topics": topics}
     for beside in ("s.aris", "s.OCULUS", "tables"):
-        assert mosaic_sonar.applies({**carried, "logs": Logs(files=("dive.mcap", beside))}, tmp_path) is None
+        assert (
+            mosaic_sonar.applies({**carried, "logs": Logs(files=("dive.mcap", beside))}, tmp_path)
+            is None
+        )
     for beside in ("absent", "dvl.pd0", "others"):
         logs = Logs(files=("dive.mcap", beside))
-        assert mosaic_sonar.applies({**carried, "logs": logs}, tmp_path) == "no imaging sonar was carried"
+        assert (
+            mosaic_sonar.applies({**carried, "logs": logs}, tmp_path)
+            == "no imaging sonar was carried"
+        )
 
 
 def test_the_file_of_a_sonar_is_known_by_its_first_bytes(tmp_path: Path) -> None:
     (tmp_path / "pings.dat").write_bytes(aris_frames.MAGIC + bytes(8))
-    carried = {"sonar.mount": Sonar().mount, "topics": Topics(dvl="/dvl"), "logs": Logs(files=("dive.mcap", "pings.dat"))}
+    carried = {
+        "sonar.mount": Sonar().mount,
+        "topics": Topics(dvl="/dvl"),
+        "logs": Logs(files=("dive.mcap", "pings.dat")),
+    }
     assert mosaic_sonar.applies(carried, tmp_path) is None
 
 
@@ -229,15 +321,21 @@ def _still_track(nodes: int) -> VehicleTrack:
 
 def test_the_sonars_servo_is_read_at_the_pings() -> None:
     angles = JointSamples(t_ns=TIMES, angle=np.linspace(0, 0.8, NODES))
-    rig = rig_from_settings({"sonar.origin": (0.4, 0.0, 0.2), "sonar.mount": (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)})
+    rig = rig_from_settings(
+        {"sonar.origin": (0.4, 0.0, 0.2), "sonar.mount": (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)}
+    )
     at = np.array([TIMES[4], (TIMES[4] + TIMES[5]) // 2])
     poses = sonar_poses(rig, _still_track(NODES), at, "sonar_tray", angles)
-    want = from_rpy(np.tile([0.4, 0, 0.2], (2, 1)), [[0, np.pi / 2 + 0.4, 0], [0, np.pi / 2 + 0.45, 0]])
+    want = from_rpy(
+        np.tile([0.4, 0, 0.2], (2, 1)), [[0, np.pi / 2 + 0.4, 0], [0, np.pi / 2 + 0.45, 0]]
+    )
     np.testing.assert_allclose((poses.inverse() @ want).log(), 0, atol=1e-9)
 
 
 def test_a_sonar_without_a_servo_stands_as_mounted() -> None:
-    rig = rig_from_settings({"sonar.origin": (0.4, 0.0, 0.2), "sonar.mount": (0.0, 0.0, 0.1, 0.0, 0.0, 0.0)})
+    rig = rig_from_settings(
+        {"sonar.origin": (0.4, 0.0, 0.2), "sonar.mount": (0.0, 0.0, 0.1, 0.0, 0.0, 0.0)}
+    )
     poses = sonar_poses(rig, _still_track(NODES), TIMES[:2], None, None)
     np.testing.assert_allclose(poses.translation, np.tile([0.4, 0.0, 0.3], (2, 1)))
 

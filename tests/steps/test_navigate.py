@@ -21,19 +21,37 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.navigation.clocks.clock_errors import Sensor
 from hullrecon.navigation.sigmas import sigmas_from_settings
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, PositionFixes, PressureSamples
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImageIndex,
+    ImuSamples,
+    PositionFixes,
+    PressureSamples,
+)
 from hullrecon.records.serialisation import from_arrays, to_arrays
-from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.records.trajectory import (
+    Attitude,
+    Odometry,
+    PositionTies,
+    Returns,
+    Trajectory,
+    TrajectoryErrorModel,
+)
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.navigate import STAGE
 
 SECOND = 10**9
-JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
+JANUS = np.array(
+    [[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]]
+)
 
 
 def sections() -> dict[str, object]:
-    camera = schema.Cameras(top=schema.CameraTop(calibration="top.yaml"), bottom=schema.CameraBottom(calibration="bottom.yaml"))
+    camera = schema.Cameras(
+        top=schema.CameraTop(calibration="top.yaml"),
+        bottom=schema.CameraBottom(calibration="bottom.yaml"),
+    )
     return {
         "logs": schema.Logs(files=()),
         "tray": schema.Tray(origin=(0.4, 0.0, 0.1)),
@@ -48,7 +66,9 @@ def sections() -> dict[str, object]:
 
 @pytest.fixture
 def ingest(tmp_path: Path) -> Path:
-    """A dive straight ahead at 0.2 m/s, level, two metres down: the DVL looks forward at a wall that it nears."""
+    """A dive straight ahead at 0.2 m/s, level, two metres down: the DVL looks forward at a wall
+    that it nears.
+    """
     folder = tmp_path / "ingest"
     folder.mkdir()
     t = np.arange(0, 20 * SECOND, SECOND // 5, dtype=np.int64)
@@ -70,7 +90,10 @@ def ingest(tmp_path: Path) -> Path:
         folder,
         "imu",
         ImuSamples(
-            t_ns=fast, quaternion=level, angular_velocity=np.zeros((len(fast), 3)), acceleration=np.zeros((len(fast), 3))
+            t_ns=fast,
+            quaternion=level,
+            angular_velocity=np.zeros((len(fast), 3)),
+            acceleration=np.zeros((len(fast), 3)),
         ),
     )
     keep(folder, "pressure", PressureSamples(t_ns=fast, depth=np.full(len(fast), 2.0)))
@@ -78,7 +101,8 @@ def ingest(tmp_path: Path) -> Path:
 
 
 def keep(folder: Path, name: str, record: object) -> None:
-    with zipfile.ZipFile(folder / f"{name}.npz", "w") as file:  # np.savez cannot hold a member called `file`
+    # np.savez cannot hold a member called `file`
+    with zipfile.ZipFile(folder / f"{name}.npz", "w") as file:
         for member, value in to_arrays(record).items():
             with file.open(f"{member}.npy", "w") as stream:
                 np.save(stream, value)
@@ -88,11 +112,15 @@ def run(ingest: Path, out: Path) -> Path:
     return run_stage(STAGE, sections(), {"ingest": ingest}, out, source=ingest.parent)
 
 
-def test_the_step_leaves_its_records_and_says_where_the_path_comes_from(ingest: Path, tmp_path: Path) -> None:
+def test_the_step_leaves_its_records_and_says_where_the_path_comes_from(
+    ingest: Path, tmp_path: Path
+) -> None:
     out = run(ingest, tmp_path / "navigate")
     path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
     assert np.allclose(
-        path.translation[-1] - path.translation[0], [0.2 * (path.t_ns[-1] - path.t_ns[0]) / SECOND, 0, 0], atol=1e-6
+        path.translation[-1] - path.translation[0],
+        [0.2 * (path.t_ns[-1] - path.t_ns[0]) / SECOND, 0, 0],
+        atol=1e-6,
     )
     assert np.allclose(path.translation[:, 2], 2.0)
     assert len(from_arrays(Odometry, load_arrays(out / "odometry.npz")).first) == len(path.t_ns) - 1
@@ -110,19 +138,31 @@ def test_the_step_leaves_what_makes_its_poses_wrong(ingest: Path, tmp_path: Path
     path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
     errors = from_arrays(TrajectoryErrorModel, load_arrays(out / "error_model.npz"))
     assert errors.by_error.shape == (len(path.t_ns), 6, 10)
-    assert np.allclose(errors.by_error[:, 0, 0], path.translation[:, 0])  # by the DVL's scale: the way it has come
+    # by the DVL's scale: the way it has come
+    assert np.allclose(errors.by_error[:, 0, 0], path.translation[:, 0])
     assert errors.error_covariance[0, 0] == pytest.approx(schema.Dvl().scale_sigma ** 2)
 
 
 def test_twice_the_same_input_gives_the_same_bytes(ingest: Path, tmp_path: Path) -> None:
     a, b = run(ingest, tmp_path / "a"), run(ingest, tmp_path / "b")
-    for name in ("trajectory.npz", "error_model.npz", "odometry.npz", "returns.npz", "attitude.npz", "navigation.json"):
+    for name in (
+        "trajectory.npz",
+        "error_model.npz",
+        "odometry.npz",
+        "returns.npz",
+        "attitude.npz",
+        "navigation.json",
+    ):
         assert (a / name).read_bytes() == (b / name).read_bytes()
 
 
 def test_a_dvl_whose_clock_is_late_is_put_right_and_said(ingest: Path, tmp_path: Path) -> None:
     logs = logs_along_wall(AlongWall(RIG))
-    for name, record in (("dvl", late(logs, Sensor.DVL, 0.8).dvl), ("imu", logs.imu), ("pressure", logs.pressure)):
+    for name, record in (
+        ("dvl", late(logs, Sensor.DVL, 0.8).dvl),
+        ("imu", logs.imu),
+        ("pressure", logs.pressure),
+    ):
         keep(ingest, name, record)
     keep(ingest, "tray", logs.tray)
     mounted = {
@@ -130,7 +170,9 @@ def test_a_dvl_whose_clock_is_late_is_put_right_and_said(ingest: Path, tmp_path:
         "pressure": schema.Pressure(origin=(-0.3, 0.1, 0.05)),
         "dvl": schema.Dvl(mount=(0.02, -0.01, 0.08, 0.5, 89.0, 1.0)),
     }
-    out = run_stage(STAGE, sections() | mounted, {"ingest": ingest}, tmp_path / "navigate", source=tmp_path)
+    out = run_stage(
+        STAGE, sections() | mounted, {"ingest": ingest}, tmp_path / "navigate", source=tmp_path
+    )
     report = json.loads((out / "navigation.json").read_text())
     (clock,) = report["clocks"]
     assert clock["sensor"] == "DVL"
@@ -153,15 +195,22 @@ def test_neither_dvl_nor_stereo_is_an_error_in_words(ingest: Path, tmp_path: Pat
 
 
 def slide_over_seabed(ingest: Path, contrast: float = 1.0) -> None:
-    """Add the images of a rig that slides 8 cm a frame over a flat seabed 1 m below, 4 mm a pixel, a frame a second."""
+    """Add the images of a rig that slides 8 cm a frame over a flat seabed 1 m below, 4 mm a pixel,
+    a frame a second.
+    """
     import cv2
 
-    noise = (127 + contrast * (np.random.default_rng(4).integers(0, 255, (100, 200)) - 127.0)).astype(np.uint8)
+    noise = (
+        127 + contrast * (np.random.default_rng(4).integers(0, 255, (100, 200)) - 127.0)
+    ).astype(np.uint8)
     seabed = cv2.resize(noise, (800, 400), interpolation=cv2.INTER_CUBIC)
     camera = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
-    (ingest / "cameras.json").write_text(json.dumps({"top": asdict(camera), "bottom": asdict(camera)}))
+    (ingest / "cameras.json").write_text(
+        json.dumps({"top": asdict(camera), "bottom": asdict(camera)})
+    )
     count = 4
-    for name, shift in (("camera_top", 0), ("camera_bottom", 25)):  # the lower camera is 0.1 m down the image
+    # the lower camera is 0.1 m down the image
+    for name, shift in (("camera_top", 0), ("camera_bottom", 25)):
         encoded = []
         for k in range(count):
             picture = seabed[50 + shift : 306 + shift, 20 + 20 * k : 340 + 20 * k]
@@ -170,13 +219,19 @@ def slide_over_seabed(ingest: Path, contrast: float = 1.0) -> None:
         (ingest / f"images_{name}.bin").write_bytes(b"".join(encoded))
         start = np.concatenate([[0], np.cumsum(sizes)[:-1]])
         index = ImageIndex(
-            t_ns=SECOND * np.arange(count), file=np.full(count, ""), offset=start, size=sizes, usable=np.ones(count, bool)
+            t_ns=SECOND * np.arange(count),
+            file=np.full(count, ""),
+            offset=start,
+            size=sizes,
+            usable=np.ones(count, bool),
         )
         keep(ingest, f"images_{name}", index)
 
 
 def lose_velocities(ingest: Path, before_s: float) -> None:
-    """Take the DVL's velocities before a time, and bring it as near to the wall as the images are to the seabed."""
+    """Take the DVL's velocities before a time, and bring it as near to the wall as the images are
+    to the seabed.
+    """
     dvl = from_arrays(DvlPings, load_arrays(ingest / "dvl.npz"))
     dvl.ranges[:] = 1 / JANUS[0, 2]
     dvl.velocity[dvl.t_ns < before_s * SECOND] = np.nan
@@ -200,7 +255,9 @@ def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: 
     assert path.translation[0].tolist() == [0.0, 0.0, 2.0]
 
 
-@pytest.mark.parametrize(("before_s", "source"), [(0.0, "dvl"), (2.0, "dvl"), (3.6, "stereo"), (30.0, "stereo")])
+@pytest.mark.parametrize(
+    ("before_s", "source"), [(0.0, "dvl"), (2.0, "dvl"), (3.6, "stereo"), (30.0, "stereo")]
+)
 def test_stereo_cameras_give_the_path_where_the_dvl_was_hardly_heard(
     ingest: Path, tmp_path: Path, before_s: float, source: str
 ) -> None:
@@ -217,7 +274,9 @@ def test_stereo_cameras_give_the_path_where_the_dvl_was_hardly_heard(
     assert not any("no DVL" in remark for remark in (first, *others))
 
 
-def test_where_the_images_give_no_path_the_dvls_part_is_what_there_is(ingest: Path, tmp_path: Path) -> None:
+def test_where_the_images_give_no_path_the_dvls_part_is_what_there_is(
+    ingest: Path, tmp_path: Path
+) -> None:
     slide_over_seabed(ingest, contrast=0.0)
     lose_velocities(ingest, 3.6)
     out = run(ingest, tmp_path / "navigate")
@@ -245,7 +304,8 @@ def test_positions_from_outside_are_left_at_the_nodes(ingest: Path, tmp_path: Pa
     keep(ingest, "position", fixes(6))
     run_stage(STAGE, sections(), {"ingest": ingest}, tmp_path / "out")
     ties = from_arrays(PositionTies, load_arrays(tmp_path / "out" / "positions.npz"))
-    np.testing.assert_allclose(ties.antenna[:, 0], 0.5, atol=0.05)  # within half a node's spacing of the vehicle's way
+    # within half a node's spacing of the vehicle's way
+    np.testing.assert_allclose(ties.antenna[:, 0], 0.5, atol=0.05)
     facts = json.loads((tmp_path / "out" / "navigation.json").read_text())
     assert facts["positions"] == {"used": 6, "outside": 0, "refusal": None}
 
@@ -256,4 +316,7 @@ def test_a_lone_position_is_said_to_tell_nothing(ingest: Path, tmp_path: Path) -
     assert not (tmp_path / "out" / "positions.npz").exists()
     facts = json.loads((tmp_path / "out" / "navigation.json").read_text())
     assert facts["positions"]["used"] == 0
-    assert "Positions from outside tell nothing of this dive: there is one alone" in facts["remarks"][-1]
+    assert (
+        "Positions from outside tell nothing of this dive: there is one alone"
+        in facts["remarks"][-1]
+    )

@@ -45,21 +45,29 @@ def navigated(tmp_path: Path) -> dict[str, Path]:
         json.dumps({"source": "dvl", "outages": [], "remarks": ["one beam lost"]})
     )
     (tmp_path / "ingest").mkdir()
-    (tmp_path / "ingest" / "findings.json").write_text(json.dumps({"lost": ["/dvl: 2 s at 09:31"], "hull": [], "remarks": []}))
+    (tmp_path / "ingest" / "findings.json").write_text(
+        json.dumps({"lost": ["/dvl: 2 s at 09:31"], "hull": [], "remarks": []})
+    )
     return {"ingest": tmp_path / "ingest", "navigate": tmp_path / "navigate"}
 
 
 def run(inputs: dict[str, Path], out: Path, options: ReportOptions | None = None) -> Path:
     config = DiveConfig(dive=Dive(name="bare"), logs=Logs(files=("logs/dive.mcap",)))
-    settings = {name: getattr(config, name) for name in ("dive", "logs", "tray", "camera", "sonar", "hull")}
+    settings = {
+        name: getattr(config, name) for name in ("dive", "logs", "tray", "camera", "sonar", "hull")
+    }
     section = {} if options is None else {"report": options}
     return run_stage(STAGE, settings | section, inputs, out, source=out.parent) / "deliver"
 
 
-def test_a_mosaic_without_a_textured_mesh_says_why(navigated: dict[str, Path], tmp_path: Path) -> None:
+def test_a_mosaic_without_a_textured_mesh_says_why(
+    navigated: dict[str, Path], tmp_path: Path
+) -> None:
     folder = tmp_path / "mosaic-sonar"
     folder.mkdir()
-    (folder / "mosaic.json").write_text(json.dumps({"caption": "1 m² at 17.6 mm per pixel.", "resolution_m": 0.0176}))
+    (folder / "mosaic.json").write_text(
+        json.dumps({"caption": "1 m² at 17.6 mm per pixel.", "resolution_m": 0.0176})
+    )
     Image.fromarray(np.full((40, 60, 3), 90, np.uint8)).save(folder / "ortho.png")
     deliver = run(navigated | {"mosaic-sonar": folder}, tmp_path / "report")
     summary = json.loads((deliver / "summary.json").read_text())
@@ -67,7 +75,9 @@ def test_a_mosaic_without_a_textured_mesh_says_why(navigated: dict[str, Path], t
     assert "mosaic_sonar.glb</a>" not in (deliver / "report" / "index.html").read_text()
 
 
-def test_a_dive_that_was_only_navigated_is_delivered_with_reasons(navigated: dict[str, Path], tmp_path: Path) -> None:
+def test_a_dive_that_was_only_navigated_is_delivered_with_reasons(
+    navigated: dict[str, Path], tmp_path: Path
+) -> None:
     deliver = run(navigated, tmp_path / "report")
     summary = json.loads((deliver / "summary.json").read_text())
     assert summary["frame"] == "g"
@@ -78,10 +88,14 @@ def test_a_dive_that_was_only_navigated_is_delivered_with_reasons(navigated: dic
     assert "one beam lost" in (deliver / "report" / "index.html").read_text()
 
 
-def test_every_delivered_file_is_in_the_summary_with_its_hash(navigated: dict[str, Path], tmp_path: Path) -> None:
+def test_every_delivered_file_is_in_the_summary_with_its_hash(
+    navigated: dict[str, Path], tmp_path: Path
+) -> None:
     deliver = run(navigated, tmp_path / "report")
     listed = json.loads((deliver / "summary.json").read_text())["deliverables"]
-    there = {p.relative_to(deliver).as_posix() for p in deliver.rglob("*") if p.is_file()} - {"summary.json"}
+    there = {p.relative_to(deliver).as_posix() for p in deliver.rglob("*") if p.is_file()} - {
+        "summary.json"
+    }
     assert set(listed) == there
     for name, entry in listed.items():
         assert hashlib.sha256((deliver / name).read_bytes()).hexdigest() == entry["sha256"]
@@ -93,14 +107,21 @@ def test_two_runs_deliver_the_same_bytes(navigated: dict[str, Path], tmp_path: P
         assert path.read_bytes() == (second / path.relative_to(first)).read_bytes(), path.name
 
 
-def test_objects_that_were_not_looked_for_are_absent_not_none(navigated: dict[str, Path], tmp_path: Path) -> None:
+def test_objects_that_were_not_looked_for_are_absent_not_none(
+    navigated: dict[str, Path], tmp_path: Path
+) -> None:
     detect = tmp_path / "detect"
     detect.mkdir()
     (detect / "objects.json").write_text(json.dumps({"objects": []}))
-    (detect / "detect.json").write_text(json.dumps({"objects": "the images gave too few landmarks"}))
+    (detect / "detect.json").write_text(
+        json.dumps({"objects": "the images gave too few landmarks"})
+    )
     deliver = run({**navigated, "detect": detect}, tmp_path / "report")
     assert not (deliver / "objects.json").exists()
-    assert json.loads((deliver / "summary.json").read_text())["absent"]["objects.json"] == "the images gave too few landmarks"
+    assert (
+        json.loads((deliver / "summary.json").read_text())["absent"]["objects.json"]
+        == "the images gave too few landmarks"
+    )
     page = (deliver / "report" / "index.html").read_text()
     assert "Objects were not looked for: the images gave too few landmarks." in page
 
@@ -115,15 +136,30 @@ def test_a_machine_without_pango_delivers_the_page_and_says_why_there_is_no_pdf(
 ) -> None:
     monkeypatch.setattr("hullrecon.steps.report.why_no_pdf", lambda: "Pango is not installed")
     deliver = run(navigated, tmp_path / "report")
-    assert json.loads((deliver / "summary.json").read_text())["absent"]["report/report.pdf"] == "Pango is not installed"
+    assert (
+        json.loads((deliver / "summary.json").read_text())["absent"]["report/report.pdf"]
+        == "Pango is not installed"
+    )
     assert sorted(p.name for p in (deliver / "report").iterdir()) == ["index.html"]
 
 
-def test_the_page_says_what_the_package_says_of_the_inspection(navigated: dict[str, Path], tmp_path: Path) -> None:
+def test_the_page_says_what_the_package_says_of_the_inspection(
+    navigated: dict[str, Path], tmp_path: Path
+) -> None:
     Image.new("RGB", (60, 20), (10, 80, 140)).save(tmp_path / "logo.png")
-    options = ReportOptions(client="Harbour & Sons", equipment=("A50",), conclusion="Fine.\n\nLook again.", logo="logo.png")
+    options = ReportOptions(
+        client="Harbour & Sons",
+        equipment=("A50",),
+        conclusion="Fine.\n\nLook again.",
+        logo="logo.png",
+    )
     page = (run(navigated, tmp_path / "report", options) / "report" / "index.html").read_text()
-    for text in ("Harbour &amp; Sons", "A50", "<p>Look again.</p>", 'class="logo" src="data:image/png;base64,'):
+    for text in (
+        "Harbour &amp; Sons",
+        "A50",
+        "<p>Look again.</p>",
+        'class="logo" src="data:image/png;base64,',
+    ):
         assert text in page, text
 
 

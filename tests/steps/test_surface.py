@@ -36,17 +36,31 @@ def _hull() -> Mesh:
     faces = np.concatenate([np.stack([a, a + 81, a + 82], 1), np.stack([a, a + 82, a + 1], 1)])
     center = vertices[faces].mean(axis=1) - [0, 0, 3]
     corner = vertices[faces]
-    inward = np.einsum("ni,ni->n", np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) * [0, 1, 1], center) < 0
+    inward = (
+        np.einsum(
+            "ni,ni->n",
+            np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) * [0, 1, 1],
+            center,
+        )
+        < 0
+    )
     faces[inward] = faces[inward][:, ::-1]
     return Mesh(vertices, faces.astype(np.int32))
 
 
 def _dive(rng: np.random.Generator) -> tuple[Poses, Returns]:
-    """A vehicle at port, y = 4.5 m, moving along x; beams in the dvl frame, whose z looks along -y of M."""
+    """A vehicle at port, y = 4.5 m, moving along x; beams in the dvl frame, whose z looks along -y
+    of M.
+    """
     n = 60
     x, z = np.tile(np.linspace(3, 7, 20), 3), np.repeat([2.4, 3.0, 3.6], 20)
-    hull_from_vehicle = Poses(np.tile([0.0, 0, 0, 1], (n, 1)), np.column_stack([x, np.full(n, 4.5), z]))
-    node, beams = np.repeat(np.arange(n), 4), np.tile([[0.3, 0, 1], [-0.3, 0, 1], [0, 0.3, 1], [0, -0.3, 1.0]], (n, 1))
+    hull_from_vehicle = Poses(
+        np.tile([0.0, 0, 0, 1], (n, 1)), np.column_stack([x, np.full(n, 4.5), z])
+    )
+    node, beams = (
+        np.repeat(np.arange(n), 4),
+        np.tile([[0.3, 0, 1], [-0.3, 0, 1], [0, 0.3, 1], [0, -0.3, 1.0]], (n, 1)),
+    )
     beams /= np.linalg.norm(beams, axis=1, keepdims=True)
     mount = from_mount(DVL_MOUNT)
     direction = mount.rotation.apply(beams)  # in v, which here is turned like M
@@ -57,10 +71,15 @@ def _dive(rng: np.random.Generator) -> tuple[Poses, Returns]:
     T_g_M = from_mount(TURN)
     zero = np.zeros(len(node))
     returns = Returns(
-        t_ns=node.astype(np.int64), node=node, quaternion=np.tile([0.0, 0, 0, 1], (len(node), 1)),
-        translation=np.zeros((len(node), 3)), tray_offset=zero, beam=beams, range_m=reach + rng.normal(0, 0.005, len(node)),
+        t_ns=node.astype(np.int64),
+        node=node,
+        quaternion=np.tile([0.0, 0, 0, 1], (len(node), 1)),
+        translation=np.zeros((len(node), 3)),
+        tray_offset=zero,
+        beam=beams,
+        range_m=reach + rng.normal(0, 0.005, len(node)),
         flagged=zero > 0,
-    )  # fmt: skip
+    )
     return T_g_M[np.zeros(n, int)] @ hull_from_vehicle, returns
 
 
@@ -81,9 +100,15 @@ def _solution(T_g_v: Poses, landmarks: np.ndarray) -> Solution:
             views=np.full(m, 4),
             color=np.zeros((m, 3), np.uint8),
         ),
-        mounts=Mounts(tray_from_dvl=from_mount(DVL_MOUNT), tray_from_camera=None, top_from_bottom=None),
+        mounts=Mounts(
+            tray_from_dvl=from_mount(DVL_MOUNT), tray_from_camera=None, top_from_bottom=None
+        ),
         navigation_errors=np.zeros(6),
-        hull_pose=HullPose(global_from_hull=from_mount(TURN), covariance=1e-6 * np.eye(6), survey_center=np.zeros(3)),
+        hull_pose=HullPose(
+            global_from_hull=from_mount(TURN),
+            covariance=1e-6 * np.eye(6),
+            survey_center=np.zeros(3),
+        ),
         deviation_field=None,
     )
 
@@ -125,7 +150,12 @@ class EarlierSteps:
         np.savez(navigate / "trajectory.npz", **to_arrays(track))
         np.savez(adjust / "solution.npz", **to_arrays(self.solution))
         inputs = {"ingest": ingest, "navigate": navigate} | ({"adjust": adjust} if adjusted else {})
-        return run_stage(STAGE, {**self.sections, "surface": SurfaceOptions(**options)}, inputs, self.root / "surface")
+        return run_stage(
+            STAGE,
+            {**self.sections, "surface": SurfaceOptions(**options)},
+            inputs,
+            self.root / "surface",
+        )
 
     def _folder(self, name: str) -> Path:
         path = self.root / name
@@ -139,14 +169,18 @@ def earlier(tmp_path: Path) -> EarlierSteps:
 
 
 def _read(out: Path) -> tuple[Surface, dict[str, object]]:
-    return from_arrays(Surface, load_arrays(out / "surface.npz")), json.loads((out / "surface.json").read_text())
+    return from_arrays(Surface, load_arrays(out / "surface.npz")), json.loads(
+        (out / "surface.json").read_text()
+    )
 
 
 def _radius(surface: Surface) -> np.ndarray:
     return np.hypot(surface.vertices[:, 1], surface.vertices[:, 2] - 3)
 
 
-def test_the_surface_lies_where_the_returns_were_and_knows_its_deviation(earlier: EarlierSteps) -> None:
+def test_the_surface_lies_where_the_returns_were_and_knows_its_deviation(
+    earlier: EarlierSteps,
+) -> None:
     surface, facts = _read(earlier.run())
     assert np.sqrt(np.mean((_radius(surface) - RADIUS - OFF) ** 2)) < 0.004
     assert np.median(surface.deviation) == pytest.approx(OFF, abs=0.004)
@@ -159,7 +193,8 @@ def test_the_chart_of_the_adjustment_is_passed_on(earlier: EarlierSteps) -> None
     out = earlier.run()
     at = np.array([[5.0, 3.0, 3.0]])
     assert np.allclose(
-        chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at), chart_for_hull(earlier.hull).to_chart(at)
+        chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at),
+        chart_for_hull(earlier.hull).to_chart(at),
     )
 
 
@@ -170,8 +205,12 @@ def test_without_an_adjustment_the_first_guess_places_the_dive(earlier: EarlierS
     assert "hull.pose" in str(facts["poses"])
 
 
-def test_without_an_adjustment_the_chart_has_the_bow_and_the_stations_of_dive_toml(earlier: EarlierSteps) -> None:
-    earlier.sections["hull"] = schema.Hull(mesh="hull.stl", pose=TURN, bow="-x", aft_perpendicular=11.0)
+def test_without_an_adjustment_the_chart_has_the_bow_and_the_stations_of_dive_toml(
+    earlier: EarlierSteps,
+) -> None:
+    earlier.sections["hull"] = schema.Hull(
+        mesh="hull.stl", pose=TURN, bow="-x", aft_perpendicular=11.0
+    )
     chart = chart_from_arrays(load_arrays(earlier.run(adjusted=False) / "chart.npz"))
     at, plain = np.array([[5.0, 2.9, 3.0]]), chart_for_hull(earlier.hull)
     along, girth, _ = chart.to_chart(at)[0]
@@ -179,7 +218,9 @@ def test_without_an_adjustment_the_chart_has_the_bow_and_the_stations_of_dive_to
     assert girth == pytest.approx(-plain.to_chart(at)[0, 1], abs=0.01)
 
 
-def test_without_a_cad_model_the_surface_is_in_g_and_has_no_deviation(earlier: EarlierSteps) -> None:
+def test_without_a_cad_model_the_surface_is_in_g_and_has_no_deviation(
+    earlier: EarlierSteps,
+) -> None:
     earlier.without_cad_model()
     surface, _ = _read(earlier.run())
     y, z = surface.vertices[:, 1], -surface.vertices[:, 2]
@@ -189,14 +230,19 @@ def test_without_a_cad_model_the_surface_is_in_g_and_has_no_deviation(earlier: E
 
 def test_flagged_returns_are_left_out_and_counted(earlier: EarlierSteps) -> None:
     flagged = np.arange(240) % 10 == 0
-    earlier.returns = replace(earlier.returns, flagged=flagged, range_m=earlier.returns.range_m + 0.8 * flagged)
+    earlier.returns = replace(
+        earlier.returns, flagged=flagged, range_m=earlier.returns.range_m + 0.8 * flagged
+    )
     surface, facts = _read(earlier.run())
     assert facts["flagged"] == 24
     assert np.abs(_radius(surface) - RADIUS - OFF).max() < 0.03
 
 
 def test_landmarks_sharpen_the_surface_when_asked(earlier: EarlierSteps) -> None:
-    earlier.returns = replace(earlier.returns, range_m=earlier.returns.range_m + np.random.default_rng(0).normal(0, 0.02, 240))
+    earlier.returns = replace(
+        earlier.returns,
+        range_m=earlier.returns.range_m + np.random.default_rng(0).normal(0, 0.02, 240),
+    )
     surface, facts = _read(earlier.run(landmarks=True))
     assert int(str(facts["observations"])) > 240
     middle = np.abs(surface.vertices[:, 2] - 3) < 0.7
@@ -232,7 +278,9 @@ def test_two_runs_give_the_same_bytes(earlier: EarlierSteps, tmp_path: Path) -> 
     assert (first / "surface.npz").read_bytes() == (second / "surface.npz").read_bytes()
 
 
-def test_with_a_cad_model_the_record_says_that_the_comparison_is_partly_circular(earlier: EarlierSteps) -> None:
+def test_with_a_cad_model_the_record_says_that_the_comparison_is_partly_circular(
+    earlier: EarlierSteps,
+) -> None:
     _, facts = _read(earlier.run())
     assert facts["reference"] == "cad"
     assert "partly circular" in str(facts["comparison"])
@@ -247,7 +295,9 @@ def test_without_a_cad_model_there_is_nothing_to_compare(earlier: EarlierSteps) 
 
 
 @pytest.mark.parametrize("reference", ["cad", "plane", "none"])
-def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(earlier: EarlierSteps, reference: str) -> None:
+def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(
+    earlier: EarlierSteps, reference: str
+) -> None:
     beam_end = _ends(earlier)
     bump = 0.08 * np.exp(-0.5 * ((beam_end[:, 0] - 5) ** 2 + (beam_end[:, 2] - 3) ** 2) / 0.5**2)
     earlier.returns = replace(earlier.returns, range_m=earlier.returns.range_m - bump)
@@ -262,7 +312,9 @@ def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(earlier: 
 
 
 def _ends(earlier: EarlierSteps) -> np.ndarray:
-    hull_from_vehicle = from_mount(TURN).inverse()[np.zeros(240, int)] @ earlier.T_g_v[earlier.returns.node]
+    hull_from_vehicle = (
+        from_mount(TURN).inverse()[np.zeros(240, int)] @ earlier.T_g_v[earlier.returns.node]
+    )
     beam = hull_from_vehicle @ from_mount(DVL_MOUNT)
     return beam.apply(earlier.returns.beam * earlier.returns.range_m[:, None])
 

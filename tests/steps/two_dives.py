@@ -32,7 +32,8 @@ from hullrecon.records.surface import DeviationSplit
 from hullrecon.steps.change import STAGE, EarlierDive
 
 T_NS = 1_780_000_000_000_000_000
-AFTER = (GROWN, *BEFORE[1:3], *ADDED)  # three structures more, the lump gone, the cylinder 3 cm higher
+# three structures more, the lump gone, the cylinder 3 cm higher
+AFTER = (GROWN, *BEFORE[1:3], *ADDED)
 INPUTS = {"ingest": (), "adjust": ("ingest",), "surface": ("adjust",), "detect": ("surface",)}
 Files = dict[str, dict[str, bytes]]
 
@@ -49,19 +50,34 @@ def survey_files(found: HullSurvey, *, fits: bool = True) -> Files:
     """What the steps leave of a survey, by step and name. fits: the CAD model was not refused."""
     zero = np.zeros
     split = DeviationSplit(
-        offset=zero(()), offset_sigma=zero(()), tilt=zero(2), tilt_sigma=zero(2), form=zero(len(found.form_sigma)),
+        offset=zero(()),
+        offset_sigma=zero(()),
+        tilt=zero(2),
+        tilt_sigma=zero(2),
+        form=zero(len(found.form_sigma)),
         form_sigma=found.form_sigma,
-    )  # fmt: skip
+    )
     landmarks = Landmarks(
-        position=zero((0, 3)), covariance=zero((0, 3, 3)), label=zero(0, int), deviation=zero(0), views=zero(0, int),
+        position=zero((0, 3)),
+        covariance=zero((0, 3, 3)),
+        label=zero(0, int),
+        deviation=zero(0),
+        views=zero(0, int),
         color=zero((0, 3), np.uint8),
-    )  # fmt: skip
+    )
     solution = Solution(
-        t_ns=np.array([T_NS]), image=np.full((1, 2), -1), global_from_vehicle=identity(), tray=zero(1), tray_sigma=zero(1),
-        pose_covariance=zero((1, 6, 6)), landmarks=landmarks,
+        t_ns=np.array([T_NS]),
+        image=np.full((1, 2), -1),
+        global_from_vehicle=identity(),
+        tray=zero(1),
+        tray_sigma=zero(1),
+        pose_covariance=zero((1, 6, 6)),
+        landmarks=landmarks,
         mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=None, top_from_bottom=None),
-        navigation_errors=zero(6), hull_pose=found.hull_pose if fits else None, deviation_field=None,
-    )  # fmt: skip
+        navigation_errors=zero(6),
+        hull_pose=found.hull_pose if fits else None,
+        deviation_field=None,
+    )
     mesh = cad_model()
     return {
         "ingest": {"hull.npz": _npz(vertices=mesh.vertices, faces=mesh.faces)},
@@ -105,45 +121,81 @@ def _step(name: str, files: dict[str, bytes], fails: bool) -> Stage:
         for file, data in files.items():
             context.out.bytes(file, data)
 
-    return Stage(name=name, summary=name, inputs=INPUTS[name], parameters=NoOptions, version=1, run=write, fails_alone=fails)
+    return Stage(
+        name=name,
+        summary=name,
+        inputs=INPUTS[name],
+        parameters=NoOptions,
+        version=1,
+        run=write,
+        fails_alone=fails,
+    )
 
 
 def _report(context: Context[NoOptions]) -> None:
     """Deliver which inputs there were, and why others were not."""
-    context.out.json("deliver/summary.json", {"inputs": sorted(context.inputs), "absent": dict(context.failures)})
+    context.out.json(
+        "deliver/summary.json", {"inputs": sorted(context.inputs), "absent": dict(context.failures)}
+    )
 
 
 class SimulatedDive:
-    """A dive whose steps up to detect write what a survey holds; `change` is the library's own, `report` a stand-in."""
+    """A dive whose steps up to detect write what a survey holds; `change` is the library's own,
+    `report` a stand-in.
+    """
 
-    def __init__(self, folder: Path, found: HullSurvey, earlier: str | None = None, *, no_detect: bool = False) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        found: HullSurvey,
+        earlier: str | None = None,
+        *,
+        no_detect: bool = False,
+    ) -> None:
         self.package = folder / "packages" / found.name
         self.package.mkdir(parents=True, exist_ok=True)
         self.workspace = Workspace(folder / "runs" / found.name)
-        self.earlier, self.hull = earlier, Hull(mesh="hull.stl", pose=(0, 0, 0, 0, 0, 0), pose_sigma=(1, 1, 1, 1, 1, 1))
+        self.earlier, self.hull = (
+            earlier,
+            Hull(mesh="hull.stl", pose=(0, 0, 0, 0, 0, 0), pose_sigma=(1, 1, 1, 1, 1, 1)),
+        )
         self.name = found.name
         self.steps = tuple(
-            _step(name, files, no_detect and name == "detect") for name, files in survey_files(found).items()
-        )  # fmt: skip
+            _step(name, files, no_detect and name == "detect")
+            for name, files in survey_files(found).items()
+        )
 
     @property
     def chain(self) -> Chain:
         report = Stage(
-            name="report", summary="report", inputs=("ingest",), optional=("detect", "change"), parameters=NoOptions, version=1,
+            name="report",
+            summary="report",
+            inputs=("ingest",),
+            optional=("detect", "change"),
+            parameters=NoOptions,
+            version=1,
             run=_report,
-        )  # fmt: skip
-        sections = {"dive": Dive(name=self.name), "hull": self.hull, "change": EarlierDive(earlier=self.earlier)}
+        )
+        sections = {
+            "dive": Dive(name=self.name),
+            "hull": self.hull,
+            "change": EarlierDive(earlier=self.earlier),
+        }
         return Chain((*self.steps, STAGE, report), sections, self.package)
 
     def run(self, *, from_scratch: bool = False) -> dict[str, StepOutcome]:
         context = RunContext(self.workspace.hashes(), Serial())
-        outcomes = run_chain(self.chain, self.workspace, context, from_scratch=from_scratch, keep_going=True)
+        outcomes = run_chain(
+            self.chain, self.workspace, context, from_scratch=from_scratch, keep_going=True
+        )
         return {outcome.before.stage.name: outcome for outcome in outcomes}
 
     def summary(self) -> dict:
         return json.loads((self.workspace.root / "deliver" / "summary.json").read_text())
 
-    def rewrite(self, step: str, edit: Callable[[dict[str, bytes]], dict[str, bytes]], found: HullSurvey) -> None:
+    def rewrite(
+        self, step: str, edit: Callable[[dict[str, bytes]], dict[str, bytes]], found: HullSurvey
+    ) -> None:
         """Have a step write other files from now on."""
         files = survey_files(found)
         changed = replace(_step(step, edit(files[step]), False), version=2)

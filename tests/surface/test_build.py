@@ -20,22 +20,32 @@ def _bump(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 def _cloud(rng: np.random.Generator, n: int = 900, noise: float = 0.008) -> SurfacePoints:
     x, z = rng.uniform(0, 5, n), rng.uniform(0, 3, n)
     points = np.stack([x, 2 + _bump(x, z) + rng.normal(0, noise, n), z], axis=1)
-    return SurfacePoints(point=points, noise=np.full(n, noise), pose_sigma=np.full(n, 0.004), gives_support=np.ones(n, bool))
+    return SurfacePoints(
+        point=points,
+        noise=np.full(n, noise),
+        pose_sigma=np.full(n, 0.004),
+        gives_support=np.ones(n, bool),
+    )
 
 
 @pytest.mark.parametrize("method", ["gp", "linear"])
-def test_the_surface_follows_the_returns(method: str, wall: PlaneChart, rng: np.random.Generator) -> None:
+def test_the_surface_follows_the_returns(
+    method: str, wall: PlaneChart, rng: np.random.Generator
+) -> None:
     surface, facts = build_surface(_cloud(rng), wall, SurfaceOptions(method=method))
     x, y, z = surface.vertices.T
     inside = (x > 0) & (x < 5) & (z > 0) & (z < 3)
     error = y - 2 - _bump(x, z)
-    # measured over seeds: 2.0 to 2.6 mm for the process, 5.1 to 5.6 mm for triangles, which keep the noise
+    # measured over seeds: 2.0 to 2.6 mm for the process, 5.1 to 5.6 mm for triangles, which keep
+    # the noise
     assert np.sqrt(np.mean(error[inside] ** 2)) < (0.004 if method == "gp" else 0.008)
     assert facts["method"] == method
     assert facts["vertices"] == len(surface.vertices)
 
 
-def test_sigma_covers_the_error_and_holds_the_shared_part(wall: PlaneChart, rng: np.random.Generator) -> None:
+def test_sigma_covers_the_error_and_holds_the_shared_part(
+    wall: PlaneChart, rng: np.random.Generator
+) -> None:
     surface, _ = build_surface(_cloud(rng), wall, SurfaceOptions())
     x, y, z = surface.vertices.T
     inside = (x > 0) & (x < 5) & (z > 0) & (z < 3)
@@ -43,11 +53,17 @@ def test_sigma_covers_the_error_and_holds_the_shared_part(wall: PlaneChart, rng:
     assert np.mean(np.abs(y - 2 - _bump(x, z))[inside] < 1.96 * surface.sigma[inside]) > 0.9
 
 
-def test_what_stands_off_the_hull_does_not_flatten_it(wall: PlaneChart, rng: np.random.Generator) -> None:
-    """Two structures of 12 cm, as of a survey by landmarks, for the likelihood is that of noise without outliers."""
+def test_what_stands_off_the_hull_does_not_flatten_it(
+    wall: PlaneChart, rng: np.random.Generator
+) -> None:
+    """Two structures of 12 cm, as of a survey by landmarks, for the likelihood is that of noise
+    without outliers.
+    """
     cloud = _cloud(rng)
     points = cloud.point.copy()
-    on = np.min([np.hypot(points[:, 0] - x, points[:, 2] - z) for x, z in ((1.2, 1), (3.5, 1.8))], axis=0)
+    on = np.min(
+        [np.hypot(points[:, 0] - x, points[:, 2] - z) for x, z in ((1.2, 1), (3.5, 1.8))], axis=0
+    )
     points[on < 0.25, 1] += 0.12
     surface, facts = build_surface(replace(cloud, point=points), wall, SurfaceOptions())
     assert 0.5 < facts["noise_scale"] < 1.5
@@ -78,7 +94,9 @@ def test_only_what_returns_support_is_covered(wall: PlaneChart, rng: np.random.G
     assert (surface.support >= 1).all()
 
 
-def test_landmarks_inform_but_do_not_extend_the_surface(wall: PlaneChart, rng: np.random.Generator) -> None:
+def test_landmarks_inform_but_do_not_extend_the_surface(
+    wall: PlaneChart, rng: np.random.Generator
+) -> None:
     cloud = _cloud(rng)
     mixed = replace(cloud, gives_support=cloud.point[:, 0] < 2)
     surface, facts = build_surface(mixed, wall, SurfaceOptions(reach_m=0.3))
@@ -94,20 +112,30 @@ def test_given_lengths_are_kept(wall: PlaneChart, rng: np.random.Generator) -> N
 
 
 def test_returns_off_the_chart_are_an_error_with_advice(wall: PlaneChart) -> None:
-    lost = SurfacePoints(point=np.full((5, 3), np.nan), noise=np.ones(5), pose_sigma=np.ones(5), gives_support=np.ones(5, bool))
+    lost = SurfacePoints(
+        point=np.full((5, 3), np.nan),
+        noise=np.ones(5),
+        pose_sigma=np.ones(5),
+        gives_support=np.ones(5, bool),
+    )
     with pytest.raises(StageError, match=r"dvl\.mount"):
         build_surface(lost, wall, SurfaceOptions())
 
 
 def test_returns_too_sparse_for_a_surface_are_an_error_with_advice(wall: PlaneChart) -> None:
     sparse = SurfacePoints(
-        point=np.array([[0.1, 2, 0.1], [9.1, 2, 0.1]]), noise=np.ones(2), pose_sigma=np.ones(2), gives_support=np.ones(2, bool)
+        point=np.array([[0.1, 2, 0.1], [9.1, 2, 0.1]]),
+        noise=np.ones(2),
+        pose_sigma=np.ones(2),
+        gives_support=np.ones(2, bool),
     )
     with pytest.raises(StageError, match=r"surface\.reach"):
         build_surface(sparse, wall, SurfaceOptions(reach_m=0.05))
 
 
-def test_heights_over_a_plane_give_the_same_wall_as_offsets_from_it(wall: PlaneChart, rng: np.random.Generator) -> None:
+def test_heights_over_a_plane_give_the_same_wall_as_offsets_from_it(
+    wall: PlaneChart, rng: np.random.Generator
+) -> None:
     cloud = _cloud(rng)
     by_offset, _ = build_surface(cloud, wall, SurfaceOptions())
     by_height, _ = build_surface(cloud, wall, SurfaceOptions(), datum=wall)
@@ -115,7 +143,9 @@ def test_heights_over_a_plane_give_the_same_wall_as_offsets_from_it(wall: PlaneC
     np.testing.assert_allclose(by_height.sigma, by_offset.sigma, atol=1e-9)
 
 
-def test_a_chart_that_stands_on_edge_over_the_datum_gives_no_surface(wall: PlaneChart, rng: np.random.Generator) -> None:
+def test_a_chart_that_stands_on_edge_over_the_datum_gives_no_surface(
+    wall: PlaneChart, rng: np.random.Generator
+) -> None:
     floor = PlaneChart(np.zeros(3), np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]]))
     surface, _ = build_surface(_cloud(rng), wall, SurfaceOptions(fit=False), datum=floor)
     assert len(surface.faces) == 0

@@ -11,11 +11,15 @@ from hullrecon.surface.regression.factor import NotPositiveDefiniteError, factor
 
 
 def _banded(n: int) -> sparse.csr_array:
-    return sparse.csr_array(sparse.diags_array([-np.ones(n - 1), 2.5 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1]))
+    return sparse.csr_array(
+        sparse.diags_array([-np.ones(n - 1), 2.5 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1])
+    )
 
 
 @pytest.mark.parametrize("small", [0, 1000])
-def test_dense_and_sparse_factors_solve_and_know_the_determinant(small: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_dense_and_sparse_factors_solve_and_know_the_determinant(
+    small: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "SMALL", small)
     matrix = _banded(60)
     right = np.arange(120.0).reshape(60, 2)
@@ -25,7 +29,9 @@ def test_dense_and_sparse_factors_solve_and_know_the_determinant(small: int, mon
 
 
 @pytest.mark.parametrize("small", [0, 1000])
-def test_an_indefinite_matrix_is_refused_by_name(small: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_indefinite_matrix_is_refused_by_name(
+    small: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "SMALL", small)
     matrix = _banded(60) - 3.0 * sparse.eye_array(60)
     with pytest.raises(NotPositiveDefiniteError, match="not positive definite"):

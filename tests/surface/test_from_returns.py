@@ -27,7 +27,9 @@ def track(sigma_m: float = 0.002) -> VehicleTrack:
     x, y = np.tile(np.linspace(0, 4, 10), 4), np.repeat([0.0, 0.5, 1.0, 1.5], 10)
     return VehicleTrack(
         t_ns=np.arange(NODES),
-        poses=from_rpy(np.column_stack([x, y, np.full(NODES, FLOOR_M - HEIGHT_M)]), np.zeros((NODES, 3))),
+        poses=from_rpy(
+            np.column_stack([x, y, np.full(NODES, FLOOR_M - HEIGHT_M)]), np.zeros((NODES, 3))
+        ),
         tray=np.zeros(NODES),
         covariance=np.tile(np.diag([sigma_m**2] * 3 + [0.0] * 3), (NODES, 1, 1)),
         image=np.full((NODES, 2), -1),
@@ -92,7 +94,9 @@ def solution(marks: np.ndarray, views: int = 5) -> Solution:
 
 def marks_on_floor(depth_m: float = FLOOR_M) -> np.ndarray:
     rng = np.random.default_rng(4)
-    return np.column_stack([rng.uniform(0, 4, 300), rng.uniform(0, 1.5, 300), np.full(300, depth_m)])
+    return np.column_stack(
+        [rng.uniform(0, 4, 300), rng.uniform(0, 1.5, 300), np.full(300, depth_m)]
+    )
 
 
 def test_the_surface_lies_on_the_floor_and_has_no_deviation() -> None:
@@ -104,7 +108,9 @@ def test_the_surface_lies_on_the_floor_and_has_no_deviation() -> None:
 
 
 def test_what_the_poses_share_is_in_the_sigma() -> None:
-    sure, unsure = (surface_from_survey(survey(s), OPTIONS).surface.sigma.min() for s in (0.002, 0.05))
+    sure, unsure = (
+        surface_from_survey(survey(s), OPTIONS).surface.sigma.min() for s in (0.002, 0.05)
+    )
     assert sure < 0.02
     assert unsure >= 0.05
 
@@ -114,7 +120,9 @@ def test_a_flagged_return_and_one_that_stands_apart_are_left_out() -> None:
     range_m, flagged = given.returns.range_m.copy(), given.returns.flagged.copy()
     range_m[[8, 50]] += 4.0
     flagged[8] = True
-    result = surface_from_survey(replace(given, returns=replace(given.returns, range_m=range_m, flagged=flagged)), OPTIONS)
+    result = surface_from_survey(
+        replace(given, returns=replace(given.returns, range_m=range_m, flagged=flagged)), OPTIONS
+    )
     assert result.facts["flagged"] == 1
     assert result.facts["outliers"] == 1
     np.testing.assert_allclose(result.surface.vertices[:, 2], FLOOR_M, atol=0.015)
@@ -122,7 +130,9 @@ def test_a_flagged_return_and_one_that_stands_apart_are_left_out() -> None:
 
 def test_landmarks_join_only_when_asked() -> None:
     given = replace(survey(), solution=solution(marks_on_floor(FLOOR_M - 0.05)))
-    without, joined = (surface_from_survey(given, o) for o in (OPTIONS, SurfaceOptions(fit=False, landmarks=True)))
+    without, joined = (
+        surface_from_survey(given, o) for o in (OPTIONS, SurfaceOptions(fit=False, landmarks=True))
+    )
     assert np.abs(np.median(without.surface.vertices[:, 2]) - FLOOR_M) < 0.005
     assert np.median(joined.surface.vertices[:, 2]) < FLOOR_M - 0.02  # many landmarks draw it up
 
@@ -164,4 +174,6 @@ def test_fewer_than_four_returns_are_refused() -> None:
     given = survey()
     flagged = np.arange(4 * NODES) > 2
     with pytest.raises(StageError, match="fewer than four returns"):
-        surface_from_survey(replace(given, returns=replace(given.returns, flagged=flagged)), OPTIONS)
+        surface_from_survey(
+            replace(given, returns=replace(given.returns, flagged=flagged)), OPTIONS
+        )

@@ -24,7 +24,9 @@ def test_mean_and_variance_equal_the_textbook_formulas(rng: np.random.Generator)
     K = KERNEL.matrix(at, at).toarray() + 0.0004 * np.eye(30)
     k = KERNEL.matrix(at, wanted).toarray()
     assert np.allclose(result.mean(wanted), k.T @ np.linalg.solve(K, values))
-    assert np.allclose(result.sigma(wanted) ** 2, 0.01 - np.einsum("nm,nm->m", k, np.linalg.solve(K, k)))
+    assert np.allclose(
+        result.sigma(wanted) ** 2, 0.01 - np.einsum("nm,nm->m", k, np.linalg.solve(K, k))
+    )
 
 
 def test_the_next_return_is_less_certain_than_the_surface(rng: np.random.Generator) -> None:
@@ -40,7 +42,8 @@ def test_far_from_all_observations_the_base_surface_and_its_sigma_return() -> No
 
 
 def test_one_observation_pulls_by_its_weight() -> None:
-    result = fit(KERNEL, np.zeros((1, 2)), np.array([0.3]), np.array([0.1]))  # signal and noise alike: half of it
+    # signal and noise alike: half of it
+    result = fit(KERNEL, np.zeros((1, 2)), np.array([0.3]), np.array([0.1]))
     assert result.mean(np.zeros((1, 2)))[0] == pytest.approx(0.15)
 
 
@@ -51,7 +54,9 @@ def test_no_place_asked_about_gives_no_sigma() -> None:
 
 @pytest.mark.parametrize("side", [19, 24])
 def test_the_printed_radial_kernel_is_refused_where_it_is_no_covariance(side: int) -> None:
-    at = 0.2 * np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 2).astype(float)
+    at = 0.2 * np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(
+        -1, 2
+    ).astype(float)
     with pytest.raises(NotPositiveDefiniteError, match="radial"):
         fit(Kernel("radial", (1.0, 1.0), 0.1), at, np.zeros(len(at)), np.full(len(at), 0.5))
 
@@ -72,12 +77,17 @@ def test_a_wild_observation_hardly_moves_the_robust_surface(rng: np.random.Gener
     assert abs(robust[0]) < 0.5 * abs(plain[0])
 
 
-def test_likelihood_finds_the_lengths_and_the_noise_that_made_the_data(rng: np.random.Generator) -> None:
+def test_likelihood_finds_the_lengths_and_the_noise_that_made_the_data(
+    rng: np.random.Generator,
+) -> None:
     truth = Kernel("product", (4.0, 1.5), 0.05)
     at = rng.uniform(0, [6, 4], (300, 2))
     values = _draw(truth, at, rng) + rng.normal(0, 0.01, 300)
-    found, scale = maximise_likelihood(Kernel("product", (8.0, 3.0), 0.02), at, values, np.full(300, 0.005), (0.3, 60.0))
-    assert found.length[0] == pytest.approx(4.0, rel=0.5)  # 0.5: the spread over seeds of a patch two lengths wide
+    found, scale = maximise_likelihood(
+        Kernel("product", (8.0, 3.0), 0.02), at, values, np.full(300, 0.005), (0.3, 60.0)
+    )
+    # 0.5: the spread over seeds of a patch two lengths wide
+    assert found.length[0] == pytest.approx(4.0, rel=0.5)
     assert found.length[1] == pytest.approx(1.5, rel=0.5)
     assert found.sigma == pytest.approx(0.05, rel=0.5)
     assert scale == pytest.approx(2.0, rel=0.2)

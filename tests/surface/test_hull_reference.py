@@ -10,7 +10,8 @@ from hullrecon.surface.hull_reference import CadHull, UnknownHull
 from tests.geometry.conftest import barge
 
 SLAB = Mesh(  # the square z = 1, its outside up
-    np.array([[0.0, 0, 1], [4, 0, 1], [4, 4, 1], [0, 4, 1]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+    np.array([[0.0, 0, 1], [4, 0, 1], [4, 4, 1], [0, 4, 1]]),
+    np.array([[0, 1, 2], [0, 2, 3]], np.int32),
 )
 
 
@@ -34,7 +35,9 @@ def test_without_a_cad_model_the_chart_is_a_plane_that_faces_the_sensors() -> No
     np.testing.assert_allclose(offset, [0.5, 0.0], atol=1e-9)
 
 
-@pytest.mark.parametrize(("reference", "circular"), [("cad", True), ("plane", False), ("none", False)])
+@pytest.mark.parametrize(
+    ("reference", "circular"), [("cad", True), ("plane", False), ("none", False)]
+)
 def test_the_note_says_whether_a_comparison_is_circular(reference: str, circular: bool) -> None:
     comparison = CadHull(mesh=SLAB).comparison(reference, poses_are_adjusted=False)
     assert comparison.reference == reference
@@ -43,7 +46,9 @@ def test_the_note_says_whether_a_comparison_is_circular(reference: str, circular
     assert "poses" in str(CadHull(mesh=SLAB).comparison(reference, poses_are_adjusted=True).note)
 
 
-@pytest.mark.parametrize(("asked", "in_force"), [("cad", "plane"), ("plane", "plane"), ("none", "none")])
+@pytest.mark.parametrize(
+    ("asked", "in_force"), [("cad", "plane"), ("plane", "plane"), ("none", "none")]
+)
 def test_without_a_cad_model_offsets_are_from_a_plane(asked: str, in_force: str) -> None:
     comparison = UnknownHull().comparison(asked, poses_are_adjusted=True)
     assert comparison.reference == in_force
@@ -52,8 +57,12 @@ def test_without_a_cad_model_offsets_are_from_a_plane(asked: str, in_force: str)
 
 def test_the_chart_of_a_model_stands_upright_whichever_axis_of_its_file_is_up() -> None:
     mesh = barge()
-    turned = Mesh(mesh.vertices @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), mesh.faces)  # y is up
+    # y is up
+    turned = Mesh(mesh.vertices @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), mesh.faces)
     place = np.array([[5.0, 1.0, 3.0 - np.sqrt(8.0)]])
-    upright, lying = CadHull(mesh=mesh).chart(place, place), CadHull(mesh=turned, up=(0.1, 0.9, 0.0)).chart(place, place)
+    upright, lying = (
+        CadHull(mesh=mesh).chart(place, place),
+        CadHull(mesh=turned, up=(0.1, 0.9, 0.0)).chart(place, place),
+    )
     found = lying.to_chart(place @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]))
     np.testing.assert_allclose(found, upright.to_chart(place), atol=1e-6)

@@ -12,7 +12,9 @@ FORMS: tuple[Form, ...] = ("product", "radial", "wendland")
 
 def test_melkumyan_and_ramos_function_at_points_worked_out_by_hand() -> None:
     # r = 1/2: (2 - 1)/3 * 1/2 + 0; r = 1/4: (2 + 0)/3 * 3/4 + 1/(2 pi)
-    assert np.allclose(compact(np.array([0.0, 0.25, 0.5, 1.0, 2.0])), [1, 0.5 + 1 / (2 * np.pi), 1 / 6, 0, 0])
+    assert np.allclose(
+        compact(np.array([0.0, 0.25, 0.5, 1.0, 2.0])), [1, 0.5 + 1 / (2 * np.pi), 1 / 6, 0, 0]
+    )
 
 
 def test_wendlands_function_at_points_worked_out_by_hand() -> None:
@@ -20,7 +22,9 @@ def test_wendlands_function_at_points_worked_out_by_hand() -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_the_sparse_matrix_equals_the_function_at_every_pair(form: Form, rng: np.random.Generator) -> None:
+def test_the_sparse_matrix_equals_the_function_at_every_pair(
+    form: Form, rng: np.random.Generator
+) -> None:
     kernel = Kernel(form, (3.0, 0.7), 0.2)
     a, b = rng.uniform(0, 4, (40, 2)), rng.uniform(0, 4, (25, 2))
     gap = ((a[:, None] - b[None]) / [3.0, 0.7]).reshape(-1, 2)

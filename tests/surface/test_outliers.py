@@ -20,7 +20,9 @@ def test_a_return_far_from_its_neighbours_is_an_outlier() -> None:
 
 
 def test_a_stricter_threshold_keeps_fewer() -> None:
-    points = np.vstack([_grid(), np.random.default_rng(2).uniform([0, 0.3, 0], [2, 2.3, 2], (40, 3))])
+    points = np.vstack(
+        [_grid(), np.random.default_rng(2).uniform([0, 0.3, 0], [2, 2.3, 2], (40, 3))]
+    )
     strict = statistical_inliers(points, deviations=0.5)
     loose = statistical_inliers(points, deviations=3.0)
     assert strict.sum() < loose.sum()
@@ -30,7 +32,13 @@ def test_a_stricter_threshold_keeps_fewer() -> None:
 def test_the_mean_distance_is_that_to_the_neighbours_asked_for() -> None:
     line = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [10, 0, 0]])
     # mean distance to two neighbours: 1.5, 1, 1, 1.5, 7.5; mean 2.5, deviation 2.51
-    assert statistical_inliers(line, neighbours=2, deviations=1.0).tolist() == [True, True, True, True, False]
+    assert statistical_inliers(line, neighbours=2, deviations=1.0).tolist() == [
+        True,
+        True,
+        True,
+        True,
+        False,
+    ]
     assert statistical_inliers(line, neighbours=2, deviations=2.0).all()
 
 

@@ -13,14 +13,20 @@ from hullrecon.surface.placement import move_to_hull_frame, pose_sigma_along
 
 def test_a_position_sigma_counts_along_the_normal_only() -> None:
     covariance = np.diag([0.04, 0.01, 0.09, 0, 0, 0])[None]
-    sigma = pose_sigma_along(np.array([[0.0, 1, 0]]), np.array([[0, 2.0, 0]]), covariance, np.eye(3)[None])
+    sigma = pose_sigma_along(
+        np.array([[0.0, 1, 0]]), np.array([[0, 2.0, 0]]), covariance, np.eye(3)[None]
+    )
     assert np.allclose(sigma, 0.1)
 
 
 def test_an_attitude_sigma_moves_a_point_off_the_normal_by_its_lever() -> None:
     covariance = np.diag([0, 0, 0, 0, 0, 0.01**2])[None]  # heading
-    ahead = pose_sigma_along(np.array([[0.0, 1, 0]]), np.array([[3.0, 0, 0]]), covariance, np.eye(3)[None])
-    along_normal = pose_sigma_along(np.array([[0.0, 1, 0]]), np.array([[0, 3.0, 0]]), covariance, np.eye(3)[None])
+    ahead = pose_sigma_along(
+        np.array([[0.0, 1, 0]]), np.array([[3.0, 0, 0]]), covariance, np.eye(3)[None]
+    )
+    along_normal = pose_sigma_along(
+        np.array([[0.0, 1, 0]]), np.array([[0, 3.0, 0]]), covariance, np.eye(3)[None]
+    )
     assert np.allclose(ahead, 0.03)
     assert np.allclose(along_normal, 0.0)
 
@@ -34,7 +40,10 @@ def test_the_sigma_equals_numeric_propagation(rng: np.random.Generator) -> None:
     sigma = pose_sigma_along(normal, lever, (root @ root.T)[None], pose.rotation.as_matrix())
 
     def along(w: np.ndarray) -> float:
-        moved = poses.Poses((pose.rotation * poses.exp([[0, 0, 0, *w[3:]]]).rotation).as_quat(), pose.translation + w[:3])
+        moved = poses.Poses(
+            (pose.rotation * poses.exp([[0, 0, 0, *w[3:]]]).rotation).as_quat(),
+            pose.translation + w[:3],
+        )
         return float((moved.apply(point_v) @ normal.T).item())
 
     gradient = np.array([(along(h) - along(-h)) / 2e-6 for h in 1e-6 * np.eye(6)])

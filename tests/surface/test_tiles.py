@@ -20,11 +20,22 @@ NOISE_M = 0.006
 def seen() -> Observations:
     """Six legs of 30 m, three beams each, over a field drawn from the kernel."""
     rng = np.random.default_rng(3)
-    at = np.array([(x, 0.6 * leg + beam) for leg in range(6) for beam in (-0.3, 0.0, 0.3) for x in np.arange(0, 30, 0.5)])
+    at = np.array(
+        [
+            (x, 0.6 * leg + beam)
+            for leg in range(6)
+            for beam in (-0.3, 0.0, 0.3)
+            for x in np.arange(0, 30, 0.5)
+        ]
+    )
     at += rng.normal(0, 0.03, at.shape)
-    field = np.linalg.cholesky(KERNEL.matrix(at, at).toarray() + 1e-10 * np.eye(len(at))) @ rng.normal(size=len(at))
+    field = np.linalg.cholesky(
+        KERNEL.matrix(at, at).toarray() + 1e-10 * np.eye(len(at))
+    ) @ rng.normal(size=len(at))
     offset = field + NOISE_M * rng.normal(size=len(at))
-    return Observations(at=at, offset=offset, noise=np.full(len(at), NOISE_M), count=np.ones(len(at), np.int64))
+    return Observations(
+        at=at, offset=offset, noise=np.full(len(at), NOISE_M), count=np.ones(len(at), np.int64)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -33,13 +44,18 @@ def wanted() -> np.ndarray:
 
 
 def test_few_observations_are_one_regression(seen: Observations, wanted: np.ndarray) -> None:
-    found, exact = tiles.regress(KERNEL, seen, wanted), fit_robust(KERNEL, seen.at, seen.offset, seen.noise)
+    found, exact = (
+        tiles.regress(KERNEL, seen, wanted),
+        fit_robust(KERNEL, seen.at, seen.offset, seen.noise),
+    )
     assert found.tiles == 1
     np.testing.assert_array_equal(found.mean, exact.mean(wanted))
     np.testing.assert_array_equal(found.sigma, exact.sigma(wanted))
 
 
-def test_tiles_give_what_one_regression_gives_within_a_fraction_of_its_sigma(seen: Observations, wanted: np.ndarray) -> None:
+def test_tiles_give_what_one_regression_gives_within_a_fraction_of_its_sigma(
+    seen: Observations, wanted: np.ndarray
+) -> None:
     exact = fit_robust(KERNEL, seen.at, seen.offset, seen.noise)
     found = tiles.regress(KERNEL, seen, wanted, most=350)
     assert found.tiles >= 8
@@ -56,7 +72,9 @@ def test_where_tiles_meet_there_is_no_step(seen: Observations) -> None:
     assert np.abs(np.diff(found.mean)).max() < 1.5 * np.abs(np.diff(one)).max()
 
 
-def test_no_tile_takes_more_than_it_may(seen: Observations, wanted: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_tile_takes_more_than_it_may(
+    seen: Observations, wanted: np.ndarray, monkeypatch: pytest.MonkeyPatch
+) -> None:
     taken = []
 
     def counted(kernel, at, values, noise):

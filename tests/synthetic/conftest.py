@@ -14,9 +14,17 @@ from hullrecon.synthetic.output.package import write_package
 from hullrecon.synthetic.spec import DiveSpec
 
 SMALL = spec_from(
-    name="small", seed=3, legs=2, leg_length_m=1.6, image_width=240, image_height=192, views=3.0, structures=2, marks=1,
+    name="small",
+    seed=3,
+    legs=2,
+    leg_length_m=1.6,
+    image_width=240,
+    image_height=192,
+    views=3.0,
+    structures=2,
+    marks=1,
     barnacles=0,
-)  # fmt: skip
+)
 
 
 @pytest.fixture(scope="session")

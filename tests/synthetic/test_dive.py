@@ -19,7 +19,11 @@ from hullrecon.synthetic.world.hull_patch import HullSkin
 
 def test_views_set_the_frame_rate(dive: Dive) -> None:
     """Three views over a footprint of standoff / 1.03 at 0.3 m/s."""
-    expected = dive.spec.cameras.views * dive.spec.survey.speed_m_per_s / (dive.spec.survey.standoff_m / 1.03)
+    expected = (
+        dive.spec.cameras.views
+        * dive.spec.survey.speed_m_per_s
+        / (dive.spec.survey.standoff_m / 1.03)
+    )
     assert 1 / np.diff(dive.frame_s).mean() == pytest.approx(expected, rel=0.02)
 
 
@@ -31,14 +35,31 @@ def test_items_are_where_the_cameras_look(dive: Dive) -> None:
 
 def test_a_dive_on_another_hull_follows_its_waterline() -> None:
     """Round the bow, where a line of constant girth from the keel would climb out of the water."""
-    dive = simulate_dive(spec_from(along_m=44.0, legs=2, leg_length_m=3.0, structures=0, marks=0, barnacles=0, cameras="none"))
+    dive = simulate_dive(
+        spec_from(
+            along_m=44.0,
+            legs=2,
+            leg_length_m=3.0,
+            structures=0,
+            marks=0,
+            barnacles=0,
+            cameras="none",
+        )
+    )
     depth = dive.motion.position[:, 2]
     first = dive.motion.t_s < 9
     assert np.ptp(depth[first]) < 0.35
 
 
 SHORT = {"leg_length_m": 1.0, "structures": 0, "marks": 0, "barnacles": 0, "cameras": "none"}
-BOAT = {"length_m": 14.0, "beam_m": 1.2, "depth_m": 0.8, "draught_m": 0.6, "bilge_radius_m": 0.2, "top_m": 0.3}
+BOAT = {
+    "length_m": 14.0,
+    "beam_m": 1.2,
+    "depth_m": 0.8,
+    "draught_m": 0.6,
+    "bilge_radius_m": 0.2,
+    "top_m": 0.3,
+}
 
 
 @pytest.mark.parametrize(
@@ -46,13 +67,18 @@ BOAT = {"length_m": 14.0, "beam_m": 1.2, "depth_m": 0.8, "draught_m": 0.6, "bilg
     [
         ({"legs": 26}, "the hull has skin for 19 legs there, not for 26: choose fewer --legs"),
         (BOAT, "the hull has skin for 2 legs there, not for 5: choose fewer --legs"),
-        (BOAT | {"leg_spacing_m": 1.5}, "the hull has skin for 1 leg there, not for 5: choose fewer --legs"),
+        (
+            BOAT | {"leg_spacing_m": 1.5},
+            "the hull has skin for 1 leg there, not for 5: choose fewer --legs",
+        ),
         ({"top_m": 6.0}, "top_m is 6: choose less than 3.8 m, which the keel lies below the water"),
         ({"top_m": 3.8}, "top_m is 3.8: choose less than 3.8 m"),
         ({"draught_m": 8.0}, "the hull ends below the first leg: choose a larger --top-m"),
     ],
 )
-def test_a_dive_for_which_the_hull_is_too_small_is_refused(options: dict[str, Any], message: str) -> None:
+def test_a_dive_for_which_the_hull_is_too_small_is_refused(
+    options: dict[str, Any], message: str
+) -> None:
     with pytest.raises(UsageError, match=message):
         simulate_dive(spec_from(**(SHORT | options)))
 
@@ -63,7 +89,9 @@ def test_as_many_legs_as_the_hull_is_said_to_have_skin_for_are_flown_on_it() -> 
     assert dive.hull.skin.girth_m[-1] >= 0.1
 
 
-def test_a_dive_along_a_hull_in_blocks_is_the_same_dive(dive: Dive, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_dive_along_a_hull_in_blocks_is_the_same_dive(
+    dive: Dive, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The twin: what the sensors give must not depend on how the hull is parted to fit into memory."""
     monkeypatch.setattr(dive_module, "HullSkin", partial(HullSkin, block_cells=1e4))
     parted = simulate_dive(dive.spec)
@@ -75,7 +103,8 @@ def test_a_dive_along_a_hull_in_blocks_is_the_same_dive(dive: Dive, monkeypatch:
     k = len(dive.frame_s) // 2
     for name in range(2):
         first, second = (
-            cv2.imdecode(np.frombuffer(s.frames[k][name], np.uint8), cv2.IMREAD_COLOR).astype(int) for s in (one, several)
+            cv2.imdecode(np.frombuffer(s.frames[k][name], np.uint8), cv2.IMREAD_COLOR).astype(int)
+            for s in (one, several)
         )
         assert np.abs(first - second).mean() < 0.1
     assert np.abs(one.pings[9].astype(int) - several.pings[9].astype(int)).mean() < 0.5

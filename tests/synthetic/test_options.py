@@ -22,7 +22,14 @@ from hullrecon.synthetic.spec import (
 def test_every_described_field_is_an_option_under_a_name_of_its_own() -> None:
     names = [option.name for option in options()]
     assert len(names) == len(set(names)) == 46
-    assert {"legs", "cameras", "deviation_mean_m", "guess_along_m", "heading_drift_deg_per_hour", "seed"} <= set(names)
+    assert {
+        "legs",
+        "cameras",
+        "deviation_mean_m",
+        "guess_along_m",
+        "heading_drift_deg_per_hour",
+        "seed",
+    } <= set(names)
 
 
 def test_options_carry_their_defaults_and_descriptions() -> None:
@@ -33,7 +40,14 @@ def test_options_carry_their_defaults_and_descriptions() -> None:
 
 
 def test_a_name_ends_in_its_unit() -> None:
-    endings = {"m": "_m", "m/s": "_m_per_s", "deg": "_deg", "deg/h": "_deg_per_hour", "px": ("_width", "_height"), "s": "_s"}
+    endings = {
+        "m": "_m",
+        "m/s": "_m_per_s",
+        "deg": "_deg",
+        "deg/h": "_deg_per_hour",
+        "px": ("_width", "_height"),
+        "s": "_s",
+    }
     for option in options():
         if option.meta.unit:
             assert option.name.endswith(endings[option.meta.unit])
@@ -96,7 +110,9 @@ def test_an_unknown_option_is_refused() -> None:
         ("form", "csv", "form is 'csv': choose one of mcap, plain"),
     ],
 )
-def test_a_value_out_of_bounds_is_refused_with_the_bounds(name: str, value: object, message: str) -> None:
+def test_a_value_out_of_bounds_is_refused_with_the_bounds(
+    name: str, value: object, message: str
+) -> None:
     with pytest.raises(UsageError, match=message):
         spec_from(**{name: value})
 
@@ -120,7 +136,10 @@ def test_each_purpose_has_random_numbers_of_its_own() -> None:
 
 def test_what_belongs_to_the_hull_is_drawn_from_the_hulls_seed() -> None:
     first, second = DiveSpec(seed=3), DiveSpec(seed=4, hull_seed=3)
-    assert first.hull_random("steel").random(3).tolist() == second.hull_random("steel").random(3).tolist()
+    assert (
+        first.hull_random("steel").random(3).tolist()
+        == second.hull_random("steel").random(3).tolist()
+    )
     assert first.random("dvl").random(3).tolist() != second.random("dvl").random(3).tolist()
 
 
@@ -130,9 +149,13 @@ def test_a_seed_that_may_be_absent_is_a_whole_number() -> None:
     assert option.default is None
 
 
-@pytest.mark.parametrize("name", ["bad name/x", "", ".dive", "-dive", "dive\n", "d\u00efve", "x" * 101])
+@pytest.mark.parametrize(
+    "name", ["bad name/x", "", ".dive", "-dive", "dive\n", "d\u00efve", "x" * 101]
+)
 def test_a_name_that_no_command_accepts_is_refused(name: str) -> None:
-    with pytest.raises(UsageError, match=r"name is '.*': choose up to 100 ASCII letters") as refused:
+    with pytest.raises(
+        UsageError, match=r"name is '.*': choose up to 100 ASCII letters"
+    ) as refused:
         spec_from(name=name)
     assert "\n" not in str(refused.value)
 

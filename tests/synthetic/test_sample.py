@@ -32,16 +32,23 @@ def test_the_sample_is_what_its_description_makes(again: Dive, tmp_path: Path) -
     assert kept == made
     write_truth(tmp_path, again)
     for name in ("poses.csv", "servo.csv"):
-        ours, theirs = (np.loadtxt(folder / name, delimiter=",", skiprows=1) for folder in (tmp_path, DEMO / "truth"))
+        ours, theirs = (
+            np.loadtxt(folder / name, delimiter=",", skiprows=1)
+            for folder in (tmp_path, DEMO / "truth")
+        )
         np.testing.assert_allclose(ours, theirs, atol=1e-6)
 
 
 def test_the_sample_has_structures_that_must_be_found_and_paint_that_must_not() -> None:
     objects = json.loads((DEMO / "truth" / "objects.json").read_text())["objects"]
-    assert sum(not o["painted"] and abs(o["height"]) >= 0.08 and o["views"] >= 6 for o in objects) >= 3
+    assert (
+        sum(not o["painted"] and abs(o["height"]) >= 0.08 and o["views"] >= 6 for o in objects) >= 3
+    )
     assert any(o["painted"] for o in objects)
 
 
 def test_the_sample_has_both_cameras_and_the_sonar() -> None:
     topics = tomllib.loads((DEMO / "dive.toml").read_text())["topics"]
-    assert {"dvl", "imu", "pressure", "joints", "camera_top", "camera_bottom", "sonar"} == set(topics)
+    assert {"dvl", "imu", "pressure", "joints", "camera_top", "camera_bottom", "sonar"} == set(
+        topics
+    )

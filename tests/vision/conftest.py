@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A stereo rig before a bumpy wall, with truth: points, what both cameras of each node see of them, one descriptor a point."""
+"""A stereo rig before a bumpy wall, with truth: points, what both cameras of each node see of them,
+one descriptor a point.
+"""
 
 from types import SimpleNamespace
 
@@ -25,18 +27,30 @@ def rig():
 
 @pytest.fixture
 def wall():
-    """900 points on a wall 1.3 m ahead with 5 cm of relief, in the frame of the first node's top camera."""
+    """900 points on a wall 1.3 m ahead with 5 cm of relief, in the frame of the first node's top
+    camera.
+    """
     rng = np.random.default_rng(5)
-    points = np.column_stack([rng.uniform(-1.2, 2.4, 900), rng.uniform(-0.9, 0.9, 900), 1.3 + 0.05 * rng.standard_normal(900)])
-    return SimpleNamespace(points=points, descriptors=root_sift(rng.gamma(0.5, 1.0, (900, 128)).astype(np.float32)))
+    points = np.column_stack(
+        [
+            rng.uniform(-1.2, 2.4, 900),
+            rng.uniform(-0.9, 0.9, 900),
+            1.3 + 0.05 * rng.standard_normal(900),
+        ]
+    )
+    return SimpleNamespace(
+        points=points, descriptors=root_sift(rng.gamma(0.5, 1.0, (900, 128)).astype(np.float32))
+    )
 
 
 def features(camera, first_from_camera, wall, noise_px, rng):
     """Features of the points that the camera sees, in random order, and the points' numbers."""
-    pixel = camera.project(first_from_camera.inverse().apply(wall.points)) + noise_px * rng.standard_normal(
-        (len(wall.points), 2)
+    pixel = camera.project(
+        first_from_camera.inverse().apply(wall.points)
+    ) + noise_px * rng.standard_normal((len(wall.points), 2))
+    seen = np.flatnonzero(
+        (pixel > 4).all(1) & (pixel < [camera.width - 5, camera.height - 5]).all(1)
     )
-    seen = np.flatnonzero((pixel > 4).all(1) & (pixel < [camera.width - 5, camera.height - 5]).all(1))
     seen = rng.permutation(seen)
     table = np.column_stack([pixel[seen], np.full((len(seen), 2), 3.0)]).astype(np.float32)
     return Features(table, wall.descriptors[seen], np.full((len(seen), 3), 90, np.uint8)), seen
@@ -50,7 +64,11 @@ def look(rig, wall):
         rng = np.random.default_rng(seed)
         first_from_top = exp([pose])
         top, top_id = features(rig.model(Camera.TOP), first_from_top, wall, noise_px, rng)
-        bottom, bottom_id = features(rig.model(Camera.BOTTOM), first_from_top @ rig.top_from_bottom, wall, noise_px, rng)
-        return SimpleNamespace(pose=first_from_top, top=top, bottom=bottom, top_id=top_id, bottom_id=bottom_id)
+        bottom, bottom_id = features(
+            rig.model(Camera.BOTTOM), first_from_top @ rig.top_from_bottom, wall, noise_px, rng
+        )
+        return SimpleNamespace(
+            pose=first_from_top, top=top, bottom=bottom, top_id=top_id, bottom_id=bottom_id
+        )
 
     return see

@@ -13,7 +13,9 @@ from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
-def camera_rig(top, bottom=None, top_from_bottom=None, tray_origin=(0.0, 0.0, 0.0), tray_from_camera=None):
+def camera_rig(
+    top, bottom=None, top_from_bottom=None, tray_origin=(0.0, 0.0, 0.0), tray_from_camera=None
+):
     """A rig of one camera or two."""
     models = {Camera.TOP: top} | ({} if bottom is None else {Camera.BOTTOM: bottom})
     return CameraRig(
@@ -29,8 +31,12 @@ def camera_rig(top, bottom=None, top_from_bottom=None, tray_origin=(0.0, 0.0, 0.
 
 
 def follow_nodes(rig, nodes, read):
-    """The measured motion from each node to the next, None where there is none; read: a node's features by its number."""
-    odometer = StereoOdometer(rig=rig, feature_options=FeatureOptions(), match_options=MatchOptions())
+    """The measured motion from each node to the next, None where there is none; read: a node's
+    features by its number.
+    """
+    odometer = StereoOdometer(
+        rig=rig, feature_options=FeatureOptions(), match_options=MatchOptions()
+    )
     out, before = [], None
     for node in nodes:
         here = odometer.frame_of_features(node, read(node))

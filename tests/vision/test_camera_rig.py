@@ -42,7 +42,9 @@ def test_the_focal_length_is_the_mean_of_both_axes() -> None:
 def test_points_go_from_the_top_camera_into_the_bottom_one() -> None:
     rig = camera_rig(CAMERA, CAMERA, BELOW)
     origin_of_bottom = np.append(BELOW.translation[0], 1.0)
-    np.testing.assert_allclose(rig.from_top(Camera.BOTTOM) @ origin_of_bottom, [0, 0, 0, 1], atol=1e-15)
+    np.testing.assert_allclose(
+        rig.from_top(Camera.BOTTOM) @ origin_of_bottom, [0, 0, 0, 1], atol=1e-15
+    )
 
 
 def test_a_rig_survives_the_way_to_another_process() -> None:

@@ -9,7 +9,12 @@ from vision.scene import camera_rig
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import from_mount, from_rpy, identity
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
-from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, depth_priors, track_cameras
+from hullrecon.vision.pairs.camera_track import (
+    WHITE_ROTATION_RAD,
+    WHITE_TRANSLATION_M,
+    depth_priors,
+    track_cameras,
+)
 
 CAMERA = CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5)
 FORWARD = from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])  # looks along the vehicle's x
@@ -35,7 +40,10 @@ def random_walk(covariance):
     """An error model without errors that persist: covariance (n, 6, 6) of twists that accumulates."""
     n = len(covariance)
     return TrajectoryErrorModel(
-        by_error=np.zeros((n, 6, 0)), error_covariance=np.zeros((0, 0)), walk=covariance, white=np.zeros((n, 6, 6))
+        by_error=np.zeros((n, 6, 0)),
+        error_covariance=np.zeros((0, 0)),
+        walk=covariance,
+        white=np.zeros((n, 6, 6)),
     )
 
 
@@ -57,13 +65,17 @@ def test_the_camera_stands_where_tray_and_mount_put_it():
 
 
 def test_the_bottom_camera_stands_where_it_leads():
-    found = track(path(3), top_from_bottom=from_rpy([0.0, 0.1, 0.0], [0, 0, 0]), bottom=[1]).global_from_camera
-    np.testing.assert_allclose(found.translation[:, 2], [2.05, 2.15, 2.05])  # the camera's y points down
+    found = track(
+        path(3), top_from_bottom=from_rpy([0.0, 0.1, 0.0], [0, 0, 0]), bottom=[1]
+    ).global_from_camera
+    # the camera's y points down
+    np.testing.assert_allclose(found.translation[:, 2], [2.05, 2.15, 2.05])
 
 
 def test_a_relative_pose_is_as_uncertain_as_what_was_gained_between():
     motion = track(path()).motion(2, 6)
-    np.testing.assert_allclose(motion.second_from_first[:3, 3], [-0.4, 0, 0], atol=1e-12)  # the camera's x is starboard
+    # the camera's x is starboard
+    np.testing.assert_allclose(motion.second_from_first[:3, 3], [-0.4, 0, 0], atol=1e-12)
     want = 4 * 0.01**2 + WHITE_TRANSLATION_M**2
     np.testing.assert_allclose(np.diag(motion.covariance)[[0, 2]], want)
     np.testing.assert_allclose(motion.covariance[1, 1], WHITE_TRANSLATION_M**2)
@@ -77,22 +89,34 @@ def test_the_order_of_the_two_nodes_does_not_make_a_variance_negative():
 def test_the_servos_backlash_turns_about_its_axis_alone():
     motion = track(path(), sigma=0.01).motion(0, 1)
     gained = np.diag(motion.covariance)[3:] - WHITE_ROTATION_RAD**2
-    np.testing.assert_allclose(gained, [2 * 0.01**2, 0, 0], atol=1e-12)  # vehicle's y is the camera's x
+    # vehicle's y is the camera's x
+    np.testing.assert_allclose(gained, [2 * 0.01**2, 0, 0], atol=1e-12)
 
 
 def returns(node, range_m, flagged=None):
     n = len(node)
     return Returns(
-        t_ns=np.zeros(n, np.int64), node=np.array(node), quaternion=identity(n).quaternion, translation=np.zeros((n, 3)),
+        t_ns=np.zeros(n, np.int64),
+        node=np.array(node),
+        quaternion=identity(n).quaternion,
+        translation=np.zeros((n, 3)),
         tray_offset=np.zeros(n),
-        beam=np.tile([0.0, 0.0, 1.0], (n, 1)), range_m=np.array(range_m, float),
+        beam=np.tile([0.0, 0.0, 1.0], (n, 1)),
+        range_m=np.array(range_m, float),
         flagged=np.zeros(n, bool) if flagged is None else np.array(flagged),
-    )  # fmt: skip
+    )
 
 
 def priors(made, trajectory):
-    dvl = from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])  # the DVL looks along the vehicle's x as well
-    return depth_priors(track(trajectory), trajectory, made, dataclasses.replace(cameras().rig, tray_from_dvl=dvl), 1.5)
+    # the DVL looks along the vehicle's x as well
+    dvl = from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])
+    return depth_priors(
+        track(trajectory),
+        trajectory,
+        made,
+        dataclasses.replace(cameras().rig, tray_from_dvl=dvl),
+        1.5,
+    )
 
 
 def test_depth_comes_from_the_returns_of_neighbouring_nodes():
@@ -109,7 +133,9 @@ def test_flagged_and_lost_returns_count_nothing():
 
 
 def spread_returns(shift):
-    """Returns of nine beams about the forward axis on a wall x = 1.75 m of g, `shift` m farther a metre to starboard."""
+    """Returns of nine beams about the forward axis on a wall x = 1.75 m of g, `shift` m farther a
+    metre to starboard.
+    """
     y, z = (v.ravel() for v in np.meshgrid([-0.3, 0.0, 0.3], [-0.3, 0.0, 0.3]))
     dvl = np.array([0.45 + 0.08, 0.0, 2.1])
     points = np.column_stack([1.75 + shift * y, y, 2.1 + z]) - dvl
@@ -129,7 +155,8 @@ def normal_of(shift, rows=slice(None)):
 
 @pytest.mark.parametrize("shift", [0.0, 0.4])
 def test_the_returns_give_the_surfaces_normal_in_the_cameras_axes(shift):
-    want = np.array([-shift, 0.0, 1.0]) / np.hypot(shift, 1.0)  # the camera's x is starboard, its z ahead
+    # the camera's x is starboard, its z ahead
+    want = np.array([-shift, 0.0, 1.0]) / np.hypot(shift, 1.0)
     np.testing.assert_allclose(normal_of(shift), want, atol=1e-9)
 
 

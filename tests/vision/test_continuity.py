@@ -30,7 +30,9 @@ RIG = SensorRig(
 
 def seabed(seed: int = 4) -> Pixels:
     noise = np.random.default_rng(seed).integers(0, 255, (100, 400), dtype=np.uint8)
-    return np.repeat(cv2.resize(noise, (1600, 400), interpolation=cv2.INTER_CUBIC)[..., None], 3, axis=2)
+    return np.repeat(
+        cv2.resize(noise, (1600, 400), interpolation=cv2.INTER_CUBIC)[..., None], 3, axis=2
+    )
 
 
 def water() -> Pixels:
@@ -46,14 +48,18 @@ def goes_on(images: Sequence[Pixels | None], first: int, second: int) -> bool:
     return continuity(RIG, lambda row: images[row], 2000, 15)(first, second)
 
 
-@pytest.mark.parametrize(("step_px", "expected"), [(0, True), (40, True), (200, True), (330, False), (1200, False)])
+@pytest.mark.parametrize(
+    ("step_px", "expected"), [(0, True), (40, True), (200, True), (330, False), (1200, False)]
+)
 def test_an_image_goes_on_as_long_as_it_overlaps(step_px: int, expected: bool) -> None:
     images = [look(10, seabed()), look(10 + step_px, seabed())]
     assert goes_on(images, 0, 1) is expected
     assert goes_on(images, 1, 0) is expected
 
 
-@pytest.mark.parametrize("after", [water(), look(10, seabed(6)), None], ids=["water", "another ground", "unreadable"])
+@pytest.mark.parametrize(
+    "after", [water(), look(10, seabed(6)), None], ids=["water", "another ground", "unreadable"]
+)
 def test_nothing_goes_on_in_open_water_or_elsewhere(after: Pixels | None) -> None:
     images = [look(10, seabed()), after]
     assert not goes_on(images, 0, 1)
@@ -62,7 +68,13 @@ def test_nothing_goes_on_in_open_water_or_elsewhere(after: Pixels | None) -> Non
 
 def with_part_of_vehicle(seed: int, side_px: tuple[int, int]) -> Pixels:
     """Open water, and in it a part of the vehicle, of so many pixels high and wide."""
-    image = np.random.default_rng(seed).normal(40, 4, (256, 320, 1)).clip(0, 255).astype(np.uint8).repeat(3, axis=2)
+    image = (
+        np.random.default_rng(seed)
+        .normal(40, 4, (256, 320, 1))
+        .clip(0, 255)
+        .astype(np.uint8)
+        .repeat(3, axis=2)
+    )
     height, width = side_px
     image[-height:, 40 : 40 + width] = seabed()[:height, :width]
     return image

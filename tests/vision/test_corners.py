@@ -4,7 +4,13 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.vision.features.corners import APART_PX, RADIUS_PX, describe_corners, find_corners, sample_patches
+from hullrecon.vision.features.corners import (
+    APART_PX,
+    RADIUS_PX,
+    describe_corners,
+    find_corners,
+    sample_patches,
+)
 from hullrecon.vision.features.descriptors import sparse_distance, to_unit
 from hullrecon.vision.features.zernike import zernike_magnitudes
 
@@ -18,7 +24,9 @@ def texture(seed, sigma=2.0):
 
 
 def turned(image, degrees):
-    return cv2.warpAffine(image, cv2.getRotationMatrix2D((60, 60), degrees, 1.0), (121, 121), flags=cv2.INTER_CUBIC)
+    return cv2.warpAffine(
+        image, cv2.getRotationMatrix2D((60, 60), degrees, 1.0), (121, 121), flags=cv2.INTER_CUBIC
+    )
 
 
 def square(corner):
@@ -26,7 +34,9 @@ def square(corner):
     fine = np.zeros((480, 480), np.float32)
     u, v = np.rint(4 * (np.array(corner) + 0.5)).astype(int)
     fine[v : v + 200, u : u + 200] = 160
-    return cv2.GaussianBlur(cv2.resize(fine, (120, 120), interpolation=cv2.INTER_AREA), (0, 0), 1.0).astype(np.uint8)
+    return cv2.GaussianBlur(
+        cv2.resize(fine, (120, 120), interpolation=cv2.INTER_AREA), (0, 0), 1.0
+    ).astype(np.uint8)
 
 
 def distance(a, b):
@@ -36,7 +46,8 @@ def distance(a, b):
 
 def test_the_corners_of_a_square_are_found():
     place, response = find_corners(square((30, 35)), NO_SIFT, 10)
-    inside = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]])  # the response is largest a little within the corner
+    # the response is largest a little within the corner
+    inside = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]])
     wanted = np.array([[30, 35], [80, 35], [30, 85], [80, 85]]) + 1.6 * inside
     np.testing.assert_allclose(place, wanted, atol=0.2)
     assert (response > 0).all()
@@ -86,7 +97,9 @@ def test_a_patch_that_is_turned_keeps_its_descriptor(degrees):
 
 
 def test_magnitudes_change_by_less_than_a_twentieth_however_a_patch_is_turned():
-    magnitudes = zernike_magnitudes(np.concatenate([sample_patches(turned(texture(1), k), CENTRE) for k in range(0, 181, 15)]))
+    magnitudes = zernike_magnitudes(
+        np.concatenate([sample_patches(turned(texture(1), k), CENTRE) for k in range(0, 181, 15)])
+    )
     change = np.linalg.norm(magnitudes[1:] - magnitudes[0], axis=1)
     assert change.max() < 0.05 * np.linalg.norm(magnitudes[0])
 

@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from hullrecon.vision.features.descriptors import best_of_all, best_of_pairs, sparse_distance, to_unit
+from hullrecon.vision.features.descriptors import (
+    best_of_all,
+    best_of_pairs,
+    sparse_distance,
+    to_unit,
+)
 
 
 @pytest.fixture
@@ -17,14 +22,20 @@ def vectors():
 
 
 def test_bytes_become_vectors_of_unit_length():
-    np.testing.assert_array_equal(to_unit(np.array([[255, 0, 128]], np.uint8)), np.array([[255, 0, 128]], np.float32) / 512)
+    np.testing.assert_array_equal(
+        to_unit(np.array([[255, 0, 128]], np.uint8)), np.array([[255, 0, 128]], np.float32) / 512
+    )
 
 
 def test_sparse_distances_equal_the_plain_ones(vectors):
     a, b, _ = vectors
     rng = np.random.default_rng(2)
     first, second = rng.integers(20, size=1000), rng.integers(20, size=1000)
-    np.testing.assert_allclose(sparse_distance(a, b, first, second), np.linalg.norm(a[first] - b[second], axis=1), rtol=1e-5)
+    np.testing.assert_allclose(
+        sparse_distance(a, b, first, second),
+        np.linalg.norm(a[first] - b[second], axis=1),
+        rtol=1e-5,
+    )
 
 
 def test_full_search_finds_the_copy_of_each(vectors):
@@ -45,7 +56,9 @@ def test_full_search_equals_the_search_among_all_candidates(vectors):
 
 
 def test_a_match_must_be_the_best_of_both_sides():
-    found = best_of_pairs(np.array([0, 1]), np.array([5, 5]), np.array([0.3, 0.1], np.float32), 0.8, 1.0)
+    found = best_of_pairs(
+        np.array([0, 1]), np.array([5, 5]), np.array([0.3, 0.1], np.float32), 0.8, 1.0
+    )
     assert (found.first.tolist(), found.second.tolist()) == ([1], [5])
 
 
@@ -64,4 +77,7 @@ def test_a_lone_candidate_must_be_close():
 def test_nothing_is_found_in_nothing():
     none = np.zeros(0, np.int64)
     assert len(best_of_pairs(none, none, np.zeros(0, np.float32), 0.8, 1.0)) == 0
-    assert len(best_of_all(np.zeros((0, 128), np.float32), np.zeros((5, 128), np.float32), 0.8, 1.0)) == 0
+    assert (
+        len(best_of_all(np.zeros((0, 128), np.float32), np.zeros((5, 128), np.float32), 0.8, 1.0))
+        == 0
+    )

@@ -63,7 +63,9 @@ def texture():
 
 
 def moved(first, second):
-    """Return by how much (n, 2) the features of a first image have moved in a second, where both have them, and where."""
+    """Return by how much (n, 2) the features of a first image have moved in a second, where both
+    have them, and where.
+    """
     gap, nearest = cKDTree(first[:, :3]).query(second[:, :3])
     return (second - first[nearest])[gap < 0.7, :2], second[gap < 0.7]
 
@@ -107,7 +109,12 @@ def test_features_are_clear_of_where_the_levelling_leans_on_the_border(texture):
 
 def test_light_that_falls_off_to_one_side_does_not_draw_features_to_the_other(texture):
     lit = texture * np.exp((np.arange(400) - 200) / 600)
-    shift, _ = moved(*(extract(np.rint(0.8 * image).astype(np.uint8), FeatureOptions()).keypoints for image in (texture, lit)))
+    shift, _ = moved(
+        *(
+            extract(np.rint(0.8 * image).astype(np.uint8), FeatureOptions()).keypoints
+            for image in (texture, lit)
+        )
+    )
     assert abs(np.median(shift[:, 0])) < 0.008  # 0.015 px where the light is not followed
 
 

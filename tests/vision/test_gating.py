@@ -36,11 +36,14 @@ def test_depth_counts_through_the_baseline_alone():
     step = np.eye(4)
     step[0, 3] = 0.3
     spread = [
-        transfer(Motion(m, np.zeros((6, 6))), np.zeros((1, 2)), np.array([1.5]), np.array([0.05]), 1e-6)[1]
+        transfer(
+            Motion(m, np.zeros((6, 6))), np.zeros((1, 2)), np.array([1.5]), np.array([0.05]), 1e-6
+        )[1]
         for m in (np.eye(4), step)
     ]
     assert spread[0][0, 0, 0] < 1e-10
-    np.testing.assert_allclose(np.sqrt(spread[1][0, 0, 0]), 0.3 * 0.05 / 1.5**2, rtol=0.02)  # b sigma / z^2
+    # b sigma / z^2
+    np.testing.assert_allclose(np.sqrt(spread[1][0, 0, 0]), 0.3 * 0.05 / 1.5**2, rtol=0.02)
 
 
 def test_the_ellipse_is_that_of_many_random_draws(motion):
@@ -52,11 +55,15 @@ def test_the_ellipse_is_that_of_many_random_draws(motion):
     mean, covariance = transfer(motion, XY, DEPTH, SIGMA, 0.001)
     for k in range(3):
         depth = DEPTH[k] + 0.01 * rng.standard_normal(len(draw))
-        ray = np.append(XY[k], 1.0) + np.column_stack([0.001 * rng.standard_normal((len(draw), 2)), np.zeros(len(draw))])
+        ray = np.append(XY[k], 1.0) + np.column_stack(
+            [0.001 * rng.standard_normal((len(draw), 2)), np.zeros(len(draw))]
+        )
         seen = np.einsum("nij,nj->ni", many[:, :3, :3], ray * depth[:, None]) + many[:, :3, 3]
         image = seen[:, :2] / seen[:, 2:] + 0.001 * rng.standard_normal((len(draw), 2))
         np.testing.assert_allclose(mean[k], image.mean(axis=0), atol=3e-4)
-        np.testing.assert_allclose(covariance[k], np.cov(image.T), atol=0.05 * np.trace(covariance[k]))
+        np.testing.assert_allclose(
+            covariance[k], np.cov(image.T), atol=0.05 * np.trace(covariance[k])
+        )
 
 
 def test_a_feature_without_depth_is_nowhere(motion):
@@ -71,7 +78,9 @@ def test_a_point_behind_the_second_camera_is_nowhere():
 
 
 def test_the_inverse_motion_brings_points_back(motion):
-    np.testing.assert_allclose(motion.inverse().second_from_first @ motion.second_from_first, np.eye(4), atol=1e-12)
+    np.testing.assert_allclose(
+        motion.inverse().second_from_first @ motion.second_from_first, np.eye(4), atol=1e-12
+    )
 
 
 def test_the_inverse_carries_the_covariance_as_random_draws_do(motion):
@@ -81,6 +90,8 @@ def test_the_inverse_carries_the_covariance_as_random_draws_do(motion):
     rotation = motion.second_from_first[:3, :3] @ Rotation.from_rotvec(draw[:, 3:]).as_matrix()
     back_t = -np.einsum("nji,nj->ni", rotation, motion.second_from_first[:3, 3] + draw[:, :3])
     turn = motion.second_from_first[:3, :3] @ rotation.swapaxes(1, 2)
-    gap = np.hstack([back_t - small.inverse().second_from_first[:3, 3], Rotation.from_matrix(turn).as_rotvec()])
+    gap = np.hstack(
+        [back_t - small.inverse().second_from_first[:3, 3], Rotation.from_matrix(turn).as_rotvec()]
+    )
     want = small.inverse().covariance
     np.testing.assert_allclose(np.cov(gap.T), want, atol=0.03 * np.abs(want).max())

@@ -53,7 +53,10 @@ def test_a_full_search_finds_the_copy_of_the_same_kind():
 
 def test_a_full_search_without_corners_is_the_plain_one():
     a, b = (np.random.default_rng(k).random((9, 128), dtype=np.float32) / 7 for k in (1, 2))
-    found, plain = best_of_each_kind(a, b, np.zeros(9, bool), np.zeros(9, bool), 0.99, 2.0), best_of_all(a, b, 0.99, 2.0)
+    found, plain = (
+        best_of_each_kind(a, b, np.zeros(9, bool), np.zeros(9, bool), 0.99, 2.0),
+        best_of_all(a, b, 0.99, 2.0),
+    )
     for name in ("first", "second", "distance"):
         np.testing.assert_array_equal(getattr(found, name), getattr(plain, name))
 

@@ -15,7 +15,9 @@ NODE_FEATURES = 3
 
 def features(base, n, color):
     across = base + np.arange(n)
-    table = np.column_stack([across, np.full(n, base), np.ones(n), across / 1000]).astype(np.float32)
+    table = np.column_stack([across, np.full(n, base), np.ones(n), across / 1000]).astype(
+        np.float32
+    )
     return Features(table, np.zeros((n, 128), np.uint8), np.full((n, 3), color, np.uint8))
 
 
@@ -59,9 +61,20 @@ def test_a_track_holds_both_pixels_where_both_cameras_saw_it(dive):
 def test_an_observation_has_the_mean_response_of_its_images_and_a_corner_none(dive):
     found = matches((0, 0, 1, 1), (1, 1, 2, 2), (0, 1, 1, 2))
     tracks = made(dive, found, single_node=False)
-    np.testing.assert_allclose(tracks.response, [(0.1 + 0.502) / 2, (0.201 + 0.6) / 2, 0.702, 0.101, 0.202], rtol=1e-6)
-    nodes = [NodeFeatures(top=replace(dive.read(k).top, corners=1), bottom=no_features()) for k in range(2)]
-    tracks = build_tracks(np.array([3, 3]), [no_matches()] * 2, matches((0, 1, 1, 1), (0, 2, 1, 2)), nodes.__getitem__, False)
+    np.testing.assert_allclose(
+        tracks.response, [(0.1 + 0.502) / 2, (0.201 + 0.6) / 2, 0.702, 0.101, 0.202], rtol=1e-6
+    )
+    nodes = [
+        NodeFeatures(top=replace(dive.read(k).top, corners=1), bottom=no_features())
+        for k in range(2)
+    ]
+    tracks = build_tracks(
+        np.array([3, 3]),
+        [no_matches()] * 2,
+        matches((0, 1, 1, 1), (0, 2, 1, 2)),
+        nodes.__getitem__,
+        False,
+    )
     np.testing.assert_array_equal(np.isnan(tracks.response), [False, False, True, True])
 
 
@@ -80,9 +93,12 @@ def test_stereo_points_of_a_single_node_are_landmarks_when_wanted(dive):
 
 def test_an_observation_in_doubt_is_dropped_and_what_is_left_is_judged_anew(dive):
     tracks = made(
-        dive, matches((0, 1, 1, 2)), find_outliers=lambda node, label, top, bottom: (node == 1) & np.isnan(bottom[:, 0])
+        dive,
+        matches((0, 1, 1, 2)),
+        find_outliers=lambda node, label, top, bottom: (node == 1) & np.isnan(bottom[:, 0]),
     )
-    assert len(tracks.color) == 3  # three stereo points; the mono track of two lost one end and with it the other
+    # three stereo points; the mono track of two lost one end and with it the other
+    assert len(tracks.color) == 3
     assert np.isfinite(tracks.bottom).all()
 
 

@@ -31,15 +31,24 @@ def ground():
     picture = cv2.resize(noise, (1040, 720), interpolation=cv2.INTER_CUBIC)
 
     def seen(along_px, across_px):
-        return extract(picture[across_px : across_px + 512, along_px : along_px + 640], FeatureOptions())
+        return extract(
+            picture[across_px : across_px + 512, along_px : along_px + 640], FeatureOptions()
+        )
 
     return seen
 
 
 def dark(seed, quality):
-    """Features of a black image with the noise of its sensor, as a JPEG; of quality 80 it has as many as that of a hull."""
-    image = np.clip(3 + 1.2 * np.random.default_rng(seed).standard_normal((512, 640)), 0, 255).astype(np.uint8)
-    return extract(cv2.imdecode(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])[1], 0), FeatureOptions())
+    """Features of a black image with the noise of its sensor, as a JPEG; of quality 80 it has as
+    many as that of a hull.
+    """
+    image = np.clip(
+        3 + 1.2 * np.random.default_rng(seed).standard_normal((512, 640)), 0, 255
+    ).astype(np.uint8)
+    return extract(
+        cv2.imdecode(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])[1], 0),
+        FeatureOptions(),
+    )
 
 
 def view_of(top, bottom):

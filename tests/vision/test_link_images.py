@@ -1,14 +1,22 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rounds of links on two legs with truth: pairs are matched by a matcher that knows the truth and looks only where the path,
-within its covariance, has the other image."""
+"""Rounds of links on two legs with truth: pairs are matched by a matcher that knows the truth and
+looks only where the path, within its covariance, has the other image.
+"""
 
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from navigation.linked_dive import LINK_SIGMA, TOP_FROM_BOTTOM, TRAY_FROM_TOP, TRAY_ORIGIN_M, aligned_error_m, simulate
+from navigation.linked_dive import (
+    LINK_SIGMA,
+    TOP_FROM_BOTTOM,
+    TRAY_FROM_TOP,
+    TRAY_ORIGIN_M,
+    aligned_error_m,
+    simulate,
+)
 from scipy.spatial.transform import Rotation
 from vision.scene import camera_rig
 
@@ -25,12 +33,15 @@ from hullrecon.vision.stereo.matching import StereoMatches
 
 PER_LEG, DEPTH_M, SEEN = 30, 1.6, 0.25
 CAMERA = CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5)  # at 1.6 m: 1.6 m wide, 1.28 m high
-SEARCH_CHI2 = 16.3  # of three numbers: the matcher looks no farther from where the path has the scene
+# of three numbers: the matcher looks no farther from where the path has the scene
+SEARCH_CHI2 = 16.3
 NO_ROWS = np.zeros(0, np.int64)
 
 
 def error_model(dive, drift_sigma):
-    """What makes dead reckoning wrong: scale and heading drift of the whole dive, and steps that accumulate."""
+    """What makes dead reckoning wrong: scale and heading drift of the whole dive, and steps that
+    accumulate.
+    """
     n, place = len(dive.trajectory.t_ns), dive.trajectory.translation
     by_error = np.zeros((n, 6, 2))
     by_error[:, :3, 0] = place - place[0]
@@ -50,8 +61,10 @@ def error_model(dive, drift_sigma):
 
 @dataclass
 class KnowingMatcher:
-    """Gives the stereo and the pairs of a dive whose truth it knows; `wrong`: pairs that give a motion that is none of theirs.
-    turn_sigma: rad, of the links' rotations. calls: what was asked for, and of how many."""
+    """Gives the stereo and the pairs of a dive whose truth it knows; `wrong`: pairs that give a
+    motion that is none of theirs. turn_sigma: rad, of the links' rotations. calls: what was asked
+    for, and of how many.
+    """
 
     dive: object
     wrong: tuple = ()
@@ -59,7 +72,9 @@ class KnowingMatcher:
     calls: list = field(default_factory=list)
 
     def __call__(self, function, items, label):
-        self.calls.append((label, sum(len(pairs) for _, pairs in items) if label == "pairs" else len(items)))
+        self.calls.append(
+            (label, sum(len(pairs) for _, pairs in items) if label == "pairs" else len(items))
+        )
         if label == "stereo":
             return [(100, stereo_points()) for _ in items]
         return [[self.match(pair) for pair in pairs] for _, pairs in items]
@@ -73,7 +88,11 @@ class KnowingMatcher:
         chi2 = off @ np.linalg.solve(pair.expected.covariance[:3, :3], off)
         if overlap(truth) < SEEN or chi2 > SEARCH_CHI2:
             return PairMatch(
-                first=NO_ROWS, second=NO_ROWS, distance=NO_ROWS.astype(np.float32), putative=3, reason=Reason.FEW_INLIERS
+                first=NO_ROWS,
+                second=NO_ROWS,
+                distance=NO_ROWS.astype(np.float32),
+                putative=3,
+                reason=Reason.FEW_INLIERS,
             )
         noise = self.sigma * np.random.default_rng((pair.first, pair.second)).standard_normal(6)
         noisy = truth @ turned(noise[3:], 1.0)
@@ -110,8 +129,13 @@ def stereo_points():
 
 def overlap(second_from_first):
     """The share of the first image's footprint, a plane at DEPTH_M, that falls into the second."""
-    u, v = (x.ravel() for x in np.meshgrid(np.linspace(-0.48, 0.48, 12), np.linspace(-0.38, 0.38, 12)))
-    points = DEPTH_M * np.column_stack([u, v, np.ones(144)]) @ second_from_first[:3, :3].T + second_from_first[:3, 3]
+    u, v = (
+        x.ravel() for x in np.meshgrid(np.linspace(-0.48, 0.48, 12), np.linspace(-0.38, 0.38, 12))
+    )
+    points = (
+        DEPTH_M * np.column_stack([u, v, np.ones(144)]) @ second_from_first[:3, :3].T
+        + second_from_first[:3, 3]
+    )
     x, y = (points[:, :2] / points[:, 2:]).T
     return float(((np.abs(x) < 0.5) & (np.abs(y) < 0.4) & (points[:, 2] > 0)).mean())
 
@@ -137,21 +161,33 @@ def link(drift, *, max_rounds=12, wrong=(), saliency=1.0, turn_sigma=LINK_SIGMA[
         bottom_leads=lambda nodes: np.zeros(len(nodes), bool),
     )
     navigated = NavigatedDive(
-        trajectory=dive.trajectory, errors=error_model(dive, max(abs(drift), 1e-4)), returns=None, tray_sigma_rad=1e-3
+        trajectory=dive.trajectory,
+        errors=error_model(dive, max(abs(drift), 1e-4)),
+        returns=None,
+        tray_sigma_rad=1e-3,
     )
     matcher = KnowingMatcher(dive, wrong, turn_sigma)
-    graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
+    graph = PoseGraph(
+        trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig
+    )
     found, _ = link_images(worker, navigated, graph.solve, matcher, max_rounds, appearance=False)
-    return SimpleNamespace(dive=dive, found=found, matcher=matcher, error_m=path_error_m(found, dive))
+    return SimpleNamespace(
+        dive=dive, found=found, matcher=matcher, error_m=path_error_m(found, dive)
+    )
 
 
 def path_error_m(found, dive):
-    return aligned_error_m(Poses(found.path.pose[:, 3:].copy(), found.path.pose[:, :3].copy()), dive.global_from_vehicle)
+    return aligned_error_m(
+        Poses(found.path.pose[:, 3:].copy(), found.path.pose[:, :3].copy()),
+        dive.global_from_vehicle,
+    )
 
 
 def joined_across(found):
     rows = found.pairs.joined & found.pairs.across
-    return set(zip(found.pairs.first[rows].tolist(), found.pairs.second[rows].tolist(), strict=True))
+    return set(
+        zip(found.pairs.first[rows].tolist(), found.pairs.second[rows].tolist(), strict=True)
+    )
 
 
 SMALL, LARGE = 1e-4, 4e-3  # rad/s: half a degree over the dive, and 27 degrees
@@ -164,7 +200,9 @@ def small():
 
 @pytest.fixture(scope="module")
 def large():
-    """Links whose rotations are worth little: neighbours alone leave the far ends of the legs a metre apart."""
+    """Links whose rotations are worth little: neighbours alone leave the far ends of the legs a
+    metre apart.
+    """
     return link(LARGE, turn_sigma=0.02)
 
 
@@ -175,8 +213,9 @@ def test_a_small_drift_ties_the_legs_in_the_first_round(small):
 
 
 def test_a_drift_that_puts_revisits_outside_the_first_search_is_closed_in_rounds(large):
-    """Dead reckoning has the far ends metres apart, neighbours alone leave them 0.7 m apart: what the first round ties
-    straightens the path, on which the next finds the rest."""
+    """Dead reckoning has the far ends metres apart, neighbours alone leave them 0.7 m apart: what
+    the first round ties straightens the path, on which the next finds the rest.
+    """
     truth, reckoned = large.dive.global_from_vehicle[:, :3, 3], large.dive.trajectory.translation
     assert np.linalg.norm((reckoned - truth)[-1]) > 1.5
     alone = link(LARGE, turn_sigma=0.02, max_rounds=0)
@@ -193,7 +232,9 @@ def test_most_nodes_are_tied_to_the_other_leg(large):
 
 
 def test_pairs_that_overlap_well_are_all_linked_once_the_path_is_tied(large):
-    """Each node overlaps two or three of the other leg; the rounds that tie the path compare it with one."""
+    """Each node overlaps two or three of the other leg; the rounds that tie the path compare it
+    with one.
+    """
     few, well = link(LARGE, turn_sigma=0.02, across=1), across_truly(large.dive, 0.35)
     for found in (few.found, large.found):
         assert len(well & joined_across(found)) >= 0.9 * len(well)
@@ -223,9 +264,15 @@ def test_a_wrong_pair_is_rejected_and_leaves_the_path_as_it_is(small):
     assert len(victims) >= 2
     again = link(SMALL, wrong=victims)
     pairs = again.found.pairs
-    rejected = set(zip(pairs.first[pairs.rejected].tolist(), pairs.second[pairs.rejected].tolist(), strict=True))
+    rejected = set(
+        zip(
+            pairs.first[pairs.rejected].tolist(), pairs.second[pairs.rejected].tolist(), strict=True
+        )
+    )
     assert rejected == set(victims)
-    assert not rejected & set(zip(again.found.links.first.tolist(), again.found.links.second.tolist(), strict=True))
+    assert not rejected & set(
+        zip(again.found.links.first.tolist(), again.found.links.second.tolist(), strict=True)
+    )
     assert again.error_m < 0.02
 
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the matches of a dive say of themselves; that they are found, tests/steps/test_matches.py shows."""
+"""What the matches of a dive say of themselves; that they are found, tests/steps/test_matches.py
+shows.
+"""
 
 import numpy as np
 import pytest
@@ -13,9 +15,12 @@ from hullrecon.vision.pair_match import REASON_TEXTS, Reason
 
 
 def matched(nodes, reasons, across=None, rejected=None):
-    """Matched images of pairs `nodes` [(first, second)] with those reasons, 15 features each; two landmarks in three
-    observations."""
-    first, second = (np.array(side, np.int64) for side in (zip(*nodes, strict=True) if nodes else ((), ())))
+    """Matched images of pairs `nodes` [(first, second)] with those reasons, 15 features each; two
+    landmarks in three observations.
+    """
+    first, second = (
+        np.array(side, np.int64) for side in (zip(*nodes, strict=True) if nodes else ((), ()))
+    )
     nan = np.full(2, np.nan)
     none = np.zeros(len(first), bool)
     pairs = NodePairs(
@@ -45,7 +50,11 @@ def matched(nodes, reasons, across=None, rejected=None):
 
 
 def test_counts_are_of_pairs_landmarks_and_observations():
-    found = matched([(0, 1), (1, 2), (0, 2)], [Reason.MATCHED, Reason.FEW_INLIERS, Reason.MATCHED], [False, False, True])
+    found = matched(
+        [(0, 1), (1, 2), (0, 2)],
+        [Reason.MATCHED, Reason.FEW_INLIERS, Reason.MATCHED],
+        [False, False, True],
+    )
     assert found.counts() == {
         "keyframes": 4,
         "nodes": 6,
@@ -61,7 +70,9 @@ def test_counts_are_of_pairs_landmarks_and_observations():
 
 
 def test_failures_are_counted_by_their_reason():
-    found = matched([(0, 1), (1, 2), (2, 3)], [Reason.FEW_INLIERS, Reason.MATCHED, Reason.FEW_INLIERS])
+    found = matched(
+        [(0, 1), (1, 2), (2, 3)], [Reason.FEW_INLIERS, Reason.MATCHED, Reason.FEW_INLIERS]
+    )
     assert found.failures() == {REASON_TEXTS[Reason.FEW_INLIERS]: 2}
 
 
@@ -74,9 +85,18 @@ def test_a_pair_that_failed_parts_two_chains(reasons, sizes):
 
 
 def test_a_pair_that_the_path_contradicts_joins_nothing_and_is_counted_apart():
-    found = matched([(0, 1), (1, 2), (0, 3)], [Reason.MATCHED] * 3, [False, False, True], rejected=[False, False, True])
+    found = matched(
+        [(0, 1), (1, 2), (0, 3)],
+        [Reason.MATCHED] * 3,
+        [False, False, True],
+        rejected=[False, False, True],
+    )
     assert found.chains() == [3, 1]
-    assert (found.counts()["matched"], found.counts()["rejected"], found.counts()["matched_across_legs"]) == (2, 1, 0)
+    assert (
+        found.counts()["matched"],
+        found.counts()["rejected"],
+        found.counts()["matched_across_legs"],
+    ) == (2, 1, 0)
     assert found.failures() == {}
 
 
@@ -84,7 +104,9 @@ def test_images_of_which_none_match_are_an_error_that_says_why_and_what_to_try()
     pairs = matched([(0, 1), (1, 2)], [Reason.FEW_PUTATIVE, Reason.FEW_PUTATIVE]).pairs
     with pytest.raises(StageError, match="no two images could be matched") as raised:
         join_images(None, np.zeros((3, 2)), pairs, None, None, None, 3)
-    assert f"of 2 pairs most failed by: {REASON_TEXTS[Reason.FEW_PUTATIVE]}" in str(raised.value.where)
+    assert f"of 2 pairs most failed by: {REASON_TEXTS[Reason.FEW_PUTATIVE]}" in str(
+        raised.value.where
+    )
     assert "goes on with the DVL alone" in str(raised.value.remedy)
 
 

@@ -12,7 +12,13 @@ from hullrecon.vision.features.store import GrowingArray
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import Reason
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.match_worker import MatchNode, MatchPairs, MatchStereo, MatchWorker, NodePair
+from hullrecon.vision.pairs.match_worker import (
+    MatchNode,
+    MatchPairs,
+    MatchStereo,
+    MatchWorker,
+    NodePair,
+)
 from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.stereo.matching import no_matches
 from hullrecon.vision.stereo.node_view import DepthPrior
@@ -28,13 +34,21 @@ def nodes(look):
 
 @pytest.fixture
 def worker(tmp_path, rig, nodes):
-    """The features of three nodes on disk; the top camera's images score 0.8, 0.0 and 0.8, all of the bottom's 0.6."""
+    """The features of three nodes on disk; the top camera's images score 0.8, 0.0 and 0.8, all of
+    the bottom's 0.6.
+    """
     index = {}
     for camera in ("top", "bottom"):
         found = [getattr(node, camera) for node in nodes]
         index[f"camera_{camera}_start"] = np.concatenate([[0], np.cumsum([len(f) for f in found])])
-        index[f"camera_{camera}_saliency"] = np.array([0.8, 0.0, 0.8] if camera == "top" else [0.6] * 3)
-        for kind, width, dtype in (("keypoints", 4, np.float32), ("descriptors", 128, np.uint8), ("color", 3, np.uint8)):
+        index[f"camera_{camera}_saliency"] = np.array(
+            [0.8, 0.0, 0.8] if camera == "top" else [0.6] * 3
+        )
+        for kind, width, dtype in (
+            ("keypoints", 4, np.float32),
+            ("descriptors", 128, np.uint8),
+            ("color", 3, np.uint8),
+        ):
             with GrowingArray(tmp_path / f"{kind}_camera_{camera}.npy", width, dtype) as file:
                 for features in found:
                     file.append(getattr(features, kind))
@@ -48,7 +62,9 @@ def filled(worker, k):
 
 
 def test_work_on_a_node_survives_the_way_to_another_process(worker, nodes):
-    count, stereo = pickle.loads(pickle.dumps(MatchStereo(worker)))(MatchNode(image=(1, 1), depth=PRIOR, stereo=no_matches()))
+    count, stereo = pickle.loads(pickle.dumps(MatchStereo(worker)))(
+        MatchNode(image=(1, 1), depth=PRIOR, stereo=no_matches())
+    )
     assert count == len(nodes[1].top)
     np.testing.assert_array_equal(nodes[1].top_id[stereo.top], nodes[1].bottom_id[stereo.bottom])
 
@@ -59,15 +75,32 @@ def test_the_bottom_camera_leads_where_the_top_one_saw_nothing(tmp_path, rig):
     for camera, count in (("top", (5, 0, 0)), ("bottom", (4, 6, 0))):
         index[f"camera_{camera}_start"] = np.concatenate([[0], np.cumsum(count)])
         index[f"camera_{camera}_saliency"] = np.zeros(3)
-        for kind, width, dtype in (("keypoints", 4, np.float32), ("descriptors", 128, np.uint8), ("color", 3, np.uint8)):
+        for kind, width, dtype in (
+            ("keypoints", 4, np.float32),
+            ("descriptors", 128, np.uint8),
+            ("color", 3, np.uint8),
+        ):
             with GrowingArray(tmp_path / f"{kind}_camera_{camera}.npy", width, dtype) as file:
                 file.append(np.zeros((sum(count), width), dtype))
     np.savez(tmp_path / "index.npz", **index)
     images = [(0, 0), (1, 1), (2, 2), (-1, 0), (0, -1), (-1, 2), (-1, -1), (1, 2)]
     worker = MatchWorker(features=tmp_path, rig=rig, options=MatchOptions())
-    nodes = [MatchNode(image=(top, bottom), depth=None, stereo=no_matches()) for top, bottom in images]
-    assert worker.bottom_leads(nodes).tolist() == [False, True, False, True, False, False, False, False]
-    alone = MatchWorker(features=tmp_path, rig=camera_rig(rig.model(Camera.TOP)), options=MatchOptions())
+    nodes = [
+        MatchNode(image=(top, bottom), depth=None, stereo=no_matches()) for top, bottom in images
+    ]
+    assert worker.bottom_leads(nodes).tolist() == [
+        False,
+        True,
+        False,
+        True,
+        False,
+        False,
+        False,
+        False,
+    ]
+    alone = MatchWorker(
+        features=tmp_path, rig=camera_rig(rig.model(Camera.TOP)), options=MatchOptions()
+    )
     assert not alone.bottom_leads(nodes).any()
 
 
@@ -77,7 +110,12 @@ def test_a_block_gives_each_pair_what_it_gets_alone(worker, rig, nodes):
         NodePair(
             first=a,
             second=b,
-            expected=Motion((nodes[b].pose.inverse() @ nodes[a].pose @ exp([[0.01, 0, 0, 0, 0, 0]])).matrix()[0], KNOWN),
+            expected=Motion(
+                (nodes[b].pose.inverse() @ nodes[a].pose @ exp([[0.01, 0, 0, 0, 0, 0]])).matrix()[
+                    0
+                ],
+                KNOWN,
+            ),
             full_search=False,
         )
         for a, b in ((0, 1), (0, 2), (1, 2))
@@ -105,7 +143,11 @@ def test_a_node_without_an_image_has_nothing_to_match(worker):
 
 
 def test_a_mono_worker_reads_no_bottom_images(worker, nodes):
-    mono = MatchWorker(features=worker.features, rig=camera_rig(worker.rig.model(Camera.TOP)), options=worker.options)
+    mono = MatchWorker(
+        features=worker.features,
+        rig=camera_rig(worker.rig.model(Camera.TOP)),
+        options=worker.options,
+    )
     assert len(mono.read((0, 0), no_matches()).bottom) == 0
     assert len(mono.read((0, 0), no_matches()).top) == len(nodes[0].top)
     assert not mono.view(MatchNode(image=(0, 0), depth=PRIOR, stereo=no_matches())).stereo.any()

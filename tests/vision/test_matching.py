@@ -51,7 +51,9 @@ def two(look):
 def test_two_stereo_nodes_give_right_matches_and_their_motion(rig, two, informed):
     first, second = two
     prior = expected(first, second) if informed else None
-    found = PairMatcher(rig, OPTIONS).match(stereo_view(rig, first), stereo_view(rig, second), prior, (1,), False)
+    found = PairMatcher(rig, OPTIONS).match(
+        stereo_view(rig, first), stereo_view(rig, second), prior, (1,), False
+    )
     assert found.reason is Reason.MATCHED
     assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.99
     assert len(found.first) > 0.85 * len(np.intersect1d(first.top_id, second.top_id))
@@ -61,13 +63,17 @@ def test_two_stereo_nodes_give_right_matches_and_their_motion(rig, two, informed
 
 
 def test_from_few_seeds_the_motion_is_that_of_the_matches_it_comes_with(rig, two, monkeypatch):
-    """The first motion is so rough that the search along it misses some of what the second search finds."""
+    """The first motion is so rough that the search along it misses some of what the second search
+    finds.
+    """
     rough = truth(*two) @ exp([[0.012, 0.008, 0.0, 0.006, -0.004, 0.01]]).matrix()[0]
     monkeypatch.setattr(pose_from_points, "refine", lambda *_: (rough, 1e-6 * np.eye(6)))
     monkeypatch.setattr(matching, "_count_inliers", lambda *_: OPTIONS.min_inliers)
     views, searched = [stereo_view(rig, node) for node in two], []
     search = PairMatcher.search_along
-    monkeypatch.setattr(PairMatcher, "search_along", lambda *given: searched.append(search(*given)) or searched[-1])
+    monkeypatch.setattr(
+        PairMatcher, "search_along", lambda *given: searched.append(search(*given)) or searched[-1]
+    )
     found = PairMatcher(rig, MatchOptions(seeds=30)).match(*views, expected(*two), (1,), False)
     assert found.reason is Reason.MATCHED
     assert found.putative < FEW
@@ -85,7 +91,10 @@ def test_from_few_seeds_the_motion_is_that_of_the_matches_it_comes_with(rig, two
 
 def test_one_stereo_node_and_one_mono_give_a_motion_with_its_length(rig, two):
     first, second = two
-    for pair in ((stereo_view(rig, first), mono_view(rig, second)), (mono_view(rig, first), stereo_view(rig, second))):
+    for pair in (
+        (stereo_view(rig, first), mono_view(rig, second)),
+        (mono_view(rig, first), stereo_view(rig, second)),
+    ):
         found = PairMatcher(rig, OPTIONS).match(*pair, expected(first, second), (1,), False)
         assert found.reason is Reason.MATCHED
         assert found.scaled
@@ -97,7 +106,9 @@ def test_two_mono_nodes_give_a_direction_and_right_matches(rig, two, informed):
     first, second = two
     mono = camera_rig(rig.model(Camera.TOP))
     depth, prior = (PRIOR, expected(first, second)) if informed else (None, None)
-    found = PairMatcher(mono, OPTIONS).match(mono_view(mono, first, depth), mono_view(mono, second, depth), prior, (1,), True)
+    found = PairMatcher(mono, OPTIONS).match(
+        mono_view(mono, first, depth), mono_view(mono, second, depth), prior, (1,), True
+    )
     assert found.reason is Reason.MATCHED
     assert not found.scaled
     assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.97
@@ -106,7 +117,9 @@ def test_two_mono_nodes_give_a_direction_and_right_matches(rig, two, informed):
 def test_one_image_twice_has_no_direction_of_motion(rig, two):
     first, _ = two
     mono = camera_rig(rig.model(Camera.TOP))
-    found = PairMatcher(mono, OPTIONS).match(mono_view(mono, first), mono_view(mono, first), None, (1,), True)
+    found = PairMatcher(mono, OPTIONS).match(
+        mono_view(mono, first), mono_view(mono, first), None, (1,), True
+    )
     assert found.reason is Reason.NO_MOTION
     assert found.motion is None
     assert len(found.first) > 0.9 * len(first.top)
@@ -127,13 +140,18 @@ def test_a_mono_motion_has_the_covariance_of_its_five_numbers(rig, two):
 
 
 def test_a_mono_motion_in_another_direction_than_navigations_is_refused(rig, two):
-    """Navigation has the rotation right and is sure that the vehicle went down the image, not across it."""
+    """Navigation has the rotation right and is sure that the vehicle went down the image, not
+    across it.
+    """
     first, second = two
     mono = camera_rig(rig.model(Camera.TOP))
     wrong = truth(first, second)
     wrong[:3, 3] = [0.0, 0.3, 0.0]
     views = mono_view(mono, first, None), mono_view(mono, second, None)
-    assert PairMatcher(mono, OPTIONS).match(*views, Motion(wrong, KNOWN), (1,), True).reason is Reason.AGAINST_NAVIGATION
+    assert (
+        PairMatcher(mono, OPTIONS).match(*views, Motion(wrong, KNOWN), (1,), True).reason
+        is Reason.AGAINST_NAVIGATION
+    )
     right = Motion(truth(first, second), KNOWN)
     assert PairMatcher(mono, OPTIONS).match(*views, right, (1,), True).reason is Reason.MATCHED
 
@@ -160,21 +178,34 @@ def test_navigation_that_points_elsewhere_is_overruled_where_a_full_search_is_al
     first, second = two
     astray = expected(first, second, off=(0.4, 0.3, 0.0, 0.0, 0.0, 0.0))
     views = stereo_view(rig, first), stereo_view(rig, second)
-    assert PairMatcher(rig, OPTIONS).match(*views, astray, (1,), True).reason is Reason.AGAINST_NAVIGATION
-    assert PairMatcher(rig, OPTIONS).match(*views, astray, (1,), False).reason in (Reason.FEW_PUTATIVE, Reason.FEW_INLIERS)
+    assert (
+        PairMatcher(rig, OPTIONS).match(*views, astray, (1,), True).reason
+        is Reason.AGAINST_NAVIGATION
+    )
+    assert PairMatcher(rig, OPTIONS).match(*views, astray, (1,), False).reason in (
+        Reason.FEW_PUTATIVE,
+        Reason.FEW_INLIERS,
+    )
 
 
 def test_nodes_that_see_different_places_do_not_match(rig, look):
     first, second = look(HERE), look([2.6, 0, 0, 0, 0, 0])
-    found = PairMatcher(rig, OPTIONS).match(stereo_view(rig, first), stereo_view(rig, second), None, (1,), True)
+    found = PairMatcher(rig, OPTIONS).match(
+        stereo_view(rig, first), stereo_view(rig, second), None, (1,), True
+    )
     assert found.reason in (Reason.FEW_PUTATIVE, Reason.FEW_INLIERS)
     assert found.motion is None
     assert len(found.first) == 0
 
 
 def test_an_image_without_features_is_named_as_such(rig, look):
-    view, empty = stereo_view(rig, look(HERE)), view_of_node(rig, no_features(), no_features(), no_matches(), None, 0.4)
-    assert PairMatcher(rig, OPTIONS).match(view, empty, None, (1,), True).reason is Reason.NO_FEATURES
+    view, empty = (
+        stereo_view(rig, look(HERE)),
+        view_of_node(rig, no_features(), no_features(), no_matches(), None, 0.4),
+    )
+    assert (
+        PairMatcher(rig, OPTIONS).match(view, empty, None, (1,), True).reason is Reason.NO_FEATURES
+    )
 
 
 def test_a_lookalike_point_is_kept_apart_by_its_place(rig, wall, two):
@@ -199,7 +230,9 @@ def test_the_same_pair_gives_the_same_matches_twice(rig, two):
 
 def test_a_chain_of_stereo_pairs_adds_up_to_the_path(rig, look):
     nodes = [look([0.25 * k, 0.0, 0.02 * k, 0.0, 0.01 * k, 0.0], seed=k) for k in range(5)]
-    found = follow_nodes(rig, range(5), lambda k: NodeFeatures(top=nodes[k].top, bottom=nodes[k].bottom))
+    found = follow_nodes(
+        rig, range(5), lambda k: NodeFeatures(top=nodes[k].top, bottom=nodes[k].bottom)
+    )
     path = np.eye(4)
     for step in found:
         path = path @ step.motion.second_from_first
@@ -216,8 +249,11 @@ def test_a_motion_without_a_length_has_five_sixths_of_the_chi2_of_one_with(rig, 
     first, second = two
     known = Motion(truth(first, second), np.diag([0.02**2] * 3 + [0.01**2] * 3))
     turned = known.second_from_first.copy()
-    turned[:3, :3] = turned[:3, :3] @ exp([[0, 0, 0, 0.0, 0.0, 0.01 * 46**0.5]]).matrix()[0][:3, :3]  # chi2 46
-    found = PairMatcher(rig, OPTIONS).match(stereo_view(rig, first), stereo_view(rig, second), None, (1,), True)
+    # chi2 46
+    turned[:3, :3] = turned[:3, :3] @ exp([[0, 0, 0, 0.0, 0.0, 0.01 * 46**0.5]]).matrix()[0][:3, :3]
+    found = PairMatcher(rig, OPTIONS).match(
+        stereo_view(rig, first), stereo_view(rig, second), None, (1,), True
+    )
     certain = replace(found, motion=Motion(turned, 1e-12 * np.eye(6)))
     assert agrees(certain, known, 50.0)
     assert not agrees(replace(certain, scaled=False), known, 50.0)

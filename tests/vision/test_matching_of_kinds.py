@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes whose features are of two kinds; beside each SIFT feature is a corner that looks just like it."""
+"""Nodes whose features are of two kinds; beside each SIFT feature is a corner that looks just like
+it.
+"""
 
 from types import SimpleNamespace
 
@@ -24,10 +26,14 @@ KNOWN = np.diag([0.02**2] * 3 + [0.01**2] * 3)
 
 
 def with_corners(found, point):
-    """The features, and behind them each once more, a little aside, as a corner that looks the same; their points."""
+    """The features, and behind them each once more, a little aside, as a corner that looks the
+    same; their points.
+    """
     aside = found.keypoints + np.array([1.5, 0, 0, 0], np.float32)
     descriptors, color = np.tile(found.descriptors, (2, 1)), np.tile(found.color, (2, 1))
-    both = Features(np.concatenate([found.keypoints, aside]), descriptors, color, corners=len(found))
+    both = Features(
+        np.concatenate([found.keypoints, aside]), descriptors, color, corners=len(found)
+    )
     return both, np.concatenate([point, point + POINTS])
 
 
@@ -39,13 +45,17 @@ def two(look):
         seen = look(pose, seed=seed)
         top, top_id = with_corners(seen.top, seen.top_id)
         bottom, bottom_id = with_corners(seen.bottom, seen.bottom_id)
-        return SimpleNamespace(pose=seen.pose, top=top, bottom=bottom, top_id=top_id, bottom_id=bottom_id)
+        return SimpleNamespace(
+            pose=seen.pose, top=top, bottom=bottom, top_id=top_id, bottom_id=bottom_id
+        )
 
     return node([0] * 6, 1), node([0.3, 0.02, 0.05, 0.01, -0.04, 0.02], 2)
 
 
 def match(rig, two, share, informed=True, stereo=True, view=lambda features: features):
-    """What the two nodes have in common: (points of the first, points of the second, whether of corners)."""
+    """What the two nodes have in common: (points of the first, points of the second, whether of
+    corners).
+    """
     options = MatchOptions(harris_share=share)
     views = []
     for node in two:
@@ -53,7 +63,11 @@ def match(rig, two, share, informed=True, stereo=True, view=lambda features: fea
         pairs = stereo_of_node(rig, top, bottom, PRIOR, options) if stereo else no_matches()
         views.append(view_of_node(rig, top, bottom, pairs, PRIOR, options.sigma_px))
     truth = two[1].pose.inverse() @ two[0].pose
-    prior = Motion((exp([[0.015, -0.01, 0.01, 0.005, 0.004, -0.006]]) @ truth).matrix()[0], KNOWN) if informed else None
+    prior = (
+        Motion((exp([[0.015, -0.01, 0.01, 0.005, 0.004, -0.006]]) @ truth).matrix()[0], KNOWN)
+        if informed
+        else None
+    )
     found = PairMatcher(rig, options).match(*views, prior, (1,), False)
     assert found.reason is Reason.MATCHED
     return two[0].top_id[found.first], two[1].top_id[found.second], views[0].corner[found.first]
@@ -88,12 +102,16 @@ def test_the_two_cameras_of_a_node_match_by_kind_too(rig, two):
 def test_places_are_recognised_by_sift_alone(two):
     def words(view):
         worker = SimpleNamespace(
-            read=lambda k, stereo: NodeFeatures(top=view(two[k].top), bottom=no_features()), options=MatchOptions()
+            read=lambda k, stereo: NodeFeatures(top=view(two[k].top), bottom=no_features()),
+            options=MatchOptions(),
         )
         nodes = [SimpleNamespace(image=k, stereo=no_matches()) for k in range(2)]
         return learn_words(worker, nodes)
 
-    both, sift = words(lambda features: features), words(lambda features: features.without_corners())
+    both, sift = (
+        words(lambda features: features),
+        words(lambda features: features.without_corners()),
+    )
     np.testing.assert_array_equal(both[0].fine, sift[0].fine)
     for one, other in zip(both[1], sift[1], strict=True):
         np.testing.assert_array_equal(one, other)

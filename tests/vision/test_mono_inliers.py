@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Wrong matches that bend the motion of two views of a nearly plane hull are found out by navigation, which is not counted."""
+"""Wrong matches that bend the motion of two views of a nearly plane hull are found out by
+navigation, which is not counted.
+"""
 
 import numpy as np
 import pytest
@@ -18,7 +20,9 @@ WRONG = 6
 
 def navigation(seed, covariance=KNOWN):
     """The true motion, off by half of what navigation says of itself."""
-    error = 0.5 * np.sqrt(np.diag(covariance)) * np.random.default_rng(100 + seed).standard_normal(6)
+    error = (
+        0.5 * np.sqrt(np.diag(covariance)) * np.random.default_rng(100 + seed).standard_normal(6)
+    )
     out = TRUE.copy()
     out[:3, 3] += error[:3]
     out[:3, :3] = TRUE[:3, :3] @ Rotation.from_rotvec(error[3:]).as_matrix()
@@ -26,7 +30,9 @@ def navigation(seed, covariance=KNOWN):
 
 
 def with_wrong_ones(seed):
-    """Matches of a nearly plane wall, some at one corner wrong by twelve sigma across their epipolar lines."""
+    """Matches of a nearly plane wall, some at one corner wrong by twelve sigma across their
+    epipolar lines.
+    """
     first, second = matches(relief_m=0.01, n=70, seed=seed, width=0.6)
     corner = np.argsort(-first.sum(axis=1))[:WRONG]
     second[corner, 1] += 12 * SIGMA
@@ -34,7 +40,8 @@ def with_wrong_ones(seed):
 
 
 TOLERANCE = 1.0 / 655.0  # a pixel
-ACROSS = exp([[0.02, 0.5, 0.05, -0.1, 0.05, 0.01]]).matrix()[0]  # to the next leg of a hull whose axis is x
+# to the next leg of a hull whose axis is x
+ACROSS = exp([[0.02, 0.5, 0.05, -0.1, 0.05, 0.01]]).matrix()[0]
 
 
 def of_a_bilge(seed, radius_m=3.0, n=120):
@@ -43,7 +50,9 @@ def of_a_bilge(seed, radius_m=3.0, n=120):
     x, y = rng.uniform(-0.6, 0.6, n), rng.uniform(-0.5, 0.5, n)
     points = np.column_stack([x, y, 1.5 + radius_m - np.sqrt(radius_m**2 - y**2)])
     there = points @ ACROSS[:3, :3].T + ACROSS[:3, 3]
-    return tuple(p[:, :2] / p[:, 2:] + 0.4 * TOLERANCE * rng.standard_normal((n, 2)) for p in (points, there))
+    return tuple(
+        p[:, :2] / p[:, 2:] + 0.4 * TOLERANCE * rng.standard_normal((n, 2)) for p in (points, there)
+    )
 
 
 def motion_of_plane(seed, prior):
@@ -51,7 +60,11 @@ def motion_of_plane(seed, prior):
     xy = of_a_bilge(seed)
     found = two_view.fit(*xy, TOLERANCE, "homography")
     inliers = tuple(view[found.inlier] for view in xy)
-    return mono_inliers.choose(two_view.motions_of(found, *xy), inliers, prior, None), int(found.inlier.sum()), xy
+    return (
+        mono_inliers.choose(two_view.motions_of(found, *xy), inliers, prior, None),
+        int(found.inlier.sum()),
+        xy,
+    )
 
 
 def turned_by(found):
@@ -72,16 +85,24 @@ def test_wrong_matches_at_one_corner_do_not_turn_the_motion():
 def test_what_the_matches_say_of_the_motion_is_said_without_navigation(seed):
     own, covariance = mono_motion.refine(UNIT, *matches(seed=seed))
     for surer in (1.0, 0.01):
-        found, chosen = mono_inliers.refine_on_inliers(UNIT, *matches(seed=seed), navigation(seed, surer * KNOWN))
-        np.testing.assert_allclose(five(found, own), 0, atol=0.5 * np.sqrt(covariance.diagonal().max()))
-        np.testing.assert_allclose(np.sqrt(chosen.diagonal()), np.sqrt(covariance.diagonal()), rtol=0.15)
+        found, chosen = mono_inliers.refine_on_inliers(
+            UNIT, *matches(seed=seed), navigation(seed, surer * KNOWN)
+        )
+        np.testing.assert_allclose(
+            five(found, own), 0, atol=0.5 * np.sqrt(covariance.diagonal().max())
+        )
+        np.testing.assert_allclose(
+            np.sqrt(chosen.diagonal()), np.sqrt(covariance.diagonal()), rtol=0.15
+        )
 
 
 def test_matches_that_are_left_out_widen_the_covariance():
     first, second = matches()
     wrong = second.copy()
     wrong[:WRONG, 1] += 40 * SIGMA
-    clean, doubted = (mono_inliers.refine_on_inliers(UNIT, first, xy, navigation(1))[1] for xy in (second, wrong))
+    clean, doubted = (
+        mono_inliers.refine_on_inliers(UNIT, first, xy, navigation(1))[1] for xy in (second, wrong)
+    )
     assert 1.1 < np.sqrt(np.trace(doubted) / np.trace(clean)) < 1.6
 
 
@@ -99,11 +120,17 @@ def test_a_motion_is_well_known_by_its_rotation_and_by_its_direction_but_not_by_
     along[:3, :3] = np.outer(UNIT[:3, 3], UNIT[:3, 3])
     assert mono_inliers.is_well_known(Motion(TRUE, KNOWN))
     assert mono_inliers.is_well_known(Motion(TRUE, KNOWN + along))
-    assert not mono_inliers.is_well_known(Motion(TRUE, KNOWN + np.diag(np.repeat([0.15 * length, 0.0], 3)) ** 2))
-    assert not mono_inliers.is_well_known(Motion(TRUE, KNOWN + np.diag(np.repeat([0.0, 0.15], 3)) ** 2))
+    assert not mono_inliers.is_well_known(
+        Motion(TRUE, KNOWN + np.diag(np.repeat([0.15 * length, 0.0], 3)) ** 2)
+    )
+    assert not mono_inliers.is_well_known(
+        Motion(TRUE, KNOWN + np.diag(np.repeat([0.0, 0.15], 3)) ** 2)
+    )
 
 
-@pytest.mark.parametrize("prior", [Motion(ACROSS, KNOWN), Motion(ACROSS, 100 * KNOWN)], ids=["known", "hardly known"])
+@pytest.mark.parametrize(
+    "prior", [Motion(ACROSS, KNOWN), Motion(ACROSS, 100 * KNOWN)], ids=["known", "hardly known"]
+)
 def test_a_bilge_is_not_made_flatter_by_the_inliers_of_a_plane(prior):
     turns = {"plane": [], "gathered": []}
     for seed in range(10):

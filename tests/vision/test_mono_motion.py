@@ -65,7 +65,10 @@ def test_the_derivatives_are_those_of_the_distance():
     np.testing.assert_allclose(residual, 0, atol=1e-12)
     for k in range(5):
         step = 1e-6 * np.eye(5)[k]
-        plus, minus = (mono_motion.linearise(mono_motion._apply_step(UNIT, s), first, second)[0] for s in (step, -step))
+        plus, minus = (
+            mono_motion.linearise(mono_motion._apply_step(UNIT, s), first, second)[0]
+            for s in (step, -step)
+        )
         np.testing.assert_allclose(jacobian[:, k], (plus - minus) / 2e-6, atol=1e-6)
 
 
@@ -83,12 +86,19 @@ def test_a_vehicle_that_stood_still_has_no_direction():
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("count", [60, 200, 1000])
 def test_noise_gives_no_direction_to_a_vehicle_that_stood_still(seed, count):
-    """Its matches move by their noise alone, which was once taken for information: a sigma of 0.03 rad."""
+    """Its matches move by their noise alone, which was once taken for information: a sigma of 0.03
+    rad.
+    """
     seen = matches(n=count, seed=seed, motion=np.eye(4))
-    for start in (UNIT, off(shift=(0.0, 1.0, 0.0)), np.block([[np.eye(3), np.array([[0.0], [0.0], [1.0]])], [0, 0, 0, 1]])):
+    for start in (
+        UNIT,
+        off(shift=(0.0, 1.0, 0.0)),
+        np.block([[np.eye(3), np.array([[0.0], [0.0], [1.0]])], [0, 0, 0, 1]]),
+    ):
         _, covariance = mono_motion.refine(start, *seen)
         assert np.sqrt(np.linalg.eigvalsh(covariance)[-2:]).min() > 0.3
-        assert np.sqrt(np.linalg.eigvalsh(covariance)[:3]).max() < 0.03  # the rotation is known all the same
+        # the rotation is known all the same
+        assert np.sqrt(np.linalg.eigvalsh(covariance)[:3]).max() < 0.03
 
 
 def test_the_noises_share_is_what_many_draws_show_and_does_not_depend_on_its_size():
@@ -98,7 +108,9 @@ def test_the_noises_share_is_what_many_draws_show_and_does_not_depend_on_its_siz
     for sigma in (SIGMA, 4 * SIGMA):
         found = []
         for seed in range(60):
-            jacobian = mono_motion.linearise(still, *matches(seed=seed, sigma=sigma, motion=np.eye(4)))[1]
+            jacobian = mono_motion.linearise(
+                still, *matches(seed=seed, sigma=sigma, motion=np.eye(4))
+            )[1]
             found.append(jacobian[:, 3:].T @ jacobian[:, 3:] / sigma**2)
         share = mono_motion.noise_share(still, *matches(sigma=sigma, motion=np.eye(4))).sum(axis=0)
         np.testing.assert_allclose(np.mean(found, axis=0), share, atol=0.05 * np.trace(share))
@@ -109,15 +121,21 @@ def test_a_vehicle_that_moved_loses_no_information_by_it():
     residual, jacobian = mono_motion.linearise(motion, *matches())
     plain = np.linalg.inv(mono_motion._information(jacobian, mono_motion._variance(residual)))
     each = jacobian[:, :, None] * jacobian[:, None]
-    shared = correlation_inflation(each, jacobian * residual[:, None], mono_motion._variance(residual), matches()[0])
-    np.testing.assert_allclose(np.sqrt(np.diag(covariance)), np.sqrt(shared * np.diag(plain)), rtol=1e-3)
+    shared = correlation_inflation(
+        each, jacobian * residual[:, None], mono_motion._variance(residual), matches()[0]
+    )
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(covariance)), np.sqrt(shared * np.diag(plain)), rtol=1e-3
+    )
 
 
 def test_errors_that_neighbours_share_are_in_the_covariance():
     """Each point found six times, with one error: six witnesses are one."""
     chi2 = []
     for seed in range(60):
-        motion, covariance = mono_motion.refine(UNIT, *(np.repeat(xy, 6, axis=0) for xy in matches(seed=seed)))
+        motion, covariance = mono_motion.refine(
+            UNIT, *(np.repeat(xy, 6, axis=0) for xy in matches(seed=seed))
+        )
         chi2.append(five(motion) @ np.linalg.solve(covariance, five(motion)) / 5)
     assert 0.85 < np.sqrt(np.mean(chi2)) < 1.25
 
@@ -135,7 +153,9 @@ def test_the_length_is_navigations_and_as_uncertain():
     direction = UNIT[:3, 3]
     assert direction @ found.covariance[:3, :3] @ direction == pytest.approx(0.02**2)
     across = mono_motion.tangent_basis(direction)
-    np.testing.assert_allclose(across.T @ found.covariance[:3, :3] @ across, 1e-6 * LENGTH**2 * np.eye(2), atol=1e-15)
+    np.testing.assert_allclose(
+        across.T @ found.covariance[:3, :3] @ across, 1e-6 * LENGTH**2 * np.eye(2), atol=1e-15
+    )
     np.testing.assert_allclose(found.covariance[3:, 3:], 1e-6 * np.eye(3))
 
 
@@ -147,7 +167,9 @@ def test_without_navigation_the_length_is_one_and_unknown():
 
 def chi2(motion, prior=TRUE, covariance=KNOWN):
     expected = Motion(prior, covariance)
-    return mono_motion.navigation_chi2(mono_motion.with_length(motion, 1e-8 * np.eye(5), expected), expected)
+    return mono_motion.navigation_chi2(
+        mono_motion.with_length(motion, 1e-8 * np.eye(5), expected), expected
+    )
 
 
 def test_the_true_motion_agrees_and_one_in_another_direction_does_not():

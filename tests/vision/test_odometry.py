@@ -10,7 +10,12 @@ from vision.scene import follow_nodes
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import exp
 from hullrecon.vision.features.extraction import FeatureOptions, no_features
-from hullrecon.vision.odometry import MeasuredMotion, StereoOdometer, _with_disagreement, stereo_odometer
+from hullrecon.vision.odometry import (
+    MeasuredMotion,
+    StereoOdometer,
+    _with_disagreement,
+    stereo_odometer,
+)
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
@@ -26,7 +31,8 @@ def pairs(look, places, lost=()):
 def test_each_step_has_its_length_and_a_covariance_that_covers_the_error(rig, look):
     found = follow_nodes(rig, range(4), pairs(look, [0.0, 0.2, 0.5, 0.6]))
     for step, length in zip(found, (0.2, 0.3, 0.1), strict=True):
-        error = step.motion.second_from_first[:3, 3] - [length, 0, 0]  # the second pair in the first: forward
+        # the second pair in the first: forward
+        error = step.motion.second_from_first[:3, 3] - [length, 0, 0]
         sigma = np.sqrt(np.diag(step.motion.covariance)[:3])
         assert (np.abs(error) < 5 * sigma).all()
         assert sigma.max() < 0.005
@@ -37,7 +43,9 @@ def test_the_steps_of_many_pairs_scatter_as_their_covariance_says(rig, look):
     chi2 = []
     for seed in range(12):
         nodes = [look([x, 0, 0, 0, 0, 0], seed=2 * seed + k) for k, x in enumerate((0.0, 0.25))]
-        [step] = follow_nodes(rig, range(2), lambda k, n=nodes: NodeFeatures(top=n[k].top, bottom=n[k].bottom))
+        [step] = follow_nodes(
+            rig, range(2), lambda k, n=nodes: NodeFeatures(top=n[k].top, bottom=n[k].bottom)
+        )
         found = step.motion.second_from_first
         gap = np.r_[found[:3, 3] - [0.25, 0, 0], Rotation.from_matrix(found[:3, :3]).as_rotvec()]
         chi2.append(gap @ np.linalg.solve(step.motion.covariance, gap) / 6)
@@ -47,8 +55,12 @@ def test_the_steps_of_many_pairs_scatter_as_their_covariance_says(rig, look):
 def test_two_ways_that_disagree_widen_the_covariance_by_as_much():
     def measured(shift):
         motion = exp([[shift, 0, 0, 0, 0, 0.02]]).matrix()[0]
-        evidence = CalibrationEvidence(by_calibration=np.zeros((6, 12)), information=np.zeros((12, 12)), gradient=np.zeros(12))
-        return MeasuredMotion(motion=Motion(motion, 1e-6 * np.eye(6)), calibration=evidence, inliers=100)
+        evidence = CalibrationEvidence(
+            by_calibration=np.zeros((6, 12)), information=np.zeros((12, 12)), gradient=np.zeros(12)
+        )
+        return MeasuredMotion(
+            motion=Motion(motion, 1e-6 * np.eye(6)), calibration=evidence, inliers=100
+        )
 
     there, back = measured(0.30), measured(0.31)
     found = _with_disagreement(there, replace(back, motion=back.motion.inverse())).motion
@@ -64,7 +76,9 @@ def test_a_lost_image_breaks_two_links_and_no_more(rig, look):
 
 def test_nodes_are_taken_in_the_order_given(rig, look):
     read = pairs(look, [0.0, 0.15, 0.3])
-    there, back = (follow_nodes(rig, order, read)[0].motion.second_from_first for order in ([0, 2], [2, 0]))
+    there, back = (
+        follow_nodes(rig, order, read)[0].motion.second_from_first for order in ([0, 2], [2, 0])
+    )
     np.testing.assert_allclose(there @ back, np.eye(4), atol=0.01)
     assert back[0, 3] < 0 < there[0, 3]
 
@@ -76,7 +90,9 @@ def test_a_pair_whose_top_image_is_lost_gives_no_motion(rig, look):
 
 
 def test_depth_comes_from_the_stereo_alone(rig, look):
-    odometer = StereoOdometer(rig=rig, feature_options=FeatureOptions(), match_options=MatchOptions())
+    odometer = StereoOdometer(
+        rig=rig, feature_options=FeatureOptions(), match_options=MatchOptions()
+    )
     seen = odometer.frame_of_features(0, pairs(look, [0.0])(0)).view
     assert seen.stereo.mean() > 0.6
     assert abs(np.median(seen.depth) - 1.3) < 0.03
@@ -88,5 +104,7 @@ def test_images_that_cannot_be_read_have_no_features(rig):
 
 
 def test_a_rig_that_is_known_less_well_searches_a_wider_band(rig):
-    sharp, loose = (stereo_odometer(rig.rig, 500, 15, sigma).match_options.column_px for sigma in (0.0, 0.002))
+    sharp, loose = (
+        stereo_odometer(rig.rig, 500, 15, sigma).match_options.column_px for sigma in (0.0, 0.002)
+    )
     assert loose - sharp == pytest.approx(2 * 0.002 * rig.focal_px(Camera.TOP))

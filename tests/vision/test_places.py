@@ -28,8 +28,12 @@ ORIENTATIONS = 2
 def described_twice(found, point):
     """The features, each followed by itself with another description, and their points."""
     turned = np.roll(found.descriptors, 40, axis=1)
-    descriptors = np.stack([found.descriptors, turned], axis=1).reshape(-1, found.descriptors.shape[1])
-    keypoints, color = (np.repeat(table, ORIENTATIONS, axis=0) for table in (found.keypoints, found.color))
+    descriptors = np.stack([found.descriptors, turned], axis=1).reshape(
+        -1, found.descriptors.shape[1]
+    )
+    keypoints, color = (
+        np.repeat(table, ORIENTATIONS, axis=0) for table in (found.keypoints, found.color)
+    )
     return Features(keypoints, descriptors, color), np.repeat(point, ORIENTATIONS)
 
 
@@ -41,18 +45,28 @@ def two(look):
     for node in seen:
         top, top_id = described_twice(node.top, node.top_id)
         bottom, bottom_id = described_twice(node.bottom, node.bottom_id)
-        twice.append(SimpleNamespace(pose=node.pose, top=top, bottom=bottom, top_id=top_id, bottom_id=bottom_id))
+        twice.append(
+            SimpleNamespace(
+                pose=node.pose, top=top, bottom=bottom, top_id=top_id, bottom_id=bottom_id
+            )
+        )
     return seen, twice
 
 
 def match(rig, nodes, stereo, informed):
     views = []
     for node in nodes:
-        pairs = stereo_of_node(rig, node.top, node.bottom, PRIOR, OPTIONS) if stereo else no_matches()
+        pairs = (
+            stereo_of_node(rig, node.top, node.bottom, PRIOR, OPTIONS) if stereo else no_matches()
+        )
         bottom = node.bottom if stereo else no_features()
         views.append(view_of_node(rig, node.top, bottom, pairs, PRIOR, OPTIONS.sigma_px))
     truth = nodes[1].pose.inverse() @ nodes[0].pose
-    prior = Motion((exp([[0.015, -0.01, 0.01, 0.005, 0.004, -0.006]]) @ truth).matrix()[0], KNOWN) if informed else None
+    prior = (
+        Motion((exp([[0.015, -0.01, 0.01, 0.005, 0.004, -0.006]]) @ truth).matrix()[0], KNOWN)
+        if informed
+        else None
+    )
     found = PairMatcher(rig, OPTIONS).match(*views, prior, (1,), False)
     assert found.reason is Reason.MATCHED
     return found
@@ -67,7 +81,11 @@ def test_what_is_described_twice_is_matched_once(rig, two, stereo, informed):
     assert len(np.unique(points)) == len(points)
     assert (points == twice[1].top_id[found.second]).mean() > 0.99
     assert len(points) == pytest.approx(len(once.first), rel=0.02)
-    np.testing.assert_allclose(np.sqrt(np.diag(found.motion.covariance)), np.sqrt(np.diag(once.motion.covariance)), rtol=0.2)
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(found.motion.covariance)),
+        np.sqrt(np.diag(once.motion.covariance)),
+        rtol=0.2,
+    )
 
 
 def test_the_two_cameras_of_a_node_match_a_place_once_and_all_its_rows_have_its_point(rig, two):
@@ -82,22 +100,35 @@ def test_the_two_cameras_of_a_node_match_a_place_once_and_all_its_rows_have_its_
 
 def test_a_place_whose_description_changes_along_the_way_is_one_landmark():
     features, _ = described_twice(
-        Features(np.float32([[10, 20, 3, 0.1], [90, 20, 3, 0.1]]), np.zeros((2, 128), np.uint8), np.zeros((2, 3), np.uint8)),
+        Features(
+            np.float32([[10, 20, 3, 0.1], [90, 20, 3, 0.1]]),
+            np.zeros((2, 128), np.uint8),
+            np.zeros((2, 3), np.uint8),
+        ),
         np.arange(2),
     )
     place = features.place
     # the first place by its first description from node 0 to 1, by its second from 1 to 2
-    first, second = place[[0, 1]] + len(features) * np.array([0, 1]), place[[0, 1]] + len(features) * np.array([1, 2])
+    first, second = (
+        place[[0, 1]] + len(features) * np.array([0, 1]),
+        place[[0, 1]] + len(features) * np.array([1, 2]),
+    )
     found = FeatureMatches(first=first, second=second, distance=np.zeros(2, np.float32))
     node = NodeFeatures(top=features, bottom=no_features())
-    tracks = build_tracks(np.full(3, len(features)), [no_matches()] * 3, found, lambda k: node, False)
+    tracks = build_tracks(
+        np.full(3, len(features)), [no_matches()] * 3, found, lambda k: node, False
+    )
     np.testing.assert_array_equal(tracks.landmark, [0, 0, 0])
     np.testing.assert_array_equal(tracks.node, [0, 1, 2])
 
 
 def test_of_the_matches_of_a_place_the_most_alike_is_kept():
     place = np.array([0, 0, 2, 3, 3])
-    found = Putative(first=np.array([0, 1, 2, 4]), second=np.array([3, 2, 0, 4]), distance=np.float32([0.3, 0.1, 0.2, 0.2]))
+    found = Putative(
+        first=np.array([0, 1, 2, 4]),
+        second=np.array([3, 2, 0, 4]),
+        distance=np.float32([0.3, 0.1, 0.2, 0.2]),
+    )
     kept = match_places(found, place, np.arange(5))
     np.testing.assert_array_equal(kept.first, [0, 2, 3])
     np.testing.assert_array_equal(kept.second, [2, 0, 4])
@@ -105,7 +136,9 @@ def test_of_the_matches_of_a_place_the_most_alike_is_kept():
 
 
 def test_rows_at_one_pixel_stand_for_one_place():
-    at = np.float32([[5, 1, 2, 1], [5, 1, 2, 1], [5, 2, 2, 1], [6, 2, 2, 1], [6, 2, 3, 1], [6, 2, 4, 1]])
+    at = np.float32(
+        [[5, 1, 2, 1], [5, 1, 2, 1], [5, 2, 2, 1], [6, 2, 2, 1], [6, 2, 3, 1], [6, 2, 4, 1]]
+    )
     np.testing.assert_array_equal(first_at_place(at), [0, 0, 2, 3, 3, 3])
     assert len(first_at_place(at[:0])) == 0
 

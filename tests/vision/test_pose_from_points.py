@@ -12,7 +12,11 @@ DOWN = exp([[0.0, -0.1, 0.0, 0.0, 0.0, 0.01]]).matrix()[0]  # the other node's b
 
 def image_view(points, xy, camera_from_node, backward, baseline_m):
     return pose_from_points.ObservedPoints(
-        points=points, xy=xy, camera_from_node=camera_from_node, backward=backward, baseline_m=baseline_m
+        points=points,
+        xy=xy,
+        camera_from_node=camera_from_node,
+        backward=backward,
+        baseline_m=baseline_m,
     )
 
 
@@ -43,7 +47,9 @@ def views(points, noise=0.0, seed=1):
 
 def test_errors_are_zero_at_the_truth_both_ways(scene):
     for view in views(scene):
-        np.testing.assert_allclose(pose_from_points.squared_errors(TRUTH[None], view), 0, atol=1e-20)
+        np.testing.assert_allclose(
+            pose_from_points.squared_errors(TRUTH[None], view), 0, atol=1e-20
+        )
 
 
 def test_an_error_is_the_distance_in_the_image():
@@ -54,7 +60,9 @@ def test_an_error_is_the_distance_in_the_image():
 def test_a_point_behind_the_camera_is_infinitely_wrong_and_one_not_seen_counts_nothing():
     points = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
     view = image_view(points, np.array([[0.0, 0.0], [np.nan, np.nan]]), np.eye(4), False, 0.1)
-    np.testing.assert_array_equal(pose_from_points.squared_errors(np.eye(4)[None], view), [[np.inf, 0.0]])
+    np.testing.assert_array_equal(
+        pose_from_points.squared_errors(np.eye(4)[None], view), [[np.inf, 0.0]]
+    )
 
 
 def test_ransac_finds_the_motion_among_three_quarters_of_wrong_matches(scene):
@@ -66,12 +74,16 @@ def test_ransac_finds_the_motion_among_three_quarters_of_wrong_matches(scene):
         image_view(scene, image(seen), np.eye(4), False, 0.1),
         image_view(seen, image(scene), np.eye(4), True, 0.1),
     ]
-    np.testing.assert_allclose(pose_from_points.ransac(scene, seen, all_views, 0.004, 2000, (1,)), TRUTH, atol=1e-6)
+    np.testing.assert_allclose(
+        pose_from_points.ransac(scene, seen, all_views, 0.004, 2000, (1,)), TRUTH, atol=1e-6
+    )
 
 
 def test_ransac_repeats_itself_for_one_seed(scene):
     noisy = move(TRUTH, scene) + 0.01 * np.random.default_rng(1).standard_normal(scene.shape)
-    first, second = (pose_from_points.ransac(scene, noisy, views(scene), 0.01, 256, (4, 2)) for _ in range(2))
+    first, second = (
+        pose_from_points.ransac(scene, noisy, views(scene), 0.01, 256, (4, 2)) for _ in range(2)
+    )
     np.testing.assert_array_equal(first, second)
 
 
@@ -81,7 +93,9 @@ def test_two_points_are_too_few(scene):
 
 def test_refinement_reaches_the_truth_from_a_rough_guess(scene):
     start = TRUTH @ exp([[0.003, -0.002, 0.002, 0.001, 0.002, -0.001]]).matrix()[0]
-    np.testing.assert_allclose(pose_from_points.refine(start, views(scene), 0.02)[0], TRUTH, atol=1e-9)
+    np.testing.assert_allclose(
+        pose_from_points.refine(start, views(scene), 0.02)[0], TRUTH, atol=1e-9
+    )
 
 
 def test_the_covariance_is_the_spread_over_many_noisy_scenes(scene):
@@ -93,11 +107,14 @@ def test_the_covariance_is_the_spread_over_many_noisy_scenes(scene):
 
 
 def test_a_wrong_depth_is_forgiven_along_its_line_only(scene):
-    deep = scene * 1.01  # a depth off by 1 %: 13 mm, twice what a 0.1 m baseline leaves open at half a pixel
+    # a depth off by 1 %: 13 mm, twice what a 0.1 m baseline leaves open at half a pixel
+    deep = scene * 1.01
     along = image_view(deep, image(move(TRUTH, scene)), np.eye(4), False, 0.1)
     stiff = image_view(deep, along.xy, along.camera_from_node, False, 1e9)
     everywhere = [np.ones(len(scene), bool)]
-    off, off_if_stiff = (pose_from_points._normal(TRUTH, [view], everywhere)[2] for view in (along, stiff))
+    off, off_if_stiff = (
+        pose_from_points._normal(TRUTH, [view], everywhere)[2] for view in (along, stiff)
+    )
     assert off < 0.25 * off_if_stiff
 
 
@@ -112,6 +129,8 @@ def test_resection_needs_four_points(scene):
 
 
 def test_rows_without_a_point_count_as_not_seen():
-    view = pose_from_points.hide_unknown_points(image_view(np.full((1, 3), np.nan), np.zeros((1, 2)), np.eye(4), False, 0.1))
+    view = pose_from_points.hide_unknown_points(
+        image_view(np.full((1, 3), np.nan), np.zeros((1, 2)), np.eye(4), False, 0.1)
+    )
     assert np.isnan(view.xy).all()
     assert np.isfinite(view.points).all()

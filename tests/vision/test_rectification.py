@@ -12,12 +12,17 @@ from hullrecon.vision.stereo.rectification import rectify, triangulate
 POINTS = np.array([[0.1, -0.2, 1.5], [-0.4, 0.3, 1.1], [0.0, 0.0, 4.0]])
 
 
-@pytest.mark.parametrize("baseline", [[0.0, 0.1, 0.0], [0.3, 0.02, -0.03], [-0.3, 0.0, 0.0], [0.01, -0.2, 0.0]])
+@pytest.mark.parametrize(
+    "baseline", [[0.0, 0.1, 0.0], [0.3, 0.02, -0.03], [-0.3, 0.0, 0.0], [0.01, -0.2, 0.0]]
+)
 def test_a_point_lies_on_one_column_whatever_way_the_rig_is_built(baseline):
     top_from_bottom = from_rpy(baseline, [0.02, -0.03, 0.05])
     turned = rectify(top_from_bottom)
     below = top_from_bottom.inverse().apply(POINTS)
-    top, bottom = turned.rectify_top(POINTS[:, :2] / POINTS[:, 2:]), turned.rectify_bottom(below[:, :2] / below[:, 2:])
+    top, bottom = (
+        turned.rectify_top(POINTS[:, :2] / POINTS[:, 2:]),
+        turned.rectify_bottom(below[:, :2] / below[:, 2:]),
+    )
     np.testing.assert_allclose(top[:, 0], bottom[:, 0], atol=1e-12)
     assert (top[:, 1] > bottom[:, 1]).all()
     np.testing.assert_allclose(triangulate(turned, top, bottom), POINTS, atol=1e-10)
@@ -35,7 +40,8 @@ def test_a_point_with_no_disparity_has_no_depth():
 
 
 def test_a_ray_that_points_backwards_after_the_turn_is_nan():
-    turned = rectify(from_rpy([0.1, 0.0, 0.0], [0.0, 0.0, 0.0]))  # a horizontal rig is turned by 90 degrees about z
+    # a horizontal rig is turned by 90 degrees about z
+    turned = rectify(from_rpy([0.1, 0.0, 0.0], [0.0, 0.0, 0.0]))
     assert np.isfinite(turned.rectify_top(np.array([[0.5, 0.5]]))).all()
     aside = rectify(from_rpy([0.0, 0.1, 0.0], [0.0, 1.2, 0.0]))
     assert np.isnan(aside.rectify_top(np.array([[-3.0, 0.0]]))).all()
@@ -57,5 +63,7 @@ def test_a_mono_rig_has_no_bottom_camera_and_says_so():
 
 def test_points_go_from_the_top_to_the_bottom_camera(rig):
     want = rig.top_from_bottom.inverse().apply(POINTS)
-    np.testing.assert_allclose(POINTS @ rig.from_top(Camera.BOTTOM)[:3, :3].T + rig.from_top(Camera.BOTTOM)[:3, 3], want)
+    np.testing.assert_allclose(
+        POINTS @ rig.from_top(Camera.BOTTOM)[:3, :3].T + rig.from_top(Camera.BOTTOM)[:3, 3], want
+    )
     np.testing.assert_array_equal(rig.from_top(Camera.TOP), np.eye(4))

@@ -7,7 +7,12 @@ import pytest
 
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.records.trajectory import TrajectoryErrorModel
-from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, CameraTrack, NavigationErrors
+from hullrecon.vision.pairs.camera_track import (
+    WHITE_ROTATION_RAD,
+    WHITE_TRANSLATION_M,
+    CameraTrack,
+    NavigationErrors,
+)
 
 
 def model(n, by_error=None, sigma=(), walk=None, white=None):
@@ -38,7 +43,9 @@ def by_heading(n):
 
 
 def dead_reckoned(poses, errors):
-    return CameraTrack(global_from_camera=poses, errors=NavigationErrors(global_from_camera=poses, model=errors))
+    return CameraTrack(
+        global_from_camera=poses, errors=NavigationErrors(global_from_camera=poses, model=errors)
+    )
 
 
 def relative(track, first, second):
@@ -46,7 +53,9 @@ def relative(track, first, second):
 
 
 def test_two_nodes_on_either_side_of_the_start_are_apart_by_both_errors_of_scale():
-    """Each is off by 1 % of 10 m, the other way; the difference of their covariances would be nothing."""
+    """Each is off by 1 % of 10 m, the other way; the difference of their covariances would be
+    nothing.
+    """
     poses = level([[10.0, 0, 0], [-10.0, 0, 0]])
     found = relative(dead_reckoned(poses, model(2, by_scale(poses), [0.01])), 0, 1)
     np.testing.assert_allclose(found[:3, :3], np.diag([0.2**2, 0, 0]), atol=1e-15)
@@ -89,7 +98,9 @@ def test_what_is_new_at_each_node_counts_twice():
 
 def test_a_batch_gives_what_each_pair_gives_alone():
     rng = np.random.default_rng(2)
-    track = dead_reckoned(exp(rng.normal(0, 1, (6, 6))), model(6, rng.normal(0, 1, (6, 6, 3)), [0.1, 0.2, 0.3]))
+    track = dead_reckoned(
+        exp(rng.normal(0, 1, (6, 6))), model(6, rng.normal(0, 1, (6, 6, 3)), [0.1, 0.2, 0.3])
+    )
     first, second = np.array([0, 5, 3]), np.array([2, 1, 4])
     together = track.errors.relative_covariance(first, second)
     for k in range(3):
@@ -112,7 +123,12 @@ def test_relative_poses_scatter_as_their_covariance_says():
     twist_b = cause @ by_error[1].T + steps[0] + steps[1] + steps[3]
     found = (exp(twist_b) @ poses[[1]]).inverse() @ (exp(twist_a) @ poses[[0]])
     wanted = poses[[1]].inverse() @ poses[[0]]
-    error = np.hstack([found.translation - wanted.translation, (wanted.rotation.inv() * found.rotation).as_rotvec()])
+    error = np.hstack(
+        [
+            found.translation - wanted.translation,
+            (wanted.rotation.inv() * found.rotation).as_rotvec(),
+        ]
+    )
     predicted = relative(track, 0, 1)
     np.testing.assert_allclose(np.cov(error.T), predicted, atol=0.06 * predicted.max())
 
@@ -120,4 +136,6 @@ def test_relative_poses_scatter_as_their_covariance_says():
 def test_a_motion_adds_what_the_model_does_not_hold():
     motion = dead_reckoned(level([[1.0, 0, 0], [0, 0, 0]]), model(2)).motion(0, 1)
     np.testing.assert_allclose(motion.second_from_first[:3, 3], [1, 0, 0])
-    np.testing.assert_allclose(np.diag(motion.covariance), [WHITE_TRANSLATION_M**2] * 3 + [WHITE_ROTATION_RAD**2] * 3)
+    np.testing.assert_allclose(
+        np.diag(motion.covariance), [WHITE_TRANSLATION_M**2] * 3 + [WHITE_ROTATION_RAD**2] * 3
+    )

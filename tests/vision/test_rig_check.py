@@ -23,7 +23,9 @@ STAMPS = 10**15 + PERIOD_NS * np.arange(COUNT)
 
 @pytest.fixture
 def dive(look, monkeypatch):
-    """Features of a rig that moves by 8 cm from frame to frame: an 'image' is its camera and number."""
+    """Features of a rig that moves by 8 cm from frame to frame: an 'image' is its camera and
+    number.
+    """
     move_past(look, monkeypatch)
 
 
@@ -38,12 +40,20 @@ def move_past(look, monkeypatch, noise_px=0.2):
 
 
 def check(rig, bottom_from=0, swap=False, sigma_rad=0.0):
-    """The rig against frames whose bottom camera's images are `bottom_from` places away from where their stamps put them."""
+    """The rig against frames whose bottom camera's images are `bottom_from` places away from where
+    their stamps put them.
+    """
     rows = np.arange(COUNT)
     fit = rows[(rows + bottom_from >= 0) & (rows + bottom_from < COUNT)]
-    frames = StereoFrames(pair=np.stack([fit, fit], axis=1), top=(STAMPS, rows), bottom=(STAMPS, np.roll(rows, -bottom_from)))
+    frames = StereoFrames(
+        pair=np.stack([fit, fit], axis=1),
+        top=(STAMPS, rows),
+        bottom=(STAMPS, np.roll(rows, -bottom_from)),
+    )
     other = {Camera.TOP: Camera.BOTTOM, Camera.BOTTOM: Camera.TOP}
-    return check_stereo_rig(rig, frames, lambda camera, row: (other[camera] if swap else camera, row), sigma_rad)
+    return check_stereo_rig(
+        rig, frames, lambda camera, row: (other[camera] if swap else camera, row), sigma_rad
+    )
 
 
 def with_rig(rig, pose):
@@ -51,7 +61,10 @@ def with_rig(rig, pose):
 
 
 def turned(pose, axis, deg):
-    return Poses((pose.rotation * Rotation.from_rotvec(np.radians(deg) * np.eye(3)[axis])).as_quat(), pose.translation)
+    return Poses(
+        (pose.rotation * Rotation.from_rotvec(np.radians(deg) * np.eye(3)[axis])).as_quat(),
+        pose.translation,
+    )
 
 
 def test_a_sound_rig_raises_nothing(rig, dive):
@@ -63,7 +76,9 @@ def test_a_sound_rig_raises_nothing(rig, dive):
 
 @pytest.mark.parametrize("noise_px", [0.1, 0.3, 0.6])
 def test_a_sound_rig_before_a_plane_raises_nothing(rig, wall, look, monkeypatch, noise_px):
-    """Two motions explain the images of a plane: the other one is no evidence against the calibration."""
+    """Two motions explain the images of a plane: the other one is no evidence against the
+    calibration.
+    """
     wall.points[:, 2] = 1.3 + 0.001 * np.sin(50 * wall.points[:, 0])
     move_past(look, monkeypatch, noise_px)
     assert check(rig).problem is None
@@ -129,14 +144,19 @@ def pings(rig, range_m=1.3):
     mounted = replace(rig.rig, tray_from_dvl=rig.rig.tray_from(Camera.TOP))
     n = len(STAMPS)
     record = DvlPings(
-        t_ns=STAMPS, velocity=np.zeros((n, 3)), velocity_sigma=np.full(n, 0.003), ranges=np.full((n, 1), range_m),
+        t_ns=STAMPS,
+        velocity=np.zeros((n, 3)),
+        velocity_sigma=np.full(n, 0.003),
+        ranges=np.full((n, 1), range_m),
         beams=np.array([[0.0, 0.0, 1.0]]),
-    )  # fmt: skip
+    )
     return record, mounted
 
 
 def test_a_baseline_of_another_length_is_named_against_the_dvl(rig, dive):
-    longer = with_rig(rig, Poses(rig.top_from_bottom.quaternion, 1.3 * rig.top_from_bottom.translation))
+    longer = with_rig(
+        rig, Poses(rig.top_from_bottom.quaternion, 1.3 * rig.top_from_bottom.translation)
+    )
     found = check(longer)
     assert found.problem is None  # the images cannot know
     problem = check_baseline(found, *pings(longer))
@@ -155,7 +175,9 @@ def test_a_dvl_that_saw_nothing_says_nothing_of_the_baseline(rig, dive):
 
 
 def test_a_wrong_lens_is_no_pose_of_the_camera(rig, dive):
-    """A bottom camera with the distortion of another: no turn of it brings the matches onto their lines."""
+    """A bottom camera with the distortion of another: no turn of it brings the matches onto their
+    lines.
+    """
     models = dict(rig.rig.camera_models)
     models[Camera.BOTTOM] = replace(models[Camera.BOTTOM], k1=0.4, fx=900.0)
     problem = check(CameraRig(replace(rig.rig, camera_models=models))).problem
@@ -164,7 +186,9 @@ def test_a_wrong_lens_is_no_pose_of_the_camera(rig, dive):
 
 
 def test_the_figure_is_that_of_the_median_match(rig, dive):
-    """Half a degree about the axis that looks ahead moves a match by its distance from the middle of the image."""
+    """Half a degree about the axis that looks ahead moves a match by its distance from the middle
+    of the image.
+    """
     sound, off = check(rig), check(with_rig(rig, turned(rig.top_from_bottom, 1, 0.5)))
     assert off.error_px > 5 * sound.error_px
     assert f"{off.error_px:.1f} px" in off.problem.what

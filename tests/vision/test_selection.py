@@ -26,7 +26,10 @@ def random_walk(covariance):
     """An error model without errors that persist: covariance (n, 6, 6) of twists that accumulates."""
     n = len(covariance)
     return TrajectoryErrorModel(
-        by_error=np.zeros((n, 6, 0)), error_covariance=np.zeros((0, 0)), walk=covariance, white=np.zeros((n, 6, 6))
+        by_error=np.zeros((n, 6, 0)),
+        error_covariance=np.zeros((0, 0)),
+        walk=covariance,
+        white=np.zeros((n, 6, 6)),
     )
 
 
@@ -54,21 +57,36 @@ def keyframes_of(places, depth=DEPTH, usable=None):
 
 def neighbours(places, options=None, depth=DEPTH, usable=None):
     keyframes = keyframes_of(places, depth, usable)
-    return propose_neighbours(track(places), keyframes, np.full(len(places), depth), CAMERA, options or MatchOptions())
+    return propose_neighbours(
+        track(places), keyframes, np.full(len(places), depth), CAMERA, options or MatchOptions()
+    )
 
 
-def revisits(places, options=None, depth=DEPTH, sigma_m=0.0, keyframes=None, min_probability=0.2, compared=()):
+def revisits(
+    places, options=None, depth=DEPTH, sigma_m=0.0, keyframes=None, min_probability=0.2, compared=()
+):
     keyframes = keyframes_of(places, depth) if keyframes is None else keyframes
     depths, compared = np.full(len(places), depth), np.array(compared, np.int64)
     return propose_revisits(
-        track(places, sigma_m), keyframes, depths, CAMERA, options or MatchOptions(), min_probability, compared
+        track(places, sigma_m),
+        keyframes,
+        depths,
+        CAMERA,
+        options or MatchOptions(),
+        min_probability,
+        compared,
     )
 
 
 def overlapping(places, options=None, sigma_m=0.0, compared=()):
     depths, compared = np.full(len(places), DEPTH), np.array(compared, np.int64)
     return propose_overlapping(
-        track(places, sigma_m), keyframes_of(places), depths, CAMERA, options or MatchOptions(), compared
+        track(places, sigma_m),
+        keyframes_of(places),
+        depths,
+        CAMERA,
+        options or MatchOptions(),
+        compared,
     )
 
 
@@ -84,7 +102,11 @@ def test_overlap_is_the_share_of_the_image_that_is_seen_again():
 
 def test_without_depth_no_overlap_is_claimed():
     places = np.array([[0.0, 0.0], [0.5, 0.0]])
-    assert np.isnan(footprint_overlap(track(places), np.array([0]), np.array([1]), np.array([np.nan, 1.0]), CAMERA)).all()
+    assert np.isnan(
+        footprint_overlap(
+            track(places), np.array([0]), np.array([1]), np.array([np.nan, 1.0]), CAMERA
+        )
+    ).all()
 
 
 def test_neighbours_along_the_dive_are_always_compared():
@@ -95,8 +117,10 @@ def test_neighbours_along_the_dive_are_always_compared():
 
 def test_nodes_of_two_legs_that_saw_the_same_place_are_compared():
     found = revisits(lawnmower(), MatchOptions(sequential=1, across=1))
-    assert {(k, 21 - k) for k in range(7)} <= pairs(found)  # opposite each other; at the turn the footprint is never left
-    assert {b for a, b in pairs(found) if a == 0} == {21}  # the first node's best partner is the last node
+    # opposite each other; at the turn the footprint is never left
+    assert {(k, 21 - k) for k in range(7)} <= pairs(found)
+    # the first node's best partner is the last node
+    assert {b for a, b in pairs(found) if a == 0} == {21}
     assert found.across.all()
 
 
@@ -107,9 +131,12 @@ def test_a_neighbour_that_was_never_lost_from_sight_is_not_across_a_leg():
 
 def test_nodes_without_depth_on_the_way_do_not_make_a_neighbour_one_of_another_leg():
     slow = lawnmower(step=0.05, leg=41)
-    depths = np.where(np.arange(len(slow)) % 5 < 3, np.nan, DEPTH)  # a DVL that is slower than the camera
+    # a DVL that is slower than the camera
+    depths = np.where(np.arange(len(slow)) % 5 < 3, np.nan, DEPTH)
     options = MatchOptions(sequential=1, across=3)
-    found = propose_revisits(track(slow), np.arange(len(slow)), depths, CAMERA, options, 0.2, np.zeros(0, np.int64))
+    found = propose_revisits(
+        track(slow), np.arange(len(slow)), depths, CAMERA, options, 0.2, np.zeros(0, np.int64)
+    )
     assert len(found) > 0
     assert all(a < 41 <= b for a, b in pairs(found))
 
@@ -117,12 +144,16 @@ def test_nodes_without_depth_on_the_way_do_not_make_a_neighbour_one_of_another_l
 def test_legs_too_far_apart_are_compared_only_when_navigation_is_unsure():
     far = lawnmower(apart=0.9)
     assert pairs(revisits(far, MatchOptions(sequential=1), min_probability=0.05)) == set()
-    assert pairs(revisits(far, MatchOptions(sequential=1), min_probability=0.05, sigma_m=0.3)) != set()
+    assert (
+        pairs(revisits(far, MatchOptions(sequential=1), min_probability=0.05, sigma_m=0.3)) != set()
+    )
 
 
 def test_the_less_probable_an_overlap_may_be_the_more_is_compared():
     far, options = lawnmower(apart=0.9), MatchOptions(sequential=1, across=20)
-    found = [pairs(revisits(far, options, sigma_m=0.6, min_probability=p)) for p in (0.5, 0.2, 0.05)]
+    found = [
+        pairs(revisits(far, options, sigma_m=0.6, min_probability=p)) for p in (0.5, 0.2, 0.05)
+    ]
     assert found[0] < found[1] < found[2]
 
 
@@ -137,10 +168,14 @@ def test_what_was_compared_is_not_proposed_again_nor_does_it_make_room_for_other
 
 
 def test_on_a_tied_path_all_that_overlap_by_thirty_percent_are_compared():
-    """Two nodes of these legs share 0.62 of their images opposite each other, 0.39 two steps along, 0.23 three."""
+    """Two nodes of these legs share 0.62 of their images opposite each other, 0.39 two steps along,
+    0.23 three.
+    """
     at = lawnmower(apart=0.3)
     found = overlapping(at)
-    assert {(k, 21 - k + s) for k in range(2, 6) for s in range(-2, 3)} == {pair for pair in pairs(found) if 2 <= pair[0] < 6}
+    assert {(k, 21 - k + s) for k in range(2, 6) for s in range(-2, 3)} == {
+        pair for pair in pairs(found) if 2 <= pair[0] < 6
+    }
     assert found.across.all()
     assert pairs(found) - pairs(revisits(at, MatchOptions(across=1)))
 
@@ -169,7 +204,9 @@ def test_an_overlap_that_was_compared_is_not_proposed_again():
 
 
 def test_without_depth_only_neighbours_are_compared():
-    assert pairs(neighbours(lawnmower(), MatchOptions(sequential=1), depth=np.nan)) == {(k, k + 1) for k in range(21)}
+    assert pairs(neighbours(lawnmower(), MatchOptions(sequential=1), depth=np.nan)) == {
+        (k, k + 1) for k in range(21)
+    }
     assert len(revisits(lawnmower(), MatchOptions(sequential=1), depth=np.nan)) == 0
 
 
@@ -222,41 +259,62 @@ class KnownErrors:
 
 
 def drawn_probability(poses, covariance, min_overlap, draws=4000):
-    """Shares of the first image that drawn relative poses leave in the second, and how many reach min_overlap."""
+    """Shares of the first image that drawn relative poses leave in the second, and how many reach
+    min_overlap.
+    """
     rng = np.random.default_rng(5)
     step = rng.multivariate_normal(np.zeros(6), covariance, draws)
     relative = poses[[1]].inverse() @ poses[[0]]
     turn = relative.rotation * exp(np.hstack([np.zeros((draws, 3)), step[:, 3:]])).rotation
     moved = Poses(turn.as_quat(), relative.translation + step[:, :3])
-    u, v = np.meshgrid((np.arange(8) + 0.5) / 8 * CAMERA.width - 0.5, (np.arange(8) + 0.5) / 8 * CAMERA.height - 0.5)
-    rays = np.column_stack([(u.ravel() - CAMERA.cx) / CAMERA.fx, (v.ravel() - CAMERA.cy) / CAMERA.fy, np.ones(64)])
+    u, v = np.meshgrid(
+        (np.arange(8) + 0.5) / 8 * CAMERA.width - 0.5,
+        (np.arange(8) + 0.5) / 8 * CAMERA.height - 0.5,
+    )
+    rays = np.column_stack(
+        [(u.ravel() - CAMERA.cx) / CAMERA.fx, (v.ravel() - CAMERA.cy) / CAMERA.fy, np.ones(64)]
+    )
     points = moved.rotation.as_matrix() @ (DEPTH * rays.T) + moved.translation[:, :, None]
     x = CAMERA.fx * points[:, 0] / points[:, 2] + CAMERA.cx
     y = CAMERA.fy * points[:, 1] / points[:, 2] + CAMERA.cy
-    inside = (points[:, 2] > 0) & (x > -0.5) & (x < CAMERA.width - 0.5) & (y > -0.5) & (y < CAMERA.height - 0.5)
+    inside = (
+        (points[:, 2] > 0)
+        & (x > -0.5)
+        & (x < CAMERA.width - 0.5)
+        & (y > -0.5)
+        & (y < CAMERA.height - 0.5)
+    )
     return float((inside.mean(axis=1) >= min_overlap).mean())
 
 
 @pytest.mark.parametrize("apart", [(0.2, 0.0), (0.8, 0.1), (0.9, 0.6), (1.6, 0.3)])
 @pytest.mark.parametrize("sigmas", [(0.05, 0.01), (0.3, 0.02), (0.8, 0.05)])
 def test_the_probability_of_overlap_is_that_of_drawn_poses(apart, sigmas):
-    """36 points stand for the shift of the scene's middle, none of them beyond 1.4 sigma; its turn is left out."""
+    """36 points stand for the shift of the scene's middle, none of them beyond 1.4 sigma; its turn
+    is left out.
+    """
     poses = Poses(np.tile([0, 0, 0, 1.0], (2, 1)), np.array([[0.0, 0, 0], [*apart, 0]]))
     covariance = np.diag(np.repeat(np.square(sigmas), 3))
     known = CameraTrack(global_from_camera=poses, errors=KnownErrors(covariance))
-    found = overlap_probability(known, np.array([0]), np.array([1]), np.full(2, DEPTH), CAMERA, 0.15)[0]
+    found = overlap_probability(
+        known, np.array([0]), np.array([1]), np.full(2, DEPTH), CAMERA, 0.15
+    )[0]
     assert found == pytest.approx(drawn_probability(poses, covariance, 0.15), abs=0.13)
 
 
 def test_a_pose_without_error_overlaps_or_does_not():
     places = np.array([[0.0, 0.0], [0.5, 0.0], [0.95, 0.0], [0.0, 0.5]])
-    found = overlap_probability(track(places), np.zeros(4, int), np.arange(4), np.full(4, DEPTH), CAMERA, 0.3)
+    found = overlap_probability(
+        track(places), np.zeros(4, int), np.arange(4), np.full(4, DEPTH), CAMERA, 0.3
+    )
     np.testing.assert_array_equal(found, [1, 1, 0, 1])
 
 
 def test_where_no_depth_is_known_nothing_overlaps_probably():
     places = np.zeros((2, 2))
-    found = overlap_probability(track(places), np.array([0]), np.array([1]), np.array([np.nan, 1.0]), CAMERA, 0.1)
+    found = overlap_probability(
+        track(places), np.array([0]), np.array([1]), np.array([np.nan, 1.0]), CAMERA, 0.1
+    )
     assert found[0] == 0.0
 
 
@@ -267,14 +325,20 @@ def test_many_pairs_give_what_each_gives_alone():
     together = overlap_probability(at, first, second, np.ones(50), CAMERA, 0.15)
     for k in (0, 1000, 1001, 2499):
         rows = slice(k, k + 1)
-        assert together[k] == overlap_probability(at, first[rows], second[rows], np.ones(50), CAMERA, 0.15)[0]
+        assert (
+            together[k]
+            == overlap_probability(at, first[rows], second[rows], np.ones(50), CAMERA, 0.15)[0]
+        )
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_pairs_within_reach_are_those_of_all_pairs(seed):
     """One node that is known badly widens the search for its own pairs, not for all."""
     rng = np.random.default_rng(seed)
-    middle, more = rng.uniform(0, 8, (2300, 3)) * [1, 1, 0.1], np.where(rng.uniform(size=2300) < 0.01, 0.9, 0.02)
+    middle, more = (
+        rng.uniform(0, 8, (2300, 3)) * [1, 1, 0.1],
+        np.where(rng.uniform(size=2300) < 0.01, 0.9, 0.02),
+    )
     first, second = selection._within_reach(middle, 0.4, more, 1.2)
     apart = np.linalg.norm(middle[:, None] - middle, axis=2)
     wanted = np.argwhere(np.triu(apart <= 0.4 + np.minimum(more[:, None] + more, 1.2), 1))

@@ -6,7 +6,12 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import exp, from_rpy
 from hullrecon.vision.pairs import stereo_adjustment
-from hullrecon.vision.pairs.stereo_adjustment import NodeObservations, adjust_stereo_motion, correlation_inflation, image_cells
+from hullrecon.vision.pairs.stereo_adjustment import (
+    NodeObservations,
+    adjust_stereo_motion,
+    correlation_inflation,
+    image_cells,
+)
 from hullrecon.vision.stereo.rectification import rectify, triangulate
 
 MOTION = exp([[0.2, -0.05, 0.03, 0.02, -0.08, 0.04]]).matrix()[0]
@@ -24,19 +29,27 @@ def wall(count=300):
 
 
 def observe(points, rng, noise=SIGMA, rig=TOP_FROM_BOTTOM):
-    """What a node whose top camera has the points (m, 3) in its axes sees of them with that rig, triangulated by the nominal
-    one."""
-    lead, other = (image(p) + noise * rng.standard_normal((len(points), 2)) for p in (points, rig.inverse().apply(points)))
+    """What a node whose top camera has the points (m, 3) in its axes sees of them with that rig,
+    triangulated by the nominal one.
+    """
+    lead, other = (
+        image(p) + noise * rng.standard_normal((len(points), 2))
+        for p in (points, rig.inverse().apply(points))
+    )
     turned = rectify(TOP_FROM_BOTTOM)
     return NodeObservations(
-        lead=lead, other=other, point=triangulate(turned, turned.rectify_top(lead), turned.rectify_bottom(other))
+        lead=lead,
+        other=other,
+        point=triangulate(turned, turned.rectify_top(lead), turned.rectify_bottom(other)),
     )
 
 
 def both_nodes(seed=1, noise=SIGMA, rig=TOP_FROM_BOTTOM, points=None):
     rng = np.random.default_rng(seed)
     points = wall() if points is None else points
-    return observe(points, rng, noise, rig), observe(points @ MOTION[:3, :3].T + MOTION[:3, 3], rng, noise, rig)
+    return observe(points, rng, noise, rig), observe(
+        points @ MOTION[:3, :3].T + MOTION[:3, 3], rng, noise, rig
+    )
 
 
 def adjust(nodes, start=MOTION):
@@ -50,13 +63,18 @@ def error(found, truth=MOTION):
 
 
 def whitened_rms(found):
-    chi2 = [error(f.second_from_first) @ np.linalg.solve(f.covariance, error(f.second_from_first)) / 6 for f in found]
+    chi2 = [
+        error(f.second_from_first) @ np.linalg.solve(f.covariance, error(f.second_from_first)) / 6
+        for f in found
+    ]
     return np.sqrt(np.mean(chi2))
 
 
 def test_without_noise_the_motion_is_found_from_a_guess_that_is_off():
     start = MOTION @ exp([[0.003, -0.002, 0.002, 0.001, 0.002, -0.001]]).matrix()[0]
-    np.testing.assert_allclose(adjust(both_nodes(noise=0.0), start).second_from_first, MOTION, atol=1e-8)
+    np.testing.assert_allclose(
+        adjust(both_nodes(noise=0.0), start).second_from_first, MOTION, atol=1e-8
+    )
 
 
 def test_the_motions_of_many_noisy_pairs_scatter_as_their_covariance_says():
@@ -64,7 +82,9 @@ def test_the_motions_of_many_noisy_pairs_scatter_as_their_covariance_says():
 
 
 def test_errors_that_neighbours_share_are_in_the_covariance():
-    """Each point found six times, at the scales and orientations of one blob, with one error: six witnesses are one."""
+    """Each point found six times, at the scales and orientations of one blob, with one error: six
+    witnesses are one.
+    """
     shared = [[n[np.repeat(np.arange(300), 6)] for n in both_nodes(seed)] for seed in range(40)]
     assert 0.85 < whitened_rms([adjust(nodes) for nodes in shared]) < 1.25
 
@@ -86,7 +106,9 @@ def test_features_that_one_camera_of_a_node_missed_count_for_less():
     second.other[:], second.point[:] = np.nan, np.nan
     half = adjust((first, second))
     assert np.linalg.det(half.covariance) > np.linalg.det(whole.covariance)
-    chi2 = error(half.second_from_first) @ np.linalg.solve(half.covariance, error(half.second_from_first))
+    chi2 = error(half.second_from_first) @ np.linalg.solve(
+        half.covariance, error(half.second_from_first)
+    )
     assert chi2 < 25
 
 
@@ -105,7 +127,9 @@ def test_without_stereo_points_there_is_no_motion():
 
 
 def test_a_point_behind_every_camera_says_nothing():
-    """As a wrong stereo match gives, or a step that takes it there: it ended the run, for its information is nil."""
+    """As a wrong stereo match gives, or a step that takes it there: it ended the run, for its
+    information is nil.
+    """
     first, second = both_nodes()
     without = adjust((first[1:], second[1:]))
     first.point[0] = second.point[0] = [0.1, 0.2, -1.3]
@@ -128,9 +152,12 @@ def test_an_error_of_the_rig_moves_the_motion_as_its_derivative_says(axis):
     turned = Rotation.from_rotvec(step[3:]) * TOP_FROM_BOTTOM.rotation
     true = type(TOP_FROM_BOTTOM)(turned.as_quat(), TOP_FROM_BOTTOM.translation + step[:3])
     as_told, as_built = adjust(both_nodes(noise=0.0)), adjust(both_nodes(noise=0.0, rig=true))
-    expected = -as_told.calibration.by_calibration[:, :6] @ step  # the rig that is told is off by minus the step
+    # the rig that is told is off by minus the step
+    expected = -as_told.calibration.by_calibration[:, :6] @ step
     np.testing.assert_allclose(
-        error(as_built.second_from_first), expected, atol=0.03 * np.abs(as_told.calibration.by_calibration[:, :6] * 2e-4).max()
+        error(as_built.second_from_first),
+        expected,
+        atol=0.03 * np.abs(as_told.calibration.by_calibration[:, :6] * 2e-4).max(),
     )
 
 
@@ -142,7 +169,9 @@ def test_independent_errors_inflate_nothing_and_shared_ones_by_their_number():
 
     def factor(noise):
         fitted = np.linalg.lstsq(jacobian, noise, rcond=None)[0]
-        return stereo_adjustment._cluster_factor(information, jacobian * (noise - jacobian @ fitted)[:, None], 1.0, cell)
+        return stereo_adjustment._cluster_factor(
+            information, jacobian * (noise - jacobian @ fitted)[:, None], 1.0, cell
+        )
 
     assert np.mean([factor(rng.standard_normal(800)) for _ in range(50)]) < 1.1
     jacobian = np.repeat(rng.standard_normal((200, 5)), 4, axis=0)  # one point, four times
@@ -154,7 +183,12 @@ def test_independent_errors_inflate_nothing_and_shared_ones_by_their_number():
 def test_one_cell_alone_says_nothing_about_correlation():
     rng = np.random.default_rng(3)
     jacobian = rng.standard_normal((50, 5))
-    assert correlation_inflation(jacobian[:, :, None] * jacobian[:, None], jacobian, 1.0, np.full((50, 2), 0.01)) == 1.0
+    assert (
+        correlation_inflation(
+            jacobian[:, :, None] * jacobian[:, None], jacobian, 1.0, np.full((50, 2), 0.01)
+        )
+        == 1.0
+    )
 
 
 def test_cells_are_numbered_by_where_features_lie():
@@ -164,7 +198,9 @@ def test_cells_are_numbered_by_where_features_lie():
 
 
 def disparity_error(nodes, coefficients):
-    """The two nodes as a lens would show them whose disparity is off by that field (6,), ideal units."""
+    """The two nodes as a lens would show them whose disparity is off by that field (6,), ideal
+    units.
+    """
     baseline = np.array([0.0, 1.0])  # the bottom camera stands below: a nearer point moves up in it
 
     def seen(node):
@@ -210,5 +246,7 @@ def test_an_error_of_the_disparity_moves_the_motion_as_its_derivative_says(term)
 
 def test_the_evidence_is_symmetric_and_not_negative():
     information = adjust(both_nodes()).calibration.information
-    np.testing.assert_allclose(information, information.T, rtol=1e-6, atol=1e-3 * np.abs(information).max() * 1e-6)
+    np.testing.assert_allclose(
+        information, information.T, rtol=1e-6, atol=1e-3 * np.abs(information).max() * 1e-6
+    )
     assert np.linalg.eigvalsh(information).min() > -1e-6 * np.abs(information).max()

@@ -12,11 +12,19 @@ from hullrecon.vision.features.store import FeatureStore, GrowingArray
 
 def write(folder, sizes, value):
     start = np.concatenate([[0], np.cumsum(sizes)])
-    for kind, width, dtype in (("keypoints", 4, np.float32), ("descriptors", 128, np.uint8), ("color", 3, np.uint8)):
+    for kind, width, dtype in (
+        ("keypoints", 4, np.float32),
+        ("descriptors", 128, np.uint8),
+        ("color", 3, np.uint8),
+    ):
         with GrowingArray(folder / f"{kind}_camera_top.npy", width, dtype) as file:
             for k, size in enumerate(sizes):
                 file.append(np.full((size, width), value + k, dtype))
-    np.savez(folder / "index.npz", camera_top_start=start, camera_top_saliency=np.full(len(sizes), value / 10))
+    np.savez(
+        folder / "index.npz",
+        camera_top_start=start,
+        camera_top_saliency=np.full(len(sizes), value / 10),
+    )
 
 
 def test_blocks_make_one_array_that_numpy_maps(tmp_path):
@@ -25,7 +33,9 @@ def test_blocks_make_one_array_that_numpy_maps(tmp_path):
         file.append(np.arange(12.0).reshape(3, 4))
     found = np.load(tmp_path / "a.npy", mmap_mode="r")
     assert found.dtype == np.float32
-    np.testing.assert_array_equal(found, np.vstack([np.arange(8).reshape(2, 4), np.arange(12).reshape(3, 4)]))
+    np.testing.assert_array_equal(
+        found, np.vstack([np.arange(8).reshape(2, 4), np.arange(12).reshape(3, 4)])
+    )
 
 
 def test_an_array_of_no_rows_is_still_an_array(tmp_path):
@@ -35,7 +45,10 @@ def test_an_array_of_no_rows_is_still_an_array(tmp_path):
 
 
 def test_rows_of_another_width_are_refused(tmp_path):
-    with GrowingArray(tmp_path / "a.npy", 4, np.float32) as file, pytest.raises(ValueError, match="width 4"):
+    with (
+        GrowingArray(tmp_path / "a.npy", 4, np.float32) as file,
+        pytest.raises(ValueError, match="width 4"),
+    ):
         file.append(np.zeros((2, 3)))
 
 

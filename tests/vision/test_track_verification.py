@@ -14,16 +14,31 @@ from hullrecon.vision.tracks.track_verification import Link, contradicted_observ
 def case(rig, wall):
     """60 landmarks seen by five nodes a decimetre apart, every pair of which is verified."""
     poses = [exp([[0.1 * k, 0.01 * k, 0, 0, 0.01 * k, 0]]) for k in range(5)]
-    ahead = np.flatnonzero((np.abs(wall.points[:, :2] - [0.2, 0.05]) < [0.35, 0.3]).all(axis=1))[:60]
+    ahead = np.flatnonzero((np.abs(wall.points[:, :2] - [0.2, 0.05]) < [0.35, 0.3]).all(axis=1))[
+        :60
+    ]
     node, label = np.repeat(np.arange(5), len(ahead)), np.tile(np.arange(len(ahead)), 5)
-    top = np.concatenate([rig.model(Camera.TOP).project(p.inverse().apply(wall.points[ahead])) for p in poses])
+    top = np.concatenate(
+        [rig.model(Camera.TOP).project(p.inverse().apply(wall.points[ahead])) for p in poses]
+    )
     bottom = np.concatenate(
-        [rig.model(Camera.BOTTOM).project((p @ rig.top_from_bottom).inverse().apply(wall.points[ahead])) for p in poses]
+        [
+            rig.model(Camera.BOTTOM).project(
+                (p @ rig.top_from_bottom).inverse().apply(wall.points[ahead])
+            )
+            for p in poses
+        ]
     )
     links = [
-        Link(first=i, second=j, motion=Motion((poses[j].inverse() @ poses[i]).matrix()[0], 1e-8 * np.eye(6)), scaled=True)
-        for i in range(5) for j in range(i + 1, 5)
-    ]  # fmt: skip
+        Link(
+            first=i,
+            second=j,
+            motion=Motion((poses[j].inverse() @ poses[i]).matrix()[0], 1e-8 * np.eye(6)),
+            scaled=True,
+        )
+        for i in range(5)
+        for j in range(i + 1, 5)
+    ]
     return node, label, top, bottom, links
 
 
@@ -39,7 +54,9 @@ def test_an_observation_that_is_off_in_both_images_is_the_only_one_rejected(rig,
     top[wrong] += shift
     bottom[wrong] += shift
     assert (
-        np.flatnonzero(contradicted_observations(rig, node, label, top, bottom, links, MatchOptions())).tolist()
+        np.flatnonzero(
+            contradicted_observations(rig, node, label, top, bottom, links, MatchOptions())
+        ).tolist()
         == wrong.tolist()
     )
 
@@ -50,7 +67,9 @@ def test_a_landmark_without_stereo_is_held_to_its_lines(rig, case):
     wrong = np.flatnonzero((node == 2) & (label == 7))
     top[wrong] += [0.0, 6.0]
     assert (
-        np.flatnonzero(contradicted_observations(rig, node, label, top, bottom, links, MatchOptions())).tolist()
+        np.flatnonzero(
+            contradicted_observations(rig, node, label, top, bottom, links, MatchOptions())
+        ).tolist()
         == wrong.tolist()
     )
 
@@ -58,9 +77,12 @@ def test_a_landmark_without_stereo_is_held_to_its_lines(rig, case):
 def test_two_halves_of_a_wrong_track_lose_the_smaller_one(rig, case):
     node, label, top, bottom, links = case
     mixed = label.copy()
-    mixed[(node >= 3) & (label == 7)] = 8  # nodes 3 and 4 call landmark 7 number 8, and 8 is not seen there
+    # nodes 3 and 4 call landmark 7 number 8, and 8 is not seen there
+    mixed[(node >= 3) & (label == 7)] = 8
     keep = ~((node >= 3) & (label == 8))
-    found = contradicted_observations(rig, node[keep], mixed[keep], top[keep], bottom[keep], links, MatchOptions())
+    found = contradicted_observations(
+        rig, node[keep], mixed[keep], top[keep], bottom[keep], links, MatchOptions()
+    )
     rejected = np.flatnonzero(found)
     assert set(node[keep][rejected].tolist()) == {3, 4}
     assert set(mixed[keep][rejected].tolist()) == {8}

@@ -8,7 +8,9 @@ from hullrecon.vision.tracks.union import join_matches
 
 def joined(node_of, edges, quality=None):
     a, b = np.array(edges, np.int64).reshape(-1, 2).T
-    return join_matches(np.array(node_of), a, b, np.zeros(len(a)) if quality is None else np.array(quality)).tolist()
+    return join_matches(
+        np.array(node_of), a, b, np.zeros(len(a)) if quality is None else np.array(quality)
+    ).tolist()
 
 
 def test_a_chain_of_matches_is_one_landmark():

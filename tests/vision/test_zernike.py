@@ -68,7 +68,10 @@ def test_moments_of_a_ramp_and_of_a_bowl_are_those_worked_out_by_hand(polar):
 def test_a_turned_patch_has_moments_turned_by_m_times_the_angle(polar):
     r, angle = polar
     turn = 0.7
-    patches = np.array([r**2 * np.cos(2 * (angle - t)) + r**3 * np.sin(3 * (angle - t)) for t in (0, turn)], np.float32)
+    patches = np.array(
+        [r**2 * np.cos(2 * (angle - t)) + r**3 * np.sin(3 * (angle - t)) for t in (0, turn)],
+        np.float32,
+    )
     still, turned = zernike_moments(patches)
     np.testing.assert_allclose(turned, still * np.exp(-1j * orders()[:, 1] * turn), atol=1e-5)
 

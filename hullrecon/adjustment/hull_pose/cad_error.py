@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How wrong the CAD model is expected to be, as the covariance of distances to it, and which points say nothing of it.
+"""How wrong the CAD model is expected to be, as the covariance of distances to it, and which points
+say nothing of it.
 
-Sigma and lengths of the smooth error are the package's. Fitted by likelihood instead, they follow what the points have in
-common for other reasons (facets, smoothed landmarks): docs/adr/0010. An offset of the whole hull is always possible.
+Sigma and lengths of the smooth error are the package's. Fitted by likelihood instead, they follow
+what the points have in common for other reasons (facets, smoothed landmarks): docs/adr/0010. An
+offset of the whole hull is always possible.
 """
 
 from __future__ import annotations
@@ -24,8 +26,9 @@ OUTLIER_SIGMAS = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class CadError:
-    """sigma: of the smooth error, m; length: along and over the girth, m; noise: of a point, m; offset: sigma of an error
-    common to the whole CAD model, m."""
+    """sigma: of the smooth error, m; length: along and over the girth, m; noise: of a point, m;
+    offset: sigma of an error common to the whole CAD model, m.
+    """
 
     sigma: float
     length: tuple[float, float]
@@ -36,23 +39,30 @@ class CadError:
 def expected_cad_error(cad_model: CadModel) -> CadError:
     """Return what the package states of its CAD model."""
     sigma = cad_model.deviation_sigma
-    return CadError(sigma=sigma, length=cad_model.deviation_length, noise=POINT_NOISE_M, offset=OFFSET_SHARE * sigma)
+    return CadError(
+        sigma=sigma,
+        length=cad_model.deviation_length,
+        noise=POINT_NOISE_M,
+        offset=OFFSET_SHARE * sigma,
+    )
 
 
 def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Array) -> Array:
-    """Return the covariance (n, n) of the signed distances of points (n, 3) in M to the CAD model: smooth error, offset,
-    facets, noise.
+    """Return the covariance (n, n) of the signed distances of points (n, 3) in M to the CAD model:
+    smooth error, offset, facets, noise.
 
-    The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
-    information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better pose.
+    The facets' pattern repeats all over a survey, which no stationary covariance says: the points
+    on one facet share out the information of one (docs/methods.md 9), with three of its sigmas,
+    lest a slide by one facet look like a better pose.
     """
     along_girth = chart_coordinates(cad_model, at)
     return _covariance(cad_error_model, along_girth, facet_variance(cad_model, at, sigmas=3.0))
 
 
 def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> Array:
-    """Return the covariance (n, n) of a field at chart points (n, 2): sigma^2 (1 + sqrt3 r) exp(-sqrt3 r), r in correlation
-    lengths."""
+    """Return the covariance (n, n) of a field at chart points (n, 2): sigma^2 (1 + sqrt3 r)
+    exp(-sqrt3 r), r in correlation lengths.
+    """
     scaled = along_girth / np.array(length)
     squared = np.sum(scaled**2, 1)
     r = np.sqrt(np.maximum(squared[:, None] + squared[None] - 2 * scaled @ scaled.T, 0))
@@ -65,22 +75,31 @@ def chart_coordinates(cad_model: CadModel, at: Array) -> Array:
 
 
 def facet_variance(cad_model: CadModel, at: Array, sigmas: float) -> float:
-    """Return the variance by the facets of each of the points (n, 3) in M: so many sigmas of one facet, shared out among the
-    points on it."""
+    """Return the variance by the facets of each of the points (n, 3) in M: so many sigmas of one
+    facet, shared out among the points on it.
+    """
     facets = tessellation_error(cad_model.mesh, at)
-    cells = len(np.unique(np.floor(chart_coordinates(cad_model, at) / facets.length_m).astype(np.int64), axis=0))
+    cells = len(
+        np.unique(
+            np.floor(chart_coordinates(cad_model, at) / facets.length_m).astype(np.int64), axis=0
+        )
+    )
     return float((sigmas * facets.sigma_m) ** 2 * len(at) / cells)
 
 
 def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: float) -> Array:
-    out = matern32(along_girth, cad_error_model.sigma, cad_error_model.length) + cad_error_model.offset**2
+    out = (
+        matern32(along_girth, cad_error_model.sigma, cad_error_model.length)
+        + cad_error_model.offset**2
+    )
     out[np.diag_indices(len(out))] += facet_variance + cad_error_model.noise**2
     return out
 
 
 def find_outliers(factor: CholeskyFactor, distance: Array) -> Mask:
-    """Return which points (n,) the others do not predict: leave-one-out residuals beyond four of their sigmas, the worst first
-    and the rest without it, lest a point on a structure take its neighbours along.
+    """Return which points (n,) the others do not predict: leave-one-out residuals beyond four of
+    their sigmas, the worst first and the rest without it, lest a point on a structure take its
+    neighbours along.
 
     factor: Cholesky factor of the distances' covariance.
     """

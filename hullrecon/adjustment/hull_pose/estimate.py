@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where on the hull the dive was: T_g_M by its profile along the hull, and its covariance.
 
-The solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it (docs/methods.md 9). The
-posterior along the valley, with the CAD model's error as correlated noise, is what is known; its mean is the pose that the last
-round holds.
+The solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it
+(docs/methods.md 9). The posterior along the valley, with the CAD model's error as correlated noise,
+is what is known; its mean is the pose that the last round holds.
 """
 
 from __future__ import annotations
@@ -26,13 +26,15 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32, Mask
 
 MAX_PASSES = 3
-CELL_M, MAX_POINTS = 0.15, 800  # of the surface that one point stands for, at least; of all, at most
+# of the surface that one point stands for, at least; of all, at most
+CELL_M, MAX_POINTS = 0.15, 800
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoosePoints:
-    """Points of a path in stretches: stretch (n,) of each point; step (s, 6, 6): covariance of each stretch relative to the one
-    that was registered, (translation, rotation) in g."""
+    """Points of a path in stretches: stretch (n,) of each point; step (s, 6, 6): covariance of each
+    stretch relative to the one that was registered, (translation, rotation) in g.
+    """
 
     stretch: Ints
     step: Array
@@ -44,7 +46,9 @@ class LoosePoints:
 
 @dataclass(frozen=True, kw_only=True)
 class HullPoints:
-    """Points that lie on the hull: xyz (n, 3) in g; loose: of which stretch they are, None where the path holds together."""
+    """Points that lie on the hull: xyz (n, 3) in g; loose: of which stretch they are, None where
+    the path holds together.
+    """
 
     xyz: Array
     loose: LoosePoints | None = None
@@ -52,8 +56,10 @@ class HullPoints:
 
 @dataclass(frozen=True, kw_only=True)
 class HullPoseEvidence:
-    """What is known of the hull pose: points (n, 3) in g that lie on the hull, the CAD model and how wrong it may be, and the
-    survey's centre (3,) in M. loose: of which stretch of the path the points are, None where it holds together."""
+    """What is known of the hull pose: points (n, 3) in g that lie on the hull, the CAD model and
+    how wrong it may be, and the survey's centre (3,) in M. loose: of which stretch of the path the
+    points are, None where it holds together.
+    """
 
     points: Array
     cad_model: CadModel
@@ -62,8 +68,9 @@ class HullPoseEvidence:
     loose: LoosePoints | None = None
 
     def distances_by_stretches(self, pose: Poses, index: native.MeshIndex) -> Array:
-        """Return how the points' distances to the CAD model change (n, k) by one sigma of each way in which the path leaves its
-        stretches free; k is 0 where it holds together."""
+        """Return how the points' distances to the CAD model change (n, k) by one sigma of each way
+        in which the path leaves its stretches free; k is 0 where it holds together.
+        """
         if self.loose is None:
             return np.zeros((len(self.points), 0))
         to_hull = np.eye(6)
@@ -80,15 +87,22 @@ class HullPoseEvidence:
         return np.asarray(out.reshape(len(self.points), -1))
 
 
-def collect_hull_points(m: Measurements, state: State, chosen: Selection, label: Ints32) -> HullPoints:
-    """Return points that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds, each stretch of a
-    path by itself. Those of no stretch are left out.
+def collect_hull_points(
+    m: Measurements, state: State, chosen: Selection, label: Ints32
+) -> HullPoints:
+    """Return points that lie on the hull: landmarks labelled so, and DVL returns; thinned to some
+    hundreds, each stretch of a path by itself. Those of no stretch are left out.
 
-    Raises ValueError without a CAD model in the state."""
+    Raises ValueError without a CAD model in the state.
+    """
     hull = state.hull
     if hull is None:
         raise ValueError("points on the hull are known by a CAD model")
-    on_hull = chosen.landmarks[label == 1] if len(chosen.landmarks) == len(label) else chosen.landmarks[:0]
+    on_hull = (
+        chosen.landmarks[label == 1]
+        if len(chosen.landmarks) == len(label)
+        else chosen.landmarks[:0]
+    )
     parts = [state.landmark[on_hull]]
     if m.returns is not None:
         ends, _ = beam_ends(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
@@ -96,10 +110,14 @@ def collect_hull_points(m: Measurements, state: State, chosen: Selection, label:
     points, stretches = np.vstack(parts), hull.stretches
     if stretches is None:
         return HullPoints(xyz=thin_over_surface(points, hull.global_from_hull, hull.cad_model))
-    nodes = [_first_nodes(m, on_hull), *([] if m.returns is None else [m.returns.node[chosen.returns]])]
+    nodes = [
+        _first_nodes(m, on_hull),
+        *([] if m.returns is None else [m.returns.node[chosen.returns]]),
+    ]
     of_point, most = stretches.of_node[np.concatenate(nodes)], MAX_POINTS // len(stretches)
     thinned = [
-        thin_over_surface(points[of_point == k], hull.global_from_hull, hull.cad_model, most) for k in range(len(stretches))
+        thin_over_surface(points[of_point == k], hull.global_from_hull, hull.cad_model, most)
+        for k in range(len(stretches))
     ]
     return HullPoints(
         xyz=np.vstack(thinned),
@@ -119,14 +137,21 @@ def _first_nodes(m: Measurements, landmarks: Ints) -> Ints:
     return np.asarray(first[landmarks])
 
 
-def thin_over_surface(points: Array, pose: Poses, cad_model: CadModel, most: int = MAX_POINTS) -> Array:
-    """Return of points (n, 3) in g one a cell of the CAD model's surface, the mean of the half of them whose distances lie in
-    the middle; cells are grown until at most `most` are left.
+def thin_over_surface(
+    points: Array, pose: Poses, cad_model: CadModel, most: int = MAX_POINTS
+) -> Array:
+    """Return of points (n, 3) in g one a cell of the CAD model's surface, the mean of the half of
+    them whose distances lie in the middle; cells are grown until at most `most` are left.
 
-    Cells in space would give a few points that stand beside the surface cells of their own, and as much weight as all those
-    that are right. Cells of M would hold other points wherever a first pose lies along the hull: they are cells of g."""
+    Cells in space would give a few points that stand beside the surface cells of their own, and as
+    much weight as all those that are right. Cells of M would hold other points wherever a first
+    pose lies along the hull: they are cells of g.
+    """
     nearest = _index(cad_model).closest(pose.inverse().apply(points))
-    foot, cell_m = points - nearest.distance[:, None] * pose.rotation.apply(nearest.gradient), CELL_M
+    foot, cell_m = (
+        points - nearest.distance[:, None] * pose.rotation.apply(nearest.gradient),
+        CELL_M,
+    )
     while True:
         _, owner = np.unique(np.floor(foot / cell_m).astype(np.int64), axis=0, return_inverse=True)
         count = np.bincount(owner)
@@ -136,23 +161,32 @@ def thin_over_surface(points: Array, pose: Poses, cad_model: CadModel, most: int
 
 
 def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints) -> Array:
-    """Return of each cell the mean (c, 3) of the points whose distances are neither in its lowest nor in its highest quarter.
+    """Return of each cell the mean (c, 3) of the points whose distances are neither in its lowest
+    nor in its highest quarter.
 
-    One point of each, the median, would be another one by the last digit of the path, with a noise of its own."""
+    One point of each, the median, would be another one by the last digit of the path, with a noise
+    of its own.
+    """
     order = np.lexsort((distance, owner))
     rank = np.arange(len(order)) - np.repeat(np.cumsum(count) - count, count)
     size = count[owner[order]]
     middle = order[(rank >= size // 4) & (rank < size - size // 4)]
     kept = np.bincount(owner[middle])
-    return np.stack([np.bincount(owner[middle], points[middle, k]) / kept for k in range(3)], axis=1)
+    return np.stack(
+        [np.bincount(owner[middle], points[middle, k]) / kept for k in range(3)], axis=1
+    )
 
 
 def fit_hull_pose(
     points: Array, pose: Poses, cad_model: CadModel, center: Array, loose: LoosePoints | None = None
 ) -> tuple[HullPoseEvidence, Poses]:
-    """Return points (n, 3) in g without their outliers as evidence, and T_g_M fitted to it from `pose`."""
+    """Return points (n, 3) in g without their outliers as evidence, and T_g_M fitted to it from
+    `pose`.
+    """
     expected = cad_error.expected_cad_error(cad_model)
-    evidence = HullPoseEvidence(points=points, cad_model=cad_model, center=center, cad_error_model=expected, loose=loose)
+    evidence = HullPoseEvidence(
+        points=points, cad_model=cad_model, center=center, cad_error_model=expected, loose=loose
+    )
     index, along = _index(cad_model), cad_model.chart.ship_axes[0]
     for _ in range(MAX_PASSES):
         valley = _valley(evidence, pose, along, index)
@@ -172,20 +206,28 @@ def profile_mean_pose(evidence: HullPoseEvidence, pose: Poses) -> Poses:
 
 
 def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
-    """Return the covariance (6, 6) of T_g_M about the centre, given the points: what the CAD model's error, its facets and the
-    package's prior leave open; with the variances along the hull and along its weak directions from their profiles, taken as
-    the posterior's second moment about the delivered pose."""
+    """Return the covariance (6, 6) of T_g_M about the centre, given the points: what the CAD
+    model's error, its facets and the package's prior leave open; with the variances along the hull
+    and along its weak directions from their profiles, taken as the posterior's second moment about
+    the delivered pose.
+    """
     ship_axes, index = evidence.cad_model.chart.ship_axes, _index(evidence.cad_model)
-    out = profile_likelihood.posterior_covariance(_valley(evidence, pose, ship_axes[0], index), pose)
+    out = profile_likelihood.posterior_covariance(
+        _valley(evidence, pose, ship_axes[0], index), pose
+    )
     for direction in _directions(hull_axes(out, pose), ship_axes):
         found = _profile(evidence, pose, direction)
-        out = profile_likelihood.inflate_covariance(out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose)
+        out = profile_likelihood.inflate_covariance(
+            out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose
+        )
     return np.asarray(out + _contradiction(evidence, pose))
 
 
 def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
-    """Return the covariance (6, 6) that a contradiction adds: where guess or form contradict the CAD model, it or the guess may
-    be wrong, so the sigma along the line between guess and fit is at least its length (docs/methods.md 20). Else zero."""
+    """Return the covariance (6, 6) that a contradiction adds: where guess or form contradict the
+    CAD model, it or the guess may be wrong, so the sigma along the line between guess and fit is at
+    least its length (docs/methods.md 20). Else zero.
+    """
     if not evidence.cad_model.contradicted:
         return np.zeros((6, 6))
     step = registration.prior_step(pose, evidence.cad_model, evidence.center)
@@ -193,14 +235,20 @@ def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
     return np.outer(apart, apart)
 
 
-def _profile(evidence: HullPoseEvidence, pose: Poses, direction: Array) -> profile_likelihood.Profile:
+def _profile(
+    evidence: HullPoseEvidence, pose: Poses, direction: Array
+) -> profile_likelihood.Profile:
     valley = _valley(evidence, pose, direction, _index(evidence.cad_model))
     return profile_likelihood.profile(
-        valley, pose, reach=3 * float(np.linalg.norm(direction * evidence.cad_model.guess_sigma[:3]))
+        valley,
+        pose,
+        reach=3 * float(np.linalg.norm(direction * evidence.cad_model.guess_sigma[:3])),
     )
 
 
-def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array, index: native.MeshIndex) -> profile_likelihood.Valley:
+def _valley(
+    evidence: HullPoseEvidence, pose: Poses, direction: Array, index: native.MeshIndex
+) -> profile_likelihood.Valley:
     cost = registration.HullPoseCost(
         points=evidence.points,
         cad_model=evidence.cad_model,
@@ -212,7 +260,10 @@ def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array, index: na
 
 
 def _factor(evidence: HullPoseEvidence, pose: Poses, index: native.MeshIndex) -> CholeskyFactor:
-    at, by_stretches = pose.inverse().apply(evidence.points), evidence.distances_by_stretches(pose, index)
+    at, by_stretches = (
+        pose.inverse().apply(evidence.points),
+        evidence.distances_by_stretches(pose, index),
+    )
     covariance = cad_error.distance_covariance(evidence.cad_error_model, evidence.cad_model, at)
     return cho_factor(covariance + by_stretches @ by_stretches.T, lower=True)
 
@@ -222,6 +273,12 @@ def _index(cad_model: CadModel) -> native.MeshIndex:
 
 
 def _directions(hull_in_axes: Array, ship_axes: Array) -> list[Array]:
-    """Return along the hull, and the weak directions of position (unit vectors in M) that point elsewhere."""
-    weak = [np.array(w["direction"]) for w in find_weak_directions(hull_in_axes, ship_axes) if w["kind"] == "position"]
+    """Return along the hull, and the weak directions of position (unit vectors in M) that point
+    elsewhere.
+    """
+    weak = [
+        np.array(w["direction"])
+        for w in find_weak_directions(hull_in_axes, ship_axes)
+        if w["kind"] == "position"
+    ]
     return [ship_axes[0], *(d for d in weak if abs(d @ ship_axes[0]) < 0.9)]

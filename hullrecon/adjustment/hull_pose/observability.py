@@ -14,13 +14,18 @@ _ANGLES = ("heel", "trim", "heading")  # about them
 
 
 def find_weak_directions(
-    covariance_in_hull: Array, ship_axes: Array, least_sigma_m: float = 0.05, least_sigma_deg: float = 0.5
+    covariance_in_hull: Array,
+    ship_axes: Array,
+    least_sigma_m: float = 0.05,
+    least_sigma_deg: float = 0.5,
 ) -> list[dict[str, object]]:
-    """Return eigenvectors of T_g_M's covariance (6, 6: translation and rotation in M's axes) beyond the given sigmas, worst
-    first. ship_axes (3, 3): rows forward, port, up in M, of which a model's file may have any order.
+    """Return eigenvectors of T_g_M's covariance (6, 6: translation and rotation in M's axes) beyond
+    the given sigmas, worst first. ship_axes (3, 3): rows forward, port, up in M, of which a model's
+    file may have any order.
 
-    Each: `kind` position or attitude, `direction` unit vector in M, `sigma` (m or rad) and a `sentence` on the ship's axis that
-    lies next to it, another one for each, with that axis's own sigma.
+    Each: `kind` position or attitude, `direction` unit vector in M, `sigma` (m or rad) and a
+    `sentence` on the ship's axis that lies next to it, another one for each, with that axis's own
+    sigma.
     """
     found: list[dict[str, object]] = []
     for kind, block, least in (
@@ -40,7 +45,9 @@ def find_weak_directions(
                         "kind": kind,
                         "direction": direction.tolist(),
                         "sigma": sigma,
-                        "sentence": _sentence(kind, axes[k], float(np.sqrt(covariance[axes[k], axes[k]]))),
+                        "sentence": _sentence(
+                            kind, axes[k], float(np.sqrt(covariance[axes[k], axes[k]]))
+                        ),
                     }
                 )
     return found

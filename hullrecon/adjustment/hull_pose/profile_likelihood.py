@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The weak direction profiled: how sure the position along the hull really is (docs/methods.md 9).
 
-The Hessian at the optimum sees the CAD model's curvature at one pose; the valley is flat and not parabolic. Here the hull is
-held at steps along its weak direction while the other five freedoms and the CAD model's error (as correlated noise) are
-fitted. The posterior over the steps gives mean and sigma.
+The Hessian at the optimum sees the CAD model's curvature at one pose; the valley is flat and not
+parabolic. Here the hull is held at steps along its weak direction while the other five freedoms and
+the CAD model's error (as correlated noise) are fitted. The posterior over the steps gives mean and
+sigma.
 """
 
 from __future__ import annotations
@@ -24,9 +25,10 @@ MIN_DECREASE = 1e-3  # of half the sum of squares, in which one sigma costs 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class Profile:
-    """step (k,) m along `direction` (3,) unit in M; cost (k,), lowest zero; mean and sigma (m) of the posterior;
-    global_from_hull: T_g_M at the mean; tangent (6,): how T_g_M (translation in g, rotation in M, about the centre) moves per
-    metre of step."""
+    """step (k,) m along `direction` (3,) unit in M; cost (k,), lowest zero; mean and sigma (m) of
+    the posterior; global_from_hull: T_g_M at the mean; tangent (6,): how T_g_M (translation in g,
+    rotation in M, about the centre) moves per metre of step.
+    """
 
     direction: Array
     step: Array
@@ -55,7 +57,8 @@ def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
     mean = float(weight @ steps)
     sigma = float(np.sqrt(weight @ (steps - mean) ** 2))
     here, _ = _fit(v, _shift(v, start, mean))
-    # By all steps as they weigh: a single fit ends a centimetre from its minimum in a flat valley, or at a facet's edge.
+    # By all steps as they weigh: a single fit ends a centimetre from its minimum in a flat valley,
+    # or at a facet's edge.
     moved = np.array([_between(here, pose, v.cost.center) for pose, _ in walked])
     tangent = (weight * (steps - mean)) @ moved / max(sigma**2, 1e-12)
     return Profile(
@@ -70,8 +73,9 @@ def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
 
 
 def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Poses) -> Array:
-    """Return the covariance (6, 6) of T_g_M whose variance along the profiled direction is the profile's, moving along its
-    valley."""
+    """Return the covariance (6, 6) of T_g_M whose variance along the profiled direction is the
+    profile's, moving along its valley.
+    """
     to_hull = global_from_hull.rotation.as_matrix()[0].T
     along = np.r_[to_hull.T @ found.direction, np.zeros(3)]
     lacking = found.sigma**2 - float(along @ covariance @ along)
@@ -86,18 +90,24 @@ def minimise_cost(v: Valley, start: Poses) -> tuple[Poses, float]:
 
 
 def posterior_covariance(v: Valley, pose: Poses) -> Array:
-    """Return the covariance (6, 6) of T_g_M about the centre, of the points and the package's prior alone."""
+    """Return the covariance (6, 6) of T_g_M about the centre, of the points and the package's prior
+    alone.
+    """
     return np.asarray(np.linalg.inv(v.cost.linearise(pose).information))
 
 
 def _walk(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
-    """Return fitted poses and costs at the steps, each started from its neighbour nearer to the middle."""
+    """Return fitted poses and costs at the steps, each started from its neighbour nearer to the
+    middle.
+    """
     middle = len(steps) // 2
     found: dict[int, tuple[Poses, float]] = {}
     for order in (range(middle, len(steps)), range(middle - 1, -1, -1)):
         for k in order:
             near = k - 1 if k > middle else k + 1
-            base, walked = (found[near][0], steps[k] - steps[near]) if near in found else (start, steps[k])
+            base, walked = (
+                (found[near][0], steps[k] - steps[near]) if near in found else (start, steps[k])
+            )
             found[k] = _fit(v, _shift(v, base, walked))
     return [found[k] for k in range(len(steps))]
 
@@ -108,7 +118,9 @@ def _shift(v: Valley, global_from_hull: Poses, step: float) -> Poses:
 
 
 def _fit(v: Valley, start: Poses, held: bool = True) -> tuple[Poses, float]:
-    """Return T_g_M at the optimum, its shift along the direction `held` or not, and half the sum of squares there."""
+    """Return T_g_M at the optimum, its shift along the direction `held` or not, and half the sum of
+    squares there.
+    """
 
     def across(pose: Poses) -> Array:
         return _across(pose.rotation.as_matrix()[0] @ v.direction) if held else np.eye(6)

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Registration of DVL returns to the CAD model [Ozog2016 4.2.5] (docs/methods.md 5): GICP from a grid of starts, then a
-correlated fit.
+"""Registration of DVL returns to the CAD model [Ozog2016 4.2.5] (docs/methods.md 5): GICP from a
+grid of starts, then a correlated fit.
 
-GICP finds the basin. Its information is that of independent points, which a CAD model wrong by centimetres over metres does
-not give; so the last step is a generalised least-squares fit whose noise holds the CAD model's error as a Matern 3/2 field
-over the chart, together with the package's prior. Its covariance says what the geometry does and does not resolve.
+GICP finds the basin. Its information is that of independent points, which a CAD model wrong by
+centimetres over metres does not give; so the last step is a generalised least-squares fit whose
+noise holds the CAD model's error as a Matern 3/2 field over the chart, together with the package's
+prior. Its covariance says what the geometry does and does not resolve.
 """
 
 from __future__ import annotations
@@ -26,18 +27,22 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, CholeskyFactor
 
-GOOD_FITNESS = 0.6  # share of points within three sigma of the CAD model, from which it is the hull that was surveyed
-DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]  # m, rad in the ship's axes: how far a guess may be off
+# share of points within three sigma of the CAD model, from which it is the hull that was surveyed
+GOOD_FITNESS = 0.6
+# m, rad in the ship's axes: how far a guess may be off
+DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]
 DISTANT_STARTS = 8
 GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
 
 
 @dataclass(frozen=True, kw_only=True)
 class Registration:
-    """global_from_hull: T_g_M (batch of one). covariance (6, 6) of (translation in g, rotation in M) about `center` (3,) in M.
-    residual (n,): signed distances of the points used, metres. fitness: share of points within three sigma. cad_model: with the
-    guess as it was needed: its sigmas are wider where the hull was found farther from the guess than these say, `sigmas_off`
-    times (1 where it was not)."""
+    """global_from_hull: T_g_M (batch of one). covariance (6, 6) of (translation in g, rotation in
+    M) about `center` (3,) in M. residual (n,): signed distances of the points used, metres.
+    fitness: share of points within three sigma. cad_model: with the guess as it was needed: its
+    sigmas are wider where the hull was found farther from the guess than these say, `sigmas_off`
+    times (1 where it was not).
+    """
 
     cad_model: CadModel
     sigmas_off: float
@@ -49,12 +54,16 @@ class Registration:
 
 
 def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int = 0) -> Registration:
-    """Return T_g_M from returns (n, 3) in g, started from the package's guess and from a grid around it within its sigma; where
-    that does not fit, from wherever within metres the points lie nearest to the CAD model."""
+    """Return T_g_M from returns (n, 3) in g, started from the package's guess and from a grid
+    around it within its sigma; where that does not fit, from wherever within metres the points lie
+    nearest to the CAD model.
+    """
     kept = thin_points(points, 0.10, 2500)
     center = cad_model.guess.inverse().apply(kept).mean(0)
     index = MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
-    found = _register_from(_starts(cad_model, center), kept, cad_model, center, index, sigma_range, seed)
+    found = _register_from(
+        _starts(cad_model, center), kept, cad_model, center, index, sigma_range, seed
+    )
     if found.fitness >= GOOD_FITNESS:
         return _with_wider_guess(found, kept, cad_model, index, sigma_range)
     starts = _distant_starts(kept, cad_model, center, index)
@@ -77,22 +86,35 @@ def _register_from(
     seed: int,
 ) -> Registration:
     """Return the best of what generalised ICP makes of each start, fitted."""
-    target = _target_cloud(cad_model.mesh, np.vstack([start.inverse().apply(points[::10]) for start in starts]), seed)
+    target = _target_cloud(
+        cad_model.mesh, np.vstack([start.inverse().apply(points[::10]) for start in starts]), seed
+    )
     candidates = [_gicp(points, target, start) for start in starts if len(target)]
     candidates.append(starts[0])
-    distances = [np.abs(index.closest(pose.inverse().apply(points)).distance) for pose in candidates]
-    costs = [trimmed_cost(*found, cad_model, center) for found in zip(distances, candidates, strict=True)]
-    return fit_correlated(points, candidates[int(np.argmin(costs))], cad_model, center, index, sigma_range)
+    distances = [
+        np.abs(index.closest(pose.inverse().apply(points)).distance) for pose in candidates
+    ]
+    costs = [
+        trimmed_cost(*found, cad_model, center) for found in zip(distances, candidates, strict=True)
+    ]
+    return fit_correlated(
+        points, candidates[int(np.argmin(costs))], cad_model, center, index, sigma_range
+    )
 
 
-def _distant_starts(points: Array, cad_model: CadModel, center: Array, index: MeshIndex) -> list[Poses]:
-    """Return the poses of a coarse grid around the guess, metres and degrees wide, on which points lie nearest to the CAD
-    model."""
+def _distant_starts(
+    points: Array, cad_model: CadModel, center: Array, index: MeshIndex
+) -> list[Poses]:
+    """Return the poses of a coarse grid around the guess, metres and degrees wide, on which points
+    lie nearest to the CAD model.
+    """
     hull_from_ship = cad_model.chart.ship_axes.T
     rotate = cad_model.guess.rotation.as_matrix()[0] @ hull_from_ship
     few = points[:: max(1, len(points) // 400)]
     found: list[tuple[float, int, Poses]] = []
-    for along, across, yaw in product(np.arange(-8.0, 8.1, 1.0), (-2.0, 0.0, 2.0), np.radians(np.arange(-25, 26, 5.0))):
+    for along, across, yaw in product(
+        np.arange(-8.0, 8.1, 1.0), (-2.0, 0.0, 2.0), np.radians(np.arange(-25, 26, 5.0))
+    ):
         step = np.r_[rotate @ np.array([along, across, 0.0]), hull_from_ship @ [0.0, 0.0, yaw]]
         pose = perturb_pose(cad_model.guess, center, step)
         distance = np.sort(np.abs(index.closest(pose.inverse().apply(few)).distance))
@@ -103,22 +125,27 @@ def _distant_starts(points: Array, cad_model: CadModel, center: Array, index: Me
 def _with_wider_guess(
     found: Registration, points: Array, cad_model: CadModel, index: MeshIndex, sigma_range: float
 ) -> Registration:
-    """Return the registration about the guess of `cad_model`, whatever guess it was found with. Where it lies farther from it
-    than its sigmas allow, these are scaled so that it lies within one: a guess that is wrong in one direction is not to be
-    believed in the others."""
+    """Return the registration about the guess of `cad_model`, whatever guess it was found with.
+    Where it lies farther from it than its sigmas allow, these are scaled so that it lies within
+    one: a guess that is wrong in one direction is not to be believed in the others.
+    """
     step = prior_step(found.global_from_hull, cad_model, found.center)
     off = float(np.abs(step / cad_model.guess_sigma).max())
     if off <= GUESS_SIGMAS and found.cad_model is cad_model:
         return found
     if off <= GUESS_SIGMAS:
-        return fit_correlated(points, found.global_from_hull, cad_model, found.center, index, sigma_range)
+        return fit_correlated(
+            points, found.global_from_hull, cad_model, found.center, index, sigma_range
+        )
     wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off, contradicted=True)
     again = fit_correlated(points, found.global_from_hull, wider, found.center, index, sigma_range)
     return replace(again, sigmas_off=off)
 
 
 def thin_points(points: Array, voxel: float, most: int) -> Array:
-    """Return one mean point a voxel (metres), the voxel grown until at most `most` are left; input order decides ties."""
+    """Return one mean point a voxel (metres), the voxel grown until at most `most` are left; input
+    order decides ties.
+    """
     while True:
         cell = np.floor(points / voxel).astype(np.int64)
         _, owner = np.unique(cell, axis=0, return_inverse=True)
@@ -134,9 +161,13 @@ def frame_at(center: Array) -> Poses:
 
 
 def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
-    """Return T_g_M after a step (6,): translation added in g, rotation on the right, both about `center` in M."""
+    """Return T_g_M after a step (6,): translation added in g, rotation on the right, both about
+    `center` in M.
+    """
     moved = global_from_hull @ frame_at(center)
-    turned = Poses(moved.quaternion, moved.translation + step[:3]) @ poses.exp(np.r_[np.zeros(3), step[3:]])
+    turned = Poses(moved.quaternion, moved.translation + step[:3]) @ poses.exp(
+        np.r_[np.zeros(3), step[3:]]
+    )
     return turned @ frame_at(center).inverse()
 
 
@@ -154,7 +185,9 @@ def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
 
 
 def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
-    """Sample, by area, the faces within three metres of the guessed survey, some 20,000; none where none is so near."""
+    """Sample, by area, the faces within three metres of the guessed survey, some 20,000; none where
+    none is so near.
+    """
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(1)
     reach = np.linalg.norm(corner - middle[:, None], axis=2).max(1)
@@ -197,7 +230,9 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
 
 
 def share_within(points: Array, found: Registration, sigma_range: float) -> float:
-    """Return the share of points (n, 3) in g that lie within three sigma of a CAD model as it is registered."""
+    """Return the share of points (n, 3) in g that lie within three sigma of a CAD model as it is
+    registered.
+    """
     index = MeshIndex(found.cad_model.mesh.vertices, found.cad_model.mesh.faces)
     distance = index.closest(found.global_from_hull.inverse().apply(points)).distance
     return _share_within(distance, found.cad_model, sigma_range)
@@ -208,31 +243,60 @@ def _share_within(distance: Array, cad_model: CadModel, sigma_range: float) -> f
 
 
 def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> Array:
-    """Return the error (6,) against the guess in M's axes about the centre: what `guess_sigma` whitens."""
-    return np.asarray(((cad_model.guess @ frame_at(center)).inverse() @ global_from_hull @ frame_at(center)).log()[0])
+    """Return the error (6,) against the guess in M's axes about the centre: what `guess_sigma`
+    whitens.
+    """
+    return np.asarray(
+        (
+            (cad_model.guess @ frame_at(center)).inverse() @ global_from_hull @ frame_at(center)
+        ).log()[0]
+    )
 
 
-def trimmed_cost(distance: Array, global_from_hull: Poses, cad_model: CadModel, center: Array) -> float:
-    """Return the mean square of the best 80 % of the distances (n,) over the CAD model's sigma, plus the prior's share."""
+def trimmed_cost(
+    distance: Array, global_from_hull: Poses, cad_model: CadModel, center: Array
+) -> float:
+    """Return the mean square of the best 80 % of the distances (n,) over the CAD model's sigma,
+    plus the prior's share.
+    """
     trimmed = np.sort(distance)[: max(1, int(0.8 * len(distance)))]
     prior = prior_step(global_from_hull, cad_model, center) / cad_model.guess_sigma
-    return float(np.mean(trimmed**2) / cad_model.deviation_sigma**2 + prior @ prior / len(cad_model.guess_sigma))
+    return float(
+        np.mean(trimmed**2) / cad_model.deviation_sigma**2
+        + prior @ prior / len(cad_model.guess_sigma)
+    )
 
 
 def fit_correlated(
-    points: Array, start: Poses, cad_model: CadModel, center: Array, index: MeshIndex, sigma_range: float, iterations: int = 60
+    points: Array,
+    start: Poses,
+    cad_model: CadModel,
+    center: Array,
+    index: MeshIndex,
+    sigma_range: float,
+    iterations: int = 60,
 ) -> Registration:
-    """Return T_g_M that best lays points (n, 3) of g on the CAD model, whose errors are range noise and a correlated deviation.
+    """Return T_g_M that best lays points (n, 3) of g on the CAD model, whose errors are range noise
+    and a correlated deviation.
 
-    Outliers are weighed down by their distance at the start, so that the cost is one function and its descent ends.
+    Outliers are weighed down by their distance at the start, so that the cost is one function and
+    its descent ends.
     """
     expected = replace(cad_error.expected_cad_error(cad_model), noise=0.0)
     field = cad_error.distance_covariance(expected, cad_model, start.inverse().apply(points))
-    noise = _robust_noise(signed_distances(points, start, center, index)[0], sigma_range, cad_model.deviation_sigma)
-    cost = HullPoseCost(
-        points=points, cad_model=cad_model, center=center, index=index, factor=cho_factor(field + np.diag(noise**2))
+    noise = _robust_noise(
+        signed_distances(points, start, center, index)[0], sigma_range, cad_model.deviation_sigma
     )
-    found = minimise_over_pose(start, cost.linearise, cost.update, max_iterations=iterations, min_relative_decrease=1e-6)
+    cost = HullPoseCost(
+        points=points,
+        cad_model=cad_model,
+        center=center,
+        index=index,
+        factor=cho_factor(field + np.diag(noise**2)),
+    )
+    found = minimise_over_pose(
+        start, cost.linearise, cost.update, max_iterations=iterations, min_relative_decrease=1e-6
+    )
     distance, _ = signed_distances(points, found.pose, center, index)
     return Registration(
         cad_model=cad_model,
@@ -247,9 +311,11 @@ def fit_correlated(
 
 @dataclass(frozen=True, kw_only=True)
 class HullPoseCost:
-    """The generalised least-squares cost of T_g_M: distances of points (n, 3) in g to the CAD model and the package's prior.
+    """The generalised least-squares cost of T_g_M: distances of points (n, 3) in g to the CAD model
+    and the package's prior.
 
-    center (3,) in M, about which steps turn; index of the CAD model; factor: Cholesky factor of the distances' covariance.
+    center (3,) in M, about which steps turn; index of the CAD model; factor: Cholesky factor of the
+    distances' covariance.
     """
 
     points: Array
@@ -276,14 +342,18 @@ class HullPoseCost:
 
 
 def prior_rows(cad_model: CadModel) -> Array:
-    """Return the whitened derivative of `prior_step` by the step of `perturb_pose` (translation in g, rotation in M)."""
+    """Return the whitened derivative of `prior_step` by the step of `perturb_pose` (translation in
+    g, rotation in M).
+    """
     to_hull = cad_model.guess.rotation.as_matrix()[0].T
     rows = np.zeros((6, 6))
     rows[:3, :3], rows[3:, 3:] = to_hull, np.eye(3)
     return np.asarray(rows / cad_model.guess_sigma[:, None])
 
 
-def signed_distances(points: Array, global_from_hull: Poses, center: Array, index: MeshIndex) -> tuple[Array, Array]:
+def signed_distances(
+    points: Array, global_from_hull: Poses, center: Array, index: MeshIndex
+) -> tuple[Array, Array]:
     """Return signed distances (n,) and their derivatives (n, 6) by the step of `perturb_pose`."""
     local = global_from_hull.inverse().apply(points)
     nearest = index.closest(local)
@@ -294,6 +364,10 @@ def signed_distances(points: Array, global_from_hull: Poses, center: Array, inde
 
 
 def _robust_noise(distance: Array, sigma_range: float, sigma_field: float) -> Array:
-    """Return the noise of ranges (n,), inflated where a distance is beyond what noise and field explain (Huber)."""
+    """Return the noise of ranges (n,), inflated where a distance is beyond what noise and field
+    explain (Huber).
+    """
     excess = np.abs(distance - np.median(distance)) / (1.345 * np.hypot(sigma_range, sigma_field))
-    return np.asarray(sigma_range * np.sqrt(np.maximum(1.0, excess)) * np.where(excess > 3, 10.0, 1.0))
+    return np.asarray(
+        sigma_range * np.sqrt(np.maximum(1.0, excess)) * np.where(excess > 3, 10.0, 1.0)
+    )

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """From records and the present state to the tables of a native problem, and back.
 
-The native problem's hull frame is M moved to the middle of the survey, so that a small rotation of T_g_M moves the hull
-by millimetres there and not by metres (docs/methods.md 6).
+The native problem's hull frame is M moved to the middle of the survey, so that a small rotation of
+T_g_M moves the hull by millimetres there and not by metres (docs/methods.md 6).
 """
 
 from __future__ import annotations
@@ -34,13 +34,15 @@ from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Odometry, Returns
 from hullrecon.typing import Array, Ints, Mask
 
-MIN_SHARED = 12  # landmarks that two nodes both see, from which their relative pose is well determined by them
+# landmarks that two nodes both see, from which their relative pose is well determined by them
+MIN_SHARED = 12
 
 
 @dataclass(frozen=True)
 class Selection:
-    """Which measurements enter: observation (m,) of the tracks' rows by camera, returns (r,), landmarks of the problem in
-    the tracks' numbering (L_used,)."""
+    """Which measurements enter: observation (m,) of the tracks' rows by camera, returns (r,),
+    landmarks of the problem in the tracks' numbering (L_used,).
+    """
 
     top: Mask
     bottom: Mask
@@ -64,9 +66,13 @@ def assemble(
         lever_arms=native.LeverArms(tray=m.rig.tray_origin, pressure=m.rig.pressure_origin),
         priors=priors,
         attitude=attitude_table(m.attitude, weights.depth),
-        tray=tray_table(m.trajectory.tray, weights.tray_direction, weights.tray, m.attitude.tray_sigma),
+        tray=tray_table(
+            m.trajectory.tray, weights.tray_direction, weights.tray, m.attitude.tray_sigma
+        ),
         velocities=velocity_table(m.odometry, m.trajectory.t_ns),
-        odometry=odometry_table(_unseen_motions(m, chosen), m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes),
+        odometry=odometry_table(
+            _unseen_motions(m, chosen), m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes
+        ),
     )
     problem = with_positions(problem, m.positions)
     if m.tracks is not None:
@@ -74,19 +80,27 @@ def assemble(
         problem = replace(problem, stereo=stereo, mono=mono, sigma_px=weights.pixel)
     if state.hull is None:
         return with_planes(problem, m.planes)  # with a CAD model, the same returns measure that
-    problem = replace(problem, cad_mesh=_cad_mesh(state.hull), surface=_surface_table(state.hull, state, weights, chosen))
+    problem = replace(
+        problem,
+        cad_mesh=_cad_mesh(state.hull),
+        surface=_surface_table(state.hull, state, weights, chosen),
+    )
     if m.returns is None:
         return problem
     return replace(problem, ranges=_range_table(m, m.returns, state.hull, state, weights, chosen))
 
 
 def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
-    """Return the odometry without what images measured between nodes that enough landmarks join: images speak once."""
+    """Return the odometry without what images measured between nodes that enough landmarks join:
+    images speak once.
+    """
     if m.tracks is None or not m.odometry.from_images.any():
         return m.odometry
     rows = (chosen.top | chosen.bottom) & np.isin(m.tracks.landmark, chosen.landmarks)
     shape = (len(m.trajectory.t_ns), 1 + int(m.tracks.landmark.max(initial=-1)))
-    seen = coo_array((np.ones(rows.sum()), (m.tracks.node[rows], m.tracks.landmark[rows])), shape=shape).tocsr()
+    seen = coo_array(
+        (np.ones(rows.sum()), (m.tracks.node[rows], m.tracks.landmark[rows])), shape=shape
+    ).tocsr()
     shared = seen[m.odometry.first].multiply(seen[m.odometry.second]).sum(axis=1)
     return m.odometry.without(m.odometry.from_images & (np.asarray(shared).ravel() >= MIN_SHARED))
 
@@ -102,7 +116,9 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
         hull = replace(hull, global_from_hull=found, field=unknowns.deviation.copy())
     return replace(
         state,
-        nodes=Poses(pose[:, 3:7] / np.linalg.norm(pose[:, 3:7], axis=1, keepdims=True), pose[:, :3].copy()),
+        nodes=Poses(
+            pose[:, 3:7] / np.linalg.norm(pose[:, 3:7], axis=1, keepdims=True), pose[:, :3].copy()
+        ),
         tray=pose[:, 7].copy(),
         landmark=landmark,
         T_s_ct=pose_from_vector(unknowns.T_s_ct) if state.T_s_ct is not None else None,
@@ -120,7 +136,11 @@ def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknow
         navigation=state.navigation.copy(),
     )
     if state.hull is not None:
-        unknowns = replace(unknowns, T_g_M=pose_vector(_centred_pose(state.hull)), deviation=state.hull.field.copy())
+        unknowns = replace(
+            unknowns,
+            T_g_M=pose_vector(_centred_pose(state.hull)),
+            deviation=state.hull.field.copy(),
+        )
     if m.tracks is not None and m.rig.top is not None and state.T_s_ct is not None:
         unknowns = replace(
             unknowns,
@@ -129,11 +149,17 @@ def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknow
             intrinsics_top=m.rig.top.parameters(),
         )
     if m.rig.bottom is not None and state.T_ct_cb is not None:
-        unknowns = replace(unknowns, T_ct_cb=pose_vector(state.T_ct_cb), intrinsics_bottom=m.rig.bottom.parameters())
+        unknowns = replace(
+            unknowns,
+            T_ct_cb=pose_vector(state.T_ct_cb),
+            intrinsics_bottom=m.rig.bottom.parameters(),
+        )
     return unknowns
 
 
-def _held_blocks(priors: native.Priors, state: State, as_published: bool, hold_hull_pose: bool) -> tuple[str, ...]:
+def _held_blocks(
+    priors: native.Priors, state: State, as_published: bool, hold_hull_pose: bool
+) -> tuple[str, ...]:
     """Return the blocks that are not unknown: mounts without a prior among them."""
     held = {"intrinsics_top", "intrinsics_bottom"}
     if as_published:
@@ -148,11 +174,15 @@ def _held_blocks(priors: native.Priors, state: State, as_published: bool, hold_h
 
 
 def _priors(m: Measurements, state: State) -> native.Priors:
-    """Return the priors of mounts, navigation, hull pose and deviation field, and that which fixes g by the first pose."""
+    """Return the priors of mounts, navigation, hull pose and deviation field, and that which fixes
+    g by the first pose.
+    """
     priors = native.Priors(
         T_s_d=mount_prior_table(m.rig.T_s_d, state.T_s_d),
         T_s_ct=mount_prior_table(m.rig.T_s_ct, state.T_s_ct),
-        T_ct_cb=mount_prior_table(m.rig.T_ct_cb, state.T_ct_cb if m.rig.bottom is not None else None),
+        T_ct_cb=mount_prior_table(
+            m.rig.T_ct_cb, state.T_ct_cb if m.rig.bottom is not None else None
+        ),
         pose=gauge_prior(state.nodes, m.attitude),
         navigation_sigma=m.rig.navigation_sigma,
     )
@@ -167,19 +197,28 @@ def _priors(m: Measurements, state: State) -> native.Priors:
     if grid is None:
         return priors
     field = prior_rows(grid, cad_model.deviation_sigma, cad_model.deviation_length)
-    sparse = native.SparseRows(start=field.indptr.astype(np.int32), index=field.indices.astype(np.int32), value=field.data)
+    sparse = native.SparseRows(
+        start=field.indptr.astype(np.int32), index=field.indices.astype(np.int32), value=field.data
+    )
     return replace(priors, deviation=sparse)
 
 
 def _image_tables(
     tracks: Tracks, state: State, sigma_ratio: Array, chosen: Selection
 ) -> tuple[native.StereoTable, native.MonoTable]:
-    """Return the chosen observations: of landmarks that both cameras saw at a node, and of those that one saw."""
+    """Return the chosen observations: of landmarks that both cameras saw at a node, and of those
+    that one saw.
+    """
     number = np.full(len(state.landmark), -1)
     number[chosen.landmarks] = np.arange(len(chosen.landmarks))
     known = number[tracks.landmark] >= 0
     both, top, bottom = (
-        known & k for k in (chosen.top & chosen.bottom, chosen.top & ~chosen.bottom, ~chosen.top & chosen.bottom)
+        known & k
+        for k in (
+            chosen.top & chosen.bottom,
+            chosen.top & ~chosen.bottom,
+            ~chosen.top & chosen.bottom,
+        )
     )
     stereo = native.StereoTable(
         node=tracks.node[both].astype(np.int32),
@@ -207,16 +246,25 @@ def _cad_mesh(hull: HullState) -> native.CadMesh:
     return native.CadMesh(vertices=mesh.vertices - hull.survey_center, faces=mesh.faces)
 
 
-def _surface_table(hull: HullState, state: State, weights: Weights, chosen: Selection) -> native.SurfaceTable:
+def _surface_table(
+    hull: HullState, state: State, weights: Weights, chosen: Selection
+) -> native.SurfaceTable:
     landmark = np.arange(len(chosen.landmarks), dtype=np.int32)
     table = native.SurfaceTable(landmark=landmark, weight=weights.surface[chosen.landmarks])
     if hull.grid is None:
         return table
-    return replace(table, field=_field_nodes(hull.grid, hull.to_chart(state.landmark[chosen.landmarks])))
+    return replace(
+        table, field=_field_nodes(hull.grid, hull.to_chart(state.landmark[chosen.landmarks]))
+    )
 
 
 def _range_table(
-    m: Measurements, returns: Returns, hull: HullState, state: State, weights: Weights, chosen: Selection
+    m: Measurements,
+    returns: Returns,
+    hull: HullState,
+    state: State,
+    weights: Weights,
+    chosen: Selection,
 ) -> native.RangeTable:
     keep = chosen.returns
     table = native.RangeTable(
@@ -238,8 +286,12 @@ def _field_nodes(grid: DeviationGrid, along_girth: Array) -> native.FieldNodes:
     return native.FieldNodes(index=index, weight=weight)
 
 
-def _hits(m: Measurements, returns: Returns, hull: HullState, state: State, chosen: Selection) -> Array:
-    """Return where the beams meet the CAD model, (r, 3) in the problem's hull frame; the measured end where they miss."""
+def _hits(
+    m: Measurements, returns: Returns, hull: HullState, state: State, chosen: Selection
+) -> Array:
+    """Return where the beams meet the CAD model, (r, 3) in the problem's hull frame; the measured
+    end where they miss.
+    """
     used = from_arrays(Returns, {k: v[chosen.returns] for k, v in to_arrays(returns).items()})
     points, direction = beam_ends(used, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
     to_hull = pose_from_vector(pose_vector(_centred_pose(hull))).inverse()
@@ -251,14 +303,18 @@ def _hits(m: Measurements, returns: Returns, hull: HullState, state: State, chos
     return np.asarray(origin + direction * length[:, None])
 
 
-def share_weight_by_cell(hull: HullState, landmark: Array, chosen: Ints, cell: tuple[float, float]) -> Array:
-    """Return the weight (L,) of each landmark's surface factor, so that those of one cell of the chart weigh as one
-    observation.
+def share_weight_by_cell(
+    hull: HullState, landmark: Array, chosen: Ints, cell: tuple[float, float]
+) -> Array:
+    """Return the weight (L,) of each landmark's surface factor, so that those of one cell of the
+    chart weigh as one observation.
 
     landmark (L, 3) in g; chosen: those that have one; cell: along and girth, m.
     """
     at = hull.to_chart(landmark[chosen])
-    _, owner = np.unique(np.floor(np.nan_to_num(at) / np.array(cell)).astype(np.int64), axis=0, return_inverse=True)
+    _, owner = np.unique(
+        np.floor(np.nan_to_num(at) / np.array(cell)).astype(np.int64), axis=0, return_inverse=True
+    )
     weight = np.ones(len(landmark))
     weight[chosen] = 1.0 / np.bincount(owner)[owner]
     return weight

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tray's backlash: a bias of the angle that flips with the direction of motion [Ozog2016 4.2.6], found from the adjusted
-angles.
+"""The tray's backlash: a bias of the angle that flips with the direction of motion [Ozog2016
+4.2.6], found from the adjusted angles.
 
-The servo hangs on one side of its backlash or on the other. After a solve with a loose tray the sides show as two levels of
-(adjusted - logged); a two-state Viterbi path over time finds them better than the noisy logged motion does.
+The servo hangs on one side of its backlash or on the other. After a solve with a loose tray the
+sides show as two levels of (adjusted - logged); a two-state Viterbi path over time finds them
+better than the noisy logged motion does.
 """
 
 from __future__ import annotations
@@ -16,13 +17,16 @@ from hullrecon.typing import Array, Ints
 
 
 def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0) -> Array:
-    """Return +1 or -1 for each node (n,): the side that explains measured - adjusted = backlash * side.
+    """Return +1 or -1 for each node (n,): the side that explains measured - adjusted = backlash *
+    side.
 
-    excess (n,): measured minus adjusted, rad. Where no backlash shows (levels closer than their spread) the prior direction
-    is kept.
+    excess (n,): measured minus adjusted, rad. Where no backlash shows (levels closer than their
+    spread) the prior direction is kept.
     """
     low, high = _two_levels(excess)
-    sigma = max(robust_sigma(np.minimum(np.abs(excess - low), np.abs(excess - high)), about=0.0), 1e-5)
+    sigma = max(
+        robust_sigma(np.minimum(np.abs(excess - low), np.abs(excess - high)), about=0.0), 1e-5
+    )
     if high - low < 3 * sigma or len(excess) < 10:
         return prior_direction
     fit = np.stack([(excess - low) ** 2, (excess - high) ** 2], axis=1) / (2 * sigma**2)

@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The smooth field of normal offsets between the CAD model and the hull as it is (docs/methods.md 8).
+"""The smooth field of normal offsets between the CAD model and the hull as it is (docs/methods.md
+8).
 
-The field stands on a regular grid of the hull chart, bilinear between nodes. Its prior is the Gauss-Markov field that
-solves (1 - Laplace) b = noise in coordinates scaled by the correlation lengths: a Matern field of smoothness 1. Matern
-3/2 has no sparse precision in two dimensions; the lengths are matched so that both fall to 14 % at the same
-distance, and the sparse form costs the same per metre on a patch and on a 180 m hull.
+The field stands on a regular grid of the hull chart, bilinear between nodes. Its prior is the
+Gauss-Markov field that solves (1 - Laplace) b = noise in coordinates scaled by the correlation
+lengths: a Matern field of smoothness 1. Matern 3/2 has no sparse precision in two dimensions; the
+lengths are matched so that both fall to 14 % at the same distance, and the sparse form costs the
+same per metre on a patch and on a 180 m hull.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ from hullrecon.typing import Array, Ints32
 
 @dataclass(frozen=True)
 class DeviationGrid:
-    """Nodes at origin + (i, j) step of the chart (along, girth), metres; node (i, j) is number i * shape[1] + j."""
+    """Nodes at origin + (i, j) step of the chart (along, girth), metres; node (i, j) is number i *
+    shape[1] + j.
+    """
 
     origin: Array
     step: Array
@@ -32,7 +36,9 @@ class DeviationGrid:
         return self.shape[0] * self.shape[1]
 
     def basis(self, along_girth: Array) -> tuple[Ints32, Array]:
-        """Return the four nodes around each point (n, 2) and their bilinear weights, both (n, 4); outside, the edge's value."""
+        """Return the four nodes around each point (n, 2) and their bilinear weights, both (n, 4);
+        outside, the edge's value.
+        """
         cell = (along_girth - self.origin) / self.step
         cell = np.clip(np.nan_to_num(cell), 0.0, np.array(self.shape) - 1.0 - 1e-9)
         low = cell.astype(np.int32)
@@ -48,8 +54,12 @@ class DeviationGrid:
         return np.asarray(np.einsum("nk,nk->n", field.reshape(-1)[index], weight))
 
 
-def grid_over(along_girth: Array, length: tuple[float, float], nodes_per_length: float = 4.0) -> DeviationGrid:
-    """Return a grid over points (n, 2) and one correlation length beyond them, so that its edge does not bias what is seen."""
+def grid_over(
+    along_girth: Array, length: tuple[float, float], nodes_per_length: float = 4.0
+) -> DeviationGrid:
+    """Return a grid over points (n, 2) and one correlation length beyond them, so that its edge
+    does not bias what is seen.
+    """
     scale = np.array(length)
     step = scale / nodes_per_length
     low, high = np.nanmin(along_girth, 0) - scale, np.nanmax(along_girth, 0) + scale
@@ -58,7 +68,9 @@ def grid_over(along_girth: Array, length: tuple[float, float], nodes_per_length:
 
 
 def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -> sparse.csr_array:
-    """Return whitening rows A (size, size): A b has unit covariance for a field of that sigma and those lengths."""
+    """Return whitening rows A (size, size): A b has unit covariance for a field of that sigma and
+    those lengths.
+    """
     scaled = grid.step * np.sqrt(2.0) / np.array(length)
     return sparse.csr_array(_operator(grid.shape, scaled) * (_interior_sigma(scaled) / sigma))
 
@@ -66,7 +78,9 @@ def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -
 def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
     """Return 1 - Laplace on the grid, five points, mirrored at the edges."""
     along, girth = (_second_difference(n, float(h)) for n, h in zip(shape, step, strict=True))
-    laplace = sparse.kron(along, sparse.eye_array(shape[1])) + sparse.kron(sparse.eye_array(shape[0]), girth)
+    laplace = sparse.kron(along, sparse.eye_array(shape[1])) + sparse.kron(
+        sparse.eye_array(shape[0]), girth
+    )
     return sparse.csr_array(sparse.eye_array(shape[0] * shape[1]) - laplace)
 
 
@@ -78,7 +92,9 @@ def _second_difference(n: int, step: float) -> sparse.csr_array:
 
 
 def _interior_sigma(step: Array) -> float:
-    """Return the sigma in the middle of a grid of unit rows, wide enough that its edges are not felt."""
+    """Return the sigma in the middle of a grid of unit rows, wide enough that its edges are not
+    felt.
+    """
     shape = tuple(int(2 * np.ceil(8.0 / h)) + 1 for h in step)
     a = _operator((shape[0], shape[1]), step)
     unit = np.zeros(shape[0] * shape[1])

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The outer loop of hard EM [Ozog2016 4.2.2], kept to be compared with labels decided inside the solve [Ozog2016 4.2.4]
-(docs/adr/0007).
+"""The outer loop of hard EM [Ozog2016 4.2.2], kept to be compared with labels decided inside the
+solve [Ozog2016 4.2.4] (docs/adr/0007).
 
-E: each landmark takes the likelier label. M: solve with these labels held. Both steps lower the same cost, constants
-included, so the loop ends where no label changes, or after as many turns as it is given.
+E: each landmark takes the likelier label. M: solve with these labels held. Both steps lower the
+same cost, constants included, so the loop ends where no label changes, or after as many turns as it
+is given.
 """
 
 from __future__ import annotations
@@ -20,13 +21,20 @@ from hullrecon import native
 MOST_TURNS = 30
 
 
-def solve(problem: native.Problem, options: native.Options, most_turns: int = MOST_TURNS) -> native.Result:
-    """Do as `native.solve` with the labels held in each solve and refreshed between solves. The record runs over all turns; a
-    turn's start, which repeats the last turn's end under new labels, is left out, its label changes stand in the next row.
+def solve(
+    problem: native.Problem, options: native.Options, most_turns: int = MOST_TURNS
+) -> native.Result:
+    """Do as `native.solve` with the labels held in each solve and refreshed between solves. The
+    record runs over all turns; a turn's start, which repeats the last turn's end under new labels,
+    is left out, its label changes stand in the next row.
 
     `max_iterations` bounds each turn. converged: the last turn did, and no label wants to change.
     """
-    held, turns, changes = replace(options, labels_in_solve=False), list[native.Result](), list[int]()
+    held, turns, changes = (
+        replace(options, labels_in_solve=False),
+        list[native.Result](),
+        list[int](),
+    )
     start = problem.unknowns
     for _ in range(most_turns):
         turns.append(native.solve(problem, held))
@@ -39,28 +47,41 @@ def solve(problem: native.Problem, options: native.Options, most_turns: int = MO
 
 
 def _calibrated(unknowns: native.Unknowns, start: native.Unknowns) -> native.Unknowns:
-    """Return the unknowns with the intrinsics of the start: their prior is about those that a solve starts from, and would
-    follow them from turn to turn."""
-    return replace(unknowns, intrinsics_top=start.intrinsics_top, intrinsics_bottom=start.intrinsics_bottom)
+    """Return the unknowns with the intrinsics of the start: their prior is about those that a solve
+    starts from, and would follow them from turn to turn.
+    """
+    return replace(
+        unknowns, intrinsics_top=start.intrinsics_top, intrinsics_bottom=start.intrinsics_bottom
+    )
 
 
-def likelier_labels(problem: native.Problem, distance: NDArray[np.float64], options: native.Options) -> NDArray[np.int32]:
-    """Return the likelier label (m,) of each surface row; distance (m,): signed, to the CAD model without the field
-    [Ozog2016 eq. 4.4]."""
+def likelier_labels(
+    problem: native.Problem, distance: NDArray[np.float64], options: native.Options
+) -> NDArray[np.int32]:
+    """Return the likelier label (m,) of each surface row; distance (m,): signed, to the CAD model
+    without the field [Ozog2016 eq. 4.4].
+    """
     offset = distance
     nodes = problem.surface.field
     if len(nodes.index):
-        offset = distance - np.einsum("nk,nk->n", nodes.weight, problem.unknowns.deviation[nodes.index])
-    return np.asarray(np.abs(offset) <= label_boundary(options.sigma_on, options.sigma_off), np.int32)
+        offset = distance - np.einsum(
+            "nk,nk->n", nodes.weight, problem.unknowns.deviation[nodes.index]
+        )
+    return np.asarray(
+        np.abs(offset) <= label_boundary(options.sigma_on, options.sigma_off), np.int32
+    )
 
 
 def label_boundary(sigma_on: float, sigma_off: float) -> float:
-    """Return how far off the hull (m) the two labels are equally likely [Ozog2016 4.2.3]; sigma_off must be larger than
-    sigma_on."""
+    """Return how far off the hull (m) the two labels are equally likely [Ozog2016 4.2.3]; sigma_off
+    must be larger than sigma_on.
+    """
     return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
 
 
-def _join_turns(turns: Sequence[native.Result], changes: Sequence[int], label: NDArray[np.int32]) -> native.Result:
+def _join_turns(
+    turns: Sequence[native.Result], changes: Sequence[int], label: NDArray[np.int32]
+) -> native.Result:
     last = turns[-1]
     parts = last.seconds.keys()
     return replace(
@@ -73,7 +94,9 @@ def _join_turns(turns: Sequence[native.Result], changes: Sequence[int], label: N
     )
 
 
-def _record(records: Sequence[native.IterationRecord], changes: Sequence[int]) -> native.IterationRecord:
+def _record(
+    records: Sequence[native.IterationRecord], changes: Sequence[int]
+) -> native.IterationRecord:
     keep = [slice(None) if k == 0 else slice(1, None) for k in range(len(records))]
     offset = np.cumsum([0.0, *(r.seconds[-1] for r in records)])
     found = {
@@ -81,15 +104,21 @@ def _record(records: Sequence[native.IterationRecord], changes: Sequence[int]) -
         for name in records[0].__dataclass_fields__
         if name not in ("seconds", "cost_by_factor", "label_changes")
     }
-    changed = np.concatenate([np.zeros(len(r.cost[s]), np.int64) for r, s in zip(records, keep, strict=True)])
+    changed = np.concatenate(
+        [np.zeros(len(r.cost[s]), np.int64) for r, s in zip(records, keep, strict=True)]
+    )
     ends = np.cumsum([len(r.cost[s]) for r, s in zip(records, keep, strict=True)])
     for end, count in zip(ends, changes, strict=True):
         changed[min(end, len(changed) - 1)] += count
     return native.IterationRecord(
         **found,
-        seconds=np.concatenate([r.seconds[s] + o for r, s, o in zip(records, keep, offset, strict=False)]),
+        seconds=np.concatenate(
+            [r.seconds[s] + o for r, s, o in zip(records, keep, offset, strict=False)]
+        ),
         cost_by_factor={
-            name: np.concatenate([r.cost_by_factor[name][s] for r, s in zip(records, keep, strict=True)])
+            name: np.concatenate(
+                [r.cost_by_factor[name][s] for r, s in zip(records, keep, strict=True)]
+            )
             for name in records[0].cost_by_factor
         },
         label_changes=changed,

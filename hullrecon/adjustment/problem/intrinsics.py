@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The cameras' intrinsics as unknowns with priors (docs/methods.md 6): off unless asked for.
 
-Every round starts from the calibration, not from what the round before found: the solver's prior stands about its start.
+Every round starts from the calibration, not from what the round before found: the solver's prior
+stands about its start.
 """
 
 from __future__ import annotations
@@ -24,14 +25,22 @@ _FAR_SIGMAS = 3.0
 
 
 def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
-    """Return sigmas (9,) of `NAMES`: pixels, then coefficients; the tangential ones are a tenth as free as the radial ones."""
+    """Return sigmas (9,) of `NAMES`: pixels, then coefficients; the tangential ones are a tenth as
+    free as the radial ones.
+    """
     radial, center = options.distortion_sigma, options.center_sigma_px
     focal = options.focal_sigma * np.array([camera.fx, camera.fy])
-    return np.asarray(np.r_[focal, center, center, radial, radial, 0.1 * radial, 0.1 * radial, radial])
+    return np.asarray(
+        np.r_[focal, center, center, radial, radial, 0.1 * radial, 0.1 * radial, radial]
+    )
 
 
-def free_intrinsics(problem: native.Problem, calibrated: Rig, options: AdjustOptions) -> native.Problem:
-    """Return the problem with the intrinsics of the cameras that saw something as unknowns, started at their calibration."""
+def free_intrinsics(
+    problem: native.Problem, calibrated: Rig, options: AdjustOptions
+) -> native.Problem:
+    """Return the problem with the intrinsics of the cameras that saw something as unknowns, started
+    at their calibration.
+    """
     if not options.refine_intrinsics or calibrated.top is None:
         return problem
     seen = {"top": _saw(problem, 0), "bottom": calibrated.bottom is not None and _saw(problem, 1)}
@@ -39,11 +48,17 @@ def free_intrinsics(problem: native.Problem, calibrated: Rig, options: AdjustOpt
     if calibrated.bottom is not None:
         unknowns = replace(unknowns, intrinsics_bottom=calibrated.bottom.parameters())
     priors = replace(problem.priors, intrinsics_sigma=prior_sigma(calibrated.top, options))
-    return replace(problem, unknowns=unknowns, priors=priors).free(*(f"intrinsics_{name}" for name, saw in seen.items() if saw))
+    return replace(problem, unknowns=unknowns, priors=priors).free(
+        *(f"intrinsics_{name}" for name, saw in seen.items() if saw)
+    )
 
 
-def apply_intrinsics(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
-    """Return the measurements seen through the cameras that the solve found; the same where they were held."""
+def apply_intrinsics(
+    m: Measurements, problem: native.Problem, result: native.Result
+) -> Measurements:
+    """Return the measurements seen through the cameras that the solve found; the same where they
+    were held.
+    """
     rig = m.rig
     if "intrinsics_top" not in problem.constant and rig.top is not None:
         rig = replace(rig, top=_camera(rig.top, result.unknowns.intrinsics_top))
@@ -52,29 +67,55 @@ def apply_intrinsics(m: Measurements, problem: native.Problem, result: native.Re
     return m if rig is m.rig else replace(m, rig=rig)
 
 
-def summarise_intrinsics(calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions) -> dict[str, Any]:
-    """Return by camera and name: calibrated, found, its sigma, and by how many sigmas of the prior it moved."""
+def summarise_intrinsics(
+    calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions
+) -> dict[str, Any]:
+    """Return by camera and name: calibrated, found, its sigma, and by how many sigmas of the prior
+    it moved.
+    """
     out: dict[str, Any] = {}
-    for name, covariance in (("top", marginals.intrinsics_top), ("bottom", marginals.intrinsics_bottom)):
-        before, after, sigma = getattr(calibrated, name), getattr(found, name), np.sqrt(np.maximum(np.diag(covariance), 0))
+    for name, covariance in (
+        ("top", marginals.intrinsics_top),
+        ("bottom", marginals.intrinsics_bottom),
+    ):
+        before, after, sigma = (
+            getattr(calibrated, name),
+            getattr(found, name),
+            np.sqrt(np.maximum(np.diag(covariance), 0)),
+        )
         if before is None or not sigma.any():
             continue
-        start, end, prior = before.parameters(), after.parameters(), prior_sigma(calibrated.top or before, options)
+        start, end, prior = (
+            before.parameters(),
+            after.parameters(),
+            prior_sigma(calibrated.top or before, options),
+        )
         out[name] = {
-            key: {"calibrated": float(a), "found": float(b), "sigma": float(s), "moved_in_prior_sigma": float((b - a) / p)}
+            key: {
+                "calibrated": float(a),
+                "found": float(b),
+                "sigma": float(s),
+                "moved_in_prior_sigma": float((b - a) / p),
+            }
             for key, a, b, s, p in zip(NAMES, start, end, sigma, prior, strict=True)
         }
     return out
 
 
 def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
-    """Return a sentence for each camera of which something moved further than its prior lets one expect."""
+    """Return a sentence for each camera of which something moved further than its prior lets one
+    expect.
+    """
     warnings = []
     for name, values in figures.items():
         far = {key: v for key, v in values.items() if abs(v["moved_in_prior_sigma"]) > _FAR_SIGMAS}
         if far:
-            moved = ", ".join(f"{key} from {v['calibrated']:.5g} to {v['found']:.5g}" for key, v in far.items())
-            warnings.append(f"The calibration of camera.{name} does not fit the dive ({moved}): check it, or calibrate again.")
+            moved = ", ".join(
+                f"{key} from {v['calibrated']:.5g} to {v['found']:.5g}" for key, v in far.items()
+            )
+            warnings.append(
+                f"The calibration of camera.{name} does not fit the dive ({moved}): check it, or calibrate again."
+            )
     return warnings
 
 

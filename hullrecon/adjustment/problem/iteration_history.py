@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the solver did, iteration by iteration over all rounds: columns for iterations.npz, lines for the log
-[Ozog2016 4.4.1].
+"""What the solver did, iteration by iteration over all rounds: columns for iterations.npz, lines
+for the log [Ozog2016 4.4.1].
 
-Costs of two rounds do not compare: each round has the sigmas and the landmarks that the one before left it. So every row
-carries its round, and what the round's cost is whitened with.
+Costs of two rounds do not compare: each round has the sigmas and the landmarks that the one before
+left it. So every row carries its round, and what the round's cost is whitened with.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ COUNTS = ("on_surface", "label_changes", "rays_missed")
 
 @dataclass(frozen=True, kw_only=True)
 class Round:
-    """One solve. weights: those that it used; depth_sigma_m: their sigma of a depth (NaN without depths); began_s: when it
-    began, seconds since the adjustment did."""
+    """One solve. weights: those that it used; depth_sigma_m: their sigma of a depth (NaN without
+    depths); began_s: when it began, seconds since the adjustment did.
+    """
 
     record: native.IterationRecord
     weights: Weights
@@ -40,13 +41,17 @@ class Round:
 
 
 def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
-    """Return arrays with a row an iteration, rounds one after the other; names and meaning in docs/formats.md."""
+    """Return arrays with a row an iteration, rounds one after the other; names and meaning in
+    docs/formats.md.
+    """
     long = [len(r.record.cost) for r in rounds]
     found: dict[str, NDArray[Any]] = {
         "round": np.repeat(np.arange(1, len(rounds) + 1), long),
         "iteration": np.concatenate([np.arange(n) for n in long]),
         "landmarks": np.repeat([r.landmarks for r in rounds], long),
-        **{name: np.repeat([_sigmas(r)[name] for r in rounds], long) for name in _sigmas(rounds[0])},
+        **{
+            name: np.repeat([_sigmas(r)[name] for r in rounds], long) for name in _sigmas(rounds[0])
+        },
     }
     for name in (*STEP, *COUNTS):
         found[name] = np.concatenate([getattr(r.record, name) for r in rounds])
@@ -93,19 +98,39 @@ def _sigmas(done: Round) -> dict[str, float]:
 
 
 def lines(number: int, done: Round) -> Iterator[str]:
-    """Return the round's table for the log: a line an iteration, the factors that cost anything as columns."""
+    """Return the round's table for the log: a line an iteration, the factors that cost anything as
+    columns.
+    """
     record, w = done.record, done.weights
     names = [name for name in native.FACTORS if np.any(record.cost_by_factor[name] > 0)]
     yield (
         f"round {number}, {done.landmarks} landmarks, sigmas {w.pixel:.3g} px, tray {np.degrees(w.tray):.2g} deg, ranges "
         f"{w.range_sigma:.3g} m, depths {done.depth_sigma_m:.2g} m (costs do not compare with those of other rounds)"
     )
-    heads = ["iteration", "cost", *names, "step", "gradient", "on hull", "changed", "missed", "seconds"]
+    heads = [
+        "iteration",
+        "cost",
+        *names,
+        "step",
+        "gradient",
+        "on hull",
+        "changed",
+        "missed",
+        "seconds",
+    ]
     yield "  ".join(f"{head:>10}" for head in heads)
     for k in range(len(record.cost)):
         cells = [f"{k}" if record.accepted[k] else f"({k})"]
-        cells += [f"{value:.5g}" for value in (record.cost[k], *(record.cost_by_factor[name][k] for name in names))]
+        cells += [
+            f"{value:.5g}"
+            for value in (record.cost[k], *(record.cost_by_factor[name][k] for name in names))
+        ]
         cells += [f"{record.step_norm[k]:.2e}", f"{record.gradient_norm[k]:.2e}"]
-        cells += [f"{values[k]}" for values in (record.on_surface, record.label_changes, record.rays_missed)]
-        yield "  ".join(f"{cell:>10}" for cell in [*cells, f"{done.began_s + record.seconds[k]:.2f}"])
+        cells += [
+            f"{values[k]}"
+            for values in (record.on_surface, record.label_changes, record.rays_missed)
+        ]
+        yield "  ".join(
+            f"{cell:>10}" for cell in [*cells, f"{done.began_s + record.seconds[k]:.2f}"]
+        )
     yield f"{done.message}; iterations in brackets were not accepted"

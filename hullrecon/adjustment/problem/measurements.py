@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the adjustment measures and starts from: records of navigation and vision, the rig with its priors, the CAD model."""
+"""What the adjustment measures and starts from: records of navigation and vision, the rig with its
+priors, the CAD model.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,24 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.tracks import Tracks
-from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Returns, Trajectory, VehiclePath
+from hullrecon.records.trajectory import (
+    Attitude,
+    Odometry,
+    PositionTies,
+    Returns,
+    Trajectory,
+    VehiclePath,
+)
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)
 class CadModel:
-    """The ship's CAD model: mesh and chart in M, the package's guess of T_g_M with sigmas (6,) in M's axes (m, rad);
-    contradicted: its sigmas were widened, since the hull lies farther from the guess, or leaves the model by more."""
+    """The ship's CAD model: mesh and chart in M, the package's guess of T_g_M with sigmas (6,) in
+    M's axes (m, rad); contradicted: its sigmas were widened, since the hull lies farther from the
+    guess, or leaves the model by more.
+    """
 
     mesh: Mesh
     chart: Chart
@@ -35,8 +46,10 @@ class CadModel:
 
 @dataclass(frozen=True, kw_only=True)
 class Measurements:
-    """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD; start None: dead reckoning is the path to
-    begin with; planes: what ties passes where there is no CAD model; positions: from outside, None where there are none."""
+    """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD; start None:
+    dead reckoning is the path to begin with; planes: what ties passes where there is no CAD model;
+    positions: from outside, None where there are none.
+    """
 
     trajectory: Trajectory
     odometry: Odometry
@@ -50,7 +63,9 @@ class Measurements:
     positions: PositionTies | None = None
 
 
-def beam_ends(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:
+def beam_ends(
+    returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses
+) -> tuple[Array, Array]:
     """Return the ends of the DVL's beams in g, (m, 3), and their unit directions in g, (m, 3)."""
     rig = SensorRig(tray_origin=tray_origin, pressure_origin=np.zeros(3), tray_from_dvl=T_s_d)
     ends = rig.dvl_points(returns, VehiclePath(poses=nodes, tray=tray_angle))

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which observations, landmarks and returns enter a round: loose at first, by sigmas once they are known."""
+"""Which observations, landmarks and returns enter a round: loose at first, by sigmas once they are
+known.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,11 @@ import numpy as np
 from hullrecon.adjustment.problem.assembly import Selection
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State
-from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors, triangulate
+from hullrecon.adjustment.problem.triangulation import (
+    camera_poses,
+    reprojection_errors,
+    triangulate,
+)
 from hullrecon.typing import Array, Mask
 
 
@@ -19,7 +25,9 @@ def landmark_count(m: Measurements) -> int:
 
 
 def triangulate_landmarks(m: Measurements, state: State) -> Array:
-    """Return landmarks (L, 3) in g triangulated from the present poses; NaN where it cannot be done."""
+    """Return landmarks (L, 3) in g triangulated from the present poses; NaN where it cannot be
+    done.
+    """
     if m.tracks is None or state.T_s_ct is None:
         return np.zeros((0, 3))
     top, bottom = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
@@ -28,26 +36,34 @@ def triangulate_landmarks(m: Measurements, state: State) -> Array:
 
 
 def select_measurements(m: Measurements, state: State, max_px: Array | float) -> Selection:
-    """Return observations whose reprojection error is at most `max_px`, of all or of each (m,), landmarks that keep at least
-    two rays and lie near the hull, returns that were not flagged."""
+    """Return observations whose reprojection error is at most `max_px`, of all or of each (m,),
+    landmarks that keep at least two rays and lie near the hull, returns that were not flagged.
+    """
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
     if m.tracks is None or state.T_s_ct is None:
         empty = np.zeros(0, bool)
         return Selection(empty, empty, returns, np.zeros(0, np.int64))
     poses = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
     top_error, bottom_error = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
-    top, bottom = np.nan_to_num(top_error, nan=np.inf) <= max_px, np.nan_to_num(bottom_error, nan=np.inf) <= max_px
+    top, bottom = (
+        np.nan_to_num(top_error, nan=np.inf) <= max_px,
+        np.nan_to_num(bottom_error, nan=np.inf) <= max_px,
+    )
     rays = np.bincount(m.tracks.landmark, top.astype(float) + bottom, minlength=landmark_count(m))
     used = (rays >= 2) & np.isfinite(state.landmark[:, 0]) & _near_hull(state)
     return Selection(top, bottom, returns, np.flatnonzero(used))
 
 
 def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
-    """Return the landmarks seen best, about `most` and one at least of each node that first saw some, spread evenly over these:
-    enough to find poses and sigmas in the rounds before the last, at a fraction of its cost."""
+    """Return the landmarks seen best, about `most` and one at least of each node that first saw
+    some, spread evenly over these: enough to find poses and sigmas in the rounds before the last,
+    at a fraction of its cost.
+    """
     if m.tracks is None or len(chosen.landmarks) <= most:
         return chosen
-    rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))
+    rays = np.bincount(
+        m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m)
+    )
     first = np.full(landmark_count(m), np.iinfo(np.int64).max)
     np.minimum.at(first, m.tracks.landmark, m.tracks.node)
     node = first[chosen.landmarks]
@@ -57,25 +73,33 @@ def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
     return Selection(chosen.top, chosen.bottom, chosen.returns, np.sort(chosen.landmarks[kept]))
 
 
-def drop_isolated_landmarks(m: Measurements, state: State, chosen: Selection, off: Mask, reach_m: float = 0.15) -> Selection:
-    """Leave out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw and that have no two
-    neighbours off the hull within reach: a mismatch along the epipolar line looks like structure, but stands alone."""
+def drop_isolated_landmarks(
+    m: Measurements, state: State, chosen: Selection, off: Mask, reach_m: float = 0.15
+) -> Selection:
+    """Leave out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw
+    and that have no two neighbours off the hull within reach: a mismatch along the epipolar line
+    looks like structure, but stands alone.
+    """
     from scipy.spatial import cKDTree
 
     if m.tracks is None or not off.any():
         return chosen
-    rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))[
-        chosen.landmarks
-    ]
+    rays = np.bincount(
+        m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m)
+    )[chosen.landmarks]
     position = state.landmark[chosen.landmarks]
-    neighbours = cKDTree(position[off]).query_ball_point(position[off], reach_m, return_length=True) - 1
+    neighbours = (
+        cKDTree(position[off]).query_ball_point(position[off], reach_m, return_length=True) - 1
+    )
     isolated = np.zeros(len(off), bool)
     isolated[off] = (rays[off] <= 3) & (neighbours < 2)
     return Selection(chosen.top, chosen.bottom, chosen.returns, chosen.landmarks[~isolated])
 
 
 def _near_hull(state: State, reach_m: float = 2.0) -> Mask:
-    """Return which landmarks (L,) lie within reach of the CAD model, or of the path without one: metres off is a mismatch."""
+    """Return which landmarks (L,) lie within reach of the CAD model, or of the path without one:
+    metres off is a mismatch.
+    """
     from scipy.spatial import cKDTree
 
     finite = np.nan_to_num(state.landmark, nan=1e6)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The unknowns of the adjustment between rounds, and what is held against them: labels, weights, the deviation grid."""
+"""The unknowns of the adjustment between rounds, and what is held against them: labels, weights,
+the deviation grid.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +20,10 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class HullState:
-    """The hull as it is estimated: global_from_hull T_g_M (a batch of one), survey_center (3,) in M, and the field (size,) m
-    of its deviation from the CAD model on `grid` (None: no field). stretches: of the path, known loosely to each other
-    (None: it holds together)."""
+    """The hull as it is estimated: global_from_hull T_g_M (a batch of one), survey_center (3,) in
+    M, and the field (size,) m of its deviation from the CAD model on `grid` (None: no field).
+    stretches: of the path, known loosely to each other (None: it holds together).
+    """
 
     cad_model: CadModel
     global_from_hull: Poses
@@ -43,15 +46,23 @@ class HullState:
         return index.closest(self.to_hull(points)).distance
 
     def deviation(self, points: Array) -> Array:
-        """Return signed distances (n,) m of points (n, 3) in g to the hull as it is: the CAD model moved by the field."""
+        """Return signed distances (n,) m of points (n, 3) in g to the hull as it is: the CAD model
+        moved by the field.
+        """
         distance = self.cad_distance(points)
-        return distance if self.grid is None else np.asarray(distance - self.grid.value(self.field, self.to_chart(points)))
+        return (
+            distance
+            if self.grid is None
+            else np.asarray(distance - self.grid.value(self.field, self.to_chart(points)))
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
 class State:
-    """The unknowns: nodes T_g_v, tray (n,) rad, landmark (L, 3) in g (NaN: not used), motions T_a_b as batches of one (None
-    where the sensor was not carried), navigation (6,); hull: None without a CAD model."""
+    """The unknowns: nodes T_g_v, tray (n,) rad, landmark (L, 3) in g (NaN: not used), motions T_a_b
+    as batches of one (None where the sensor was not carried), navigation (6,); hull: None without a
+    CAD model.
+    """
 
     nodes: Poses
     tray: Array
@@ -65,9 +76,11 @@ class State:
 
 @dataclass(frozen=True, kw_only=True)
 class Weights:
-    """One sigma of each kind of measurement as used in a round. pixel_ratio (m,): by which the sigma of each observation of the
-    tracks differs from `pixel`. surface (L,): weight of each landmark's mixture. depth: in the sigma that navigation gave it.
-    range_sigma: metres. tray_direction (n,): +1 or -1, the side of its backlash on which the tray hangs."""
+    """One sigma of each kind of measurement as used in a round. pixel_ratio (m,): by which the
+    sigma of each observation of the tracks differs from `pixel`. surface (L,): weight of each
+    landmark's mixture. depth: in the sigma that navigation gave it. range_sigma: metres.
+    tray_direction (n,): +1 or -1, the side of its backlash on which the tray hangs.
+    """
 
     pixel: float
     pixel_ratio: Array

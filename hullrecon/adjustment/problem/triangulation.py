@@ -18,7 +18,9 @@ from hullrecon.typing import Array, Ints
 OBSERVATIONS = 1_000_000  # whose rays are laid at a time
 
 
-def camera_poses(nodes: Poses, tray_angle: Array, rig: Rig, T_s_ct: Poses, T_ct_cb: Poses | None) -> tuple[Poses, Poses | None]:
+def camera_poses(
+    nodes: Poses, tray_angle: Array, rig: Rig, T_s_ct: Poses, T_ct_cb: Poses | None
+) -> tuple[Poses, Poses | None]:
     """Return T_g_ct and T_g_cb at the nodes; None for a camera without a mount."""
     sensors = SensorRig(
         tray_origin=rig.tray_origin,
@@ -32,8 +34,12 @@ def camera_poses(nodes: Poses, tray_angle: Array, rig: Rig, T_s_ct: Poses, T_ct_
     return sensors.camera_poses(path, Camera.TOP), bottom
 
 
-def triangulate(tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | None, rig: Rig) -> tuple[Array, Array]:
-    """Return positions (L, 3) in g, NaN where fewer than two rays or no parallax, and the widest angle of rays, rad (L,)."""
+def triangulate(
+    tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | None, rig: Rig
+) -> tuple[Array, Array]:
+    """Return positions (L, 3) in g, NaN where fewer than two rays or no parallax, and the widest
+    angle of rays, rad (L,).
+    """
     normal, right, mean_ray, count = (
         np.zeros((n_landmarks, 3, 3)),
         np.zeros((n_landmarks, 3)),
@@ -59,20 +65,30 @@ def triangulate(tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | No
     return position, spread
 
 
-def rays_in_global(pixels: Array, node: Ints, camera: CameraModel, pose: Poses) -> tuple[Array, Array]:
-    """Return origins and unit directions (n, 3) in g of pixels (n, 2) of a camera whose poses at the nodes are T_g_c."""
+def rays_in_global(
+    pixels: Array, node: Ints, camera: CameraModel, pose: Poses
+) -> tuple[Array, Array]:
+    """Return origins and unit directions (n, 3) in g of pixels (n, 2) of a camera whose poses at
+    the nodes are T_g_c.
+    """
     at = pose[node]
     return at.translation, np.asarray(at.rotation.apply(camera.rays(pixels)))
 
 
 def _ray_spread(mean_ray: Array, count: Array) -> Array:
-    """Return twice the angle whose cosine is the length of the mean ray: the full angle for two rays, its scale for more."""
+    """Return twice the angle whose cosine is the length of the mean ray: the full angle for two
+    rays, its scale for more.
+    """
     length = np.linalg.norm(mean_ray, axis=1) / np.maximum(count, 1)
     return np.asarray(2 * np.arccos(np.clip(length, -1, 1)))
 
 
-def reprojection_errors(tracks: Tracks, landmark: Array, top: Poses, bottom: Poses | None, rig: Rig) -> tuple[Array, Array]:
-    """Return pixel distances (m,) of each observation in the top and the bottom camera; NaN where it has none."""
+def reprojection_errors(
+    tracks: Tracks, landmark: Array, top: Poses, bottom: Poses | None, rig: Rig
+) -> tuple[Array, Array]:
+    """Return pixel distances (m,) of each observation in the top and the bottom camera; NaN where
+    it has none.
+    """
     errors = []
     for pixels, camera, pose in ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom)):
         if camera is None or pose is None:

@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The adjusted dive as a sparse COLMAP model: a rigid rig, frames, images, points with their tracks.
+"""The adjusted dive as a sparse COLMAP model: a rigid rig, frames, images, points with their
+tracks.
 
-COLMAP's pixel centres lie at 0.5, 0.5, OpenCV's at 0, 0: half a pixel is added to principal points and observations.
+COLMAP's pixel centres lie at 0.5, 0.5, OpenCV's at 0, 0: half a pixel is added to principal points
+and observations.
 """
 
 from __future__ import annotations
@@ -25,9 +27,10 @@ TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
 
 @dataclass(frozen=True, kw_only=True)
 class SparseModel:
-    """hull_from_top: T_M_ct at the nodes (T_g_ct without a CAD model); T_ct_cb None for a mono rig. position (L, 3), NaN where
-    a landmark is not in the model. top, bottom (m,) bool: observations that entered. stamps (n, 2): ns by camera, -1 for
-    none."""
+    """hull_from_top: T_M_ct at the nodes (T_g_ct without a CAD model); T_ct_cb None for a mono rig.
+    position (L, 3), NaN where a landmark is not in the model. top, bottom (m,) bool: observations
+    that entered. stamps (n, 2): ns by camera, -1 for none.
+    """
 
     tracks: Tracks
     top: Mask
@@ -89,7 +92,9 @@ def _camera(number: int, camera: CameraModel) -> Any:
     name, params = "OPENCV", values[:8]
     if camera.k3 != 0.0:
         name, params = "FULL_OPENCV", np.r_[values[:8], values[8], 0, 0, 0]
-    return pycolmap.Camera(camera_id=number, model=name, width=camera.width, height=camera.height, params=params)
+    return pycolmap.Camera(
+        camera_id=number, model=name, width=camera.width, height=camera.height, params=params
+    )
 
 
 @dataclass(frozen=True)
@@ -116,21 +121,31 @@ def _observations(model: SparseModel) -> _Seen:
 
 
 def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
-    """Add a frame for each node that has an image; an image without observations is kept: its pose is known all the same."""
+    """Add a frame for each node that has an image; an image without observations is kept: its pose
+    is known all the same.
+    """
     import pycolmap
 
     for node in np.flatnonzero((model.stamps >= 0).any(1)):
-        ids = [(2 * int(node) + k, k, int(model.stamps[node, k - 1])) for k in (TOP, BOTTOM) if model.stamps[node, k - 1] >= 0]
+        ids = [
+            (2 * int(node) + k, k, int(model.stamps[node, k - 1]))
+            for k in (TOP, BOTTOM)
+            if model.stamps[node, k - 1] >= 0
+        ]
         ids = [entry for entry in ids if reconstruction.exists_camera(entry[1])]
         frame = pycolmap.Frame(frame_id=int(node) + 1, rig_id=1)
         for image_id, camera_id, _ in ids:
-            frame.add_data_id(pycolmap.data_t(pycolmap.sensor_t(pycolmap.SensorType.CAMERA, camera_id), image_id))
+            frame.add_data_id(
+                pycolmap.data_t(pycolmap.sensor_t(pycolmap.SensorType.CAMERA, camera_id), image_id)
+            )
         frame.rig_from_world = _rigid(model.hull_from_top[int(node)].inverse())
         reconstruction.add_frame(frame)
         for image_id, camera_id, stamp in ids:
             rows = slice(*np.searchsorted(seen.image, [image_id, image_id + 1]))
             name = f"{(Camera.TOP if camera_id == TOP else Camera.BOTTOM).key}/{stamp}.jpg"
-            image = pycolmap.Image(name=name, keypoints=seen.pixel[rows], camera_id=camera_id, image_id=image_id)
+            image = pycolmap.Image(
+                name=name, keypoints=seen.pixel[rows], camera_id=camera_id, image_id=image_id
+            )
             image.frame_id = int(node) + 1
             reconstruction.add_image(image)
         reconstruction.register_frame(int(node) + 1)
@@ -140,12 +155,21 @@ def _add_points(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
     import pycolmap
 
     order = np.lexsort((seen.image, seen.landmark))
-    landmark, image, keypoint = seen.landmark[order], seen.image[order].tolist(), seen.keypoint[order].tolist()
+    landmark, image, keypoint = (
+        seen.landmark[order],
+        seen.image[order].tolist(),
+        seen.keypoint[order].tolist(),
+    )
     edges = np.r_[0, np.flatnonzero(np.diff(landmark)) + 1, len(landmark)].tolist()
     for low, high in pairwise(edges):
         number = int(landmark[low])
-        elements = [pycolmap.TrackElement(i, p) for i, p in zip(image[low:high], keypoint[low:high], strict=True)]
+        elements = [
+            pycolmap.TrackElement(i, p)
+            for i, p in zip(image[low:high], keypoint[low:high], strict=True)
+        ]
         point = pycolmap.Point3D(
-            xyz=model.position[number], color=model.tracks.color[number], track=pycolmap.Track(elements=elements)
+            xyz=model.position[number],
+            color=model.tracks.color[number],
+            track=pycolmap.Track(elements=elements),
         )
         reconstruction.add_point3D_with_id(number + 1, point)

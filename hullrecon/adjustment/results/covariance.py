@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From the marginals of the solve to covariances of what is delivered: poses and landmarks in the hull frame.
+"""From the marginals of the solve to covariances of what is delivered: poses and landmarks in the
+hull frame.
 
-With T_M_v = T_g_M^-1 T_g_v and the perturbations of docs/conventions.md (translation added in g, rotation on the right, T_g_M
-about the survey's middle c), first order:
+With T_M_v = T_g_M^-1 T_g_v and the perturbations of docs/conventions.md (translation added in g,
+rotation on the right, T_g_M about the survey's middle c), first order:
     d t_Mv = R_gM^T (d t_gv - d t_gM) + [t_Mv - c]x d w_gM,    d w_Mv = d w_gv - R_Mv^T d w_gM.
 """
 
@@ -16,10 +17,14 @@ from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array
 
 
-def poses_in_hull(pose: Array, pose_hull: Array, hull: Array, nodes: Poses, T_g_M: Poses, center: Array) -> Array:
-    """Return the covariance (n, 6, 6) of T_M_v (translation in M, rotation right-perturb_pose in v).
+def poses_in_hull(
+    pose: Array, pose_hull: Array, hull: Array, nodes: Poses, T_g_M: Poses, center: Array
+) -> Array:
+    """Return the covariance (n, 6, 6) of T_M_v (translation in M, rotation right-perturb_pose in
+    v).
 
-    pose (n, 6, 6) of T_g_v, pose_hull (n, 6, 6) with T_g_M, hull (6, 6) of T_g_M about `center` (3,) in M.
+    pose (n, 6, 6) of T_g_v, pose_hull (n, 6, 6) with T_g_M, hull (6, 6) of T_g_M about `center`
+    (3,) in M.
     """
     in_hull = T_g_M.inverse() @ nodes
     to_hull = T_g_M.rotation.as_matrix()[0].T
@@ -32,9 +37,12 @@ def poses_in_hull(pose: Array, pose_hull: Array, hull: Array, nodes: Poses, T_g_
     return _propagate(by_pose, by_hull, pose, pose_hull, hull)
 
 
-def points_in_hull(point: Array, point_hull: Array, hull: Array, position: Array, T_g_M: Poses, center: Array) -> Array:
-    """Return the covariance (n, 3, 3) in M of points (n, 3) in g: point (n, 3, 3), point_hull (n, 3, 6) with T_g_M, hull (6,
-    6)."""
+def points_in_hull(
+    point: Array, point_hull: Array, hull: Array, position: Array, T_g_M: Poses, center: Array
+) -> Array:
+    """Return the covariance (n, 3, 3) in M of points (n, 3) in g: point (n, 3, 3), point_hull (n,
+    3, 6) with T_g_M, hull (6, 6).
+    """
     to_hull = T_g_M.rotation.as_matrix()[0].T
     n = len(position)
     by_point = np.broadcast_to(to_hull, (n, 3, 3))
@@ -45,7 +53,9 @@ def points_in_hull(point: Array, point_hull: Array, hull: Array, position: Array
 
 
 def _propagate(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: Array) -> Array:
-    """Return J_own S_own J_own^T + J_own S_cross J_hull^T + its transpose + J_hull S_hull J_hull^T, symmetrised."""
+    """Return J_own S_own J_own^T + J_own S_cross J_hull^T + its transpose + J_hull S_hull J_hull^T,
+    symmetrised.
+    """
     mixed = by_own @ cross @ by_hull.transpose(0, 2, 1)
     total = (
         by_own @ own @ by_own.transpose(0, 2, 1)

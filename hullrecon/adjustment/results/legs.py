@@ -12,14 +12,17 @@ from scipy.sparse import coo_array
 
 from hullrecon.typing import Array, Ints
 
-LEAST_SWING_M, LEAST_SWING = 1.5, 0.15  # a leg's length at least: in m, and as a share of the survey's
+# a leg's length at least: in m, and as a share of the survey's
+LEAST_SWING_M, LEAST_SWING = 1.5, 0.15
 MIN_LANDMARKS = 12  # that two legs share, from which they are tied
 MOST_LISTED = 5
 
 
 @dataclass(frozen=True, kw_only=True)
 class LegTies:
-    """leg (n,): of each node, in order of time; shared (l, l): landmarks of two legs, on the diagonal those of each."""
+    """leg (n,): of each node, in order of time; shared (l, l): landmarks of two legs, on the
+    diagonal those of each.
+    """
 
     leg: Ints
     shared: Ints
@@ -28,24 +31,38 @@ class LegTies:
     def untied(self) -> Ints:
         """Return the legs that see landmarks, but share too few with any other."""
         others = self.shared - np.diag(np.diag(self.shared))
-        return np.flatnonzero((np.diag(self.shared) > 0) & (others.max(axis=1, initial=0) < MIN_LANDMARKS))
+        return np.flatnonzero(
+            (np.diag(self.shared) > 0) & (others.max(axis=1, initial=0) < MIN_LANDMARKS)
+        )
 
     def table(self, t_ns: Ints) -> list[dict[str, object]]:
-        """Return a row a leg, counted from 1: its span, and with which later legs it shares how many landmarks."""
+        """Return a row a leg, counted from 1: its span, and with which later legs it shares how
+        many landmarks.
+        """
         rows: list[dict[str, object]] = []
         for k in range(len(self.shared)):
             at = t_ns[self.leg == k]
-            later = {str(j + 1): int(self.shared[k, j]) for j in range(k + 1, len(self.shared)) if self.shared[k, j]}
+            later = {
+                str(j + 1): int(self.shared[k, j])
+                for j in range(k + 1, len(self.shared))
+                if self.shared[k, j]
+            }
             rows.append(
                 {
-                    "leg": k + 1, "from_ns": int(at.min()), "to_ns": int(at.max()), "nodes": len(at),
-                    "landmarks": int(self.shared[k, k]), "shared_with": later,
+                    "leg": k + 1,
+                    "from_ns": int(at.min()),
+                    "to_ns": int(at.max()),
+                    "nodes": len(at),
+                    "landmarks": int(self.shared[k, k]),
+                    "shared_with": later,
                 }
-            )  # fmt: skip
+            )
         return rows
 
     def describe_untied(self, t_ns: Ints) -> str | None:
-        """Return a sentence on the legs that images tie to no other; None where there are none, or but one leg."""
+        """Return a sentence on the legs that images tie to no other; None where there are none, or
+        but one leg.
+        """
         legs = self.untied
         if len(self.shared) < 2 or not len(legs):
             return None
@@ -59,7 +76,9 @@ class LegTies:
 
 
 def tie_legs(positions: Array, node: Ints, landmark: Ints) -> LegTies:
-    """Return which legs share landmarks. positions (n, 3) m of the vehicle; node, landmark (m,): each observation's."""
+    """Return which legs share landmarks. positions (n, 3) m of the vehicle; node, landmark (m,):
+    each observation's.
+    """
     leg = split_legs(positions)
     count = int(leg.max(initial=-1)) + 1
     _, number = np.unique(landmark, return_inverse=True)
@@ -70,7 +89,9 @@ def tie_legs(positions: Array, node: Ints, landmark: Ints) -> LegTies:
 
 
 def split_legs(positions: Array) -> Ints:
-    """Return the leg (n,) of each position (n, 3): one ends where the vehicle turns back along the survey's long axis."""
+    """Return the leg (n,) of each position (n, 3): one ends where the vehicle turns back along the
+    survey's long axis.
+    """
     if len(positions) < 2:
         return np.zeros(len(positions), np.int64)
     centred = positions - positions.mean(axis=0)
@@ -78,7 +99,8 @@ def split_legs(positions: Array) -> Ints:
     along = centred @ axis
     swing = max(LEAST_SWING_M, LEAST_SWING * float(np.ptp(along)))
     turns: list[int] = []
-    low = high = rising = 0  # rows of the lowest and highest since the last turn; rising: 1, -1, or 0 before the first swing
+    # rows of the lowest and highest since the last turn; rising: 1, -1, or 0 before the first swing
+    low = high = rising = 0
     for k in range(1, len(along)):
         low, high = (k if along[k] < along[low] else low), (k if along[k] > along[high] else high)
         if rising >= 0 and along[high] - along[k] > swing:

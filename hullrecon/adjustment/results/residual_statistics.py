@@ -12,7 +12,9 @@ from hullrecon.geometry.robust import robust_sigma
 
 
 def by_factor(evaluation: native.Evaluation) -> dict[str, dict[str, float]]:
-    """Return for each factor of a problem: count of residuals, RMS, robust sigma and share beyond three."""
+    """Return for each factor of a problem: count of residuals, RMS, robust sigma and share beyond
+    three.
+    """
     found = {}
     for number, name in enumerate(native.FACTORS):
         values = evaluation.residual[evaluation.factor == number]

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Solution record of an adjusted dive: unknowns with their covariances in the frame that results are given in."""
+"""The Solution record of an adjusted dive: unknowns with their covariances in the frame that
+results are given in.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +27,11 @@ def marginal_covariances(
 ) -> native.Covariance:
     """Return covariances at the solution. As published: the solve's own.
 
-    Else what the measurements leave open with the hull held where and as it was found, and the covariance of its pose by the
-    CAD model's error: in the solve a field and many beams with white noise are surer of the pose than so few cells of the CAD
-    model's error allow (docs/adr/0011). The sensors' errors have the covariance of a hull left free: its height and a bias of
-    the depth are one.
+    Else what the measurements leave open with the hull held where and as it was found, and the
+    covariance of its pose by the CAD model's error: in the solve a field and many beams with white
+    noise are surer of the pose than so few cells of the CAD model's error allow (docs/adr/0011).
+    The sensors' errors have the covariance of a hull left free: its height and a bias of the depth
+    are one.
     """
     hull = adjusted.state.hull
     if hull is None:
@@ -49,10 +52,14 @@ def marginal_covariances(
     )
 
 
-def _evidence_afterwards(m: Measurements, adjusted: Adjusted, hull: HullState) -> estimate.HullPoseEvidence:
+def _evidence_afterwards(
+    m: Measurements, adjusted: Adjusted, hull: HullState
+) -> estimate.HullPoseEvidence:
     """Return what a single solve, which held no hull pose, says of it."""
     points = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
-    return estimate.fit_hull_pose(points.xyz, hull.global_from_hull, hull.cad_model, hull.survey_center, points.loose)[0]
+    return estimate.fit_hull_pose(
+        points.xyz, hull.global_from_hull, hull.cad_model, hull.survey_center, points.loose
+    )[0]
 
 
 def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> Solution:
@@ -76,7 +83,9 @@ def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covari
             views=_views(m, adjusted)[used],
             color=m.tracks.color[used] if m.tracks is not None else np.zeros((0, 3), np.uint8),
         ),
-        mounts=Mounts(tray_from_dvl=state.T_s_d, tray_from_camera=state.T_s_ct, top_from_bottom=state.T_ct_cb),
+        mounts=Mounts(
+            tray_from_dvl=state.T_s_d, tray_from_camera=state.T_s_ct, top_from_bottom=state.T_ct_cb
+        ),
         navigation_errors=state.navigation,
         hull_pose=_hull_pose(state.hull, marginals),
         deviation_field=_deviation_field(state.hull, marginals),
@@ -86,7 +95,11 @@ def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covari
 def _hull_pose(hull: HullState | None, marginals: native.Covariance) -> HullPose | None:
     if hull is None:
         return None
-    return HullPose(global_from_hull=hull.global_from_hull, covariance=marginals.T_g_M, survey_center=hull.survey_center)
+    return HullPose(
+        global_from_hull=hull.global_from_hull,
+        covariance=marginals.T_g_M,
+        survey_center=hull.survey_center,
+    )
 
 
 def _deviation_field(hull: HullState | None, marginals: native.Covariance) -> DeviationField | None:
@@ -101,19 +114,29 @@ def _deviation_field(hull: HullState | None, marginals: native.Covariance) -> De
     )
 
 
-def _covariances(state: State, position: Array, marginals: native.Covariance) -> tuple[Array, Array]:
-    """Return those of the poses (n, 6, 6) and the landmarks (L, 3, 3), in M when there is a CAD model."""
+def _covariances(
+    state: State, position: Array, marginals: native.Covariance
+) -> tuple[Array, Array]:
+    """Return those of the poses (n, 6, 6) and the landmarks (L, 3, 3), in M when there is a CAD
+    model.
+    """
     if state.hull is None:
         return marginals.pose[:, :6, :6], marginals.landmark
     pose, center, hull = state.hull.global_from_hull, state.hull.survey_center, marginals.T_g_M
-    nodes = poses_in_hull(marginals.pose[:, :6, :6], marginals.pose_T_g_M[:, :6], hull, state.nodes, pose, center)
-    landmarks = points_in_hull(marginals.landmark, marginals.landmark_T_g_M, hull, position, pose, center)
+    nodes = poses_in_hull(
+        marginals.pose[:, :6, :6], marginals.pose_T_g_M[:, :6], hull, state.nodes, pose, center
+    )
+    landmarks = points_in_hull(
+        marginals.landmark, marginals.landmark_T_g_M, hull, position, pose, center
+    )
     return nodes, landmarks
 
 
 def _lever_arm(m: Measurements, state: State) -> Array:
-    """Return what the held position of the DVL on the tray adds to the poses' covariance (n, 6, 6): images and ranges see the
-    camera and the DVL; a shift of both on the tray moves the vehicle alone, and nothing measures it."""
+    """Return what the held position of the DVL on the tray adds to the poses' covariance (n, 6, 6):
+    images and ranges see the camera and the DVL; a shift of both on the tray moves the vehicle
+    alone, and nothing measures it.
+    """
     tray = state.nodes @ poses.tray_poses(m.rig.tray_origin, state.tray)
     in_hull = tray if state.hull is None else state.hull.global_from_hull.inverse() @ tray
     rotate = in_hull.rotation.as_matrix()
@@ -123,7 +146,9 @@ def _lever_arm(m: Measurements, state: State) -> Array:
 
 
 def _labels(adjusted: Adjusted, count: int) -> tuple[Ints, Array]:
-    """Return label and signed distance to the CAD model of each landmark; without one, label 0 and unknown distance."""
+    """Return label and signed distance to the CAD model of each landmark; without one, label 0 and
+    unknown distance.
+    """
     if adjusted.state.hull is None or not count:
         return np.zeros(count, np.int64), np.full(count, np.nan)
     return adjusted.result.label.astype(np.int64), adjusted.result.distance

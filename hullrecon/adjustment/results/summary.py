@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the adjustment reports beside its Solution: the solver's record as arrays, figures for adjust.json, warnings."""
+"""What the adjustment reports beside its Solution: the solver's record as arrays, figures for
+adjust.json, warnings.
+"""
 
 from __future__ import annotations
 
@@ -20,21 +22,34 @@ from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
 from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
-from hullrecon.adjustment.results.unexpected_errors import length_warning, mount_warnings, navigation_warnings
+from hullrecon.adjustment.results.unexpected_errors import (
+    length_warning,
+    mount_warnings,
+    navigation_warnings,
+)
 from hullrecon.adjustment.stereo_calibration import stereo_warning
 from hullrecon.estimation.position_tables import fit_of_positions
 from hullrecon.geometry.poses import pose_vector
 from hullrecon.records.solution import Solution
 from hullrecon.typing import Array, Arrays
 
-TRUSTED_STRETCH = 0.1  # a model may be another one's by so much: that is said where the survey cannot tell
-NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_backlash_rad")
+# a model may be another one's by so much: that is said where the survey cannot tell
+TRUSTED_STRETCH = 0.1
+NAVIGATION = (
+    "dvl_scale",
+    "heading_drift_rad_s",
+    "roll_bias_rad",
+    "pitch_bias_rad",
+    "depth_bias_m",
+    "tray_backlash_rad",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """solution; iterations: arrays for iterations.npz, and when each was done (s); summary: for adjust.json; warnings:
-    sentences for the report."""
+    """solution; iterations: arrays for iterations.npz, and when each was done (s); summary: for
+    adjust.json; warnings: sentences for the report.
+    """
 
     solution: Solution
     iterations: Arrays
@@ -59,13 +74,21 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         **_figures(m, adjusted, options),
         "navigation_sigma": _navigation_sigma(marginals),
         "weak_directions": weak,
-        "residuals_before": residual_statistics.by_factor(native.evaluate(adjusted.start, settings, jacobian=False)),
-        "residuals_after": residual_statistics.by_factor(native.evaluate(adjusted.problem, settings, jacobian=False)),
+        "residuals_before": residual_statistics.by_factor(
+            native.evaluate(adjusted.start, settings, jacobian=False)
+        ),
+        "residuals_after": residual_statistics.by_factor(
+            native.evaluate(adjusted.problem, settings, jacobian=False)
+        ),
         **_registration(adjusted),
         "cad_model_refused": adjusted.refusal,
         "legs": [] if ties is None else ties.table(m.trajectory.t_ns),
         **({"intrinsics": seen_with} if seen_with else {}),
-        **({"stereo_contradiction": asdict(adjusted.stereo) | {"sentence": stereo}} if adjusted.stereo is not None else {}),
+        **(
+            {"stereo_contradiction": asdict(adjusted.stereo) | {"sentence": stereo}}
+            if adjusted.stereo is not None
+            else {}
+        ),
         **({"positions": fit.facts()} if fit is not None else {}),
     }
     untied = None if ties is None else ties.describe_untied(m.trajectory.t_ns)
@@ -91,25 +114,42 @@ def _covariance_in_hull(marginals: native.Covariance, hull: HullState) -> tuple[
     return hull_axes(marginals.T_g_M, hull.global_from_hull), hull.cad_model.chart.ship_axes
 
 
-def _stereo_sentence(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> str | None:
-    """Return what contradicts the stereo rig's calibration; None where nothing does. m: its rig as calibrated."""
+def _stereo_sentence(
+    m: Measurements, adjusted: Adjusted, marginals: native.Covariance
+) -> str | None:
+    """Return what contradicts the stereo rig's calibration; None where nothing does. m: its rig as
+    calibrated.
+    """
     if adjusted.stereo is None or adjusted.state.T_ct_cb is None or m.rig.T_ct_cb is None:
         return None
-    return stereo_warning(adjusted.stereo, m.rig.T_ct_cb.nominal, adjusted.state.T_ct_cb, marginals.T_ct_cb)
+    return stereo_warning(
+        adjusted.stereo, m.rig.T_ct_cb.nominal, adjusted.state.T_ct_cb, marginals.T_ct_cb
+    )
 
 
-def _unexpected_errors(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> list[str]:
+def _unexpected_errors(
+    m: Measurements, adjusted: Adjusted, marginals: native.Covariance
+) -> list[str]:
     """Return a sentence for each sensor's error and each mount beyond what dive.toml allows."""
     allowed, state = m.rig.navigation_sigma, adjusted.state
     by_lengths = adjusted.stereo is not None and not adjusted.stereo.by_images
-    if by_lengths or adjusted.length_conflict is not None:  # then another sentence speaks of the DVL's scale
+    # then another sentence speaks of the DVL's scale
+    if by_lengths or adjusted.length_conflict is not None:
         allowed = np.r_[np.inf, allowed[1:]]
-    lengths = [] if adjusted.length_conflict is None else [length_warning(adjusted.length_conflict, marginals.navigation)]
+    lengths = (
+        []
+        if adjusted.length_conflict is None
+        else [length_warning(adjusted.length_conflict, marginals.navigation)]
+    )
     mounts = {
         "dvl.mount": (m.rig.T_s_d, state.T_s_d, marginals.T_s_d),
         "camera.top.mount": (m.rig.T_s_ct, state.T_s_ct, marginals.T_s_ct),
     }
-    return [*lengths, *navigation_warnings(state.navigation, allowed, marginals.navigation), *mount_warnings(mounts)]
+    return [
+        *lengths,
+        *navigation_warnings(state.navigation, allowed, marginals.navigation),
+        *mount_warnings(mounts),
+    ]
 
 
 def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:
@@ -159,14 +199,23 @@ def _registration(adjusted: Adjusted) -> dict[str, object]:
         return {}
     rms_m = float(np.sqrt(np.mean(found.residual**2)))
     vector = pose_vector(found.global_from_hull).tolist()
-    form = {} if adjusted.form is None else {"form": asdict(adjusted.form) | {"log_odds": adjusted.form.log_odds}}
+    form = (
+        {}
+        if adjusted.form is None
+        else {"form": asdict(adjusted.form) | {"log_odds": adjusted.form.log_odds}}
+    )
     return {"registration": {"fitness": found.fitness, "rms_m": rms_m, "T_g_M": vector, **form}}
 
 
 def _mounts(state: State) -> dict[str, list[float]]:
     """Return motions by name as x y z qx qy qz qw, those that there are."""
     hull = None if state.hull is None else state.hull.global_from_hull
-    present = {"T_s_ct": state.T_s_ct, "T_ct_cb": state.T_ct_cb, "T_s_d": state.T_s_d, "T_g_M": hull}
+    present = {
+        "T_s_ct": state.T_s_ct,
+        "T_ct_cb": state.T_ct_cb,
+        "T_s_d": state.T_s_d,
+        "T_g_M": hull,
+    }
     return {name: pose_vector(pose).tolist() for name, pose in present.items() if pose is not None}
 
 
@@ -236,13 +285,19 @@ def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     """Return what an inspector should know before trusting the result."""
     found = _placement_warnings(adjusted, solution)
     if not adjusted.result.converged:
-        found.append(f"The adjustment stopped before it converged ({adjusted.result.message}): raise adjust.max_iterations.")
+        found.append(
+            f"The adjustment stopped before it converged ({adjusted.result.message}): raise adjust.max_iterations."
+        )
     missed = float(np.mean(~adjusted.result.ray_hit)) if len(adjusted.result.ray_hit) else 0.0
     if missed > 0.05:
         found.append(
             f"{100 * missed:.0f} % of the DVL's beams miss the CAD model: it may be incomplete, or the first guess wrong."
         )
-    if len(solution.landmarks) and solution.landmarks.label.mean() < 0.5 and adjusted.state.hull is not None:
+    if (
+        len(solution.landmarks)
+        and solution.landmarks.label.mean() < 0.5
+        and adjusted.state.hull is not None
+    ):
         found.append(
             "Fewer than half of the landmarks lie on the CAD model's surface: the CAD model or its first guess may be wrong."
         )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sparse COLMAP model with pinhole cameras, for images without distortion: what multi-view stereo and splatting take."""
+"""A sparse COLMAP model with pinhole cameras, for images without distortion: what multi-view stereo
+and splatting take.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,9 @@ Reconstruction: TypeAlias = Any  # pycolmap's: it has no types
 
 @dataclass(frozen=True, kw_only=True)
 class ImageNames:
-    """An image by its name in the delivered model and in the undistorted one, which has no folders: trainers of Gaussian splats
-    drop them."""
+    """An image by its name in the delivered model and in the undistorted one, which has no folders:
+    trainers of Gaussian splats drop them.
+    """
 
     delivered: str
     undistorted: str
@@ -33,8 +36,9 @@ class ImageNames:
 
 @dataclass(frozen=True, kw_only=True)
 class UndistortedModel:
-    """Hold the pinhole model. undistortions: by camera id; images: in the order of their frames; lost_observations: how many
-    observations of the delivered model lie outside the smaller images."""
+    """Hold the pinhole model. undistortions: by camera id; images: in the order of their frames;
+    lost_observations: how many observations of the delivered model lie outside the smaller images.
+    """
 
     reconstruction: Reconstruction
     undistortions: dict[int, Undistortion]
@@ -44,8 +48,9 @@ class UndistortedModel:
 
 @dataclass(frozen=True)
 class _Seen:
-    """Hold observations (n,), sorted by image: image id, point id, and pixel (n, 2) in the undistorted image, where COLMAP
-    counts from the corner of the first pixel."""
+    """Hold observations (n,), sorted by image: image id, point id, and pixel (n, 2) in the
+    undistorted image, where COLMAP counts from the corner of the first pixel.
+    """
 
     image: Ints
     point: Ints
@@ -53,21 +58,29 @@ class _Seen:
 
 
 def undistort_model(folder: Path) -> UndistortedModel:
-    """Return the model of a folder without distortion. Poses and points stay; observations outside the smaller images go, and
-    with them points that fewer than two others saw.
+    """Return the model of a folder without distortion. Poses and points stay; observations outside
+    the smaller images go, and with them points that fewer than two others saw.
 
     Raises InputError where a camera's distortion cannot be undone.
     """
     import pycolmap
 
     delivered = pycolmap.Reconstruction(str(folder))
-    undistortions = {number: undistortion(camera_of(camera)) for number, camera in delivered.cameras.items()}
+    undistortions = {
+        number: undistortion(camera_of(camera)) for number, camera in delivered.cameras.items()
+    }
     reconstruction = pycolmap.Reconstruction()
     for number, found in undistortions.items():
         pinhole = found.pinhole
         params = [pinhole.fx, pinhole.fy, pinhole.cx + 0.5, pinhole.cy + 0.5]
         reconstruction.add_camera(
-            pycolmap.Camera(camera_id=number, model="PINHOLE", width=pinhole.width, height=pinhole.height, params=params)
+            pycolmap.Camera(
+                camera_id=number,
+                model="PINHOLE",
+                width=pinhole.width,
+                height=pinhole.height,
+                params=params,
+            )
         )
     for rig in delivered.rigs.values():
         reconstruction.add_rig(rig)
@@ -76,14 +89,23 @@ def undistort_model(folder: Path) -> UndistortedModel:
     _add_points(reconstruction, delivered, seen)
     reconstruction.update_point_3d_errors()
     lost = delivered.compute_num_observations() - len(seen.image)
-    return UndistortedModel(reconstruction=reconstruction, undistortions=undistortions, images=images, lost_observations=lost)
+    return UndistortedModel(
+        reconstruction=reconstruction,
+        undistortions=undistortions,
+        images=images,
+        lost_observations=lost,
+    )
 
 
 def camera_of(camera: pycolmap.Camera) -> CameraModel:
     """Return a camera of the delivered model, OPENCV or FULL_OPENCV, with OpenCV's pixel centres."""
     values = np.array(camera.params)
     values[2:4] -= 0.5
-    return CameraModel(camera.width, camera.height, *values[: 9 if camera.model.name == "FULL_OPENCV" else 8].tolist())
+    return CameraModel(
+        camera.width,
+        camera.height,
+        *values[: 9 if camera.model.name == "FULL_OPENCV" else 8].tolist(),
+    )
 
 
 def _observations(delivered: Reconstruction, undistortions: dict[int, Undistortion]) -> _Seen:
@@ -102,7 +124,9 @@ def _observations(delivered: Reconstruction, undistortions: dict[int, Undistorti
     return _Seen(image_id[kept], point[kept], pixel[kept])
 
 
-def _add_images(reconstruction: Reconstruction, delivered: Reconstruction, seen: _Seen) -> list[ImageNames]:
+def _add_images(
+    reconstruction: Reconstruction, delivered: Reconstruction, seen: _Seen
+) -> list[ImageNames]:
     import pycolmap
 
     names = []
@@ -111,16 +135,25 @@ def _add_images(reconstruction: Reconstruction, delivered: Reconstruction, seen:
         frame = pycolmap.Frame(frame_id=frame_id, rig_id=old.rig_id)
         ids = sorted(data.id for data in old.image_ids)
         for number in ids:
-            sensor = pycolmap.sensor_t(pycolmap.SensorType.CAMERA, delivered.images[number].camera_id)
+            sensor = pycolmap.sensor_t(
+                pycolmap.SensorType.CAMERA, delivered.images[number].camera_id
+            )
             frame.add_data_id(pycolmap.data_t(sensor, number))
         frame.rig_from_world = old.rig_from_world
         reconstruction.add_frame(frame)
         for number in ids:
             image = delivered.images[number]
-            name = ImageNames(delivered=image.name, undistorted=image.name.replace("/", "_"), camera_id=image.camera_id)
+            name = ImageNames(
+                delivered=image.name,
+                undistorted=image.name.replace("/", "_"),
+                camera_id=image.camera_id,
+            )
             rows = slice(*np.searchsorted(seen.image, [number, number + 1]))
             added = pycolmap.Image(
-                name=name.undistorted, keypoints=seen.pixel[rows], camera_id=image.camera_id, image_id=number
+                name=name.undistorted,
+                keypoints=seen.pixel[rows],
+                camera_id=image.camera_id,
+                image_id=number,
             )
             added.frame_id = frame_id
             reconstruction.add_image(added)
@@ -140,6 +173,11 @@ def _add_points(reconstruction: Reconstruction, delivered: Reconstruction, seen:
     edges = np.r_[0, np.flatnonzero(np.diff(point)) + 1, len(point)].tolist()
     for low, high in pairwise(edges if len(point) else []):
         old = delivered.points3D[int(point[low])]
-        elements = [pycolmap.TrackElement(i, k) for i, k in zip(image[low:high], number[low:high], strict=True)]
-        added = pycolmap.Point3D(xyz=old.xyz, color=old.color, track=pycolmap.Track(elements=elements))
+        elements = [
+            pycolmap.TrackElement(i, k)
+            for i, k in zip(image[low:high], number[low:high], strict=True)
+        ]
+        added = pycolmap.Point3D(
+            xyz=old.xyz, color=old.color, track=pycolmap.Track(elements=elements)
+        )
         reconstruction.add_point3D_with_id(int(point[low]), added)

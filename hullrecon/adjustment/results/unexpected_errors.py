@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of sensors and mounts that came out far larger than dive.toml allows: each in a sentence for the report."""
+"""Errors of sensors and mounts that came out far larger than dive.toml allows: each in a sentence
+for the report.
+"""
 
 from __future__ import annotations
 
@@ -16,17 +18,21 @@ from hullrecon.typing import Array
 
 TRAY_AXIS = 0.9  # of a unit turn, along the tray's axis, which is y
 ALIKE = 0.25  # of two turns that are the same: their difference as a share of the greater
-SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)  # places among the errors of navigation; the tray's backlash is not judged
+# places among the errors of navigation; the tray's backlash is not judged
+SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)
 
 
 def navigation_warnings(correction: Array, allowed: Array, covariance: Array) -> list[str]:
     """Return a sentence for each error of navigation beyond what was allowed.
 
-    correction (6,): as estimated; allowed (6,): prior sigmas; covariance (6, 6): of the estimate. Scale and drift are what
-    corrects the sensor (a share of the true velocity): its error has the other sign.
+    correction (6,): as estimated; allowed (6,): prior sigmas; covariance (6, 6): of the estimate.
+    Scale and drift are what corrects the sensor (a share of the true velocity): its error has the
+    other sign.
     """
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0))
-    many = (np.abs(correction) > MANY_SIGMAS * allowed) & (np.abs(correction) > MANY_OF_ITS_OWN * sigma)
+    many = (np.abs(correction) > MANY_SIGMAS * allowed) & (
+        np.abs(correction) > MANY_OF_ITS_OWN * sigma
+    )
     per_hour, degrees = np.degrees(correction[DRIFT]) * 3600, np.degrees(correction)
     out = []
     if many[SCALE]:
@@ -58,8 +64,9 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
 
 
 def length_warning(conflict: float, covariance: Array) -> str:
-    """Return a sentence on the velocities of a DVL that all else contradicts by that share, one camera's images among it.
-    covariance (6, 6): of navigation."""
+    """Return a sentence on the velocities of a DVL that all else contradicts by that share, one
+    camera's images among it. covariance (6, 6): of navigation.
+    """
     sigma = np.sqrt(covariance[SCALE, SCALE])
     return (
         f"The DVL's velocities contradict all else that was measured about lengths, by {100 * conflict:.1f} %. That became the "
@@ -69,12 +76,12 @@ def length_warning(conflict: float, covariance: Array) -> str:
 
 
 def mount_warnings(mounts: Mapping[str, tuple[Mount | None, Poses | None, Array]]) -> list[str]:
-    """Return a sentence for each mount that came out far from its place, those left out that were held, and one more where DVL
-    and camera are turned the same way.
+    """Return a sentence for each mount that came out far from its place, those left out that were
+    held, and one more where DVL and camera are turned the same way.
 
-    mounts: by key of dive.toml the mount, where it was found, and the covariance (6, 6) of (translation in the parent's axes,
-    rotation perturbed on the right). A shift along an instrument's own z is not spoken of: a focal length, or a range, that is
-    off looks the same.
+    mounts: by key of dive.toml the mount, where it was found, and the covariance (6, 6) of
+    (translation in the parent's axes, rotation perturbed on the right). A shift along an
+    instrument's own z is not spoken of: a focal length, or a range, that is off looks the same.
     """
     found = [
         _Displacement.of(key, mount, pose, covariance)
@@ -87,8 +94,9 @@ def mount_warnings(mounts: Mapping[str, tuple[Mount | None, Poses | None, Array]
 
 @dataclass(frozen=True, kw_only=True)
 class _Displacement:
-    """From where dive.toml has a mount, (6,): translation m and rotation rad in the child's axes, its sigma and what is
-    allowed. in_parent (3,): the rotation in the parent's axes."""
+    """From where dive.toml has a mount, (6,): translation m and rotation rad in the child's axes,
+    its sigma and what is allowed. in_parent (3,): the rotation in the parent's axes.
+    """
 
     key: str
     by: Array
@@ -109,8 +117,12 @@ class _Displacement:
         )
 
     def times_allowed(self) -> Array:
-        """Return (6,) how many times what is allowed, 0 where the dive does not know it, and along the instrument's z."""
-        over = np.where(np.abs(self.by) > MANY_OF_ITS_OWN * self.sigma, np.abs(self.by) / self.allowed, 0.0)
+        """Return (6,) how many times what is allowed, 0 where the dive does not know it, and along
+        the instrument's z.
+        """
+        over = np.where(
+            np.abs(self.by) > MANY_OF_ITS_OWN * self.sigma, np.abs(self.by) / self.allowed, 0.0
+        )
         over[2] = 0.0
         return np.asarray(over)
 
@@ -123,9 +135,20 @@ class _Displacement:
     def sentence(self) -> str:
         over = self.times_allowed()
         moved, turned = 1e3 * np.linalg.norm(self.by[:2]), np.degrees(np.linalg.norm(self.by[3:]))
-        moved_sigma, turned_sigma = 1e3 * np.linalg.norm(self.sigma[:2]), np.degrees(np.linalg.norm(self.sigma[3:]))
-        parts = [f"moved across by {moved:.0f} ± {moved_sigma:.0f} mm"] if over[:2].max() > MANY_SIGMAS else []
-        parts += [f"turned by {turned:.1f} ± {max(turned_sigma, 0.1):.1f} degrees"] if self.is_turned() else []
+        moved_sigma, turned_sigma = (
+            1e3 * np.linalg.norm(self.sigma[:2]),
+            np.degrees(np.linalg.norm(self.sigma[3:])),
+        )
+        parts = (
+            [f"moved across by {moved:.0f} ± {moved_sigma:.0f} mm"]
+            if over[:2].max() > MANY_SIGMAS
+            else []
+        )
+        parts += (
+            [f"turned by {turned:.1f} ± {max(turned_sigma, 0.1):.1f} degrees"]
+            if self.is_turned()
+            else []
+        )
         return (
             f"The dive fits with {self.key} {' and '.join(parts)} from where dive.toml has it, {over.max():.0f} times what "
             f"{self.key}_sigma allows. Where it sits was estimated: correct it there."
@@ -133,8 +156,9 @@ class _Displacement:
 
 
 def _turned_alike(found: list[_Displacement]) -> list[str]:
-    """Return a sentence where all mounts, two or more, are turned the same way in their parent's axes: an attitude that is off
-    looks so."""
+    """Return a sentence where all mounts, two or more, are turned the same way in their parent's
+    axes: an attitude that is off looks so.
+    """
     if len(found) < 2 or not any(mount.is_turned() for mount in found):
         return []
     turns = np.array([mount.in_parent for mount in found])

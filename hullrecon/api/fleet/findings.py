@@ -49,7 +49,9 @@ class _Alignment(msgspec.Struct, frozen=True):
 
 
 class DiveFindings(msgspec.Struct, frozen=True, kw_only=True):
-    """about: vessel and date; sentences: what stands out, the worst first; largest_m: of the largest object, 0 without."""
+    """about: vessel and date; sentences: what stands out, the worst first; largest_m: of the
+    largest object, 0 without.
+    """
 
     about: str = ""
     sentences: tuple[str, ...] = ()
@@ -57,13 +59,19 @@ class DiveFindings(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def read_findings(deliver: Path) -> DiveFindings | None:
-    """Return what stands out of a folder of deliverables; None where there is no summary that can be read."""
+    """Return what stands out of a folder of deliverables; None where there is no summary that can
+    be read.
+    """
     summary = _read(deliver / "summary.json", _Summary)
     if summary is None:
         return None
     objects = _read(deliver / "objects.json", _Objects)
     alignment = _read(deliver / "alignment.json", _Alignment) or _Alignment()
-    largest = max(objects.objects, key=lambda found: abs(found.height), default=None) if objects is not None else None
+    largest = (
+        max(objects.objects, key=lambda found: abs(found.height), default=None)
+        if objects is not None
+        else None
+    )
     sentences = []
     if summary.absent.get("alignment.json", "").startswith(REFUSED):
         sentences.append("The CAD model was refused: it does not fit the survey.")
@@ -75,10 +83,17 @@ def read_findings(deliver: Path) -> DiveFindings | None:
     sentences += [w.sentence for w in sorted(weak, key=lambda w: -w.sigma)[:1]]
     if summary.lost:
         sentences.append(
-            f"Data were lost: {summary.lost[0]}" + (f" and {len(summary.lost) - 1} more." if summary.lost[1:] else ".")
+            f"Data were lost: {summary.lost[0]}"
+            + (f" and {len(summary.lost) - 1} more." if summary.lost[1:] else ".")
         )
-    about = " · ".join(text for text in (summary.dive.vessel, (summary.dive.date or "")[:10]) if text)
-    return DiveFindings(about=about, sentences=tuple(sentences), largest_m=0.0 if largest is None else abs(largest.height))
+    about = " · ".join(
+        text for text in (summary.dive.vessel, (summary.dive.date or "")[:10]) if text
+    )
+    return DiveFindings(
+        about=about,
+        sentences=tuple(sentences),
+        largest_m=0.0 if largest is None else abs(largest.height),
+    )
 
 
 def _of_objects(count: int, largest: _Object) -> str:

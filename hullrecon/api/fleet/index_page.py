@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write RUNS/index.html: every dive, its state, what stands out, and the way to its report. A static page, written whole."""
+"""Write RUNS/index.html: every dive, its state, what stands out, and the way to its report. A
+static page, written whole.
+"""
 
 from __future__ import annotations
 
@@ -19,12 +21,20 @@ from hullrecon.artifacts.storage.workspace import PUBLISHED
 
 FILE = "index.html"
 REPORT = Path(PUBLISHED) / "report" / "index.html"
-_WORDS = {"failed": "failed", "running": "running", "stale": "out of date", "waiting": "not run yet", "done": "done"}
+_WORDS = {
+    "failed": "failed",
+    "running": "running",
+    "stale": "out of date",
+    "waiting": "not run yet",
+    "done": "done",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
 class IndexRow:
-    """One dive in the table. kind: what the state is, for its colour; link: relative address of its report."""
+    """One dive in the table. kind: what the state is, for its colour; link: relative address of its
+    report.
+    """
 
     name: str
     kind: str
@@ -53,7 +63,9 @@ class FleetIndex:
         return (self._runs / FILE).exists()
 
     def write(self, dives: Iterable[FleetDive], running: Collection[Path] = ()) -> None:
-        """Write the page, durably and in one step. running: packages of the dives that are at work now."""
+        """Write the page, durably and in one step. running: packages of the dives that are at work
+        now.
+        """
         dives = list(dives)
         rows = [self._row(dive, dive.package in running) for dive in dives]
         rows += self._others({dive.name for dive in dives})
@@ -65,7 +77,12 @@ class FleetIndex:
         kind, state, current = _state(dive, running)
         name = dive.name or dive.package.name
         return self._with_result(
-            name, kind, state, one_line(as_utf8(dive.reason)) if kind != "done" else "", current, dive.name
+            name,
+            kind,
+            state,
+            one_line(as_utf8(dive.reason)) if kind != "done" else "",
+            current,
+            dive.name,
         )
 
     def _others(self, names: Collection[str | None]) -> list[IndexRow]:
@@ -74,23 +91,37 @@ class FleetIndex:
             path.name for path in self._runs.iterdir()
             if path.name not in names and not path.name.startswith(".") and path.is_dir()
         )  # fmt: skip
-        rows = [self._with_result(name, "done", "done, not of this fleet", "", True, name) for name in there]
+        rows = [
+            self._with_result(name, "done", "done, not of this fleet", "", True, name)
+            for name in there
+        ]
         return [row for row in rows if row.link]
 
-    def _with_result(self, shown: str, kind: str, state: str, reason: str, current: bool, name: str | None) -> IndexRow:
+    def _with_result(
+        self, shown: str, kind: str, state: str, reason: str, current: bool, name: str | None
+    ) -> IndexRow:
         found = None
         if name is not None:
             if name not in self._known:
                 self._known[name] = read_findings(self._runs / name / PUBLISHED)
             found = self._known[name]
         has_report = name is not None and (self._runs / name / REPORT).is_file()
-        shown_findings = found if found is not None and current else DiveFindings(about=found.about if found else "")
+        shown_findings = (
+            found
+            if found is not None and current
+            else DiveFindings(about=found.about if found else "")
+        )
         return IndexRow(
-            name=one_line(as_utf8(shown)), kind=kind, state=state, reason=reason, about=shown_findings.about,
-            findings=shown_findings.sentences, largest_m=shown_findings.largest_m,
+            name=one_line(as_utf8(shown)),
+            kind=kind,
+            state=state,
+            reason=reason,
+            about=shown_findings.about,
+            findings=shown_findings.sentences,
+            largest_m=shown_findings.largest_m,
             link=f"{quote(name or '')}/{REPORT.as_posix()}" if has_report else "",
             link_text="report" if current else "report of an earlier run",
-        )  # fmt: skip
+        )
 
 
 def _state(dive: FleetDive, running: bool) -> tuple[str, str, bool]:
@@ -98,9 +129,17 @@ def _state(dive: FleetDive, running: bool) -> tuple[str, str, bool]:
     if running:
         return "running", "running", False
     if dive.state == "failed":
-        return ("failed", "delivered, but for a step that failed", True) if dive.delivered else ("failed", "failed", False)
+        return (
+            ("failed", "delivered, but for a step that failed", True)
+            if dive.delivered
+            else ("failed", "failed", False)
+        )
     if dive.state == "to do":
-        return ("waiting", "not run yet", False) if dive.reason == "new" else ("stale", "out of date", False)
+        return (
+            ("waiting", "not run yet", False)
+            if dive.reason == "new"
+            else ("stale", "out of date", False)
+        )
     return "done", "done", True
 
 
@@ -108,9 +147,17 @@ def render_index(rows: Sequence[IndexRow]) -> str:
     """Return the page."""
     from jinja2 import Environment, StrictUndefined
 
-    text = (resources.files("hullrecon.api.fleet") / "templates" / "index.html").read_text(encoding="utf-8")
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    text = (resources.files("hullrecon.api.fleet") / "templates" / "index.html").read_text(
+        encoding="utf-8"
+    )
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
     kinds = [(sum(row.kind == kind for row in rows), word) for kind, word in _WORDS.items()]
-    counts = f"{len(rows)} dive{'s' if len(rows) != 1 else ''}: " + ", ".join(f"{n} {word}" for n, word in kinds if n)
+    counts = f"{len(rows)} dive{'s' if len(rows) != 1 else ''}: " + ", ".join(
+        f"{n} {word}" for n, word in kinds if n
+    )
     written = time.strftime("%d %B %Y, %H:%M UTC", time.gmtime())
-    return environment.from_string(text).render(rows=rows, counts=counts if rows else "none", written=written)
+    return environment.from_string(text).render(
+        rows=rows, counts=counts if rows else "none", written=written
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""List a folder by name, size, time and inode, so that a later look can tell whether anything changed. No file is opened."""
+"""List a folder by name, size, time and inode, so that a later look can tell whether anything
+changed. No file is opened.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +22,9 @@ MADE_BY_RUNS = (".hullrecon", "logs", "quarantine")  # in RUNS/<dive>, beside th
 
 @dataclass(frozen=True, kw_only=True)
 class Listing:
-    """A folder's files, relative to it, its FIFOs, sockets and devices with what they are, and a hash of names, sizes, times
-    and inodes."""
+    """A folder's files, relative to it, its FIFOs, sockets and devices with what they are, and a
+    hash of names, sizes, times and inodes.
+    """
 
     files: tuple[str, ...]
     special: tuple[tuple[str, str], ...]
@@ -31,7 +34,8 @@ class Listing:
 def list_folder(folder: Path, inside: Path, leave_out: tuple[str, ...] = ()) -> Listing:
     """Return the listing of a folder; what cannot be read counts as absent.
 
-    inside: links to folders are followed inside this one alone. leave_out: names at the folder's top that do not count.
+    inside: links to folders are followed inside this one alone. leave_out: names at the folder's
+    top that do not count.
     """
     files, special, marks = list[str](), list[tuple[str, str]](), hashlib.sha256()
     for name, status in _walk(str(folder), "", inside, _identity(folder), leave_out):
@@ -52,11 +56,15 @@ def _identity(folder: Path) -> set[tuple[int, int]]:
 
 
 def program_signature() -> str:
-    """Return the signature of this program's own code: results made by other code have to be looked at again."""
+    """Return the signature of this program's own code: results made by other code have to be looked
+    at again.
+    """
     package = Path(hullrecon.__file__).parent
     marks = hashlib.sha256(hullrecon.__version__.encode())
     for path in sorted([*package.rglob("*.py"), *package.glob("*.so")]):
-        marks.update(os.fsencode(path.relative_to(package)) + b"\0%d %d %d %d\n" % _mark(path.stat()))
+        marks.update(
+            os.fsencode(path.relative_to(package)) + b"\0%d %d %d %d\n" % _mark(path.stat())
+        )
     return marks.hexdigest()
 
 
@@ -65,9 +73,15 @@ def _mark(status: os.stat_result) -> tuple[int, int, int, int]:
 
 
 def _walk(
-    folder: str, prefix: str, inside: Path, seen: set[tuple[int, int]], leave_out: tuple[str, ...] = ()
+    folder: str,
+    prefix: str,
+    inside: Path,
+    seen: set[tuple[int, int]],
+    leave_out: tuple[str, ...] = (),
 ) -> Iterator[tuple[str, os.stat_result]]:
-    """Yield each file below a folder, and each link that has no target, with its status; sorted by name."""
+    """Yield each file below a folder, and each link that has no target, with its status; sorted by
+    name.
+    """
     try:
         entries = sorted(os.scandir(folder), key=lambda entry: os.fsencode(entry.name))
     except OSError:
@@ -80,13 +94,17 @@ def _walk(
             yield name, status
             continue
         identity = (status.st_dev, status.st_ino)
-        if identity not in seen and (not entry.is_symlink() or Path(os.path.realpath(entry)).is_relative_to(inside)):
+        if identity not in seen and (
+            not entry.is_symlink() or Path(os.path.realpath(entry)).is_relative_to(inside)
+        ):
             seen.add(identity)
             yield from _walk(entry.path, f"{name}/", inside, seen)
 
 
 def _status(entry: os.DirEntry[str]) -> os.stat_result | None:
-    """Return the status of a file, of a link the one of its target; that of the link where it has none."""
+    """Return the status of a file, of a link the one of its target; that of the link where it has
+    none.
+    """
     for follow in (True, False):
         with suppress(OSError):
             return entry.stat(follow_symlinks=follow)

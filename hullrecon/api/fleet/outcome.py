@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a fleet ends with: each dive's state, and all as a document for programs (report/schemas/fleet.schema.json)."""
+"""What a fleet ends with: each dive's state, and all as a document for programs
+(report/schemas/fleet.schema.json).
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,12 @@ State = Literal["delivered", "up to date", "failed", "to do"]
 
 @dataclass(frozen=True, kw_only=True)
 class FleetDive:
-    """How one dive stands. name: of the dive, None where unknown; exit_code: of its run, None where it is to do; reason: why
-    it failed or is to do; ran: in this call; known: the last call found the same failure; files: of the package, relative to
-    it; log: of its last run, None without one; delivered: its deliverables are of its last run, which may have failed in a step
-    that the others do without."""
+    """How one dive stands. name: of the dive, None where unknown; exit_code: of its run, None where
+    it is to do; reason: why it failed or is to do; ran: in this call; known: the last call found
+    the same failure; files: of the package, relative to it; log: of its last run, None without one;
+    delivered: its deliverables are of its last run, which may have failed in a step that the others
+    do without.
+    """
 
     package: Path
     name: str | None
@@ -60,9 +64,17 @@ class FleetResult:
 
     def summary(self) -> str:
         """Return the counts in one line."""
-        delivered, failed, to_do = self.count("delivered", "up to date"), self.count("failed"), self.count("to do")
+        delivered, failed, to_do = (
+            self.count("delivered", "up to date"),
+            self.count("failed"),
+            self.count("to do"),
+        )
         ran = sum(dive.ran for dive in self.dives)
-        counts = [f"{delivered} delivered", f"{failed} failed", *([f"{to_do} to do"] if to_do else [f"{ran} run now"])]
+        counts = [
+            f"{delivered} delivered",
+            f"{failed} failed",
+            *([f"{to_do} to do"] if to_do else [f"{ran} run now"]),
+        ]
         return f"{len(self.dives)} dive{'s' if len(self.dives) > 1 else ''}: {', '.join(counts)}"
 
     def document(self) -> dict[str, object]:
@@ -79,7 +91,9 @@ class FleetResult:
         }
 
     def _dive(self, dive: FleetDive) -> dict[str, object]:
-        deliver = self.runs / dive.name / PUBLISHED if dive.name is not None and dive.delivered else None
+        deliver = (
+            self.runs / dive.name / PUBLISHED if dive.name is not None and dive.delivered else None
+        )
         return {
             "package": as_utf8(dive.package),
             "name": dive.name,

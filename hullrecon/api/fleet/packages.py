@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find the dive packages of a folder and read their names.
 
-The folder is written by others. Names are data; links that leave it are not followed; nothing but a regular file is opened.
+The folder is written by others. Names are data; links that leave it are not followed; nothing but a
+regular file is opened.
 """
 
 from __future__ import annotations
@@ -21,13 +22,17 @@ from hullrecon.dive.config.schema import Dive
 from hullrecon.errors import InputError, UsageError
 
 FILE = "dive.toml"
-# The TOML parser takes minutes for a key of ten thousand parts (143 s for 64 KiB), and it runs in the fleet's own process.
+# The TOML parser takes minutes for a key of ten thousand parts (143 s for 64 KiB), and it runs in
+# the fleet's own process.
 MAX_BYTES = 65_536
 MAX_DOTS = 200
 NAME_TYPE = get_type_hints(Dive, include_extras=True)["name"]
 SPECIAL = {
-    stat.S_IFIFO: "a FIFO", stat.S_IFSOCK: "a socket", stat.S_IFBLK: "a device", stat.S_IFCHR: "a device",
-}  # fmt: skip
+    stat.S_IFIFO: "a FIFO",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFBLK: "a device",
+    stat.S_IFCHR: "a device",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,19 +44,24 @@ class Skipped:
 
 
 def special_kind(mode: int) -> str | None:
-    """Return what a file of that mode is when it is neither a file, a folder nor a link: "a FIFO"; None for those."""
+    """Return what a file of that mode is when it is neither a file, a folder nor a link: "a FIFO";
+    None for those.
+    """
     return SPECIAL.get(stat.S_IFMT(mode))
 
 
 def find_packages(dives: Path) -> tuple[list[Path], list[Skipped]]:
-    """Return the folders in `dives`, an absolute path without links, that hold a dive.toml, and what is skipped; by name.
+    """Return the folders in `dives`, an absolute path without links, that hold a dive.toml, and
+    what is skipped; by name.
 
     Regular files are neither. Raises InputError when the folder cannot be listed.
     """
     try:
         entries = sorted(os.scandir(dives), key=lambda entry: os.fsencode(entry.name))
     except OSError as error:
-        raise InputError(f"the folder of dives cannot be read: {error.strerror}", where=str(dives)) from None
+        raise InputError(
+            f"the folder of dives cannot be read: {error.strerror}", where=str(dives)
+        ) from None
     own = [entry for entry in entries if not entry.is_symlink()]
     packages, skipped = dict[Path, None](), list[Skipped]()
     for entry in [*own, *(entry for entry in entries if entry.is_symlink())]:
@@ -64,7 +74,9 @@ def find_packages(dives: Path) -> tuple[list[Path], list[Skipped]]:
     return sorted(packages, key=os.fsencode), sorted(skipped, key=lambda s: os.fsencode(s.path))
 
 
-def _why_not(entry: os.DirEntry[str], path: Path, dives: Path, packages: dict[Path, None]) -> str | None:
+def _why_not(
+    entry: os.DirEntry[str], path: Path, dives: Path, packages: dict[Path, None]
+) -> str | None:
     """Return why an entry is skipped, empty where that needs no word; None for a package."""
     if entry.is_symlink():
         target = Path(os.path.realpath(path))
@@ -75,13 +87,19 @@ def _why_not(entry: os.DirEntry[str], path: Path, dives: Path, packages: dict[Pa
     if not entry.is_dir():
         kind = special_kind(entry.stat(follow_symlinks=False).st_mode)
         return f"{kind}, not opened" if kind else ""
-    return None if os.path.lexists(path / FILE) or not os.access(path, os.X_OK) else f"it holds no {FILE}"
+    return (
+        None
+        if os.path.lexists(path / FILE) or not os.access(path, os.X_OK)
+        else f"it holds no {FILE}"
+    )
 
 
 def read_name(package: Path, dives: Path) -> str | None:
-    """Return the dive's name; None where dive.toml is not valid, which `hullrecon status` explains better.
+    """Return the dive's name; None where dive.toml is not valid, which `hullrecon status` explains
+    better.
 
-    Raises InputError where dive.toml is no regular file inside `dives`, UsageError where it is too large to be one.
+    Raises InputError where dive.toml is no regular file inside `dives`, UsageError where it is too
+    large to be one.
     """
     data = _read(package / FILE, dives)
     if len(data) > MAX_BYTES:
@@ -97,14 +115,18 @@ def read_name(package: Path, dives: Path) -> str | None:
 def _read(path: Path, dives: Path) -> bytes:
     """Return at most MAX_BYTES + 1 bytes of a file. Opening does not wait for a FIFO's writer."""
     if not Path(os.path.realpath(path)).is_relative_to(dives):
-        raise InputError(f"{FILE} is a link that leaves the folder of dives", where=str(path.parent))
+        raise InputError(
+            f"{FILE} is a link that leaves the folder of dives", where=str(path.parent)
+        )
     try:
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise InputError(f"{FILE} is no regular file", where=str(path.parent))
             return file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise InputError(f"{FILE} cannot be read: {error.strerror}", where=str(path.parent)) from None
+        raise InputError(
+            f"{FILE} cannot be read: {error.strerror}", where=str(path.parent)
+        ) from None
 
 
 def same_names(names: dict[Path, str | None]) -> Iterator[tuple[Path, list[Path]]]:

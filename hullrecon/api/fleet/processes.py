@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Run commands of hullrecon in processes of their own, some at a time: what ends one leaves the others."""
+"""Run commands of hullrecon in processes of their own, some at a time: what ends one leaves the
+others.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,8 @@ _CODE = (
     "import sys; from hullrecon.api.fleet.processes import end_with_parent; end_with_parent(int(sys.argv.pop(1)));"
     "from hullrecon_cli.start import start; start()"
 )
-PROGRAM = (sys.executable, "-P", "-c", _CODE)  # -P: a numpy.py in the folder where the fleet was started is not imported
+# -P: a numpy.py in the folder where the fleet was started is not imported
+PROGRAM = (sys.executable, "-P", "-c", _CODE)
 _POLL_S = 0.05
 _PATIENCE_S = 30.0  # to end after SIGTERM
 _PR_SET_PDEATHSIG = 1
@@ -36,8 +39,9 @@ _MAX_ANSWER = 1 << 22
 
 @dataclass(frozen=True, kw_only=True)
 class Ended:
-    """How a command ended. exit_code: 128 + signal where one ended it, as a shell has it, 4 where its time was over; reason:
-    empty when all was well."""
+    """How a command ended. exit_code: 128 + signal where one ended it, as a shell has it, 4 where
+    its time was over; reason: empty when all was well.
+    """
 
     exit_code: int
     reason: str
@@ -61,10 +65,12 @@ def run_each(
     time_limit_s: float = math.inf,
     on_start: Callable[[Key], None] | None = None,
 ) -> Generator[tuple[Key, Ended], None, None]:
-    """Run hullrecon with each of these arguments, `jobs` at a time, and yield how each ended, as they end.
+    """Run hullrecon with each of these arguments, `jobs` at a time, and yield how each ended, as
+    they end.
 
-    A command that takes longer than time_limit_s is ended with SIGTERM, and so is what still runs when the generator is closed.
-    scratch: folder for what the commands print. on_start: called with each command that was started.
+    A command that takes longer than time_limit_s is ended with SIGTERM, and so is what still runs
+    when the generator is closed. scratch: folder for what the commands print. on_start: called with
+    each command that was started.
     """
     waiting, running = deque(commands.items()), list[_Running[Key]]()
     try:
@@ -89,7 +95,9 @@ def run_each(
 
 
 def end_with_parent(parent: int) -> None:
-    """Have the kernel send SIGTERM to this process when the one that started it ends, even by SIGKILL."""
+    """Have the kernel send SIGTERM to this process when the one that started it ends, even by
+    SIGKILL.
+    """
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != parent:
         os.kill(os.getpid(), signal.SIGTERM)
@@ -100,18 +108,32 @@ def _start(key: Key, arguments: Sequence[str], scratch: Path) -> _Running[Key]:
     errors = tempfile.TemporaryFile(dir=scratch)  # noqa: SIM115
     command = [*PROGRAM, str(os.getpid()), "--quiet", "--json", *arguments]
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=errors)
-    return _Running(key=key, process=process, output=output, errors=errors, started=time.monotonic())
+    return _Running(
+        key=key, process=process, output=output, errors=errors, started=time.monotonic()
+    )
 
 
 def _end_of(run: _Running[Key]) -> Ended:
     code = run.process.returncode
     with run.output, run.errors:
-        reason = "" if code == 0 else _signal(-code) if code < 0 else _message(run.output) or _last_line(run.errors)
-    return Ended(exit_code=code if code >= 0 else 128 - code, reason=reason, seconds=time.monotonic() - run.started)
+        reason = (
+            ""
+            if code == 0
+            else _signal(-code)
+            if code < 0
+            else _message(run.output) or _last_line(run.errors)
+        )
+    return Ended(
+        exit_code=code if code >= 0 else 128 - code,
+        reason=reason,
+        seconds=time.monotonic() - run.started,
+    )
 
 
 def _end_late(run: _Running[Key], time_limit_s: float) -> Ended:
-    """End a command whose time is over, and say so; what came to its end meanwhile is taken as it ended."""
+    """End a command whose time is over, and say so; what came to its end meanwhile is taken as it
+    ended.
+    """
     _terminate([run])
     ended = _end_of(run)
     if ended.exit_code == 0:
@@ -122,7 +144,9 @@ def _end_late(run: _Running[Key], time_limit_s: float) -> Ended:
 
 def _signal(number: int) -> str:
     name = signal.Signals(number).name if number in set(signal.Signals) else f"signal {number}"
-    return f"ended by {name}" + (": most likely the memory ran out" if number == signal.SIGKILL else "")
+    return f"ended by {name}" + (
+        ": most likely the memory ran out" if number == signal.SIGKILL else ""
+    )
 
 
 def _message(output: IO[bytes]) -> str:
@@ -148,7 +172,9 @@ def _stop(running: Sequence[_Running[Key]]) -> None:
 
 
 def _terminate(running: Sequence[_Running[Key]]) -> None:
-    """End processes: a run that gets SIGTERM leaves what it has finished; one that does not listen is killed."""
+    """End processes: a run that gets SIGTERM leaves what it has finished; one that does not listen
+    is killed.
+    """
     for r in running:
         r.process.terminate()
     until = time.monotonic() + _PATIENCE_S

@@ -8,7 +8,9 @@ import os
 
 
 def one_line(text: str) -> str:
-    r"""Return the text with every character that is not printable, a line's end or an escape sequence, as \n or \x1b."""
+    r"""Return the text with every character that is not printable, a line's end or an escape
+    sequence, as \n or \x1b.
+    """
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 

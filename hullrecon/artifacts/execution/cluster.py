@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""`context.map` on a Dask cluster. Its workers need hullrecon installed and the same paths to the package and to RUNS.
+"""`context.map` on a Dask cluster. Its workers need hullrecon installed and the same paths to the
+package and to RUNS.
 
-What goes over the wire is pickled: whoever reaches a port of a plain cluster runs what he likes on all its machines.
+What goes over the wire is pickled: whoever reaches a port of a plain cluster runs what he likes on
+all its machines.
 """
 
 from __future__ import annotations
@@ -38,7 +40,8 @@ class Cluster:
                 yield future.result()
         except KilledWorker as error:
             raise StageError(
-                "a Dask worker was killed", remedy="look at the worker's log: most likely its memory ran out"
+                "a Dask worker was killed",
+                remedy="look at the worker's log: most likely its memory ran out",
             ) from error
         finally:
             self._client.cancel(futures)
@@ -46,7 +49,12 @@ class Cluster:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self._client.close()
 
 
@@ -59,7 +67,10 @@ def _connect(address: str) -> Any:
     if urlsplit(address).scheme == "tls":
         _refuse_without_certificates(address)
     else:
-        log.warning("%s is plain TCP: whoever reaches its port runs programs here; give tls:// where others can", address)
+        log.warning(
+            "%s is plain TCP: whoever reaches its port runs programs here; give tls:// where others can",
+            address,
+        )
     try:
         return Client(address, timeout=_CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -73,13 +84,16 @@ def _refuse_without_certificates(address: str) -> None:
     missing = [key for key in _CERTIFICATES if not dask.config.get(key, None)]
     if missing:
         remedy = "set them in ~/.config/dask, or as DASK_DISTRIBUTED__COMM__TLS__CA_FILE and so on"
-        raise UsageError(f"Dask's configuration lacks {' and '.join(missing)}", where=address, remedy=remedy)
+        raise UsageError(
+            f"Dask's configuration lacks {' and '.join(missing)}", where=address, remedy=remedy
+        )
 
 
 def _refuse_unreachable(address: str) -> None:
     """Raise UsageError unless something listens at `tcp://HOST:PORT` or `tls://HOST:PORT`.
 
-    A Client that finds nobody keeps trying in a thread of its own, which ends long after the error, with a traceback.
+    A Client that finds nobody keeps trying in a thread of its own, which ends long after the error,
+    with a traceback.
     """
     try:
         parts = urlsplit(address)
@@ -88,7 +102,9 @@ def _refuse_unreachable(address: str) -> None:
             raise ValueError(address)
     except ValueError:
         raise UsageError(
-            "not an address of a Dask scheduler", where=address, remedy="give tcp://HOST:PORT or tls://HOST:PORT"
+            "not an address of a Dask scheduler",
+            where=address,
+            remedy="give tcp://HOST:PORT or tls://HOST:PORT",
         ) from None
     until = time.monotonic() + _CONNECT_S
     while True:
@@ -104,4 +120,6 @@ def _refuse_unreachable(address: str) -> None:
 
 
 def _no_scheduler(address: str) -> UsageError:
-    return UsageError("no Dask scheduler answers", where=address, remedy="start one with pipelines/dask-launch")
+    return UsageError(
+        "no Dask scheduler answers", where=address, remedy="start one with pipelines/dask-launch"
+    )

@@ -23,8 +23,9 @@ log = logging.getLogger(__name__)
 
 
 class StageContext:
-    """Implements `stage.Context`. `warnings`, `times` (s, by name) and `workers_peak_rss` (bytes) are read by the runner when
-    the stage has ended."""
+    """Implements `stage.Context`. `warnings`, `times` (s, by name) and `workers_peak_rss` (bytes)
+    are read by the runner when the stage has ended.
+    """
 
     def __init__(
         self, job: Job, out: Writer, executor: Executor, progress: Progress
@@ -40,18 +41,26 @@ class StageContext:
     @property
     def source(self) -> Path:
         if self._source is None or self._stage.external is None:
-            raise RuntimeError(f"step {self._stage.name} reads the package without declaring `external` files")
+            raise RuntimeError(
+                f"step {self._stage.name} reads the package without declaring `external` files"
+            )
         return self._source
 
     @property
     def parameters(self) -> Any:
         return self.settings[self._stage.name]
 
-    def progress(self, items: Iterable[Item], label: str, total: int | None = None) -> Iterable[Item]:
+    def progress(
+        self, items: Iterable[Item], label: str, total: int | None = None
+    ) -> Iterable[Item]:
         total = total if total is not None else length(items)
-        return self._progress.track(_until_interrupted(items), f"{self._stage.name}: {label}", total)
+        return self._progress.track(
+            _until_interrupted(items), f"{self._stage.name}: {label}", total
+        )
 
-    def map(self, function: Callable[[Item], Result], items: Sequence[Item], label: str) -> list[Result]:
+    def map(
+        self, function: Callable[[Item], Result], items: Sequence[Item], label: str
+    ) -> list[Result]:
         results = list(self.progress(self._executor.map(function, items), label, len(items)))
         workers = (peak_rss(worker.pid) for worker in multiprocessing.active_children())
         self.workers_peak_rss = max(self.workers_peak_rss, *workers, 0)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where `context.map` runs: here, in worker processes, or on a Dask cluster; in order and with the same results."""
+"""Where `context.map` runs: here, in worker processes, or on a Dask cluster; in order and with the
+same results.
+"""
 
 from __future__ import annotations
 
@@ -21,20 +23,32 @@ from hullrecon.errors import StageError
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-# A worker has one core: libraries that count the machine's cores would start that many threads in each.
+# A worker has one core: libraries that count the machine's cores would start that many threads in
+# each.
 THREAD_VARIABLES = (
-    "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"
-)  # fmt: skip
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMEXPR_NUM_THREADS",
+    "OPENCV_FOR_THREADS_NUM",
+)
 _CHUNKS_PER_WORKER = 8
 
 
 class Executor(Protocol):
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
-        """Yield results in the order of the items. Raises StageError when a worker dies; a function's error passes."""
+        """Yield results in the order of the items. Raises StageError when a worker dies; a
+        function's error passes.
+        """
 
     def __enter__(self) -> Self: ...
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None: ...
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None: ...
 
 
 class Serial:
@@ -44,7 +58,12 @@ class Serial:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         return None
 
 
@@ -71,20 +90,30 @@ class Processes:
 
     def _start_pool(self) -> ProcessPoolExecutor:
         if self._pool is None:
-            context = multiprocessing.get_context("spawn")  # fork would copy the lock and the threads of libraries
-            self._pool = ProcessPoolExecutor(self._jobs, mp_context=context, initializer=_prepare_worker)
+            # fork would copy the lock and the threads of libraries
+            context = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(
+                self._jobs, mp_context=context, initializer=_prepare_worker
+            )
         return self._pool
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         if self._pool is not None:
             self._pool.shutdown(wait=True, cancel_futures=True)
 
 
 def worker_killed_error() -> StageError:
-    remedy = "most likely the memory ran out: run again with a smaller --jobs, what is finished is kept"
+    remedy = (
+        "most likely the memory ran out: run again with a smaller --jobs, what is finished is kept"
+    )
     return StageError("a worker process was killed", remedy=remedy)
 
 

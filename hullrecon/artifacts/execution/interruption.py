@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Ctrl-C and SIGTERM, remembered: libraries turn a KeyboardInterrupt in their import into errors of their own."""
+"""Ctrl-C and SIGTERM, remembered: libraries turn a KeyboardInterrupt in their import into errors of
+their own.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ _requested: list[int] = []
 
 
 def listen() -> None:
-    """Let SIGINT and SIGTERM raise KeyboardInterrupt from now on, and forget those that came before."""
+    """Let SIGINT and SIGTERM raise KeyboardInterrupt from now on, and forget those that came
+    before.
+    """
     _requested.clear()
     for number in _SIGNALS:
         signal.signal(number, _interrupt)

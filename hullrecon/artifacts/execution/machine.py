@@ -14,9 +14,18 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 LIBRARIES = (
-    "hullrecon", "numpy", "scipy", "open3d-cpu", "open3d", "opencv-python-headless", "pycolmap", "trimesh", "rosbags", "mcap",
+    "hullrecon",
+    "numpy",
+    "scipy",
+    "open3d-cpu",
+    "open3d",
+    "opencv-python-headless",
+    "pycolmap",
+    "trimesh",
+    "rosbags",
+    "mcap",
     "msgspec",
-)  # fmt: skip
+)
 _RESET_PEAK = "5"  # proc(5), clear_refs
 _KIB = 1024
 
@@ -36,13 +45,17 @@ def host() -> dict[str, str | int | None]:
 
 
 def reset_peak_rss() -> None:
-    """Reset the peak memory of this process; where the kernel has no such thing, `peak_rss` is that of the whole run."""
+    """Reset the peak memory of this process; where the kernel has no such thing, `peak_rss` is that
+    of the whole run.
+    """
     with suppress(OSError):
         Path("/proc/self/clear_refs").write_text(_RESET_PEAK)
 
 
 def peak_rss(process: int | None = None) -> int:
-    """Return the largest resident memory of a process in bytes (this one for None); 0 when it is gone."""
+    """Return the largest resident memory of a process in bytes (this one for None); 0 when it is
+    gone.
+    """
     with suppress(OSError):
         for line in Path(f"/proc/{process or 'self'}/status").read_text().splitlines():
             if line.startswith("VmHWM:"):

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Progress on standard error: a bar on a terminal, a log line now and then else, nothing when quiet."""
+"""Progress on standard error: a bar on a terminal, a log line now and then else, nothing when
+quiet.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Run one stage: call its function into a temporary folder and commit that, with its manifest, as a whole."""
+"""Run one stage: call its function into a temporary folder and commit that, with its manifest, as a
+whole.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,8 @@ class RunContext:
     hashes: HashCache
     executor: Executor
     progress: Progress = field(default_factory=Silent)
-    watch: SourceWatch | None = None  # of the run that a step is part of; a step by itself has one of its own
+    # of the run that a step is part of; a step by itself has one of its own
+    watch: SourceWatch | None = None
 
 
 def run_stage(
@@ -45,23 +48,31 @@ def run_stage(
     source: Path | None = None,
     jobs: int = 1,
 ) -> Path:
-    """Run one stage outside a workspace, for tests and notebooks, and return `out`, which then holds its artifact.
+    """Run one stage outside a workspace, for tests and notebooks, and return `out`, which then
+    holds its artifact.
 
-    settings: decoded sections by name (an absent one is None, the stage's own takes its defaults). inputs: folder of each input
-    by stage name, with or without a manifest. source: the package's folder, for stages with `external` files.
+    settings: decoded sections by name (an absent one is None, the stage's own takes its defaults).
+    inputs: folder of each input by stage name, with or without a manifest. source: the package's
+    folder, for stages with `external` files.
     """
     hashes = HashCache()
     job = make_job(stage, settings, inputs, source, hashes)
     with choose_executor(jobs) as executor:
-        build(job, out, out.with_name(f".building-{out.name}"), RunContext(hashes, executor, choose_progress()))
+        build(
+            job,
+            out,
+            out.with_name(f".building-{out.name}"),
+            RunContext(hashes, executor, choose_progress()),
+        )
     return out
 
 
 def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
-    """Run the stage's function into the folder `building` and puts that, manifest last, at `out` in one step.
+    """Run the stage's function into the folder `building` and puts that, manifest last, at `out` in
+    one step.
 
-    Whatever goes wrong, `out` is as it was. StorageError when the disk refuses; StageError when the memory ran out; InputError
-    when a file of the package changed meanwhile.
+    Whatever goes wrong, `out` is as it was. StorageError when the disk refuses; StageError when the
+    memory ran out; InputError when a file of the package changed meanwhile.
     """
     watch = run_context.watch or SourceWatch(run_context.hashes, job.source or Path())
     watch.begin(job)
@@ -81,11 +92,15 @@ def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manif
 
 
 def _fill(job: Job, building: Path, run_context: RunContext) -> Manifest:
-    context = StageContext(job, ArtifactWriter(building), run_context.executor, run_context.progress)
+    context = StageContext(
+        job, ArtifactWriter(building), run_context.executor, run_context.progress
+    )
     spent = _call(job.stage, context, building)
     outputs = {name: hash_file(building / name) for name in files_below(building)}
     run: JsonTable = {"versions": versions(), "host": host(), **spent}
-    manifest = Manifest(recipe=job.recipe, key=job.recipe.key, outputs=outputs, warnings=context.warnings, run=run)
+    manifest = Manifest(
+        recipe=job.recipe, key=job.recipe.key, outputs=outputs, warnings=context.warnings, run=run
+    )
     write_manifest(building, manifest)
     return manifest
 
@@ -118,7 +133,9 @@ def _call(stage: Stage, context: StageContext, building: Path) -> JsonTable:
 
 
 def _take_back_sigterm() -> None:
-    """Restore Python's handler of SIGTERM: pycolmap takes it when it is imported, and ends the process with a dump."""
+    """Restore Python's handler of SIGTERM: pycolmap takes it when it is imported, and ends the
+    process with a dump.
+    """
     handler = signal.getsignal(signal.SIGTERM)
     if handler is not None and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, handler)

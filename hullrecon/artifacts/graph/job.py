@@ -19,7 +19,9 @@ from hullrecon.artifacts.storage.manifest import Recipe
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
-    """One stage with all that it works on. source: the package's folder. recipe: what decides the result."""
+    """One stage with all that it works on. source: the package's folder. recipe: what decides the
+    result.
+    """
 
     stage: Stage
     settings: StageSettings
@@ -32,9 +34,11 @@ def make_job(
     stage: Stage, sections: Mapping[str, object], inputs: Mapping[str, Path], source: Path | None, hashes: HashCache,
     failures: Mapping[str, str] = MappingProxyType({}),
 ) -> Job:  # fmt: skip
-    """Return the job; failures: why steps of this run left no artifact, of which those that it could use count.
+    """Return the job; failures: why steps of this run left no artifact, of which those that it
+    could use count.
 
-    Raises InputError when a file of the package is missing, UsageError for an option that is not finite.
+    Raises InputError when a file of the package is missing, UsageError for an option that is not
+    finite.
     """
     settings = settings_for(stage, sections)
     own = {name: failures[name] for name in stage.optional if name in failures}

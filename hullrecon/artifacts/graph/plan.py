@@ -23,8 +23,9 @@ State = Literal["up to date", "not run yet", "out of date", "damaged", "skipped"
 
 @dataclass(frozen=True, kw_only=True)
 class StepStatus:
-    """The status of one step. reasons: sentences, empty when up to date. manifest: that of the present artifact, if
-    readable."""
+    """The status of one step. reasons: sentences, empty when up to date. manifest: that of the
+    present artifact, if readable.
+    """
 
     stage: Stage
     state: State
@@ -33,7 +34,9 @@ class StepStatus:
 
     def why_run(self) -> str:
         """Say in one line why the step runs."""
-        return "; ".join(self.reasons) or ("first run" if self.state == "not run yet" else "from scratch")
+        return "; ".join(self.reasons) or (
+            "first run" if self.state == "not run yet" else "from scratch"
+        )
 
     @property
     def to_do(self) -> bool:
@@ -55,14 +58,25 @@ def assess_chain(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[
 
 
 def _status_of(
-    stage: Stage, chain: Chain, workspace: Workspace, inputs: Mapping[str, Path], waiting: Sequence[str], hashes: HashCache
+    stage: Stage,
+    chain: Chain,
+    workspace: Workspace,
+    inputs: Mapping[str, Path],
+    waiting: Sequence[str],
+    hashes: HashCache,
 ) -> StepStatus:
     ready = {name: folder for name, folder in inputs.items() if name not in waiting}
-    status = assess_step(make_job(stage, chain.sections, ready, chain.package, hashes), workspace, hashes)
+    status = assess_step(
+        make_job(stage, chain.sections, ready, chain.package, hashes), workspace, hashes
+    )
     if not waiting or status.state in ("not run yet", "damaged"):
         return status
     own = [r for r in status.reasons if r not in {f"input {name} is gone" for name in waiting}]
-    return replace(status, state="out of date", reasons=(*own, *(f"input {name} will rerun" for name in waiting)))
+    return replace(
+        status,
+        state="out of date",
+        reasons=(*own, *(f"input {name} will rerun" for name in waiting)),
+    )
 
 
 def assess_step(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus:
@@ -78,4 +92,9 @@ def assess_step(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus
     if harmed:
         return StepStatus(stage=stage, state="damaged", reasons=tuple(harmed), manifest=manifest)
     changed = differences(manifest.recipe, job.recipe)
-    return StepStatus(stage=stage, state="out of date" if changed else "up to date", reasons=tuple(changed), manifest=manifest)
+    return StepStatus(
+        stage=stage,
+        state="out of date" if changed else "up to date",
+        reasons=tuple(changed),
+        manifest=manifest,
+    )

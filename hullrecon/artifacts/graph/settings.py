@@ -16,18 +16,26 @@ from hullrecon.errors import UsageError
 
 
 def settings_for(stage: Stage, sections: Mapping[str, object]) -> StageSettings:
-    """Return the sections in the stage's `uses` (None where absent) and its own (its defaults where absent)."""
+    """Return the sections in the stage's `uses` (None where absent) and its own (its defaults where
+    absent).
+    """
     own = _section(sections, stage.name)
     chosen = {name: _section(sections, name) for name in stage.uses}
-    return StageSettings(stage.name, {**chosen, stage.name: stage.parameters() if own is None else own})
+    return StageSettings(
+        stage.name, {**chosen, stage.name: stage.parameters() if own is None else own}
+    )
 
 
 def resolve_settings(settings: Mapping[str, object]) -> dict[str, Json]:
-    """Return the settings as plain values for the manifest. Raises UsageError for a number that is not finite."""
+    """Return the settings as plain values for the manifest. Raises UsageError for a number that is
+    not finite.
+    """
     values = {name: plain(value) for name, value in settings.items()}
     for name, value in flatten(values).items():
         if isinstance(value, float) and not math.isfinite(value):
-            raise UsageError(f"option {name} is {value}", where="dive.toml", remedy="give a finite number")
+            raise UsageError(
+                f"option {name} is {value}", where="dive.toml", remedy="give a finite number"
+            )
     return values
 
 
@@ -53,7 +61,9 @@ def _section(sections: Mapping[str, object], dotted: str) -> object:
     outer, _, inner = dotted.rpartition(".")
     section = _section(sections, outer) if outer else None
     if isinstance(section, Struct):  # as it is written: an option `from` is a field of another name
-        inner = {field.encode_name: field.name for field in structs.fields(type(section))}.get(inner, inner)
+        inner = {field.encode_name: field.name for field in structs.fields(type(section))}.get(
+            inner, inner
+        )
     if section is not None and not hasattr(section, inner):
         raise RuntimeError(f"section {outer} has no option {inner}")
     return getattr(section, inner, None)

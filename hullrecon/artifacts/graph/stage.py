@@ -35,10 +35,14 @@ class Writer(Protocol):
     def bytes(self, name: str, value: bytes) -> None: ...
 
     def path(self, name: str) -> AbstractContextManager[Path]:
-        """Give a temporary path to let a library write to; it is made durable and renamed at the end of the `with`."""
+        """Give a temporary path to let a library write to; it is made durable and renamed at the
+        end of the `with`.
+        """
 
     def scratch(self) -> AbstractContextManager[BinaryIO]:
-        """Give an empty file without a name, to write and to read, which is gone at the end of the `with`."""
+        """Give an empty file without a name, to write and to read, which is gone at the end of the
+        `with`.
+        """
 
 
 class Context(Protocol[Parameters]):
@@ -57,33 +61,41 @@ class Context(Protocol[Parameters]):
     def parameters(self) -> Parameters:
         """Return the stage's own section, an instance of its `parameters`."""
 
-    def progress(self, items: Iterable[Item], label: str, total: int | None = None) -> Iterable[Item]:
+    def progress(
+        self, items: Iterable[Item], label: str, total: int | None = None
+    ) -> Iterable[Item]:
         """Yield the same items, shown as a bar on a terminal and as log lines elsewhere."""
 
-    def map(self, function: Callable[[Item], Result], items: Sequence[Item], label: str) -> list[Result]:
-        """Return the results in order, computed by the executor (`--jobs`, `--scheduler`); `function` must pickle. Same
-        results whichever executor."""
+    def map(
+        self, function: Callable[[Item], Result], items: Sequence[Item], label: str
+    ) -> list[Result]:
+        """Return the results in order, computed by the executor (`--jobs`, `--scheduler`);
+        `function` must pickle. Same results whichever executor.
+        """
 
     def warn(self, message: str) -> None:
         """Add a sentence to the log, the manifest and summary.json."""
 
     def record_times(self, name: str, seconds: Sequence[float]) -> None:
-        """Record wall-clock times, s, for the manifest's run block: they differ between equal runs, so no file holds them."""
+        """Record wall-clock times, s, for the manifest's run block: they differ between equal runs,
+        so no file holds them.
+        """
 
 
 @dataclass(frozen=True)
 class Stage:
     """A step, declared once.
 
-    name: as on the command line ("mosaic-optical"); also its folder in RUNS/<dive> and its section in dive.toml.
-    inputs: stages it needs. optional: stages it uses when they are part of this dive's chain.
-    uses: sections of dive.toml it reads besides its own, dotted where nested ("camera.top").
-    parameters: msgspec Struct (frozen, keyword only, unknown fields forbidden, all fields with defaults).
-    version: raised when the function's result changes for the same input.
-    external: for stages that read files of the package: from the settings and the package's folder to those files.
-    applies: None, or a function from the settings and the package's folder to None (applies) or the reason why this dive cannot
-        have it.
-    fails_alone: where it reaches no result, steps that only use it when it is there go on without it.
+    name: as on the command line ("mosaic-optical"); also its folder in RUNS/<dive> and its section
+    in dive.toml. inputs: stages it needs. optional: stages it uses when they are part of this
+    dive's chain. uses: sections of dive.toml it reads besides its own, dotted where nested
+    ("camera.top"). parameters: msgspec Struct (frozen, keyword only, unknown fields forbidden, all
+    fields with defaults). version: raised when the function's result changes for the same input.
+    external: for stages that read files of the package: from the settings and the package's folder
+    to those files. applies: None, or a function from the settings and the package's folder to None
+    (applies) or the reason why this dive cannot
+        have it. fails_alone: where it reaches no result, steps that only use it when it is there go
+        on without it.
     """
 
     name: str

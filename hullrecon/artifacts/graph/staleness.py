@@ -15,7 +15,9 @@ _ABSENT = object()
 
 
 def differences(made: Recipe, now: Recipe) -> list[str]:
-    """Return a sentence for each part of the recipe that changed; none exactly when the keys are equal."""
+    """Return a sentence for each part of the recipe that changed; none exactly when the keys are
+    equal.
+    """
     return [
         *_options(made.settings, now.settings),
         *_inputs(made.inputs, now.inputs),
@@ -27,11 +29,15 @@ def differences(made: Recipe, now: Recipe) -> list[str]:
 
 
 def _options(made: Mapping[str, Json], now: Mapping[str, Json]) -> Iterator[str]:
-    """Yield a sentence for each changed option; one for a whole section that came or went, or that the step reads no longer."""
+    """Yield a sentence for each changed option; one for a whole section that came or went, or that
+    the step reads no longer.
+    """
     for section in sorted({*made, *now}):
         before, after = made.get(section, _ABSENT), now.get(section, _ABSENT)
         if isinstance(before, dict) and isinstance(after, dict):
-            yield from _changed_options(flatten(before, f"{section}."), flatten(after, f"{section}."))
+            yield from _changed_options(
+                flatten(before, f"{section}."), flatten(after, f"{section}.")
+            )
         elif after is _ABSENT:
             yield f"{section} is no longer read, it was {_as_text(before)}"
         elif before is _ABSENT:
@@ -66,7 +72,11 @@ def _external(made: Mapping[str, FileRecord], now: Mapping[str, FileRecord]) -> 
 def _failures(made: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
     for name in sorted({*made, *now}):
         if made.get(name) != now.get(name):
-            yield f"{name} failed: {now[name]}" if name in now else f"it was made without {name}, which had failed"
+            yield (
+                f"{name} failed: {now[name]}"
+                if name in now
+                else f"it was made without {name}, which had failed"
+            )
 
 
 def _verb(before: bool, after: bool) -> str:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Check a workspace: every artifact against its manifest, and the package's files against what was read from them."""
+"""Check a workspace: every artifact against its manifest, and the package's files against what was
+read from them.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +27,14 @@ class WorkspaceCheck:
     damaged: list[str] = field(default_factory=list)
 
 
-def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bool) -> WorkspaceCheck:
-    """Compare presence and size of every file with the manifests; with read_data every byte, the package's files too.
+def check_workspace(
+    workspace: Workspace, names: Sequence[str], *, read_data: bool
+) -> WorkspaceCheck:
+    """Compare presence and size of every file with the manifests; with read_data every byte, the
+    package's files too.
 
-    deliver/ is compared with what the artifacts deliver, and what `compare` left is looked at like the chain's own.
+    deliver/ is compared with what the artifacts deliver, and what `compare` left is looked at like
+    the chain's own.
     """
     result = WorkspaceCheck()
     hashes = workspace.hashes(trusting=not read_data)
@@ -41,7 +47,9 @@ def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bo
         result.files += found.files
         result.read_bytes += found.read_bytes
         remedy = "remove it with its step's folder, and `hullrecon compare` solves it again"
-        result.damaged += [f"{COMPARE_FOLDER}/{variant.name}/{sentence}: {remedy}" for sentence in found.damaged]
+        result.damaged += [
+            f"{COMPARE_FOLDER}/{variant.name}/{sentence}: {remedy}" for sentence in found.damaged
+        ]
     return result
 
 
@@ -58,7 +66,11 @@ def _check_own_documents(workspace: Workspace, result: WorkspaceCheck) -> None:
 
 
 def _check_artifacts(
-    workspace: Workspace, names: Sequence[str], hashes: HashCache, read_data: bool, result: WorkspaceCheck
+    workspace: Workspace,
+    names: Sequence[str],
+    hashes: HashCache,
+    read_data: bool,
+    result: WorkspaceCheck,
 ) -> None:
     for name in names:
         try:
@@ -72,7 +84,9 @@ def _check_artifacts(
                 _check_package(workspace, manifest, hashes, result)
 
 
-def _check_artifact(workspace: Workspace, name: str, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck) -> None:
+def _check_artifact(
+    workspace: Workspace, name: str, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck
+) -> None:
     folder = workspace.artifact(name)
     result.artifacts += 1
     result.files += len(manifest.outputs)
@@ -85,10 +99,15 @@ def _check_artifact(workspace: Workspace, name: str, manifest: Manifest, hashes:
         result.files += len(delivered)
         result.read_bytes += sum(record.size for record in delivered.values())
         unlike = unlike_files(workspace.delivery.folder, delivered, hashes)
-        result.damaged += [f"{PUBLISHED}/{file} {what}: `run --read-data` restores it" for file, what in unlike.items()]
+        result.damaged += [
+            f"{PUBLISHED}/{file} {what}: `run --read-data` restores it"
+            for file, what in unlike.items()
+        ]
 
 
-def _check_package(workspace: Workspace, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck) -> None:
+def _check_package(
+    workspace: Workspace, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck
+) -> None:
     package = workspace.package
     if package is None:
         return

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""deliver/ at a workspace's top: copies of what a step delivers, the record of them, and what others did to them since."""
+"""deliver/ at a workspace's top: copies of what a step delivers, the record of them, and what
+others did to them since.
+"""
 
 from __future__ import annotations
 
@@ -31,13 +33,21 @@ Records = Mapping[str, FileRecord]
 
 
 def delivered_records(manifest: Manifest) -> dict[str, FileRecord]:
-    """Return size and hash of each file that an artifact delivers, by its name below deliver/; empty where it delivers none."""
+    """Return size and hash of each file that an artifact delivers, by its name below deliver/;
+    empty where it delivers none.
+    """
     prefix = f"{PUBLISHED}/"
-    return {name.removeprefix(prefix): record for name, record in manifest.outputs.items() if name.startswith(prefix)}
+    return {
+        name.removeprefix(prefix): record
+        for name, record in manifest.outputs.items()
+        if name.startswith(prefix)
+    }
 
 
 def unlike_files(folder: Path, records: Records, hashes: HashCache) -> dict[str, str]:
-    """Return what is wrong with each file below the folder that is not as recorded, or not recorded: `is missing`, by name."""
+    """Return what is wrong with each file below the folder that is not as recorded, or not
+    recorded: `is missing`, by name.
+    """
     found = dict.fromkeys(sorted(set(files_below(folder)) - set(records)), "does not belong there")
     for name, record in records.items():
         wrong = _difference(folder / name, record, hashes)
@@ -61,10 +71,11 @@ def _difference(path: Path, record: FileRecord, hashes: HashCache) -> str:
 
 
 class Delivery:
-    """The folder deliver/ of one workspace. Every method that changes something is for the holder of the lock.
+    """The folder deliver/ of one workspace. Every method that changes something is for the holder
+    of the lock.
 
-    private: the folder of the workspace's own files. building: where a folder is made before it is put in place. apart: gives a
-    new folder for what others changed.
+    private: the folder of the workspace's own files. building: where a folder is made before it is
+    put in place. apart: gives a new folder for what others changed.
     """
 
     def __init__(self, folder: Path, private: Path, building: Path) -> None:
@@ -74,7 +85,9 @@ class Delivery:
     def read_record(self) -> dict[str, FileRecord] | None:
         """Return what was copied last; None where nothing was, or the record is damaged."""
         try:
-            return msgspec.convert(unseal(self._record.read_bytes())["files"], dict[str, FileRecord])
+            return msgspec.convert(
+                unseal(self._record.read_bytes())["files"], dict[str, FileRecord]
+            )
         except (OSError, DamagedArtifactError, KeyError, msgspec.ValidationError):
             return None
 
@@ -90,9 +103,13 @@ class Delivery:
         return found
 
     def changed_since(self, hashes: HashCache) -> dict[str, str]:
-        """Return what others did to the files since they were copied, by name; nothing where that is not known."""
+        """Return what others did to the files since they were copied, by name; nothing where that
+        is not known.
+        """
         recorded = self.read_record()
-        return unlike_files(self.folder, recorded, hashes) if recorded and self.folder.is_dir() else {}
+        return (
+            unlike_files(self.folder, recorded, hashes) if recorded and self.folder.is_dir() else {}
+        )
 
     def replace(self, original: Path, records: Records, hashes: HashCache) -> None:
         """Put copies of the artifact's files in place, in one step, and note them."""
@@ -129,7 +146,9 @@ class Delivery:
         remove(self._record)
 
     def withdraw(self) -> bool:
-        """Rename the folder, so that what an earlier run delivered does not look like today's; False where there is none."""
+        """Rename the folder, so that what an earlier run delivered does not look like today's;
+        False where there is none.
+        """
         if not self.folder.is_dir():
             return False
         with storage_errors(self.folder.parent):

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The one place that changes files in RUNS: durable files, folders renamed whole, errors of the disk explained."""
+"""The one place that changes files in RUNS: durable files, folders renamed whole, errors of the
+disk explained.
+"""
 
 from __future__ import annotations
 
@@ -45,21 +47,30 @@ def storage_errors(folder: Path, only_below: Path | None = None) -> Iterator[Non
         yield
     except OSError as error:
         remedy = _REMEDIES.get(error.errno or 0)
-        foreign = only_below is not None and error.filename is not None and not Path(error.filename).is_relative_to(only_below)
+        foreign = (
+            only_below is not None
+            and error.filename is not None
+            and not Path(error.filename).is_relative_to(only_below)
+        )
         if remedy is None or foreign:
             raise
-        raise StorageError(f"cannot write: {os.strerror(error.errno or 0)}", where=str(folder), remedy=remedy) from error
+        raise StorageError(
+            f"cannot write: {os.strerror(error.errno or 0)}", where=str(folder), remedy=remedy
+        ) from error
 
 
 @contextmanager
 def durable_file(path: Path) -> Iterator[BinaryIO]:
-    """Open a new binary file under a temporary name; on leaving it is synced and renamed to `path`, and the folder synced."""
+    """Open a new binary file under a temporary name; on leaving it is synced and renamed to `path`,
+    and the folder synced.
+    """
     temporary = temporary_name(path)
     with storage_errors(path.parent):
         make_folder(path.parent)
         temporary.unlink(missing_ok=True)
         try:
-            with open(temporary, "xb") as file:  # made anew: a link that lies under that name is not followed
+            # made anew: a link that lies under that name is not followed
+            with open(temporary, "xb") as file:
                 yield file
                 file.flush()
                 os.fsync(file.fileno())
@@ -79,8 +90,9 @@ def write_file(path: Path, data: bytes) -> None:
 
 @contextmanager
 def durable_path(path: Path) -> Iterator[Path]:
-    """Give a temporary path, of the same suffix, for a library to write a file or a folder to; synced and renamed on
-    leaving."""
+    """Give a temporary path, of the same suffix, for a library to write a file or a folder to;
+    synced and renamed on leaving.
+    """
     temporary = temporary_name(path)
     with storage_errors(path.parent):
         make_folder(path.parent)
@@ -107,7 +119,9 @@ def make_folder(path: Path) -> None:
         try:
             path.mkdir(parents=True, exist_ok=True)
         except FileNotFoundError as error:  # a place that takes no folders, such as /proc
-            raise StorageError(f"cannot write: {error.strerror}", where=str(path), remedy=_REMEDIES[errno.EACCES]) from error
+            raise StorageError(
+                f"cannot write: {error.strerror}", where=str(path), remedy=_REMEDIES[errno.EACCES]
+            ) from error
         for created in missing:
             sync_folder(created.parent)
 
@@ -136,7 +150,9 @@ def sync_folder(path: Path) -> None:
 
 
 def sync_tree(path: Path) -> None:
-    """Sync a file, or every file and folder below a folder; FileNotFoundError when nothing was written."""
+    """Sync a file, or every file and folder below a folder; FileNotFoundError when nothing was
+    written.
+    """
     if not path.is_dir():
         descriptor = os.open(path, os.O_RDONLY)
         try:
@@ -160,8 +176,8 @@ def remove(path: Path) -> None:
 def commit_folder(built: Path, final: Path) -> None:
     """Put the folder `built` at `final` in one step; what was there is removed afterwards.
 
-    Linux swaps two folders in one call. Where the file system cannot (NFS), the old folder is first set aside under the name
-    that `set_aside` gives and that `recover` and `present` know.
+    Linux swaps two folders in one call. Where the file system cannot (NFS), the old folder is first
+    set aside under the name that `set_aside` gives and that `recover` and `present` know.
     """
     with storage_errors(final.parent):
         make_folder(final.parent)
@@ -181,12 +197,16 @@ def set_aside(final: Path) -> Path:
 
 
 def existing_folder(final: Path) -> Path:
-    """Return where the folder lies: under its name or, when a commit without swap was cut short, beside it."""
+    """Return where the folder lies: under its name or, when a commit without swap was cut short,
+    beside it.
+    """
     return set_aside(final) if not final.exists() and set_aside(final).exists() else final
 
 
 def recover(final: Path) -> None:
-    """End a commit that was cut short: the old folder returns when the new one never came, else it goes."""
+    """End a commit that was cut short: the old folder returns when the new one never came, else it
+    goes.
+    """
     old = set_aside(final)
     with storage_errors(final.parent):
         if old.exists() and not final.exists():
@@ -199,7 +219,10 @@ def exchange(first: Path, second: Path) -> bool:
     renameat2 = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
     if renameat2 is None:
         return False
-    if renameat2(_AT_FDCWD, os.fsencode(first), _AT_FDCWD, os.fsencode(second), _RENAME_EXCHANGE) == 0:
+    if (
+        renameat2(_AT_FDCWD, os.fsencode(first), _AT_FDCWD, os.fsencode(second), _RENAME_EXCHANGE)
+        == 0
+    ):
         return True
     number = ctypes.get_errno()
     if number in _NO_EXCHANGE:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write JSON as artifacts hold it: sorted keys, finite numbers, and a seal that a flipped bit breaks."""
+"""Write JSON as artifacts hold it: sorted keys, finite numbers, and a seal that a flipped bit
+breaks.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +23,18 @@ class DamagedArtifactError(ValueError):
 
 
 def encode(value: object) -> bytes:
-    """Return indented UTF-8 with sorted keys and a line's end. Raises ValueError with the path of a NaN or an infinity."""
+    """Return indented UTF-8 with sorted keys and a line's end. Raises ValueError with the path of a
+    NaN or an infinity.
+    """
     shown = plain(value)
     try:
         text = json.dumps(shown, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
     except ValueError as error:
-        raise ValueError(f"not a finite number at {_not_finite(shown, '') or 'an unknown path'}") from error
-    return (text + "\n").encode(errors="backslashreplace")  # bytes of a file name that are no UTF-8, as JSON escapes them
+        raise ValueError(
+            f"not a finite number at {_not_finite(shown, '') or 'an unknown path'}"
+        ) from error
+    # bytes of a file name that are no UTF-8, as JSON escapes them
+    return (text + "\n").encode(errors="backslashreplace")
 
 
 def digest(value: object) -> str:
@@ -41,7 +48,9 @@ def seal(value: Mapping[str, object]) -> bytes:
 
 
 def unseal(data: bytes) -> dict[str, object]:
-    """Return the mapping without its seal. Raises DamagedArtifactError unless every byte is as it was sealed."""
+    """Return the mapping without its seal. Raises DamagedArtifactError unless every byte is as it
+    was sealed.
+    """
     try:
         value = json.loads(data)
         rest = {k: v for k, v in value.items() if k != SEAL}
@@ -54,7 +63,8 @@ def unseal(data: bytes) -> dict[str, object]:
 
 
 def plain(value: object) -> Json:
-    """Return structs, NumPy scalars and arrays as what JSON knows; keys become text so that they sort.
+    """Return structs, NumPy scalars and arrays as what JSON knows; keys become text so that they
+    sort.
 
     Raises TypeError that names the type of anything else.
     """
@@ -72,14 +82,18 @@ def plain(value: object) -> Json:
 
 
 def _convert_numpy(value: object) -> object:
-    """Return a NumPy scalar or array inside a struct as Python has it. Raises TypeError for anything else."""
+    """Return a NumPy scalar or array inside a struct as Python has it. Raises TypeError for
+    anything else.
+    """
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(f"a {type(value).__name__} cannot be written as JSON")
 
 
 def _not_finite(value: Json, path: str) -> str | None:
-    """Return the path of the first number that is not finite, such as `objects[2].height`; None where all are."""
+    """Return the path of the first number that is not finite, such as `objects[2].height`; None
+    where all are.
+    """
     if isinstance(value, float):
         return None if math.isfinite(value) else path
     members: list[tuple[str, Json]] = []
@@ -87,4 +101,7 @@ def _not_finite(value: Json, path: str) -> str | None:
         members = [(f"{path}.{k}" if path else k, v) for k, v in sorted(value.items())]
     elif isinstance(value, list):
         members = [(f"{path}[{i}]", v) for i, v in enumerate(value)]
-    return next((found for name, member in members if (found := _not_finite(member, name)) is not None), None)
+    return next(
+        (found for name, member in members if (found := _not_finite(member, name)) is not None),
+        None,
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""SHA-256 of files, remembered by size, time of change and inode so that nothing is read twice without need."""
+"""SHA-256 of files, remembered by size, time of change and inode so that nothing is read twice
+without need.
+"""
 
 from __future__ import annotations
 
@@ -28,12 +30,15 @@ def files_below(folder: Path) -> list[str]:
 
 
 class HashCache:
-    """Hashes of files as last read. `trusting` False reads every file once again; a lost cache file costs only time."""
+    """Hashes of files as last read. `trusting` False reads every file once again; a lost cache file
+    costs only time.
+    """
 
     def __init__(self, store: Path | None = None, *, trusting: bool = True) -> None:
         self._store, self._trusting, self._changed = store, trusting, False
         self._known: dict[str, object] = {}
-        self._read_here: dict[str, int] = {}  # time of the last change of inode or bytes, ns, of what this process has seen
+        # time of the last change of inode or bytes, ns, of what this process has seen
+        self._read_here: dict[str, int] = {}
         if store is not None and store.is_file():
             try:
                 self._known = unseal(store.read_bytes())
@@ -41,12 +46,18 @@ class HashCache:
                 self._changed = True
 
     def record(self, path: Path) -> FileRecord:
-        """Return size and hash of a file. Raises OSError when it is not there, or is a device, FIFO or socket."""
+        """Return size and hash of a file. Raises OSError when it is not there, or is a device, FIFO
+        or socket.
+        """
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
             raise OSError(errno.EINVAL, "not a regular file", str(path))
         known = self._known.get(str(path))
-        if isinstance(known, list) and known[:3] == _mark(status) and self._is_trusted(path, status):
+        if (
+            isinstance(known, list)
+            and known[:3] == _mark(status)
+            and self._is_trusted(path, status)
+        ):
             self._read_here.setdefault(str(path), status.st_ctime_ns)
             return FileRecord(str(known[3]), status.st_size)
         record = hash_file(path)

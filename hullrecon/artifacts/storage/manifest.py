@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""manifest.json: what an artifact was made from, what it holds, and a `run` block for all that differs between equal runs."""
+"""manifest.json: what an artifact was made from, what it holds, and a `run` block for all that
+differs between equal runs.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,9 @@ class FileRecord(Struct, frozen=True):
 class Recipe(Struct, frozen=True, kw_only=True):
     """What decides an artifact's content: equal recipe, equal bytes.
 
-    settings: resolved options by section, None for an absent section. inputs: content hash of each input artifact.
-    external: files of the package by their path relative to it. failures: why optional inputs left no artifact, by stage name.
+    settings: resolved options by section, None for an absent section. inputs: content hash of each
+    input artifact. external: files of the package by their path relative to it. failures: why
+    optional inputs left no artifact, by stage name.
     """
 
     stage: str
@@ -43,7 +46,9 @@ class Recipe(Struct, frozen=True, kw_only=True):
 
     @property
     def content(self) -> JsonTable:
-        """Return what the key is the hash of; `failures` only where there are some, as older versions had none."""
+        """Return what the key is the hash of; `failures` only where there are some, as older
+        versions had none.
+        """
         content: JsonTable = msgspec.to_builtins(self)
         if not self.failures:
             del content["failures"]
@@ -51,7 +56,9 @@ class Recipe(Struct, frozen=True, kw_only=True):
 
 
 class Manifest(Struct, frozen=True, kw_only=True):
-    """recipe: what it was made from; outputs: every file by relative path; run: host, seconds, memory, versions, source."""
+    """recipe: what it was made from; outputs: every file by relative path; run: host, seconds,
+    memory, versions, source.
+    """
 
     recipe: Recipe
     key: str
@@ -62,7 +69,9 @@ class Manifest(Struct, frozen=True, kw_only=True):
 
     @property
     def content_hash(self) -> str:
-        """Return the hash of all but the `run` block: what a step that takes this artifact depends on."""
+        """Return the hash of all but the `run` block: what a step that takes this artifact depends
+        on.
+        """
         content = msgspec.to_builtins(self) | {"recipe": self.recipe.content}
         del content["run"]
         return digest(content)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A file that nobody else can guess, read or put a link in the place of; the last few of a kind are kept."""
+"""A file that nobody else can guess, read or put a link in the place of; the last few of a kind are
+kept.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,8 @@ KEPT = 5
 
 
 def write_private_file(folder: Path, kind: str, text: str) -> Path:
-    """Write `<kind>-<time>-<random>.txt` for its owner alone, remove all but the last of that kind, and return its path.
+    """Write `<kind>-<time>-<random>.txt` for its owner alone, remove all but the last of that kind,
+    and return its path.
 
     Raises OSError where the folder is a link or cannot be written.
     """
@@ -22,7 +25,12 @@ def write_private_file(folder: Path, kind: str, text: str) -> Path:
     place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
     try:
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
-        with open(os.open(name, flags, 0o600, dir_fd=place), "w", encoding="utf-8", errors="backslashreplace") as file:
+        with open(
+            os.open(name, flags, 0o600, dir_fd=place),
+            "w",
+            encoding="utf-8",
+            errors="backslashreplace",
+        ) as file:
             file.write(text)
         for old in sorted(entry for entry in os.listdir(place) if _is_of_kind(entry, kind))[:-KEPT]:
             os.unlink(old, dir_fd=place)

@@ -10,7 +10,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from hullrecon.artifacts.storage.claim import PRIVATE, other_package, refuse_foreign, refuse_package
-from hullrecon.artifacts.storage.delivery import PUBLISHED, Delivery, delivered_records, unlike_files
+from hullrecon.artifacts.storage.delivery import (
+    PUBLISHED,
+    Delivery,
+    delivered_records,
+    unlike_files,
+)
 from hullrecon.artifacts.storage.disk import (
     existing_folder,
     make_folder,
@@ -30,7 +35,9 @@ _LISTED = 3  # deliverables that a sentence names one by one
 
 
 class Workspace:
-    """One dive's folder. Reading needs no lock; every method that changes something is for the holder of `lock()`."""
+    """One dive's folder. Reading needs no lock; every method that changes something is for the
+    holder of `lock()`.
+    """
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -40,7 +47,9 @@ class Workspace:
         return existing_folder(self.root / name)
 
     def manifest(self, name: str) -> Manifest | None:
-        """Return a step's manifest; None without an artifact. Raises DamagedArtifactError when it cannot be trusted."""
+        """Return a step's manifest; None without an artifact. Raises DamagedArtifactError when it
+        cannot be trusted.
+        """
         return read_manifest(self.artifact(name))
 
     def build_folder(self, name: str) -> Path:
@@ -51,7 +60,9 @@ class Workspace:
 
     @contextmanager
     def lock(self, wait_s: float = 0.0) -> Iterator[None]:
-        """Hold the workspace. Raises LockedError when another does after wait_s, UsageError where the folder is not a run's."""
+        """Hold the workspace. Raises LockedError when another does after wait_s, UsageError where
+        the folder is not a run's.
+        """
         with storage_errors(self.root):
             refuse_foreign(self.root)
         with hold_lock(self.root / PRIVATE / "lock", wait_s):
@@ -68,7 +79,9 @@ class Workspace:
     def package(self) -> Path | None:
         """Return the package that the last run read; None when unknown."""
         try:
-            return Path(str(unseal((self.root / PRIVATE / "workspace.json").read_bytes())["package"]))
+            return Path(
+                str(unseal((self.root / PRIVATE / "workspace.json").read_bytes())["package"])
+            )
         except (OSError, DamagedArtifactError, KeyError):
             return None
 
@@ -78,14 +91,17 @@ class Workspace:
             refuse_package(self.root, package)
 
     def other_package(self, package: Path, files: Iterable[str]) -> Path | None:
-        """Return the package that the last run read where that is another one and still there. files: what a package has to
-        hold."""
+        """Return the package that the last run read where that is another one and still there.
+        files: what a package has to hold.
+        """
         with storage_errors(self.root):
             return other_package(self.package, package, files)
 
     def remember_package(self, package: Path) -> None:
         if self.package != package.resolve():
-            write_file(self.root / PRIVATE / "workspace.json", seal({"package": str(package.resolve())}))
+            write_file(
+                self.root / PRIVATE / "workspace.json", seal({"package": str(package.resolve())})
+            )
 
     def tidy(self, names: Iterable[str]) -> None:
         """End what a killed run left half done."""
@@ -113,7 +129,9 @@ class Workspace:
         return True
 
     def quarantine(self, name: str) -> Path:
-        """Set a damaged artifact apart under a new name: what can still be read of it is not ours to throw away."""
+        """Set a damaged artifact apart under a new name: what can still be read of it is not ours
+        to throw away.
+        """
         target = self._quarantine_folder(name)
         with storage_errors(self.root):
             os.rename(self.artifact(name), target)
@@ -123,12 +141,18 @@ class Workspace:
         """Return a name in quarantine that is not taken."""
         make_folder(self.root / "quarantine")
         taken = {p.name for p in (self.root / "quarantine").iterdir()}
-        return next(self.root / "quarantine" / n for i in range(1, len(taken) + 2) if (n := f"{name}-{i}") not in taken)
+        return next(
+            self.root / "quarantine" / n
+            for i in range(1, len(taken) + 2)
+            if (n := f"{name}-{i}") not in taken
+        )
 
     def publish(self, name: str, hashes: HashCache) -> str | None:
-        """Copy the artifact's `deliver` folder to the workspace's top, unless it lies there as it should.
+        """Copy the artifact's `deliver` folder to the workspace's top, unless it lies there as it
+        should.
 
-        Returns a sentence where others had changed what was delivered; what they changed is kept in quarantine.
+        Returns a sentence where others had changed what was delivered; what they changed is kept in
+        quarantine.
         """
         manifest, delivery = self.manifest(name), self.delivery
         records = delivered_records(manifest) if manifest is not None else {}

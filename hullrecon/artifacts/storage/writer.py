@@ -14,11 +14,18 @@ from typing import BinaryIO, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.artifacts.storage.disk import durable_file, durable_path, make_folder, storage_errors, write_file
+from hullrecon.artifacts.storage.disk import (
+    durable_file,
+    durable_path,
+    make_folder,
+    storage_errors,
+    write_file,
+)
 from hullrecon.artifacts.storage.documents import encode
 from hullrecon.artifacts.storage.manifest import FILE_NAME
 
-_ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that zip can say: the clock must not show in an artifact
+# the earliest date that zip can say: the clock must not show in an artifact
+_ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 _UNIX = 3
 
 
@@ -73,4 +80,6 @@ def _write_npz(file: BinaryIO, arrays: Mapping[str, NDArray[np.generic]]) -> Non
             member.create_system = _UNIX
             member.external_attr = 0o644 << 16
             with archive.open(member, "w", force_zip64=True) as stream:
-                np.lib.format.write_array(cast(BinaryIO, stream), np.asarray(array, order="C"), allow_pickle=False)
+                np.lib.format.write_array(
+                    cast(BinaryIO, stream), np.asarray(array, order="C"), allow_pickle=False
+                )

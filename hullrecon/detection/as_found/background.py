@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull as found, without its structures: the smooth offset from the base surface that heights are counted from."""
+"""The hull as found, without its structures: the smooth offset from the base surface that heights
+are counted from.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.solution import DeviationField
 from hullrecon.typing import Array, Ints
 
-MEDIAN_OVER_MEAN = 1.2533  # sigma of a median of many normal values over that of their mean: sqrt(pi / 2)
+# sigma of a median of many normal values over that of their mean: sqrt(pi / 2)
+MEDIAN_OVER_MEAN = 1.2533
 UNKNOWN_SIGMA_M = 0.05  # of a median of one value or none
 
 
@@ -27,7 +30,9 @@ class Background(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class FieldBackground:
-    """The adjustment's deviation field on the chart; outside its grid the offset is 0 with the field's largest sigma."""
+    """The adjustment's deviation field on the chart; outside its grid the offset is 0 with the
+    field's largest sigma.
+    """
 
     chart: Chart
     field: DeviationField
@@ -35,12 +40,16 @@ class FieldBackground:
     def at(self, points: Array) -> tuple[Array, Array]:
         at = self.chart.to_chart(points)[:, :2]
         inside, field = self.field.covers(at), self.field
-        return np.where(inside, field.value_at(at), 0.0), np.where(inside, field.sigma_at(at), field.sigma.max())
+        return np.where(inside, field.value_at(at), 0.0), np.where(
+            inside, field.sigma_at(at), field.sigma.max()
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
 class MedianBackground:
-    """Without a field: at each of the nodes the median offset of the landmarks around it, smooth between nodes."""
+    """Without a field: at each of the nodes the median offset of the landmarks around it, smooth
+    between nodes.
+    """
 
     node: Array
     value: Array
@@ -55,10 +64,11 @@ class MedianBackground:
 
 
 def median_background(feet: Array, offset: Array, width_m: float) -> Background:
-    """Return the hull by running medians over discs `width_m` wide: what covers less than half a disc is not hull.
+    """Return the hull by running medians over discs `width_m` wide: what covers less than half a
+    disc is not hull.
 
-    feet (n, 3) of the landmarks on the base, offset (n,) m. Landmarks are first thinned to medians of small cells, so that a
-    richly textured structure does not outvote the hull around it.
+    feet (n, 3) of the landmarks on the base, offset (n,) m. Landmarks are first thinned to medians
+    of small cells, so that a richly textured structure does not outvote the hull around it.
     """
     from scipy.spatial import cKDTree
 
@@ -81,7 +91,9 @@ def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:
     count = np.diff(np.r_[start, len(number)])
     ranked = value[order]
     median = 0.5 * (ranked[start + (count - 1) // 2] + ranked[start + count // 2])
-    mean = np.stack([np.bincount(number, at[:, k]) / np.bincount(number) for k in range(at.shape[1])], axis=1)
+    mean = np.stack(
+        [np.bincount(number, at[:, k]) / np.bincount(number) for k in range(at.shape[1])], axis=1
+    )
     return mean, median
 
 

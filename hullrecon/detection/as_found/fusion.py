@@ -19,17 +19,22 @@ from hullrecon.typing import Array, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class FusedShapes:
-    """vertex (n, 3): running means of the rays' intersections, the prior's where there were none; count (n,): views whose
-    shapes met the ray to that vertex."""
+    """vertex (n, 3): running means of the rays' intersections, the prior's where there were none;
+    count (n,): views whose shapes met the ray to that vertex.
+    """
 
     vertex: Array
     count: Ints
 
 
-def fuse_shapes(views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions) -> FusedShapes:
-    """Return the vertices (n, 3) moved to the shapes that the views' features (m, 3) with deviations (m,) make.
+def fuse_shapes(
+    views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions
+) -> FusedShapes:
+    """Return the vertices (n, 3) moved to the shapes that the views' features (m, 3) with
+    deviations (m,) make.
 
-    [Ozog2016 eq. 4.15] is a running mean in which the first observation replaces the prior: the mean of all intersections.
+    [Ozog2016 eq. 4.15] is a running mean in which the first observation replaces the prior: the
+    mean of all intersections.
     """
     total, count = np.zeros_like(vertices), np.zeros(len(vertices), np.int64)
     off = np.flatnonzero(np.abs(deviation) > options.min_offset_m)
@@ -40,9 +45,13 @@ def fuse_shapes(views: CameraViews, features: Array, deviation: Array, vertices:
             continue
         T_c_x = views.T_x_c[view].inverse()
         shapes = detect_shapes(
-            T_c_x.apply(features[off[rows]]), deviation[off[rows]], options.min_offset_m, options.cluster_reach_m,
-            options.min_cluster_points, options.alpha_radius_m,
-        )  # fmt: skip
+            T_c_x.apply(features[off[rows]]),
+            deviation[off[rows]],
+            options.min_offset_m,
+            options.cluster_reach_m,
+            options.min_cluster_points,
+            options.alpha_radius_m,
+        )
         seen = near[nearby[view]]
         met = _intersections(shapes, T_c_x.apply(vertices[seen]))
         hit = np.isfinite(met).all(axis=1)
@@ -60,12 +69,18 @@ def _near(vertices: Array, features: Array, reach_m: float) -> Ints:
 
 
 def _intersections(shapes: list[Mesh], vertices: Array) -> Array:
-    """Find where the rays from the camera to vertices (n, 3), both in its frame, meet the nearest shape; NaN: nowhere."""
+    """Find where the rays from the camera to vertices (n, 3), both in its frame, meet the nearest
+    shape; NaN: nowhere.
+    """
     if not shapes:
         return np.full(vertices.shape, np.nan)
     start = np.cumsum([0, *(len(s.vertices) for s in shapes)])
-    faces = np.vstack([s.faces + at for s, at in zip(shapes, start[:-1], strict=True)]).astype(np.int32)
+    faces = np.vstack([s.faces + at for s, at in zip(shapes, start[:-1], strict=True)]).astype(
+        np.int32
+    )
     scene = Scene(Mesh(np.vstack([s.vertices for s in shapes]), faces))
     ray = vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
     along = scene.cast(np.zeros(3), ray)
-    return np.where(np.isfinite(along)[:, None], ray * np.where(np.isfinite(along), along, 0.0)[:, None], np.nan)
+    return np.where(
+        np.isfinite(along)[:, None], ray * np.where(np.isfinite(along), along, 0.0)[:, None], np.nan
+    )

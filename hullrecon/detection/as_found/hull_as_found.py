@@ -21,17 +21,20 @@ from hullrecon.geometry.meshes.tessellation import facet_sagitta, facet_turn
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.typing import Array, Ints, Mask
 
-COARSE_CELL_M, FINE_CELL_M = 0.06, 0.02  # one vertex a cell is asked who saw it: on bare hull, near structures
+# one vertex a cell is asked who saw it: on bare hull, near structures
+COARSE_CELL_M, FINE_CELL_M = 0.06, 0.02
 SHADOW_M = 0.15  # a structure's shadow hardly reaches farther
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullAsFound:
-    """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull (n,) m, the smooth offset
-    of the hull from the base, and its sigma; height (n,) m above that hull, 0 where not measured; sigma (n,) m of the height;
-    measured (n,) bool; agreement (n,) share of landmarks that agree; shapes (n,) views whose shapes show it
-    [Ozog2016 Algorithm 5]; seen: by which views; at structures sagitta (n,) m, how far the true curve may stand off the CAD
-    model's facet there, and turn (n,) rad, by which the facet's neighbours may be turned from it."""
+    """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull
+    (n,) m, the smooth offset of the hull from the base, and its sigma; height (n,) m above that
+    hull, 0 where not measured; sigma (n,) m of the height; measured (n,) bool; agreement (n,) share
+    of landmarks that agree; shapes (n,) views whose shapes show it [Ozog2016 Algorithm 5]; seen: by
+    which views; at structures sagitta (n,) m, how far the true curve may stand off the CAD model's
+    facet there, and turn (n,) rad, by which the facet's neighbours may be turned from it.
+    """
 
     mesh: Mesh
     base: Mesh
@@ -58,9 +61,15 @@ class HullAsFound:
 
 
 def estimate_hull_as_found(
-    base: Mesh, measured: SurfaceLandmarks, background: Background, views: CameraViews, options: DetectOptions
+    base: Mesh,
+    measured: SurfaceLandmarks,
+    background: Background,
+    views: CameraViews,
+    options: DetectOptions,
 ) -> HullAsFound:
-    """Refine the base where landmarks are, finely at structures; move it to the landmarks; see what saw it."""
+    """Refine the base where landmarks are, finely at structures; move it to the landmarks; see what
+    saw it.
+    """
     hull_at_foot, _ = background.at(measured.foot)
     height = measured.offset - hull_at_foot
     edge = affordable_edge(measured.foot, options.max_edge_m, options.max_vertices)
@@ -122,5 +131,9 @@ def _near_structures(mesh: Mesh, height: Array, options: DetectOptions) -> Mask:
     return np.asarray(np.isfinite(nearest(mesh.vertices[off], mesh.vertices, 1, SHADOW_M)[0][:, 0]))
 
 
-def _regress(at: Array, normal: Array, measured: SurfaceLandmarks, height: Array, options: DetectOptions) -> Heights:
-    return local_heights(at, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach_m)
+def _regress(
+    at: Array, normal: Array, measured: SurfaceLandmarks, height: Array, options: DetectOptions
+) -> Heights:
+    return local_heights(
+        at, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach_m
+    )

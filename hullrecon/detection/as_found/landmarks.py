@@ -16,11 +16,11 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceLandmarks:
-    """Landmarks that measure the base surface, in its frame. row (n,): in the Solution; position, foot on the base
-    and outward
-    normal there (n, 3); offset (n,) m, signed distance to the base; sigma (n,) m along the normal, of each on its own;
-    common (n,) m, what it shares with its neighbours (the dive's place on the hull); covariance (n, 3, 3) of each; views
-    (n,)."""
+    """Landmarks that measure the base surface, in its frame. row (n,): in the Solution; position,
+    foot on the base and outward normal there (n, 3); offset (n,) m, signed distance to the base;
+    sigma (n,) m along the normal, of each on its own; common (n,) m, what it shares with its
+    neighbours (the dive's place on the hull); covariance (n, 3, 3) of each; views (n,).
+    """
 
     row: Ints
     position: Array
@@ -50,20 +50,27 @@ def measure_surface(
 ) -> SurfaceLandmarks:
     """Return what landmarks (n, 3) with covariances (n, 3, 3) say about the surface of `scene`.
 
-    hull_pose: whose error the covariances hold as a sum, None where they hold none; it moves all landmarks as one, and is no
-    noise of theirs however large it is.
+    hull_pose: whose error the covariances hold as a sum, None where they hold none; it moves all
+    landmarks as one, and is no noise of theirs however large it is.
 
-    Left out: those not finite, seen by one image only, farther off than `farthest_m`, less certain along the normal than
-    `largest_sigma_m`, and those whose closest point is the base's rim, beside which they lie rather than above it.
+    Left out: those not finite, seen by one image only, farther off than `farthest_m`, less certain
+    along the normal than `largest_sigma_m`, and those whose closest point is the base's rim, beside
+    which they lie rather than above it.
     """
     row = np.flatnonzero(np.isfinite(position).all(axis=1) & (views >= 2))
     near = scene.closest(position[row])
     gap = position[row] - near.foot
-    sideways = np.linalg.norm(gap - near.normal * np.einsum("ni,ni->n", gap, near.normal)[:, None], axis=1)
+    sideways = np.linalg.norm(
+        gap - near.normal * np.einsum("ni,ni->n", gap, near.normal)[:, None], axis=1
+    )
     variance = np.einsum("ni,nij,nj->n", near.normal, covariance[row], near.normal)
-    near_it = (np.abs(near.distance) <= farthest_m) & (sideways <= 0.005 + 0.7 * np.abs(near.distance))
+    near_it = (np.abs(near.distance) <= farthest_m) & (
+        sideways <= 0.005 + 0.7 * np.abs(near.distance)
+    )
     good = np.flatnonzero(near_it & (variance > 0))
-    along = variance_along_normals(position[row[good]], near.normal[good], covariance[row[good]], hull_pose)
+    along = variance_along_normals(
+        position[row[good]], near.normal[good], covariance[row[good]], hull_pose
+    )
     sigma = np.sqrt(along.own)
     kept = SurfaceLandmarks(
         row=row[good], position=position[row[good]], foot=near.foot[good], normal=near.normal[good],

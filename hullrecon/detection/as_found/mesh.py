@@ -13,7 +13,9 @@ from hullrecon.typing import Array
 
 
 def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mesh:
-    """Return a mesh with edges no longer than `edge_m` within `reach_m` of the points (n, 3), in proportion longer beyond."""
+    """Return a mesh with edges no longer than `edge_m` within `reach_m` of the points (n, 3), in
+    proportion longer beyond.
+    """
     cell = 0.5 * max(edge_m, reach_m)
     thinned: Array = np.unique(np.round(points / cell), axis=0) * cell
 
@@ -25,7 +27,9 @@ def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mes
 
 
 def affordable_edge(points: Array, edge_m: float, max_vertices: int) -> float:
-    """Return the edge, or a longer one where the seen area would need more vertices than that (a vertex an 0.43 edge^2)."""
+    """Return the edge, or a longer one where the seen area would need more vertices than that (a
+    vertex an 0.43 edge^2).
+    """
     cell = 0.2
     area = len(np.unique(np.floor(points / cell).astype(np.int64), axis=0)) * cell**2
     return float(max(edge_m, np.sqrt(area / (0.43 * max_vertices))))

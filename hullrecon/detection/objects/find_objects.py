@@ -26,13 +26,15 @@ from hullrecon.geometry.robust import weighted_quantile
 from hullrecon.typing import Array, Ints, Mask
 
 IMAGES = 6  # named with each object
-NEAR_M = 0.02  # a landmark whose foot is farther from every vertex lies where the hull was not meshed
+# a landmark whose foot is farther from every vertex lies where the hull was not meshed
+NEAR_M = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullObject:
-    """One structure, as in objects.json (docs/deliverables.md): lengths in m, points in the frame of the surface. deviation:
-    None without a CAD model."""
+    """One structure, as in objects.json (docs/deliverables.md): lengths in m, points in the frame
+    of the surface. deviation: None without a CAD model.
+    """
 
     center: list[float]
     normal: list[float]
@@ -62,8 +64,9 @@ class HullObject:
 
 @dataclass(frozen=True, kw_only=True)
 class _RegionEvidence:
-    """A region looked at. center: the vertex in the middle of its top; seen: views that show it, the best first; chance that
-    bare hull looks so; sigma m of its height."""
+    """A region looked at. center: the vertex in the middle of its top; seen: views that show it,
+    the best first; chance that bare hull looks so; sigma m of its height.
+    """
 
     region: Region
     center: int
@@ -81,27 +84,37 @@ class _Landmarks:
     vertices: Around
 
     def at(self, found: HullAsFound, vertices: Ints) -> tuple[Ints, Ints]:
-        """Return the landmarks whose foot is nearer to one of these vertices than to all others, and that vertex of each.
+        """Return the landmarks whose foot is nearer to one of these vertices than to all others,
+        and that vertex of each.
 
         Those on the hull at the foot of a structure's edge are not among those of the structure.
         """
         where = found.base.vertices[vertices]
         near, candidates = self.around.ball(where, NEAR_M), self.vertices.ball(where, 2 * NEAR_M)
-        distance, row = nearest(found.base.vertices[candidates], self.measured.foot[near], 1, NEAR_M)
+        distance, row = nearest(
+            found.base.vertices[candidates], self.measured.foot[near], 1, NEAR_M
+        )
         known = np.isfinite(distance[:, 0])
         near, vertex = near[known], candidates[row[known, 0]]
         on = np.isin(vertex, vertices)
         return near[on], vertex[on]
 
     def on(self, found: HullAsFound, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
-        """Return those on these vertices of a region: whether each stands off the hull as the region does (n,), its height
-        over the surface there (n,), and its own sigma (n,), m."""
+        """Return those on these vertices of a region: whether each stands off the hull as the
+        region does (n,), its height over the surface there (n,), and its own sigma (n,), m.
+        """
         rows, vertex = self.at(found, vertices)
         stands = self.stand(found, region, rows, vertex)
-        return stands, self.measured.offset[rows] - found.deviation_at(vertex), self.measured.sigma[rows]
+        return (
+            stands,
+            self.measured.offset[rows] - found.deviation_at(vertex),
+            self.measured.sigma[rows],
+        )
 
     def stand(self, found: HullAsFound, region: Region, rows: Ints, vertex: Ints) -> Mask:
-        """Return whether these landmarks, each on its vertex (n,), stand off the hull as the region does there (n,)."""
+        """Return whether these landmarks, each on its vertex (n,), stand off the hull as the region
+        does there (n,).
+        """
         above = region.rise_of(self.measured.foot[rows], self.measured.offset[rows])
         return np.asarray(above > 0.5 * np.abs(region.rise(found, vertex)))
 
@@ -150,8 +163,12 @@ def find_objects(
     landmarks = _Landmarks(measured=measured, around=Around(measured.foot), vertices=around)
     objects, rejected = [], []
     for region in find_regions(found, options):
-        evidence = _collect_evidence(found, region, area, rough, landmarks, _seen_by(found, region, views, scene))
-        reason = _rejection_reason(found, evidence, area, _supporting_landmarks(found, region, landmarks), options)
+        evidence = _collect_evidence(
+            found, region, area, rough, landmarks, _seen_by(found, region, views, scene)
+        )
+        reason = _rejection_reason(
+            found, evidence, area, _supporting_landmarks(found, region, landmarks), options
+        )
         if reason:
             rejected.append(_unreported(found, evidence, area, base, landmarks, reason))
         else:
@@ -160,49 +177,75 @@ def find_objects(
 
 
 def _unreported(
-    found: HullAsFound, evidence: _RegionEvidence, area: Array, base: BaseSurface, landmarks: _Landmarks, reason: str
+    found: HullAsFound,
+    evidence: _RegionEvidence,
+    area: Array,
+    base: BaseSurface,
+    landmarks: _Landmarks,
+    reason: str,
 ) -> UnreportedRegion:
     region, center = evidence.region, found.mesh.vertices[evidence.center]
     covariances = landmarks.covariances(found, region)
     if not len(covariances):
         covariances = landmarks.nearest_covariance(center)
     middle_sigma = MIDDLE_SHARE * float(np.sqrt(area[region.foot].sum()))
-    position = hull_position(center, found.normal[evidence.center], covariances, evidence.sigma, middle_sigma, base)
+    position = hull_position(
+        center, found.normal[evidence.center], covariances, evidence.sigma, middle_sigma, base
+    )
     return UnreportedRegion(
-        center=_round(center), height=round(region.height, 5), height_sigma=round(evidence.sigma, 5), reason=reason,
+        center=_round(center),
+        height=round(region.height, 5),
+        height_sigma=round(evidence.sigma, 5),
+        reason=reason,
         position=position.as_json(base),
-    )  # fmt: skip
+    )
 
 
 def _collect_evidence(
     found: HullAsFound, region: Region, area: Array, rough: float, landmarks: _Landmarks, seen: Ints
 ) -> _RegionEvidence:
     sigma = height_sigma(found, region)
-    places = float(area[found.measured].sum() / TOP_M2)  # a height is that of a top: so many were looked at
+    # a height is that of a top: so many were looked at
+    places = float(area[found.measured].sum() / TOP_M2)
     chance = p_value(region.height, sigma, rough, places)
-    # Where its top and the hull around it are said to be is no finer than the hull; and a peak is read where enough of it
-    # reaches: how far it may go on above that, its bluntness says. Nor is it finer than the relief between landmarks.
+    # Where its top and the hull around it are said to be is no finer than the hull; and a peak is
+    # read where enough of it reaches: how far it may go on above that, its bluntness says. Nor is
+    # it finer than the relief between landmarks.
     stands, over, own = landmarks.on(found, region, _top_rows(found, region))
     unresolved = relief_left(over[stands], own[stands])
     sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))
-    return _RegionEvidence(region=region, center=_center(found, region, area), seen=seen, chance=chance, sigma=sigma)
+    return _RegionEvidence(
+        region=region, center=_center(found, region, area), seen=seen, chance=chance, sigma=sigma
+    )
 
 
 def _rejection_reason(
-    found: HullAsFound, evidence: _RegionEvidence, area: Array, supporting: tuple[int, float], options: DetectOptions
+    found: HullAsFound,
+    evidence: _RegionEvidence,
+    area: Array,
+    supporting: tuple[int, float],
+    options: DetectOptions,
 ) -> str:
-    """Return why the region is not an object, or nothing. supporting: landmarks that agree, and their share."""
+    """Return why the region is not an object, or nothing. supporting: landmarks that agree, and
+    their share.
+    """
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = _showing(found, region, area)
     core = float(area[region.core].sum())
     least = options.min_height_m + _height_of_facets(found, region)
     checks = (
-        (abs(region.height) < least, f"only {abs(region.height):.3f} m off the hull around it, of {least:.3f} m needed there"),
+        (
+            abs(region.height) < least,
+            f"only {abs(region.height):.3f} m off the hull around it, of {least:.3f} m needed there",
+        ),
         (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),
         (on < options.min_landmarks, f"only {on} landmark{'' if on == 1 else 's'}"),
         (agree < options.min_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
         (min(seen, shapes) < options.min_views, f"only {min(seen, shapes)} images show it"),
-        (evidence.chance > options.max_p_value, f"bare hull does so with probability {evidence.chance:.2g}"),
+        (
+            evidence.chance > options.max_p_value,
+            f"bare hull does so with probability {evidence.chance:.2g}",
+        ),
     )
     return next((reason for failed, reason in checks if failed), "")
 
@@ -210,23 +253,32 @@ def _rejection_reason(
 def _height_of_facets(found: HullAsFound, region: Region) -> float:
     """Return how high or deep a curve that the CAD model draws in facets may seem there, m.
 
-    It stands off a facet by no more than the sagitta. And heights are counted from a plane through the ring around: off an edge
-    the curve parts from the facets by half the angle between them, so by that much over the way to the ring at most.
+    It stands off a facet by no more than the sagitta. And heights are counted from a plane through
+    the ring around: off an edge the curve parts from the facets by half the angle between them, so
+    by that much over the way to the ring at most.
     """
     vertices = found.base.vertices
     reach = np.linalg.norm(vertices[region.ring] - vertices[region.core].mean(axis=0), axis=1).max()
-    return float(np.median(np.minimum(found.sagitta[region.core], 0.5 * found.turn[region.core] * reach)))
+    return float(
+        np.median(np.minimum(found.sagitta[region.core], 0.5 * found.turn[region.core] * reach))
+    )
 
 
 def _showing(found: HullAsFound, region: Region, area: Array) -> int:
-    """Return how many views have shapes on as much of the region as a height is read from, counted where most do."""
+    """Return how many views have shapes on as much of the region as a height is read from, counted
+    where most do.
+    """
     order = region.core[np.argsort(-found.shapes[region.core], kind="stable")]
     enough = np.flatnonzero(np.cumsum(area[order]) >= TOP_M2)
     return int(found.shapes[order[enough[0]]]) if len(enough) else 0
 
 
-def _supporting_landmarks(found: HullAsFound, region: Region, landmarks: _Landmarks) -> tuple[int, float]:
-    """Return the landmarks on the core that stand off as it does, and their share of all landmarks there."""
+def _supporting_landmarks(
+    found: HullAsFound, region: Region, landmarks: _Landmarks
+) -> tuple[int, float]:
+    """Return the landmarks on the core that stand off as it does, and their share of all landmarks
+    there.
+    """
     stands, _, _ = landmarks.on(found, region, region.core)
     return int(stands.sum()), float(stands.mean()) if len(stands) else 0.0
 
@@ -239,7 +291,9 @@ def _center(found: HullAsFound, region: Region, area: Array) -> int:
 
 
 def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scene) -> Ints:
-    """Return the camera views that saw more than half of the top, the best (nearest to the image's middle) first."""
+    """Return the camera views that saw more than half of the top, the best (nearest to the image's
+    middle) first.
+    """
     top = _top_rows(found, region)
     middle = views.T_x_c.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
     offset = np.hypot(middle[:, 0], middle[:, 1]) / np.maximum(middle[:, 2], 1e-6)
@@ -247,7 +301,9 @@ def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scen
     share = np.zeros(len(views))
     for view in np.flatnonzero(near).tolist():
         rows = rows_in_image(views, view, found.mesh.vertices, top)
-        clear, _, _ = visible_rows(views.T_x_c.translation[view], rows, found.mesh.vertices, found.normal, scene)
+        clear, _, _ = visible_rows(
+            views.T_x_c.translation[view], rows, found.mesh.vertices, found.normal, scene
+        )
         share[view] = len(clear) / len(top)
     seen = np.flatnonzero(share > 0.5)
     return seen[np.argsort(offset[seen], kind="stable")]
@@ -272,14 +328,24 @@ def _object(
     foot, core = region.foot, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
-    deviation = region.side * weighted_quantile(region.side * found.deviation_at(core), area[core], 0.98)
+    deviation = region.side * weighted_quantile(
+        region.side * found.deviation_at(core), area[core], 0.98
+    )
     open_edge = find_open_edge(found, region, area, around)
     size = measure_size(found, region, open_edge, area, evidence.sigma, normal, base.chart)
     middle_sigma = np.hypot(
-        MIDDLE_SHARE * max(size.extent), 0.5 * hidden_extent(found, region, open_edge, normal, base.chart).max()
+        MIDDLE_SHARE * max(size.extent),
+        0.5 * hidden_extent(found, region, open_edge, normal, base.chart).max(),
     )
     center = _top(found, region, evidence.center)
-    position = hull_position(center, normal, landmarks.covariances(found, region), evidence.sigma, float(middle_sigma), base)
+    position = hull_position(
+        center,
+        normal,
+        landmarks.covariances(found, region),
+        evidence.sigma,
+        float(middle_sigma),
+        base,
+    )
     return HullObject(
         center=_round(center),
         normal=_round(normal),
@@ -300,7 +366,9 @@ def _object(
 def _top(found: HullAsFound, region: Region, center: int) -> Array:
     """Return the center's foot on the base, lifted to the region's height."""
     foot = found.base.vertices[center]
-    return np.asarray(foot + found.normal[center] * (region.hull.offset(foot[None])[0] + region.height))
+    return np.asarray(
+        foot + found.normal[center] * (region.hull.offset(foot[None])[0] + region.height)
+    )
 
 
 def _round(values: Array) -> list[float]:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Heights at vertices by robust local regression of landmarks: smooth on the hull, sharp at the edges of structures."""
+"""Heights at vertices by robust local regression of landmarks: smooth on the hull, sharp at the
+edges of structures.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,10 @@ from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.typing import Array, Ints
 
 CHUNK = 20_000  # vertices at once: bounds memory
-SLOPE_SIGMA = 0.5  # prior of the height's slope, about zero: keeps thin neighbourhoods from extrapolating
-BEND_SIGMA = 5.0  # 1/m, prior of its second-order terms, about zero: a plane alone would cut off a lump's top
+# prior of the height's slope, about zero: keeps thin neighbourhoods from extrapolating
+SLOPE_SIGMA = 0.5
+# 1/m, prior of its second-order terms, about zero: a plane alone would cut off a lump's top
+BEND_SIGMA = 5.0
 ROUNDS = 4  # of weights by the last fit, and a fit by these weights
 MIN_SCALE_M = 0.003  # landmarks nearer to each other than this are never outliers
 MAX_SCALE_M = 0.012  # nor is a step an inlier because a neighbourhood straddles it
@@ -22,7 +26,9 @@ MAX_SCALE_M = 0.012  # nor is a step an inlier because a neighbourhood straddles
 
 @dataclass(frozen=True)
 class Heights:
-    """value (n,) m; sigma (n,) m; count (n,) landmarks within reach; agreement (n,) share of their weight that agrees."""
+    """value (n,) m; sigma (n,) m; count (n,) landmarks within reach; agreement (n,) share of their
+    weight that agrees.
+    """
 
     value: Array
     sigma: Array
@@ -30,35 +36,57 @@ class Heights:
     agreement: Array
 
     def append(self, more: Heights) -> Heights:
-        return Heights(*(np.concatenate([getattr(self, f.name), getattr(more, f.name)]) for f in fields(self)))
+        return Heights(
+            *(np.concatenate([getattr(self, f.name), getattr(more, f.name)]) for f in fields(self))
+        )
 
 
 def local_heights(
-    at: Array, normal: Array, feet: Array, height: Array, sigma: Array, neighbours: int, reach_m: float
+    at: Array,
+    normal: Array,
+    feet: Array,
+    height: Array,
+    sigma: Array,
+    neighbours: int,
+    reach_m: float,
 ) -> Heights:
-    """Return heights m at vertices (n, 3) with outward normals (n, 3) from landmarks' feet (m, 3), heights and sigmas (m,) m.
+    """Return heights m at vertices (n, 3) with outward normals (n, 3) from landmarks' feet (m, 3),
+    heights and sigmas (m,) m.
 
-    Around each vertex: the median of the nearest few, then a polynomial of second order in the tangent plane refitted with
-    Tukey's weights about it, so that the side of a step on which the vertex lies decides; slope and bend are held to zero by
-    priors. NaN where fewer than three landmarks are within reach.
+    Around each vertex: the median of the nearest few, then a polynomial of second order in the
+    tangent plane refitted with Tukey's weights about it, so that the side of a step on which the
+    vertex lies decides; slope and bend are held to zero by priors. NaN where fewer than three
+    landmarks are within reach.
     """
     parts = [
         _heights(at[i : i + CHUNK], normal[i : i + CHUNK], feet, height, sigma, neighbours, reach_m)
         for i in range(0, len(at), CHUNK)
     ]
-    value, error, count, agreement = (np.concatenate([np.zeros(0), *(part[k] for part in parts)]) for k in range(4))
+    value, error, count, agreement = (
+        np.concatenate([np.zeros(0), *(part[k] for part in parts)]) for k in range(4)
+    )
     return Heights(value, error, count.astype(np.int64), agreement)
 
 
 def _heights(
-    at: Array, normal: Array, feet: Array, height: Array, sigma: Array, neighbours: int, reach_m: float
+    at: Array,
+    normal: Array,
+    feet: Array,
+    height: Array,
+    sigma: Array,
+    neighbours: int,
+    reach_m: float,
 ) -> tuple[Array, Array, Array, Array]:
     distance, row = nearest(feet, at, min(neighbours, len(feet)), reach_m)
     near = np.isfinite(distance)
     row = np.where(near, row, 0)
     count = near.sum(axis=1)
     width = np.where(near, distance, 0.0).max(axis=1, initial=1e-3, keepdims=True) * 1.05
-    weight = np.where(near, (1 - np.minimum(1, distance / width) ** 2) ** 2 / (sigma[row] ** 2 + MIN_SCALE_M**2), 0.0)
+    weight = np.where(
+        near,
+        (1 - np.minimum(1, distance / width) ** 2) ** 2 / (sigma[row] ** 2 + MIN_SCALE_M**2),
+        0.0,
+    )
     h = np.where(near, height[row], np.nan)
     start = _median(h[:, :7])
     scale = np.clip(NORMAL_MAD * _median(np.abs(h - start[:, None])), MIN_SCALE_M, MAX_SCALE_M)
@@ -83,13 +111,19 @@ def _heights(
 
 
 def _terms(a: Array, b: Array) -> Array:
-    """Return the (n, k, 6) terms of the polynomial at a, b (n, k) m from the vertex: height, slopes, second order."""
+    """Return the (n, k, 6) terms of the polynomial at a, b (n, k) m from the vertex: height,
+    slopes, second order.
+    """
     return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=2)
 
 
-def _error(terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, variance: Array) -> Array:
-    """Return one sigma of the heights (n,): of a landmark, by its own word or by the scatter if that is larger, over the
-    root of how many count, times the leverage of the polynomial against a mean."""
+def _error(
+    terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, variance: Array
+) -> Array:
+    """Return one sigma of the heights (n,): of a landmark, by its own word or by the scatter if
+    that is larger, over the root of how many count, times the leverage of the polynomial against a
+    mean.
+    """
     total = weight.sum(axis=1) + 1e-12
     scatter = np.einsum("nk,nk->n", weight, (h - np.einsum("nkj,nj->nk", terms, fit)) ** 2) / total
     claimed = np.einsum("nk,nk->n", weight, sigma**2) / total
@@ -99,8 +133,9 @@ def _error(terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, vari
 
 
 def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
-    """Return the coefficients (n, 6) of the terms by weighted least squares with priors, and the height's variance (n,); as
-    before where nothing weighs."""
+    """Return the coefficients (n, 6) of the terms by weighted least squares with priors, and the
+    height's variance (n,); as before where nothing weighs.
+    """
     normal_matrix = np.einsum("nki,nk,nkj->nij", terms, weight, terms, optimize=True)
     normal_matrix[:, [1, 2], [1, 2]] += 1 / SLOPE_SIGMA**2
     normal_matrix[:, [3, 4, 5], [3, 4, 5]] += 1 / BEND_SIGMA**2
@@ -119,7 +154,9 @@ def _median(values: Array) -> Array:
     count = np.isfinite(values).sum(axis=1)
     rows = np.arange(len(values))
     low, high = np.maximum(count - 1, 0) // 2, count // 2
-    return np.asarray(0.5 * (ranked[rows, low] + ranked[rows, np.minimum(high, values.shape[1] - 1)]))
+    return np.asarray(
+        0.5 * (ranked[rows, low] + ranked[rows, np.minimum(high, values.shape[1] - 1)])
+    )
 
 
 def _tangents(normal: Array) -> tuple[Array, Array]:

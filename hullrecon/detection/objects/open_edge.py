@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a structure's footprint ends only because the survey does: what lies beyond was not measured."""
+"""Where a structure's footprint ends only because the survey does: what lies beyond was not
+measured.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +16,16 @@ from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.typing import Array, Ints
 
 BAND_M = 0.018  # around a footprint: one and a half edges of the mesh at structures
-UNIFORM = 1 / np.sqrt(3)  # root mean square, over its range, of what lies anywhere between nothing and that
+# root mean square, over its range, of what lies anywhere between nothing and that
+UNIFORM = 1 / np.sqrt(3)
 
 
 @dataclass(frozen=True, kw_only=True)
 class OpenEdge:
-    """share: of a narrow band around the footprint, what was not measured. beyond: unmeasured vertices onto which the structure
-    may go on. height m: how high it stands beside them above the hull around it, signed; 0 without an open edge."""
+    """share: of a narrow band around the footprint, what was not measured. beyond: unmeasured
+    vertices onto which the structure may go on. height m: how high it stands beside them above the
+    hull around it, signed; 0 without an open edge.
+    """
 
     share: float
     beyond: Ints
@@ -30,8 +35,8 @@ class OpenEdge:
 def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Around) -> OpenEdge:
     """Return where the footprint of a region borders on vertices that no landmark decides.
 
-    area (n,) m2 and around: of the vertices of the base. As much of a structure may be hidden as is seen: it may go on as far
-    as its footprint reaches from its middle.
+    area (n,) m2 and around: of the vertices of the base. As much of a structure may be hidden as is
+    seen: it may go on as far as its footprint reaches from its middle.
     """
     at, foot = found.base.vertices, region.foot
     reach = max(BAND_M, float(np.linalg.norm(at[foot] - at[foot].mean(axis=0), axis=1).max()))

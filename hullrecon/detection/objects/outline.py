@@ -14,9 +14,10 @@ LEAST_SHARE = 0.02  # of the outlined area: what is larger is a shape, however s
 
 
 def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:
-    """Return the longest closed line (k, 3) around the faces whose corners all belong to the part, counter-clockwise seen from
-    outside, through vertices of the mesh, without teeth that are smaller than an edge is known; at most `most` of them. Empty
-    when the part holds no face."""
+    """Return the longest closed line (k, 3) around the faces whose corners all belong to the part,
+    counter-clockwise seen from outside, through vertices of the mesh, without teeth that are
+    smaller than an edge is known; at most `most` of them. Empty when the part holds no face.
+    """
     inside = np.zeros(len(mesh.vertices), bool)
     inside[part] = True
     faces = mesh.faces[inside[mesh.faces].all(axis=1)].astype(np.int64)
@@ -30,7 +31,9 @@ def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:
 
 
 def _flatten(line: Array) -> Array:
-    """Return a closed line (k, 3) in the plane (k, 2) that it spans: up and down a structure's wall is not along its edge."""
+    """Return a closed line (k, 3) in the plane (k, 2) that it spans: up and down a structure's wall
+    is not along its edge.
+    """
     centred = line - line.mean(axis=0) if len(line) else line
     area = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
     normal = area / max(float(np.linalg.norm(area)), 1e-12)
@@ -40,9 +43,13 @@ def _flatten(line: Array) -> Array:
 
 
 def _without_teeth(line: Array, most: int) -> list[int]:
-    """Return the rows that are left of a closed line (k, 2): the point that spans the smallest triangle with its neighbours
-    goes first [VisvalingamWhyatt1993], until none is smaller than the square of an edge's sigma and at most `most` are left."""
-    tooth = min(EDGE_SIGMA_M**2, LEAST_SHARE * abs(_double_area(line, np.roll(line, -1, axis=0)).sum()) / 2)
+    """Return the rows that are left of a closed line (k, 2): the point that spans the smallest
+    triangle with its neighbours goes first [VisvalingamWhyatt1993], until none is smaller than the
+    square of an edge's sigma and at most `most` are left.
+    """
+    tooth = min(
+        EDGE_SIGMA_M**2, LEAST_SHARE * abs(_double_area(line, np.roll(line, -1, axis=0)).sum()) / 2
+    )
     left = list(range(len(line)))
     while len(left) > 4:
         here = line[left]
@@ -60,7 +67,9 @@ def _double_area(a: Array, b: Array) -> Array:
 
 
 def _loops(rim: Ints) -> list[list[int]]:
-    """Join directed edges (e, 2) to closed lines; at a vertex that two lines touch, the one begun first goes on."""
+    """Join directed edges (e, 2) to closed lines; at a vertex that two lines touch, the one begun
+    first goes on.
+    """
     follow: dict[int, list[int]] = {}
     for a, b in rim.tolist():
         follow.setdefault(a, []).append(b)

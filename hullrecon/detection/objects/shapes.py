@@ -12,13 +12,19 @@ from hullrecon.typing import Array, Ints, Ints32
 
 
 def detect_shapes(
-    in_camera: Array, deviation: Array, threshold_m: float, reach_m: float, least: int, alpha_m: float
+    in_camera: Array,
+    deviation: Array,
+    threshold_m: float,
+    reach_m: float,
+    least: int,
+    alpha_m: float,
 ) -> list[Mesh]:
     """Return shapes among a view's features, as meshes of features in the camera's frame.
 
-    in_camera (n, 3) m; deviation (n,) m from the hull. Features beyond the threshold are points (f_x, f_y, |d|), clustered by
-    DBSCAN with that reach and number of points; each cluster is meshed by its alpha shape in (f_x, f_y). Raised and
-    sunken features are clustered apart: |d| alone would join a bump with the hole beside it.
+    in_camera (n, 3) m; deviation (n,) m from the hull. Features beyond the threshold are points
+    (f_x, f_y, |d|), clustered by DBSCAN with that reach and number of points; each cluster is
+    meshed by its alpha shape in (f_x, f_y). Raised and sunken features are clustered apart: |d|
+    alone would join a bump with the hole beside it.
     """
     shapes = []
     for side in (1.0, -1.0):
@@ -34,8 +40,9 @@ def detect_shapes(
 
 
 def dbscan(points: Array, reach_m: float, least: int) -> Ints:
-    """Return the cluster (n,) of each point, -1 for noise; numbered in the points' order. A point counts among its own
-    neighbours; one on the rim of two clusters goes to the nearer."""
+    """Return the cluster (n,) of each point, -1 for noise; numbered in the points' order. A point
+    counts among its own neighbours; one on the rim of two clusters goes to the nearer.
+    """
     label = np.full(len(points), -1, np.int64)
     if len(points) < least:
         return label
@@ -48,7 +55,9 @@ def dbscan(points: Array, reach_m: float, least: int) -> Ints:
     if not len(core):
         return label
     pairs = cKDTree(points[core]).query_pairs(reach_m, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(core), len(core)))
+    links = coo_array(
+        (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(core), len(core))
+    )
     number = connected_components(links, directed=False)[1]
     _, first = np.unique(number, return_index=True)
     rank = np.asarray(np.argsort(np.argsort(first))[number], np.int64)
@@ -59,7 +68,9 @@ def dbscan(points: Array, reach_m: float, least: int) -> Ints:
 
 
 def alpha_shape(points: Array, alpha_m: float) -> Ints32:
-    """Return the Delaunay triangles (m, 3) of points (n, 2) whose circumscribed circle is no larger than alpha."""
+    """Return the Delaunay triangles (m, 3) of points (n, 2) whose circumscribed circle is no larger
+    than alpha.
+    """
     from scipy.spatial import Delaunay, QhullError
 
     if len(points) < 3:

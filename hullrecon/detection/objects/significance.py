@@ -13,30 +13,38 @@ from hullrecon.typing import Array
 
 
 def roughness(found: HullAsFound) -> float:
-    """Return one robust sigma of the measured heights: what hull and noise do without structures, m."""
+    """Return one robust sigma of the measured heights: what hull and noise do without structures,
+    m.
+    """
     height = found.height[found.measured]
     return robust_sigma(height) if len(height) else 0.0
 
 
 def height_sigma(found: HullAsFound, region: Region) -> float:
-    """Return one sigma of a region's height: of a vertex at its top and of the hull beneath it. Neighbouring vertices share
-    landmarks, so the top counts as one vertex."""
+    """Return one sigma of a region's height: of a vertex at its top and of the hull beneath it.
+    Neighbouring vertices share landmarks, so the top counts as one vertex.
+    """
     top = float(np.median(found.sigma[region.core]))
     hull = float(np.median(region.hull.sigma(found.base.vertices[region.core])))
     return float(np.hypot(top, hull))
 
 
 def relief_left(over_m: Array, sigma_m: Array) -> float:
-    """Return what smoothing left out, m: the scatter of landmarks' heights (n,) over the surface, beyond their own sigmas
-    (n,). Where
-    they are too far apart for the relief, the surface passes between them. Zero without landmarks."""
+    """Return what smoothing left out, m: the scatter of landmarks' heights (n,) over the surface,
+    beyond their own sigmas (n,). Where they are too far apart for the relief, the surface passes
+    between them. Zero without landmarks.
+    """
     if not len(over_m):
         return 0.0
-    return float(np.sqrt(max(0.0, robust_sigma(over_m, about=0.0) ** 2 - float(np.median(sigma_m)) ** 2)))
+    return float(
+        np.sqrt(max(0.0, robust_sigma(over_m, about=0.0) ** 2 - float(np.median(sigma_m)) ** 2))
+    )
 
 
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
-    """Return two-sided probability that the highest of so many places of bare hull reaches this height."""
+    """Return two-sided probability that the highest of so many places of bare hull reaches this
+    height.
+    """
     from scipy.special import ndtr  # not scipy.stats, which takes seconds to load
 
     score = abs(height_m) / max(np.hypot(sigma_m, roughness_m), 1e-6)

@@ -15,7 +15,8 @@ AFT_SHARE = 0.25  # of the length: farther from the aft end no aft perpendicular
 
 
 def describe_bow(hull: Hull, mesh: Mesh) -> tuple[str, list[str]]:
-    """Return a sentence, and one more where stations count from a place that can be no aft perpendicular.
+    """Return a sentence, and one more where stations count from a place that can be no aft
+    perpendicular.
 
     Raises InputError for a bow that the CAD model does not have.
     """

@@ -14,7 +14,9 @@ from hullrecon.geometry.poses import from_mount, up_in
 
 
 def describe_regions(hull: Hull | None, mesh: Mesh | None) -> tuple[list[str], list[str]]:
-    """Return a sentence for each region with its area, and one for each that holds no hull; none without a CAD model."""
+    """Return a sentence for each region with its area, and one for each that holds no hull; none
+    without a CAD model.
+    """
     regions = () if hull is None else hull.region or ()
     if not regions or hull is None or mesh is None:
         return [], []
@@ -22,10 +24,19 @@ def describe_regions(hull: Hull | None, mesh: Mesh | None) -> tuple[list[str], l
         chart = chart_for_hull(mesh, up_in(from_mount(hull.pose)), hull.bow, hull.aft_perpendicular)
     except InputError as error:
         return [], [f"{count_noun(len(regions), 'hull.region')} cannot be counted: {error.what}"]
-    areas = {region: float(region_cells(chart, mesh, region.along, region.girth).area.sum()) for region in regions}
-    (along, girth) = (f"{low:.1f} to {high:.1f} m" for low, high in chart_limits(chart, mesh).round(1) + 0.0)
+    areas = {
+        region: float(region_cells(chart, mesh, region.along, region.girth).area.sum())
+        for region in regions
+    }
+    (along, girth) = (
+        f"{low:.1f} to {high:.1f} m" for low, high in chart_limits(chart, mesh).round(1) + 0.0
+    )
     empty = f"holds no hull: the CAD model reaches from {along} along, {girth} in girth"
     return (
-        [f"region {region.name}: {area:.1f} m2 of the CAD model" for region, area in areas.items() if area],
+        [
+            f"region {region.name}: {area:.1f} m2 of the CAD model"
+            for region, area in areas.items()
+            if area
+        ],
         [f"hull.region {region.name} {empty}" for region, area in areas.items() if not area],
     )

@@ -12,14 +12,27 @@ import numpy as np
 from hullrecon.dive.logs.readers.protocol import Loss
 from hullrecon.dive.logs.timeline import NS, describe_ends, describe_gaps, format_time, rate_hz
 from hullrecon.geometry.frames import Camera
-from hullrecon.records.sensors import DvlPings, ImageIndex, JointSamples, PositionFixes, PressureSamples, SensorRecords
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImageIndex,
+    JointSamples,
+    PositionFixes,
+    PressureSamples,
+    SensorRecords,
+)
 from hullrecon.typing import Ints
 
 NOUNS = {
-    "dvl": "ping", "imu": "reading", "pressure": "reading", "tray": "angle", "sonar_tray": "angle", "sonar": "ping",
+    "dvl": "ping",
+    "imu": "reading",
+    "pressure": "reading",
+    "tray": "angle",
+    "sonar_tray": "angle",
+    "sonar": "ping",
     "position": "position",
-    Camera.TOP.key: "image", Camera.BOTTOM.key: "image",
-}  # fmt: skip
+    Camera.TOP.key: "image",
+    Camera.BOTTOM.key: "image",
+}
 
 
 class Stream(Protocol):
@@ -36,14 +49,26 @@ def count_noun(count: int, noun: str) -> str:
 
 
 def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -> list[str]:
-    """Return a sentence for each sensor (how many readings, how long, at which rate), its gaps, and ranges of values."""
+    """Return a sentence for each sensor (how many readings, how long, at which rate), its gaps, and
+    ranges of values.
+    """
     out: list[str] = []
     streams: Iterable[tuple[str, Stream]] = [*records.by_name().items(), *images.items()]
     logged = [(name, record.t_ns) for name, record in streams if len(record.t_ns)]
-    whole = [min((int(t[0]) for _, t in logged), default=0), max((int(t[-1]) for _, t in logged), default=0)]
+    whole = [
+        min((int(t[0]) for _, t in logged), default=0),
+        max((int(t[-1]) for _, t in logged), default=0),
+    ]
     for name, t in logged:
-        count, seconds, start = count_noun(len(t), NOUNS[name]), (t[-1] - t[0]) / NS, format_time(int(t[0]))
-        out.append(f"{name}: {count} in {seconds:.1f} s from {start}" + (f", {rate_hz(t):.1f} Hz" if len(t) > 1 else ""))
+        count, seconds, start = (
+            count_noun(len(t), NOUNS[name]),
+            (t[-1] - t[0]) / NS,
+            format_time(int(t[0])),
+        )
+        out.append(
+            f"{name}: {count} in {seconds:.1f} s from {start}"
+            + (f", {rate_hz(t):.1f} Hz" if len(t) > 1 else "")
+        )
         out += describe_gaps(name, t) + describe_ends(name, t, *whole)
     joints = {"tray": records.tray, "sonar_tray": records.sonar_tray}
     return [
@@ -64,7 +89,9 @@ def _describe_dvl(dvl: DvlPings | None) -> list[str]:
         return []
     out = []
     if np.isfinite(dvl.ranges).any():
-        out.append(f"DVL ranges run from {np.nanmin(dvl.ranges):.2f} to {np.nanmax(dvl.ranges):.2f} m")
+        out.append(
+            f"DVL ranges run from {np.nanmin(dvl.ranges):.2f} to {np.nanmax(dvl.ranges):.2f} m"
+        )
     if np.isfinite(dvl.velocity).any():
         out.append(f"DVL speeds reach {np.nanmax(np.linalg.norm(dvl.velocity, axis=1)):.2f} m/s")
     return out
@@ -75,9 +102,13 @@ def _describe_positions(fixes: PositionFixes | None) -> list[str]:
         return []
     north, east = np.ptp(fixes.north_east, axis=0)
     low, high = fixes.sigma.min(), fixes.sigma.max()
-    sigma = f"sigma {low:.2g} m" if np.isclose(low, high) else f"sigmas from {low:.2g} to {high:.2g} m"
+    sigma = (
+        f"sigma {low:.2g} m" if np.isclose(low, high) else f"sigmas from {low:.2g} to {high:.2g} m"
+    )
     alone = "; one alone tells nothing of the path" if len(fixes.t_ns) == 1 else ""
-    return [f"positions from outside span {north:.1f} m north and {east:.1f} m east, {sigma}{alone}"]
+    return [
+        f"positions from outside span {north:.1f} m north and {east:.1f} m east, {sigma}{alone}"
+    ]
 
 
 def _describe_joint(name: str, joint: JointSamples | None) -> list[str]:
@@ -89,7 +120,10 @@ def _describe_joint(name: str, joint: JointSamples | None) -> list[str]:
 
 def describe_losses(found: Sequence[tuple[str, Loss]]) -> list[str]:
     """Return a sentence for each loss (file and loss), with its span and topic."""
-    return [f"{file}: {loss.topic or 'every topic'}: {_span(loss)} lost{_many(loss)}: {loss.why}" for file, loss in found]
+    return [
+        f"{file}: {loss.topic or 'every topic'}: {_span(loss)} lost{_many(loss)}: {loss.why}"
+        for file, loss in found
+    ]
 
 
 def _span(loss: Loss) -> str:

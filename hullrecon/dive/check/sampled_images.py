@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Some of a camera's images, kept in memory while a log streams by: runs of neighbours spread over the dive."""
+"""Some of a camera's images, kept in memory while a log streams by: runs of neighbours spread over
+the dive.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,9 @@ MOST = 128  # images: some tens of megabytes
 
 
 class SampledImages(BytesIO):
-    """A file that keeps whole writes by their offset, runs of RUN, fewer of them the more there are."""
+    """A file that keeps whole writes by their offset, runs of RUN, fewer of them the more there
+    are.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -25,7 +29,9 @@ class SampledImages(BytesIO):
             self._kept[self._at] = (self._count, data)
         if len(self._kept) > MOST:
             self._stride *= 2
-            self._kept = {at: kept for at, kept in self._kept.items() if (kept[0] // RUN) % self._stride == 0}
+            self._kept = {
+                at: kept for at, kept in self._kept.items() if (kept[0] // RUN) % self._stride == 0
+            }
         self._count += 1
         self._at += len(data)
         return len(data)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""List what no log holds and dive.toml leaves open: lever arms, mounts, calibrations. `init`, `check` and `run` print it."""
+"""List what no log holds and dive.toml leaves open: lever arms, mounts, calibrations. `init`,
+`check` and `run` print it.
+"""
 
 from __future__ import annotations
 
@@ -38,18 +40,29 @@ MEANING = {
 }
 
 
-def to_fill_in(loaded: LoadedConfig, sensors: Set[str], logged: Set[str] | None = None) -> list[str]:
-    """Return a sentence for each key that the logged sensors need and dive.toml leaves to a default, with that default.
+def to_fill_in(
+    loaded: LoadedConfig, sensors: Set[str], logged: Set[str] | None = None
+) -> list[str]:
+    """Return a sentence for each key that the logged sensors need and dive.toml leaves to a
+    default, with that default.
 
     logged: keys that the log's tf_static fills in; None where it was not looked for.
     """
     out = []
     for key, meaning in MEANING.items():
         value = loaded.value(key)
-        if value is not None and sensors & SENSORS.get(key, sensors) and key not in loaded.given | (logged or set()):
+        if (
+            value is not None
+            and sensors & SENSORS.get(key, sensors)
+            and key not in loaded.given | (logged or set())
+        ):
             default = DEFAULTS.get(key, value)
-            shown = ", ".join(f"{v:g}" for v in default) if isinstance(default, tuple) else str(default)
-            until = "what the log's tf_static says, else " if logged is None and key in DEFAULTS else ""
+            shown = (
+                ", ".join(f"{v:g}" for v in default) if isinstance(default, tuple) else str(default)
+            )
+            until = (
+                "what the log's tf_static says, else " if logged is None and key in DEFAULTS else ""
+            )
             out.append(f"to fill in: {key}: {meaning}; until then {until}[{shown}] is used")
     return out + [
         f"to fill in: {c.section}.calibration: the camera_info YAML of {c.key}, or [{c.section}] alone where the log has its "
@@ -60,15 +73,21 @@ def to_fill_in(loaded: LoadedConfig, sensors: Set[str], logged: Set[str] | None 
 
 
 def configured_sensors(loaded: LoadedConfig) -> set[str]:
-    """Return the sensors that a run will read by dive.toml and the names of tables, without opening a log."""
+    """Return the sensors that a run will read by dive.toml and the names of tables, without opening
+    a log.
+    """
     topics = loaded.config.topics
     named = {name for name in topics.__struct_fields__ if getattr(topics, name)}
     folders = [loaded.package / name for name in loaded.config.logs.files]
-    return named | {name for name in TYPES for folder in folders if _is_file(folder / f"{name}.csv")}
+    return named | {
+        name for name in TYPES for folder in folders if _is_file(folder / f"{name}.csv")
+    }
 
 
 def _is_file(path: Path) -> bool:
-    """Return whether a file lies there; a name that no file can have is refused, in words, when the log is opened."""
+    """Return whether a file lies there; a name that no file can have is refused, in words, when the
+    log is opened.
+    """
     try:
         return path.is_file()
     except OSError:

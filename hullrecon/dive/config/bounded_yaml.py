@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Parse YAML of strangers: aliases that stand for more than a file could hold are refused before anything is made of them."""
+"""Parse YAML of strangers: aliases that stand for more than a file could hold are refused before
+anything is made of them.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ BRACKETS = re.compile(r"[\[{\]}]")
 def parse_yaml(text: str) -> object:
     """Return what YAML text holds; the head that OpenCV writes is taken as well.
 
-    Raises ValueError for text that is no YAML, nests too deeply, holds too many values or names its aliases too often.
+    Raises ValueError for text that is no YAML, nests too deeply, holds too many values or names its
+    aliases too often.
     """
     refuse_floods(text)
     yaml = YAML(typ="safe", pure=True)
@@ -29,14 +32,17 @@ def parse_yaml(text: str) -> object:
         data: object = yaml.load(text.removeprefix("%YAML:1.0\n"))
     except RecursionError:
         raise ValueError("nested too deeply") from None
-    except Exception as error:  # ruamel raises whatever damaged text leads it to, beside its own errors
+    # ruamel raises whatever damaged text leads it to, beside its own errors
+    except Exception as error:
         first = (str(error).splitlines() or [type(error).__name__])[0]
         raise ValueError(first) from None
     return data
 
 
 def refuse_floods(text: str) -> None:
-    """Raise ValueError for text that has more values, or brackets in brackets, than the parser can go through in a second."""
+    """Raise ValueError for text that has more values, or brackets in brackets, than the parser can
+    go through in a second.
+    """
     if text.count(",") + text.count("\n") > MOST_VALUES:
         raise ValueError(f"it holds more than {MOST_VALUES} lines and values")
     depth = 0
@@ -60,8 +66,8 @@ class _BoundedConstructor(SafeConstructor):
 def count_values(node: Node, known: dict[int, int]) -> int:
     """Return the values at and below a node, with those of an alias at each place that names it.
 
-    known: counts of nodes that were met before; 0 for those that are being counted. Raises ValueError for an alias of what it
-    lies in.
+    known: counts of nodes that were met before; 0 for those that are being counted. Raises
+    ValueError for an alias of what it lies in.
     """
     if id(node) in known:
         count = known[id(node)]

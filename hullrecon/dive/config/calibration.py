@@ -15,12 +15,15 @@ from hullrecon.dive.images.header import fits
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 
-LARGEST_YAML = 4 * MIB  # bytes; a calibration has a thousand, the metadata of a long recording some hundred thousand
+# bytes; a calibration has a thousand, the metadata of a long recording some hundred thousand
+LARGEST_YAML = 4 * MIB
 PINHOLE = ("plumb_bob", "none", "rational_polynomial", "")
 
 
 def read_camera(path: Path) -> CameraModel:
-    """Return a pinhole with plumb_bob distortion. Raises InputError that names the key for anything else."""
+    """Return a pinhole with plumb_bob distortion. Raises InputError that names the key for anything
+    else.
+    """
     return camera_of(read_yaml(path), str(path))
 
 
@@ -28,13 +31,17 @@ def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
     """Return the camera of the keys of such a YAML; where: what an InputError names as their place."""
     width, height = (_whole(data, key, where) for key in ("image_width", "image_height"))
     if not fits((width, height)):
-        raise InputError(f"images of {width} x {height} pixels are too large to be read", where=where)
+        raise InputError(
+            f"images of {width} x {height} pixels are too large to be read", where=where
+        )
     matrix = _numbers(data, "camera_matrix", 9, where)
     fx, fy, cx, cy = matrix[0], matrix[4], matrix[2], matrix[5]
     if not (0 < fx < 1e6 and 0 < fy < 1e6):
         raise InputError(f"camera_matrix has focal lengths {fx:g} and {fy:g}", where=where)
     if abs(matrix[1]) > 1e-6 * fx:
-        raise InputError(f"camera_matrix has a skew of {matrix[1]:g}, which is not modelled", where=where)
+        raise InputError(
+            f"camera_matrix has a skew of {matrix[1]:g}, which is not modelled", where=where
+        )
     k1, k2, p1, p2, k3 = _distortion(data, where)
     return CameraModel(width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3)
 
@@ -47,11 +54,15 @@ def read_yaml(path: Path) -> Mapping[str, object]:
     try:
         data = parse_yaml(read_text(path, LARGEST_YAML))
     except FileNotFoundError:
-        raise InputError(f"{path.name} is missing", where=where, remedy="correct the path in dive.toml") from None
+        raise InputError(
+            f"{path.name} is missing", where=where, remedy="correct the path in dive.toml"
+        ) from None
     except OSError as error:
         raise InputError(f"{path.name} cannot be read: {error.strerror}", where=where) from None
     except ValueError as error:
-        raise InputError(f"{path.name} is not YAML: {shorten(str(error), 160)}", where=where) from None
+        raise InputError(
+            f"{path.name} is not YAML: {shorten(str(error), 160)}", where=where
+        ) from None
     if not isinstance(data, Mapping):
         raise InputError(f"{path.name} holds no table", where=where)
     return data
@@ -61,17 +72,25 @@ def _distortion(data: Mapping[str, object], where: str) -> list[float]:
     model = data.get("distortion_model", "plumb_bob")
     if model not in PINHOLE:
         shown = shorten(model) if isinstance(model, str) else show_value(model)
-        raise InputError(f"the distortion model {shown} is not read", where=where, remedy="calibrate with plumb_bob")
+        raise InputError(
+            f"the distortion model {shown} is not read",
+            where=where,
+            remedy="calibrate with plumb_bob",
+        )
     if "distortion_coefficients" not in data:
         return [0.0] * 5
     values = _numbers(data, "distortion_coefficients", None, where)
     if any(values[5:]):
-        raise InputError("more than five distortion coefficients", where=where, remedy="calibrate with plumb_bob")
+        raise InputError(
+            "more than five distortion coefficients", where=where, remedy="calibrate with plumb_bob"
+        )
     return (values + [0.0] * 5)[:5]
 
 
 def _numbers(data: Mapping[str, object], key: str, count: int | None, where: str) -> list[float]:
-    """Return the `data` of a matrix, or the list itself. Raises InputError unless they are so many finite numbers."""
+    """Return the `data` of a matrix, or the list itself. Raises InputError unless they are so many
+    finite numbers.
+    """
     found = data.get(key)
     found = found.get("data") if isinstance(found, Mapping) else found
     try:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Explain errors of msgspec in a configuration: the key's path, its value and the nearest known key."""
+"""Explain errors of msgspec in a configuration: the key's path, its value and the nearest known
+key.
+"""
 
 from __future__ import annotations
 
@@ -16,17 +18,21 @@ from msgspec import Struct
 from hullrecon.errors import UsageError
 
 ONE_LINE = (
-    r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*\Z"  # a pattern of the schema: what reaches a terminal, a path or a report's line
+    # a pattern of the schema: what reaches a terminal, a path or a report's line
+    r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*\Z"
 )
 LONGEST_SHOWN = 60  # characters of a foreign value in a message
 LONGEST_REASON = 200  # characters of what a parser says
 DEEPEST = 30  # tables and lists within each other; the schema has five
 
 
-def explain_error(message: str, raw: object, kind: type, prefix: str, more: Sequence[str], file: str) -> UsageError:
+def explain_error(
+    message: str, raw: object, kind: type, prefix: str, more: Sequence[str], file: str
+) -> UsageError:
     """Return the UsageError for a msgspec message about `raw` decoded as `kind`.
 
-    prefix: dotted name of the table; more: further known keys of the top level; file: where the keys stand.
+    prefix: dotted name of the table; more: further known keys of the top level; file: where the
+    keys stand.
     """
     text, _, at = message.partition(" - at `")
     path = re.findall(r"[^.\[\]]+|\[\d+\]", at.rstrip("`").removeprefix("$").lstrip("."))
@@ -36,21 +42,36 @@ def explain_error(message: str, raw: object, kind: type, prefix: str, more: Sequ
         return _unknown(unknown[1], dotted, kind, prefix, more, file)
     missing = re.search(r"missing required field `(.*)`", text)
     if missing:
-        return UsageError(f"{_join([dotted, missing[1]])} is missing", where=file, remedy="this key has no default")
-    wanted = text.replace("`", "").replace("Expected", "expected").replace("Object", "table").replace("object", "table")
+        return UsageError(
+            f"{_join([dotted, missing[1]])} is missing",
+            where=file,
+            remedy="this key has no default",
+        )
+    wanted = (
+        text.replace("`", "")
+        .replace("Expected", "expected")
+        .replace("Object", "table")
+        .replace("object", "table")
+    )
     if text.endswith(f"matching regex {ONE_LINE!r}"):
         wanted = "expected text on one line, without control characters"
     shown = show_value(_look_up(raw, path))
-    return UsageError(f"{shorten(dotted) or 'the file'} = {shown}: {shorten(wanted, LONGEST_REASON)}", where=file)
+    return UsageError(
+        f"{shorten(dotted) or 'the file'} = {shown}: {shorten(wanted, LONGEST_REASON)}", where=file
+    )
 
 
 def refuse_not_finite(raw: object, file: str, path: str = "") -> None:
     """Raise UsageError for nan and inf, which TOML allows and no key of ours does."""
     if isinstance(raw, float) and not math.isfinite(raw):
         raise UsageError(f"{path} = {raw}: expected a finite number", where=file)
-    members = raw.items() if isinstance(raw, dict) else enumerate(raw) if isinstance(raw, list) else ()
+    members = (
+        raw.items() if isinstance(raw, dict) else enumerate(raw) if isinstance(raw, list) else ()
+    )
     for key, value in members:
-        refuse_not_finite(value, file, f"{path}[{key}]" if isinstance(raw, list) else _join([path, str(key)]))
+        refuse_not_finite(
+            value, file, f"{path}[{key}]" if isinstance(raw, list) else _join([path, str(key)])
+        )
 
 
 def refuse_deep(raw: object, file: str) -> None:
@@ -64,7 +85,9 @@ def refuse_deep(raw: object, file: str) -> None:
 
 
 def _members(table: object) -> Iterable[object]:
-    return table.values() if isinstance(table, Mapping) else table if isinstance(table, list) else ()
+    return (
+        table.values() if isinstance(table, Mapping) else table if isinstance(table, list) else ()
+    )
 
 
 def known_keys(kind: type, prefix: str = "") -> Iterator[str]:
@@ -84,17 +107,27 @@ def _structs_in(kind: object) -> Iterator[type[Struct]]:
         yield from _structs_in(part)
 
 
-def _unknown(key: str, section: str, kind: type, prefix: str, more: Sequence[str], file: str) -> UsageError:
+def _unknown(
+    key: str, section: str, kind: type, prefix: str, more: Sequence[str], file: str
+) -> UsageError:
     dotted = _join([section, key])
     known = [*known_keys(kind, prefix), *more]
     section = re.sub(r"\[\d+\]", "", section)  # of a table in a list
     alike = _join([section, key])[:200]
     beside = [name for name in known if name.rpartition(".")[0] == section]
-    nearest = [name for name in beside if name.startswith(alike)] or difflib.get_close_matches(alike, beside, 1, 0.75)
-    nearest = nearest or _same_last_name(key, known) or difflib.get_close_matches(alike, beside or known, 1, 0.0)
+    nearest = [name for name in beside if name.startswith(alike)] or difflib.get_close_matches(
+        alike, beside, 1, 0.75
+    )
+    nearest = (
+        nearest
+        or _same_last_name(key, known)
+        or difflib.get_close_matches(alike, beside or known, 1, 0.0)
+    )
     dotted = dotted[:200]
     return UsageError(
-        f"unknown key {shorten(dotted)}", where=file, remedy=f"the nearest known key is {nearest[0]}" if nearest else ""
+        f"unknown key {shorten(dotted)}",
+        where=file,
+        remedy=f"the nearest known key is {nearest[0]}" if nearest else "",
     )
 
 
@@ -125,6 +158,8 @@ def show_value(value: object) -> str:
 
 
 def shorten(text: str, longest: int = LONGEST_SHOWN) -> str:
-    """Return foreign text as a message may show it: no longer than that, and control characters and line breaks escaped."""
+    """Return foreign text as a message may show it: no longer than that, and control characters and
+    line breaks escaped.
+    """
     cut = text if len(text) < longest else text[: longest - 3] + "..."
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in cut)

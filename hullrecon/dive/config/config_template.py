@@ -131,7 +131,9 @@ BEAMS = """\
 
 
 def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> str:
-    """Return the text of a dive.toml for that folder, which load_config accepts; what no log tells stands in comments."""
+    """Return the text of a dive.toml for that folder, which load_config accepts; what no log tells
+    stands in comments.
+    """
     guessed = guess_topics(summary.topics)
     names = joint_names(summary)
     tray = next((n for n in names if "tray" in n or "tilt" in n), names[0] if names else "tray")
@@ -142,7 +144,9 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
         why_frame=why_frame,
         mount_deg=MOUNT_DEG if has_attitude_of_dvl(summary) else "",
         folder=_printable(folder.name) or ".",
-        name=_quote(re.sub(r"[^A-Za-z0-9._-]+", "-", folder.resolve().name).lstrip(".-")[:100] or "dive"),
+        name=_quote(
+            re.sub(r"[^A-Za-z0-9._-]+", "-", folder.resolve().name).lstrip(".-")[:100] or "dive"
+        ),
         date=f"date = {format_time(min(starts))[:19]}Z\n" if starts else "",
         logs=", ".join(_quote(Path(os.path.relpath(log, folder)).as_posix()) for log in logs),
         beams=BEAMS if beams_to_ask_for(summary) else "",
@@ -186,21 +190,33 @@ def _topics(summary: LogSummary, guessed: dict[str, str]) -> str:
         return "# the names of the files say which sensor is which\n"
     lines = []
     for sensor in TYPES:
-        channel = next((t.channel for t in summary.topics if t.channel.topic == guessed.get(sensor)), None)
+        channel = next(
+            (t.channel for t in summary.topics if t.channel.topic == guessed.get(sensor)), None
+        )
         if channel is not None and channel.encoding == "sample":
-            lines.append(f"# {sensor} =".ljust(33) + f"# comes from the file beside the log: {_printable(channel.type)}")
+            lines.append(
+                f"# {sensor} =".ljust(33)
+                + f"# comes from the file beside the log: {_printable(channel.type)}"
+            )
         elif channel is not None:
             kind = channel.type
-            lines.append(f"{sensor} = {_quote(guessed[sensor])} ".ljust(33) + f"# {_printable(kind)}")
+            lines.append(
+                f"{sensor} = {_quote(guessed[sensor])} ".ljust(33) + f"# {_printable(kind)}"
+            )
         else:
-            lines.append(f"# {sensor} =".ljust(33) + "# no topic of the log has a type that fits, or a name that tells")
+            lines.append(
+                f"# {sensor} =".ljust(33)
+                + "# no topic of the log has a type that fits, or a name that tells"
+            )
     others = [t.channel for t in summary.topics if t.channel.topic not in guessed.values()]
     lines += [f"#   not used: {_printable(c.topic)} ({_printable(c.type)})" for c in others]
     return "\n".join(lines) + "\n"
 
 
 def _cad_model(folder: Path) -> str | None:
-    found = sorted(p for form in FORMATS for p in (*folder.glob(f"*.{form}"), *folder.glob(f"*.{form}.gz")))
+    found = sorted(
+        p for form in FORMATS for p in (*folder.glob(f"*.{form}"), *folder.glob(f"*.{form}.gz"))
+    )
     return found[0].name if found else None
 
 
@@ -215,4 +231,6 @@ def _printable(text: str) -> str:
 
 
 def _comment_out(section: str) -> str:
-    return "".join(f"# {line}" if line.strip() else line for line in section.splitlines(keepends=True))
+    return "".join(
+        f"# {line}" if line.strip() else line for line in section.splitlines(keepends=True)
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read dive.toml strictly: an unknown key, a wrong type or a value out of bounds is an error that names key and value."""
+"""Read dive.toml strictly: an unknown key, a wrong type or a value out of bounds is an error that
+names key and value.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +18,19 @@ from typing import TypeVar
 import msgspec
 from msgspec import Struct, structs
 
-from hullrecon.dive.config.config_errors import explain_error, refuse_deep, refuse_not_finite, shorten
+from hullrecon.dive.config.config_errors import (
+    explain_error,
+    refuse_deep,
+    refuse_not_finite,
+    shorten,
+)
 from hullrecon.dive.config.schema import DiveConfig, Dvl, HullRegion, Topics
 from hullrecon.dive.files import MIB, read_text
 from hullrecon.errors import InputError, UsageError
 
 FILE = "dive.toml"
-LARGEST_BYTES = MIB // 4  # of dive.toml; one with everything set and explained has some ten thousand
+# of dive.toml; one with everything set and explained has some ten thousand
+LARGEST_BYTES = MIB // 4
 MOST_DOTS = 100  # in a line: tomllib takes the square of a dotted key's length
 NAVIGATION = frozenset(("dvl", "imu", "pressure"))  # what one topic may give together
 Table = dict[str, object]  # of TOML, not yet decoded
@@ -31,8 +39,10 @@ Kind = TypeVar("Kind")
 
 @dataclass(frozen=True, kw_only=True)
 class LoadedConfig:
-    """A decoded dive.toml. sections: structs by dotted name ("dvl", "camera.top", a step's name), None when absent; given: the
-    dotted keys that the file or an override set, everything else is a default."""
+    """A decoded dive.toml. sections: structs by dotted name ("dvl", "camera.top", a step's name),
+    None when absent; given: the dotted keys that the file or an override set, everything else is a
+    default.
+    """
 
     package: Path
     config: DiveConfig
@@ -40,7 +50,9 @@ class LoadedConfig:
     given: frozenset[str]
 
     def value(self, dotted: str) -> object:
-        """Return the section or key of a dotted name, "camera.top" or "imu.frame"; None where a section on it is absent."""
+        """Return the section or key of a dotted name, "camera.top" or "imu.frame"; None where a
+        section on it is absent.
+        """
         if dotted in self.sections:
             return self.sections[dotted]
         parent, _, key = dotted.rpartition(".")
@@ -54,11 +66,15 @@ class LoadedConfig:
 
 
 def load_config(
-    package: Path, step_sections: Mapping[str, type[Struct]] = MappingProxyType({}), overrides: Sequence[str] = ()
+    package: Path,
+    step_sections: Mapping[str, type[Struct]] = MappingProxyType({}),
+    overrides: Sequence[str] = (),
 ) -> LoadedConfig:
-    """Return dive.toml of a package folder, decoded, with `a.b=value` overrides applied before decoding.
+    """Return dive.toml of a package folder, decoded, with `a.b=value` overrides applied before
+    decoding.
 
-    Raises InputError when there is no dive.toml, UsageError for anything wrong inside it or in an override.
+    Raises InputError when there is no dive.toml, UsageError for anything wrong inside it or in an
+    override.
     """
     raw = _read(package)
     for text in overrides:
@@ -68,11 +84,15 @@ def load_config(
     steps = {name: raw.pop(name, {}) for name in step_sections}
     refuse_not_finite({**raw, **steps}, FILE)
     config = _decode(raw, DiveConfig, "", list(step_sections))
-    sections: dict[str, object] = {name: getattr(config, name) for name in config.__struct_fields__ if name != "camera"}
+    sections: dict[str, object] = {
+        name: getattr(config, name) for name in config.__struct_fields__ if name != "camera"
+    }
     sections |= {"camera.top": config.camera.top, "camera.bottom": config.camera.bottom}
     sections |= {name: _decode(steps[name], kind, name, []) for name, kind in step_sections.items()}
     _check_whole(config)
-    return LoadedConfig(package=package, config=config, sections=MappingProxyType(sections), given=given)
+    return LoadedConfig(
+        package=package, config=config, sections=MappingProxyType(sections), given=given
+    )
 
 
 def _read(package: Path) -> Table:
@@ -80,7 +100,9 @@ def _read(package: Path) -> Table:
     try:
         text = read_text(path, LARGEST_BYTES)
         if max(line.count(".") for line in text.split("\n")) > MOST_DOTS:
-            raise UsageError(f"{FILE} is not valid: a line with more than {MOST_DOTS} dots", where=str(path))
+            raise UsageError(
+                f"{FILE} is not valid: a line with more than {MOST_DOTS} dots", where=str(path)
+            )
         return tomllib.loads(text)
     except (FileNotFoundError, NotADirectoryError):
         advice = f"give the folder that holds {FILE}; `hullrecon init LOG` writes one from a log"
@@ -88,13 +110,19 @@ def _read(package: Path) -> Table:
     except OSError as error:
         raise InputError(f"{FILE} cannot be read: {error.strerror}", where=str(path)) from None
     except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"{FILE} is not valid TOML: {shorten(str(error), 160)}", where=str(path)) from None
+        raise UsageError(
+            f"{FILE} is not valid TOML: {shorten(str(error), 160)}", where=str(path)
+        ) from None
     except UnicodeDecodeError as error:
         raise UsageError(f"{FILE} is not UTF-8: byte {error.start}", where=str(path)) from None
     except RecursionError:
-        raise UsageError(f"{FILE} is not valid TOML: its values are nested too deeply", where=str(path)) from None
+        raise UsageError(
+            f"{FILE} is not valid TOML: its values are nested too deeply", where=str(path)
+        ) from None
     except ValueError as error:  # Python reads no number of more than some thousand digits
-        raise UsageError(f"{FILE} is not valid TOML: {str(error).partition(';')[0]}", where=str(path)) from None
+        raise UsageError(
+            f"{FILE} is not valid TOML: {str(error).partition(';')[0]}", where=str(path)
+        ) from None
 
 
 def _apply(raw: Table, text: str) -> None:
@@ -134,21 +162,33 @@ def _leaves(raw: Mapping[str, object], prefix: str = "") -> Iterator[str]:
 def _check_whole(config: DiveConfig) -> None:
     """Check what no single field can say."""
     if config.camera.bottom is not None and config.camera.top is None:
-        raise UsageError("[camera.bottom] without [camera.top]", where=FILE, remedy="a mono rig has camera.top only")
+        raise UsageError(
+            "[camera.bottom] without [camera.top]",
+            where=FILE,
+            remedy="a mono rig has camera.top only",
+        )
     files = [posixpath.normpath(name) for name in config.logs.files]
     twice = [name for name in files if files.count(name) > 1]
     if twice:
-        raise UsageError(f"logs.files names {twice[0]} twice", where=FILE, remedy="name each log once")
+        raise UsageError(
+            f"logs.files names {twice[0]} twice", where=FILE, remedy="name each log once"
+        )
     _check_topics(config.topics)
     lengths = [reduce(lambda s, x: s + x * x, beam, 0.0) ** 0.5 for beam in config.dvl.beams or ()]
     if any(abs(length - 1) > 0.02 for length in lengths):
-        raise UsageError("dvl.beams are not unit vectors", where=FILE, remedy="give each beam as x, y, z of length 1")
+        raise UsageError(
+            "dvl.beams are not unit vectors",
+            where=FILE,
+            remedy="give each beam as x, y, z of length 1",
+        )
     _check_tilt(config.dvl)
     _check_regions(() if config.hull is None else config.hull.region or ())
 
 
 def _check_topics(topics: Topics) -> None:
-    """Check that a topic is one sensor's, but poses and odometry may be the velocity, the attitude and the depth."""
+    """Check that a topic is one sensor's, but poses and odometry may be the velocity, the attitude
+    and the depth.
+    """
     sensors_of: dict[str, list[str]] = {}
     for sensor in topics.__struct_fields__:
         topic = getattr(topics, sensor)
@@ -166,21 +206,41 @@ def _check_regions(regions: Sequence[HullRegion]) -> None:
     names = [region.name for region in regions]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
-        raise UsageError(f"hull.region names {shorten(twice[0])} twice", where=FILE, remedy="give each region its own name")
+        raise UsageError(
+            f"hull.region names {shorten(twice[0])} twice",
+            where=FILE,
+            remedy="give each region its own name",
+        )
     for region in regions:
         what = f"hull.region {shorten(region.name)}"
         if region.along is None and region.girth is None:
-            raise UsageError(f"{what} has no limits", where=FILE, remedy="give along = [from, to], girth = [from, to] or both")
+            raise UsageError(
+                f"{what} has no limits",
+                where=FILE,
+                remedy="give along = [from, to], girth = [from, to] or both",
+            )
         for key, limits in (("along", region.along), ("girth", region.girth)):
             if limits is not None and not limits[0] < limits[1]:
-                raise UsageError(f"{what}: {key} ends before it begins", where=FILE, remedy="give the lower limit first")
+                raise UsageError(
+                    f"{what}: {key} ends before it begins",
+                    where=FILE,
+                    remedy="give the lower limit first",
+                )
 
 
 def _check_tilt(dvl: Dvl) -> None:
-    """Check that the angle of the beams comes with their azimuths, and both in place of unit vectors."""
-    given = [name for name in ("beam_angle_deg", "beam_azimuth_deg") if getattr(dvl, name) is not None]
+    """Check that the angle of the beams comes with their azimuths, and both in place of unit
+    vectors.
+    """
+    given = [
+        name for name in ("beam_angle_deg", "beam_azimuth_deg") if getattr(dvl, name) is not None
+    ]
     if len(given) == 1:
         other = "beam_azimuth_deg" if given[0] == "beam_angle_deg" else "beam_angle_deg"
         raise UsageError(f"dvl.{given[0]} without dvl.{other}", where=FILE, remedy="give both")
     if given and dvl.beams is not None:
-        raise UsageError("dvl.beams and dvl.beam_angle_deg are both given", where=FILE, remedy="leave one of them away")
+        raise UsageError(
+            "dvl.beams and dvl.beam_angle_deg are both given",
+            where=FILE,
+            remedy="leave one of them away",
+        )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find what a log says, and does not say, for a dive.toml: frames, calibrations and mounts that `init` proposes or asks for."""
+"""Find what a log says, and does not say, for a dive.toml: frames, calibrations and mounts that
+`init` proposes or asks for.
+"""
 
 from __future__ import annotations
 
@@ -47,11 +49,17 @@ def questions(summary: LogSummary) -> list[str]:
 def has_attitude_of_dvl(summary: LogSummary) -> bool:
     """Return whether the only attitude is one of the DVL's own sensors."""
     topic = guess_topics(summary.topics).get("imu")
-    return any(isinstance(t.first, ImuSample) and t.first.of_dvl for t in summary.topics if t.channel.topic == topic)
+    return any(
+        isinstance(t.first, ImuSample) and t.first.of_dvl
+        for t in summary.topics
+        if t.channel.topic == topic
+    )
 
 
 def imu_frame(summary: LogSummary) -> tuple[str, str]:
-    """Return the convention of the logged attitude and why: by gravity where it was logged, else by a standard."""
+    """Return the convention of the logged attitude and why: by gravity where it was logged, else by
+    a standard.
+    """
     topic = guess_topics(summary.topics).get("imu")
     note = next((t for t in summary.topics if t.channel.topic == topic), None)
     first = None if note is None else note.first
@@ -68,7 +76,9 @@ def imu_frame(summary: LogSummary) -> tuple[str, str]:
 
 
 def beams_to_ask_for(summary: LogSummary) -> int:
-    """Return the number of the DVL's beams where the first message has ranges but nothing says where they point, else 0."""
+    """Return the number of the DVL's beams where the first message has ranges but nothing says
+    where they point, else 0.
+    """
     topic = guess_topics(summary.topics).get("dvl")
     note = next((t for t in summary.topics if t.channel.topic == topic), None)
     first = None if note is None else note.first
@@ -85,13 +95,17 @@ def azimuths_to_ask_for(summary: LogSummary) -> int:
 
 
 def missing_calibrations(summary: LogSummary, folder: Path) -> dict[str, str]:
-    """Return YAML texts by path in the package, of cameras without a file there whose CameraInfo was logged."""
+    """Return YAML texts by path in the package, of cameras without a file there whose CameraInfo
+    was logged.
+    """
     out = {}
     for camera in ("camera_top", "camera_bottom"):
         topic = guess_topics(summary.topics).get(camera)
         if topic is None or find_calibration(folder, camera) is not None:
             continue
-        infos = [t for t in summary.topics if type_name(t.channel) == CAMERA_INFO and t.first is not None]
+        infos = [
+            t for t in summary.topics if type_name(t.channel) == CAMERA_INFO and t.first is not None
+        ]
         beside = [t for t in infos if lies_beside(t.channel.topic, topic)]
         text = calibration_yaml(beside[0].first, beside[0].channel.topic) if beside else None
         if text is not None:
@@ -99,8 +113,11 @@ def missing_calibrations(summary: LogSummary, folder: Path) -> dict[str, str]:
     return out
 
 
-def proposed_mounts(summary: LogSummary, joints: Mapping[str, str] = MappingProxyType({})) -> dict[str, ChosenMount]:
-    """Return values for keys of dive.toml, and the frames they come from, where tf_static leads from base_link to a sensor.
+def proposed_mounts(
+    summary: LogSummary, joints: Mapping[str, str] = MappingProxyType({})
+) -> dict[str, ChosenMount]:
+    """Return values for keys of dive.toml, and the frames they come from, where tf_static leads
+    from base_link to a sensor.
 
     joints: names of the servos ("tray", "sonar_tray").
     """
@@ -108,20 +125,30 @@ def proposed_mounts(summary: LogSummary, joints: Mapping[str, str] = MappingProx
         sensor: frame
         for sensor, topic in guess_topics(summary.topics).items()
         for note in summary.topics
-        if note.channel.topic == topic and note.channel.encoding in ENCODINGS and note.first is not None
-        and type_name(note.channel) not in WITHOUT_HEADER and (frame := frame_of(note.first)) is not None
-    }  # fmt: skip
+        if note.channel.topic == topic
+        and note.channel.encoding in ENCODINGS
+        and note.first is not None
+        and type_name(note.channel) not in WITHOUT_HEADER
+        and (frame := frame_of(note.first)) is not None
+    }
     tree = frame_tree(message for note in summary.topics for message in note.frames)
     sensors = fixed_sensors(tree, frames, joints)
     found = choose_mounts(dict.fromkeys(DEFAULTS, FROM_LOG), sensors)
-    # Proposed, they would be taken for what somebody has looked at; left to the log, `check` says what is wrong with them.
-    doubtful = () if parted_on_tray(sensors) is None else ("tray.origin", "dvl.mount", "camera.top.mount")
+    # Proposed, they would be taken for what somebody has looked at; left to the log, `check` says
+    # what is wrong with them.
+    doubtful = (
+        () if parted_on_tray(sensors) is None else ("tray.origin", "dvl.mount", "camera.top.mount")
+    )
     return {key: mount for key, mount in found.items() if mount.source and key not in doubtful}
 
 
 def find_calibration(folder: Path, camera: str) -> str | None:
-    """Return the YAML file of a package that is named after that camera, relative to it; None where there is none."""
+    """Return the YAML file of a package that is named after that camera, relative to it; None where
+    there is none.
+    """
     side = camera.removeprefix("camera_")
     patterns = ("*.yaml", "*.yml", "*/*.yaml", "*/*.yml")
-    found = sorted(p for pattern in patterns for p in folder.glob(pattern) if side in p.stem.lower())
+    found = sorted(
+        p for pattern in patterns for p in folder.glob(pattern) if side in p.stem.lower()
+    )
     return found[0].relative_to(folder).as_posix() if found else None

@@ -43,57 +43,92 @@ class ChosenMount:
     source: str = ""
 
 
-def choose_mounts(values: Mapping[str, object], sensors: Mapping[str, FixedSensor]) -> dict[str, ChosenMount]:
-    """Return the mounts that stand in for the keys of DEFAULTS among `values` that are left to the log.
+def choose_mounts(
+    values: Mapping[str, object], sensors: Mapping[str, FixedSensor]
+) -> dict[str, ChosenMount]:
+    """Return the mounts that stand in for the keys of DEFAULTS among `values` that are left to the
+    log.
 
-    values: by dotted key, as dive.toml has them; sensors: where tf_static has each ("dvl", "camera_top", ...). A mount on a
-    servo is counted from where that turns, by dive.toml, else by the servo's own frame, else from the vehicle's origin.
+    values: by dotted key, as dive.toml has them; sensors: where tf_static has each ("dvl",
+    "camera_top", ...). A mount on a servo is counted from where that turns, by dive.toml, else by
+    the servo's own frame, else from the vehicle's origin.
     """
     chosen: dict[str, ChosenMount] = {}
     for key in ("tray.origin", "sonar.origin"):
-        servo = [sensors[sensor] for sensor, origin in ON_SERVO.values() if origin == key and sensor in sensors]
+        servo = [
+            sensors[sensor]
+            for sensor, origin in ON_SERVO.values()
+            if origin == key and sensor in sensors
+        ]
         named = next((s for s in servo if s.servo_origin is not None), None)
         if named is not None and named.servo_origin is not None:
-            chosen[key] = ChosenMount(value=named.servo_origin, source=f"tf_static, on the way to {named.frame}")
+            chosen[key] = ChosenMount(
+                value=named.servo_origin, source=f"tf_static, on the way to {named.frame}"
+            )
         elif servo and not any(s.on_servo for s in servo):
             chosen[key] = ChosenMount(
-                value=DEFAULTS[key], source="tf_static, which has no frame of the servo: the vehicle's origin"
+                value=DEFAULTS[key],
+                source="tf_static, which has no frame of the servo: the vehicle's origin",
             )
-    origins = {key: numbers_of(values[key]) for key in ("tray.origin", "sonar.origin") if _is_given(values.get(key))}
+    origins = {
+        key: numbers_of(values[key])
+        for key in ("tray.origin", "sonar.origin")
+        if _is_given(values.get(key))
+    }
     for key, (sensor, origin) in ON_SERVO.items():
         if sensor in sensors:
             at = origins.get(origin, chosen[origin].value if origin in chosen else DEFAULTS[origin])
-            chosen[key] = ChosenMount(value=_on_servo(sensors[sensor], at), source=f"tf_static, frame {sensors[sensor].frame}")
+            chosen[key] = ChosenMount(
+                value=_on_servo(sensors[sensor], at),
+                source=f"tf_static, frame {sensors[sensor].frame}",
+            )
     for sensor in ("pressure", "position"):
         if sensor in sensors:
             fixed = sensors[sensor]
-            chosen[f"{sensor}.origin"] = ChosenMount(value=fixed.pose[:3], source=f"tf_static, frame {fixed.frame}")
+            chosen[f"{sensor}.origin"] = ChosenMount(
+                value=fixed.pose[:3], source=f"tf_static, frame {fixed.frame}"
+            )
     top, bottom = sensors.get("camera_top"), sensors.get("camera_bottom")
     if top is not None and bottom is not None and top.on_servo == bottom.on_servo:
         pose = from_mount(top.pose).inverse() @ from_mount(bottom.pose)
         chosen["camera.bottom.pose_in_top"] = ChosenMount(
             value=tuple(mount_of(pose)), source=f"tf_static, frame {bottom.frame}"
         )
-    return {key: chosen.get(key, ChosenMount(value=DEFAULTS[key])) for key in DEFAULTS if values.get(key) == FROM_LOG}
+    return {
+        key: chosen.get(key, ChosenMount(value=DEFAULTS[key]))
+        for key in DEFAULTS
+        if values.get(key) == FROM_LOG
+    }
 
 
 def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, FixedSensor] | None:
-    """Return of DVL and upper camera the one that tf_static has on the tray's servo and the one that it fixes to the vehicle;
-    None where there are no such two."""
-    both = [sensors[sensor] for sensor, origin in ON_SERVO.values() if origin == "tray.origin" and sensor in sensors]
-    on, fixed = ([s for s in both if (s.on_servo or s.servo_origin is not None) == turns] for turns in (True, False))
+    """Return of DVL and upper camera the one that tf_static has on the tray's servo and the one
+    that it fixes to the vehicle; None where there are no such two.
+    """
+    both = [
+        sensors[sensor]
+        for sensor, origin in ON_SERVO.values()
+        if origin == "tray.origin" and sensor in sensors
+    ]
+    on, fixed = (
+        [s for s in both if (s.on_servo or s.servo_origin is not None) == turns]
+        for turns in (True, False)
+    )
     return (on[0], fixed[0]) if on and fixed else None
 
 
 def refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, FixedSensor]) -> None:
-    """Raise InputError where one of DVL and upper camera is on the tray's servo, which turns, and the other one is not.
+    """Raise InputError where one of DVL and upper camera is on the tray's servo, which turns, and
+    the other one is not.
 
     One tray carries both, so that what is fixed would turn as well.
 
     values, sensors: as of choose_mounts. Where dive.toml gives the mounts, it is taken to know.
     """
     parted = parted_on_tray(sensors)
-    if parted is not None and FROM_LOG in [values.get(key) for key in ("dvl.mount", "camera.top.mount")]:
+    if parted is not None and FROM_LOG in [
+        values.get(key) for key in ("dvl.mount", "camera.top.mount")
+    ]:
         turning, fixed = parted
         raise InputError(
             f"tf_static has {turning.frame} on the tray's servo and {fixed.frame} fixed to the vehicle; one tray carries DVL "
@@ -119,9 +154,13 @@ def filled_in(loaded: LoadedConfig, mounts: Mapping[str, ChosenMount]) -> Loaded
     for key, mount in mounts.items():
         section, _, name = key.rpartition(".")
         sections[section] = with_value(sections[section], name, mount.value)
-    camera = structs.replace(loaded.config.camera, top=sections["camera.top"], bottom=sections["camera.bottom"])
+    camera = structs.replace(
+        loaded.config.camera, top=sections["camera.top"], bottom=sections["camera.bottom"]
+    )
     named = {name: sections[name] for name in DiveConfig.__struct_fields__ if name != "camera"}
-    return replace(loaded, config=DiveConfig(**named, camera=camera), sections=MappingProxyType(sections))  # type: ignore[arg-type]
+    return replace(
+        loaded, config=DiveConfig(**named, camera=camera), sections=MappingProxyType(sections)
+    )  # type: ignore[arg-type]
 
 
 def with_value(section: object, name: str, value: Numbers) -> object:
@@ -130,7 +169,9 @@ def with_value(section: object, name: str, value: Numbers) -> object:
 
 
 def numbers_of(value: object) -> Numbers:
-    """Return a lever arm or mount that is given or was filled in. Raises TypeError for one that is still left to the log."""
+    """Return a lever arm or mount that is given or was filled in. Raises TypeError for one that is
+    still left to the log.
+    """
     if not isinstance(value, tuple | list):
         raise TypeError(f"a list of numbers is expected, not {value!r}")
     return tuple(float(v) for v in value)

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""dive.toml as frozen structs: what was dived and how the sensors are mounted. Steps add a section each of their own.
+"""dive.toml as frozen structs: what was dived and how the sensors are mounted. Steps add a section
+each of their own.
 
-Every key has a description, which begins with its unit where it has one; angles are degrees where a key ends in `_deg`
-(docs/conventions.md). Six-number mounts are x, y, z in metres, roll, pitch, yaw in degrees; their sigmas are metres and a small
-rotation vector in degrees.
+Every key has a description, which begins with its unit where it has one; angles are degrees where a
+key ends in `_deg` (docs/conventions.md). Six-number mounts are x, y, z in metres, roll, pitch, yaw
+in degrees; their sigmas are metres and a small rotation vector in degrees.
 """
 
 from __future__ import annotations
@@ -19,19 +20,28 @@ from hullrecon.dive.config.config_errors import ONE_LINE
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
 Offset = Annotated[float, Meta(ge=-4e9, le=4e9)]
-BeamAngle = Annotated[float, Meta(gt=0, lt=90, description="deg, from the z axis of dvl to each beam")]
+BeamAngle = Annotated[
+    float, Meta(gt=0, lt=90, description="deg, from the z axis of dvl to each beam")
+]
 Azimuth = Annotated[float, Meta(ge=-360, le=360)]
 BeamAzimuths = Annotated[
-    tuple[Azimuth, ...], Meta(min_length=1, description="deg, of each beam about the z axis of dvl, from x towards y")
+    tuple[Azimuth, ...],
+    Meta(min_length=1, description="deg, of each beam about the z axis of dvl, from x towards y"),
 ]
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 FROM_LOG: Literal["tf_static"] = "tf_static"  # of a mount: to be taken from the log (mounts.py)
 MountNumbers = Six | Literal["tf_static"]
 Origin = Annotated[
-    Three | Literal["tf_static"], Meta(description="m, in the vehicle's frame; by the log's tf_static, else 0, 0, 0")
+    Three | Literal["tf_static"],
+    Meta(description="m, in the vehicle's frame; by the log's tf_static, else 0, 0, 0"),
 ]
-MountSigma = Annotated[Six, Meta(description="m and deg, sigma of x, y, z and of a small rotation vector, in the parent frame")]
+MountSigma = Annotated[
+    Six,
+    Meta(
+        description="m and deg, sigma of x, y, z and of a small rotation vector, in the parent frame"
+    ),
+]
 FileName = Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=1000)]
 Calibration = Annotated[
     FileName | None,
@@ -67,7 +77,9 @@ class Dive(Section, frozen=True):
             description="name of the dive and of its folder of results",
         ),
     ]
-    vessel: Annotated[str, Meta(pattern=ONE_LINE, max_length=200, description="name of the ship, for the report")] = ""
+    vessel: Annotated[
+        str, Meta(pattern=ONE_LINE, max_length=200, description="name of the ship, for the report")
+    ] = ""
     date: Annotated[datetime | None, Meta(description="start of the dive, for the report")] = None
     start: WindowLimit = field(name="from", default=None)
     end: WindowLimit = field(name="to", default=None)
@@ -86,8 +98,9 @@ class Logs(Section, frozen=True):
 
 
 class Topics(Section, frozen=True):
-    """An absent topic: that sensor was not carried. Where no log but CSVs and files of one instrument is given, the keys are
-    ignored: these say themselves which sensor they are."""
+    """An absent topic: that sensor was not carried. Where no log but CSVs and files of one
+    instrument is given, the keys are ignored: these say themselves which sensor they are.
+    """
 
     dvl: Topic = None
     imu: Topic = None
@@ -111,13 +124,17 @@ class Tray(Section, frozen=True):
         ),
     ] = "tray"
     origin: Origin = FROM_LOG
-    sigma_deg: Annotated[Positive, Meta(description="deg, sigma of the servo's angle, its backlash included")] = 0.8
+    sigma_deg: Annotated[
+        Positive, Meta(description="deg, sigma of the servo's angle, its backlash included")
+    ] = 0.8
 
 
 class Imu(Section, frozen=True):
     """Attitude."""
 
-    frame: Annotated[Literal["ned", "enu"], Meta(description="convention of the logged orientation")] = "ned"
+    frame: Annotated[
+        Literal["ned", "enu"], Meta(description="convention of the logged orientation")
+    ] = "ned"
     mount_deg: Annotated[
         Three | None,
         Meta(
@@ -125,9 +142,15 @@ class Imu(Section, frozen=True):
             "To be given where attitude comes from a DVL's own sensors: then of the frame dvl"
         ),
     ] = None
-    sigma_roll_pitch_deg: Annotated[Positive, Meta(description="deg, white sigma of roll and pitch")] = 0.1
-    heading_drift_deg_per_hour: Annotated[NotNegative, Meta(description="deg/h, sigma of the heading's drift")] = 1.0
-    bias_sigma_deg: Annotated[NotNegative, Meta(description="deg, sigma of the constant error of roll and of pitch")] = 0.2
+    sigma_roll_pitch_deg: Annotated[
+        Positive, Meta(description="deg, white sigma of roll and pitch")
+    ] = 0.1
+    heading_drift_deg_per_hour: Annotated[
+        NotNegative, Meta(description="deg/h, sigma of the heading's drift")
+    ] = 1.0
+    bias_sigma_deg: Annotated[
+        NotNegative, Meta(description="deg, sigma of the constant error of roll and of pitch")
+    ] = 0.2
 
 
 class Pressure(Section, frozen=True):
@@ -136,31 +159,47 @@ class Pressure(Section, frozen=True):
     origin: Origin = FROM_LOG
     z_axis: Annotated[
         Literal["up", "down"] | None,
-        Meta(description="sign of logged depths and poses; absent: as their type has it (poses up, REP 103, depths down)"),
+        Meta(
+            description="sign of logged depths and poses; absent: as their type has it (poses up, REP 103, depths down)"
+        ),
     ] = None
     density: Annotated[Positive, Meta(description="kg/m3, of the water")] = 1025.0
     density_sigma: Annotated[
         NotNegative,
-        Meta(description="kg/m3, sigma of the density, also of the one behind logged depths; smaller where it was measured"),
+        Meta(
+            description="kg/m3, sigma of the density, also of the one behind logged depths; smaller where it was measured"
+        ),
     ] = 2.05
     gravity: Annotated[Positive, Meta(description="m/s2, of gravity")] = 9.81
-    atmosphere: Annotated[NotNegative, Meta(description="Pa, pressure at the water's surface")] = 101325.0
+    atmosphere: Annotated[NotNegative, Meta(description="Pa, pressure at the water's surface")] = (
+        101325.0
+    )
     sigma_m: Annotated[Positive, Meta(description="m, white sigma of a depth")] = 0.02
-    bias_sigma_m: Annotated[NotNegative, Meta(description="m, sigma of the constant error of the depth")] = 0.1
+    bias_sigma_m: Annotated[
+        NotNegative, Meta(description="m, sigma of the constant error of the depth")
+    ] = 0.1
 
 
 class Dvl(Section, frozen=True):
     """Velocity and ranges along the beams."""
 
     mount: Annotated[
-        MountNumbers, Meta(description="m and deg, T_s_d: the DVL on the tray; by the log's tf_static, else 0, 0, 0, 0, 90, 0")
+        MountNumbers,
+        Meta(
+            description="m and deg, T_s_d: the DVL on the tray; by the log's tf_static, else 0, 0, 0, 0, 90, 0"
+        ),
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
-    sigma_velocity: Annotated[Positive, Meta(description="m/s, of each axis, where the messages have no covariance")] = 0.003
+    sigma_velocity: Annotated[
+        Positive, Meta(description="m/s, of each axis, where the messages have no covariance")
+    ] = 0.003
     sigma_range: Annotated[Positive, Meta(description="m, white sigma of a range")] = 0.01
-    scale_sigma: Annotated[NotNegative, Meta(description="share, sigma of the error common to all velocities")] = 0.005
+    scale_sigma: Annotated[
+        NotNegative, Meta(description="share, sigma of the error common to all velocities")
+    ] = 0.005
     beams: Annotated[
-        tuple[Three, ...] | None, Meta(description="unit vectors of the beams in dvl, for messages without them")
+        tuple[Three, ...] | None,
+        Meta(description="unit vectors of the beams in dvl, for messages without them"),
     ] = None
     beam_angle_deg: BeamAngle | None = None
     beam_azimuth_deg: BeamAzimuths | None = None
@@ -172,11 +211,15 @@ class CameraTop(Section, frozen=True):
     calibration: Calibration = None
     mount: Annotated[
         MountNumbers,
-        Meta(description="m and deg, T_s_ct: the camera on the tray; by the log's tf_static, else 0, 0, 0, 90, 0, 90"),
+        Meta(
+            description="m and deg, T_s_ct: the camera on the tray; by the log's tf_static, else 0, 0, 0, 90, 0, 90"
+        ),
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     time_offset: TimeOffset = 0.0
-    sigma_px: Annotated[Positive, Meta(description="px, sigma of a feature before residuals tell it")] = 1.0
+    sigma_px: Annotated[
+        Positive, Meta(description="px, sigma of a feature before residuals tell it")
+    ] = 1.0
 
 
 class CameraBottom(Section, frozen=True):
@@ -190,9 +233,16 @@ class CameraBottom(Section, frozen=True):
             "0, 0"
         ),
     ] = FROM_LOG
-    pose_sigma: Annotated[Six, Meta(description="m and deg, as mount_sigma; all zero: calibrated, held")] = (
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-    )  # fmt: skip
+    pose_sigma: Annotated[
+        Six, Meta(description="m and deg, as mount_sigma; all zero: calibrated, held")
+    ] = (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
     time_offset: TimeOffset = 0.0
 
 
@@ -206,14 +256,20 @@ class Cameras(Section, frozen=True):
 class Sonar(Section, frozen=True):
     """An imaging sonar."""
 
-    joint: Annotated[TopicName | None, Meta(description="name of the joint of its own servo; absent: fixed")] = None
+    joint: Annotated[
+        TopicName | None, Meta(description="name of the joint of its own servo; absent: fixed")
+    ] = None
     origin: Origin = FROM_LOG
     mount: Annotated[
         MountNumbers,
-        Meta(description="m and deg, frame of that servo to sonar; by the log's tf_static, else 0, 0, 0, 0, 90, 0"),
+        Meta(
+            description="m and deg, frame of that servo to sonar; by the log's tf_static, else 0, 0, 0, 0, 90, 0"
+        ),
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
-    elevation_deg: Annotated[Positive, Meta(description="deg, full aperture out of the plane of the fan")] = 14.0
+    elevation_deg: Annotated[
+        Positive, Meta(description="deg, full aperture out of the plane of the fan")
+    ] = 14.0
     beam_azimuth_deg: Annotated[
         tuple[Annotated[float, Meta(gt=-90, lt=90)], ...] | None,
         Meta(
@@ -225,13 +281,21 @@ class Sonar(Section, frozen=True):
 
 
 class Position(Section, frozen=True):
-    """Positions from outside, by USBL or by GPS at the surface: they bound the drift of the path, and place nothing."""
+    """Positions from outside, by USBL or by GPS at the surface: they bound the drift of the path,
+    and place nothing.
+    """
 
     origin: Origin = FROM_LOG
     frame: Annotated[
-        Literal["enu", "ned"], Meta(description="convention of x and y in a local frame: east and north, or north and east")
+        Literal["enu", "ned"],
+        Meta(
+            description="convention of x and y in a local frame: east and north, or north and east"
+        ),
     ] = "enu"
-    sigma_m: Annotated[Positive, Meta(description="m, of each horizontal axis, where the messages have no covariance")] = 2.0
+    sigma_m: Annotated[
+        Positive,
+        Meta(description="m, of each horizontal axis, where the messages have no covariance"),
+    ] = 2.0
     time_offset: TimeOffset = 0.0
 
 
@@ -239,15 +303,30 @@ Limits = tuple[Offset, Offset]
 
 
 class HullRegion(Section, frozen=True):
-    """A part of the hull that coverage is counted against, one `[[hull.region]]` each; at least one pair of limits is given."""
+    """A part of the hull that coverage is counted against, one `[[hull.region]]` each; at least one
+    pair of limits is given.
+    """
 
-    name: Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=100, description="for the report; each its own")]
+    name: Annotated[
+        str,
+        Meta(
+            pattern=ONE_LINE,
+            min_length=1,
+            max_length=100,
+            description="for the report; each its own",
+        ),
+    ]
     along: Annotated[
-        Limits | None, Meta(description="m, from and to, forward as in the deliverables; absent: the whole length")
+        Limits | None,
+        Meta(
+            description="m, from and to, forward as in the deliverables; absent: the whole length"
+        ),
     ] = None
     girth: Annotated[
         Limits | None,
-        Meta(description="m, from and to, of arc from the keel, port positive and starboard negative; absent: the whole girth"),
+        Meta(
+            description="m, from and to, of arc from the keel, port positive and starboard negative; absent: the whole girth"
+        ),
     ] = None
 
 
@@ -256,7 +335,14 @@ class Hull(Section, frozen=True):
 
     mesh: Annotated[FileName, Meta(description="STL, PLY, OBJ, OFF or GLB, relative to dive.toml")]
     units: Annotated[Literal["m", "mm", "cm", "ft", "in"], Meta(description="of the mesh")] = "m"
-    pose: Annotated[Six, Meta(description="m and deg, first guess of T_g_M")] = (0.0, 0.0, 0.0, 180.0, 0.0, 0.0)
+    pose: Annotated[Six, Meta(description="m and deg, first guess of T_g_M")] = (
+        0.0,
+        0.0,
+        0.0,
+        180.0,
+        0.0,
+        0.0,
+    )
     pose_sigma: Annotated[
         Six | None,
         Meta(
@@ -266,16 +352,25 @@ class Hull(Section, frozen=True):
     ] = None
     bow: Annotated[
         Literal["+x", "-x", "+y", "-y", "+z", "-z"] | None,
-        Meta(description="where along the mesh's long axis the bow lies; absent: where that axis grows"),
+        Meta(
+            description="where along the mesh's long axis the bow lies; absent: where that axis grows"
+        ),
     ] = None
     aft_perpendicular: Annotated[
         Offset,
-        Meta(description="m, where on the mesh's long axis the aft perpendicular lies: stations and frames count from it"),
+        Meta(
+            description="m, where on the mesh's long axis the aft perpendicular lies: stations and frames count from it"
+        ),
     ] = 0.0
-    frame_spacing: Annotated[Positive | None, Meta(description="m, between frames, for addresses by frame number")] = None
-    deviation_sigma: Annotated[Positive, Meta(description="m, sigma of the hull's deviation from the CAD model")] = 0.02
+    frame_spacing: Annotated[
+        Positive | None, Meta(description="m, between frames, for addresses by frame number")
+    ] = None
+    deviation_sigma: Annotated[
+        Positive, Meta(description="m, sigma of the hull's deviation from the CAD model")
+    ] = 0.02
     deviation_length: Annotated[
-        tuple[Positive, Positive], Meta(description="m, along and over the girth: how far the deviation stays alike")
+        tuple[Positive, Positive],
+        Meta(description="m, along and over the girth: how far the deviation stays alike"),
     ] = (3.0, 1.5)
     region: Annotated[
         Annotated[tuple[HullRegion, ...], Meta(max_length=100)] | None,
@@ -284,7 +379,9 @@ class Hull(Section, frozen=True):
 
 
 class DiveConfig(Section, frozen=True):
-    """The sections that describe the vehicle and the dive. `hull` absent: no CAD model; `camera.top` absent: no camera."""
+    """The sections that describe the vehicle and the dive. `hull` absent: no CAD model;
+    `camera.top` absent: no camera.
+    """
 
     dive: Dive
     logs: Logs

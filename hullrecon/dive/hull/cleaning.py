@@ -14,7 +14,8 @@ FINEST_M = 1e-6  # no CAD model is finer
 
 
 def clean_mesh(mesh: Mesh, messages: list[str]) -> Mesh:
-    """Return the mesh with equal corners merged, without degenerate and duplicate faces and corners of no face.
+    """Return the mesh with equal corners merged, without degenerate and duplicate faces and corners
+    of no face.
 
     What was removed is added to messages.
     """
@@ -25,13 +26,17 @@ def clean_mesh(mesh: Mesh, messages: list[str]) -> Mesh:
     first = np.sort(np.unique(np.sort(faces, axis=1), axis=0, return_index=True)[1])
     for count, name in ((int(flat.sum()), "degenerate"), (len(faces) - len(first), "duplicate")):
         if count:
-            messages.append(f"{count} {name} faces were removed" if count > 1 else f"1 {name} face was removed")
+            messages.append(
+                f"{count} {name} faces were removed" if count > 1 else f"1 {name} face was removed"
+            )
     used, renumbered = np.unique(faces[first], return_inverse=True)
     return Mesh(vertices[used], renumbered.reshape(-1, 3).astype(np.int32))
 
 
 def merge_corners(vertices: Array, faces: Ints32, tolerance: float) -> tuple[Array, Ints32]:
-    """Return vertices and faces with the corners in one cell of that size, m, as one: the first of them, in their order."""
+    """Return vertices and faces with the corners in one cell of that size, m, as one: the first of
+    them, in their order.
+    """
     cells = np.round((vertices - vertices.min(axis=0)) / tolerance).astype(np.int64)
     _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first, kind="stable")  # corners keep the order of the file

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reflect half hulls and hulls cut at a plane while rays tell inside from outside; the mesh itself stays as it is."""
+"""Reflect half hulls and hulls cut at a plane while rays tell inside from outside; the mesh itself
+stays as it is.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +17,13 @@ from hullrecon.typing import Ints, Ints32
 Plane = tuple[int, float]  # axis and coordinate of a side of the bounding box
 ON_PLANE = 1e-3  # of the largest extent
 OPEN_SHARE = 0.05  # of the open boundary's length that must lie on a plane of symmetry
-PLATED_SHARE = 0.01  # of the area; a plane that holds more is plating (a flat bottom, a deck), not a cut
+# of the area; a plane that holds more is plating (a flat bottom, a deck), not a cut
+PLATED_SHARE = 0.01
 
 
 def reflect_mesh(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
-    """Return the mesh with its reflections in the planes, one after the other; its own faces stay first.
+    """Return the mesh with its reflections in the planes, one after the other; its own faces stay
+    first.
 
     Reflected faces keep their winding: only what rays hit matters.
     """
@@ -33,7 +37,9 @@ def reflect_mesh(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
 
 
 def find_possible_cuts(mesh: Mesh) -> list[Plane]:
-    """Return the sides of the bounding box where the mesh may have been cut: open boundary lies there, and no plating."""
+    """Return the sides of the bounding box where the mesh may have been cut: open boundary lies
+    there, and no plating.
+    """
     edges = find_boundary(mesh.faces)
     if not len(edges):
         return []
@@ -46,14 +52,18 @@ def find_possible_cuts(mesh: Mesh) -> list[Plane]:
     for axis, level in [(axis, float(side[axis])) for axis in range(3) for side in (low, high)]:
         lies = (np.abs(ends[:, :, axis] - level) < tolerance).all(axis=1)
         plated = (np.abs(corners[:, :, axis] - level) < tolerance).all(axis=1)
-        if length[lies].sum() >= OPEN_SHARE * length.sum() and area[plated].sum() < PLATED_SHARE * area.sum():
+        if (
+            length[lies].sum() >= OPEN_SHARE * length.sum()
+            and area[plated].sum() < PLATED_SHARE * area.sum()
+        ):
             found.append((axis, level))
     return found
 
 
 def ends_at_a_plane(mesh: Mesh) -> bool:
-    """Return whether the mesh was cut at a plane across most of its own size there, as a half hull is; a seam at the bow lies
-    in such a plane too, but is narrow."""
+    """Return whether the mesh was cut at a plane across most of its own size there, as a half hull
+    is; a seam at the bow lies in such a plane too, but is narrow.
+    """
     edges, extent = find_boundary(mesh.faces), np.ptp(mesh.vertices, axis=0)
     for axis, level in find_possible_cuts(mesh):
         ends = mesh.vertices[edges].reshape(-1, 3)
@@ -64,6 +74,8 @@ def ends_at_a_plane(mesh: Mesh) -> bool:
 
 
 def find_boundary(faces: Ints32) -> Ints:
-    """Return the edges (k, 2) that only one of the faces (m, 3) has, in ascending order of their vertices."""
+    """Return the edges (k, 2) that only one of the faces (m, 3) has, in ascending order of their
+    vertices.
+    """
     edges = find_edges(faces)
     return np.asarray(edges.vertices[edges.face_count == 1])

@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turn normals outward: unify the winding within each connected piece, then turn each piece towards its open side.
+"""Turn normals outward: unify the winding within each connected piece, then turn each piece towards
+its open side.
 
-A closed piece has a signed volume. An open one (a half hull, a hull without deck, a patch of bottom plate) has not; but rays
-from its outer side escape in more directions than rays from its inner side, which the rest of the hull stops.
+A closed piece has a signed volume. An open one (a half hull, a hull without deck, a patch of bottom
+plate) has not; but rays from its outer side escape in more directions than rays from its inner
+side, which the rest of the hull stops.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ from hullrecon.geometry.meshes.topology import SharedEdges, find_edges, find_sha
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
 SAMPLES = 200  # faces of a piece from which rays start
-MOST_PIECES = 20_000  # open ones from which rays start, the largest first; smaller ones have no clear outer side
+# open ones from which rays start, the largest first; smaller ones have no clear outer side
+MOST_PIECES = 20_000
 RAYS = 32  # directions over the hemisphere of each side
 LIFT = 1e-5  # of the largest extent: how far from its face a ray starts
 CLEAR = 0.05  # difference of the escaping shares below which a piece's outer side is unclear
@@ -42,19 +45,25 @@ def orient_outward(mesh: Mesh, messages: list[str]) -> Mesh:
     if unclear:
         messages.append(f"{unclear} of {len(side)} separate pieces have no clear outer side")
     if twisted:
-        messages.append(f"{count_noun(twisted, 'edge')} cannot have a consistent winding on both sides")
+        messages.append(
+            f"{count_noun(twisted, 'edge')} cannot have a consistent winding on both sides"
+        )
     return Mesh(mesh.vertices, _flip_faces(faces, flip))
 
 
 def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
-    """Return the connected piece of each face (count,), and the sign (count,) that winds every piece like its first face."""
+    """Return the connected piece of each face (count,), and the sign (count,) that winds every
+    piece like its first face.
+    """
     pairs = np.stack([shared.first, shared.second], axis=1)
     agree = np.where(shared.same_winding, 1, -1)
-    graph = coo_matrix((np.ones(len(pairs)), (shared.first, shared.second)), shape=(count, count)).tocsr()
+    graph = coo_matrix(
+        (np.ones(len(pairs)), (shared.first, shared.second)), shape=(count, count)
+    ).tocsr()
     piece = connected_components(graph, directed=False)[1]
     relation = dict(zip(map(tuple, pairs.tolist()), agree.tolist(), strict=True))
-    # One search for all pieces, from a node beyond the faces that leads to the first face of each: a mesh may have as many
-    # pieces as faces.
+    # One search for all pieces, from a node beyond the faces that leads to the first face of each:
+    # a mesh may have as many pieces as faces.
     root, first = count, np.unique(piece, return_index=True)[1]
     rows, columns = np.r_[shared.first, np.full(len(first), root)], np.r_[shared.second, first]
     joined = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(count + 1, count + 1)).tocsr()
@@ -67,25 +76,39 @@ def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
 
 
 def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
-    """Return for each piece a number in -1 to 1: positive where its normals point outward, negative where inward."""
-    corners = mesh.vertices[mesh.faces] - 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
-    volume = np.bincount(piece, np.einsum("ni,ni->n", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])))
+    """Return for each piece a number in -1 to 1: positive where its normals point outward, negative
+    where inward.
+    """
+    corners = mesh.vertices[mesh.faces] - 0.5 * (
+        mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)
+    )
+    volume = np.bincount(
+        piece, np.einsum("ni,ni->n", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    )
     edges = find_edges(mesh.faces)
     unpaired = (edges.face_count[edges.of_face] != 2).any(axis=1)
     is_open = np.bincount(piece, unpaired) > 0
     side = np.sign(volume)
     size = np.bincount(piece, face_areas(mesh)) * is_open
-    picked = _sample_faces(mesh, piece, np.sort(np.argsort(-size, kind="stable")[: min(int(is_open.sum()), MOST_PIECES)]))
+    picked = _sample_faces(
+        mesh,
+        piece,
+        np.sort(np.argsort(-size, kind="stable")[: min(int(is_open.sum()), MOST_PIECES)]),
+    )
     return np.where(is_open, _measure_sides(mesh, piece, picked), side) if len(picked) else side
 
 
 def _measure_sides(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
-    """Return for each piece the share of rays that escape in front of its picked faces minus that behind them.
+    """Return for each piece the share of rays that escape in front of its picked faces minus that
+    behind them.
 
-    A hull that was cut at a plane is completed there by reflection, if that makes the difference clearer.
+    A hull that was cut at a plane is completed there by reflection, if that makes the difference
+    clearer.
     """
     count = np.maximum(1, np.bincount(piece[picked], minlength=int(piece.max()) + 1))
-    weight = np.bincount(piece, face_areas(mesh)) * (np.bincount(piece[picked], minlength=len(count)) > 0)
+    weight = np.bincount(piece, face_areas(mesh)) * (
+        np.bincount(piece[picked], minlength=len(count)) > 0
+    )
 
     def measure(planes: list[Plane]) -> tuple[float, Array]:
         whole = reflect_mesh(mesh, planes)
@@ -120,21 +143,29 @@ def _sample_faces(mesh: Mesh, piece: Ints32, wanted: Ints) -> Ints:
 
 
 def _share_escaping(whole: Mesh, picked: Ints, way: float) -> Array:
-    """Return for each picked face the share of rays from one side (way: 1 front, -1 back) that hit nothing of the hull."""
+    """Return for each picked face the share of rays from one side (way: 1 front, -1 back) that hit
+    nothing of the hull.
+    """
     from hullrecon.native import MeshIndex
 
     normal = way * face_normals(Mesh(whole.vertices, whole.faces[picked]))
     lift = LIFT * float(np.ptp(whole.vertices, axis=0).max())
-    origin = np.repeat(whole.vertices[whole.faces[picked]].mean(axis=1) + lift * normal, RAYS, axis=0)
+    origin = np.repeat(
+        whole.vertices[whole.faces[picked]].mean(axis=1) + lift * normal, RAYS, axis=0
+    )
     hits = MeshIndex(whole.vertices, whole.faces).cast(origin, _hemisphere(normal))
     return np.asarray((hits.face < 0).reshape(-1, RAYS).mean(axis=1))
 
 
 def _hemisphere(normal: Array) -> Array:
-    """Return unit directions (n * RAYS, 3) about normals (n, 3), cosine-weighted, in the same pattern about each."""
+    """Return unit directions (n * RAYS, 3) about normals (n, 3), cosine-weighted, in the same
+    pattern about each.
+    """
     k = np.arange(RAYS) + 0.5
     radius, angle = np.sqrt(k / RAYS), np.pi * (1 + 5**0.5) * k
-    local = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - k / RAYS)], axis=1)
+    local = np.stack(
+        [radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - k / RAYS)], axis=1
+    )
     helper = np.where(np.abs(normal[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]])
     first = np.cross(normal, helper)
     first /= np.linalg.norm(first, axis=1, keepdims=True)

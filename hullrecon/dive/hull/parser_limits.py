@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Keep mesh files from taking more memory or time to parse than their size warrants: trimesh believes what some claim."""
+"""Keep mesh files from taking more memory or time to parse than their size warrants: trimesh
+believes what some claim.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +14,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from trimesh import Scene
 
-GLB_HEAD = struct.Struct("<4sIIII")  # magic, version, length; length and type of the first chunk, which is JSON
+# magic, version, length; length and type of the first chunk, which is JSON
+GLB_HEAD = struct.Struct("<4sIIII")
 ROOM = 1_000_000  # values or faces beyond one a byte
 MOST_PROPERTIES = 200  # and elements of a PLY; its parser takes the square of their number
 PROPERTY = re.compile(rb"^[ \t]*(?:property|element)\b", re.MULTILINE)
-MOST_GROUPS = 1000  # of an OBJ, solids of an STL; each becomes a mesh of its own, at the square of their number
+# of an OBJ, solids of an STL; each becomes a mesh of its own, at the square of their number
+MOST_GROUPS = 1000
 GROUPS = {
     "obj": re.compile(rb"^[ \t]*(?:o|g|usemtl)\b[^\n]*", re.MULTILINE),
     "stl": re.compile(rb"^[ \t]*(?:end)?solid\b[^\n]*", re.MULTILINE | re.IGNORECASE),
@@ -24,9 +28,11 @@ GROUPS = {
 
 
 def prepare(data: bytes, kind: str) -> bytes:
-    """Return the bytes of a mesh file as they may be parsed: those of very many groups or solids with all in one.
+    """Return the bytes of a mesh file as they may be parsed: those of very many groups or solids
+    with all in one.
 
-    Raises ValueError for a file that claims far more than it holds, and whatever damaged JSON of a GLB leads to.
+    Raises ValueError for a file that claims far more than it holds, and whatever damaged JSON of a
+    GLB leads to.
     """
     if kind == "glb":
         _check_accessors(data)
@@ -38,7 +44,9 @@ def prepare(data: bytes, kind: str) -> bytes:
 
 
 def check_instances(scene: Scene, size: int) -> None:
-    """Raise ValueError for a scene whose meshes, each as often as it is placed, have more faces than such a file has."""
+    """Raise ValueError for a scene whose meshes, each as often as it is placed, have more faces
+    than such a file has.
+    """
     placed = [scene.graph[name][1] for name in scene.graph.nodes_geometry]
     faces = sum(len(getattr(scene.geometry.get(name), "faces", ())) for name in placed)
     if faces > size + ROOM:
@@ -46,7 +54,9 @@ def check_instances(scene: Scene, size: int) -> None:
 
 
 def _check_accessors(data: bytes) -> None:
-    """Raise ValueError where accessors without bytes of their own, which are zeros, are more than the file has bytes."""
+    """Raise ValueError where accessors without bytes of their own, which are zeros, are more than
+    the file has bytes.
+    """
     if len(data) < GLB_HEAD.size:
         raise ValueError("it ends in its header")
     length = GLB_HEAD.unpack_from(data)[3]

@@ -13,14 +13,18 @@ from numpy.typing import NDArray
 from hullrecon.dive.images.header import LARGEST_PIXELS, PNG, header_size
 from hullrecon.typing import Pixels
 
-GRAY_OR_TIFF = (b"P2", b"P5", b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")  # the first bytes of PGM and TIFF, which may have 16 bits
+# the first bytes of PGM and TIFF, which may have 16 bits
+GRAY_OR_TIFF = (b"P2", b"P5", b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 BITS_PER_SAMPLE = 258  # TIFF's tag
-MOST_PIXELS = LARGEST_PIXELS // 2  # of larger ones the upper 8 bits are read: in colour each takes 12 bytes, half a gigabyte
+# of larger ones the upper 8 bits are read: in colour each takes 12 bytes, half a gigabyte
+MOST_PIXELS = LARGEST_PIXELS // 2
 DEPTHS = (8, 10, 12, 14)  # bits that cameras measure; 16 take all that two bytes hold
 
 
 def is_deep(encoded: bytes) -> bool:
-    """Return whether it is a PNG, TIFF or PGM of 16 bits a sample, and none too large to be decoded with them."""
+    """Return whether it is a PNG, TIFF or PGM of 16 bits a sample, and none too large to be decoded
+    with them.
+    """
     if not (encoded.startswith(PNG) or encoded.startswith(GRAY_OR_TIFF)):
         return False
     size = header_size(encoded)
@@ -37,13 +41,19 @@ def _pillow_finds_16_bits(encoded: bytes) -> bool:
         try:
             with Image.open(io.BytesIO(encoded), formats=("PPM", "TIFF")) as image:
                 tags = getattr(image, "tag_v2", None)
-                return image.mode.startswith("I") if tags is None else set(tags.get(BITS_PER_SAMPLE, (1,))) == {16}
+                return (
+                    image.mode.startswith("I")
+                    if tags is None
+                    else set(tags.get(BITS_PER_SAMPLE, (1,))) == {16}
+                )
         except Exception:  # Pillow raises whatever damaged bytes lead it to
             return False
 
 
 def decode_deep(encoded: bytes) -> NDArray[np.uint16] | None:
-    """Return the samples (h, w), or (h, w, 3) blue, green, red; None where they are damaged or have a sign."""
+    """Return the samples (h, w), or (h, w, 3) blue, green, red; None where they are damaged or have
+    a sign.
+    """
     import cv2
 
     flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
@@ -55,7 +65,8 @@ def decode_deep(encoded: bytes) -> NDArray[np.uint16] | None:
 
 
 def significant_bits(largest: int | None) -> int:
-    """Return the bits that hold the largest value of all images of a camera; 16 where none has 16 bits.
+    """Return the bits that hold the largest value of all images of a camera; 16 where none has 16
+    bits.
 
     Of all, not of each: an image's brightness stays comparable with another's.
     """
@@ -63,10 +74,14 @@ def significant_bits(largest: int | None) -> int:
 
 
 def upper_eight(image: NDArray[np.uint16], bits: int) -> Pixels:
-    """Return the upper 8 of so many lower bits of what decode_deep gave, larger values as 255, (h, w, 3) RGB. `image` is
-    written over."""
+    """Return the upper 8 of so many lower bits of what decode_deep gave, larger values as 255, (h,
+    w, 3) RGB. `image` is written over.
+    """
     import cv2
 
     np.right_shift(image, bits - 8, out=image)  # in place, for large images
     shallow = np.minimum(image, 255, out=image).astype(np.uint8)
-    return np.asarray(cv2.cvtColor(shallow, cv2.COLOR_GRAY2RGB if shallow.ndim == 2 else cv2.COLOR_BGR2RGB), np.uint8)
+    return np.asarray(
+        cv2.cvtColor(shallow, cv2.COLOR_GRAY2RGB if shallow.ndim == 2 else cv2.COLOR_BGR2RGB),
+        np.uint8,
+    )

@@ -10,14 +10,17 @@ from typing import Literal
 
 LARGEST_PIXELS = 80_000_000  # decoded in colour a PNG takes six bytes for each (measured): 480 MB
 PNG, JPEG, RIFF = b"\x89PNG\r\n\x1a\n", b"\xff\xd8", b"RIFF"
-IMAGE_SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))  # of files with one image
+# of files with one image
+IMAGE_SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))
 OTHERS = ("BMP", "GIF", "JPEG2000", "PPM", "TIFF")
 FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}  # JPEG's markers that carry a size
 Size = tuple[int, int]
 
 
 def header_size(encoded: bytes) -> Size | None:
-    """Return (width, height) as the header of an image says; None for bytes that are no image that is read here."""
+    """Return (width, height) as the header of an image says; None for bytes that are no image that
+    is read here.
+    """
     if encoded.startswith(JPEG):
         return _jpeg_size(encoded)
     if encoded.startswith(PNG):
@@ -33,7 +36,9 @@ def fits(size: Size) -> bool:
 
 
 def _png_size(encoded: bytes) -> Size | None:
-    """Return the size of a PNG whose chunks are all there: OpenCV makes room for what each claims, up to four gigabytes."""
+    """Return the size of a PNG whose chunks are all there: OpenCV makes room for what each claims,
+    up to four gigabytes.
+    """
     at = len(PNG)
     while at + 12 <= len(encoded) and encoded[at + 4 : at + 8] != b"IEND":
         at += 12 + int.from_bytes(encoded[at : at + 4], "big")

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Check that an image is whole. Decoders forgive a lot: half a JPEG comes back as a half-gray picture."""
+"""Check that an image is whole. Decoders forgive a lot: half a JPEG comes back as a half-gray
+picture.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +22,9 @@ RESTART = range(0xD0, 0xD8)
 
 @dataclass(frozen=True)
 class CheckedImage:
-    """size: (width, height) of a whole image, None for a damaged one or for other bytes. largest: value of an image whose
-    samples have 16 bits, None of any other."""
+    """size: (width, height) of a whole image, None for a damaged one or for other bytes. largest:
+    value of an image whose samples have 16 bits, None of any other.
+    """
 
     size: Size | None
     largest: int | None = None
@@ -30,8 +33,8 @@ class CheckedImage:
 def check_image(encoded: bytes, wanted: Size | None = None) -> CheckedImage:
     """Return what is found of an image.
 
-    wanted: of an image whose header says another size nothing is decoded; that size is returned. So it is for one that is too
-    large to be decoded at all.
+    wanted: of an image whose header says another size nothing is decoded; that size is returned. So
+    it is for one that is too large to be decoded at all.
     """
     size = header_size(encoded)
     if size is None or not fits(size) or wanted not in (None, size):
@@ -47,7 +50,9 @@ def size_of(encoded: bytes, wanted: Size | None = None) -> Size | None:
 
 
 def jpeg_is_whole(encoded: bytes) -> bool:
-    """Return whether the JPEG runs from start to end marker with nothing but ordered restarts and tables inside its scans."""
+    """Return whether the JPEG runs from start to end marker with nothing but ordered restarts and
+    tables inside its scans.
+    """
     at = 2
     while at + 4 <= len(encoded) and encoded[at] == 0xFF:
         code = encoded[at + 1]
@@ -69,7 +74,9 @@ def jpeg_is_whole(encoded: bytes) -> bool:
 
 
 def _behind_scan(encoded: bytes, at: int) -> int | None:
-    """Return the offset of the marker behind a scan's data; None when a restart is out of order or the data never ends."""
+    """Return the offset of the marker behind a scan's data; None when a restart is out of order or
+    the data never ends.
+    """
     restarts = 0
     for match in MARKER.finditer(encoded, at):
         code = match[1][0]
@@ -88,7 +95,9 @@ def _decoded(encoded: bytes) -> CheckedImage:
     if image is not None:
         return CheckedImage((image.shape[1], image.shape[0]), int(image.max()))
     try:
-        image = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
+        image = cv2.imdecode(
+            np.frombuffer(encoded, np.uint8), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
+        )
     except cv2.error:
         return CheckedImage(None)
     return CheckedImage(None if image is None else (int(image.shape[1]), int(image.shape[0])))

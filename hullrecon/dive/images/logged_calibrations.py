@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Take the calibration of a camera from the CameraInfo that was logged beside its images, where dive.toml leaves it out."""
+"""Take the calibration of a camera from the CameraInfo that was logged beside its images, where
+dive.toml leaves it out.
+"""
 
 from __future__ import annotations
 
@@ -23,19 +25,23 @@ Keys = Mapping[str, object]
 
 
 class LoggedCalibrations:
-    """The calibrations that a log holds, of the cameras ("camera_top") whose image topics are given; None where none is named.
-    topics: those of the CameraInfo by camera, once found."""
+    """The calibrations that a log holds, of the cameras ("camera_top") whose image topics are
+    given; None where none is named. topics: those of the CameraInfo by camera, once found.
+    """
 
     def __init__(self, image_topics: Mapping[str, str | None]) -> None:
         self._image_topics = image_topics
         self._keys: dict[str, Keys] = {}
-        self._changes: dict[str, str] = {}  # by camera, the topic of a CameraInfo that says something else
+        # by camera, the topic of a CameraInfo that says something else
+        self._changes: dict[str, str] = {}
         self.topics: dict[str, str] = {}
 
     def find(self, logs: Sequence[Log], problems: Problems) -> dict[str, CameraModel]:
-        """Return the cameras by the first CameraInfo beside their images; logs are read as far as the last of these.
+        """Return the cameras by the first CameraInfo beside their images; logs are read as far as
+        the last of these.
 
-        Raises InputError for a camera that has none, or one that is not filled in, unless `problems` takes it.
+        Raises InputError for a camera that has none, or one that is not filled in, unless
+        `problems` takes it.
         """
         for log in logs:
             if len(self._keys) == len(self._image_topics):
@@ -49,7 +55,9 @@ class LoggedCalibrations:
         return found
 
     def watch(self, messages: Iterable[Message]) -> Iterator[Message]:
-        """Yield the messages on, and note where a CameraInfo says something else than the first one."""
+        """Yield the messages on, and note where a CameraInfo says something else than the first
+        one.
+        """
         for message in messages:
             for camera, keys in self._read(message):
                 if repr(keys) != repr(self._keys.get(camera, keys)):  # NaN is unlike itself
@@ -60,9 +68,13 @@ class LoggedCalibrations:
         """Raise InputError where a calibration did not stay the same, unless `problems` takes it."""
         for camera, topic in self._changes.items():
             first = self.topics[camera]
-            what = "changes within the log" if topic == first else f"is another than that on {topic}"
+            what = (
+                "changes within the log" if topic == first else f"is another than that on {topic}"
+            )
             with problems.collect():
-                raise InputError(f"the CameraInfo on {first} {what}", where=_key(camera), remedy=REMEDY)
+                raise InputError(
+                    f"the CameraInfo on {first} {what}", where=_key(camera), remedy=REMEDY
+                )
 
     def remarks(self, cameras: Mapping[str, CameraModel]) -> list[str]:
         """Return a sentence for each camera that is calibrated by the log."""
@@ -81,32 +93,63 @@ class LoggedCalibrations:
                 return
 
     def _read(self, message: Message) -> Iterator[tuple[str, Keys]]:
-        """Yield the cameras whose CameraInfo the message is, with what it says; none where it cannot be decoded."""
+        """Yield the cameras whose CameraInfo the message is, with what it says; none where it
+        cannot be decoded.
+        """
         channel = message.channel
-        if channel.encoding not in ENCODINGS or type_name(channel) != CAMERA_INFO or not isinstance(message.data, bytes):
+        if (
+            channel.encoding not in ENCODINGS
+            or type_name(channel) != CAMERA_INFO
+            or not isinstance(message.data, bytes)
+        ):
             return
-        cameras = [c for c, images in self._image_topics.items() if images and lies_beside(channel.topic, images)]
+        cameras = [
+            c
+            for c, images in self._image_topics.items()
+            if images and lies_beside(channel.topic, images)
+        ]
         if not cameras:
             return
         try:
             keys = calibration_keys(decode(channel, message.data))
-        except (DamagedError, AttributeError, TypeError, ValueError):  # the log's own definition may leave fields out
+        # the log's own definition may leave fields out
+        except (DamagedError, AttributeError, TypeError, ValueError):
             return
         yield from ((camera, keys) for camera in cameras)
 
     def _camera(self, camera: str) -> CameraModel:
-        images, keys, topic = self._image_topics[camera], self._keys.get(camera), self.topics.get(camera)
+        images, keys, topic = (
+            self._image_topics[camera],
+            self._keys.get(camera),
+            self.topics.get(camera),
+        )
         if keys is None or topic is None or images is None:
-            what = f"{_key(camera)} is missing" + (f", and no CameraInfo was logged beside {images}" if images else "")
+            what = f"{_key(camera)} is missing" + (
+                f", and no CameraInfo was logged beside {images}" if images else ""
+            )
             raise InputError(what, where="dive.toml", remedy=REMEDY)
-        shared = [other for other, known in self.topics.items() if known == topic and other != camera]
+        shared = [
+            other for other, known in self.topics.items() if known == topic and other != camera
+        ]
         if shared:
-            raise InputError(f"{topic} lies beside the images of {camera} and {shared[0]}", where=_key(camera), remedy=REMEDY)
+            raise InputError(
+                f"{topic} lies beside the images of {camera} and {shared[0]}",
+                where=_key(camera),
+                remedy=REMEDY,
+            )
         if RECTIFIED in images.rpartition("/image")[2]:
-            raise InputError(f"{images} is rectified, and {topic} describes what was before", where=_key(camera), remedy=REMEDY)
+            raise InputError(
+                f"{images} is rectified, and {topic} describes what was before",
+                where=_key(camera),
+                remedy=REMEDY,
+            )
         matrix = keys["camera_matrix"]
         if isinstance(matrix, list) and not any(matrix):
-            raise InputError(f"the CameraInfo on {topic} has no calibration: K is zero", where=_key(camera), remedy=REMEDY)
+            raise InputError(
+                f"the CameraInfo on {topic} has no calibration: K is zero",
+                where=_key(camera),
+                remedy=REMEDY,
+            )
         return camera_of(keys, f"{topic}, for {_key(camera)}")
 
 

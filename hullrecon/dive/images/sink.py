@@ -24,10 +24,17 @@ PATIENCE = 5  # images of another size than the calibration's, with none right, 
 
 
 class ImageSink:
-    """size: (width, height) of the calibration. open_file: called once, when the first bytes are to be kept."""
+    """size: (width, height) of the calibration. open_file: called once, when the first bytes are to
+    be kept.
+    """
 
     def __init__(
-        self, camera: str, size: tuple[int, int], offset_ns: int, package: Path, open_file: Callable[[], BinaryIO]
+        self,
+        camera: str,
+        size: tuple[int, int],
+        offset_ns: int,
+        package: Path,
+        open_file: Callable[[], BinaryIO],
     ) -> None:
         self._camera, self._size, self._offset_ns, self._package = camera, size, offset_ns, package
         self._open_file, self._at = open_file, 0
@@ -37,7 +44,9 @@ class ImageSink:
         self._largest: int | None = None  # value of the images of 16 bits
 
     def take(self, sample: ImageSample, logged_ns: int, log: int) -> None:
-        """Check one image of the log of that number and keep its bytes, unless they lie in a file of the package."""
+        """Check one image of the log of that number and keep its bytes, unless they lie in a file
+        of the package.
+        """
         encoded = self._bytes(sample)
         found = check_image(encoded, self._size)
         size = found.size
@@ -47,7 +56,9 @@ class ImageSink:
             self._largest = max(found.largest, self._largest or 0)
         offset, kept = (0, 0) if sample.file else (self._keep(encoded), len(encoded))
         stamp = sample.t_ns + self._offset_ns
-        self._rows.append((stamp, logged_ns + self._offset_ns, log, sample.file, offset, kept, size == self._size))
+        self._rows.append(
+            (stamp, logged_ns + self._offset_ns, log, sample.file, offset, kept, size == self._size)
+        )
         if len(self._rows) == PATIENCE:
             self._check_size()
 
@@ -60,17 +71,28 @@ class ImageSink:
             return None
         self._check_size()
         if not any(row[-1] for row in self._rows):
-            many = f"none of the {len(self._rows)} images" if len(self._rows) > 1 else "the only image"
-            raise InputError(f"{many} of {self._camera} can be read", remedy="see that the files are there and whole")
-        stamp, logged, log, file, offset, size, usable = (list(column) for column in zip(*self._rows, strict=True))
+            many = (
+                f"none of the {len(self._rows)} images" if len(self._rows) > 1 else "the only image"
+            )
+            raise InputError(
+                f"{many} of {self._camera} can be read",
+                remedy="see that the files are there and whole",
+            )
+        stamp, logged, log, file, offset, size, usable = (
+            list(column) for column in zip(*self._rows, strict=True)
+        )
         line = put_in_order(self._camera, stamp, logged, log)
         bits = significant_bits(self._largest)
         remarks += line.remarks + self._bad(usable) + self._deep(bits)
         rows = line.keep
         return ImageIndex(
-            t_ns=line.t_ns, file=np.array(file, np.str_)[rows], offset=np.array(offset, np.int64)[rows],
-            size=np.array(size, np.int64)[rows], usable=np.array(usable, bool)[rows], bits=np.array(bits),
-        )  # fmt: skip
+            t_ns=line.t_ns,
+            file=np.array(file, np.str_)[rows],
+            offset=np.array(offset, np.int64)[rows],
+            size=np.array(size, np.int64)[rows],
+            usable=np.array(usable, bool)[rows],
+            bits=np.array(bits),
+        )
 
     def _bytes(self, sample: ImageSample) -> bytes:
         if not sample.file:
@@ -104,5 +126,13 @@ class ImageSink:
     def _bad(self, usable: list[bool]) -> list[str]:
         count, other = len(usable), sum(self._sizes.values()) - self._sizes[self._size]
         broken = usable.count(False) - other
-        lines = [f"{self._camera}: {broken} of {count} images are missing or damaged and are left out"] if broken else []
-        return lines + ([f"{self._camera}: {other} of {count} images have another size and are left out"] if other else [])
+        lines = (
+            [f"{self._camera}: {broken} of {count} images are missing or damaged and are left out"]
+            if broken
+            else []
+        )
+        return lines + (
+            [f"{self._camera}: {other} of {count} images have another size and are left out"]
+            if other
+            else []
+        )

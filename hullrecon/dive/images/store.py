@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read images of a dive by index: their bytes lie in the ingest artifact or, for plain files, in the package."""
+"""Read images of a dive by index: their bytes lie in the ingest artifact or, for plain files, in
+the package.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ LARGEST_BYTES = 4 * LARGEST_PIXELS  # of one image in a file, unpacked pixels wi
 
 @dataclass(frozen=True)
 class ImageStore:
-    """The images of one camera ("camera_top" or "camera_bottom"). Opens nothing until read; pickles to its paths.
+    """The images of one camera ("camera_top" or "camera_bottom"). Opens nothing until read; pickles
+    to its paths.
 
     ingest: the ingest artifact. package: the package's folder, needed where images are plain files.
     """
@@ -50,7 +53,9 @@ class ImageStore:
         path = self.ingest / f"images_{self.camera}.bin"
         if file:
             if self.package is None:
-                raise InputError(f"image {file} lies in the package", remedy="give the package's folder")
+                raise InputError(
+                    f"image {file} lies in the package", remedy="give the package's folder"
+                )
             path = self.package / file
         try:
             if file:
@@ -59,18 +64,24 @@ class ImageStore:
                 stream.seek(int(index.offset[i]))
                 return stream.read(int(index.size[i]))
         except OSError as error:
-            raise InputError(f"an image cannot be read: {error.strerror}", where=str(path)) from error
+            raise InputError(
+                f"an image cannot be read: {error.strerror}", where=str(path)
+            ) from error
 
     def read(self, i: int) -> Pixels | None:
-        """Return image i (h, w, 3) RGB; None for one that ingest found unusable or that does not decode."""
+        """Return image i (h, w, 3) RGB; None for one that ingest found unusable or that does not
+        decode.
+        """
         return decode(self.bytes(i), int(self.index.bits)) if self.index.usable[i] else None
 
 
 def decode(encoded: bytes, bits: int = 16) -> Pixels | None:
-    """Return the image (h, w, 3) RGB of JPEG, PNG, TIFF, BMP, PNM, WebP, GIF or JPEG 2000, without EXIF rotation.
+    """Return the image (h, w, 3) RGB of JPEG, PNG, TIFF, BMP, PNM, WebP, GIF or JPEG 2000, without
+    EXIF rotation.
 
-    bits: of samples of 16 bits the upper 8 of so many lower ones are returned, larger values as 255. None for bytes that are
-    none of these, that are damaged beyond decoding, or that say a size of more than LARGEST_PIXELS.
+    bits: of samples of 16 bits the upper 8 of so many lower ones are returned, larger values as
+    255. None for bytes that are none of these, that are damaged beyond decoding, or that say a size
+    of more than LARGEST_PIXELS.
     """
     import cv2
 
@@ -90,6 +101,8 @@ def decode(encoded: bytes, bits: int = 16) -> Pixels | None:
 
 @lru_cache(maxsize=8)
 def _index(path: Path, mtime_ns: int) -> ImageIndex:
-    """Return the index from memory; an artifact that was rewritten has another `mtime_ns` and is read again."""
+    """Return the index from memory; an artifact that was rewritten has another `mtime_ns` and is
+    read again.
+    """
     with np.load(path, allow_pickle=False) as arrays:
         return from_arrays(ImageIndex, arrays)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the beams of a DVL point: from the messages, else from dive.toml, else from the one instrument their type names."""
+"""Where the beams of a DVL point: from the messages, else from dive.toml, else from the one
+instrument their type names.
+"""
 
 from __future__ import annotations
 
@@ -21,17 +23,24 @@ ADVICE = (
     f"a guess would cost several per cent of every distance (a {A50} has beam_angle_deg = {A50_ANGLE_DEG:g}, "
     f"beam_azimuth_deg = [{', '.join(f'{a:g}' for a in A50_AZIMUTH_DEG)}])"
 )
-FAR_OFF_DEG = 45.0  # no DVL's beams stand farther off its axis: they are built with 15 to 30 degrees
+# no DVL's beams stand farther off its axis: they are built with 15 to 30 degrees
+FAR_OFF_DEG = 45.0
 LEANING_DEG = 10.0  # of the beams' mean direction from the z axis
-SAME_ALTITUDE = 0.045  # share; 30 degrees in place of 22.5 make 0.063, and the ranges' own errors up to 0.03
+# share; 30 degrees in place of 22.5 make 0.063, and the ranges' own errors up to 0.03
+SAME_ALTITUDE = 0.045
 FEW = 10  # pings whose ranges and altitude are compared
 
 
 def tilted_beams(angle_deg: float, azimuth_deg: Sequence[float]) -> Array:
-    """Return (b, 3) unit vectors in `dvl`, tilted from its z axis by one angle, each towards its azimuth (from x towards y)."""
+    """Return (b, 3) unit vectors in `dvl`, tilted from its z axis by one angle, each towards its
+    azimuth (from x towards y).
+    """
     tilt, azimuth = np.radians(angle_deg), np.radians(np.asarray(azimuth_deg, float))
     across = np.sin(tilt)
-    return np.stack([across * np.cos(azimuth), across * np.sin(azimuth), np.full(len(azimuth), np.cos(tilt))], axis=1)
+    return np.stack(
+        [across * np.cos(azimuth), across * np.sin(azimuth), np.full(len(azimuth), np.cos(tilt))],
+        axis=1,
+    )
 
 
 def a50_beams() -> Array:
@@ -39,12 +48,19 @@ def a50_beams() -> Array:
     return tilted_beams(A50_ANGLE_DEG, A50_AZIMUTH_DEG)
 
 
-def choose_beams(samples: Sequence[DvlSample], configured: Array | None, width: int, remarks: list[str]) -> Array:
-    """Return (width, 3) unit vectors in `dvl`. InputError where neither messages nor dive.toml (`configured`) nor type say."""
+def choose_beams(
+    samples: Sequence[DvlSample], configured: Array | None, width: int, remarks: list[str]
+) -> Array:
+    """Return (width, 3) unit vectors in `dvl`. InputError where neither messages nor dive.toml
+    (`configured`) nor type say.
+    """
     if not width:
         return np.zeros((0, 3))
     if configured is not None and len(configured) != width:
-        raise InputError(f"[dvl] of dive.toml describes {len(configured)} beams, the log has {width}", where="dvl.beams")
+        raise InputError(
+            f"[dvl] of dive.toml describes {len(configured)} beams, the log has {width}",
+            where="dvl.beams",
+        )
     described = [s for s in samples if s.beams is not None and len(s.beams) == width]
     logged = [s.beams for s in described if not s.instrument and s.beams is not None]
     if logged:
@@ -52,20 +68,26 @@ def choose_beams(samples: Sequence[DvlSample], configured: Array | None, width: 
     if configured is not None:
         return unit(configured)
     if described and described[0].beams is not None:
-        remarks.append(f"dvl: the messages have no beam directions; those of a {described[0].instrument} were used")
+        remarks.append(
+            f"dvl: the messages have no beam directions; those of a {described[0].instrument} were used"
+        )
         return unit(described[0].beams)
     raise ask_for_beams(width)
 
 
 def ask_for_beams(count: int) -> InputError:
     """Return the error that asks where so many beams point."""
-    return InputError(f"nothing says where the DVL's {count} beams point", where="dvl.beams", remedy=ADVICE)
+    return InputError(
+        f"nothing says where the DVL's {count} beams point", where="dvl.beams", remedy=ADVICE
+    )
 
 
 def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[str]:
-    """Return a sentence for each thing that is wrong with where beams point: far off the axis, or against the altitude.
+    """Return a sentence for each thing that is wrong with where beams point: far off the axis, or
+    against the altitude.
 
-    beams (b, 3) unit vectors in `dvl`; ranges (n, b) m along them; altitude (n,) m along z of `dvl`; NaN where lost.
+    beams (b, 3) unit vectors in `dvl`; ranges (n, b) m along them; altitude (n,) m along z of
+    `dvl`; NaN where lost.
     """
     if not len(beams):
         return []
@@ -74,9 +96,13 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[str]:
     middle = beams.mean(axis=0)
     leaning = float(np.degrees(np.arctan2(np.linalg.norm(middle[:2]), middle[2])))
     if off.max() > FAR_OFF_DEG:
-        out.append(f"dvl: beams stand up to {off.max():.0f} degrees off the z axis of dvl: are they right?")
+        out.append(
+            f"dvl: beams stand up to {off.max():.0f} degrees off the z axis of dvl: are they right?"
+        )
     elif leaning > LEANING_DEG:
-        out.append(f"dvl: the beams' mean direction is {leaning:.0f} degrees off the z axis of dvl: are they right?")
+        out.append(
+            f"dvl: the beams' mean direction is {leaning:.0f} degrees off the z axis of dvl: are they right?"
+        )
     whole = np.isfinite(ranges).all(axis=1) & np.isfinite(altitude)
     if np.count_nonzero(whole) >= FEW:
         ratio = float(np.median((ranges[whole] * beams[:, 2]).mean(axis=1) / altitude[whole]))
@@ -94,7 +120,9 @@ def _logged_beams(logged: Sequence[Array], configured: Array | None, remarks: li
         remarks.append("dvl: the beams' directions change during the dive; their mean was used")
     beams = unit(np.mean(logged, axis=0))
     if configured is not None:
-        apart = float(np.degrees(np.arccos(np.clip(np.sum(beams * unit(configured), axis=1), -1, 1))).max())
+        apart = float(
+            np.degrees(np.arccos(np.clip(np.sum(beams * unit(configured), axis=1), -1, 1))).max()
+        )
         if apart > SAME_DEG:
             remarks.append(
                 f"dvl: the beams of dive.toml are up to {apart:.1f} degrees off those of the messages, which were used"

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find in tf_static where the sensors sit: on the vehicle, or on a servo's frame that is not fixed to it."""
+"""Find in tf_static where the sensors sit: on the vehicle, or on a servo's frame that is not fixed
+to it.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from hullrecon.dive.logs.messages.decode import ENCODINGS, Fields, decode, type_name
-from hullrecon.dive.logs.messages.descriptions import FRD_FROM_FLU, TRANSFORMS, Tree, frame_tree, mount_of, way_up
+from hullrecon.dive.logs.messages.descriptions import (
+    FRD_FROM_FLU,
+    TRANSFORMS,
+    Tree,
+    frame_tree,
+    mount_of,
+    way_up,
+)
 from hullrecon.dive.logs.messages.samples import WITHOUT_HEADER
 from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
@@ -20,9 +29,11 @@ ENDINGS = ("", "_link", "_frame")  # of the frame that a joint turns
 
 @dataclass(frozen=True, kw_only=True)
 class FixedSensor:
-    """A sensor's frame by its name in the log, and where it is: x, y, z in m, roll, pitch, yaw in degrees in the vehicle with
-    its servo at zero, or on that servo (`on_servo`) where tf_static leads no farther. servo_origin: where the servo turns, m in
-    the vehicle; None where no frame on the way is the servo's."""
+    """A sensor's frame by its name in the log, and where it is: x, y, z in m, roll, pitch, yaw in
+    degrees in the vehicle with its servo at zero, or on that servo (`on_servo`) where tf_static
+    leads no farther. servo_origin: where the servo turns, m in the vehicle; None where no frame on
+    the way is the servo's.
+    """
 
     frame: str
     pose: tuple[float, ...]
@@ -32,7 +43,9 @@ class FixedSensor:
 
 @dataclass
 class FrameListener:
-    """Collect tf_static and the frames of the sensors (by topic) from the messages that pass. frames: names by sensor."""
+    """Collect tf_static and the frames of the sensors (by topic) from the messages that pass.
+    frames: names by sensor.
+    """
 
     topics: Mapping[str, str]
     tree_messages: list[Fields] = field(default_factory=list)
@@ -46,7 +59,9 @@ class FrameListener:
             yield message
 
     def sensors(self, joints: Mapping[str, str]) -> dict[str, FixedSensor]:
-        """Return the sensors that tf_static leads to; joints: names of the servos ("tray", "sonar_tray")."""
+        """Return the sensors that tf_static leads to; joints: names of the servos ("tray",
+        "sonar_tray").
+        """
         return fixed_sensors(frame_tree(self.tree_messages), self.frames, joints)
 
     def _note(self, message: Message) -> None:
@@ -55,7 +70,11 @@ class FrameListener:
             if len(self.tree_messages) < MOST_FRAME_MESSAGES:
                 self.tree_messages += _decoded(message)
             return
-        named = [sensor for sensor, topic in self.topics.items() if topic == channel.topic and sensor not in self._asked]
+        named = [
+            sensor
+            for sensor, topic in self.topics.items()
+            if topic == channel.topic and sensor not in self._asked
+        ]
         if not named or type_name(channel) in WITHOUT_HEADER:
             return
         self._asked.update(named)
@@ -64,16 +83,27 @@ class FrameListener:
             self.frames.update(dict.fromkeys(named, frame) if frame else {})
 
 
-def fixed_sensors(tree: Tree, frames: Mapping[str, str], joints: Mapping[str, str]) -> dict[str, FixedSensor]:
-    """Return where the sensors of those frames are, by sensor; those that no way leads from are left out."""
+def fixed_sensors(
+    tree: Tree, frames: Mapping[str, str], joints: Mapping[str, str]
+) -> dict[str, FixedSensor]:
+    """Return where the sensors of those frames are, by sensor; those that no way leads from are
+    left out.
+    """
     found = {}
     for sensor, frame in frames.items():
         servo = joints.get(SERVO_OF.get(sensor, ""), "")
         way = way_up(frame, tree, {f"{servo}{ending}" for ending in ENDINGS} if servo else set())
         if way.vehicle is not None:
-            origin = None if way.vehicle_from_servo is None else tuple(mount_of(way.vehicle_from_servo)[:3])
-            found[sensor] = FixedSensor(frame=printable(frame), pose=tuple(mount_of(way.vehicle)), servo_origin=origin)
-        elif way.servo is not None:  # its axes are those of the vehicle at zero: forward, port, up (REP 103)
+            origin = (
+                None
+                if way.vehicle_from_servo is None
+                else tuple(mount_of(way.vehicle_from_servo)[:3])
+            )
+            found[sensor] = FixedSensor(
+                frame=printable(frame), pose=tuple(mount_of(way.vehicle)), servo_origin=origin
+            )
+        # its axes are those of the vehicle at zero: forward, port, up (REP 103)
+        elif way.servo is not None:
             pose = tuple(mount_of(FRD_FROM_FLU @ way.servo))
             found[sensor] = FixedSensor(frame=printable(frame), pose=pose, on_servo=True)
     return found
@@ -81,11 +111,17 @@ def fixed_sensors(tree: Tree, frames: Mapping[str, str], joints: Mapping[str, st
 
 def is_static(channel: Channel) -> bool:
     """Return whether a topic holds the fixed frames."""
-    return channel.encoding in ENCODINGS and type_name(channel) in TRANSFORMS and channel.topic.endswith("tf_static")
+    return (
+        channel.encoding in ENCODINGS
+        and type_name(channel) in TRANSFORMS
+        and channel.topic.endswith("tf_static")
+    )
 
 
 def frame_of(message: object) -> str | None:
-    """Return the frame of a message's header, None where the log's own definition of the type gives it none."""
+    """Return the frame of a message's header, None where the log's own definition of the type gives
+    it none.
+    """
     frame = getattr(getattr(message, "header", None), "frame_id", None)
     return None if frame is None else str(frame)
 

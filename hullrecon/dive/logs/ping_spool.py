@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The images of an imaging sonar while a log is read: in a file, as those of a long dive do not fit into memory."""
+"""The images of an imaging sonar while a log is read: in a file, as those of a long dive do not fit
+into memory.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,18 @@ from numpy.typing import NDArray
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.typing import Array
 
-BRIGHT_PERCENT = 99.5  # of a ping's pixels are no brighter than its bright one: a few may be saturated
+# of a ping's pixels are no brighter than its bright one: a few may be saturated
+BRIGHT_PERCENT = 99.5
 Images = NDArray[np.uint8]  # (pings, beams, ranges)
-KeepImages = Callable[[tuple[int, int, int], Iterator[Images]], Images]  # from their shape, one (beams, ranges) after the other
+# from their shape, one (beams, ranges) after the other
+KeepImages = Callable[[tuple[int, int, int], Iterator[Images]], Images]
 
 
 @dataclass(frozen=True)
 class PingStorage:
-    """Where the images of a sonar go. spool: an empty file that may be read and written, for them as they were logged; keep:
-    keeps them as they are used."""
+    """Where the images of a sonar go. spool: an empty file that may be read and written, for them
+    as they were logged; keep: keeps them as they are used.
+    """
 
     spool: BinaryIO
     keep: KeepImages
@@ -30,14 +35,17 @@ class PingStorage:
 
 @dataclass(frozen=True, slots=True)
 class SpooledPing(SonarSample):
-    """A ping whose image lies in a spool from byte `at` on. What stands for it has its shape, type and bright pixel, and no
-    memory."""
+    """A ping whose image lies in a spool from byte `at` on. What stands for it has its shape, type
+    and bright pixel, and no memory.
+    """
 
     at: int = 0
 
 
 class PingSpool:
-    """Takes pings as they are read and gives them back from the file. Without a file, images are left aside."""
+    """Takes pings as they are read and gives them back from the file. Without a file, images are
+    left aside.
+    """
 
     def __init__(self, file: BinaryIO | None) -> None:
         self._file = file
@@ -46,9 +54,15 @@ class PingSpool:
         self._range_m: Array | None = None
 
     def keep(self, sample: SonarSample) -> SpooledPing:
-        """Write a ping's image to the file; directions and ranges are those of the ping before where they are equal."""
+        """Write a ping's image to the file; directions and ranges are those of the ping before
+        where they are equal.
+        """
         image = np.ascontiguousarray(sample.image)
-        if self._directions is None or sample.directions is None or not np.array_equal(self._directions, sample.directions):
+        if (
+            self._directions is None
+            or sample.directions is None
+            or not np.array_equal(self._directions, sample.directions)
+        ):
             self._directions = sample.directions
         if self._range_m is None or not np.array_equal(self._range_m, sample.range_m):
             self._range_m = sample.range_m
@@ -71,10 +85,14 @@ class PingSpool:
 
 
 def bright_pixel(image: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Return the pixel () that is brighter than nearly all that are not black of an image (beams, ranges), 0 where none is; of
-    one of 8 bits, which need no scale, the brightest. Of what stands for an image in a spool it is its one value."""
+    """Return the pixel () that is brighter than nearly all that are not black of an image (beams,
+    ranges), 0 where none is; of one of 8 bits, which need no scale, the brightest. Of what stands
+    for an image in a spool it is its one value.
+    """
     pixels = np.asarray(image[:1, :1] if not any(image.strides) else image)
     if pixels.dtype == np.uint8:
         return np.asarray(pixels.max(), np.uint8)
     bright = pixels[np.isfinite(pixels) & (pixels > 0)]
-    return np.asarray(np.percentile(bright, BRIGHT_PERCENT, method="higher") if len(bright) else 0, image.dtype)
+    return np.asarray(
+        np.percentile(bright, BRIGHT_PERCENT, method="higher") if len(bright) else 0, image.dtype
+    )

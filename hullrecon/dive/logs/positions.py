@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turn positions from outside, of GPS and USBL, into metres north and east; leave out what cannot be one."""
+"""Turn positions from outside, of GPS and USBL, into metres north and east; leave out what cannot
+be one.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +16,28 @@ from hullrecon.geometry.geodesy import north_east
 from hullrecon.records.sensors import PositionFixes, PressureSamples
 from hullrecon.typing import Array, Ints, Mask
 
-DEEPEST_RECEPTION_M = 1.0  # of a satellite's signal; centimetres of sea water end it, the rest is for waves and the sensor
+# of a satellite's signal; centimetres of sea water end it, the rest is for waves and the sensor
+DEEPEST_RECEPTION_M = 1.0
 NEAR_DEPTH_S = 10.0  # of a depth that tells whether an antenna was under water
 
 
 @np.errstate(all="ignore")
 def position_fixes(
-    samples: Sequence[PositionSample], sigma_m: float, frame: str, pressure: PressureSamples | None, remarks: list[str]
+    samples: Sequence[PositionSample],
+    sigma_m: float,
+    frame: str,
+    pressure: PressureSamples | None,
+    remarks: list[str],
 ) -> PositionFixes | None:
-    """Return the fixes about the first of them, None without any. sigma_m: where a message has none; frame: "enu" or "ned", of
-    x and y in a local frame; pressure: tells where an antenna was under water."""
+    """Return the fixes about the first of them, None without any. sigma_m: where a message has
+    none; frame: "enu" or "ned", of x and y in a local frame; pressure: tells where an antenna was
+    under water.
+    """
     fixed = [s for s in samples if _is_position(s)]
     if len(fixed) < len(samples):
-        remarks.append(f"position: {len(samples) - len(fixed)} of {len(samples)} messages have no fix and were left out")
+        remarks.append(
+            f"position: {len(samples) - len(fixed)} of {len(samples)} messages have no fix and were left out"
+        )
     of_one_form = [s for s in fixed if s.geographic == fixed[0].geographic]
     if len(of_one_form) < len(fixed):
         remarks.append(
@@ -51,15 +62,21 @@ def position_fixes(
 
 
 def _is_position(sample: PositionSample) -> bool:
-    """Return whether a sample has a place; latitude and longitude of zero are what receivers send before they know."""
+    """Return whether a sample has a place; latitude and longitude of zero are what receivers send
+    before they know.
+    """
     first, second = sample.place[:2]
     if not np.isfinite([first, second]).all():
         return False
-    return not sample.geographic or (abs(first) <= 90 and abs(second) <= 360 and (first, second) != (0.0, 0.0))
+    return not sample.geographic or (
+        abs(first) <= 90 and abs(second) <= 360 and (first, second) != (0.0, 0.0)
+    )
 
 
 def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | None) -> Mask:
-    """Return which samples (n,) are of satellites while the vehicle was under water; none where no depth is known then."""
+    """Return which samples (n,) are of satellites while the vehicle was under water; none where no
+    depth is known then.
+    """
     t_ns = np.array([s.t_ns for s in samples], np.int64)
     by_satellite = np.array([s.by_satellite for s in samples], bool)
     if pressure is None or not len(pressure.t_ns) or not len(samples):
@@ -70,7 +87,11 @@ def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | 
 
 
 def _seconds_to_nearest(t_ns: Ints, stamps: Ints) -> Array:
-    right = np.searchsorted(stamps, t_ns).clip(1, max(1, len(stamps) - 1)) if len(stamps) > 1 else np.zeros(len(t_ns), int)
+    right = (
+        np.searchsorted(stamps, t_ns).clip(1, max(1, len(stamps) - 1))
+        if len(stamps) > 1
+        else np.zeros(len(t_ns), int)
+    )
     left = np.maximum(right - 1, 0)
     return np.asarray(np.minimum(np.abs(stamps[left] - t_ns), np.abs(stamps[right] - t_ns)) / NS)
 

@@ -21,7 +21,8 @@ from hullrecon.dive.logs.timeline import GAP_S, NS, format_time
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 
-TakeImage = Callable[[ImageSample, int, int], None]  # the sample, when it was logged, ns, and the number of its log
+# the sample, when it was logged, ns, and the number of its log
+TakeImage = Callable[[ImageSample, int, int], None]
 KeepPing = Callable[[SonarSample], SonarSample]
 Watch = Callable[[Iterable[Message]], Iterable[Message]]
 LIMIT_NS = 1 << 62  # the year 2116; differences of such stamps are int64 too
@@ -32,10 +33,12 @@ SENSORS = tuple(TYPES)
 
 @dataclass(kw_only=True)
 class LogContents:
-    """What the logs held. samples, logged_ns and log (the number of the log that holds it) by sensor ("dvl", ...; images go to
-    their sinks); counts by topic; used: topics of which a message could be used; inside, outside: samples in and
-    outside of the time window; joints_before: by name, the last angle of a joint before it, when that was logged, and its log;
-    definitions: the channels by which a topic was decoded."""
+    """What the logs held. samples, logged_ns and log (the number of the log that holds it) by
+    sensor ("dvl", ...; images go to their sinks); counts by topic; used: topics of which a message
+    could be used; inside, outside: samples in and outside of the time window; joints_before: by
+    name, the last angle of a joint before it, when that was logged, and its log; definitions: the
+    channels by which a topic was decoded.
+    """
 
     samples: dict[str, list[Sample]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     logged_ns: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
@@ -65,11 +68,12 @@ def read_streams(
 ) -> LogContents:
     """Return what the logs hold, or what of it lies in the time window, read once.
 
-    topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a log beside
-    it that gives samples (tables, the file of one instrument). offset_ns: by sensor, what its stamps have to be corrected by
-    before they are held against the window; the samples are left as they are. Only small samples are kept; of a sonar's ping
-    what `keep_ping` returns. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is not
-    read and for a log of which nothing is, unless `problems` takes it.
+    topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that
+    topic, not from a log beside it that gives samples (tables, the file of one instrument).
+    offset_ns: by sensor, what its stamps have to be corrected by before they are held against the
+    window; the samples are left as they are. Only small samples are kept; of a sonar's ping what
+    `keep_ping` returns. `watch` sees every message pass (progress). Raises InputError for a topic
+    of a type that is not read and for a log of which nothing is, unless `problems` takes it.
     """
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()
@@ -87,15 +91,22 @@ def read_streams(
         name = printable(log.path.name)
         out.losses += [(name, loss) for loss in log.losses()]
         out.remarks += [f"{name}: {remark}" for remark in log.remarks]
-    out.remarks += [f"{topic}: {n} messages could not be used: {why}" for (topic, why), n in sorted(out.undecoded.items())]
     out.remarks += [
-        f"{topic}: {n} messages have no stamp; their logging time was used" for topic, n in sorted(out.unstamped.items())
+        f"{topic}: {n} messages could not be used: {why}"
+        for (topic, why), n in sorted(out.undecoded.items())
+    ]
+    out.remarks += [
+        f"{topic}: {n} messages have no stamp; their logging time was used"
+        for topic, n in sorted(out.unstamped.items())
     ]
     if window is not None:
         _start_joints(out, window)
-        out.remarks.append(f"dive: only what was measured {window.describe()} is used; {out.outside} readings were left aside")
+        out.remarks.append(
+            f"dive: only what was measured {window.describe()} is used; {out.outside} readings were left aside"
+        )
     out.remarks += [
-        f"{c.type}: its {n} readings were left aside, as topics.{c.topic} is set" for c, n in out.passed_over.items()
+        f"{c.type}: its {n} readings were left aside, as topics.{c.topic} is set"
+        for c, n in out.passed_over.items()
     ]
     return out
 
@@ -110,7 +121,9 @@ def _sort(
     keep_ping: KeepPing,
     offset_ns: Mapping[str, int],
 ) -> None:
-    """Put the samples of a message of that log where those of their sensor go; those outside the time window are counted."""
+    """Put the samples of a message of that log where those of their sensor go; those outside the
+    time window are counted.
+    """
     for sensor, sample in _samples(message, topics, out):
         if window is not None and not window.holds(sample.t_ns + offset_ns.get(sensor, 0)):
             out.outside += 1
@@ -121,21 +134,31 @@ def _sort(
         if isinstance(sample, ImageSample):
             take_image(sample, message.t_ns, log)
         else:
-            out.samples[sensor].append(keep_ping(sample) if isinstance(sample, SonarSample) else sample)
+            out.samples[sensor].append(
+                keep_ping(sample) if isinstance(sample, SonarSample) else sample
+            )
             out.logged_ns[sensor].append(message.t_ns)
             out.log[sensor].append(log)
 
 
-def _note_joint_before(sample: JointSample, logged_ns: int, log: int, out: LogContents, window: TimeWindow) -> None:
+def _note_joint_before(
+    sample: JointSample, logged_ns: int, log: int, out: LogContents, window: TimeWindow
+) -> None:
     """Keep a reading of a joint outside of the window where it is the last one before it."""
     known = out.joints_before.get(sample.name)
-    if window.first_ns is not None and sample.t_ns < window.first_ns and (known is None or sample.t_ns >= known[0].t_ns):
+    if (
+        window.first_ns is not None
+        and sample.t_ns < window.first_ns
+        and (known is None or sample.t_ns >= known[0].t_ns)
+    ):
         out.joints_before[sample.name] = sample, logged_ns, log
 
 
 def _start_joints(out: LogContents, window: TimeWindow) -> None:
-    """Put the last reading of each joint before the window at its start: a joint that is logged once, or as it turns, stands
-    there since. Where nothing was measured in the window they tell nothing."""
+    """Put the last reading of each joint before the window at its start: a joint that is logged
+    once, or as it turns, stands there since. Where nothing was measured in the window they tell
+    nothing.
+    """
     if not out.inside:
         return
     first: dict[str, int] = {}
@@ -151,11 +174,17 @@ def _start_joints(out: LogContents, window: TimeWindow) -> None:
         out.logged_ns["joints"].insert(0, logged_ns + start_ns - sample.t_ns)
         out.log["joints"].insert(0, log)
         if start_ns - sample.t_ns > GAP_S * NS:
-            out.remarks.append(f"joint {name}: at the start of the time window as last read, at {format_time(sample.t_ns)}")
+            out.remarks.append(
+                f"joint {name}: at the start of the time window as last read, at {format_time(sample.t_ns)}"
+            )
 
 
-def _samples(message: Message, topics: Mapping[str, Sequence[str]], out: LogContents) -> Iterator[tuple[str, Sample]]:
-    """Yield the samples of a message with their sensor. A message that cannot be used costs itself, and is counted."""
+def _samples(
+    message: Message, topics: Mapping[str, Sequence[str]], out: LogContents
+) -> Iterator[tuple[str, Sample]]:
+    """Yield the samples of a message with their sensor. A message that cannot be used costs itself,
+    and is counted.
+    """
     channel = message.channel
     is_sample = not isinstance(message.data, bytes)
     if is_sample and any(channel.topic in sensors for sensors in topics.values()):
@@ -163,8 +192,14 @@ def _samples(message: Message, topics: Mapping[str, Sequence[str]], out: LogCont
         return
     for sensor in (channel.topic,) if is_sample else topics.get(channel.topic, ()):
         try:
-            found = _translate(message, message.data, sensor, out) if isinstance(message.data, bytes) else [message.data]
-            if any(abs(t_ns) >= LIMIT_NS for t_ns in (message.t_ns, *(sample.t_ns for sample in found))):
+            found = (
+                _translate(message, message.data, sensor, out)
+                if isinstance(message.data, bytes)
+                else [message.data]
+            )
+            if any(
+                abs(t_ns) >= LIMIT_NS for t_ns in (message.t_ns, *(sample.t_ns for sample in found))
+            ):
                 raise DamagedError("their stamps lie beyond the year 2116")
         except DamagedError as error:
             out.undecoded[channel.topic, _reason(channel.topic, str(error), out)] += 1
@@ -176,8 +211,8 @@ def _samples(message: Message, topics: Mapping[str, Sequence[str]], out: LogCont
 def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> Sequence[Sample]:
     """Return the samples of a serialised message.
 
-    Raises DamagedError where it gives none, and InputError for a topic of a type that is not read, unless others of its
-    messages were: then the type is what is damaged.
+    Raises DamagedError where it gives none, and InputError for a topic of a type that is not read,
+    unless others of its messages were: then the type is what is damaged.
     """
     channel = message.channel
     translate = TYPES[sensor].get(type_name(channel))
@@ -186,8 +221,9 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
     if translate is None:
         raise InputError(
             f"topic {channel.topic} holds {channel.type}, which is not read as {sensor}",
-            where=f"topics.{sensor}", remedy=f"name a topic of {' or '.join(sorted(TYPES[sensor]))}",
-        )  # fmt: skip
+            where=f"topics.{sensor}",
+            remedy=f"name a topic of {' or '.join(sorted(TYPES[sensor]))}",
+        )
     known = out.definitions.setdefault(channel.topic, set())
     if channel not in known and len(known) >= MOST_DEFINITIONS:
         raise DamagedError("the definition of their type changes over and over")
@@ -199,15 +235,20 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
             found = translate(fields, stamp or message.t_ns, sensor)
     except DamagedError:
         raise
-    except Exception as error:  # fields of any names and types, where the definition that the log carries is damaged
-        raise DamagedError(f"a {channel.type} is not what its name says: {describe(error)}") from None
+    # fields of any names and types, where the definition that the log carries is damaged
+    except Exception as error:
+        raise DamagedError(
+            f"a {channel.type} is not what its name says: {describe(error)}"
+        ) from None
     if stamp == 0:
         out.unstamped[channel.topic] += 1
     return found
 
 
 def _reason(topic: str, reason: str, out: LogContents) -> str:
-    """Return the reason, or a common one where a topic has too many: each damaged message may have one of its own."""
+    """Return the reason, or a common one where a topic has too many: each damaged message may have
+    one of its own.
+    """
     if (topic, reason) in out.undecoded or sum(t == topic for t, _ in out.undecoded) < MOST_REASONS:
         return reason
     return "for other reasons"

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One reading of one sensor, as every reader hands it on: SI units, int64 nanoseconds since 1970, NaN for what is lost."""
+"""One reading of one sensor, as every reader hands it on: SI units, int64 nanoseconds since 1970,
+NaN for what is lost.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +16,13 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, slots=True)
 class DvlSample:
-    """velocity (3,) m/s of the instrument in `dvl`; sigma m/s (NaN: not given); ranges (b,) m along the beams; beams (b, 3)
-    unit vectors in `dvl`, None where the log does not carry them. ranges is empty where the log has none. instrument: set where
-    the beams are not logged but those of the one instrument that the message's type names. altitude: m along z of `dvl` to
-    what the beams meet, as the instrument computed it; NaN where the log has none, or one that means something else.
-    along_axis: the ranges are along z of `dvl`, wherever the beams turn out to point."""
+    """velocity (3,) m/s of the instrument in `dvl`; sigma m/s (NaN: not given); ranges (b,) m along
+    the beams; beams (b, 3) unit vectors in `dvl`, None where the log does not carry them. ranges is
+    empty where the log has none. instrument: set where the beams are not logged but those of the
+    one instrument that the message's type names. altitude: m along z of `dvl` to what the beams
+    meet, as the instrument computed it; NaN where the log has none, or one that means something
+    else. along_axis: the ranges are along z of `dvl`, wherever the beams turn out to point.
+    """
 
     t_ns: int
     velocity: Array
@@ -36,8 +40,10 @@ class DvlSample:
 
 @dataclass(frozen=True, slots=True)
 class ImuSample:
-    """quaternion (4,) x y z w as logged; rates (3,) rad/s, acceleration (3,) m/s2, NaN when not logged. of_dvl: the attitude of
-    the frame `dvl` in north-east-down (any north), by sensors inside of the DVL."""
+    """quaternion (4,) x y z w as logged; rates (3,) rad/s, acceleration (3,) m/s2, NaN when not
+    logged. of_dvl: the attitude of the frame `dvl` in north-east-down (any north), by sensors
+    inside of the DVL.
+    """
 
     t_ns: int
     quaternion: Array
@@ -46,7 +52,9 @@ class ImuSample:
     of_dvl: bool = False
 
     def __post_init__(self) -> None:
-        _require(self.quaternion.shape == (4,) and self.rates.shape == self.acceleration.shape == (3,))
+        _require(
+            self.quaternion.shape == (4,) and self.rates.shape == self.acceleration.shape == (3,)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +65,9 @@ class PressureSample:
 
 @dataclass(frozen=True, slots=True)
 class DepthSample:
-    """height: as logged, m, from the water's surface; is_up: it grows upward, by the convention of its type. of_dvl: by a
-    sensor inside of the DVL."""
+    """height: as logged, m, from the water's surface; is_up: it grows upward, by the convention of
+    its type. of_dvl: by a sensor inside of the DVL.
+    """
 
     t_ns: int
     height: float
@@ -75,7 +84,9 @@ class JointSample:
 
 @dataclass(frozen=True, slots=True)
 class ImageSample:
-    """encoded: bytes of a JPEG, PNG, ...; or file: a path relative to the package, whose bytes stay there."""
+    """encoded: bytes of a JPEG, PNG, ...; or file: a path relative to the package, whose bytes stay
+    there.
+    """
 
     t_ns: int
     camera: str
@@ -85,8 +96,9 @@ class ImageSample:
 
 @dataclass(frozen=True, slots=True)
 class SonarSample:
-    """image (beams, ranges) of the logged type; directions (beams, 3) unit vectors in `sonar`, None where nothing says where
-    the beams point; range_m (ranges,)."""
+    """image (beams, ranges) of the logged type; directions (beams, 3) unit vectors in `sonar`, None
+    where nothing says where the beams point; range_m (ranges,).
+    """
 
     t_ns: int
     image: NDArray[np.generic]
@@ -97,14 +109,17 @@ class SonarSample:
         beams = len(self.image) if self.directions is None else len(self.directions)
         _require(self.image.shape == (beams, len(self.range_m)) and self.image.size > 0)
         _require(
-            bool(np.isfinite(self.range_m).all()) and (self.directions is None or bool(np.isfinite(self.directions).all()))
+            bool(np.isfinite(self.range_m).all())
+            and (self.directions is None or bool(np.isfinite(self.directions).all()))
         )
 
 
 @dataclass(frozen=True, slots=True)
 class PositionSample:
-    """place (3,): latitude, longitude deg, height m where geographic, else x, y, z m in a local frame; NaN without a fix.
-    sigma_m: of either horizontal axis, NaN where it is not given. by_satellite: by an antenna that receives above water."""
+    """place (3,): latitude, longitude deg, height m where geographic, else x, y, z m in a local
+    frame; NaN without a fix. sigma_m: of either horizontal axis, NaN where it is not given.
+    by_satellite: by an antenna that receives above water.
+    """
 
     t_ns: int
     place: Array
@@ -117,9 +132,20 @@ class PositionSample:
 
 
 def _require(holds: bool) -> None:
-    """Refuse fields of other shapes: a damaged definition gives them, which would fail far from here."""
+    """Refuse fields of other shapes: a damaged definition gives them, which would fail far from
+    here.
+    """
     if not holds:
         raise ValueError("its values are not of the shape of such a reading")
 
 
-Sample = DvlSample | ImuSample | PressureSample | DepthSample | JointSample | ImageSample | SonarSample | PositionSample
+Sample = (
+    DvlSample
+    | ImuSample
+    | PressureSample
+    | DepthSample
+    | JointSample
+    | ImageSample
+    | SonarSample
+    | PositionSample
+)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What pings of an imaging sonar have in common: where their beams point, and the ranges of their samples."""
+"""What pings of an imaging sonar have in common: where their beams point, and the ranges of their
+samples.
+"""
 
 from __future__ import annotations
 
@@ -16,16 +18,23 @@ from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
 from hullrecon.typing import Array
 
-SAME_REACH = 0.01  # share of the range by which windows of one setting differ, as the water's temperature changes
-SAME_FAN = 0.01  # of beams' unit vectors: half a degree; the fans of two modes differ by tens of degrees
-MEANING = "the azimuth of each beam in degrees from the middle of the fan, growing from port to starboard"
+# share of the range by which windows of one setting differ, as the water's temperature changes
+SAME_REACH = 0.01
+# of beams' unit vectors: half a degree; the fans of two modes differ by tens of degrees
+SAME_FAN = 0.01
+MEANING = (
+    "the azimuth of each beam in degrees from the middle of the fan, growing from port to starboard"
+)
 
 
-def pings_of_one_window(samples: Sequence[SonarSample], remarks: list[str]) -> tuple[list[SonarSample], Array]:
-    """Return the pings of the most common number of beams and window, of those the ones whose beams point where most do, and
-    the most common of their ranges; [] without any.
+def pings_of_one_window(
+    samples: Sequence[SonarSample], remarks: list[str]
+) -> tuple[list[SonarSample], Array]:
+    """Return the pings of the most common number of beams and window, of those the ones whose beams
+    point where most do, and the most common of their ranges; [] without any.
 
-    Windows whose ends differ by 1 % at most are one: the speed of sound that a sonar reckons with changes with the temperature.
+    Windows whose ends differ by 1 % at most are one: the speed of sound that a sonar reckons with
+    changes with the temperature.
     """
     if not samples:
         return [], np.zeros(0)
@@ -57,22 +66,36 @@ def pings_of_one_window(samples: Sequence[SonarSample], remarks: list[str]) -> t
     return kept, first.range_m
 
 
-def _widest_agreement(samples: Sequence[SonarSample], reach: Array, shape: tuple[int, ...]) -> list[int]:
-    """Return the rows of the pings of a shape whose window agrees with that of the ping that most others agree with."""
+def _widest_agreement(
+    samples: Sequence[SonarSample], reach: Array, shape: tuple[int, ...]
+) -> list[int]:
+    """Return the rows of the pings of a shape whose window agrees with that of the ping that most
+    others agree with.
+    """
     rows = np.array([i for i, s in enumerate(samples) if s.image.shape == shape])
     value = np.sort(reach[rows])
     margin = SAME_REACH / 2 * np.abs(reach[rows])
-    count = np.searchsorted(value, reach[rows] + margin, "right") - np.searchsorted(value, reach[rows] - margin)
+    count = np.searchsorted(value, reach[rows] + margin, "right") - np.searchsorted(
+        value, reach[rows] - margin
+    )
     middle = int(np.argmax(count))
     start = float(samples[rows[middle]].range_m[0])
     limit = float(margin[middle])
-    near = [i for i in rows if abs(reach[i] - reach[rows[middle]]) <= limit and abs(samples[i].range_m[0] - start) <= limit]
+    near = [
+        i
+        for i in rows
+        if abs(reach[i] - reach[rows[middle]]) <= limit
+        and abs(samples[i].range_m[0] - start) <= limit
+    ]
     return [int(i) for i in near]
 
 
 def _of_one_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> list[int]:
-    """Return the rows of the pings whose beams point where the most common ones do; pings that do not say are one fan."""
-    fans: dict[int, Array | None] = {id(samples[i].directions): samples[i].directions for i in rows}  # pings share the arrays
+    """Return the rows of the pings whose beams point where the most common ones do; pings that do
+    not say are one fan.
+    """
+    # pings share the arrays
+    fans: dict[int, Array | None] = {id(samples[i].directions): samples[i].directions for i in rows}
     key = {number: b"" if fan is None else fan.tobytes() for number, fan in fans.items()}
     count = Counter(key[id(samples[i].directions)] for i in rows)
     common = next(fans[number] for number in key if key[number] == count.most_common(1)[0][0])
@@ -84,7 +107,9 @@ def _is_one_fan(directions: Array | None, other: Array | None) -> bool:
     if directions is None or other is None:
         return directions is other
     # vectors of length 0, of beams that were never filled in, are like themselves only
-    return np.array_equal(directions, other) or bool(np.abs(unit(directions) - unit(other)).max() < SAME_FAN)
+    return np.array_equal(directions, other) or bool(
+        np.abs(unit(directions) - unit(other)).max() < SAME_FAN
+    )
 
 
 def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
@@ -94,19 +119,27 @@ def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
         return sample.image
     number = np.arange(len(own))
     half = 0.5 * np.diff(own)[[0, -1]]
-    limits = np.concatenate([[own[0] - half[0]], own, [own[-1] + half[1]]])  # of the samples, not of their middles
-    nearest = np.interp(range_m, limits, np.concatenate([[0], number, [number[-1]]]), left=-1, right=-1).round().astype(int)
+    # of the samples, not of their middles
+    limits = np.concatenate([[own[0] - half[0]], own, [own[-1] + half[1]]])
+    nearest = (
+        np.interp(range_m, limits, np.concatenate([[0], number, [number[-1]]]), left=-1, right=-1)
+        .round()
+        .astype(int)
+    )
     return np.where(nearest >= 0, sample.image[:, nearest], 0).astype(sample.image.dtype)
 
 
 def choose_directions(sample: SonarSample, azimuth_deg: Array | None, remarks: list[str]) -> Array:
-    """Return (beams, 3) vectors in `sonar` of a ping's beams: its own, else by azimuth_deg (beams,) of dive.toml.
+    """Return (beams, 3) vectors in `sonar` of a ping's beams: its own, else by azimuth_deg (beams,)
+    of dive.toml.
 
     Raises InputError where neither says, or where dive.toml describes another number of beams.
     """
     if sample.directions is not None:
         if azimuth_deg is not None:
-            remarks.append("sonar: the log says where the beams point; sonar.beam_azimuth_deg was not used")
+            remarks.append(
+                "sonar: the log says where the beams point; sonar.beam_azimuth_deg was not used"
+            )
         return sample.directions
     beams = len(sample.image)
     if azimuth_deg is None:
@@ -114,8 +147,9 @@ def choose_directions(sample: SonarSample, azimuth_deg: Array | None, remarks: l
     if len(azimuth_deg) != beams or not (np.diff(azimuth_deg) > 0).all():
         raise InputError(
             f"sonar.beam_azimuth_deg has {len(azimuth_deg)} angles for {beams} beams, or they do not grow",
-            where="sonar.beam_azimuth_deg", remedy=f"give {MEANING}",
-        )  # fmt: skip
+            where="sonar.beam_azimuth_deg",
+            remedy=f"give {MEANING}",
+        )
     return in_fan(np.radians(azimuth_deg))
 
 

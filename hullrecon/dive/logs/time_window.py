@@ -27,7 +27,9 @@ class TimeWindow:
 
     def holds(self, t_ns: int) -> bool:
         """Return whether a stamp lies in the window."""
-        return (self.first_ns is None or t_ns >= self.first_ns) and (self.last_ns is None or t_ns <= self.last_ns)
+        return (self.first_ns is None or t_ns >= self.first_ns) and (
+            self.last_ns is None or t_ns <= self.last_ns
+        )
 
     def describe(self) -> str:
         """Return the window in words."""
@@ -36,17 +38,27 @@ class TimeWindow:
 
 
 def time_window(start: Instant, end: Instant, logs: Sequence[Log]) -> TimeWindow | None:
-    """Return the window of a dive; None where it has no limits. Raises InputError where it ends before it begins.
+    """Return the window of a dive; None where it has no limits. Raises InputError where it ends
+    before it begins.
 
-    Seconds count from the first message of all logs, as it was logged; of tables, from the earliest first row.
+    Seconds count from the first message of all logs, as it was logged; of tables, from the earliest
+    first row.
     """
     if start is None and end is None:
         return None
     counted = any(isinstance(limit, (int, float)) for limit in (start, end))
     origin_ns = _first_message_ns(logs) if counted else 0
     window = TimeWindow(first_ns=_limit_ns(start, origin_ns), last_ns=_limit_ns(end, origin_ns))
-    if window.first_ns is not None and window.last_ns is not None and window.last_ns <= window.first_ns:
-        raise InputError("the time window ends before it begins", where="dive.to", remedy="set it later than dive.from")
+    if (
+        window.first_ns is not None
+        and window.last_ns is not None
+        and window.last_ns <= window.first_ns
+    ):
+        raise InputError(
+            "the time window ends before it begins",
+            where="dive.to",
+            remedy="set it later than dive.from",
+        )
     return window
 
 
@@ -59,12 +71,20 @@ def _limit_ns(limit: Instant, origin_ns: int) -> int | None:
 
 
 def _first_message_ns(logs: Sequence[Log]) -> int:
-    """Return when the earliest of the logs' first messages was logged, ns. Raises InputError where there is none."""
+    """Return when the earliest of the logs' first messages was logged, ns. Raises InputError where
+    there is none.
+    """
     first = [message.t_ns for log in logs for message in _first_messages(log)]
     if not first:
-        raise InputError("the logs hold no message from which seconds could be counted", where="logs.files")
+        raise InputError(
+            "the logs hold no message from which seconds could be counted", where="logs.files"
+        )
     return min(first)
 
 
 def _first_messages(log: Log) -> list[Message]:
-    return log.first_messages() if isinstance(log, PlainLog) else [*itertools.islice(log.messages(), 1)]
+    return (
+        log.first_messages()
+        if isinstance(log, PlainLog)
+        else [*itertools.islice(log.messages(), 1)]
+    )

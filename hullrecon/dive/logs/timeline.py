@@ -15,35 +15,46 @@ from hullrecon.errors import InputError
 from hullrecon.typing import Array, Ints, Mask
 
 NS = 1_000_000_000
-JUMP_S = 1.0  # a clock that moves that much against the logger's has jumped; logging delays stay below
+# a clock that moves that much against the logger's has jumped; logging delays stay below
+JUMP_S = 1.0
 GAP_PERIODS = 5.0  # and at least GAP_S: a silence that is named
 GAP_S = 1.0
-LATE_S = 2.0  # after the first sensor, or before the last one: a late start and an early end that are named
+# after the first sensor, or before the last one: a late start and an early end that are named
+LATE_S = 2.0
 BESIDE_NS = 30 * NS  # on either side of a jump: the readings that tell its size
 STEADY = 0.1  # of a jump: what half of the offsets beside it may scatter by
-LASTING = 20  # readings before and after a jump, at least, of a clock that is then put right; fewer are a late delivery
-FAR_S = 86400.0  # from the stamps of the dive: a clock that was not set yet, or a stamp that is damaged
+# readings before and after a jump, at least, of a clock that is then put right; fewer are a late
+# delivery
+LASTING = 20
+# from the stamps of the dive: a clock that was not set yet, or a stamp that is damaged
+FAR_S = 86400.0
 FAR_SHARE = 0.05  # of a sensor's readings; more are another dive, which is not ours to leave out
 HOLE_PERIODS = 5.0  # between two readings: beyond, some are missing
 BURST_S = 0.05  # and this: USB's serial adapters hand readings on every 16 ms, several at once
-BURST = 20  # readings, over which the time between them is a first guess of their period, bursts or not
+# readings, over which the time between them is a first guess of their period, bursts or not
+BURST = 20
 ROUNDS = 3
 FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
 
 
 @dataclass(frozen=True)
 class Timeline:
-    """Hold the rows to keep, in time order and each stamp once, their stamps, and remarks on what was wrong with those."""
+    """Hold the rows to keep, in time order and each stamp once, their stamps, and remarks on what
+    was wrong with those.
+    """
 
     keep: Ints
     t_ns: Ints
     remarks: list[str]
 
 
-def put_in_order(name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike, log: ArrayLike | None = None) -> Timeline:
-    """Return rows by time; of rows with one stamp the first stays, and few that lie a day or more from all others are left out.
-    stamp_ns, logged_ns (n,) in the order of the logs; log (n,): the number of the log of each, None where there is one.
-    InputError for a clock that stands still."""
+def put_in_order(
+    name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike, log: ArrayLike | None = None
+) -> Timeline:
+    """Return rows by time; of rows with one stamp the first stays, and few that lie a day or more
+    from all others are left out. stamp_ns, logged_ns (n,) in the order of the logs; log (n,): the
+    number of the log of each, None where there is one. InputError for a clock that stands still.
+    """
     stamp, logged = np.asarray(stamp_ns, np.int64), np.asarray(logged_ns, np.int64)
     number = np.zeros(len(stamp), np.int64) if log is None else np.asarray(log, np.int64)
     if len(stamp) > FEW and (stamp == stamp[0]).all():
@@ -63,7 +74,9 @@ def put_in_order(name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike, log: Arra
     remarks = _describe_jumps(name, stamp, logged, number, jumped, set_back)
     doubled = int(np.count_nonzero(~kept))
     if doubled:
-        remarks.append(f"{name}: {doubled} of {len(stamp)} stamps are duplicates; the first of each was kept")
+        remarks.append(
+            f"{name}: {doubled} of {len(stamp)} stamps are duplicates; the first of each was kept"
+        )
     backward = int(np.count_nonzero(np.diff(stamp) < 0))
     if backward and not remarks:
         remarks.append(f"{name}: {backward} readings stood out of order and were sorted")
@@ -72,8 +85,9 @@ def put_in_order(name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike, log: Arra
 
 
 def _far_from_all(stamp: Ints) -> Mask:
-    """Return which stamps (n,) lie a day or more from those of the dive, where they are few: a part that few readings agree on,
-    beside one of LASTING and more."""
+    """Return which stamps (n,) lie a day or more from those of the dive, where they are few: a part
+    that few readings agree on, beside one of LASTING and more.
+    """
     order = np.argsort(stamp, kind="stable")
     part = np.zeros(len(stamp), np.int64)
     part[order[1:]] = np.cumsum(np.diff(stamp[order]) > FAR_S * NS)
@@ -94,18 +108,24 @@ def _describe_far(name: str, far: Ints) -> list[str]:
 
 
 def clock_error(stamp: Ints, logged: Ints) -> Ints:
-    """Return by how much stamps (n,) are off after jumps of the sensor's clock against the logger's, ns; zeros where nothing
-    shows it.
+    """Return by how much stamps (n,) are off after jumps of the sensor's clock against the
+    logger's, ns; zeros where nothing shows it.
 
-    A jump counts that LASTING readings on either side agree on: what was logged late, and then caught up, is none. Right is the
-    stretch whose offset is below JUMP_S, as of clocks that were synchronised, else the longest.
+    A jump counts that LASTING readings on either side agree on: what was logged late, and then
+    caught up, is none. Right is the stretch whose offset is below JUMP_S, as of clocks that were
+    synchronised, else the longest.
     """
     offset = stamp - logged
-    limits = np.concatenate([[0], 1 + np.flatnonzero(np.abs(np.diff(offset)) >= JUMP_S * NS), [len(stamp)]])
+    limits = np.concatenate(
+        [[0], 1 + np.flatnonzero(np.abs(np.diff(offset)) >= JUMP_S * NS), [len(stamp)]]
+    )
     stretches = [slice(a, b) for a, b in itertools.pairwise(limits.tolist()) if b - a >= LASTING]
     if len(stretches) < 2:
         return np.zeros_like(stamp)
-    steps = [_lasting_jump(stamp, offset, before, after) for before, after in itertools.pairwise(stretches)]
+    steps = [
+        _lasting_jump(stamp, offset, before, after)
+        for before, after in itertools.pairwise(stretches)
+    ]
     moved = np.concatenate([[0], np.cumsum(np.array(steps, np.int64))])
     away = np.array([abs(float(np.median(offset[stretch]))) for stretch in stretches])
     longest = int(np.argmax([stretch.stop - stretch.start for stretch in stretches]))
@@ -117,8 +137,10 @@ def clock_error(stamp: Ints, logged: Ints) -> Ints:
 
 
 def _set_back(stamp: Ints, logged: Ints, log: Ints) -> Ints:
-    """Return by how much stamps (n,), in the order of the logs, are off where the one clock of sensor and logger was set back,
-    ns. Within one log only: where another begins, it may have been recorded beside the first."""
+    """Return by how much stamps (n,), in the order of the logs, are off where the one clock of
+    sensor and logger was set back, ns. Within one log only: where another begins, it may have been
+    recorded beside the first.
+    """
     out = np.zeros_like(stamp)
     for number in np.unique(log):
         rows = log == number
@@ -127,15 +149,22 @@ def _set_back(stamp: Ints, logged: Ints, log: Ints) -> Ints:
 
 
 def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
-    """Return by how much stamps (n,) of one log are off, ns, where they and the log's own go back while the sensor went on: a
-    later part then begins within the one before and ends after it. Zeros where parts were logged in another order or twice."""
+    """Return by how much stamps (n,) of one log are off, ns, where they and the log's own go back
+    while the sensor went on: a later part then begins within the one before and ends after it.
+    Zeros where parts were logged in another order or twice.
+    """
     out, step = np.zeros_like(stamp), np.diff(stamp)
     back = (step <= -JUMP_S * NS) & (np.diff(logged) <= -JUMP_S * NS)
     limits = [0, *(1 + np.flatnonzero(back)).tolist(), len(stamp)]
     for (begin, middle), (_, end) in itertools.pairwise(itertools.pairwise(limits)):
         before, after = stamp[begin:middle], stamp[middle:end]
-        overlap = logged[middle:end][after <= before[-1]]  # stamps on a grid meet those of before by chance
-        if min(len(before), len(after)) < LASTING or after[0] <= before[0] or after[-1] <= before[-1]:
+        # stamps on a grid meet those of before by chance
+        overlap = logged[middle:end][after <= before[-1]]
+        if (
+            min(len(before), len(after)) < LASTING
+            or after[0] <= before[0]
+            or after[-1] <= before[-1]
+        ):
             return np.zeros_like(stamp)
         if np.isin(overlap, logged[begin:middle]).mean() > 0.5:
             return np.zeros_like(stamp)
@@ -144,20 +173,27 @@ def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
 
 
 def _lasting_jump(stamp: Ints, offset: Ints, before: slice, after: slice) -> int:
-    """Return by how much the offset changes between two stretches, ns, by the readings beside the jump; 0 where either side is
-    not steady."""
+    """Return by how much the offset changes between two stretches, ns, by the readings beside the
+    jump; 0 where either side is not steady.
+    """
     sides = [
         offset[before][stamp[before] >= stamp[before][-1] - BESIDE_NS],
         offset[after][stamp[after] <= stamp[after][0] + BESIDE_NS],
     ]
-    low, middle, high = (np.array([np.percentile(side, share) for side in sides]) for share in (25, 50, 75))
+    low, middle, high = (
+        np.array([np.percentile(side, share) for side in sides]) for share in (25, 50, 75)
+    )
     jump = int(middle[1] - middle[0])
     return jump if abs(jump) >= JUMP_S * NS and (high - low).max() < STEADY * abs(jump) else 0
 
 
-def _describe_jumps(name: str, stamp: Ints, logged: Ints, log: Ints, jumped: Ints, set_back: Ints) -> list[str]:
-    """Return a sentence on jumps of the sensor's clock by a second or more against the logger's or its own last reading, and
-    what became of the stamps; on readings that were logged late, and on logs that were read in another order."""
+def _describe_jumps(
+    name: str, stamp: Ints, logged: Ints, log: Ints, jumped: Ints, set_back: Ints
+) -> list[str]:
+    """Return a sentence on jumps of the sensor's clock by a second or more against the logger's or
+    its own last reading, and what became of the stamps; on readings that were logged late, and on
+    logs that were read in another order.
+    """
     moved, back = np.diff(stamp - logged) / NS, np.diff(stamp) / NS
     jump = np.where(np.abs(moved) >= JUMP_S, moved, np.where(back <= -JUMP_S, back, 0.0))
     late = np.zeros(len(stamp), bool) if jumped.any() else _logged_late(stamp, logged)
@@ -183,13 +219,19 @@ def _describe_jumps(name: str, stamp: Ints, logged: Ints, log: Ints, jumped: Int
         more = f", and {len(where) - 1} more times" if len(where) > 1 else ""
         wrong = np.count_nonzero(jumped + set_back)
         by = "as if it had been set back" if set_back.any() else "by the logger's clock"
-        done = f"{wrong} stamps were put right {by}" if wrong else "stamps around it cannot be trusted"
-        out.append(f"{name}: the clock jumps by {jump[where[0]]:+.3f} s at {format_time(int(stamp[where[0]]))}{more}; {done}")
+        done = (
+            f"{wrong} stamps were put right {by}" if wrong else "stamps around it cannot be trusted"
+        )
+        out.append(
+            f"{name}: the clock jumps by {jump[where[0]]:+.3f} s at {format_time(int(stamp[where[0]]))}{more}; {done}"
+        )
     return out
 
 
 def _logged_late(stamp: Ints, logged: Ints) -> Mask:
-    """Return which readings (n,) the logger wrote late: their own clock ran on, and the delay ended."""
+    """Return which readings (n,) the logger wrote late: their own clock ran on, and the delay
+    ended.
+    """
     out = np.zeros(len(stamp), bool)
     offset, row = stamp - logged, 0
     drops = np.flatnonzero((np.diff(offset) <= -JUMP_S * NS) & (np.diff(stamp) >= 0))
@@ -215,23 +257,32 @@ def describe_gaps(name: str, t_ns: Ints, longest: int = 5) -> list[str]:
         f"{name}: nothing for {step[i]:.1f} s from {format_time(int(t_ns[i]))} to {format_time(int(t_ns[i + 1]))}"
         for i in sorted(silent, key=lambda i: -step[i])[:longest]
     ]
-    return lines + ([f"{name}: {len(silent) - longest} more gaps, shorter"] if len(silent) > longest else [])
+    return lines + (
+        [f"{name}: {len(silent) - longest} more gaps, shorter"] if len(silent) > longest else []
+    )
 
 
 def describe_ends(name: str, t_ns: Ints, start_ns: int, stop_ns: int) -> list[str]:
-    """Return a sentence where a sensor began late or ended early beside the whole log, by LATE_S or more."""
+    """Return a sentence where a sensor began late or ended early beside the whole log, by LATE_S or
+    more.
+    """
     late_s, early_s = (int(t_ns[0]) - start_ns) / NS, (stop_ns - int(t_ns[-1])) / NS
     out = [f"{name}: begins {late_s:.1f} s after the log does"] if late_s >= LATE_S else []
-    return out + ([f"{name}: ends {early_s:.1f} s before the log does"] if early_s >= LATE_S else [])
+    return out + (
+        [f"{name}: ends {early_s:.1f} s before the log does"] if early_s >= LATE_S else []
+    )
 
 
 def rate_hz(t_ns: Ints) -> float:
-    """Return how many readings come in a second outside of holes, Hz; 0 for fewer than two readings."""
+    """Return how many readings come in a second outside of holes, Hz; 0 for fewer than two
+    readings.
+    """
     return 1 / period((t_ns - t_ns[0]) / NS) if len(t_ns) > 1 else 0.0
 
 
 def period(t_s: Array) -> float:
-    """Return the usual time between readings at t_s (n,), n > 1, in order: the whole time by their number, without the holes.
+    """Return the usual time between readings at t_s (n,), n > 1, in order: the whole time by their
+    number, without the holes.
 
     The median would be far too short where a serial adapter hands readings on in bursts.
     """
@@ -250,6 +301,9 @@ def longest_step(period_s: float) -> float:
 def format_time(t_ns: int) -> str:
     """Return a stamp as UTC to the millisecond, or as seconds where it lies outside the calendar."""
     try:
-        return datetime.fromtimestamp(t_ns // NS, UTC).strftime("%Y-%m-%dT%H:%M:%S") + f".{t_ns % NS // 1_000_000:03d}Z"
+        return (
+            datetime.fromtimestamp(t_ns // NS, UTC).strftime("%Y-%m-%dT%H:%M:%S")
+            + f".{t_ns % NS // 1_000_000:03d}Z"
+        )
     except (ValueError, OverflowError, OSError):
         return f"{t_ns / NS:.3f} s"

@@ -9,7 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.evaluation.comparison.method_comparison import TABLE, WEIGHTINGS, MethodFigures, method_figures
+from hullrecon.evaluation.comparison.method_comparison import (
+    TABLE,
+    WEIGHTINGS,
+    MethodFigures,
+    method_figures,
+)
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.poses import Poses
@@ -22,8 +27,10 @@ from hullrecon.typing import Array, Arrays
 
 @dataclass(frozen=True, kw_only=True)
 class SolvedVariant:
-    """What one method and weighting left. iterations: rows of the solve's record; seconds: what the step took; iterations_s:
-    when each row was done, of the step's clock; registered: T_g_M before the solve; chart: of the CAD model."""
+    """What one method and weighting left. iterations: rows of the solve's record; seconds: what the
+    step took; iterations_s: when each row was done, of the step's clock; registered: T_g_M before
+    the solve; chart: of the CAD model.
+    """
 
     method: str
     weighting: str
@@ -54,7 +61,9 @@ class DeadReckoning:
     rig: SensorRig
 
 
-def compare_methods(variants: Sequence[SolvedVariant], start: DeadReckoning, truth: Truth) -> dict[str, MethodFigures]:
+def compare_methods(
+    variants: Sequence[SolvedVariant], start: DeadReckoning, truth: Truth
+) -> dict[str, MethodFigures]:
     """Return the figures by method and weighting."""
     return {
         v.name: {
@@ -71,7 +80,11 @@ def compare_methods(variants: Sequence[SolvedVariant], start: DeadReckoning, tru
 
 def comparison_table(figures: Mapping[str, MethodFigures]) -> tuple[list[str], list[list[str]]]:
     """Return heads and rows of the table; lengths in millimetres, where the eye compares them best."""
-    heads = ["method", *(f"{label}, {_unit(name)}".rstrip(", ") for name, label in TABLE.items()), "iterations"]
+    heads = [
+        "method",
+        *(f"{label}, {_unit(name)}".rstrip(", ") for name, label in TABLE.items()),
+        "iterations",
+    ]
     rows = [
         [method, *(_cell(name, parts) for name in TABLE), str(parts["solve"]["iterations"])]
         for method, parts in figures.items()

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The DVL's beams in the hull frame, as a solution or dead reckoning has them, and their residuals against the CAD model."""
+"""The DVL's beams in the hull frame, as a solution or dead reckoning has them, and their residuals
+against the CAD model.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class HullBeams:
-    """Ends points (n, 3) and unit directions (n, 3) in M, measured range (n,) m; flagged returns are left out."""
+    """Ends points (n, 3) and unit directions (n, 3) in M, measured range (n,) m; flagged returns
+    are left out.
+    """
 
     points: Array
     directions: Array
@@ -35,26 +39,39 @@ def beams_of(path: VehiclePath, rig: SensorRig, returns: Returns) -> HullBeams:
     """Return the beams of a vehicle path in M."""
     good = ~returns.flagged & np.isfinite(returns.range_m)
     ends = rig.dvl_points(returns, path)
-    return HullBeams(points=ends.points[good], directions=ends.directions[good], range_m=returns.range_m[good])
+    return HullBeams(
+        points=ends.points[good], directions=ends.directions[good], range_m=returns.range_m[good]
+    )
 
 
-def adjusted_beams(solution: Solution, global_from_hull: Poses, returns: Returns, rig: SensorRig) -> HullBeams:
+def adjusted_beams(
+    solution: Solution, global_from_hull: Poses, returns: Returns, rig: SensorRig
+) -> HullBeams:
     """Return the beams as adjusted: poses, tray and mounts of the solution."""
-    path = VehiclePath(poses=global_from_hull.inverse() @ solution.global_from_vehicle, tray=solution.tray)
+    path = VehiclePath(
+        poses=global_from_hull.inverse() @ solution.global_from_vehicle, tray=solution.tray
+    )
     return beams_of(path, rig.with_mounts(solution.mounts), returns)
 
 
-def dead_reckoned_beams(trajectory: Trajectory, global_from_hull: Poses, returns: Returns, rig: SensorRig) -> HullBeams:
-    """Return the beams before the adjustment: dead-reckoned poses, the tray as logged, the mount as configured."""
+def dead_reckoned_beams(
+    trajectory: Trajectory, global_from_hull: Poses, returns: Returns, rig: SensorRig
+) -> HullBeams:
+    """Return the beams before the adjustment: dead-reckoned poses, the tray as logged, the mount as
+    configured.
+    """
     path = VehiclePath(poses=global_from_hull.inverse() @ trajectory.poses(), tray=trajectory.tray)
     return beams_of(path, rig, returns)
 
 
-def range_residuals(beams: HullBeams, cad_model: Scene, deviation_at: Callable[[Array], Array] | None = None) -> Array:
-    """Return predicted minus measured range (m,) against the CAD model [Ozog2016 eq. 4.14], of the beams that meet it.
+def range_residuals(
+    beams: HullBeams, cad_model: Scene, deviation_at: Callable[[Array], Array] | None = None
+) -> Array:
+    """Return predicted minus measured range (m,) against the CAD model [Ozog2016 eq. 4.14], of the
+    beams that meet it.
 
-    deviation_at: the hull's normal offset (n,) m at points (n, 3) in M; the CAD model is moved outward by it, as in the
-    adjustment: cast - offset / cos(incidence).
+    deviation_at: the hull's normal offset (n,) m at points (n, 3) in M; the CAD model is moved
+    outward by it, as in the adjustment: cast - offset / cos(incidence).
     """
     origins = beams.origins
     predicted = cad_model.cast(origins, beams.directions)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What [Ozog2016 Figs 4.10, 4.11] compares, in figures.
 
-Does a method flatten what stands out of the hull, does it leave landmarks off the surface that the DVL measured, and what does
-that do to trajectory and cameras?
+Does a method flatten what stands out of the hull, does it leave landmarks off the surface that the
+DVL measured, and what does that do to trajectory and cameras?
 """
 
 from __future__ import annotations
@@ -40,12 +40,16 @@ TABLE = {
 }
 
 
-def method_figures(solution: Solution, returns: Returns | None, rig: SensorRig, truth: Truth) -> MethodFigures:
+def method_figures(
+    solution: Solution, returns: Returns | None, rig: SensorRig, truth: Truth
+) -> MethodFigures:
     """Return figures by part and name for one solution; parts that it cannot give are left out."""
     global_from_hull = hull_frame(solution, truth)
     hull_poses = global_from_hull.inverse() @ solution.global_from_vehicle
     sigma = np.sqrt(np.einsum("nii->ni", solution.pose_covariance)[:, :3])
-    trajectory, motion = score_trajectory(TimedPoses(t_s=stamps(solution), poses=hull_poses, sigma=sigma), truth)
+    trajectory, motion = score_trajectory(
+        TimedPoses(t_s=stamps(solution), poses=hull_poses, sigma=sigma), truth
+    )
     figures: MethodFigures = {"trajectory": trajectory}
     if len(solution.landmarks) == 0:
         return figures
@@ -58,13 +62,19 @@ def method_figures(solution: Solution, returns: Returns | None, rig: SensorRig, 
     figures["heights"] = height_figures(landmarks, truth, motion)
     if returns is not None and truth.cad_model is not None:
         dvl = adjusted_beams(solution, global_from_hull, returns, rig).points
-        figures["gap"] = gap_figures(landmarks[_on_steel(landmarks, truth, motion)], dvl, truth.cad_model)
+        figures["gap"] = gap_figures(
+            landmarks[_on_steel(landmarks, truth, motion)], dvl, truth.cad_model
+        )
     return figures
 
 
 def hull_frame(solution: Solution, truth: Truth) -> Poses:
     """Return T_g_M: the solution's, the true one for a dive without a CAD model."""
-    return truth.global_from_hull if solution.hull_pose is None else solution.hull_pose.global_from_hull
+    return (
+        truth.global_from_hull
+        if solution.hull_pose is None
+        else solution.hull_pose.global_from_hull
+    )
 
 
 def stamps(solution: Solution) -> Array:
@@ -78,21 +88,38 @@ def landmarks_in_hull(solution: Solution, global_from_hull: Poses) -> Array:
 
 
 def height_figures(landmarks: Array, truth: Truth, motion: Poses) -> Figures:
-    """Return how much of each structure's height its landmarks keep: 1 is all of it, 0 is flat on the hull.
+    """Return how much of each structure's height its landmarks keep: 1 is all of it, 0 is flat on
+    the hull.
 
     Structures of at least 0.08 m with three landmarks or more on top count.
     """
-    rows = {o.id: height_over_steel(landmarks, o, truth, motion) for o in truth.structures() if abs(o.height) >= 0.08}
-    ratios = {str(key): float(np.median(ours) / np.median(true)) for key, (ours, true) in rows.items() if len(ours) >= 3}
+    rows = {
+        o.id: height_over_steel(landmarks, o, truth, motion)
+        for o in truth.structures()
+        if abs(o.height) >= 0.08
+    }
+    ratios = {
+        str(key): float(np.median(ours) / np.median(true))
+        for key, (ours, true) in rows.items()
+        if len(ours) >= 3
+    }
     if not ratios:
         return {"structures": 0}
     values = np.array(list(ratios.values()))
     worst = values[np.argmax(np.abs(values - 1))]
-    return {"structures": len(ratios), "ratio_median": float(np.median(values)), "ratio_worst": float(worst), "ratios": ratios}
+    return {
+        "structures": len(ratios),
+        "ratio_median": float(np.median(values)),
+        "ratio_worst": float(worst),
+        "ratios": ratios,
+    }
 
 
-def height_over_steel(landmarks: Array, structure: TrueStructure, truth: Truth, motion: Poses) -> tuple[Array, Array]:
-    """Return heights over the steel (n,) of the landmarks on top of a structure, ours and the true ones at the same points.
+def height_over_steel(
+    landmarks: Array, structure: TrueStructure, truth: Truth, motion: Poses
+) -> tuple[Array, Array]:
+    """Return heights over the steel (n,) of the landmarks on top of a structure, ours and the true
+    ones at the same points.
 
     What the surroundings are off (a method may move the hull as a whole) is subtracted from ours.
     """
@@ -103,7 +130,11 @@ def height_over_steel(landmarks: Array, structure: TrueStructure, truth: Truth, 
     size = min(structure.extent)
     close = np.abs(offset) < 0.35
     on_top = close & (tangential < 0.35 * size)
-    around = close & (tangential > 0.6 * max(structure.extent) + 0.02) & (tangential < max(structure.extent) + 0.15)
+    around = (
+        close
+        & (tangential > 0.6 * max(structure.extent) + 0.02)
+        & (tangential < max(structure.extent) + 0.15)
+    )
     above = away[on_top] + center + (0.5 - offset[on_top, None]) * normal
     true = structure.height + 0.5 - truth.built.cast(above, np.tile(-normal, (len(above), 1)))
     ours = structure.height + offset[on_top]
@@ -112,10 +143,13 @@ def height_over_steel(landmarks: Array, structure: TrueStructure, truth: Truth, 
     return ours, true
 
 
-def gap_figures(landmarks: Array, dvl: Array, cad_model: Scene, reach_m: float = 0.4, neighbours: int = 12) -> Figures:
+def gap_figures(
+    landmarks: Array, dvl: Array, cad_model: Scene, reach_m: float = 0.4, neighbours: int = 12
+) -> Figures:
     """Return how far landmarks on bare steel stand off the surface that the DVL measured.
 
-    It is the difference of their distances to the CAD model, each landmark against the median of its nearest returns.
+    It is the difference of their distances to the CAD model, each landmark against the median of
+    its nearest returns.
     """
     from scipy.spatial import cKDTree
 
@@ -127,10 +161,16 @@ def gap_figures(landmarks: Array, dvl: Array, cad_model: Scene, reach_m: float =
     gap = cad_model.closest(landmarks[near]).distance - surface
     if len(gap) == 0:
         return {"landmarks": 0}
-    return {"landmarks": len(gap), "median_m": float(np.median(np.abs(gap))), "mean_m": float(np.mean(gap))}
+    return {
+        "landmarks": len(gap),
+        "median_m": float(np.median(np.abs(gap))),
+        "mean_m": float(np.mean(gap)),
+    }
 
 
-def _score_cameras(solution: Solution, hull_from_vehicle: Poses, rig: SensorRig, truth: Truth) -> Figures:
+def _score_cameras(
+    solution: Solution, hull_from_vehicle: Poses, rig: SensorRig, truth: Truth
+) -> Figures:
     has = solution.image[:, Camera.TOP.column] >= 0
     path = VehiclePath(poses=hull_from_vehicle[has], tray=solution.tray[has])
     cameras = rig.with_mounts(solution.mounts).camera_poses(path, Camera.TOP)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One look for the figures of `hullrecon figures`: axes, colours by method, pictures as bytes that do not vary."""
+"""One look for the figures of `hullrecon figures`: axes, colours by method, pictures as bytes that
+do not vary.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ INK, GREEN, RED, LIGHT = "#1c2733", "#2b7a4b", "#b3202c", "#cdd5dd"
 
 @dataclass(frozen=True, kw_only=True)
 class PublishedFigure:
-    """name without ending; png: the picture; csv: the numbers in it; caption: what it shows, in a sentence."""
+    """name without ending; png: the picture; csv: the numbers in it; caption: what it shows, in a
+    sentence.
+    """
 
     name: str
     png: bytes
@@ -40,7 +44,9 @@ def new_canvas(
     from matplotlib.figure import Figure as Canvas
 
     figure = Canvas(figsize=(width_in, height_in), dpi=150, layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False, sharex=sharex, sharey=sharey, height_ratios=height_ratios)
+    axes = figure.subplots(
+        rows, columns, squeeze=False, sharex=sharex, sharey=sharey, height_ratios=height_ratios
+    )
     for axis in axes.flat:
         axis.spines[["top", "right"]].set_visible(False)
         axis.spines[["left", "bottom"]].set_color("#7b8794")
@@ -73,4 +79,6 @@ def finish_figure(name: str, canvas: Canvas, table: list[str], caption: str) -> 
     FigureCanvasAgg(canvas)
     buffer = io.BytesIO()
     canvas.savefig(buffer, format="png", metadata={"Software": None})
-    return PublishedFigure(name=name, png=buffer.getvalue(), csv="\n".join(table) + "\n", caption=caption)
+    return PublishedFigure(
+        name=name, png=buffer.getvalue(), csv="\n".join(table) + "\n", caption=caption
+    )

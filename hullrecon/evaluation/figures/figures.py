@@ -9,7 +9,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from hullrecon.evaluation.comparison.comparison import DeadReckoning, SolvedVariant
-from hullrecon.evaluation.comparison.dvl_residuals import adjusted_beams, dead_reckoned_beams, range_residuals
+from hullrecon.evaluation.comparison.dvl_residuals import (
+    adjusted_beams,
+    dead_reckoned_beams,
+    range_residuals,
+)
 from hullrecon.evaluation.comparison.method_comparison import (
     METHODS,
     WEIGHTINGS,
@@ -44,9 +48,13 @@ from hullrecon.typing import Array, Ints
 
 
 def draw_figures(
-    variants: Sequence[SolvedVariant], start: DeadReckoning, truth: Truth, reported: Sequence[ReportedObject]
+    variants: Sequence[SolvedVariant],
+    start: DeadReckoning,
+    truth: Truth,
+    reported: Sequence[ReportedObject],
 ) -> list[PublishedFigure]:
-    """Draw [Ozog2016 Figs 4.10 (4.11), 4.12, 4.13, 4.14, 4.16] from those solves; one without its data is left out.
+    """Draw [Ozog2016 Figs 4.10 (4.11), 4.12, 4.13, 4.14, 4.16] from those solves; one without its
+    data is left out.
 
     reported: the objects that the dive delivers, none where it has none.
     """
@@ -55,7 +63,10 @@ def draw_figures(
     figures += [label_frequency(maxmix)] if maxmix else []
     structure = tallest(truth)
     if structure is not None and all(len(v.solution.landmarks) for v in variants):
-        rows = [[v for m in METHODS for v in variants if (v.method, v.weighting) == (m, w)] for w in WEIGHTINGS]
+        rows = [
+            [v for m in METHODS for v in variants if (v.method, v.weighting) == (m, w)]
+            for w in WEIGHTINGS
+        ]
         sections = [[_section(v, start, truth, structure) for v in row] for row in rows]
         overviews = [_overview(v, start, truth, structure) for v in rows[0]]
         figures.append(cross_sections(sections, overviews, structure.kind))
@@ -66,7 +77,9 @@ def draw_figures(
 
 
 def tallest(truth: Truth) -> TrueStructure | None:
-    """Return the cylinder, as in [Ozog2016 Fig. 4.16], else the highest structure that enough frames saw."""
+    """Return the cylinder, as in [Ozog2016 Fig. 4.16], else the highest structure that enough
+    frames saw.
+    """
     seen = [o for o in truth.structures() if o.views >= 3 and o.height > 0]
     return max(seen, key=lambda o: (o.kind == "cylinder", o.height), default=None)
 
@@ -98,18 +111,27 @@ def _aligned(v: SolvedVariant, start: DeadReckoning, truth: Truth) -> tuple[Arra
     return motion.apply(landmarks_in_hull(v.solution, frame)), motion.apply(dvl)
 
 
-def _section(v: SolvedVariant, start: DeadReckoning, truth: Truth, structure: TrueStructure) -> CrossSection:
+def _section(
+    v: SolvedVariant, start: DeadReckoning, truth: Truth, structure: TrueStructure
+) -> CrossSection:
     landmarks, dvl = _aligned(v, start, truth)
-    return cut_section((v.method, v.weighting), structure, landmarks, v.solution.landmarks.label == 1, dvl, truth)
+    return cut_section(
+        (v.method, v.weighting), structure, landmarks, v.solution.landmarks.label == 1, dvl, truth
+    )
 
 
-def _overview(v: SolvedVariant, start: DeadReckoning, truth: Truth, structure: TrueStructure) -> WholeSection:
+def _overview(
+    v: SolvedVariant, start: DeadReckoning, truth: Truth, structure: TrueStructure
+) -> WholeSection:
     landmarks, dvl = _aligned(v, start, truth)
     return cut_whole_hull(structure, landmarks, v.solution.landmarks.label == 1, dvl, truth)
 
 
 def _heights(
-    variants: Sequence[SolvedVariant], truth: Truth, structure: TrueStructure, reported: Sequence[ReportedObject]
+    variants: Sequence[SolvedVariant],
+    truth: Truth,
+    structure: TrueStructure,
+    reported: Sequence[ReportedObject],
 ) -> PublishedFigure:
     heights: dict[str, Array] = {}
     for v in variants:
@@ -118,15 +140,22 @@ def _heights(
     found = find_reported(structure, reported, truth, _alignment(variants[-1], truth))
     delivered = None
     if found is not None and found.height_sigma is not None:
-        delivered = DeliveredHeight(height_m=found.height, sigma_m=found.height_sigma, views=found.views)
+        delivered = DeliveredHeight(
+            height_m=found.height, sigma_m=found.height_sigma, views=found.views
+        )
     return structure_heights(heights, structure.height, structure.kind, delivered)
 
 
 def _ranges(
-    variants: Sequence[SolvedVariant], start: DeadReckoning, returns: Returns, truth: Truth, cad_model: Scene
+    variants: Sequence[SolvedVariant],
+    start: DeadReckoning,
+    returns: Returns,
+    truth: Truth,
+    cad_model: Scene,
 ) -> PublishedFigure:
-    """Draw the ranges' residuals. Before: dead reckoning where the registration put it. After: maxmix by weighting, ours also
-    against the CAD model moved by the deviation field."""
+    """Draw the ranges' residuals. Before: dead reckoning where the registration put it. After:
+    maxmix by weighting, ours also against the CAD model moved by the deviation field.
+    """
     maxmix = [v for v in variants if v.method == "maxmix"]
     ours = next(v for v in maxmix if not v.as_published)
     registered = hull_frame(ours.solution, truth) if ours.registered is None else ours.registered

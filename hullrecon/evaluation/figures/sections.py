@@ -16,7 +16,8 @@ def cut_section(
     solve: tuple[str, str], structure: TrueStructure, landmarks: Array, on_surface: Mask, dvl: Array,
     truth: Truth, reach_m: float = 0.55, half_m: float = 0.08,
 ) -> CrossSection:  # fmt: skip
-    """Return the slice through the structure's middle, half_m to either side along the hull; points in M, aligned.
+    """Return the slice through the structure's middle, half_m to either side along the hull; points
+    in M, aligned.
 
     solve: method and weighting. The DVL's few returns are taken from a slice five times as thick.
     """
@@ -32,12 +33,19 @@ def cut_section(
         on=local[seen & on_surface, 1:],
         off=local[seen & ~on_surface, 1:],
         steel=_profile(truth.built, foot, axes, line),
-        cad_model=_profile(truth.cad_model, foot, axes, line) if truth.cad_model is not None else np.zeros((0, 2)),
+        cad_model=_profile(truth.cad_model, foot, axes, line)
+        if truth.cad_model is not None
+        else np.zeros((0, 2)),
     )
 
 
 def cut_whole_hull(
-    structure: TrueStructure, landmarks: Array, on_surface: Mask, dvl: Array, truth: Truth, half_m: float = 0.08
+    structure: TrueStructure,
+    landmarks: Array,
+    on_surface: Mask,
+    dvl: Array,
+    truth: Truth,
+    half_m: float = 0.08,
 ) -> WholeSection:
     """Return the slice across the whole hull at the structure, in M's y and z (x forward)."""
     at = np.array(structure.center)
@@ -46,7 +54,9 @@ def cut_whole_hull(
     if truth.cad_model is not None and near.any():
         low, high = landmarks[near, 2].min() - 0.8, landmarks[near, 2].max() + 0.8
         side = np.sign(structure.normal[1]) or 1.0
-        start = np.stack([np.full(200, at[0]), np.full(200, at[1] + 5 * side), np.linspace(low, high, 200)], 1)
+        start = np.stack(
+            [np.full(200, at[0]), np.full(200, at[1] + 5 * side), np.linspace(low, high, 200)], 1
+        )
         way = truth.cad_model.cast(start, np.tile([0.0, -side, 0.0], (200, 1)))
         met = np.isfinite(way) & (way < 5 + 3.0)
         cad_model = np.stack([start[met, 1] - side * way[met], start[met, 2]], 1)
@@ -68,7 +78,11 @@ def _axes(structure: TrueStructure) -> Array:
 
 
 def _inside(local: Array, half_m: float, reach_m: float) -> Mask:
-    return (np.abs(local[:, 0]) < half_m) & (np.abs(local[:, 1]) < reach_m) & (np.abs(local[:, 2]) < 0.4)
+    return (
+        (np.abs(local[:, 0]) < half_m)
+        & (np.abs(local[:, 1]) < reach_m)
+        & (np.abs(local[:, 2]) < 0.4)
+    )
 
 
 def _profile(surface: Scene, foot: Array, axes: Array, line: Array) -> Array:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sphere that a vehicle spirals around, mapped with planes of several characteristic radii [Ozog2016 Figs C.1, C.2]."""
+"""A sphere that a vehicle spirals around, mapped with planes of several characteristic radii
+[Ozog2016 Figs C.1, C.2].
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hullrecon.evaluation.figures.figure_style import COLOURS, GREEN, INK, LIGHT, PublishedFigure, finish_figure, new_canvas
+from hullrecon.evaluation.figures.figure_style import (
+    COLOURS,
+    GREEN,
+    INK,
+    LIGHT,
+    PublishedFigure,
+    finish_figure,
+    new_canvas,
+)
 from hullrecon.evaluation.figures.path_figures import path_length
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.typing import Array
@@ -25,8 +35,9 @@ PATH_COLOURS = {RECKONED: COLOURS["geva"], PLANES: COLOURS["maxmix"]}
 
 @dataclass(frozen=True, kw_only=True)
 class MappedSphere:
-    """A path (n, 3) m in g, how sure it is of its positions, sigma (n,) m in all directions together, and the ends of its DVL
-    beams, points (m, 3) m in g."""
+    """A path (n, 3) m in g, how sure it is of its positions, sigma (n,) m in all directions
+    together, and the ends of its DVL beams, points (m, 3) m in g.
+    """
 
     path: Array
     sigma: Array
@@ -42,21 +53,28 @@ class MappedSphere:
         return np.asarray(np.linalg.norm(self.path - truth, axis=1))
 
     def aligned_error_m(self, truth: Array) -> float:
-        """Return the root mean square distance from the true path once the best rigid motion is applied."""
+        """Return the root mean square distance from the true path once the best rigid motion is
+        applied.
+        """
         return _rms(np.linalg.norm(fit_rigid(self.path, truth).apply(self.path) - truth, axis=1))
 
 
 def fit_sphere(points: Array) -> tuple[Array, float]:
-    """Return middle (3,) and radius of the sphere that fits points (n, 3) best, least squares of the squared distances."""
-    solution = np.linalg.lstsq(np.c_[2 * points, np.ones(len(points))], np.sum(points**2, axis=1), rcond=None)[0]
+    """Return middle (3,) and radius of the sphere that fits points (n, 3) best, least squares of
+    the squared distances.
+    """
+    solution = np.linalg.lstsq(
+        np.c_[2 * points, np.ones(len(points))], np.sum(points**2, axis=1), rcond=None
+    )[0]
     middle = solution[:3]
     return middle, float(np.sqrt(solution[3] + middle @ middle))
 
 
 @dataclass(frozen=True, kw_only=True)
 class SphereSurvey:
-    """A sphere of that radius, its middle (3,) m in g, the true path (n, 3) m and what was made of it: by odometry, depth and
-    attitude, and with planes too, by their characteristic radius in m."""
+    """A sphere of that radius, its middle (3,) m in g, the true path (n, 3) m and what was made of
+    it: by odometry, depth and attitude, and with planes too, by their characteristic radius in m.
+    """
 
     radius_m: float
     middle: Array
@@ -67,12 +85,16 @@ class SphereSurvey:
     @property
     def drawn(self) -> dict[str, MappedSphere]:
         """Return dead reckoning and the planes whose radius is nearest to the sphere's."""
-        return {RECKONED: self.reckoned, PLANES: self.planes[min(self.planes, key=lambda r: abs(r - self.radius_m))]}
+        return {
+            RECKONED: self.reckoned,
+            PLANES: self.planes[min(self.planes, key=lambda r: abs(r - self.radius_m))],
+        }
 
 
 def sphere(survey: SphereSurvey) -> PublishedFigure:
-    """Draw [Ozog2016 Figs C.1, C.2]: both paths from above, how they lie on their spheres, the same by characteristic radius,
-    and how sure they are of their positions."""
+    """Draw [Ozog2016 Figs C.1, C.2]: both paths from above, how they lie on their spheres, the same
+    by characteristic radius, and how sure they are of their positions.
+    """
     figure, axes = new_canvas(10.4, 8.2, 2, 2)
     _draw_from_above(axes[0][0], survey)
     _draw_off_sphere(axes[0][1], survey)
@@ -82,7 +104,9 @@ def sphere(survey: SphereSurvey) -> PublishedFigure:
         "path,characteristic_radius_m,off_sphere_rms_m,map_off_sphere_rms_m,map_radius_m,aligned_rms_m,end_sigma_m,end_error_m"
     ]
     table.append(_row(RECKONED, "", survey.reckoned, survey.truth))
-    table += [_row(PLANES, f"{radius:g}", found, survey.truth) for radius, found in survey.planes.items()]
+    table += [
+        _row(PLANES, f"{radius:g}", found, survey.truth) for radius, found in survey.planes.items()
+    ]
     return finish_figure("sphere", figure, table, _caption(survey))
 
 
@@ -93,7 +117,12 @@ def _draw_from_above(axis: Axes, survey: SphereSurvey) -> None:
     near = survey.truth[-1, :2] + INSET_M * np.array([[-1.0, -0.6], [1.0, 1.4]])
     inset = axis.inset_axes((0.36, 0.47, 0.28, 0.32), xlim=near[:, 0], ylim=near[:, 1])
     for panel, wide in ((axis, 3.0), (inset, 5.0)):
-        panel.fill(*circle.T, facecolor="#eef1f4", edgecolor=LIGHT, label=f"sphere of {survey.radius_m:g} m")
+        panel.fill(
+            *circle.T,
+            facecolor="#eef1f4",
+            edgecolor=LIGHT,
+            label=f"sphere of {survey.radius_m:g} m",
+        )
         panel.plot(*survey.truth[:, :2].T, color=GREEN, linewidth=wide, alpha=0.45, label="truth")
         panel.plot(*survey.truth[-1, :2], color=GREEN, marker="o", markersize=4)
         for name, found in survey.drawn.items():
@@ -111,7 +140,13 @@ def _draw_off_sphere(axis: Axes, survey: SphereSurvey) -> None:
     travelled = path_length(survey.truth)
     for name, found in survey.drawn.items():
         off = 1e3 * found.off_sphere_m()
-        axis.plot(travelled, off, color=PATH_COLOURS[name], linewidth=1.4, label=f"{name}: {_rms(off):.1f} mm rms")
+        axis.plot(
+            travelled,
+            off,
+            color=PATH_COLOURS[name],
+            linewidth=1.4,
+            label=f"{name}: {_rms(off):.1f} mm rms",
+        )
     axis.set(xlabel="along the path (m)", ylabel="path outside the sphere that fits it (mm)")
     _leave_room(axis)
     axis.legend(fontsize=8, frameon=False, loc="upper right")
@@ -120,13 +155,26 @@ def _draw_off_sphere(axis: Axes, survey: SphereSurvey) -> None:
 def _draw_by_radius(axis: Axes, survey: SphereSurvey) -> None:
     radii = list(survey.planes)
     off_path = [1e3 * _rms(found.off_sphere_m()) for found in survey.planes.values()]
-    off_radius = [1e3 * (fit_sphere(found.points)[1] - survey.radius_m) for found in survey.planes.values()]
-    before = 1e3 * _rms(survey.reckoned.off_sphere_m()), 1e3 * (fit_sphere(survey.reckoned.points)[1] - survey.radius_m)
+    off_radius = [
+        1e3 * (fit_sphere(found.points)[1] - survey.radius_m) for found in survey.planes.values()
+    ]
+    before = (
+        1e3 * _rms(survey.reckoned.off_sphere_m()),
+        1e3 * (fit_sphere(survey.reckoned.points)[1] - survey.radius_m),
+    )
     for values, level, marker, shade, what in (
         (off_path, before[0], "o", COLOURS["maxmix"], "path off its sphere, rms"),
         (off_radius, before[1], "s", INK, "radius of the map less the true one"),
     ):
-        axis.plot(radii, values, color=shade, marker=marker, markersize=5, linewidth=1.4, label=f"{what}, {PLANES}")
+        axis.plot(
+            radii,
+            values,
+            color=shade,
+            marker=marker,
+            markersize=5,
+            linewidth=1.4,
+            label=f"{what}, {PLANES}",
+        )
         axis.axhline(level, color=shade, linestyle="--", linewidth=1.0, label=f"{what}, {RECKONED}")
     axis.set_xticks(radii, [f"{radius:g}" for radius in radii])
     axis.set(xlabel="characteristic radius (m)", ylabel="error (mm)")
@@ -138,9 +186,18 @@ def _draw_by_radius(axis: Axes, survey: SphereSurvey) -> None:
 def _draw_sigma(axis: Axes, survey: SphereSurvey) -> None:
     travelled = path_length(survey.truth)
     for name, found in survey.drawn.items():
-        axis.plot(travelled, found.sigma, color=PATH_COLOURS[name], linewidth=1.6, label=f"sigma, {name}")
+        axis.plot(
+            travelled, found.sigma, color=PATH_COLOURS[name], linewidth=1.6, label=f"sigma, {name}"
+        )
         error = found.error_m(survey.truth)
-        axis.plot(travelled, error, color=PATH_COLOURS[name], linewidth=1.0, linestyle="--", label=f"error, {name}")
+        axis.plot(
+            travelled,
+            error,
+            color=PATH_COLOURS[name],
+            linewidth=1.0,
+            linestyle="--",
+            label=f"error, {name}",
+        )
     axis.set(xlabel="along the path (m)", ylabel="position: sigma (root of the trace), error (m)")
     axis.set_ylim(bottom=0)
     _leave_room(axis)
@@ -163,9 +220,18 @@ def _row(name: str, radius: str, found: MappedSphere, truth: Array) -> str:
 
 def _caption(survey: SphereSurvey) -> str:
     radii, planes = list(survey.planes), list(survey.planes.values())
-    before, off = 1e3 * _rms(survey.reckoned.off_sphere_m()), [1e3 * _rms(found.off_sphere_m()) for found in planes]
-    map_before, maps = fit_sphere(survey.reckoned.points)[1], [fit_sphere(found.points)[1] for found in planes]
-    ends = [f"{found.error_m(survey.truth)[-1]:.2f} m (sigma {found.sigma[-1]:.2f} m)" for found in survey.drawn.values()]
+    before, off = (
+        1e3 * _rms(survey.reckoned.off_sphere_m()),
+        [1e3 * _rms(found.off_sphere_m()) for found in planes],
+    )
+    map_before, maps = (
+        fit_sphere(survey.reckoned.points)[1],
+        [fit_sphere(found.points)[1] for found in planes],
+    )
+    ends = [
+        f"{found.error_m(survey.truth)[-1]:.2f} m (sigma {found.sigma[-1]:.2f} m)"
+        for found in survey.drawn.values()
+    ]
     return (
         f"Around a sphere of {survey.radius_m:g} m: the path lies on a sphere to {before:.1f} mm rms by dead reckoning, to "
         f"{min(off):.1f} to {max(off):.1f} mm with planes of characteristic radii of {min(radii):g} to {max(radii):g} m; the "

@@ -18,15 +18,30 @@ from hullrecon.typing import Array, Mask
 
 Fields = dict[str, NDArray[np.generic]]
 _TYPES = {
-    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
-    "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8",
-}  # fmt: skip
+    "char": "i1",
+    "uchar": "u1",
+    "short": "i2",
+    "ushort": "u2",
+    "int": "i4",
+    "uint": "u4",
+    "float": "f4",
+    "double": "f8",
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "i2",
+    "uint16": "u2",
+    "int32": "i4",
+    "uint32": "u4",
+    "float32": "f4",
+    "float64": "f8",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
 class TimedPoses:
-    """t_s (n,) since 1970; poses T_M_v; sigma (n, 3) of x, y, z of the frame that was delivered, or None; hull_from_delivered:
-    where that frame lies."""
+    """t_s (n,) since 1970; poses T_M_v; sigma (n, 3) of x, y, z of the frame that was delivered, or
+    None; hull_from_delivered: where that frame lies.
+    """
 
     t_s: Array
     poses: Poses
@@ -52,8 +67,8 @@ class PointCloud:
 
 
 def read_table(path: Path) -> dict[str, Array]:
-    """Return the columns of numbers of a CSV by name without its unit (`sigma_x` of `sigma_x_m`); an empty cell is NaN, columns
-    of words are left out.
+    """Return the columns of numbers of a CSV by name without its unit (`sigma_x` of `sigma_x_m`);
+    an empty cell is NaN, columns of words are left out.
 
     Raises InputError for a row that cannot be read.
     """
@@ -61,7 +76,10 @@ def read_table(path: Path) -> dict[str, Array]:
         with path.open(newline="") as file:
             rows = list(csv.DictReader(file))
         names = {key: UNIT.sub("", key) for key in rows[0] if key not in WORDS}
-        return {name: np.array([float(row[key] or "nan") for row in rows]) for key, name in names.items()}
+        return {
+            name: np.array([float(row[key] or "nan") for row in rows])
+            for key, name in names.items()
+        }
     except (OSError, ValueError, TypeError, IndexError) as error:
         raise InputError(f"the table cannot be read: {error}", where=str(path)) from error
 
@@ -84,7 +102,9 @@ def columns(table: dict[str, Array], names: tuple[str, ...]) -> Array:
 
 
 def read_cloud(path: Path) -> PointCloud:
-    """Return the vertices of a binary little-endian PLY. Raises InputError when it is something else or cut short."""
+    """Return the vertices of a binary little-endian PLY. Raises InputError when it is something
+    else or cut short.
+    """
     raw = path.read_bytes()
     end = raw.find(b"end_header\n")
     lines = raw[: max(end, 0)].decode("ascii", "replace").splitlines()
@@ -100,12 +120,19 @@ def read_cloud(path: Path) -> PointCloud:
 
 
 def deliver_folder(folder: Path) -> Path:
-    """Return deliver/ of a run, or the folder itself when it is one. Raises InputError when it holds no deliverable."""
+    """Return deliver/ of a run, or the folder itself when it is one. Raises InputError when it
+    holds no deliverable.
+    """
     for candidate in (folder / "deliver", folder):
-        if any((candidate / name).exists() for name in ("trajectory.csv", "surface.ply", "summary.json")):
+        if any(
+            (candidate / name).exists()
+            for name in ("trajectory.csv", "surface.ply", "summary.json")
+        ):
             return candidate
     raise InputError(
-        "no deliverables here", where=str(folder), remedy="give RUNS/<dive> after `hullrecon run`, or its deliver/"
+        "no deliverables here",
+        where=str(folder),
+        remedy="give RUNS/<dive> after `hullrecon run`, or its deliver/",
     )
 
 

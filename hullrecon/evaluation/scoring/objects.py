@@ -19,7 +19,8 @@ Match = tuple[ReportedObject, TrueStructure | None]
 
 
 def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) -> Figures:
-    """Return the figures of what was reported; each object belongs to the structure whose centre is nearest within reach.
+    """Return the figures of what was reported; each object belongs to the structure whose centre is
+    nearest within reach.
 
     motion: the rigid motion that takes our trajectory onto the true one.
     """
@@ -42,16 +43,24 @@ def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) 
         "height_error_worst_m": max(errors, default=float("nan")),
         "missed": [o.id for o in due if o.id not in hit],
         "lesser_structures_found": sum(o.id in hit and o not in due for o in structures),
-        "height_error_over_sigma": rms(np.array([(d.height - o.height) / d.height_sigma for d, o in best if d.height_sigma])),
+        "height_error_over_sigma": rms(
+            np.array([(d.height - o.height) / d.height_sigma for d, o in best if d.height_sigma])
+        ),
     }
 
 
 def find_reported(
     structure: TrueStructure, found: Sequence[ReportedObject], truth: Truth, motion: Poses
 ) -> ReportedObject | None:
-    """Return the report of that structure, the one with the most images where there are several; None when it was missed."""
+    """Return the report of that structure, the one with the most images where there are several;
+    None when it was missed.
+    """
     moved = [_move(found_object, motion) for found_object in found]
-    own = [d for d in moved if (o := _nearest(d, truth.structures())) is not None and o.id == structure.id]
+    own = [
+        d
+        for d in moved
+        if (o := _nearest(d, truth.structures())) is not None and o.id == structure.id
+    ]
     return max(own, key=lambda d: (d.views, d.area), default=None)
 
 

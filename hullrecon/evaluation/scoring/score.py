@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The deliverables of a run against the truth of its dive: every figure that the project is held to, with its unit."""
+"""The deliverables of a run against the truth of its dive: every figure that the project is held
+to, with its unit.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,13 @@ import msgspec
 
 from hullrecon.errors import InputError
 from hullrecon.evaluation.scoring.cameras import score_cameras
-from hullrecon.evaluation.scoring.deliverables import PointCloud, TimedPoses, deliver_folder, read_cloud, read_trajectory
+from hullrecon.evaluation.scoring.deliverables import (
+    PointCloud,
+    TimedPoses,
+    deliver_folder,
+    read_cloud,
+    read_trajectory,
+)
 from hullrecon.evaluation.scoring.objects import score_objects
 from hullrecon.evaluation.scoring.surfaces import score_landmarks, score_surface
 from hullrecon.evaluation.scoring.trajectory import Figures, hull_from_start, score_trajectory
@@ -22,7 +30,8 @@ from hullrecon.geometry.poses import Poses, identity
 from hullrecon.records.deliverables import ReportedObject
 
 MISSING = "missing"
-Score = dict[str, Figures | str]  # figures by deliverable, MISSING in place of one that was not delivered
+# figures by deliverable, MISSING in place of one that was not delivered
+Score = dict[str, Figures | str]
 
 
 class _ObjectsFile(msgspec.Struct, frozen=True):
@@ -34,7 +43,8 @@ class _SummaryFile(msgspec.Struct, frozen=True):
 
 
 def score_run(run: Path, package: Path) -> Score:
-    """Return figures by deliverable and name. run: RUNS/<dive> or its deliver/; package: the simulated dive.
+    """Return figures by deliverable and name. run: RUNS/<dive> or its deliver/; package: the
+    simulated dive.
 
     Raises InputError when there is nothing to score or no truth to score it by.
     """
@@ -43,7 +53,9 @@ def score_run(run: Path, package: Path) -> Score:
     figures: Score = {"trajectory": MISSING}
     motion = identity()
     if (deliver / "trajectory.csv").exists():
-        figures["trajectory"], motion = score_trajectory(reader.trajectory(deliver / "trajectory.csv"), truth)
+        figures["trajectory"], motion = score_trajectory(
+            reader.trajectory(deliver / "trajectory.csv"), truth
+        )
     scores: dict[str, tuple[str, Callable[[Path], Figures]]] = {
         "surface": ("surface.ply", lambda p: score_surface(reader.cloud(p), truth, motion, 1)),
         "as_found": ("as_found.ply", lambda p: score_surface(reader.cloud(p), truth, motion, 2)),
@@ -57,21 +69,35 @@ def score_run(run: Path, package: Path) -> Score:
 
 
 class _DeliveryReader:
-    """Reads deliverables in M; what stands in g (a dive without a CAD model) is moved to where its path begins in truth."""
+    """Reads deliverables in M; what stands in g (a dive without a CAD model) is moved to where its
+    path begins in truth.
+    """
 
     def __init__(self, deliver: Path, truth: Truth) -> None:
         summary = deliver / "summary.json"
-        frame = msgspec.json.decode(summary.read_bytes(), type=_SummaryFile).frame if summary.exists() else "M"
+        frame = (
+            msgspec.json.decode(summary.read_bytes(), type=_SummaryFile).frame
+            if summary.exists()
+            else "M"
+        )
         self._hull_from_delivered: Poses | None = None
         if frame == "g":
             path = deliver / "trajectory.csv"
-            start = hull_from_start(read_trajectory(path), truth) if path.exists() else truth.global_from_hull.inverse()
+            start = (
+                hull_from_start(read_trajectory(path), truth)
+                if path.exists()
+                else truth.global_from_hull.inverse()
+            )
             self._hull_from_delivered = start
 
     def trajectory(self, path: Path) -> TimedPoses:
         track = read_trajectory(path)
         moved = self._hull_from_delivered
-        return track if moved is None else replace(track, poses=moved @ track.poses, hull_from_delivered=moved)
+        return (
+            track
+            if moved is None
+            else replace(track, poses=moved @ track.poses, hull_from_delivered=moved)
+        )
 
     def cloud(self, path: Path) -> PointCloud:
         cloud = read_cloud(path)

@@ -19,9 +19,11 @@ _UNCLEAR_M = 0.02  # nearer the label boundary than this, neither label is wrong
 
 
 def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: int) -> Figures:
-    """Return the errors of vertices with enough views or returns behind them, where the true surface is known.
+    """Return the errors of vertices with enough views or returns behind them, where the true
+    surface is known.
 
-    motion: the rigid motion that takes our trajectory onto the true one; figures named aligned_ are after it.
+    motion: the rigid motion that takes our trajectory onto the true one; figures named aligned_ are
+    after it.
     """
     keep = truth.near(cloud.points, 0.25)
     for points in (cloud.points, motion.apply(cloud.points)):
@@ -41,12 +43,16 @@ def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: i
     if truth.cad_model is not None:
         figures["cad_model_alone_rmse_m"] = rms(truth.cad_model.closest(foot).distance)
     if "sigma" in cloud.fields:
-        figures |= _sigma_coverage(distance, aligned, np.asarray(cloud.fields["sigma"], float)[keep])
+        figures |= _sigma_coverage(
+            distance, aligned, np.asarray(cloud.fields["sigma"], float)[keep]
+        )
     return figures
 
 
 def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
-    """Return the landmarks' distances to the steel, and whether label 0 stands where the steel leaves the CAD model."""
+    """Return the landmarks' distances to the steel, and whether label 0 stands where the steel
+    leaves the CAD model.
+    """
     keep = truth.near(cloud.points, 0.5)
     distance, _, aligned = _distances(cloud.points[keep], truth, motion)
     figures: Figures = {
@@ -60,7 +66,9 @@ def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
     }
     if "label" in cloud.fields and truth.cad_model is not None:
         foot = truth.built.closest(motion.apply(cloud.points[keep])).foot
-        figures |= _score_labels(foot, np.asarray(cloud.fields["label"])[keep] == 0, truth.cad_model)
+        figures |= _score_labels(
+            foot, np.asarray(cloud.fields["label"])[keep] == 0, truth.cad_model
+        )
     if "sigma" in cloud.fields:
         sigma = np.asarray(cloud.fields["sigma"], float)[keep]
         known = np.isfinite(sigma) & (sigma > 0)
@@ -69,7 +77,9 @@ def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
 
 
 def _score_labels(foot: Array, off: Mask, cad_model: Scene) -> Figures:
-    """Return recall and precision of label 0 (off), given each landmark's foot (n, 3) on the true steel."""
+    """Return recall and precision of label 0 (off), given each landmark's foot (n, 3) on the true
+    steel.
+    """
     away = np.abs(cad_model.closest(foot).distance)
     clear = np.abs(away - LABEL_BOUNDARY_M) > _UNCLEAR_M
     real = (away > LABEL_BOUNDARY_M) & clear
@@ -82,7 +92,9 @@ def _score_labels(foot: Array, off: Mask, cad_model: Scene) -> Figures:
 
 
 def _distances(points: Array, truth: Truth, motion: Poses) -> tuple[Array, Array, Array]:
-    """Return the distance (n,) as delivered, foot (n, 3) on the steel, distance after the trajectory's alignment."""
+    """Return the distance (n,) as delivered, foot (n, 3) on the steel, distance after the
+    trajectory's alignment.
+    """
     here, there = truth.built.closest(points), truth.built.closest(motion.apply(points))
     return np.abs(here.distance), here.foot, np.abs(there.distance)
 

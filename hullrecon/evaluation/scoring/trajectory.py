@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far the trajectory is from the true one: along the hull, over its girth, off it, and after a rigid alignment."""
+"""How far the trajectory is from the true one: along the hull, over its girth, off it, and after a
+rigid alignment.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +21,12 @@ Figures = dict[str, float | int | list[int] | dict[str, float]]  # by name, its 
 
 
 def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
-    """Return the figures, and the rigid motion (a batch of one) that takes our trajectory onto the true one.
+    """Return the figures, and the rigid motion (a batch of one) that takes our trajectory onto the
+    true one.
 
-    A CAD model that is off by a centimetre over the whole surveyed patch cannot be told from a shift of the dive; so surfaces,
-    landmarks and objects are scored as delivered and again after this motion.
+    A CAD model that is off by a centimetre over the whole surveyed patch cannot be told from a
+    shift of the dive; so surfaces, landmarks and objects are scored as delivered and again after
+    this motion.
     """
     ours = track.rows((track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6))
     if len(ours.t_s) < 3:
@@ -32,7 +36,10 @@ def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
     motion = fit_rigid(ours.poses.translation, want.translation)
     turn = ours.poses.rotation * want.rotation.inv()
     turn_after = motion.rotation * turn
-    figures: Figures = {"poses": len(ours.t_s), "share_of_true_frames_with_a_pose": _covered_share(ours.t_s, truth.t_s)}
+    figures: Figures = {
+        "poses": len(ours.t_s),
+        "share_of_true_frames_with_a_pose": _covered_share(ours.t_s, truth.t_s),
+    }
     if truth.cad_model is not None:
         figures |= _by_direction(error, want.translation, truth.cad_model)
     figures |= {
@@ -47,9 +54,12 @@ def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
 def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
     """Return T_M_g of the poses T_g_v of a track, in a frame g that begins where its path does.
 
-    Depth and level are the water's; x, y and heading are those of the first pose that has a truth: sigmas are relative to it.
+    Depth and level are the water's; x, y and heading are those of the first pose that has a truth:
+    sigmas are relative to it.
     """
-    inside = np.flatnonzero((track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6))[:1]
+    inside = np.flatnonzero(
+        (track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6)
+    )[:1]
     true = truth.global_from_hull @ truth.vehicle_at(track.t_s[inside])
     if not len(inside):
         return truth.global_from_hull.inverse()
@@ -61,7 +71,9 @@ def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
 
 
 def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
-    """Return the RMSE along the hull, over its girth and off it, in the hull's own directions beside each pose."""
+    """Return the RMSE along the hull, over its girth and off it, in the hull's own directions
+    beside each pose.
+    """
     normal = positions - cad_model.closest(positions).foot
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     along = np.array([1.0, 0.0, 0.0]) - normal * normal[:, :1]
@@ -71,8 +83,9 @@ def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
 
 
 def _consistency(error: Array, sigma: Array | None) -> Figures:
-    """Return error over sigma by axis of the delivered frame, and how often one sigma holds the error (68 % of the
-    time when it is right)."""
+    """Return error over sigma by axis of the delivered frame, and how often one sigma holds the
+    error (68 % of the time when it is right).
+    """
     if sigma is None:
         return {}
     figures: Figures = {}
@@ -85,7 +98,9 @@ def _consistency(error: Array, sigma: Array | None) -> Figures:
 
 
 def _covered_share(ours_s: Array, true_s: Array) -> float:
-    """Return the share of the true frames with a pose of ours within three quarters of a frame period."""
+    """Return the share of the true frames with a pose of ours within three quarters of a frame
+    period.
+    """
     step = np.median(np.diff(true_s))
     ordered = np.sort(ours_s)
     right = np.clip(np.searchsorted(ordered, true_s), 1, len(ordered) - 1)

@@ -51,8 +51,9 @@ class TrueMounts(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class TrueStructure(msgspec.Struct, frozen=True, kw_only=True):
-    """A row of truth/objects.json: what was put on the hull, or painted on it. Centre in M, lengths in m; views: frames that
-    see it."""
+    """A row of truth/objects.json: what was put on the hull, or painted on it. Centre in M, lengths
+    in m; views: frames that see it.
+    """
 
     id: int
     kind: str
@@ -79,8 +80,10 @@ class _HullSection(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, kw_only=True)
 class Truth:
-    """What is true of a dive. t_s (n,) and poses T_M_v (n) at the camera frames; the servo's angle (rad) at servo_t_s;
-    built_mesh: the hull as it is, in M; cad_model: None for a dive without one; objects: structures and painted marks."""
+    """What is true of a dive. t_s (n,) and poses T_M_v (n) at the camera frames; the servo's angle
+    (rad) at servo_t_s; built_mesh: the hull as it is, in M; cad_model: None for a dive without one;
+    objects: structures and painted marks.
+    """
 
     t_s: Array
     poses: Poses
@@ -104,7 +107,9 @@ class Truth:
         return cKDTree(self.built_mesh.vertices)
 
     def near(self, points: Array, reach_m: float) -> Mask:
-        """Return which points (n, 3) lie that close to a vertex of the true surface: elsewhere nothing is known of it."""
+        """Return which points (n, 3) lie that close to a vertex of the true surface: elsewhere
+        nothing is known of it.
+        """
         distance, _ = self._vertices.query(points, distance_upper_bound=reach_m)
         return np.asarray(np.isfinite(distance))
 
@@ -112,10 +117,14 @@ class Truth:
     def _rim(self) -> cKDTree:
         from scipy.spatial import cKDTree
 
-        return cKDTree(self.built_mesh.vertices[np.unique(find_boundary(self.built_mesh.faces))].reshape(-1, 3))
+        return cKDTree(
+            self.built_mesh.vertices[np.unique(find_boundary(self.built_mesh.faces))].reshape(-1, 3)
+        )
 
     def beyond(self, feet: Array) -> Mask:
-        """Return which closest points (n, 3) lie on the rim of the true surface: what they belong to may lie beyond it."""
+        """Return which closest points (n, 3) lie on the rim of the true surface: what they belong
+        to may lie beyond it.
+        """
         distance, _ = self._rim.query(feet, distance_upper_bound=RIM_M)
         return np.asarray(np.isfinite(distance))
 
@@ -128,29 +137,43 @@ class Truth:
         if self.mounts.tray_from_camera is None:
             raise InputError("the truth states no mount of a camera", where="truth/extrinsics.json")
         angle = np.interp(self.t_s[rows], self.servo_t_s, self.servo_rad)
-        return self.poses[rows] @ tray_poses(self.mounts.tray_origin, angle) @ self.mounts.tray_from_camera.pose()
+        return (
+            self.poses[rows]
+            @ tray_poses(self.mounts.tray_origin, angle)
+            @ self.mounts.tray_from_camera.pose()
+        )
 
     def structures(self) -> list[TrueStructure]:
         """Return what stands out of the hull or is cut into it; no paint."""
         return [o for o in self.objects if not o.painted and abs(o.height) > 0]
 
     def due(self) -> list[TrueStructure]:
-        """Return the structures that must be found: at least 0.08 m high and seen in at least six frames."""
+        """Return the structures that must be found: at least 0.08 m high and seen in at least six
+        frames.
+        """
         return [o for o in self.structures() if abs(o.height) >= 0.08 and o.views >= 6]
 
 
 def read_truth(package: Path) -> Truth:
-    """Return the truth of a package. Raises InputError when it has none, or when a file of it cannot be read."""
+    """Return the truth of a package. Raises InputError when it has none, or when a file of it
+    cannot be read.
+    """
     folder = package / "truth"
     if not (folder / "poses.csv").exists():
-        raise InputError("the package holds no truth", where=str(folder), remedy="only simulated dives can be evaluated")
+        raise InputError(
+            "the package holds no truth",
+            where=str(folder),
+            remedy="only simulated dives can be evaluated",
+        )
     poses, servo = read_table(folder / "poses.csv"), read_table(folder / "servo.csv")
     return Truth(
         t_s=poses["t"],
         poses=poses_in(poses),
         servo_t_s=servo["t"],
         servo_rad=servo["rad"],
-        global_from_hull=_read_document(folder / "alignment.json", _Alignment).global_from_hull.pose(),
+        global_from_hull=_read_document(
+            folder / "alignment.json", _Alignment
+        ).global_from_hull.pose(),
         mounts=_read_document(folder / "extrinsics.json", TrueMounts),
         objects=_read_document(folder / "objects.json", _Objects).objects,
         built_mesh=read_mesh(folder / "as_built.ply"),
@@ -165,7 +188,9 @@ def read_mesh(path: Path, metres_per_unit: float = 1.0) -> Mesh:
     loaded = trimesh.load(path, force="mesh", process=False)
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
         raise InputError("the mesh holds no triangles", where=str(path))
-    return Mesh(np.asarray(loaded.vertices, float) * metres_per_unit, np.asarray(loaded.faces, np.int32))
+    return Mesh(
+        np.asarray(loaded.vertices, float) * metres_per_unit, np.asarray(loaded.faces, np.int32)
+    )
 
 
 def _cad_model(package: Path) -> Scene | None:
@@ -174,7 +199,9 @@ def _cad_model(package: Path) -> Scene | None:
         hull = None if section is None else msgspec.convert(section, _HullSection)
     except (OSError, tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
         raise InputError(f"dive.toml cannot be read: {error}", where=str(package)) from error
-    return None if hull is None else Scene(read_mesh(package / hull.mesh, METRES_PER_UNIT[hull.units]))
+    return (
+        None if hull is None else Scene(read_mesh(package / hull.mesh, METRES_PER_UNIT[hull.units]))
+    )
 
 
 def _read_document(path: Path, kind: type[Document]) -> Document:

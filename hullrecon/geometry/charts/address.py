@@ -30,20 +30,29 @@ def address(
     depths_m: ArrayLike | None = None,
     sigma: AddressSigma | None = None,
 ) -> list[str]:
-    """Return points (n, 3) as text: 'frames 52 to 53 (31.4 ± 0.3 m from AP), port, 2.31 ± 0.05 m girth from keel, 1.8 m below
-    waterline'.
+    """Return points (n, 3) as text: 'frames 52 to 53 (31.4 ± 0.3 m from AP), port, 2.31 ± 0.05 m
+    girth from keel, 1.8 m below waterline'.
 
-    depths_m (n,): below the water surface, positive down; left out of the words when absent or NaN. sigma: of all points;
-    digits stop where it begins, and a frame that is not known is a range of them. Without a CAD model the address counts
-    metres on the fitted plane.
+    depths_m (n,): below the water surface, positive down; left out of the words when absent or NaN.
+    sigma: of all points; digits stop where it begins, and a frame that is not known is a range of
+    them. Without a CAD model the address counts metres on the fitted plane.
     """
     at = chart.to_chart(np.atleast_2d(np.asarray(points, float)))
-    depths = np.full(len(at), np.nan) if depths_m is None else np.broadcast_to(np.asarray(depths_m, float), len(at))
-    return [_words(row, depth, frame_spacing_m, is_hull_chart(chart), sigma) for row, depth in zip(at, depths, strict=True)]
+    depths = (
+        np.full(len(at), np.nan)
+        if depths_m is None
+        else np.broadcast_to(np.asarray(depths_m, float), len(at))
+    )
+    return [
+        _words(row, depth, frame_spacing_m, is_hull_chart(chart), sigma)
+        for row, depth in zip(at, depths, strict=True)
+    ]
 
 
 def is_hull_chart(chart: Chart) -> bool:
-    """Return whether the chart is a ship's own, with stations and girth from the keel; else it is a plane."""
+    """Return whether the chart is a ship's own, with stations and girth from the keel; else it is a
+    plane.
+    """
     return str(chart.to_arrays().get("kind", "plane")) == "axis"
 
 
@@ -61,18 +70,31 @@ def frame_words(along_m: float, spacing_m: float, sigma_m: float | None) -> str:
     return f"frame {low}" if low == high else f"frames {low} to {high}"
 
 
-def _words(at: Array, depth_m: float, spacing_m: float | None, hull: bool, sigma: AddressSigma | None) -> str:
+def _words(
+    at: Array, depth_m: float, spacing_m: float | None, hull: bool, sigma: AddressSigma | None
+) -> str:
     along, girth = float(at[0]), float(at[1])
     along_sigma, girth_sigma = (None, None) if sigma is None else (sigma.along, sigma.girth)
     if not np.isfinite(at[:2]).all():
         parts = ["outside the hull chart"]
     elif not hull:
-        parts = [f"{_metres(along, along_sigma, 2)} along", f"{_metres(girth, girth_sigma, 2)} across"]
+        parts = [
+            f"{_metres(along, along_sigma, 2)} along",
+            f"{_metres(girth, girth_sigma, 2)} across",
+        ]
     else:
         station = f"{_metres(along, along_sigma, 1)} from AP"
-        parts = [station if spacing_m is None else f"{frame_words(along, spacing_m, along_sigma)} ({station})"]
+        parts = [
+            station
+            if spacing_m is None
+            else f"{frame_words(along, spacing_m, along_sigma)} ({station})"
+        ]
         side = side_of(girth, girth_sigma or 0.0)
-        parts += [side] if side == "keel" else [side, f"{_metres(abs(girth), girth_sigma, 2)} girth from keel"]
+        parts += (
+            [side]
+            if side == "keel"
+            else [side, f"{_metres(abs(girth), girth_sigma, 2)} girth from keel"]
+        )
     if np.isfinite(depth_m):
         known = _metres(abs(depth_m), None if sigma is None else sigma.depth, 1)
         parts.append(f"{known} {'below' if depth_m >= 0 else 'above'} waterline")

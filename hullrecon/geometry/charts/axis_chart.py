@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The chart of a CAD model: stations along an axis inside the ship, and the arc of each section from the keel.
+"""The chart of a CAD model: stations along an axis inside the ship, and the arc of each section
+from the keel.
 
-A point belongs to the angle phi at which a ray from the axis meets it: 0 straight down, positive to port. Its girth is the
-length of the section from phi = 0 to there. Rays are cast from outside inward, so that of several skins the outer one counts.
+A point belongs to the angle phi at which a ray from the axis meets it: 0 straight down, positive to
+port. Its girth is the length of the section from phi = 0 to there. Rays are cast from outside
+inward, so that of several skins the outer one counts.
 """
 
 from __future__ import annotations
@@ -16,7 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
-from hullrecon.geometry.charts.section_casting import cast_sections, choose_axis_height, hull_axes, outward_faces
+from hullrecon.geometry.charts.section_casting import (
+    cast_sections,
+    choose_axis_height,
+    hull_axes,
+    outward_faces,
+)
 from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.native import MeshIndex
@@ -25,8 +32,10 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class AxisChart:
-    """axes (3, 3): rows forward, port, up in M (a turn, no shift). The rest is in turned coordinates, metres: the mesh
-    (outward), the sections and the aft perpendicular, from which `along` counts."""
+    """axes (3, 3): rows forward, port, up in M (a turn, no shift). The rest is in turned
+    coordinates, metres: the mesh (outward), the sections and the aft perpendicular, from which
+    `along` counts.
+    """
 
     axes: Array
     mesh: Mesh
@@ -56,7 +65,9 @@ class AxisChart:
             near = self._index.closest(turned[known])
             girth = self.sections.girth_at(near.point)
             along = near.point[:, 0] - self.aft_perpendicular
-            out[known] = np.stack([np.where(np.isnan(girth), np.nan, along), girth, near.distance], axis=1)
+            out[known] = np.stack(
+                [np.where(np.isnan(girth), np.nan, along), girth, near.distance], axis=1
+            )
         return out
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
@@ -70,11 +81,15 @@ class AxisChart:
         return points @ self.axes, normals @ self.axes
 
     def _on_skin(self, along: Array, angle: Array, radius: Array) -> tuple[Array, Array]:
-        """Return where the ray meets the mesh; over a small hole, the sections' own point and the closest face's normal."""
+        """Return where the ray meets the mesh; over a small hole, the sections' own point and the
+        closest face's normal.
+        """
         origin, inward = self.sections.rays(along, angle)
         hit = self._index.cast(origin, inward)
         point = origin + inward * (self.sections.reach - radius)[:, None]
-        on = np.abs(hit.range - (self.sections.reach - radius)) <= self.sections.slack_at(along, angle)
+        on = np.abs(hit.range - (self.sections.reach - radius)) <= self.sections.slack_at(
+            along, angle
+        )
         point[on] = origin[on] + inward[on] * hit.range[on, None]
         normal = hit.normal.copy()
         if not on.all():
@@ -95,13 +110,20 @@ class AxisChart:
             "radius": s.radius,
             "girth": s.girth,
             "whole": s.whole,
-            **({"aft_perpendicular": np.asarray(self.aft_perpendicular)} if self.aft_perpendicular else {}),
+            **(
+                {"aft_perpendicular": np.asarray(self.aft_perpendicular)}
+                if self.aft_perpendicular
+                else {}
+            ),
         }
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> AxisChart:
         """Return the chart that `to_arrays` gave."""
-        number = {n: np.asarray(arrays[n], float) for n in ("axes", "vertices", "axis", "station", "angle", "radius", "girth")}
+        number = {
+            n: np.asarray(arrays[n], float)
+            for n in ("axes", "vertices", "axis", "station", "angle", "radius", "girth")
+        }
         axis_y, axis_z, reach = (float(v) for v in number["axis"])
         whole = np.asarray(arrays["whole"], bool)
         sections = Sections(
@@ -115,10 +137,14 @@ class AxisChart:
             whole=whole,
         )
         mesh = Mesh(number["vertices"], np.asarray(arrays["faces"], np.int32))
-        return cls(number["axes"], mesh, sections, float(arrays.get("aft_perpendicular", np.zeros(()))))
+        return cls(
+            number["axes"], mesh, sections, float(arrays.get("aft_perpendicular", np.zeros(())))
+        )
 
 
-def build_axis_chart(mesh: Mesh, up: Array, bow: str | None = None, aft_perpendicular_m: float = 0.0) -> AxisChart:
+def build_axis_chart(
+    mesh: Mesh, up: Array, bow: str | None = None, aft_perpendicular_m: float = 0.0
+) -> AxisChart:
     """Return the chart that `chart_for_hull` describes."""
     axes = hull_axes(mesh.vertices, up, bow)
     turned = Mesh(mesh.vertices @ axes.T, mesh.faces)
@@ -126,5 +152,13 @@ def build_axis_chart(mesh: Mesh, up: Array, bow: str | None = None, aft_perpendi
     height = choose_axis_height(turned, index)
     sections = cast_sections(turned, index, height)
     if not sections.whole.any():
-        raise InputError("the CAD model has no skin that a chart can follow", remedy="check the mesh: which axis is up?")
-    return AxisChart(axes, outward_faces(turned, sections, index), sections, float(axes[0].sum()) * aft_perpendicular_m)
+        raise InputError(
+            "the CAD model has no skin that a chart can follow",
+            remedy="check the mesh: which axis is up?",
+        )
+    return AxisChart(
+        axes,
+        outward_faces(turned, sections, index),
+        sections,
+        float(axes[0].sum()) * aft_perpendicular_m,
+    )

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The hull chart: a two-dimensional coordinate (along, girth) in metres on the hull.
 
-Every chart is left-handed about the outward normal: along x girth points inward. A raster whose columns grow with `along` and
-whose rows grow downward with `girth` therefore shows the surface as a diver outside sees it, not mirrored.
+Every chart is left-handed about the outward normal: along x girth points inward. A raster whose
+columns grow with `along` and whose rows grow downward with `girth` therefore shows the surface as a
+diver outside sees it, not mirrored.
 """
 
 from __future__ import annotations
@@ -19,43 +20,58 @@ from hullrecon.typing import Array
 
 
 class Chart(Protocol):
-    """Coordinates on a surface. `along` grows forward, `girth` from the keel up, port positive (metres of arc)."""
+    """Coordinates on a surface. `along` grows forward, `girth` from the keel up, port positive
+    (metres of arc).
+    """
 
     @property
     def ship_axes(self) -> Array:
-        """Return rows forward, port, up (3, 3) in the chart's frame. Those of a plane are x, -y and -z of g."""
+        """Return rows forward, port, up (3, 3) in the chart's frame. Those of a plane are x, -y and
+        -z of g.
+        """
 
     @property
     def along_of_origin(self) -> float:
         """Return along of the origin of the chart's frame, m."""
 
     def to_chart(self, points: Array) -> Array:
-        """Return (n, 3) points near the surface, in the chart's frame (M, or g without a CAD model), to (n, 3):
-        along, girth, offset (metres, outward positive). NaN rows where the chart is not defined."""
+        """Return (n, 3) points near the surface, in the chart's frame (M, or g without a CAD
+        model), to (n, 3): along, girth, offset (metres, outward positive). NaN rows where the chart
+        is not defined.
+        """
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """Return (n, 2) to points on the surface (n, 3) and outward unit normals (n, 3); NaN rows outside the chart."""
+        """Return (n, 2) to points on the surface (n, 3) and outward unit normals (n, 3); NaN rows
+        outside the chart.
+        """
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return what an artifact stores; `chart_from_arrays` reads it back."""
 
 
 def chart_for_hull(
-    mesh: Mesh, up: ArrayLike = (0.0, 0.0, 1.0), bow: str | None = None, aft_perpendicular_m: float = 0.0
+    mesh: Mesh,
+    up: ArrayLike = (0.0, 0.0, 1.0),
+    bow: str | None = None,
+    aft_perpendicular_m: float = 0.0,
 ) -> Chart:
     """Return the chart of a CAD model: stations along the ship and girth from the keel.
 
-    up (3,): roughly up in the mesh's frame; the nearest axis of the frame is taken. The ship lies along the longer of the two
-    other axes, its bow where that grows, or where `bow` ("+x" to "-z") says. aft_perpendicular_m: where on that axis along is
-    zero. Raises InputError for a bow along another axis, and when no ray from inside meets the mesh.
+    up (3,): roughly up in the mesh's frame; the nearest axis of the frame is taken. The ship lies
+    along the longer of the two other axes, its bow where that grows, or where `bow` ("+x" to "-z")
+    says. aft_perpendicular_m: where on that axis along is zero. Raises InputError for a bow along
+    another axis, and when no ray from inside meets the mesh.
     """
     from hullrecon.geometry.charts.axis_chart import build_axis_chart
 
     return build_axis_chart(mesh, np.asarray(up, float), bow, aft_perpendicular_m)
 
 
-def chart_for_points(points: ArrayLike, toward: ArrayLike, up: ArrayLike = (0.0, 0.0, -1.0)) -> Chart:
-    """Return a plane fitted to points (n, 3), its normal to the side of `toward`: (3,), or the sensors' places (n, 3).
+def chart_for_points(
+    points: ArrayLike, toward: ArrayLike, up: ArrayLike = (0.0, 0.0, -1.0)
+) -> Chart:
+    """Return a plane fitted to points (n, 3), its normal to the side of `toward`: (3,), or the
+    sensors' places (n, 3).
 
     up (3,): in the frame of the points, -z in g. Raises InputError with fewer than three points.
     """

@@ -29,7 +29,9 @@ class Lattice:
         return np.asarray((along_girth - self.origin) / self.step_m)
 
     def cells(self, along_girth: Array) -> tuple[Ints, Mask]:
-        """Return the cell numbers (n, 2) of chart points (n, 2), clipped to the lattice, and which (n,) lie in it."""
+        """Return the cell numbers (n, 2) of chart points (n, 2), clipped to the lattice, and which
+        (n,) lie in it.
+        """
         place = self.place(along_girth)
         inside = np.asarray(np.isfinite(place).all(axis=1))
         number = np.round(np.where(inside[:, None], place, -1.0)).astype(np.int64)
@@ -48,10 +50,14 @@ class Lattice:
         return mask.astype(bool)
 
     def outline(self, mask: Mask) -> Array:
-        """Return the longest closed line (k, 2) of chart points around a mask (a, g); empty without cells."""
+        """Return the longest closed line (k, 2) of chart points around a mask (a, g); empty without
+        cells.
+        """
         import cv2
 
-        lines, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+        lines, _ = cv2.findContours(
+            mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE
+        )
         longest = max(lines, key=len, default=np.zeros((0, 1, 2)))
         return np.asarray(self.origin + self.step_m * longest[:, 0, ::-1].astype(float))
 

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Map coordinates of a chart: those of rasters and vector layers, in which the hull is seen from outside.
+"""Map coordinates of a chart: those of rasters and vector layers, in which the hull is seen from
+outside.
 
-Along to the right and girth upwards show a hull from inside, mirrored. On the map x grows to the right and y upwards for a
-viewer outside, who stands upright: on the port side x is minus along (the bow is on the left), on the starboard side y is
-minus girth.
+Along to the right and girth upwards show a hull from inside, mirrored. On the map x grows to the
+right and y upwards for a viewer outside, who stands upright: on the port side x is minus along (the
+bow is on the left), on the starboard side y is minus girth.
 """
 
 from __future__ import annotations
@@ -33,13 +34,21 @@ class OutsideMap:
 
     @property
     def name(self) -> str:
-        """Return the name of the coordinate system, with its definition; it names which of the four it is."""
-        of = "hull chart of the ship (frame M)" if self.frame == "M" else "plane through the survey (frame g)"
+        """Return the name of the coordinate system, with its definition; it names which of the four
+        it is.
+        """
+        of = (
+            "hull chart of the ship (frame M)"
+            if self.frame == "M"
+            else "plane through the survey (frame g)"
+        )
         return f"{of} seen from outside: x = {'-' * (self.x_sign < 0)}along, y = {'-' * (self.y_sign < 0)}girth"
 
     @property
     def wkt(self) -> str:
-        """Return a local engineering system in WKT 1, which old programs read too: metres, tied to no place on Earth."""
+        """Return a local engineering system in WKT 1, which old programs read too: metres, tied to
+        no place on Earth.
+        """
         datum = "the ship" if self.frame == "M" else "start of the dive"
         axes = 'AXIS["x",EAST],AXIS["y",NORTH]'
         return f'LOCAL_CS["{self.name}",LOCAL_DATUM["{datum}",32767],UNIT["metre",1],{axes}]'
@@ -54,7 +63,8 @@ class OutsideMap:
 
 
 def outside_map(chart: Chart, points: Array, frame: str) -> OutsideMap:
-    """Return the map of a chart for viewers of those points (n, 3). All layers of a dive take the same points: the surface of
-    the survey."""
+    """Return the map of a chart for viewers of those points (n, 3). All layers of a dive take the
+    same points: the surface of the survey.
+    """
     left, down = flips(chart, chart.to_chart(points)[:, :2])
     return OutsideMap(x_sign=-1 if left else 1, y_sign=-1 if down else 1, frame=str(frame))

@@ -14,12 +14,15 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.typing import Array, Mask
 
-STEEP = np.cos(np.radians(30.0))  # a plane lies flat when its normal is within 30 degrees of the vertical
+# a plane lies flat when its normal is within 30 degrees of the vertical
+STEEP = np.cos(np.radians(30.0))
 
 
 @dataclass(frozen=True)
 class PlaneChart:
-    """origin (3,); axes (3, 3): rows along, girth, outward normal, in the frame of the points (g). along x girth = -normal."""
+    """origin (3,); axes (3, 3): rows along, girth, outward normal, in the frame of the points (g).
+    along x girth = -normal.
+    """
 
     origin: Array
     axes: Array
@@ -57,12 +60,15 @@ class PlaneChart:
 
 
 def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) -> PlaneChart:
-    """Return the plane through points (n, 3) that are finite, without those beyond 3 robust sigma of it; see
-    `chart_for_points`."""
+    """Return the plane through points (n, 3) that are finite, without those beyond 3 robust sigma
+    of it; see `chart_for_points`.
+    """
     usable = points[np.isfinite(points).all(axis=1)]
     if len(usable) < 3:
         raise InputError(
-            "a plane needs three points", where=f"{len(usable)} given", remedy="check that the DVL or camera saw a surface"
+            "a plane needs three points",
+            where=f"{len(usable)} given",
+            remedy="check that the DVL or camera saw a surface",
         )
     kept = usable[_near(_least_median_plane(usable))]
     for _ in range(rounds):
@@ -75,13 +81,19 @@ def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) ->
 
 
 def _near(off: Array) -> Mask:
-    """Return whether heights (n,) over a plane are within 3 robust sigma of their middle; the nearest three always are."""
+    """Return whether heights (n,) over a plane are within 3 robust sigma of their middle; the
+    nearest three always are.
+    """
     away = np.abs(off - np.median(off))
-    return np.asarray(away <= max(3 * NORMAL_MAD * float(np.median(away)), float(np.sort(away)[2]), 1e-9))
+    return np.asarray(
+        away <= max(3 * NORMAL_MAD * float(np.median(away)), float(np.sort(away)[2]), 1e-9)
+    )
 
 
 def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Array:
-    """Return heights (n,) of the points over the plane, of many through three of them, whose median height is smallest."""
+    """Return heights (n,) of the points over the plane, of many through three of them, whose median
+    height is smallest.
+    """
     corner = points[np.random.default_rng(seed).integers(0, len(points), (trials, 3))]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     size = np.linalg.norm(normal, axis=1)
@@ -95,7 +107,9 @@ def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Arra
 
 
 def _principal(points: Array) -> tuple[Array, Array]:
-    """Return the mean (3,) and the principal directions (3, 3), longest first, with signs that do not depend on the library."""
+    """Return the mean (3,) and the principal directions (3, 3), longest first, with signs that do
+    not depend on the library.
+    """
     center = points.mean(axis=0)
     _, vectors = np.linalg.eigh((points - center).T @ (points - center))
     rows = vectors.T[::-1]
@@ -104,7 +118,9 @@ def _principal(points: Array) -> tuple[Array, Array]:
 
 
 def _girth_axis(normal: Array, longest: Array, up: Array) -> Array:
-    """Return unit vector in the plane: uphill where the plane stands, across the longest direction where it lies flat."""
+    """Return unit vector in the plane: uphill where the plane stands, across the longest direction
+    where it lies flat.
+    """
     rough = up if abs(normal @ up) < STEEP else np.cross(longest, normal)
     flat = rough - normal * (rough @ normal)
     return np.asarray(flat / np.linalg.norm(flat))

@@ -22,7 +22,9 @@ Limits = tuple[float, float] | None
 
 @dataclass(frozen=True, kw_only=True)
 class RegionCells:
-    """The middles (n, 3) of n cells on the surface, m in the frame of the chart, outward normals (n, 3) and areas (n,) m2."""
+    """The middles (n, 3) of n cells on the surface, m in the frame of the chart, outward normals
+    (n, 3) and areas (n,) m2.
+    """
 
     middle: Array
     normal: Array
@@ -30,7 +32,8 @@ class RegionCells:
 
 
 def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> RegionCells:
-    """Return the surface within limits (low, high) of the chart, m; None: as far as the mesh reaches.
+    """Return the surface within limits (low, high) of the chart, m; None: as far as the mesh
+    reaches.
 
     There are no cells where there is no surface.
     """
@@ -44,17 +47,23 @@ def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> Regi
     middle = _grid((ticks[0][1:] + ticks[0][:-1]) / 2, (ticks[1][1:] + ticks[1][:-1]) / 2)
     points, normals = chart.from_chart(middle.reshape(-1, 2))
     area = _areas(chart.from_chart(corner.reshape(-1, 2))[0].reshape(*corner.shape[:2], 3)).ravel()
-    area = np.where(np.isfinite(area), area, width.prod() / max(1, size.prod()))  # at a rim, a corner lies beyond it
+    # at a rim, a corner lies beyond it
+    area = np.where(np.isfinite(area), area, width.prod() / max(1, size.prod()))
     on = _near(points, mesh)
     return RegionCells(middle=points[on], normal=normals[on], area=area[on])
 
 
 def chart_limits(chart: Chart, mesh: Mesh) -> Array:
-    """Return how far the chart of a mesh reaches along and in girth, (2, 2) rows of low and high, m; zeros where it has no
-    place. What is narrower than a LOOK-th of the mesh's size at its ends is left out."""
+    """Return how far the chart of a mesh reaches along and in girth, (2, 2) rows of low and high,
+    m; zeros where it has no place. What is narrower than a LOOK-th of the mesh's size at its ends
+    is left out.
+    """
     if not len(mesh.vertices):
         return np.zeros((2, 2))
-    farthest, around = np.linalg.norm(mesh.vertices, axis=1).max(), 2 * np.linalg.norm(np.ptp(mesh.vertices, axis=0))
+    farthest, around = (
+        np.linalg.norm(mesh.vertices, axis=1).max(),
+        2 * np.linalg.norm(np.ptp(mesh.vertices, axis=0)),
+    )
     limits = np.array([[-farthest, farthest], [-around, around]])
     limits[0] += chart.along_of_origin
     for _ in range(2):  # the second time closer, where the first one saw a hull
@@ -68,7 +77,9 @@ def chart_limits(chart: Chart, mesh: Mesh) -> Array:
 
 
 def _near(points: Array, mesh: Mesh) -> Mask:
-    """Return which points (n, 3) are there and lie where the mesh does: a plane as chart goes on without end."""
+    """Return which points (n, 3) are there and lie where the mesh does: a plane as chart goes on
+    without end.
+    """
     low, high = mesh.vertices.min(axis=0) - CELL_M, mesh.vertices.max(axis=0) + CELL_M
     return np.asarray(((points >= low) & (points <= high)).all(axis=1))
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sections of a hull: choosing its axis, casting the rays, and telling skin from leaps between parts of the ship."""
+"""Sections of a hull: choosing its axis, casting the rays, and telling skin from leaps between
+parts of the ship.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +17,18 @@ from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Mask
 
 AXES = "xyz"
-GRAZING = 0.12  # cosine: a stretch of skin steeper than 83 degrees to the ray is believed only when its middle is on the mesh
-OFF_SKIN = 0.1  # of a stretch's length: farther from the mesh than that, its middle hangs in the air
+# cosine: a stretch of skin steeper than 83 degrees to the ray is believed only when its middle is
+# on the mesh
+GRAZING = 0.12
+# of a stretch's length: farther from the mesh than that, its middle hangs in the air
+OFF_SKIN = 0.1
 
 
 def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
-    """Return rows forward, port, up in the mesh's frame (3, 3): up is its axis nearest to `up`, forward the longer of the
-    others, where it grows or, by `bow` ("-x"), where it falls. Raises InputError for a bow along another axis."""
+    """Return rows forward, port, up in the mesh's frame (3, 3): up is its axis nearest to `up`,
+    forward the longer of the others, where it grows or, by `bow` ("-x"), where it falls. Raises
+    InputError for a bow along another axis.
+    """
     size = np.ptp(vertices, axis=0)
     vertical = int(np.argmax(np.abs(up)))
     level = [i for i in range(3) if i != vertical]
@@ -29,13 +36,18 @@ def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
     if bow is not None and bow[1] != AXES[forward]:
         raise _wrong_bow(bow, AXES[forward], dict(zip(AXES, size, strict=True)), AXES[vertical])
     rows = np.zeros((3, 3))
-    rows[0, forward], rows[2, vertical] = -1.0 if bow is not None and bow[0] == "-" else 1.0, 1.0 if up[vertical] > 0 else -1.0
+    rows[0, forward], rows[2, vertical] = (
+        -1.0 if bow is not None and bow[0] == "-" else 1.0,
+        1.0 if up[vertical] > 0 else -1.0,
+    )
     rows[1] = np.cross(rows[2], rows[0])
     return rows
 
 
 def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str) -> InputError:
-    """Return the error for a bow along an axis that the ship does not lie along; size: m, of the CAD model by axis."""
+    """Return the error for a bow along an axis that the ship does not lie along; size: m, of the
+    CAD model by axis.
+    """
     other = bow[1]
     is_vertical = f"{other} is up or down by hull.pose, and " if other == vertical else ""
     what = f"the bow cannot lie at {bow}: {is_vertical}the CAD model is {size[forward]:.1f} m along {forward}"
@@ -48,30 +60,42 @@ def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str)
 
 
 def outward_faces(mesh: Mesh, sections: Sections, index: MeshIndex) -> Mesh:
-    """Return the mesh with each connected piece turned so that the rays meet its outer side; pieces that no ray meets stay."""
+    """Return the mesh with each connected piece turned so that the rays meet its outer side; pieces
+    that no ray meets stay.
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     _, corner = np.unique(mesh.vertices, axis=0, return_inverse=True)
     a, b = np.hstack([corner[mesh.faces[:, [0, 1]]].T, corner[mesh.faces[:, [1, 2]]].T])
     size = int(corner.max()) + 1
-    _, piece = connected_components(coo_array((np.ones(len(a), bool), (a, b)), shape=(size, size)), directed=False)
+    _, piece = connected_components(
+        coo_array((np.ones(len(a), bool), (a, b)), shape=(size, size)), directed=False
+    )
     piece = piece[corner[mesh.faces[:, 0]]]
     origin, inward = sections.rays(*_pairs(sections))
     hit = index.cast(origin, inward)
     met = hit.range < sections.reach
-    vote = np.bincount(piece[hit.face[met]], np.einsum("ni,ni->n", hit.normal, inward)[met], minlength=int(piece.max()) + 1)
+    vote = np.bincount(
+        piece[hit.face[met]],
+        np.einsum("ni,ni->n", hit.normal, inward)[met],
+        minlength=int(piece.max()) + 1,
+    )
     faces = np.where((vote[piece] > 0)[:, None], mesh.faces[:, ::-1], mesh.faces)
     return Mesh(mesh.vertices, np.ascontiguousarray(faces))
 
 
 def choose_axis_height(mesh: Mesh, index: MeshIndex) -> float:
-    """Return the height, of nine between bottom and top, from which rays see most of the sides and the bottom, metres."""
+    """Return the height, of nine between bottom and top, from which rays see most of the sides and
+    the bottom, metres.
+    """
     low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
     seen = [_seen_area(mesh, index, height) for height in heights]
     if max(seen) <= 0:
-        raise InputError("no ray from inside meets the CAD model", remedy="check the mesh and which way is up")
+        raise InputError(
+            "no ray from inside meets the CAD model", remedy="check the mesh and which way is up"
+        )
     good = np.asarray(seen) >= 0.995 * max(seen)
     return float(heights[good].max())
 
@@ -95,7 +119,9 @@ def cast_sections(mesh: Mesh, index: MeshIndex, height: float) -> Sections:
     empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
     origin, inward = empty.rays(*_pairs(empty))
     hit = index.cast(origin, inward)
-    radius = np.where(hit.range < empty.reach, empty.reach - hit.range, np.nan).reshape(empty.radius.shape)
+    radius = np.where(hit.range < empty.reach, empty.reach - hit.range, np.nan).reshape(
+        empty.radius.shape
+    )
     filled = _bridge_gaps(radius)
     whole = _whole(empty, filled, index)
     girth, whole = _girth(empty, filled), _whole(empty, filled, index)
@@ -112,13 +138,16 @@ def cast_sections(mesh: Mesh, index: MeshIndex, height: float) -> Sections:
 
 
 def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
-    """Return stations and angles without their rays. A half hull ends at the middle plane: its axis lies there, as for a
-    whole one."""
+    """Return stations and angles without their rays. A half hull ends at the middle plane: its axis
+    lies there, as for a whole one.
+    """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     beam = high[1] - low[1]
     half = min(abs(low[1]), abs(high[1])) < 0.05 * beam
     axis_y = 0.0 if half or low[1] < 0 < high[1] else 0.5 * (low[1] + high[1])
-    reach = 1.05 * float(np.hypot(max(high[1] - axis_y, axis_y - low[1]), max(high[2] - height, height - low[2])))
+    reach = 1.05 * float(
+        np.hypot(max(high[1] - axis_y, axis_y - low[1]), max(high[2] - height, height - low[2]))
+    )
     inset = 1e-6 * (high[0] - low[0])
     shape = (stations, angles)
     return Sections(
@@ -140,7 +169,9 @@ def _pairs(s: Sections) -> tuple[Array, Array]:
 
 
 def _bridge_gaps(radius: Array) -> Array:
-    """Return gaps between two hits of a station filled linearly; nothing beyond the outermost hits of a side but the keel."""
+    """Return gaps between two hits of a station filled linearly; nothing beyond the outermost hits
+    of a side but the keel.
+    """
     out = radius.copy()
     place = np.arange(radius.shape[1])
     keel = radius.shape[1] // 2
@@ -172,18 +203,22 @@ def _girth(s: Sections, radius: Array) -> Array:
 
 
 def _whole(s: Sections, radius: Array, index: MeshIndex) -> Mask:
-    """Return cells (k - 1, m - 1) whose four sides lie on the skin; one that leaps from one part of the ship to another does
-    not."""
+    """Return cells (k - 1, m - 1) whose four sides lie on the skin; one that leaps from one part of
+    the ship to another does not.
+    """
     point = _points(s, radius)
-    girthwise = _on_skin(point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], index)
+    girthwise = _on_skin(
+        point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], index
+    )
     reach = np.full(radius[1:].shape, s.station[1] - s.station[0])
     lengthwise = _on_skin(point[:-1], point[1:], reach, 1.0, index)
     return girthwise[:-1] & girthwise[1:] & lengthwise[:, :-1] & lengthwise[:, 1:]
 
 
 def _on_skin(start: Array, stop: Array, radius: Array, turn: float, index: MeshIndex) -> Mask:
-    """Return whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly, where they are much longer
-    than their rays' spacing explains."""
+    """Return whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly,
+    where they are much longer than their rays' spacing explains.
+    """
     length = np.linalg.norm(stop - start, axis=2)
     good = np.asarray(length * GRAZING <= radius * turn)
     doubtful = np.isfinite(length)

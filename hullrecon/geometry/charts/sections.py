@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sections of a hull as seen from an axis inside it: where rays meet the skin, and the arc from the keel.
+"""Sections of a hull as seen from an axis inside it: where rays meet the skin, and the arc from the
+keel.
 
-Coordinates here are turned: x forward, y port, z up. phi is measured about the axis from straight down, port positive.
+Coordinates here are turned: x forward, y port, z up. phi is measured about the axis from straight
+down, port positive.
 """
 
 from __future__ import annotations
@@ -16,8 +18,10 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Sections:
-    """Rays of the axis (axis_y, axis_z) at `station` (k,) and `angle` (m,): radius (k, m) where the skin is met (bridged over
-    small gaps, NaN beyond the sheer), girth (k, m) from phi = 0, whole (k - 1, m - 1). reach: rays start that far out."""
+    """Rays of the axis (axis_y, axis_z) at `station` (k,) and `angle` (m,): radius (k, m) where the
+    skin is met (bridged over small gaps, NaN beyond the sheer), girth (k, m) from phi = 0, whole (k
+    - 1, m - 1). reach: rays start that far out.
+    """
 
     axis_y: float
     axis_z: float
@@ -31,11 +35,15 @@ class Sections:
     def rays(self, along: Array, angle: Array) -> tuple[Array, Array]:
         """Return origins outside and inward unit directions (n, 3)."""
         outward = np.stack([np.zeros_like(angle), np.sin(angle), -np.cos(angle)], axis=1)
-        axis = np.stack([along, np.full_like(along, self.axis_y), np.full_like(along, self.axis_z)], axis=1)
+        axis = np.stack(
+            [along, np.full_like(along, self.axis_y), np.full_like(along, self.axis_z)], axis=1
+        )
         return axis + self.reach * outward, -outward
 
     def girth_at(self, points: Array) -> Array:
-        """Return girth (n,) of points (n, 3) on the skin; NaN outside the whole cells and for points of another, inner skin."""
+        """Return girth (n,) of points (n, 3) on the skin; NaN outside the whole cells and for
+        points of another, inner skin.
+        """
         y, z = points[:, 1] - self.axis_y, points[:, 2] - self.axis_z
         angle = np.arctan2(y, -z)
         radius = self._blend(self.radius, points[:, 0], angle)
@@ -51,28 +59,44 @@ class Sections:
         for _ in range(int(np.ceil(np.log2(len(self.angle))))):
             middle = (low + high) // 2
             under = self._line(row, share, middle) <= np.nan_to_num(along_girth[:, 1])
-            low, high = np.where(under, middle, low), np.where(under, high, np.maximum(middle, low + 1))
+            low, high = (
+                np.where(under, middle, low),
+                np.where(under, high, np.maximum(middle, low + 1)),
+            )
         low = np.minimum(low, len(self.angle) - 2)
         start, stop = self._line(row, share, low), self._line(row, share, low + 1)
         with np.errstate(invalid="ignore"):  # beyond the sheer both ends are infinite
             part = (along_girth[:, 1] - start) / np.where(stop > start, stop - start, 1.0)
-        fits = known & (part >= -1e-9) & (part <= 1 + 1e-9) & self.whole[row, low] & self._spanned(along_girth[:, 0])
+        fits = (
+            known
+            & (part >= -1e-9)
+            & (part <= 1 + 1e-9)
+            & self.whole[row, low]
+            & self._spanned(along_girth[:, 0])
+        )
         angle = self.angle[low] + np.clip(part, 0, 1) * (self.angle[low + 1] - self.angle[low])
         radius = self._blend(self.radius, along_girth[:, 0], angle)
         return angle, np.where(fits, radius, np.nan)
 
     def slack_at(self, along: Array, angle: Array) -> Array:
-        """Return (n,) m: how far the skin may be from the bilinear radius: the spread of the cell's corners, at least a tenth
-        of a step between stations (a chine or a plate's edge inside the cell)."""
+        """Return (n,) m: how far the skin may be from the bilinear radius: the spread of the cell's
+        corners, at least a tenth of a step between stations (a chine or a plate's edge inside the
+        cell).
+        """
         row, _ = self._cell(self.station, along)
         column, _ = self._cell(self.angle, angle)
         corners = np.stack([self.radius[row + i, column + j] for i in (0, 1) for j in (0, 1)])
         with np.errstate(invalid="ignore"):
-            return np.asarray(corners.max(axis=0) - corners.min(axis=0) + 0.1 * (self.station[1] - self.station[0]))
+            return np.asarray(
+                corners.max(axis=0)
+                - corners.min(axis=0)
+                + 0.1 * (self.station[1] - self.station[0])
+            )
 
     def _line(self, row: Ints, share: Array, column: Ints) -> Array:
-        """Return girth at the angle of a column between two stations; beyond the sheer, -inf or inf so that a search stays
-        inside."""
+        """Return girth at the angle of a column between two stations; beyond the sheer, -inf or inf
+        so that a search stays inside.
+        """
         girth = self.girth[row, column] * (1 - share) + self.girth[row + 1, column] * share
         return np.where(np.isnan(girth), np.where(self.angle[column] < 0, -np.inf, np.inf), girth)
 
@@ -84,14 +108,18 @@ class Sections:
         return np.asarray(lower * (1 - a) + upper * a)
 
     def _inside(self, along: Array, angle: Array) -> Mask:
-        return self.whole[self._cell(self.station, along)[0], self._cell(self.angle, angle)[0]] & self._spanned(along)
+        return self.whole[
+            self._cell(self.station, along)[0], self._cell(self.angle, angle)[0]
+        ] & self._spanned(along)
 
     def _spanned(self, along: Array) -> Mask:
         return np.asarray((along >= self.station[0] - 1e-9) & (along <= self.station[-1] + 1e-9))
 
     @staticmethod
     def _cell(nodes: Array, at: Array) -> tuple[Ints, Array]:
-        """Return cell and share within it of an even grid; clipped to the grid, NaN to the first cell."""
+        """Return cell and share within it of an even grid; clipped to the grid, NaN to the first
+        cell.
+        """
         place = np.nan_to_num((at - nodes[0]) / (nodes[1] - nodes[0]))
         cell = np.clip(np.floor(place), 0, len(nodes) - 2).astype(np.int64)
         return cell, np.clip(place - cell, 0.0, 1.0)

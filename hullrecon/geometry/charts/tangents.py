@@ -13,13 +13,18 @@ STEP_M = 0.05  # half the stretch of the chart over which a direction is taken
 
 
 def tangents_at(chart: Chart, points: Array) -> tuple[Array, Array]:
-    """Return unit vectors (n, 3) along the hull and in growing girth at points (n, 3); NaN rows off the chart."""
+    """Return unit vectors (n, 3) along the hull and in growing girth at points (n, 3); NaN rows off
+    the chart.
+    """
     at = chart.to_chart(points)[:, :2]
-    along, girth = (_direction(chart, at, np.array(step)) for step in ((STEP_M, 0.0), (0.0, STEP_M)))
+    along, girth = (
+        _direction(chart, at, np.array(step)) for step in ((STEP_M, 0.0), (0.0, STEP_M))
+    )
     return along, girth
 
 
 def _direction(chart: Chart, at: Array, step: Array) -> Array:
     here, ahead, behind = (chart.from_chart(place)[0] for place in (at, at + step, at - step))
-    ahead, behind = (np.where(np.isfinite(end), end, here) for end in (ahead, behind))  # at the chart's rim one side is enough
+    # at the chart's rim one side is enough
+    ahead, behind = (np.where(np.isfinite(end), end, here) for end in (ahead, behind))
     return np.asarray((ahead - behind) / np.linalg.norm(ahead - behind, axis=1, keepdims=True))

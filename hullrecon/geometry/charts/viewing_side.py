@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How a chart is drawn so that a viewer sees the hull from outside, as a diver does, and lettering is not mirrored."""
+"""How a chart is drawn so that a viewer sees the hull from outside, as a diver does, and lettering
+is not mirrored.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +13,19 @@ from hullrecon.typing import Array
 
 
 def flips(chart: Chart, along_girth: Array, step_m: float = 0.05) -> tuple[bool, bool]:
-    """Return whether along has to grow to the left, and girth downwards, for a CAD model of these chart points (n, 2).
+    """Return whether along has to grow to the left, and girth downwards, for a CAD model of these
+    chart points (n, 2).
 
-    With along to the right and girth up a hull is seen from inside. On its port side, where girth rises, the CAD model is
-    mirrored along; on the starboard side, where girth falls towards the deck, it is mirrored in girth.
+    With along to the right and girth up a hull is seen from inside. On its port side, where girth
+    rises, the CAD model is mirrored along; on the starboard side, where girth falls towards the
+    deck, it is mirrored in girth.
     """
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     _, normal = chart.from_chart(good)
-    along, girth = (chart.from_chart(good + step)[0] - chart.from_chart(good - step)[0] for step in np.eye(2) * step_m)
+    along, girth = (
+        chart.from_chart(good + step)[0] - chart.from_chart(good - step)[0]
+        for step in np.eye(2) * step_m
+    )
     turn, rise = (np.cross(along, girth) * normal).sum(axis=1), girth @ chart.ship_axes[2]
     known = np.isfinite(turn) & np.isfinite(rise)
     if not known.any():

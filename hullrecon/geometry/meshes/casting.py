@@ -15,8 +15,9 @@ from hullrecon.typing import Array, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class ClosestPoints:
-    """distance (n,) m, signed, positive outside; foot (n, 3) on the mesh; normal (n, 3) of the closest triangle, outward;
-    face (n,), -1 where there is no answer."""
+    """distance (n,) m, signed, positive outside; foot (n, 3) on the mesh; normal (n, 3) of the
+    closest triangle, outward; face (n,), -1 where there is no answer.
+    """
 
     distance: Array
     foot: Array
@@ -32,8 +33,9 @@ class Scene:
         self._normal = face_normals(mesh)
 
     def closest(self, points: Array) -> ClosestPoints:
-        """Return the closest point of the mesh for each of (n, 3), the sign by the pseudonormal there; NaN for points not
-        finite."""
+        """Return the closest point of the mesh for each of (n, 3), the sign by the pseudonormal
+        there; NaN for points not finite.
+        """
         known = np.asarray(np.isfinite(points).all(axis=1))
         distance, foot, normal = (
             np.full(len(points), np.nan),
@@ -48,8 +50,9 @@ class Scene:
         return ClosestPoints(distance=distance, foot=foot, normal=normal, face=face)
 
     def cast(self, origins: Array, directions: Array) -> Array:
-        """Return how far along unit directions (n, 3) from origins (n, 3) or (3,) the mesh is met, (n,) m; inf where it is
-        not."""
+        """Return how far along unit directions (n, 3) from origins (n, 3) or (3,) the mesh is met,
+        (n,) m; inf where it is not.
+        """
         if not len(directions):
             return np.zeros(0)
         return self._index.cast(np.broadcast_to(origins, directions.shape), directions).range

@@ -31,21 +31,31 @@ def face_normals(mesh: Mesh) -> Array:
 
 
 def vertex_areas(mesh: Mesh) -> Array:
-    """Return a third of the area of the faces around each vertex (n,), m2: what values at vertices are weighted by."""
+    """Return a third of the area of the faces around each vertex (n,), m2: what values at vertices
+    are weighted by.
+    """
     third = face_areas(mesh) / 3
-    return np.asarray(sum(np.bincount(mesh.faces[:, k], third, minlength=len(mesh.vertices)) for k in range(3)))
+    return np.asarray(
+        sum(np.bincount(mesh.faces[:, k], third, minlength=len(mesh.vertices)) for k in range(3))
+    )
 
 
 def vertex_normals(mesh: Mesh) -> Array:
-    """Return outward unit normals (n, 3), the faces' normals weighted by their angles; zero at vertices of no face."""
+    """Return outward unit normals (n, 3), the faces' normals weighted by their angles; zero at
+    vertices of no face.
+    """
     corner, normal = mesh.vertices[mesh.faces], face_normals(mesh)
     out = np.zeros_like(mesh.vertices)
     for k in range(3):
         a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
-        cosine = np.einsum("ni,ni->n", a, b) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-15)
+        cosine = np.einsum("ni,ni->n", a, b) / np.maximum(
+            np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-15
+        )
         angle = np.arccos(np.clip(cosine, -1, 1))
         for axis in range(3):
-            out[:, axis] += np.bincount(mesh.faces[:, k], angle * normal[:, axis], minlength=len(out))
+            out[:, axis] += np.bincount(
+                mesh.faces[:, k], angle * normal[:, axis], minlength=len(out)
+            )
     return np.asarray(out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15))
 
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Midpoint subdivision of a mesh until its edges are short enough where it matters [Ozog2016 3.2.2.1], without cracks."""
+"""Midpoint subdivision of a mesh until its edges are short enough where it matters [Ozog2016
+3.2.2.1], without cracks.
+"""
 
 from __future__ import annotations
 
@@ -12,22 +14,30 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array, Ints, Mask
 
 FLAT = 1e-9  # sine of the sum of two angles opposite an edge, below which they count as half a turn
-MOST_PASSES = 60  # of flips after a split; Lawson's flips end by themselves but for rounding in faces that are all but lines
+# of flips after a split; Lawson's flips end by themselves but for rounding in faces that are all
+# but lines
+MOST_PASSES = 60
 
 
 def refine(
-    mesh: Mesh, longest_m: float | Callable[[Array], Array], attributes: Array | None = None, spared_m: float = 0.0
+    mesh: Mesh,
+    longest_m: float | Callable[[Array], Array],
+    attributes: Array | None = None,
+    spared_m: float = 0.0,
 ) -> tuple[Mesh, Array]:
     """Return the mesh with edges split at their midpoints until none is longer than wanted.
 
-    longest_m: the longest edge allowed, metres; a function gives it at the edges' midpoints (n, 3), inf where the mesh may stay
-    coarse; no edge up to `spared_m` is asked about. Neighbouring faces split their common edge together, so no crack opens. The
-    longest edges are split first, those of the old faces before those inside them, and inside every old face the new ones are
-    kept a Delaunay triangulation: a long narrow face, as CAD programs export them, is cut across and not into as many narrow
-    ones. attributes (n, k) of the vertices are averaged along; returned with the mesh. The first vertices are the old ones,
-    unmoved.
+    longest_m: the longest edge allowed, metres; a function gives it at the edges' midpoints (n, 3),
+    inf where the mesh may stay coarse; no edge up to `spared_m` is asked about. Neighbouring faces
+    split their common edge together, so no crack opens. The longest edges are split first, those of
+    the old faces before those inside them, and inside every old face the new ones are kept a
+    Delaunay triangulation: a long narrow face, as CAD programs export them, is cut across and not
+    into as many narrow ones. attributes (n, k) of the vertices are averaged along; returned with
+    the mesh. The first vertices are the old ones, unmoved.
     """
-    table = np.hstack([mesh.vertices, np.zeros((len(mesh.vertices), 0)) if attributes is None else attributes])
+    table = np.hstack(
+        [mesh.vertices, np.zeros((len(mesh.vertices), 0)) if attributes is None else attributes]
+    )
     faces, old_face = mesh.faces.astype(np.int64), np.arange(len(mesh.faces))
     limits = _Limits(longest_m, spared_m)
     while True:
@@ -39,8 +49,13 @@ def refine(
         middle[marked] = len(table) + np.arange(marked.sum())
         table = np.vstack([table, table[edge[marked]].mean(axis=1)])
         split = marked[of_face].any(axis=1)
-        parts, of_part = _split_faces(faces[split], old_face[split], middle[of_face[split]], table[:, :3])
-        faces, old_face = np.vstack([faces[~split], parts]), np.concatenate([old_face[~split], of_part])
+        parts, of_part = _split_faces(
+            faces[split], old_face[split], middle[of_face[split]], table[:, :3]
+        )
+        faces, old_face = (
+            np.vstack([faces[~split], parts]),
+            np.concatenate([old_face[~split], of_part]),
+        )
         _flip_edges(faces, old_face, np.isin(old_face, of_part), table[:, :3])
 
 
@@ -77,9 +92,12 @@ def _edges(faces: Ints) -> tuple[Ints, Ints]:
     return np.stack([key // size, key % size], axis=1), back.reshape(-1, 3)
 
 
-def _mark_edges(vertices: Array, edge: Ints, of_face: Ints, old_face: Ints, limits: _Limits) -> Mask:
-    """Return the edges to split next (e,): of those too long the longest, to a factor of two; of these those of the old faces,
-    where there are any."""
+def _mark_edges(
+    vertices: Array, edge: Ints, of_face: Ints, old_face: Ints, limits: _Limits
+) -> Mask:
+    """Return the edges to split next (e,): of those too long the longest, to a factor of two; of
+    these those of the old faces, where there are any.
+    """
     ends = vertices[edge]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     marked = limits.exceeded(edge, ends, length)
@@ -93,8 +111,10 @@ def _mark_edges(vertices: Array, edge: Ints, of_face: Ints, old_face: Ints, limi
 
 
 def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
-    """Return the edges marked (e,), with them the longest of each face that is more than twice as long as one that it splits:
-    no fan of narrow faces opens towards where the mesh may stay coarse. length (m, 3): of the faces' edges."""
+    """Return the edges marked (e,), with them the longest of each face that is more than twice as
+    long as one that it splits: no fan of narrow faces opens towards where the mesh may stay coarse.
+    length (m, 3): of the faces' edges.
+    """
     longest = of_face[np.arange(len(of_face)), np.argmax(length, axis=1)]
     steep = length.max(axis=1)[:, None] > 2 * length
     while True:
@@ -105,7 +125,9 @@ def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
 
 
 def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]:
-    """Return the edges (k,) whose two faces are parts of one old face, and where those have them (k, 2): face * 3 + edge."""
+    """Return the edges (k,) whose two faces are parts of one old face, and where those have them
+    (k, 2): face * 3 + edge.
+    """
     flat = of_face.ravel()
     place = np.argsort(flat, kind="stable")
     start = np.searchsorted(flat[place], np.arange(count))
@@ -116,31 +138,39 @@ def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]
 
 
 def _split_faces(faces: Ints, old_face: Ints, middle: Ints, vertices: Array) -> tuple[Ints, Ints]:
-    """Return the parts (k, 3) of faces (m, 3) split at the new vertices on their edges 0-1, 1-2, 2-0 (m, 3), -1 where an edge
-    stays whole; and the old face (k,) of each."""
+    """Return the parts (k, 3) of faces (m, 3) split at the new vertices on their edges 0-1, 1-2,
+    2-0 (m, 3), -1 where an edge stays whole; and the old face (k,) of each.
+    """
     count = (middle >= 0).sum(axis=1)
     one = _turn_faces(faces, middle, count == 1, np.argmax(middle >= 0, axis=1))
     two = _turn_faces(faces, middle, count == 2, np.argmax(middle < 0, axis=1) + 1)
     a, b, c, p, _, _ = one
     halves = [(a, p, c), (p, b, c)]
     a, b, c, p, q, _ = two
-    short = np.linalg.norm(vertices[a] - vertices[q], axis=1) < np.linalg.norm(vertices[p] - vertices[c], axis=1)
+    short = np.linalg.norm(vertices[a] - vertices[q], axis=1) < np.linalg.norm(
+        vertices[p] - vertices[c], axis=1
+    )
     thirds = [(p, b, q), (a, p, np.where(short, q, c)), (np.where(short, a, p), q, c)]
     a, b, c, p, q, r = _turn_faces(faces, middle, count == 3, np.zeros(len(faces), np.int64))
     quarters = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
     of = [np.tile(old_face[count == n], n + 1) for n in (1, 2, 3)]
-    return np.vstack([np.stack(corner, axis=1) for corner in halves + thirds + quarters]), np.concatenate(of)
+    return np.vstack(
+        [np.stack(corner, axis=1) for corner in halves + thirds + quarters]
+    ), np.concatenate(of)
 
 
 def _turn_faces(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
     """Return corners and middles of some faces, turned so that edge `first` becomes 0-1: (6, k)."""
     turn = (first[which, None] + np.arange(3)) % 3
-    return np.hstack([np.take_along_axis(faces[which], turn, 1), np.take_along_axis(middle[which], turn, 1)]).T
+    return np.hstack(
+        [np.take_along_axis(faces[which], turn, 1), np.take_along_axis(middle[which], turn, 1)]
+    ).T
 
 
 def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> None:
-    """Flip edges of those faces, in place, until the parts of every old face are Delaunay [Lawson1977]. Parts of one face lie
-    in a plane, so that its shape does not change."""
+    """Flip edges of those faces, in place, until the parts of every old face are Delaunay
+    [Lawson1977]. Parts of one face lie in a plane, so that its shape does not change.
+    """
     for _ in range(MOST_PASSES):
         active = np.flatnonzero(which)
         edge, of_face = _edges(faces[active])
@@ -164,7 +194,9 @@ def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> No
 
 
 def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
-    """Return minus the sine of the sum of the two angles (k,) that look at each edge: positive where the edge is to flip."""
+    """Return minus the sine of the sum of the two angles (k,) that look at each edge: positive
+    where the edge is to flip.
+    """
     a, b = vertices[edge[:, 0]], vertices[edge[:, 1]]
     cosine, sine = np.zeros((2, len(edge))), np.zeros((2, len(edge)))
     for side in (0, 1):

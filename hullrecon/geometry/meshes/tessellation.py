@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far a CAD model of flat facets stands off the curved hull that it stands for.
 
-Across an edge with dihedral angle t, facets of widths a and b (square to the edge) follow a circle of radius (a + b) / (2 t);
-its arc over the chord a rises a^2 t / (4 (a + b)). Heights of that size are the tessellation's, not a structure's; and slid
-along the hull, the pattern of facets makes false minima a facet apart, which registration must not take for information.
+Across an edge with dihedral angle t, facets of widths a and b (square to the edge) follow a circle
+of radius (a + b) / (2 t); its arc over the chord a rises a^2 t / (4 (a + b)). Heights of that size
+are the tessellation's, not a structure's; and slid along the hull, the pattern of facets makes
+false minima a facet apart, which registration must not take for information.
 """
 
 from __future__ import annotations
@@ -18,12 +19,15 @@ from hullrecon.geometry.meshes.mesh import Mesh, face_areas, face_normals
 from hullrecon.geometry.meshes.topology import find_shared_edges, weld_vertices
 from hullrecon.typing import Array, Ints, Mask
 
-SHARPEST_RAD = np.radians(40.0)  # a sharper edge is drawn on purpose (a chine, a keel), not a curve's facets
+# a sharper edge is drawn on purpose (a chine, a keel), not a curve's facets
+SHARPEST_RAD = np.radians(40.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TessellationError:
-    """sigma_m: of the facets' offset from a smooth hull; length_m: the distance over which it stays the same."""
+    """sigma_m: of the facets' offset from a smooth hull; length_m: the distance over which it stays
+    the same.
+    """
 
     sigma_m: float
     length_m: float
@@ -31,7 +35,9 @@ class TessellationError:
 
 @dataclass(frozen=True, kw_only=True)
 class _SmoothEdges:
-    """Edges (k,) between faces that stand for one curve: first, second faces; widths of both, angle between them, rad."""
+    """Edges (k,) between faces that stand for one curve: first, second faces; widths of both, angle
+    between them, rad.
+    """
 
     first: Ints
     second: Ints
@@ -41,16 +47,24 @@ class _SmoothEdges:
 
 
 def facet_sagitta(mesh: Mesh) -> Array:
-    """Return for each face (m,) the rise of the arc over it, metres: the largest over its edges, zero beside sharp edges."""
+    """Return for each face (m,) the rise of the arc over it, metres: the largest over its edges,
+    zero beside sharp edges.
+    """
     edges = _smooth_edges(mesh)
     out = np.zeros(len(mesh.faces))
     for face, own in ((edges.first, edges.width_first), (edges.second, edges.width_second)):
-        np.maximum.at(out, face, own**2 * edges.angle / (4 * np.maximum(edges.width_first + edges.width_second, 1e-12)))
+        np.maximum.at(
+            out,
+            face,
+            own**2 * edges.angle / (4 * np.maximum(edges.width_first + edges.width_second, 1e-12)),
+        )
     return out
 
 
 def facet_turn(mesh: Mesh) -> Array:
-    """Return for each face (m,) the largest angle to a neighbour, rad, beyond which sharp edges are left out."""
+    """Return for each face (m,) the largest angle to a neighbour, rad, beyond which sharp edges are
+    left out.
+    """
     edges = _smooth_edges(mesh)
     out = np.zeros(len(mesh.faces))
     for face in (edges.first, edges.second):
@@ -59,7 +73,9 @@ def facet_turn(mesh: Mesh) -> Array:
 
 
 def tessellation_error(mesh: Mesh, points: Array, reach_m: float = 1.0) -> TessellationError:
-    """Return the error of the facets within reach of points (n, 3), in the mesh's frame, weighted by area."""
+    """Return the error of the facets within reach of points (n, 3), in the mesh's frame, weighted
+    by area.
+    """
     part = Mesh(mesh.vertices, mesh.faces[_faces_near(mesh, points, reach_m)])
     edges = _smooth_edges(part)
     if not len(edges.angle):
@@ -83,7 +99,9 @@ def _smooth_edges(mesh: Mesh) -> _SmoothEdges:
     welded = weld_vertices(mesh)
     shared = find_shared_edges(welded.faces)
     normal, area = face_normals(mesh), face_areas(mesh)
-    angle = np.arccos(np.clip(np.einsum("ni,ni->n", normal[shared.first], normal[shared.second]), -1, 1))
+    angle = np.arccos(
+        np.clip(np.einsum("ni,ni->n", normal[shared.first], normal[shared.second]), -1, 1)
+    )
     smooth = (angle <= SHARPEST_RAD) & (area[shared.first] > 0) & (area[shared.second] > 0)
     first, second = shared.first[smooth], shared.second[smooth]
     ends = welded.vertices[shared.vertices[smooth]]

@@ -15,8 +15,10 @@ from hullrecon.typing import Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Edges:
-    """Unique edges of a mesh. vertices (e, 2), ascending in each row; of_face (m, 3): the edges 0-1, 1-2, 2-0 of each face;
-    face_count (e,): how many faces have the edge; forward (m, 3): the face runs along the edge from its smaller vertex."""
+    """Unique edges of a mesh. vertices (e, 2), ascending in each row; of_face (m, 3): the edges
+    0-1, 1-2, 2-0 of each face; face_count (e,): how many faces have the edge; forward (m, 3): the
+    face runs along the edge from its smaller vertex.
+    """
 
     vertices: Ints
     of_face: Ints
@@ -26,8 +28,10 @@ class Edges:
 
 @dataclass(frozen=True, kw_only=True)
 class SharedEdges:
-    """Edges between exactly two faces. vertices (k, 2); first, second (k,): the faces; same_winding (k,): the two run along the
-    edge in opposite senses, as neighbours of a consistently oriented surface do."""
+    """Edges between exactly two faces. vertices (k, 2); first, second (k,): the faces; same_winding
+    (k,): the two run along the edge in opposite senses, as neighbours of a consistently oriented
+    surface do.
+    """
 
     vertices: Ints
     first: Ints
@@ -65,7 +69,9 @@ def find_shared_edges(faces: NDArray[np.integer]) -> SharedEdges:
 
 
 def weld_vertices(mesh: Mesh, tolerance_m: float = 1e-6) -> Mesh:
-    """Return the mesh with vertices at equal coordinates, to the tolerance, as one; faces keep their order."""
+    """Return the mesh with vertices at equal coordinates, to the tolerance, as one; faces keep
+    their order.
+    """
     cells = np.round(mesh.vertices / tolerance_m).astype(np.int64)
     _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     return Mesh(mesh.vertices[first], np.asarray(number.reshape(-1)[mesh.faces], np.int32))

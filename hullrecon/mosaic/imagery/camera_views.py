@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The images of a dive as views of the hull: where each was taken, which texels it may see, and the light in it."""
+"""The images of a dive as views of the hull: where each was taken, which texels it may see, and the
+light in it.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,14 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.grid import TexelGrid, Window, grid_around
 from hullrecon.mosaic.imagery.image_view import CameraView, ImageView
-from hullrecon.mosaic.imagery.radiometry import FIELD, FLOOR, LightModel, LightSamples, first_fields, solve_light
+from hullrecon.mosaic.imagery.radiometry import (
+    FIELD,
+    FLOOR,
+    LightModel,
+    LightSamples,
+    first_fields,
+    solve_light,
+)
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface, seen
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import SensorRig
@@ -29,9 +38,9 @@ BLOCK = 1024  # of those texels, at a time
 
 @dataclass(frozen=True, kw_only=True)
 class CameraImages:
-    """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without a CAD model), and how a
-    row is
-    read, (h, w, 3) uint8 RGB or None."""
+    """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without
+    a CAD model), and how a row is read, (h, w, 3) uint8 RGB or None.
+    """
 
     camera: CameraModel
     rows: Ints
@@ -41,8 +50,10 @@ class CameraImages:
 
 @dataclass(frozen=True, kw_only=True)
 class Footprints:
-    """Where images meet the surface: point (views, k, 3), at (views, k, 2) on the chart, NaN where they do not; distance
-    (views,) m in the median; span_m: the largest of all distances, 0 when no image meets it."""
+    """Where images meet the surface: point (views, k, 3), at (views, k, 2) on the chart, NaN where
+    they do not; distance (views,) m in the median; span_m: the largest of all distances, 0 when no
+    image meets it.
+    """
 
     point: Array
     at: Array
@@ -50,9 +61,12 @@ class Footprints:
     span_m: float
 
 
-def images_of_camera(rig: SensorRig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read) -> CameraImages:
-    """Return a camera's usable images that have a pose, in the frame of the track; usable (m,): by row of the camera's
-    index."""
+def images_of_camera(
+    rig: SensorRig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read
+) -> CameraImages:
+    """Return a camera's usable images that have a pose, in the frame of the track; usable (m,): by
+    row of the camera's index.
+    """
     nodes = np.flatnonzero(track.image[:, camera.column] >= 0)
     nodes = nodes[usable[track.image[nodes, camera.column]]]
     return CameraImages(
@@ -65,32 +79,50 @@ def images_of_camera(rig: SensorRig, track: VehicleTrack, camera: Camera, usable
 
 def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
     """Return uncorrected views, in the order of the cameras."""
-    return [CameraView(pose=s.poses[i], camera=s.camera, load=lambda: None) for s in cameras for i in range(len(s.rows))]
+    return [
+        CameraView(pose=s.poses[i], camera=s.camera, load=lambda: None)
+        for s in cameras
+        for i in range(len(s.rows))
+    ]
 
 
 def compute_footprints(
     surface: MosaicSurface, image_views: Sequence[ImageView], most_medians: float = float("inf")
 ) -> Footprints:
-    """Return where images meet the surface. most_medians: of a view's median distance, beyond which what it meets is none of
-    its footprint."""
+    """Return where images meet the surface. most_medians: of a view's median distance, beyond which
+    what it meets is none of its footprint.
+    """
     outlines = [image_view.outline(surface) for image_view in image_views]
-    ranges = np.array([np.linalg.norm(o - s.center, axis=1) for o, s in zip(outlines, image_views, strict=True)])
-    distance = np.array([float(np.median(r[np.isfinite(r)])) if np.isfinite(r).any() else np.nan for r in ranges])
+    ranges = np.array(
+        [np.linalg.norm(o - s.center, axis=1) for o, s in zip(outlines, image_views, strict=True)]
+    )
+    distance = np.array(
+        [float(np.median(r[np.isfinite(r)])) if np.isfinite(r).any() else np.nan for r in ranges]
+    )
     points = np.stack(outlines)
     points[ranges > most_medians * distance[:, None]] = np.nan
     good = np.isfinite(points).all(axis=2)
     at = np.full((*points.shape[:2], 2), np.nan)
     at[good] = surface.chart.to_chart(points[good])[:, :2]
-    return Footprints(point=points, at=at, distance=distance, span_m=float(ranges.max(initial=0.0, where=good)))
+    return Footprints(
+        point=points, at=at, distance=distance, span_m=float(ranges.max(initial=0.0, where=good))
+    )
 
 
-def footprint_windows(grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06) -> list[Window]:
-    """Return the texels that each view may see: the bounds of its footprints, a little widened for what lies between its
-    points."""
+def footprint_windows(
+    grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06
+) -> list[Window]:
+    """Return the texels that each view may see: the bounds of its footprints, a little widened for
+    what lies between its points.
+    """
     spans = []
     for at in footprints.at:
         good = at[np.isfinite(at).all(axis=1)]
-        spans.append(grid.window_of(at, margin_share * float(np.ptp(good, axis=0).max()) if len(good) else 0.0))
+        spans.append(
+            grid.window_of(
+                at, margin_share * float(np.ptp(good, axis=0).max()) if len(good) else 0.0
+            )
+        )
     return spans
 
 
@@ -101,12 +133,18 @@ def camera_views(cameras: Sequence[CameraImages], light: LightModel | None) -> l
         for i, row in enumerate(images.rows.tolist()):
             view = len(image_views)
             image_views.append(
-                CameraView(pose=images.poses[i], camera=images.camera, load=_loader(images.read, row, light, k, view))
+                CameraView(
+                    pose=images.poses[i],
+                    camera=images.camera,
+                    load=_loader(images.read, row, light, k, view),
+                )
             )
     return image_views
 
 
-def _loader(read: Read, row: int, light: LightModel | None, camera: int, view: int) -> Callable[[], Floats32 | None]:
+def _loader(
+    read: Read, row: int, light: LightModel | None, camera: int, view: int
+) -> Callable[[], Floats32 | None]:
     def load() -> Floats32 | None:
         picture = read(row)
         if picture is None:
@@ -129,13 +167,17 @@ def estimate_light(
     """
     camera = np.concatenate([np.full(len(s.rows), k) for k, s in enumerate(cameras)])
     rows = [(s.read, row) for s in cameras for row in s.rows.tolist()]
-    thumbnails: list[NDArray[np.uint8] | None] = [_thumbnail(read, row) for read, row in progress(rows)]
+    thumbnails: list[NDArray[np.uint8] | None] = [
+        _thumbnail(read, row) for read, row in progress(rows)
+    ]
     good = np.array([t is not None for t in thumbnails])
     if good.sum() < 2:
         return None
     fields = first_fields([t for t in thumbnails if t is not None], camera[good])
     grid = grid_around(footprints.at.reshape(-1, 2), LIGHT_STEP_M)
-    samples = sample_light(surface, grid, image_views, footprint_windows(grid, footprints), thumbnails, camera)
+    samples = sample_light(
+        surface, grid, image_views, footprint_windows(grid, footprints), thumbnails, camera
+    )
     return (
         solve_light(samples, fields)
         if len(samples.view)
@@ -150,7 +192,9 @@ def _thumbnail(read: Read, row: int) -> NDArray[np.uint8] | None:
     picture = read(row)
     if picture is None:
         return None
-    return np.asarray(cv2.resize(picture, (2 * FIELD[1], 2 * FIELD[0]), interpolation=cv2.INTER_AREA), np.uint8)
+    return np.asarray(
+        cv2.resize(picture, (2 * FIELD[1], 2 * FIELD[0]), interpolation=cv2.INTER_AREA), np.uint8
+    )
 
 
 def sample_light(
@@ -167,7 +211,9 @@ def sample_light(
             part = window.within(tile)
             rows, columns = np.mgrid[window.top : window.bottom, window.left : window.right]
             known = np.isfinite(patch.point[part][..., 0])
-            known[known] = seen(surface, patch.part(part), np.flatnonzero(known), image_view.center, 0.0)[0]
+            known[known] = seen(
+                surface, patch.part(part), np.flatnonzero(known), image_view.center, 0.0
+            )[0]
             pixel, ratio = image_view.project(patch.point[part][known])
             held = np.isfinite(ratio)
             share = (pixel[held] + 0.5) / [image_view.camera.width, image_view.camera.height]
@@ -175,11 +221,17 @@ def sample_light(
             parts.append((np.full(len(texel), view), texel, _cell(share), _value(thumbnail, share)))
     if not parts:
         none = np.zeros(0, np.int64)
-        return LightSamples(view=none, texel=none, cell=none, log_value=np.zeros((0, 3)), camera=camera)
+        return LightSamples(
+            view=none, texel=none, cell=none, log_value=np.zeros((0, 3)), camera=camera
+        )
     view_of, texel_size, cell_of, value = (np.concatenate(p) for p in zip(*parts, strict=True))
     _, texel_size = np.unique(texel_size, return_inverse=True)
     return LightSamples(
-        view=view_of.astype(np.int64), texel=texel_size, cell=cell_of.astype(np.int64), log_value=value, camera=camera
+        view=view_of.astype(np.int64),
+        texel=texel_size,
+        cell=cell_of.astype(np.int64),
+        log_value=value,
+        camera=camera,
     )
 
 

@@ -23,12 +23,15 @@ class ImageView(Protocol):
     def center(self) -> Array: ...
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Return, of points (n, 3): pixel (n, 2) in the picture, and r / R (n,), the distance from the best place in the
-        image over
-        the largest one considered (docs/methods.md 13, 14); NaN where the image does not hold the point."""
+        """Return, of points (n, 3): pixel (n, 2) in the picture, and r / R (n,), the distance from
+        the best place in the image over the largest one considered (docs/methods.md 13, 14); NaN
+        where the image does not hold the point.
+        """
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Return points (n, 3) of the surface all over the image, NaN rows where it does not meet the surface."""
+        """Return points (n, 3) of the surface all over the image, NaN rows where it does not meet
+        the surface.
+        """
 
     def picture(self) -> Floats32 | None:
         """Return the image (h, w, channels), corrected, 0 to 255; None when it cannot be read."""
@@ -36,7 +39,9 @@ class ImageView(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class CameraView:
-    """A camera's image. pose: one T_M_c (T_g_c without a CAD model); load gives the correct picture."""
+    """A camera's image. pose: one T_M_c (T_g_c without a CAD model); load gives the correct
+    picture.
+    """
 
     pose: Poses
     camera: CameraModel
@@ -60,8 +65,13 @@ class CameraView:
         return pixel, np.where(held, away, np.nan)
 
     def outline(self, surface: MosaicSurface) -> Array:
-        u, v = np.meshgrid(np.linspace(1, self.camera.width - 2, 7), np.linspace(1, self.camera.height - 2, 7))
-        rays = self.camera.rays(np.stack([u.ravel(), v.ravel()], axis=1)) @ self.pose.rotation.as_matrix()[0].T
+        u, v = np.meshgrid(
+            np.linspace(1, self.camera.width - 2, 7), np.linspace(1, self.camera.height - 2, 7)
+        )
+        rays = (
+            self.camera.rays(np.stack([u.ravel(), v.ravel()], axis=1))
+            @ self.pose.rotation.as_matrix()[0].T
+        )
         gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         return np.asarray(self.center + np.where(np.isfinite(gone), gone, np.nan)[:, None] * rays)
 
@@ -69,6 +79,10 @@ class CameraView:
         return self.load()
 
     def _widest(self) -> float:
-        """Return the tangent beyond which the distortion polynomial would fold points back into the image."""
+        """Return the tangent beyond which the distortion polynomial would fold points back into the
+        image.
+        """
         c = self.camera
-        return 1.5 * max(c.cx / c.fx, (c.width - c.cx) / c.fx, c.cy / c.fy, (c.height - c.cy) / c.fy)
+        return 1.5 * max(
+            c.cx / c.fx, (c.width - c.cx) / c.fx, c.cy / c.fy, (c.height - c.cy) / c.fy
+        )

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""LightModel: what the lamp and the lens do to every image of a camera, and how bright each image is as a whole.
+"""LightModel: what the lamp and the lens do to every image of a camera, and how bright each image
+is as a whole.
 
-The logarithm of an intensity is taken as the sum of the scene at the texel, a smooth field over the image that is common to a
-camera (lamp, vignetting, attenuation at the usual distance), and a number for each image. The scene is seen by several views at
-different places of their images, which tells it from the field. Back-scatter, which adds, is not modelled.
+The logarithm of an intensity is taken as the sum of the scene at the texel, a smooth field over the
+image that is common to a camera (lamp, vignetting, attenuation at the usual distance), and a number
+for each image. The scene is seen by several views at different places of their images, which tells
+it from the field. Back-scatter, which adds, is not modelled.
 """
 
 from __future__ import annotations
@@ -20,12 +22,15 @@ from hullrecon.typing import Array, Floats32, Ints
 FLOOR = 2.0  # gray levels: below it the logarithm is of noise
 FIELD = (24, 32)  # cells of the field, rows and columns
 SMOOTH = 2.0  # cells, sigma of the field's smoothing
-MOST_IMAGES = 1000  # of a camera, whose median is known to a thirtieth of their spread: 0.15 MB each
+# of a camera, whose median is known to a thirtieth of their spread: 0.15 MB each
+MOST_IMAGES = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
 class LightModel:
-    """log_field: by camera, (rows, columns, channels); log_gain (views,): what is taken off each view's logarithm."""
+    """log_field: by camera, (rows, columns, channels); log_gain (views,): what is taken off each
+    view's logarithm.
+    """
 
     log_field: tuple[Array, ...]
     log_gain: Array
@@ -35,15 +40,18 @@ class LightModel:
         import cv2
 
         size = (picture.shape[1], picture.shape[0])
-        field = cv2.resize(self.log_field[camera].astype(np.float32), size, interpolation=cv2.INTER_CUBIC)
+        field = cv2.resize(
+            self.log_field[camera].astype(np.float32), size, interpolation=cv2.INTER_CUBIC
+        )
         factor = np.exp(-field.reshape(*picture.shape[:2], -1) - np.float32(self.log_gain[view]))
         return np.asarray(np.asarray(picture, np.float32) * np.minimum(factor, 8), np.float32)
 
 
 @dataclass(frozen=True, kw_only=True)
 class LightSamples:
-    """Intensities of scene points in several views, one row a sample: view, texel (m,) int; cell (m,) of the field;
-    log_value (m, channels). camera (views,): which camera took the view."""
+    """Intensities of scene points in several views, one row a sample: view, texel (m,) int; cell
+    (m,) of the field; log_value (m, channels). camera (views,): which camera took the view.
+    """
 
     view: Ints
     texel: Ints
@@ -53,8 +61,9 @@ class LightSamples:
 
 
 def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[Array]:
-    """Return by camera the median over its images (thumbnails (h, w, c) of FIELD's shape or larger), MOST_IMAGES evenly
-    chosen ones where there are more, smoothed, about a mean of zero."""
+    """Return by camera the median over its images (thumbnails (h, w, c) of FIELD's shape or
+    larger), MOST_IMAGES evenly chosen ones where there are more, smoothed, about a mean of zero.
+    """
     fields = []
     for k in range(int(camera.max()) + 1):
         own = np.flatnonzero(camera == k)
@@ -67,8 +76,9 @@ def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[
 
 
 def solve_light(samples: LightSamples, fields: list[Array], rounds: int = 3) -> LightModel:
-    """Return the light of all images: gains and fields in turns, from the first fields on. Each takes clipped departures from
-    the texel's mean, so that glints and shadows count little."""
+    """Return the light of all images: gains and fields in turns, from the first fields on. Each
+    takes clipped departures from the texel's mean, so that glints and shadows count little.
+    """
     gain = np.zeros(len(samples.camera))
     for _ in range(rounds):
         residual = samples.log_value - _field_at(samples, fields)
@@ -92,15 +102,21 @@ def _texel_mean(samples: LightSamples, values: Array) -> Array:
     return np.asarray((sums / np.maximum(count, 1)[:, None])[samples.texel])
 
 
-def _gains(samples: LightSamples, values: Array, views: int, sweeps: int = 60, pull: float = 20.0) -> Array:
-    """Return each view's level against the scene's mean, by sweeps; `pull` samples' worth of belief that a view is as bright as
-    the others keep a chain of views from drifting. Huber at 0.2, a fifth of the brightness: glints do not count more."""
+def _gains(
+    samples: LightSamples, values: Array, views: int, sweeps: int = 60, pull: float = 20.0
+) -> Array:
+    """Return each view's level against the scene's mean, by sweeps; `pull` samples' worth of belief
+    that a view is as bright as the others keep a chain of views from drifting. Huber at 0.2, a
+    fifth of the brightness: glints do not count more.
+    """
     gain = np.zeros(views)
     for _ in range(sweeps):
         level = values - gain[samples.view]
         rest = np.clip(level - _texel_mean(samples, level[:, None])[:, 0], -0.2, 0.2)
         step = np.bincount(samples.view, rest, minlength=views)
-        gain = gain + (step - pull * 0.02 * gain) / (np.bincount(samples.view, minlength=views) + pull)
+        gain = gain + (step - pull * 0.02 * gain) / (
+            np.bincount(samples.view, minlength=views) + pull
+        )
     return gain
 
 
@@ -109,7 +125,9 @@ def _correction(samples: LightSamples, residual: Array, camera: int) -> Array:
     cells = FIELD[0] * FIELD[1]
     count = np.bincount(samples.cell[rows], minlength=cells).reshape(FIELD)
     clipped = np.clip(residual[rows], -0.3, 0.3)
-    sums = np.stack([np.bincount(samples.cell[rows], v, minlength=cells) for v in clipped.T], axis=1)
+    sums = np.stack(
+        [np.bincount(samples.cell[rows], v, minlength=cells) for v in clipped.T], axis=1
+    )
     mean = sums.reshape(*FIELD, -1) / np.maximum(count, 1)[..., None]
     return _smooth(mean, count.astype(float))
 
@@ -122,9 +140,14 @@ def _resized(level: Array) -> Array:
 
 
 def _smooth(field: Array, weight: Array) -> Array:
-    """Return the Gaussian mean by weight; cells that nothing fell into take their neighbours' value."""
+    """Return the Gaussian mean by weight; cells that nothing fell into take their neighbours'
+    value.
+    """
     from scipy.ndimage import gaussian_filter
 
     spread = gaussian_filter(weight.astype(float) + 1e-6, SMOOTH, mode="nearest")
-    layers = [gaussian_filter(layer * (weight + 1e-6), SMOOTH, mode="nearest") / spread for layer in np.moveaxis(field, 2, 0)]
+    layers = [
+        gaussian_filter(layer * (weight + 1e-6), SMOOTH, mode="nearest") / spread
+        for layer in np.moveaxis(field, 2, 0)
+    ]
     return np.stack(layers, axis=2)

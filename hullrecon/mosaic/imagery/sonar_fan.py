@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""An imaging sonar's image of beams by ranges: where a point of space falls in it [Ozog2016 3.2.3] (docs/methods.md 14).
+"""An imaging sonar's image of beams by ranges: where a point of space falls in it [Ozog2016 3.2.3]
+(docs/methods.md 14).
 
-Frame `sonar`: z along the middle of the fan, beams in the y-z plane, x out of it. On the display u grows with the bearing and
-v towards the instrument; gamma cancels where distances are compared, so they are kept in metres.
+Frame `sonar`: z along the middle of the fan, beams in the y-z plane, x out of it. On the display u
+grows with the bearing and v towards the instrument; gamma cancels where distances are compared, so
+they are kept in metres.
 """
 
 from __future__ import annotations
@@ -17,7 +19,9 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class SonarFan:
-    """bearing (beams,) rad, rising; beam (beams,) its number in the image; range_m (ranges,) rising; half_elevation rad."""
+    """bearing (beams,) rad, rising; beam (beams,) its number in the image; range_m (ranges,)
+    rising; half_elevation rad.
+    """
 
     bearing: Array
     beam: Array
@@ -25,8 +29,9 @@ class SonarFan:
     half_elevation: float
 
     def locate(self, points: Array) -> tuple[Array, Array]:
-        """Return, of points (n, 3) in `sonar`: (range bin, beam number) (n, 2), and r/R (n,) on the display, NaN outside the
-        image."""
+        """Return, of points (n, 3) in `sonar`: (range bin, beam number) (n, 2), and r/R (n,) on the
+        display, NaN outside the image.
+        """
         x, y, z = points.T
         level = np.hypot(y, z)
         distance, bearing, elevation = np.hypot(level, x), np.arctan2(y, z), np.arctan2(x, level)
@@ -38,7 +43,9 @@ class SonarFan:
             & (bearing >= self.bearing[0]) & (bearing <= self.bearing[-1])
             & (np.abs(elevation) <= self.half_elevation)
         )  # fmt: skip
-        return np.stack([n_r, n_b], axis=1), np.where(held, self._away(distance, bearing) / self._farthest(), np.nan)
+        return np.stack([n_r, n_b], axis=1), np.where(
+            held, self._away(distance, bearing) / self._farthest(), np.nan
+        )
 
     def rays(self, bearings: int, elevations: int) -> Array:
         """Return unit vectors (bearings * elevations, 3) in `sonar` all over the aperture."""
@@ -47,10 +54,14 @@ class SonarFan:
             np.linspace(-self.half_elevation, self.half_elevation, elevations),
         )
         level = np.cos(theta)
-        return np.stack([np.sin(theta), level * np.sin(psi), level * np.cos(psi)], axis=-1).reshape(-1, 3)
+        return np.stack([np.sin(theta), level * np.sin(psi), level * np.cos(psi)], axis=-1).reshape(
+            -1, 3
+        )
 
     def _best(self) -> float:
-        """Return the metres ahead of the instrument at v = 3h/4, where the display ends at the nearest range shown."""
+        """Return the metres ahead of the instrument at v = 3h/4, where the display ends at the
+        nearest range shown.
+        """
         near = self.range_m[0] * float(np.cos(np.abs(self.bearing).max()))
         return float(self.range_m[-1] - 0.75 * (self.range_m[-1] - near))
 
@@ -58,12 +69,21 @@ class SonarFan:
         return np.hypot(distance * np.sin(bearing), distance * np.cos(bearing) - self._best())
 
     def _farthest(self) -> float:
-        corners = [(r, b) for r in self.range_m[[0, -1]] for b in (self.bearing[0], 0.0, self.bearing[-1])]
+        corners = [
+            (r, b) for r in self.range_m[[0, -1]] for b in (self.bearing[0], 0.0, self.bearing[-1])
+        ]
         return max(float(self._away(np.float64(r), np.float64(b))) for r, b in corners)  # type: ignore[arg-type]
 
 
 def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarFan:
-    """Return a fan. directions: (beams, 3) unit vectors in `sonar`; elevation_rad: full aperture out of the fan."""
+    """Return a fan. directions: (beams, 3) unit vectors in `sonar`; elevation_rad: full aperture
+    out of the fan.
+    """
     bearing = np.arctan2(directions[:, 1], directions[:, 2])
     order = np.argsort(bearing, kind="stable")
-    return SonarFan(bearing=bearing[order], beam=order.astype(float), range_m=range_m, half_elevation=0.5 * elevation_rad)
+    return SonarFan(
+        bearing=bearing[order],
+        beam=order.astype(float),
+        range_m=range_m,
+        half_elevation=0.5 * elevation_rad,
+    )

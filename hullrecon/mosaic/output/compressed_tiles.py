@@ -27,7 +27,10 @@ class CompressedTiles:
         self._data.append(zlib.compress(np.ascontiguousarray(tile, self.dtype).tobytes(), 1))
 
     def __iter__(self) -> Iterator[NDArray[np.generic]]:
-        return (np.frombuffer(zlib.decompress(data), self.dtype).reshape(self.shape) for data in self._data)
+        return (
+            np.frombuffer(zlib.decompress(data), self.dtype).reshape(self.shape)
+            for data in self._data
+        )
 
     def __len__(self) -> int:
         return len(self._data)

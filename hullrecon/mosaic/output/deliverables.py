@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a finished mosaic is handed over as, apart from its rasters: mosaic.json, the preview and the textured mesh."""
+"""What a finished mosaic is handed over as, apart from its rasters: mosaic.json, the preview and
+the textured mesh.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ MIN_GAP_M2 = 0.005  # smaller ones are shadows at the foot of structures
 
 @dataclass(frozen=True, kw_only=True)
 class MosaicDeliverables:
-    """document: mosaic.json; preview: PNG; textured_mesh: GLB, None where too little was seen for a mesh."""
+    """document: mosaic.json; preview: PNG; textured_mesh: GLB, None where too little was seen for a
+    mesh.
+    """
 
     document: dict[str, object]
     preview: bytes
@@ -33,8 +37,9 @@ class MosaicDeliverables:
 
 @dataclass(frozen=True, kw_only=True)
 class Presentation:
-    """How a mosaic is shown. frame_spacing_m: between the ship's frames, None where unknown; facts: more for mosaic.json, among
-    them `surface`: which surface it was laid on."""
+    """How a mosaic is shown. frame_spacing_m: between the ship's frames, None where unknown; facts:
+    more for mosaic.json, among them `surface`: which surface it was laid on.
+    """
 
     title: str
     frame: Frame
@@ -44,7 +49,9 @@ class Presentation:
     facts: Mapping[str, object]
 
 
-def make_deliverables(surface: MosaicSurface, store: TileStore, presentation: Presentation) -> MosaicDeliverables:
+def make_deliverables(
+    surface: MosaicSurface, store: TileStore, presentation: Presentation
+) -> MosaicDeliverables:
     """Return the documents and pictures of a mosaic whose tiles are complete."""
     frame, grid = presentation.frame, store.grid
     document = mosaic_document(store, frame, presentation.facts)
@@ -55,15 +62,27 @@ def make_deliverables(surface: MosaicSurface, store: TileStore, presentation: Pr
         frame_spacing_m=presentation.frame_spacing_m if frame is Frame.HULL else None,
         flips=presentation.outside.flips,
     )
-    mesh = build_textured_mesh(surface, grid, store.small[..., -1], store.reduction, presentation.max_faces)
+    mesh = build_textured_mesh(
+        surface, grid, store.small[..., -1], store.reduction, presentation.max_faces
+    )
     return MosaicDeliverables(
-        document={**document, "along_from_x": presentation.outside.x_sign, "girth_from_y": presentation.outside.y_sign},
-        preview=preview_png(store.small, grid.west, grid.north, grid.step_m * store.reduction, caption),
-        textured_mesh=encode_glb(mesh, store.small, surface.chart.ship_axes[2]) if len(mesh.faces) else None,
+        document={
+            **document,
+            "along_from_x": presentation.outside.x_sign,
+            "girth_from_y": presentation.outside.y_sign,
+        },
+        preview=preview_png(
+            store.small, grid.west, grid.north, grid.step_m * store.reduction, caption
+        ),
+        textured_mesh=encode_glb(mesh, store.small, surface.chart.ship_axes[2])
+        if len(mesh.faces)
+        else None,
     )
 
 
-def mosaic_document(store: TileStore, frame: Frame, facts: Mapping[str, object]) -> dict[str, object]:
+def mosaic_document(
+    store: TileStore, frame: Frame, facts: Mapping[str, object]
+) -> dict[str, object]:
     """Return mosaic.json: what the mosaic is, for programs and for the report's page."""
     grid = store.grid
     seen = int(store.views[1:].sum())
@@ -94,8 +113,10 @@ def mosaic_document(store: TileStore, frame: Frame, facts: Mapping[str, object])
 
 
 def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
-    """Return the area on the chart, m2, of parts of at least MIN_GAP_M2 that nothing was seen of inside the outline of what was
-    seen; alpha (h, w), step_m: side of its pixels. Gaps up to GAP_BRIDGE_M wide at the rim count as inside."""
+    """Return the area on the chart, m2, of parts of at least MIN_GAP_M2 that nothing was seen of
+    inside the outline of what was seen; alpha (h, w), step_m: side of its pixels. Gaps up to
+    GAP_BRIDGE_M wide at the rim count as inside.
+    """
     from scipy import ndimage
 
     seen = np.pad(alpha > 0, 2)
@@ -103,7 +124,9 @@ def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
     away = ndimage.distance_transform_edt(~np.pad(seen, bridge))
     grown = away <= bridge
     closed = ndimage.distance_transform_edt(grown) > bridge
-    inside = ndimage.binary_fill_holes(closed | np.pad(seen, bridge))[bridge:-bridge, bridge:-bridge]
+    inside = ndimage.binary_fill_holes(closed | np.pad(seen, bridge))[
+        bridge:-bridge, bridge:-bridge
+    ]
     label, count = ndimage.label(inside & ~seen)
     sizes = np.bincount(label.ravel(), minlength=count + 1)[1:] * step_m**2
     return float(sizes[sizes >= MIN_GAP_M2].sum())

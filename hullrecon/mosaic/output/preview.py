@@ -18,8 +18,9 @@ INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
 
 @dataclass(frozen=True, kw_only=True)
 class Caption:
-    """title; the lines under the picture; frame_spacing_m for frame numbers along the top, None without; flips: along grows to
-    the left, girth downwards, so that the hull is seen from outside."""
+    """title; the lines under the picture; frame_spacing_m for frame numbers along the top, None
+    without; flips: along grows to the left, girth downwards, so that the hull is seen from outside.
+    """
 
     title: str
     legend: str
@@ -28,22 +29,34 @@ class Caption:
     flips: tuple[bool, bool] = (False, False)
 
 
-def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: float, caption: Caption) -> bytes:
-    """Return the PNG of a picture (h, w, 4) RGBA or (h, w, 2) gray and alpha; step_m of its pixels. Same input, same bytes."""
+def preview_png(
+    picture: NDArray[np.uint8], west: float, north: float, step_m: float, caption: Caption
+) -> bytes:
+    """Return the PNG of a picture (h, w, 4) RGBA or (h, w, 2) gray and alpha; step_m of its pixels.
+    Same input, same bytes.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     height, width = picture.shape[:2]
     tall = 11.0 * height / width
     scale = min(1.0, 9.0 / tall)
-    figure = Figure(figsize=(max(5.0, 11.0 * scale) + 1.1, tall * scale + 1.75), dpi=160, facecolor=BACK, layout="constrained")
+    figure = Figure(
+        figsize=(max(5.0, 11.0 * scale) + 1.1, tall * scale + 1.75),
+        dpi=160,
+        facecolor=BACK,
+        layout="constrained",
+    )
     axis = figure.add_subplot()
     axis.set_facecolor(UNSEEN)
     extent = (west, west + width * step_m, north - height * step_m, north)
-    axis.imshow(stretch_contrast(_rgba(picture)), extent=extent, interpolation="antialiased", aspect="equal")
+    axis.imshow(
+        stretch_contrast(_rgba(picture)), extent=extent, interpolation="antialiased", aspect="equal"
+    )
     axis.set_title(caption.title, loc="left", fontsize=12, color=INK, fontweight="bold")
     along, girth = _axis_names(caption)
-    legend = fill(caption.legend, int(13 * figure.get_figwidth()))  # some 13 characters of this size fit an inch
+    # some 13 characters of this size fit an inch
+    legend = fill(caption.legend, int(13 * figure.get_figwidth()))
     axis.set_xlabel(f"{along}\n{legend}", fontsize=9, color=INK)
     axis.set_ylabel(girth, fontsize=9, color=INK)
     axis.tick_params(labelsize=8, colors=INK)
@@ -65,7 +78,9 @@ def _axis_names(caption: Caption) -> tuple[str, str]:
 
 
 def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Spread the brightness of the seen pixels of an RGBA picture over the range; colour grows less, or it would glare."""
+    """Spread the brightness of the seen pixels of an RGBA picture over the range; colour grows
+    less, or it would glare.
+    """
     seen = picture[picture[..., 3] > 0][:, :3]
     if not len(seen):
         return picture
@@ -80,22 +95,32 @@ def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def _rgba(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return (
-        np.concatenate([np.repeat(picture[..., :1], 3, axis=2), picture[..., 1:]], axis=2) if picture.shape[2] == 2 else picture
+        np.concatenate([np.repeat(picture[..., :1], 3, axis=2), picture[..., 1:]], axis=2)
+        if picture.shape[2] == 2
+        else picture
     )
 
 
 def _frame_numbers(axis: Any, spacing_m: float) -> None:
-    upper = axis.secondary_xaxis("top", functions=(lambda x: x / spacing_m, lambda f: f * spacing_m))
+    upper = axis.secondary_xaxis(
+        "top", functions=(lambda x: x / spacing_m, lambda f: f * spacing_m)
+    )
     upper.set_xlabel("frame", fontsize=8, color=INK)
     upper.tick_params(labelsize=8, colors=INK)
 
 
-def _scale_bar(axis: Any, extent: tuple[float, float, float, float], flips: tuple[bool, bool]) -> None:
-    """Draw a bar of 1, 2 or 5 times a power of ten, a fifth of the width at most, in the lower right corner."""
+def _scale_bar(
+    axis: Any, extent: tuple[float, float, float, float], flips: tuple[bool, bool]
+) -> None:
+    """Draw a bar of 1, 2 or 5 times a power of ten, a fifth of the width at most, in the lower
+    right corner.
+    """
     span = extent[1] - extent[0]
     power = 10.0 ** math.floor(math.log10(span / 5))
     metres = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span / 5 + 1e-12)
-    middle = extent[0] + (0.025 if flips[0] else 0.975) * span + (0.5 if flips[0] else -0.5) * metres
+    middle = (
+        extent[0] + (0.025 if flips[0] else 0.975) * span + (0.5 if flips[0] else -0.5) * metres
+    )
     low = extent[2] + (0.96 if flips[1] else 0.04) * (extent[3] - extent[2])
     ends = [middle - metres / 2, middle + metres / 2]
     if flips[0]:
@@ -106,4 +131,13 @@ def _scale_bar(axis: Any, extent: tuple[float, float, float, float], flips: tupl
     axis.plot(ends, [low, low], color="white", linewidth=6, solid_capstyle="butt")
     axis.plot(ends, [low, low], color="black", linewidth=3, solid_capstyle="butt")
     text = f"{metres:g} m" if metres >= 1 else f"{100 * metres:g} cm"
-    axis.annotate(text, (middle, low), (0, 7), textcoords="offset points", ha="center", fontsize=9, color=INK, bbox=box)
+    axis.annotate(
+        text,
+        (middle, low),
+        (0, 7),
+        textcoords="offset points",
+        ha="center",
+        fontsize=9,
+        color=INK,
+        bbox=box,
+    )

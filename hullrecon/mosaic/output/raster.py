@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes tiles as a cloud-optimised GeoTIFF in map coordinates: the hull seen from outside, as other programs show it."""
+"""Writes tiles as a cloud-optimised GeoTIFF in map coordinates: the hull seen from outside, as
+other programs show it.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,10 @@ from hullrecon.mosaic.grid import TexelGrid
 
 @dataclass(frozen=True, kw_only=True)
 class RasterBands:
-    """What a raster holds. names of its bands, of which the last may be `alpha`; unit of the others, "" for grey levels and
-    counts; dtype; title: what it is, in words; nodata: the value of texels without one, None with an alpha."""
+    """What a raster holds. names of its bands, of which the last may be `alpha`; unit of the
+    others, "" for grey levels and counts; dtype; title: what it is, in words; nodata: the value of
+    texels without one, None with an alpha.
+    """
 
     names: tuple[str, ...]
     unit: str
@@ -33,12 +37,19 @@ class RasterBands:
         if self.names[-1] != "alpha":
             return {"predictor": 3 if self.dtype.startswith("float") else 2}
         photometric = "RGB" if len(self.names) == 4 else "MINISBLACK"
-        return {"photometric": photometric, "alpha": "NON-PREMULTIPLIED", "interleave": "pixel", "predictor": 2}
+        return {
+            "photometric": photometric,
+            "alpha": "NON-PREMULTIPLIED",
+            "interleave": "pixel",
+            "predictor": 2,
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
 class RasterLayout:
-    """Where a raster lies: the texels of the chart in tiles of `size`, and the map that they are written in."""
+    """Where a raster lies: the texels of the chart in tiles of `size`, and the map that they are
+    written in.
+    """
 
     grid: TexelGrid
     size: int
@@ -53,11 +64,15 @@ class RasterLayout:
         return self.outside.x_sign * along, self.outside.y_sign * girth
 
 
-def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], layout: RasterLayout, bands: RasterBands) -> None:
-    """Write tiles (size, size, bands), or (size, size), in the order of grid.tiles(size). Same bytes for the same tiles.
+def write_raster(
+    path: Path, tiles: Iterable[NDArray[np.generic]], layout: RasterLayout, bands: RasterBands
+) -> None:
+    """Write tiles (size, size, bands), or (size, size), in the order of grid.tiles(size). Same
+    bytes for the same tiles.
 
-    GDAL's driver for cloud-optimised files copies a whole file with its overviews. Both, deflated, stay in memory: on a full
-    disk GDAL raises errors of its own and prints on standard error, a write of ours raises OSError.
+    GDAL's driver for cloud-optimised files copies a whole file with its overviews. Both, deflated,
+    stay in memory: on a full disk GDAL raises errors of its own and prints on standard error, a
+    write of ours raises OSError.
     """
     import rasterio
     from rasterio.io import MemoryFile
@@ -65,7 +80,11 @@ def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], layout: Raste
 
     grid, (west, north) = layout.grid, layout.corner
     options = bands.creation_options
-    with rasterio.Env(GDAL_NUM_THREADS=1), MemoryFile() as memory, MemoryFile(ext=".tif") as finished:
+    with (
+        rasterio.Env(GDAL_NUM_THREADS=1),
+        MemoryFile() as memory,
+        MemoryFile(ext=".tif") as finished,
+    ):
         with memory.open(
             driver="GTiff", width=grid.width, height=grid.height, count=len(bands.names), dtype=bands.dtype,
             crs=rasterio.CRS.from_wkt(layout.outside.wkt), nodata=bands.nodata, tiled=True, blockxsize=512, blockysize=512,
@@ -77,12 +96,20 @@ def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], layout: Raste
             for k, name in enumerate(bands.names, start=1):
                 file.set_band_description(k, name)
                 file.set_band_unit(k, "" if name == "alpha" else bands.unit)
-            file.update_tags(TIFFTAG_IMAGEDESCRIPTION=json.dumps(description(layout, bands), sort_keys=True))
+            file.update_tags(
+                TIFFTAG_IMAGEDESCRIPTION=json.dumps(description(layout, bands), sort_keys=True)
+            )
             file.update_tags(TIFFTAG_SOFTWARE="hullrecon")
         copy(
-            memory.name, finished.name, driver="COG", compress="DEFLATE", blocksize=512, bigtiff="IF_SAFER",
-            predictor="YES", overview_resampling="average",
-        )  # fmt: skip
+            memory.name,
+            finished.name,
+            driver="COG",
+            compress="DEFLATE",
+            blocksize=512,
+            bigtiff="IF_SAFER",
+            predictor="YES",
+            overview_resampling="average",
+        )
         path.write_bytes(finished.getbuffer())
 
 
@@ -104,7 +131,9 @@ def description(layout: RasterLayout, bands: RasterBands) -> dict[str, object]:
 def _windows(
     tiles: Iterable[NDArray[np.generic]], layout: RasterLayout
 ) -> Iterable[tuple[tuple[int, int, int, int], NDArray[np.generic]]]:
-    """Yield column, row, width, height of each tile in the raster, and its values (bands, height, width) as they are seen."""
+    """Yield column, row, width, height of each tile in the raster, and its values (bands, height,
+    width) as they are seen.
+    """
     grid, (mirrored, upset) = layout.grid, layout.outside.flips
     for window, tile in zip(grid.tiles(layout.size), tiles, strict=True):
         held = window.meet(grid.whole)

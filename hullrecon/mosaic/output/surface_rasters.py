@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of the surface under each texel of a mosaic: deviation, form, their sigmas, support."""
+"""What is known of the surface under each texel of a mosaic: deviation, form, their sigmas,
+support.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,9 @@ SUPPORT_BY_RETURNS = "DVL returns within reach of the surface"
 
 
 def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, Array]:
-    """Return the values (n,) at the surface's vertices by the name of their raster, NaN where nothing was seen; without a CAD
-    model the support alone."""
+    """Return the values (n,) at the surface's vertices by the name of their raster, NaN where
+    nothing was seen; without a CAD model the support alone.
+    """
     values = {"support": surface.support.astype(float)}
     if split is not None:
         values |= {
@@ -42,9 +45,13 @@ def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, 
     return {name: np.where(surface.support > 0, v, np.nan) for name, v in values.items()}
 
 
-def surface_tiles(surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout) -> dict[str, CompressedTiles]:
-    """Return tiles of values (n,) of the surface's vertices at the texels: metres linear on each face, counts those of the
-    nearest corner; NaN, and 0 for counts, where there is none. surface: without a horizon, which is not needed here."""
+def surface_tiles(
+    surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout
+) -> dict[str, CompressedTiles]:
+    """Return tiles of values (n,) of the surface's vertices at the texels: metres linear on each
+    face, counts those of the nearest corner; NaN, and 0 for counts, where there is none. surface:
+    without a horizon, which is not needed here.
+    """
     shape = (layout.size, layout.size)
     tiles = {name: CompressedTiles(shape, surface_bands(name).dtype) for name in values}
     for window in layout.grid.tiles(layout.size):
@@ -54,7 +61,9 @@ def surface_tiles(surface: MosaicSurface, values: Mapping[str, Array], layout: R
         for name, value in values.items():
             tile = np.full(len(point), np.nan)
             if name == "support":
-                tile[rows] = value[np.take_along_axis(corners, share.argmax(axis=1)[:, None], axis=1)[:, 0]]
+                tile[rows] = value[
+                    np.take_along_axis(corners, share.argmax(axis=1)[:, None], axis=1)[:, 0]
+                ]
                 tile = np.nan_to_num(tile)
             else:
                 tile[rows] = np.rint((value[corners] * share).sum(axis=1) / QUANTUM_M) * QUANTUM_M
@@ -63,7 +72,9 @@ def surface_tiles(surface: MosaicSurface, values: Mapping[str, Array], layout: R
 
 
 def face_shares(mesh: Mesh, scene: Scene, points: Array) -> tuple[Ints, Array]:
-    """Return the corners (n, 3) of the faces on which points (n, 3) lie, and each corner's share (n, 3) of its point."""
+    """Return the corners (n, 3) of the faces on which points (n, 3) lie, and each corner's share
+    (n, 3) of its point.
+    """
     if not len(points):
         return np.zeros((0, 3), np.int64), np.zeros((0, 3))
     near = scene.closest(points)
@@ -77,7 +88,9 @@ def face_shares(mesh: Mesh, scene: Scene, points: Array) -> tuple[Ints, Array]:
 
 
 def surface_bands(name: str, *, by_images: bool = True) -> RasterBands:
-    """Return what the raster of that name holds. by_images: what the support counts, else returns of the DVL."""
+    """Return what the raster of that name holds. by_images: what the support counts, else returns
+    of the DVL.
+    """
     counts = name == "support"
     return RasterBands(
         names=(name,),

@@ -27,26 +27,44 @@ class TexturedMesh:
 
 
 def build_textured_mesh(
-    surface: MosaicSurface, grid: TexelGrid, alpha: NDArray[np.uint8], reduction: int, max_faces: int
+    surface: MosaicSurface,
+    grid: TexelGrid,
+    alpha: NDArray[np.uint8],
+    reduction: int,
+    max_faces: int,
 ) -> TexturedMesh:
-    """Return the seen part of the surface as a regular mesh on the chart; alpha: of the mosaic reduced by that many texels."""
+    """Return the seen part of the surface as a regular mesh on the chart; alpha: of the mosaic
+    reduced by that many texels.
+    """
     seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
     step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / max_faces))
     height, width = (max(1, round(n * grid.step_m / step)) for n in (grid.height, grid.width))
     coarse = TexelGrid(grid.west, grid.north, step, height, width)
     patch = sample_surface(surface, coarse, Window(0, height, 0, width))
-    rows, columns = ((np.arange(n) + 0.5) * step / (grid.step_m * reduction) for n in (height, width))
-    held = alpha[np.minimum(rows.astype(int), alpha.shape[0] - 1)][:, np.minimum(columns.astype(int), alpha.shape[1] - 1)] > 0
+    rows, columns = (
+        (np.arange(n) + 0.5) * step / (grid.step_m * reduction) for n in (height, width)
+    )
+    held = (
+        alpha[np.minimum(rows.astype(int), alpha.shape[0] - 1)][
+            :, np.minimum(columns.astype(int), alpha.shape[1] - 1)
+        ]
+        > 0
+    )
     good = held & np.isfinite(patch.point).all(axis=2)
     faces = _outward(_faces(good), patch)
     used, faces = np.unique(faces, return_inverse=True)
-    uv = np.stack(np.meshgrid(columns / alpha.shape[1], 1 - rows / alpha.shape[0]), axis=-1).reshape(-1, 2)
-    return TexturedMesh(vertices=patch.point.reshape(-1, 3)[used], faces=faces.reshape(-1, 3), uv=uv[used])
+    uv = np.stack(
+        np.meshgrid(columns / alpha.shape[1], 1 - rows / alpha.shape[0]), axis=-1
+    ).reshape(-1, 2)
+    return TexturedMesh(
+        vertices=patch.point.reshape(-1, 3)[used], faces=faces.reshape(-1, 3), uv=uv[used]
+    )
 
 
 def _faces(good: Mask) -> Ints:
-    """Return two triangles (m, 3) for each cell whose four corners are good, all turned the same way; rows run down the girth,
-    columns along."""
+    """Return two triangles (m, 3) for each cell whose four corners are good, all turned the same
+    way; rows run down the girth, columns along.
+    """
     height, width = good.shape
     index = np.arange(height * width).reshape(height, width)
     cell = good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]
@@ -58,16 +76,18 @@ _CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
 
 
 def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
-    """Return the same triangles, counter-clockwise seen from outside. Charts of hulls are left-handed about the outward
-    normal."""
+    """Return the same triangles, counter-clockwise seen from outside. Charts of hulls are
+    left-handed about the outward normal.
+    """
     across = face_cross_products(Mesh(patch.point.reshape(-1, 3), faces.astype(np.int32)))
     outward = np.einsum("ni,ni->n", across, patch.normal.reshape(-1, 3)[faces[:, 0]])
     return faces if outward.sum() >= 0 else faces[:, ::-1]
 
 
 def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> bytes:
-    """Return a GLB file with normals, without which a viewer shades each triangle flat. texture: (h, w, 4) RGBA or (h, w, 2).
-    up (3,): the axis of the frame that points up."""
+    """Return a GLB file with normals, without which a viewer shades each triangle flat. texture:
+    (h, w, 4) RGBA or (h, w, 2). up (3,): the axis of the frame that points up.
+    """
     import trimesh
     from PIL import Image
 
@@ -76,7 +96,11 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> byt
     Image.fromarray(np.ascontiguousarray(rgb)).save(encoded, format="JPEG", quality=90)
     picture = Image.open(encoded)
     material = trimesh.visual.material.PBRMaterial(
-        baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0, doubleSided=True, name="mosaic"
+        baseColorTexture=picture,
+        metallicFactor=0.0,
+        roughnessFactor=1.0,
+        doubleSided=True,
+        name="mosaic",
     )
     mesh = trimesh.Trimesh(
         mesh.vertices,

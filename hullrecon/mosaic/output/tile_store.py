@@ -23,7 +23,9 @@ VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badl
 
 @dataclass(kw_only=True)
 class TileStore:
-    """Tiles in the order of grid.tiles(size). small: RGBA (or LA) of the whole, reduced by `reduction`."""
+    """Tiles in the order of grid.tiles(size). small: RGBA (or LA) of the whole, reduced by
+    `reduction`.
+    """
 
     grid: TexelGrid
     size: int
@@ -40,7 +42,9 @@ class TileStore:
         seen = tile.views > 0
         alpha = np.where(seen, 255, 0).astype(np.uint8)[..., None]
         color = np.concatenate([np.rint(tile.value).astype(np.uint8) * (alpha > 0), alpha], axis=2)
-        variance = np.where(seen, np.rint(tile.variance / VARIANCE_STEP) * VARIANCE_STEP, np.nan).astype(np.float32)
+        variance = np.where(
+            seen, np.rint(tile.variance / VARIANCE_STEP) * VARIANCE_STEP, np.nan
+        ).astype(np.float32)
         self.color.add(color)
         self.variance.add(variance)
         self.counts.add(tile.views)
@@ -86,15 +90,23 @@ def in_threads(make: Callable[[Window], Tile], windows: Sequence[Window]) -> Ite
 
 
 def make_tiles(
-    grid: TexelGrid, channels: int, size: int, max_pixels: int, make: Callable[[Window], Tile], progress: Any
+    grid: TexelGrid,
+    channels: int,
+    size: int,
+    max_pixels: int,
+    make: Callable[[Window], Tile],
+    progress: Any,
 ) -> TileStore:
-    """Make every tile, as many at a time as there are cores, up to MAX_AT_A_TIME; no more are in memory uncompressed, and the
-    result does not depend on it. make is called from several threads. The small copy is reduced to max_pixels a side, or as
-    often as `size` can be halved."""
+    """Make every tile, as many at a time as there are cores, up to MAX_AT_A_TIME; no more are in
+    memory uncompressed, and the result does not depend on it. make is called from several threads.
+    The small copy is reduced to max_pixels a side, or as often as `size` can be halved.
+    """
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:
         reduction *= 2
-    small = np.zeros((-(-grid.height // reduction), -(-grid.width // reduction), channels + 1), np.uint8)
+    small = np.zeros(
+        (-(-grid.height // reduction), -(-grid.width // reduction), channels + 1), np.uint8
+    )
     store = TileStore(
         grid=grid,
         size=size,

@@ -30,8 +30,9 @@ class Sensor(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class ClockError:
-    """The clock of a sensor is late_s late, early where that is negative, on stamps from from_ns to to_ns; beside: the sensors
-    whose clocks it was held against."""
+    """The clock of a sensor is late_s late, early where that is negative, on stamps from from_ns to
+    to_ns; beside: the sensors whose clocks it was held against.
+    """
 
     sensor: Sensor
     from_ns: int
@@ -59,24 +60,33 @@ def late_beside(errors: Iterable[ClockError], sensor: Sensor, other: Sensor) -> 
 def put_images_right(
     top: ImageIndex | None, bottom: ImageIndex | None, errors: Sequence[ClockError]
 ) -> tuple[ImageIndex | None, ImageIndex | None]:
-    """Return the images of both cameras with their clock put right; those of the lower camera where they pair with the upper
-    one's so."""
+    """Return the images of both cameras with their clock put right; those of the lower camera where
+    they pair with the upper one's so.
+    """
     if top is None or not any(error.sensor is Sensor.IMAGES for error in errors):
         return top, bottom
     moved = replace(top, t_ns=on_time(top.t_ns, errors, Sensor.IMAGES))
     if bottom is None:
         return moved, None
     along = replace(bottom, t_ns=on_time(bottom.t_ns, errors, Sensor.IMAGES))
-    paired = [len(pair_frames(np.sort(moved.t_ns), np.sort(lower.t_ns))) for lower in (along, bottom)]
+    paired = [
+        len(pair_frames(np.sort(moved.t_ns), np.sort(lower.t_ns))) for lower in (along, bottom)
+    ]
     return moved, along if paired[0] >= paired[1] else bottom
 
 
 def join_errors(errors: Sequence[ClockError]) -> list[ClockError]:
-    """Return errors by sensor and time, those of neighbouring stretches that are much the same as one, the surer one."""
+    """Return errors by sensor and time, those of neighbouring stretches that are much the same as
+    one, the surer one.
+    """
     out: list[ClockError] = []
     for found in sorted(errors, key=lambda one: (list(Sensor).index(one.sensor), one.from_ns)):
         last = out[-1] if out else None
-        if last is not None and (last.sensor, last.to_ns) == (found.sensor, found.from_ns) and _same(last, found):
+        if (
+            last is not None
+            and (last.sensor, last.to_ns) == (found.sensor, found.from_ns)
+            and _same(last, found)
+        ):
             surer = min(last, found, key=lambda one: one.sigma_s)
             out[-1] = replace(surer, from_ns=last.from_ns, to_ns=found.to_ns)
         else:
@@ -85,7 +95,9 @@ def join_errors(errors: Sequence[ClockError]) -> list[ClockError]:
 
 
 def _same(first: ClockError, second: ClockError) -> bool:
-    return abs(first.late_s - second.late_s) <= max(SAME_S, 3 * float(np.hypot(first.sigma_s, second.sigma_s)))
+    return abs(first.late_s - second.late_s) <= max(
+        SAME_S, 3 * float(np.hypot(first.sigma_s, second.sigma_s))
+    )
 
 
 def describe_errors(errors: Sequence[ClockError]) -> list[str]:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The clocks of IMU and DVL against the cameras': how the camera turned and where it went from one image to the next."""
+"""The clocks of IMU and DVL against the cameras': how the camera turned and where it went from one
+image to the next.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +33,10 @@ TRAY_AXIS = np.array([0.0, 1.0, 0.0])  # of the tray's own frame
 
 @dataclass(frozen=True, kw_only=True)
 class ImageMotions:
-    """What pairs of images of the upper camera, each and the next, say of its motion: their stamps first_ns, second_ns (m,);
-    second_from_first, its translation of any length; sigma_rad (m, 2): of the turn, each axis, and of the direction."""
+    """What pairs of images of the upper camera, each and the next, say of its motion: their stamps
+    first_ns, second_ns (m,); second_from_first, its translation of any length; sigma_rad (m, 2): of
+    the turn, each axis, and of the direction.
+    """
 
     first_ns: Ints
     second_ns: Ints
@@ -43,11 +47,14 @@ class ImageMotions:
         return len(self.first_ns)
 
 
-def imu_beside_images(motions: ImageMotions, attitude: AttitudeHistory, servo: Servo, rig: SensorRig) -> Disagreement | None:
-    """Return how the attitude's turns, looked up at the images' stamps and a shift, differ from the camera's; None without any
-    motions.
+def imu_beside_images(
+    motions: ImageMotions, attitude: AttitudeHistory, servo: Servo, rig: SensorRig
+) -> Disagreement | None:
+    """Return how the attitude's turns, looked up at the images' stamps and a shift, differ from the
+    camera's; None without any motions.
 
-    Turns about the tray's axis are left aside, for the play of its servo looks like a clock that is late.
+    Turns about the tray's axis are left aside, for the play of its servo looks like a clock that is
+    late.
     """
     if not len(motions):
         return None
@@ -57,7 +64,11 @@ def imu_beside_images(motions: ImageMotions, attitude: AttitudeHistory, servo: S
     sigma = np.hypot(motions.sigma_rad[:, :1], TURN_SIGMA_RAD)
 
     def cameras(t_ns: Ints) -> Rotation:
-        return attitude.rotation(t_ns) * tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation * tray_from_camera
+        return (
+            attitude.rotation(t_ns)
+            * tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation
+            * tray_from_camera
+        )
 
     def residuals(shift_s: float) -> Array:
         shift_ns = round(shift_s * 1e9)
@@ -66,14 +77,19 @@ def imu_beside_images(motions: ImageMotions, attitude: AttitudeHistory, servo: S
         turn[_outside(motions, shift_ns, attitude.t_ns)] = np.nan
         return np.asarray((turn - (turn * axis).sum(axis=1, keepdims=True) * axis) / sigma)
 
-    return Disagreement(residuals=residuals, block=np.arange(len(motions)), is_enough=len(motions) >= LEAST_MOTIONS)
+    return Disagreement(
+        residuals=residuals, block=np.arange(len(motions)), is_enough=len(motions) >= LEAST_MOTIONS
+    )
 
 
-def dvl_beside_images(motions: ImageMotions, velocities: Velocities, rig: SensorRig) -> Disagreement | None:
-    """Return how the directions of the DVL's steps, looked up at the images' stamps and a shift, differ from the camera's; None
-    without any motions.
+def dvl_beside_images(
+    motions: ImageMotions, velocities: Velocities, rig: SensorRig
+) -> Disagreement | None:
+    """Return how the directions of the DVL's steps, looked up at the images' stamps and a shift,
+    differ from the camera's; None without any motions.
 
-    Both sit on the tray, so that no attitude is needed, and what the lever arm between them sweeps follows from the images.
+    Both sit on the tray, so that no attitude is needed, and what the lever arm between them sweeps
+    follows from the images.
     """
     if not len(motions) or len(velocities.t_ns) < 2:
         return None
@@ -87,7 +103,9 @@ def dvl_beside_images(motions: ImageMotions, velocities: Velocities, rig: Sensor
     swept = halfway.inv().apply(lever) - halfway.apply(lever)
 
     def step(shift_s: float) -> Array:
-        first, second = (seconds(t_ns, start) + shift_s for t_ns in (motions.first_ns, motions.second_ns))
+        first, second = (
+            seconds(t_ns, start) + shift_s for t_ns in (motions.first_ns, motions.second_ns)
+        )
         return np.asarray(camera_from_dvl.apply(way.at(second) - way.at(first)) - swept)
 
     # The same for all shifts: else those that promise the shortest steps would fit best.
@@ -95,7 +113,8 @@ def dvl_beside_images(motions: ImageMotions, velocities: Velocities, rig: Sensor
     sigma = np.hypot(motions.sigma_rad[:, 1], STEP_SIGMA_M / length + ASIDE_SIGMA_RAD)
 
     weight = 1 / sigma[:, None, None] ** 2
-    turned = np.eye(3) - went[:, :, None] * went[:, None, :]  # by a small rotation between the mounts, of each direction
+    # by a small rotation between the mounts, of each direction
+    turned = np.eye(3) - went[:, :, None] * went[:, None, :]
     information = (weight * turned).sum(axis=0) + np.eye(3) / MOUNT_SIGMA_RAD**2
 
     def residuals(shift_s: float) -> Array:
@@ -108,12 +127,16 @@ def dvl_beside_images(motions: ImageMotions, velocities: Velocities, rig: Sensor
         found[unknown] = np.nan
         return np.asarray(found)
 
-    return Disagreement(residuals=residuals, block=np.arange(len(motions)), is_enough=len(motions) >= LEAST_MOTIONS)
+    return Disagreement(
+        residuals=residuals, block=np.arange(len(motions)), is_enough=len(motions) >= LEAST_MOTIONS
+    )
 
 
 def _outside(motions: ImageMotions, shift_ns: int, t_ns: Ints) -> Mask:
     """Return which motions (m,), moved by a shift, reach beyond a sensor's stamps in order."""
-    return np.asarray((motions.first_ns + shift_ns < t_ns[0]) | (motions.second_ns + shift_ns > t_ns[-1]))
+    return np.asarray(
+        (motions.first_ns + shift_ns < t_ns[0]) | (motions.second_ns + shift_ns > t_ns[-1])
+    )
 
 
 def _directions(vectors: Array) -> Array:

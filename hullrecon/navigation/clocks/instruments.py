@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The clocks of IMU and pressure sensor against the DVL's.
 
-The DVL's ranges say how the instrument is turned to the hull, and the IMU how the vehicle turns: the hull stands still at the
-right shift alone. The DVL's velocity along the vertical, summed, is the depth that the pressure sensor measures.
+The DVL's ranges say how the instrument is turned to the hull, and the IMU how the vehicle turns:
+the hull stands still at the right shift alone. The DVL's velocity along the vertical, summed, is
+the depth that the pressure sensor measures.
 """
 
 from __future__ import annotations
@@ -23,22 +24,30 @@ from hullrecon.records.sensors import DvlPings, PressureSamples
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints
 
-APART_S = 1.0  # between the three looks at the hull whose second difference shows how the vehicle turned
-SUNK_S = 2.0  # between three depths: a mount that tilts the DVL adds a steady rate, which their second difference has not
+# between the three looks at the hull whose second difference shows how the vehicle turned
+APART_S = 1.0
+# between three depths: a mount that tilts the DVL adds a steady rate, which their second difference
+# has not
+SUNK_S = 2.0
 LATE = 0.3  # of those: how much later the next ping may be
-BLOCK_S, LEAST_BLOCKS = 10.0, 6  # in which errors go together: the hull's form, a wave; fewer do not tell their scatter
+# in which errors go together: the hull's form, a wave; fewer do not tell their scatter
+BLOCK_S, LEAST_BLOCKS = 10.0, 6
 LEAST_ROWS, MOST_ROWS = 60, 5_000
 NEIGHBOURS, AWAY_M = 9, 0.15  # pings whose median a range may leave by so much
 LEAST_BEAMS = 3
 SMOOTH_S = 0.3  # of the pressure
-ACROSS = np.array([0.0, 1.0, 0.0])  # the tray turns about this axis of the vehicle: along it its angle changes no direction
+# the tray turns about this axis of the vehicle: along it its angle changes no direction
+ACROSS = np.array([0.0, 1.0, 0.0])
 
 
-def imu_beside_dvl(dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: SensorRig) -> Disagreement | None:
-    """Return how the IMU's attitude, looked up at the DVL's stamps and a shift, lets the hull turn; None where no pings
-    have returns.
+def imu_beside_dvl(
+    dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: SensorRig
+) -> Disagreement | None:
+    """Return how the IMU's attitude, looked up at the DVL's stamps and a shift, lets the hull turn;
+    None where no pings have returns.
 
-    Turns about the tray's own axis are left aside: its servo's play looks like a clock that is late.
+    Turns about the tray's own axis are left aside: its servo's play looks like a clock that is
+    late.
     """
     t_ns, normal = hull_normals(dvl)
     if not len(t_ns):
@@ -53,12 +62,17 @@ def imu_beside_dvl(dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: 
     def residuals(shift_s: float) -> Array:
         at_ns = t_ns[used] + round(shift_s * 1e9)
         global_from_vehicle = attitude.rotation(at_ns)
-        seen, across = global_from_vehicle.apply(in_vehicle[used]), global_from_vehicle.apply(ACROSS)
+        seen, across = (
+            global_from_vehicle.apply(in_vehicle[used]),
+            global_from_vehicle.apply(ACROSS),
+        )
         seen[(at_ns < attitude.t_ns[0]) | (at_ns > attitude.t_ns[-1])] = np.nan
         bend = seen[of[:, 0]] - 2 * seen[of[:, 1]] + seen[of[:, 2]]
         return np.asarray((bend * across[of[:, 1]]).sum(axis=1, keepdims=True))
 
-    return Disagreement(residuals=residuals, block=_blocks(t_ns[rows[:, 0]]), is_enough=_enough(t_ns, rows))
+    return Disagreement(
+        residuals=residuals, block=_blocks(t_ns[rows[:, 0]]), is_enough=_enough(t_ns, rows)
+    )
 
 
 def pressure_beside_dvl(
@@ -69,11 +83,11 @@ def pressure_beside_dvl(
     rig: SensorRig,
     imu_late_s: float | None = 0.0,
 ) -> Disagreement | None:
-    """Return how the depth, looked up at the DVL's stamps and a shift, differs from what the DVL sank; None where no pings
-    or too few readings are there.
+    """Return how the depth, looked up at the DVL's stamps and a shift, differs from what the DVL
+    sank; None where no pings or too few readings are there.
 
-    imu_late_s: how late the IMU is, by whose attitude the DVL's velocity is level or not, beside the DVL; None: as late as the
-    pressure sensor.
+    imu_late_s: how late the IMU is, by whose attitude the DVL's velocity is level or not, beside
+    the DVL; None: as late as the pressure sensor.
     """
     known = np.isfinite(dvl.velocity).all(axis=1)
     read = np.isfinite(pressure.depth)
@@ -88,10 +102,15 @@ def pressure_beside_dvl(
     t_s, sounded_s = seconds(t_ns, int(t_ns[0])), seconds(sounded_ns, int(t_ns[0]))
     velocity = _vehicle_from_dvl(servo, rig, t_ns).apply(dvl.velocity[known])
     smooth = local_line(sounded_s, pressure.depth[read], sounded_s, SMOOTH_S)[0][:, 0]
-    lever = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).apply(rig.tray_from_dvl.translation) - rig.pressure_origin
+    lever = (
+        tray_poses(rig.tray_origin, servo.angle_at(t_ns)).apply(rig.tray_from_dvl.translation)
+        - rig.pressure_origin
+    )
 
     def sunk(shift_s: float) -> Array:
-        """Return how far the pressure sensor had sunk at the pings used, by a DVL beside which the IMU is so late."""
+        """Return how far the pressure sensor had sunk at the pings used, by a DVL beside which the
+        IMU is so late.
+        """
         at_ns = t_ns + round(shift_s * 1e9)
         level = attitude.rotation(at_ns)
         instrument = integral(t_s, level.apply(velocity)[:, 2]).total
@@ -108,12 +127,16 @@ def pressure_beside_dvl(
         apart = depth - (sunk(shift_s) if known_sunk is None else known_sunk)
         return np.asarray((apart[of[:, 0]] - 2 * apart[of[:, 1]] + apart[of[:, 2]])[:, None])
 
-    return Disagreement(residuals=residuals, block=_blocks(t_ns[rows[:, 0]]), is_enough=_enough(t_ns, rows))
+    return Disagreement(
+        residuals=residuals, block=_blocks(t_ns[rows[:, 0]]), is_enough=_enough(t_ns, rows)
+    )
 
 
 def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
-    """Return the stamps (n,) of the pings whose returns lie about a plane's width apart, and the plane's unit normal (n, 3) in
-    `dvl`, away from the instrument. Returns that leave the median of their beam's neighbours are left out."""
+    """Return the stamps (n,) of the pings whose returns lie about a plane's width apart, and the
+    plane's unit normal (n, 3) in `dvl`, away from the instrument. Returns that leave the median of
+    their beam's neighbours are left out.
+    """
     ranges = mark_lost(dvl.ranges)
     if len(ranges) < NEIGHBOURS or ranges.shape[1] < LEAST_BEAMS:
         return np.zeros(0, np.int64), np.zeros((0, 3))
@@ -136,8 +159,9 @@ def _vehicle_from_dvl(servo: Servo, rig: SensorRig, t_ns: Ints) -> Rotation:
 
 
 def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
-    """Return rows (m, 3) of stamps: each one with those that follow it by so many seconds and by twice as many, where there are
-    some; no more than MOST_ROWS, evenly chosen."""
+    """Return rows (m, 3) of stamps: each one with those that follow it by so many seconds and by
+    twice as many, where there are some; no more than MOST_ROWS, evenly chosen.
+    """
     rows = [np.arange(len(t_ns))]
     near = np.ones(len(t_ns), bool)
     for times in (1, 2):

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Put right the clocks of DVL, IMU, pressure sensor and cameras that are late or early beside the others, or jumped."""
+"""Put right the clocks of DVL, IMU, pressure sensor and cameras that are late or early beside the
+others, or jumped.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,13 @@ from hullrecon.navigation.clocks.clock_errors import (
 )
 from hullrecon.navigation.clocks.images import ImageMotions, dvl_beside_images, imu_beside_images
 from hullrecon.navigation.clocks.instruments import imu_beside_dvl, pressure_beside_dvl
-from hullrecon.navigation.clocks.stretches import PREFERRED, Decision, Span, decide_by_stretch, stretches
+from hullrecon.navigation.clocks.stretches import (
+    PREFERRED,
+    Decision,
+    Span,
+    decide_by_stretch,
+    stretches,
+)
 from hullrecon.navigation.clocks.time_shift import (
     FAR_S,
     Disagreement,
@@ -43,7 +51,11 @@ from hullrecon.navigation.clocks.whose_clock import (
     error_of,
     usable,
 )
-from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs, sort_streams, usable_frames
+from hullrecon.navigation.dead_reckoning.dead_reckon import (
+    NavigationLogs,
+    sort_streams,
+    usable_frames,
+)
 from hullrecon.navigation.dead_reckoning.image_walk import STRIDE_S
 from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
 from hullrecon.navigation.sensors.servo import Servo, servo
@@ -54,15 +66,16 @@ from hullrecon.typing import Array, Ints, Mask
 
 RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6  # of images whose motion is looked at, spread over a stretch
 
-# From two rows of the upper camera's images: second_from_first (4, 4), its translation of any length, and the sigmas (2,) rad
-# of its turn and direction; None where they do not tell.
+# From two rows of the upper camera's images: second_from_first (4, 4), its translation of any
+# length, and the sigmas (2,) rad of its turn and direction; None where they do not tell.
 MeasureMotion = Callable[[int, int], tuple[Array, Array] | None]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Synchronised:
-    """Logs with their clocks put right, in time order; what was wrong with the clocks; sentences on what was put right, and on
-    what could not be told."""
+    """Logs with their clocks put right, in time order; what was wrong with the clocks; sentences on
+    what was put right, and on what could not be told.
+    """
 
     logs: NavigationLogs
     errors: list[ClockError]
@@ -70,13 +83,18 @@ class Synchronised:
 
 
 def synchronise(
-    logs: NavigationLogs, rig: SensorRig, tilt_rad: float, longest_gap_s: float, measure: MeasureMotion | None = None
+    logs: NavigationLogs,
+    rig: SensorRig,
+    tilt_rad: float,
+    longest_gap_s: float,
+    measure: MeasureMotion | None = None,
 ) -> Synchronised:
     """Return the logs with their clocks put right.
 
-    The dive is looked at as a whole, and each stretch between pauses that may be jumps for what contradicts that. With images
-    (measure), IMU and DVL are held against what these show of the camera's motion, and the pressure sensor against the DVL; the
-    clocks that most sensors share are right. Without images the DVL's ranges to the hull and the pressure sensor tell.
+    The dive is looked at as a whole, and each stretch between pauses that may be jumps for what
+    contradicts that. With images (measure), IMU and DVL are held against what these show of the
+    camera's motion, and the pressure sensor against the DVL; the clocks that most sensors share are
+    right. Without images the DVL's ranges to the hull and the pressure sensor tell.
     """
     logs, messages = sort_streams(logs)
     look = _Look(logs, rig, tilt_rad, longest_gap_s, None if logs.top is None else measure)
@@ -90,7 +108,12 @@ class _Look:
     """What the sensors of a dive say of each other's clocks, stretch by stretch."""
 
     def __init__(
-        self, logs: NavigationLogs, rig: SensorRig, tilt_rad: float, longest_gap_s: float, measure: MeasureMotion | None
+        self,
+        logs: NavigationLogs,
+        rig: SensorRig,
+        tilt_rad: float,
+        longest_gap_s: float,
+        measure: MeasureMotion | None,
     ) -> None:
         self._logs, self._rig, self._measure = logs, rig, measure
         self._servo: Servo = servo(logs.tray, int(logs.dvl.t_ns[0]))
@@ -101,12 +124,15 @@ class _Look:
         self.sees = measure is not None and len(self._frames[0]) > 1
 
     def by_images(self) -> Decision:
-        """Return whose clocks are wrong beside those that most share, by what images show of the motion; by the hull where they
-        show none."""
+        """Return whose clocks are wrong beside those that most share, by what images show of the
+        motion; by the hull where they show none.
+        """
         motions = self._motions()
 
         def of_imu(span: Span) -> Late | None:
-            return _late(imu_beside_images(_between(motions, span), self._attitude, self._servo, self._rig))
+            return _late(
+                imu_beside_images(_between(motions, span), self._attitude, self._servo, self._rig)
+            )
 
         def of_dvl(span: Span) -> Late | None:
             return _late(dvl_beside_images(_between(motions, span), self._velocities, self._rig))
@@ -124,7 +150,9 @@ class _Look:
                 late |= {} if found is None else {sensor: found}
             if Sensor.DVL not in late:
                 return against_most(span, late), []
-            imu_late_s = late[Sensor.IMU].seconds - late[Sensor.DVL].seconds if Sensor.IMU in late else 0.0
+            imu_late_s = (
+                late[Sensor.IMU].seconds - late[Sensor.DVL].seconds if Sensor.IMU in late else 0.0
+            )
             sunk = self._sunk(span, imu_late_s)
             if sunk is not None:
                 late[Sensor.PRESSURE] = late[Sensor.DVL].and_later(sunk)
@@ -141,7 +169,13 @@ class _Look:
                         first,
                         second,
                     ),
-                    _prefer(dvl_beside_images(seen, self._velocities, self._rig), Sensor.DVL, Sensor.IMAGES, first, second),
+                    _prefer(
+                        dvl_beside_images(seen, self._velocities, self._rig),
+                        Sensor.DVL,
+                        Sensor.IMAGES,
+                        first,
+                        second,
+                    ),
                     self._prefer_by_depth(span, first, second),
                 ]
             )
@@ -149,7 +183,9 @@ class _Look:
         return decide_by_stretch(self._stretches(*Sensor), decide, better)
 
     def by_hull(self) -> Decision:
-        """Return whose clocks are wrong, by the DVL's ranges to the hull, which stands still, and by depth."""
+        """Return whose clocks are wrong, by the DVL's ranges to the hull, which stands still, and
+        by depth.
+        """
         imu = _ByStretch(self._stretches(Sensor.DVL, Sensor.IMU), self._turned)
 
         def decide(span: Span) -> Decision:
@@ -164,17 +200,28 @@ class _Look:
             turn = _prefer(self._hull_turns(span), Sensor.IMU, Sensor.DVL, first, second)
             return sum_of_sigmas([turn, self._prefer_by_depth(span, first, second)])
 
-        return decide_by_stretch(self._stretches(Sensor.DVL, Sensor.IMU, Sensor.PRESSURE), decide, better)
+        return decide_by_stretch(
+            self._stretches(Sensor.DVL, Sensor.IMU, Sensor.PRESSURE), decide, better
+        )
 
     def _by_turn_near_and_depth(self, span: Span) -> ClockError | None:
-        """Return the error of the DVL's clock where the depth tells the same as the turns do among near shifts: these alone may
-        fit by chance, where far ones fit as well. None else."""
+        """Return the error of the DVL's clock where the depth tells the same as the turns do among
+        near shifts: these alone may fit by chance, where far ones fit as well. None else.
+        """
         turn = self._hull_turns(span)
-        near = usable(find_time_shift(turn.residuals, turn.block)) if turn is not None and turn.is_enough else None
+        near = (
+            usable(find_time_shift(turn.residuals, turn.block))
+            if turn is not None and turn.is_enough
+            else None
+        )
         if near is None or not near.sure or abs(near.seconds) < LEAST_BY_HULL_S:
             return None
         sunk = self._sunk(span, near.seconds)
-        return by_turn_and_depth(span, near, sunk) if sunk is not None and sunk.sure and agree(near, sunk) else None
+        return (
+            by_turn_and_depth(span, near, sunk)
+            if sunk is not None and sunk.sure and agree(near, sunk)
+            else None
+        )
 
     def _decide_by_depth(self, span: Span) -> Decision:
         """Return which of DVL and pressure sensor is wrong, where they part."""
@@ -189,42 +236,68 @@ class _Look:
             " of them is wrong is not known, and both were left as they are"
         ]
 
-    def _prefer_by_depth(self, span: Span, first: Sequence[ClockError], second: Sequence[ClockError]) -> float:
-        """Return how many sigmas better the depth and what the DVL sank agree by some errors than by others."""
-        one, other = (self._sinking(span, late_beside(errors, Sensor.IMU, Sensor.DVL)) for errors in (first, second))
+    def _prefer_by_depth(
+        self, span: Span, first: Sequence[ClockError], second: Sequence[ClockError]
+    ) -> float:
+        """Return how many sigmas better the depth and what the DVL sank agree by some errors than
+        by others.
+        """
+        one, other = (
+            self._sinking(span, late_beside(errors, Sensor.IMU, Sensor.DVL))
+            for errors in (first, second)
+        )
         if one is None or other is None:
             return 0.0
-        by_first, by_second = (late_beside(errors, Sensor.PRESSURE, Sensor.DVL) for errors in (first, second))
+        by_first, by_second = (
+            late_beside(errors, Sensor.PRESSURE, Sensor.DVL) for errors in (first, second)
+        )
         return preference(one.residuals(by_first), other.residuals(by_second), one.block)
 
     def _by_depth_alone(self, span: Span, sunk: Late) -> ClockError | None:
-        """Return which of DVL and pressure sensor, which part, is wrong: by where the hull stands more still. None where that
-        does not tell."""
+        """Return which of DVL and pressure sensor, which part, is wrong: by where the hull stands
+        more still. None where that does not tell.
+        """
         turn = self._hull_turns(span)
-        better = 0.0 if turn is None else preference(turn.residuals(sunk.seconds), turn.residuals(0.0), turn.block)
+        better = (
+            0.0
+            if turn is None
+            else preference(turn.residuals(sunk.seconds), turn.residuals(0.0), turn.block)
+        )
         if better >= PREFERRED:
             late = self._sunk(span, None) or sunk  # with the attitude of the pressure sensor's time
-            return error_of(Sensor.DVL, span, -late.seconds, late.sigma_s, [Sensor.IMU, Sensor.PRESSURE])
+            return error_of(
+                Sensor.DVL, span, -late.seconds, late.sigma_s, [Sensor.IMU, Sensor.PRESSURE]
+            )
         if better <= -PREFERRED:
-            return error_of(Sensor.PRESSURE, span, sunk.seconds, sunk.sigma_s, [Sensor.DVL, Sensor.IMU])
+            return error_of(
+                Sensor.PRESSURE, span, sunk.seconds, sunk.sigma_s, [Sensor.DVL, Sensor.IMU]
+            )
         return None
 
     def _sunk(self, span: Span, imu_late_s: float | None = 0.0) -> Late | None:
-        """Return how late the pressure sensor is beside the DVL; imu_late_s: how late the IMU is; None: as late."""
+        """Return how late the pressure sensor is beside the DVL; imu_late_s: how late the IMU is;
+        None: as late.
+        """
         return _late(self._sinking(span, imu_late_s))
 
     def _sinking(self, span: Span, imu_late_s: float | None) -> Disagreement | None:
         pressure = self._logs.pressure
         if pressure is None:
             return None
-        return pressure_beside_dvl(self._pings(span), self._attitude, pressure, self._servo, self._rig, imu_late_s)
+        return pressure_beside_dvl(
+            self._pings(span), self._attitude, pressure, self._servo, self._rig, imu_late_s
+        )
 
     def _turned(self, span: Span) -> Late | None:
-        """Return how late the IMU is beside the DVL. None where it began and ended over a minute before the DVL, or after it.
+        """Return how late the IMU is beside the DVL. None where it began and ended over a minute
+        before the DVL, or after it.
 
-        That is a clock farther off than what is looked at, and some nearer shift might fit by chance.
+        That is a clock farther off than what is looked at, and some nearer shift might fit by
+        chance.
         """
-        began_s, ended_s = ((self._logs.imu.t_ns[end] - self._logs.dvl.t_ns[end]) * 1e-9 for end in (0, -1))
+        began_s, ended_s = (
+            (self._logs.imu.t_ns[end] - self._logs.dvl.t_ns[end]) * 1e-9 for end in (0, -1)
+        )
         if min(abs(began_s), abs(ended_s)) > FAR_S and began_s * ended_s > 0:
             return None
         return _late(self._hull_turns(span))
@@ -256,12 +329,19 @@ class _Look:
         )
 
     def _motions(self) -> ImageMotions:
-        """Return the motions over some runs of images in each stretch, where DVL and IMU were heard."""
+        """Return the motions over some runs of images in each stretch, where DVL and IMU were
+        heard.
+        """
         t_ns, row = self._frames
         spans = self._stretches(Sensor.IMAGES, Sensor.IMU, Sensor.DVL)
         inside = [np.flatnonzero((t_ns >= begin) & (t_ns <= end)) for begin, end in spans]
         runs = max(LEAST_RUNS, RUNS // len(spans))
-        pairs = [pair for rows in inside for run in choose_runs(t_ns, rows, runs) for pair in itertools.pairwise(run)]
+        pairs = [
+            pair
+            for rows in inside
+            for run in choose_runs(t_ns, rows, runs)
+            for pair in itertools.pairwise(run)
+        ]
         found = [
             (t_ns[a], t_ns[b], *motion)
             for a, b in pairs
@@ -279,14 +359,22 @@ class _Look:
     def _heard(self, first_ns: int, second_ns: int) -> bool:
         """Return whether DVL and IMU were heard from one instant to the other."""
         v, a = self._velocities, self._attitude
-        if not len(v.t_ns) or first_ns < max(v.t_ns[0], a.t_ns[0]) or second_ns > min(v.t_ns[-1], a.t_ns[-1]):
+        if (
+            not len(v.t_ns)
+            or first_ns < max(v.t_ns[0], a.t_ns[0])
+            or second_ns > min(v.t_ns[-1], a.t_ns[-1])
+        ):
             return False
-        return not any(((gap[:, 0] < second_ns) & (gap[:, 1] > first_ns)).any() for gap in (v.outages, a.holes))
+        return not any(
+            ((gap[:, 0] < second_ns) & (gap[:, 1] > first_ns)).any() for gap in (v.outages, a.holes)
+        )
 
 
 def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
-    """Return runs of frames that are spread evenly over those `inside`, each frame of a run at least a stride after the one
-    before. t_ns (n,): stamps in time order; inside (m,): rows in order."""
+    """Return runs of frames that are spread evenly over those `inside`, each frame of a run at
+    least a stride after the one before. t_ns (n,): stamps in time order; inside (m,): rows in
+    order.
+    """
     if len(inside) < 2:
         return []
     starts = np.unique(np.linspace(inside[0], inside[-1], runs + 2)[1:-1].astype(int)).tolist()
@@ -312,7 +400,9 @@ class _ByStretch:
         return any(self._late(span) is not None for span in [self._whole, *self._spans])
 
     def at(self, span: Span) -> Late | None:
-        """Return what is known in a span that lies within one of the stretches, or of the whole where it covers them all."""
+        """Return what is known in a span that lies within one of the stretches, or of the whole
+        where it covers them all.
+        """
         if span[0] <= self._whole[0] and span[1] >= self._whole[1]:
             return self._late(self._whole)
         middle = (span[0] + span[1]) // 2
@@ -324,17 +414,29 @@ class _ByStretch:
 
 
 def _late(found: Disagreement | None) -> Late | None:
-    """Return by how much a clock is late by how it parts from another one; None where that is not known."""
-    return None if found is None or not found.is_enough else usable(find_far_shift(found.residuals, found.block))
+    """Return by how much a clock is late by how it parts from another one; None where that is not
+    known.
+    """
+    return (
+        None
+        if found is None or not found.is_enough
+        else usable(find_far_shift(found.residuals, found.block))
+    )
 
 
 def _prefer(
-    found: Disagreement | None, sensor: Sensor, other: Sensor, first: Sequence[ClockError], second: Sequence[ClockError]
+    found: Disagreement | None,
+    sensor: Sensor,
+    other: Sensor,
+    first: Sequence[ClockError],
+    second: Sequence[ClockError],
 ) -> float:
     """Return how many sigmas better two sensors agree by some errors than by others."""
     if found is None:
         return 0.0
-    by_first, by_second = (found.residuals(late_beside(errors, sensor, other)) for errors in (first, second))
+    by_first, by_second = (
+        found.residuals(late_beside(errors, sensor, other)) for errors in (first, second)
+    )
     return preference(by_first, by_second, found.block)
 
 

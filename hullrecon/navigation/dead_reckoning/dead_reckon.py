@@ -11,7 +11,10 @@ import numpy as np
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
-from hullrecon.navigation.dead_reckoning.error_propagation import dead_reckoning_errors, trajectory_covariance
+from hullrecon.navigation.dead_reckoning.error_propagation import (
+    dead_reckoning_errors,
+    trajectory_covariance,
+)
 from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
 from hullrecon.navigation.dead_reckoning.nodes import Nodes, choose_nodes
 from hullrecon.navigation.dead_reckoning.odometry import odometry, widen_for_tray
@@ -26,12 +29,25 @@ from hullrecon.navigation.sensors.depth import Depth, depth_at_nodes_sigma, hold
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
 from hullrecon.navigation.sigmas import NavigationSigmas
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
-from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImageIndex,
+    ImuSamples,
+    JointSamples,
+    PressureSamples,
+)
+from hullrecon.records.trajectory import (
+    Attitude,
+    Odometry,
+    Returns,
+    Trajectory,
+    TrajectoryErrorModel,
+)
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Ints
 
-LOST_SIGMA_M = 0.5  # of the way across an outage: from there on images that show nothing are not worth a pose
+# of the way across an outage: from there on images that show nothing are not worth a pose
+LOST_SIGMA_M = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,9 +84,10 @@ def dead_reckon(
 ) -> Navigated:
     """Return the records of a dive reckoned from DVL, IMU, pressure and tray.
 
-    x = y = 0 at the first ping with a velocity while the IMU runs, heading as logged. walk: of the upper camera's images, which
-    get nodes where DVL or IMU are not heard yet or no more, or the DVL not for a while, as far as each goes on from the one
-    before; without it there are none at the ends, and in an outage all have.
+    x = y = 0 at the first ping with a velocity while the IMU runs, heading as logged. walk: of the
+    upper camera's images, which get nodes where DVL or IMU are not heard yet or no more, or the DVL
+    not for a while, as far as each goes on from the one before; without it there are none at the
+    ends, and in an outage all have.
 
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """
@@ -81,7 +98,9 @@ def dead_reckon(
     nodes = _nodes(logs, path, span, options, walk)
     at = path.at(nodes.t_ns)
     depth = _depth(logs.pressure, path, nodes, options)
-    flagged = flag_ranges(logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigmas.range_m)
+    flagged = flag_ranges(
+        logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigmas.range_m
+    )
     beams = returns(logs.dvl, path, at, flagged)
     notes, facts = remarks_of(logs.dvl.t_ns, path, nodes, depth, beams)
     notes += describe_unplaced(logs.dvl, logs.imu, logs.pressure, velocities, nodes.t_ns, beams)
@@ -126,11 +145,15 @@ def sort_streams(logs: NavigationLogs) -> tuple[NavigationLogs, list[str]]:
 
 
 def finite_attitude(imu: ImuSamples) -> ImuSamples:
-    """Return the readings that have an orientation. Raises StageError where there are fewer than two."""
+    """Return the readings that have an orientation. Raises StageError where there are fewer than
+    two.
+    """
     known = np.isfinite(imu.quaternion).all(axis=1) & (np.linalg.norm(imu.quaternion, axis=1) > 0.5)
     if not known.any():
         raise StageError(
-            "the IMU gave no orientation", where="imu", remedy="log sensor_msgs/Imu with its orientation filled in"
+            "the IMU gave no orientation",
+            where="imu",
+            remedy="log sensor_msgs/Imu with its orientation filled in",
         )
     if known.sum() < 2:
         raise StageError(
@@ -149,15 +172,18 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
 def _velocities(
     logs: NavigationLogs, options: NavigateOptions, walk: ImageWalk | None
 ) -> tuple[Velocities, int, tuple[int, int]]:
-    """Return the velocities while the IMU runs and as far as images go on beyond it, the stamp of the first one that the IMU
-    runs at, and from when to when images have a pose, ns."""
+    """Return the velocities while the IMU runs and as far as images go on beyond it, the stamp of
+    the first one that the IMU runs at, and from when to when images have a pose, ns.
+    """
     slack, reach = int(options.longest_gap_s * 1e9), int(options.reach_s * 1e9)
     attitude = int(logs.imu.t_ns[0]) - slack, int(logs.imu.t_ns[-1]) + slack
     found = usable_velocities(logs.dvl, attitude, options.longest_gap_s)
     if len(found.t_ns) < 2:
         where = f"{len(logs.dvl.t_ns)} pings, {len(found.t_ns)} with a velocity while the IMU was running"
         raise StageError(
-            "the DVL gave no velocity to reckon with", where=where, remedy="check the DVL's bottom lock and the clocks"
+            "the DVL gave no velocity to reckon with",
+            where=where,
+            remedy="check the DVL's bottom lock and the clocks",
         )
     heard = int(found.t_ns[0]), int(found.t_ns[-1])
     reached = heard[0] - reach, heard[1] + reach
@@ -170,21 +196,38 @@ def _velocities(
 
 
 def _nodes(
-    logs: NavigationLogs, path: Reckoning, span_ns: tuple[int, int], options: NavigateOptions, walk: ImageWalk | None
+    logs: NavigationLogs,
+    path: Reckoning,
+    span_ns: tuple[int, int],
+    options: NavigateOptions,
+    walk: ImageWalk | None,
 ) -> Nodes:
     heard, reach = path.velocities.t_ns, int(options.reach_s * 1e9)
-    pings = logs.dvl.t_ns[(logs.dvl.t_ns >= heard[0] - reach) & (logs.dvl.t_ns <= heard[-1] + reach)]
+    pings = logs.dvl.t_ns[
+        (logs.dvl.t_ns >= heard[0] - reach) & (logs.dvl.t_ns <= heard[-1] + reach)
+    ]
     outages = path.velocities.outages
     unsure = outages[path.velocities.bridged_variance(*outages.T) > LOST_SIGMA_M**2]
     lost = [] if walk is None else [walk.lost_in((begin, end)) for begin, end in unsure.tolist()]
     top, bottom = usable_frames(logs.top), usable_frames(logs.bottom)
-    nodes = choose_nodes(top, bottom, pings, span_ns, options.node_spacing_s, [span for span in lost if span is not None])
+    nodes = choose_nodes(
+        top,
+        bottom,
+        pings,
+        span_ns,
+        options.node_spacing_s,
+        [span for span in lost if span is not None],
+    )
     if len(nodes.t_ns) < 2:
-        raise StageError("fewer than two nodes", remedy="check that camera and DVL ran at the same time")
+        raise StageError(
+            "fewer than two nodes", remedy="check that camera and DVL ran at the same time"
+        )
     return nodes
 
 
-def _depth(pressure: PressureSamples | None, path: Reckoning, nodes: Nodes, options: NavigateOptions) -> Depth | None:
+def _depth(
+    pressure: PressureSamples | None, path: Reckoning, nodes: Nodes, options: NavigateOptions
+) -> Depth | None:
     """Return what the pressure adds; None where no sensor was read at any node."""
     if pressure is None:
         return None
@@ -210,9 +253,13 @@ def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
     return Poses(at.rotation.as_quat(), position)
 
 
-def _attitude(path: Reckoning, at: Instant, depth: Depth | None, sigmas: NavigationSigmas) -> Attitude:
-    """Return depth, roll and pitch of the nodes; what no reading is near was counted on, not measured, and has a wide sigma.
-    Nodes that share a reading of the pressure have together what it says."""
+def _attitude(
+    path: Reckoning, at: Instant, depth: Depth | None, sigmas: NavigationSigmas
+) -> Attitude:
+    """Return depth, roll and pitch of the nodes; what no reading is near was counted on, not
+    measured, and has a wide sigma. Nodes that share a reading of the pressure have together what it
+    says.
+    """
     n = len(at.t_ns)
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T
     measured = np.zeros(n) if depth is None else depth.measured

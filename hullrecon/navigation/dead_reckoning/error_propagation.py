@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far dead reckoning may be off at each node: errors that persist as unknowns of the dive, J P J', plus what is white."""
+"""How far dead reckoning may be off at each node: errors that persist as unknowns of the dive, J P
+J', plus what is white.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,15 @@ import numpy as np
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
-from hullrecon.navigation.dead_reckoning.reckoning import BACKLASH, MOMENT, MOUNT, TILT, UP_DOWN, Instant, Reckoning
+from hullrecon.navigation.dead_reckoning.reckoning import (
+    BACKLASH,
+    MOMENT,
+    MOUNT,
+    TILT,
+    UP_DOWN,
+    Instant,
+    Reckoning,
+)
 from hullrecon.navigation.sensors.depth import Depth
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.trajectory import TrajectoryErrorModel
@@ -18,30 +28,42 @@ from hullrecon.typing import Array, Ints
 UNKNOWN_DEPTH_M = 10.0  # without a pressure sensor the depth of the start is anyone's guess
 LEAST_SIGMA_M = 1e-4  # of a position: keeps the covariance at the start invertible
 # The errors that persist, in the order of the columns of `pose_by_error`.
-SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH, ROLL_PITCH, HEADING, DEPTH_BIAS = 0, 1, slice(2, 5), 5, slice(6, 8), 8, 9
+SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH, ROLL_PITCH, HEADING, DEPTH_BIAS = (
+    0,
+    1,
+    slice(2, 5),
+    5,
+    slice(6, 8),
+    8,
+    9,
+)
 ERRORS = 10
 
 
 def dead_reckoning_errors(
     path: Reckoning, at: Instant, poses: Poses, depth: Depth | None, sigmas: NavigationSigmas
 ) -> TrajectoryErrorModel:
-    """Return what makes the published T_g_v (n,) at those instants wrong, relative to the start in x, y and heading.
+    """Return what makes the published T_g_v (n,) at those instants wrong, relative to the start in
+    x, y and heading.
 
-    Depth is absolute: its bias and the smoothed noise of the pressure; without pressure it drifts like x and y, from the next
-    node that was read where the sensor was silent for a while.
+    Depth is absolute: its bias and the smoothed noise of the pressure; without pressure it drifts
+    like x and y, from the next node that was read where the sensor was silent for a while.
     """
     by_error = pose_by_error(at)
-    by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]  # the path is counted from there
+    # the path is counted from there
+    by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]
     by_error[:, 2, DEPTH_BIAS] = 1.0
     walk, white = np.zeros((2, len(at.t_ns), 6, 6))
     walk[:, [0, 1, 2], [0, 1, 2]] = _drift_since_start(path, at)[:, None]
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
     in_hole = path.attitude.hole_sigma(at.t_ns)
     white[:, [3, 4, 5], [3, 4, 5]] = (path.attitude.sigma_rad**2 + in_hole**2)[:, None]
-    walk[:, [0, 1, 2], [0, 1, 2]] += _by_direction(at, path.servo.unread_sigma(at.t_ns), np.zeros(len(at.t_ns), np.int64))[
-        :, None
-    ]
-    walk[:, [0, 1, 2], [0, 1, 2]] += _by_direction(at, in_hole, path.attitude.holes_before(at.t_ns))[:, None]
+    walk[:, [0, 1, 2], [0, 1, 2]] += _by_direction(
+        at, path.servo.unread_sigma(at.t_ns), np.zeros(len(at.t_ns), np.int64)
+    )[:, None]
+    walk[:, [0, 1, 2], [0, 1, 2]] += _by_direction(
+        at, in_hole, path.attitude.holes_before(at.t_ns)
+    )[:, None]
     turned = _by_unread_attitude(path, at, poses)
     if depth is not None:
         near = _nearest_depth(at, depth)
@@ -49,7 +71,8 @@ def dead_reckoning_errors(
         white[:, 2, 2] = depth.sigma**2 + np.abs(walk[:, 2, 2] - walk[near, 2, 2])
         walk[:, 2, 2] = 0.0
     to_twist = twist_by_pose_error(poses)
-    # The velocities' noise shifts the rest of the path: a shift is the same twist wherever the node stands.
+    # The velocities' noise shifts the rest of the path: a shift is the same twist wherever the node
+    # stands.
     return TrajectoryErrorModel(
         by_error=to_twist @ by_error,
         error_covariance=np.diag(_error_sigma(sigmas, depth is not None) ** 2),
@@ -59,15 +82,19 @@ def dead_reckoning_errors(
 
 
 def _drift_since_start(path: Reckoning, at: Instant) -> Array:
-    """Return (n,) m2, each axis: variance by the velocities since the path's start, negative before it."""
+    """Return (n,) m2, each axis: variance by the velocities since the path's start, negative before
+    it.
+    """
     start = np.full(len(at.t_ns), path.start_ns)
     variance = velocity_variance(path, np.minimum(start, at.t_ns), np.maximum(start, at.t_ns))
     return np.asarray(np.sign(at.t_ns - start) * variance)
 
 
 def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
-    """Return (n, 6, 6), as above, of twists: every turn that no reading tells, beyond the IMU's readings or where its heading
-    stepped, turns the rest of the path about the place where it was made."""
+    """Return (n, 6, 6), as above, of twists: every turn that no reading tells, beyond the IMU's
+    readings or where its heading stepped, turns the rest of the path about the place where it was
+    made.
+    """
     turned, stepped = path.attitude.turned_unread(at.t_ns), path.attitude.turned_by_steps(at.t_ns)
     about = 0.5 * (poses.translation[1:] + poses.translation[:-1])
     by_turn = np.concatenate([cross_matrix(about), np.tile(np.eye(3), (len(about), 1, 1))], axis=1)
@@ -78,18 +105,25 @@ def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
 
 
 def _by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Array:
-    """Return (n,) m2, each axis, as above: where a tray or an attitude that was not read turns the velocity by some sigma_rad
-    (n,), the way is off with it. stretch (n,) ascending: over which that is one error."""
+    """Return (n,) m2, each axis, as above: where a tray or an attitude that was not read turns the
+    velocity by some sigma_rad (n,), the way is off with it. stretch (n,) ascending: over which that
+    is one error.
+    """
     step_m = np.linalg.norm(np.diff(at.instrument, axis=0), axis=1)
     way = np.concatenate([[0.0], np.cumsum(0.5 * (sigma_rad[1:] + sigma_rad[:-1]) * step_m)])
-    begin = np.maximum(np.searchsorted(stretch, stretch) - 1, 0)  # of each node's stretch: the step to its first node counts
-    whole = np.where(np.diff(stretch, prepend=stretch[0]) > 0, np.roll(way - way[begin], 1) ** 2, 0.0)
+    # of each node's stretch: the step to its first node counts
+    begin = np.maximum(np.searchsorted(stretch, stretch) - 1, 0)
+    whole = np.where(
+        np.diff(stretch, prepend=stretch[0]) > 0, np.roll(way - way[begin], 1) ** 2, 0.0
+    )
     variance = np.cumsum(whole) + (way - way[begin]) ** 2
     return np.asarray(variance - np.interp(0.0, at.t_s, variance))
 
 
 def _nearest_depth(at: Instant, depth: Depth) -> Ints:
-    """Return for each node (n,) the node nearest in time at which the depth was measured: itself in the rule."""
+    """Return for each node (n,) the node nearest in time at which the depth was measured: itself in
+    the rule.
+    """
     read = np.flatnonzero(depth.unread_s == 0)
     after = np.minimum(np.searchsorted(read, np.arange(len(at.t_ns))), len(read) - 1)
     before = np.maximum(after - 1, 0)
@@ -98,15 +132,20 @@ def _nearest_depth(at: Instant, depth: Depth) -> Ints:
 
 
 def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:
-    """Return (n, 6, 6) of T_g_v, (translation in g, rotation perturbed on the right in v), of each node alone."""
+    """Return (n, 6, 6) of T_g_v, (translation in g, rotation perturbed on the right in v), of each
+    node alone.
+    """
     persistent = model.by_error @ model.error_covariance @ np.swapaxes(model.by_error, 1, 2)
     from_twist = np.linalg.inv(twist_by_pose_error(poses))
     walk = np.where(np.trace(model.walk, axis1=1, axis2=2) < 0, -1, 1)[:, None, None] * model.walk
-    return np.asarray(from_twist @ (persistent + walk + model.white) @ np.swapaxes(from_twist, 1, 2))
+    return np.asarray(
+        from_twist @ (persistent + walk + model.white) @ np.swapaxes(from_twist, 1, 2)
+    )
 
 
 def twist_by_pose_error(poses: Poses) -> Array:
-    """Return (n, 6, 6): errors (translation in g, rotation perturbed on the right in v) as twists about the origin of g.
+    """Return (n, 6, 6): errors (translation in g, rotation perturbed on the right in v) as twists
+    about the origin of g.
 
     omega = R w, rho = t + p x omega.
     """
@@ -119,20 +158,25 @@ def twist_by_pose_error(poses: Poses) -> Array:
 
 
 def pose_by_error(at: Instant) -> Array:
-    """Return (n, 6, ERRORS): derivatives of (translation in g, rotation perturbed on the right in v) by the DVL's scale, the
-    heading drift, the mount's rotation vector, the tray's backlash, roll and pitch bias, and the heading at the start. Depth by
-    the DVL; the column of the depth's bias is zero.
+    """Return (n, 6, ERRORS): derivatives of (translation in g, rotation perturbed on the right in
+    v) by the DVL's scale, the heading drift, the mount's rotation vector, the tray's backlash, roll
+    and pitch bias, and the heading at the start. Depth by the DVL; the column of the depth's bias
+    is zero.
 
-    A drift c turns the velocity at the time s by c s: the path moves by c z x (integral of s v ds), the lever arm by c t
-    z x (-R r).
+    A drift c turns the velocity at the time s by c s: the path moves by c z x (integral of s v ds),
+    the lever arm by c t z x (-R r).
     """
     R = at.rotation.as_matrix()
     turned_lever = at.rotation.apply(at.lever)
     lever_by_turn = R @ cross_matrix(at.lever)  # of -R r
-    backlash = at.sums[:, :, BACKLASH][:, :, 0] - at.direction[:, None] * at.rotation.apply(at.lever_by_tray)
+    backlash = at.sums[:, :, BACKLASH][:, :, 0] - at.direction[:, None] * at.rotation.apply(
+        at.lever_by_tray
+    )
     out = np.zeros((len(at.t_ns), 6, ERRORS))
     out[:, :3, SCALE] = at.instrument
-    out[:, :3, DRIFT] = np.cross(UP_DOWN, at.sums[:, :, MOMENT][:, :, 0] - at.t_s[:, None] * turned_lever)
+    out[:, :3, DRIFT] = np.cross(
+        UP_DOWN, at.sums[:, :, MOMENT][:, :, 0] - at.t_s[:, None] * turned_lever
+    )
     out[:, :3, MOUNT_TURN] = at.sums[:, :, MOUNT]
     out[:, :3, TRAY_BACKLASH] = backlash
     out[:, :3, ROLL_PITCH] = (at.sums[:, :, TILT] + lever_by_turn)[:, :, :2]
@@ -144,9 +188,19 @@ def pose_by_error(at: Instant) -> Array:
 
 
 def _error_sigma(sigmas: NavigationSigmas, depth_is_measured: bool) -> Array:
-    """Return (ERRORS,) prior sigma of each error; the heading at the start is known like a roll or pitch."""
+    """Return (ERRORS,) prior sigma of each error; the heading at the start is known like a roll or
+    pitch.
+    """
     out = np.zeros(ERRORS)
-    out[SCALE], out[DRIFT], out[MOUNT_TURN] = sigmas.scale, sigmas.heading_drift_rad_s, sigmas.mount[3:]
-    out[TRAY_BACKLASH], out[ROLL_PITCH], out[HEADING] = sigmas.tray_rad, sigmas.tilt_bias_rad, sigmas.tilt_rad
+    out[SCALE], out[DRIFT], out[MOUNT_TURN] = (
+        sigmas.scale,
+        sigmas.heading_drift_rad_s,
+        sigmas.mount[3:],
+    )
+    out[TRAY_BACKLASH], out[ROLL_PITCH], out[HEADING] = (
+        sigmas.tray_rad,
+        sigmas.tilt_bias_rad,
+        sigmas.tilt_rad,
+    )
     out[DEPTH_BIAS] = sigmas.depth_bias_m if depth_is_measured else UNKNOWN_DEPTH_M
     return out

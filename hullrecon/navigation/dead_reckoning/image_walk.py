@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far images carry the path on where DVL or IMU are silent: as far as each goes on from the one before."""
+"""How far images carry the path on where DVL or IMU are silent: as far as each goes on from the one
+before.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,18 @@ import numpy as np
 from hullrecon.navigation.sensors.silence import longest_pause_s
 from hullrecon.typing import Ints
 
-STRIDE_S = 0.5  # between images that are compared when they are followed: closer ones overlap as well
-GoesOn = Callable[[int, int], bool]  # whether an image shows what another shows, by their rows in the index
+# between images that are compared when they are followed: closer ones overlap as well
+STRIDE_S = 0.5
+# whether an image shows what another shows, by their rows in the index
+GoesOn = Callable[[int, int], bool]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImageWalk:
-    """Frames of one camera, stamps and rows in time order, followed where nothing else says where they are. goes_on tells
-    whether one frame goes on from another; progress shows how far a walk is."""
+    """Frames of one camera, stamps and rows in time order, followed where nothing else says where
+    they are. goes_on tells whether one frame goes on from another; progress shows how far a walk
+    is.
+    """
 
     frames: tuple[Ints, Ints]
     goes_on: GoesOn
@@ -37,9 +43,14 @@ class ImageWalk:
         return min(span_ns[0], int(t_ns[first])), max(span_ns[1], int(t_ns[last]))
 
     def lost_in(self, outage_ns: tuple[int, int]) -> tuple[int, int] | None:
-        """Return the first and the last stamp in an outage whose frames go on from neither of its sides; None without any."""
+        """Return the first and the last stamp in an outage whose frames go on from neither of its
+        sides; None without any.
+        """
         t_ns = self.frames[0]
-        begin, end = np.searchsorted(t_ns, outage_ns[0], side="right") - 1, np.searchsorted(t_ns, outage_ns[1])
+        begin, end = (
+            np.searchsorted(t_ns, outage_ns[0], side="right") - 1,
+            np.searchsorted(t_ns, outage_ns[1]),
+        )
         if begin < 0 or end >= len(t_ns) or end - begin < 2:
             return None
         first = self._follow(int(begin), range(int(begin) + 1, int(end))) + 1
@@ -47,7 +58,9 @@ class ImageWalk:
         return (int(t_ns[first]), int(t_ns[last])) if first <= last else None
 
     def _follow(self, at: int, steps: range) -> int:
-        """Return the last frame along `steps` that is reached from one without a pause, by strides where frames are dense."""
+        """Return the last frame along `steps` that is reached from one without a pause, by strides
+        where frames are dense.
+        """
         for k in self.progress(steps):
             if (k - at) * steps.step <= 0:
                 continue
@@ -59,9 +72,14 @@ class ImageWalk:
         return at
 
     def _stride(self, at: int, following: int, steps: range) -> int:
-        """Return the farthest frame along `steps` within a stride's time of one, at least the following one."""
+        """Return the farthest frame along `steps` within a stride's time of one, at least the
+        following one.
+        """
         t_ns = self.frames[0]
-        while following + steps.step in steps and abs(int(t_ns[following + steps.step] - t_ns[at])) <= STRIDE_S * 1e9:
+        while (
+            following + steps.step in steps
+            and abs(int(t_ns[following + steps.step] - t_ns[at])) <= STRIDE_S * 1e9
+        ):
             following += steps.step
         return following
 

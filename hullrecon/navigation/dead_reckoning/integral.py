@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Running integrals of signals sampled at uneven times, with the signal straight between its samples."""
+"""Running integrals of signals sampled at uneven times, with the signal straight between its
+samples.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class Integral:
-    """t_s (n,), signal (n, ...), total (n, ...): its integral from the first sample, by the trapezoid."""
+    """t_s (n,), signal (n, ...), total (n, ...): its integral from the first sample, by the
+    trapezoid.
+    """
 
     t_s: Array
     signal: Array
@@ -28,11 +32,15 @@ class Integral:
         outside = t_s - self.t_s[left] - inside
         start, stop = self.signal[left], self.signal[left + 1]
         within = start * inside[wide] + (stop - start) * (0.5 * inside**2 / step)[wide]
-        return np.asarray(self.total[left] + within + np.where((outside > 0)[wide], stop, start) * outside[wide])
+        return np.asarray(
+            self.total[left] + within + np.where((outside > 0)[wide], stop, start) * outside[wide]
+        )
 
 
 def integral(t_s: Array, signal: Array) -> Integral:
     """Return the running integral of at least two samples (n, ...) at growing times (n,)."""
     step = np.diff(t_s).reshape(-1, *[1] * (signal.ndim - 1))
     pieces = 0.5 * (signal[1:] + signal[:-1]) * step
-    return Integral(t_s, signal, np.concatenate([np.zeros((1, *signal.shape[1:])), np.cumsum(pieces, axis=0)]))
+    return Integral(
+        t_s, signal, np.concatenate([np.zeros((1, *signal.shape[1:])), np.cumsum(pieces, axis=0)])
+    )

@@ -16,9 +16,10 @@ FAR_FROM_FRAME_S = 1.0
 
 @dataclass(frozen=True)
 class Nodes:
-    """t_ns (n,); image (n, 2): row in the index of camera_top and camera_bottom, -1 where none. unpaired: frames of the bottom
-    camera without a partner; outside: frames that navigation does not reach; lone: frames of the top camera without a
-    partner, where there is a bottom camera."""
+    """t_ns (n,); image (n, 2): row in the index of camera_top and camera_bottom, -1 where none.
+    unpaired: frames of the bottom camera without a partner; outside: frames that navigation does
+    not reach; lone: frames of the top camera without a partner, where there is a bottom camera.
+    """
 
     t_ns: Ints
     image: Ints
@@ -28,8 +29,9 @@ class Nodes:
 
 
 def pair_frames(top_ns: Ints, bottom_ns: Ints) -> Ints:
-    """Return rows (k, 2) of frames taken together: nearest stamps, both ways, within half a frame period. Both in time
-    order."""
+    """Return rows (k, 2) of frames taken together: nearest stamps, both ways, within half a frame
+    period. Both in time order.
+    """
     if not len(top_ns) or not len(bottom_ns):
         return np.zeros((0, 2), np.int64)
     periods = [np.median(np.diff(s)) for s in (top_ns, bottom_ns) if len(s) > 1]
@@ -50,9 +52,10 @@ def choose_nodes(
     spacing_s: float,
     lost_ns: Sequence[tuple[int, int]] = (),
 ) -> Nodes:
-    """Return nodes in time order. top, bottom: stamps and rows in the index of the usable frames, in time order. A pair stands
-    at the top camera's stamp. span_ns: what navigation covers; frames outside get no node, nor those in the spans lost_ns.
-    spacing_s: least distance between the pings chosen.
+    """Return nodes in time order. top, bottom: stamps and rows in the index of the usable frames,
+    in time order. A pair stands at the top camera's stamp. span_ns: what navigation covers; frames
+    outside get no node, nor those in the spans lost_ns. spacing_s: least distance between the pings
+    chosen.
     """
     pair = pair_frames(top[0], bottom[0])
     unpaired = np.setdiff1d(np.arange(len(bottom[0])), pair[:, 1])
@@ -71,7 +74,9 @@ def choose_nodes(
     order = np.argsort(t_ns, kind="stable")
     table = np.vstack([image, np.full((len(extra), 2), -1, np.int64)])[order]
     lone = len(top[0]) - len(pair) if len(bottom[0]) else 0
-    return Nodes(t_ns[order], table, len(unpaired) if len(top[0]) else 0, int((~inside).sum()), lone)
+    return Nodes(
+        t_ns[order], table, len(unpaired) if len(top[0]) else 0, int((~inside).sum()), lone
+    )
 
 
 def nearest(sorted_ns: Ints, wanted_ns: Ints) -> Ints:
@@ -89,7 +94,9 @@ def _distance(at_ns: Ints, sorted_ns: Ints) -> Array:
 
 
 def _thin(t_ns: Ints, spacing_s: float) -> Mask:
-    """Return the first stamp of each cell of the clock; the cells are as wide as the spacing, less a tenth for jitter."""
+    """Return the first stamp of each cell of the clock; the cells are as wide as the spacing, less
+    a tenth for jitter.
+    """
     if not len(t_ns):
         return np.zeros(0, bool)
     cell = (t_ns - t_ns[0]) // int(0.9e9 * spacing_s)

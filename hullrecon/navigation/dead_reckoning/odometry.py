@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Relative motion between neighbouring nodes, by DVL and IMU alone, and what the errors that persist do to it.
+"""Relative motion between neighbouring nodes, by DVL and IMU alone, and what the errors that
+persist do to it.
 
-The pressure has no part in it: it enters the adjustment as depth. Each derivative says how the measured motion would change
-if dead reckoning had known the error: a true speed of (1 + e) v, a true heading of the logged one plus c t, a mount
-R_s_d Exp(w), a tray at theta + d.
+The pressure has no part in it: it enters the adjustment as depth. Each derivative says how the
+measured motion would change if dead reckoning had known the error: a true speed of (1 + e) v, a
+true heading of the logged one plus c t, a mount R_s_d Exp(w), a tray at theta + d.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
     moved = at.sums[1:] - at.sums[:-1]
     turned_lever = at.rotation.apply(at.lever)
     duration = np.diff(at.t_s)[:, None]
-    turned_path = np.cross(UP_DOWN, moved[:, :, 1] - at.t_s[:-1, None] * moved[:, :, 0] - duration * turned_lever[1:])
+    turned_path = np.cross(
+        UP_DOWN, moved[:, :, 1] - at.t_s[:-1, None] * moved[:, :, 0] - duration * turned_lever[1:]
+    )
     by_navigation = np.zeros((n - 1, 6, 2))
     by_navigation[:, :3, 0] = _into(R_i_g, moved[:, :, 0])
     by_navigation[:, :3, 1] = _into(R_i_g, turned_path)
@@ -58,22 +61,29 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
 
 
 def widen_for_tray(found: Odometry, tray_sigma: Array) -> Odometry:
-    """Return the edges with what a wrong angle does to them in second order: their derivative is that at the angle as logged.
-    tray_sigma (n,): rad, where the tray was not read."""
+    """Return the edges with what a wrong angle does to them in second order: their derivative is
+    that at the angle as logged. tray_sigma (n,): rad, where the tray was not read.
+    """
     turn = np.maximum(tray_sigma[found.first], tray_sigma[found.second])
     covariance = found.covariance.copy()
-    covariance[:, [0, 1, 2], [0, 1, 2]] += ((0.5 * turn**2 * np.linalg.norm(found.translation, axis=1)) ** 2)[:, None]
+    covariance[:, [0, 1, 2], [0, 1, 2]] += (
+        (0.5 * turn**2 * np.linalg.norm(found.translation, axis=1)) ** 2
+    )[:, None]
     return replace(found, covariance=covariance)
 
 
 def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
-    """Return (m, 6, 6) of the steps' white part: velocity noise and outages; the turn's noise, which also swings the lever."""
+    """Return (m, 6, 6) of the steps' white part: velocity noise and outages; the turn's noise,
+    which also swings the lever.
+    """
     start, stop = at.t_ns[:-1], at.t_ns[1:]
     shift = velocity_variance(path, start, stop) + LEAST_SIGMA_M**2
     turn = path.attitude.turn_variance(start, stop)
     by_turn = step.rotation.as_matrix() @ cross_matrix(at.lever[1:])
     out = np.zeros((len(start), 6, 6))
-    out[:, :3, :3] = shift[:, None, None] * np.eye(3) + turn[:, None, None] * by_turn @ np.swapaxes(by_turn, 1, 2)
+    out[:, :3, :3] = shift[:, None, None] * np.eye(3) + turn[:, None, None] * by_turn @ np.swapaxes(
+        by_turn, 1, 2
+    )
     out[:, :3, 3:] = turn[:, None, None] * by_turn
     out[:, 3:, :3] = np.swapaxes(out[:, :3, 3:], 1, 2)
     out[:, 3:, 3:] = turn[:, None, None] * np.eye(3)
@@ -81,20 +91,30 @@ def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
 
 
 def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
-    """Return (m,) m2, each axis: a velocity's noise holds until the next ping, and outages add their own. An interval has the
-    sum of its parts, whatever sigma each ping has."""
+    """Return (m,) m2, each axis: a velocity's noise holds until the next ping, and outages add
+    their own. An interval has the sum of its parts, whatever sigma each ping has.
+    """
     v = path.velocities
     period = float(np.median(np.diff(v.t_ns))) * 1e-9
     heard_s = (v.t_ns - path.start_ns) * 1e-9
-    gained = np.concatenate([[0.0], np.cumsum(0.5 * (v.sigma[1:] ** 2 + v.sigma[:-1] ** 2) * np.diff(heard_s))])
+    gained = np.concatenate(
+        [[0.0], np.cumsum(0.5 * (v.sigma[1:] ** 2 + v.sigma[:-1] ** 2) * np.diff(heard_s))]
+    )
 
     def gained_until(t_ns: Ints) -> Array:
-        """Return the integral of sigma^2 from the first velocity on, before and after the velocities as at their ends."""
+        """Return the integral of sigma^2 from the first velocity on, before and after the
+        velocities as at their ends.
+        """
         t_s = (t_ns - path.start_ns) * 1e-9
         early, late = np.minimum(t_s - heard_s[0], 0), np.maximum(t_s - heard_s[-1], 0)
-        return np.asarray(np.interp(t_s, heard_s, gained) + v.sigma[0] ** 2 * early + v.sigma[-1] ** 2 * late)
+        return np.asarray(
+            np.interp(t_s, heard_s, gained) + v.sigma[0] ** 2 * early + v.sigma[-1] ** 2 * late
+        )
 
-    return np.asarray(period * (gained_until(stop_ns) - gained_until(start_ns)) + v.bridged_variance(start_ns, stop_ns))
+    return np.asarray(
+        period * (gained_until(stop_ns) - gained_until(start_ns))
+        + v.bridged_variance(start_ns, stop_ns)
+    )
 
 
 def _into(rotation: Array, vectors: Array) -> Array:

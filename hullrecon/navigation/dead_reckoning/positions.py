@@ -20,8 +20,9 @@ ONE_PLACE = 0.99  # quantile of what fixes of one place scatter
 
 @dataclass(frozen=True, kw_only=True)
 class AttachedPositions:
-    """ties: None where there are too few, or all of one place; outside: fixes before or after the path, or that no
-    node is near to; refusal: why they tell nothing, None where they do."""
+    """ties: None where there are too few, or all of one place; outside: fixes before or after the
+    path, or that no node is near to; refusal: why they tell nothing, None where they do.
+    """
 
     ties: PositionTies | None
     outside: int
@@ -31,8 +32,14 @@ class AttachedPositions:
         """Return what the report warns of."""
         out = []
         if self.outside:
-            lie = "1 position from outside lies" if self.outside == 1 else f"{self.outside} positions from outside lie"
-            out.append(f"{lie} before or after the path, or more than {FARTHEST_S:g} s from a pose, and cannot be used.")
+            lie = (
+                "1 position from outside lies"
+                if self.outside == 1
+                else f"{self.outside} positions from outside lie"
+            )
+            out.append(
+                f"{lie} before or after the path, or more than {FARTHEST_S:g} s from a pose, and cannot be used."
+            )
         if self.refusal is not None:
             out.append(f"Positions from outside tell nothing of this dive: {self.refusal}.")
         return out
@@ -43,7 +50,9 @@ class AttachedPositions:
         return {"used": used, "outside": self.outside, "refusal": self.refusal}
 
 
-def attach_positions(fixes: PositionFixes, trajectory: Trajectory, origin: Array) -> AttachedPositions:
+def attach_positions(
+    fixes: PositionFixes, trajectory: Trajectory, origin: Array
+) -> AttachedPositions:
     """Return the fixes at the nodes; origin (3,): where they were measured, in the vehicle's frame."""
     t = trajectory.t_ns
     right = np.searchsorted(t, fixes.t_ns).clip(1, max(len(t) - 1, 1))
@@ -62,14 +71,21 @@ def attach_positions(fixes: PositionFixes, trajectory: Trajectory, origin: Array
         sigma=fixes.sigma[near],
     )
     refusal = _refusal(ties)
-    return AttachedPositions(ties=ties if refusal is None else None, outside=int((~near).sum()), refusal=refusal)
+    return AttachedPositions(
+        ties=ties if refusal is None else None, outside=int((~near).sum()), refusal=refusal
+    )
 
 
 def _refusal(ties: PositionTies) -> str | None:
-    """Return why positions say nothing of a path whose heading and place are free: one is met by any, those of one place by any
-    path that stays there."""
+    """Return why positions say nothing of a path whose heading and place are free: one is met by
+    any, those of one place by any path that stays there.
+    """
     if len(ties) < 2:
-        return "there is none along the path" if len(ties) == 0 else "there is one alone, and where the dive began is free"
+        return (
+            "there is none along the path"
+            if len(ties) == 0
+            else "there is one alone, and where the dive began is free"
+        )
     weight = 1 / ties.sigma**2
     middle = (weight[:, None] * ties.north_east).sum(axis=0) / weight.sum()
     square = float((weight[:, None] * (ties.north_east - middle) ** 2).sum())

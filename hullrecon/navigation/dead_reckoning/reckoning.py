@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Strapdown dead reckoning at the DVL's rate [Ozog2016 1.2] (docs/methods.md 2), with the derivatives by the errors that
-persist.
+"""Strapdown dead reckoning at the DVL's rate [Ozog2016 1.2] (docs/methods.md 2), with the
+derivatives by the errors that persist.
 
-The DVL gives the velocity of the instrument in its own axes; through T_s_d, the tray's angle and the attitude it becomes a
-velocity in g, which is integrated. The vehicle stands one lever arm from the instrument: p_v = p_d - R_g_v r_v(theta). That
-is the integral of `v_v = v_d - omega x r - r'`, tray rotation included, without differentiating an attitude.
+The DVL gives the velocity of the instrument in its own axes; through T_s_d, the tray's angle and
+the attitude it becomes a velocity in g, which is integrated. The vehicle stands one lever arm from
+the instrument: p_v = p_d - R_g_v r_v(theta). That is the integral of `v_v = v_d - omega x r - r'`,
+tray rotation included, without differentiating an attitude.
 """
 
 from __future__ import annotations
@@ -28,13 +29,23 @@ from hullrecon.typing import Array, Ints
 UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g
 TILT_AXIS = np.array([0.0, 1.0, 0.0])  # the tray turns about y of the vehicle
 
-# Columns of the integrated derivatives: the path itself, the path weighted with time, and what each error adds to it.
-PATH, MOMENT, MOUNT, TRAY, BACKLASH, TILT = slice(0, 1), slice(1, 2), slice(2, 5), slice(5, 6), slice(6, 7), slice(7, 10)
+# Columns of the integrated derivatives: the path itself, the path weighted with time, and what each
+# error adds to it.
+PATH, MOMENT, MOUNT, TRAY, BACKLASH, TILT = (
+    slice(0, 1),
+    slice(1, 2),
+    slice(2, 5),
+    slice(5, 6),
+    slice(6, 7),
+    slice(7, 10),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reckoning:
-    """A path that can be asked at any time. `sums` integrates (n, 3, 10) in g, columns as above; start_ns: where it begins."""
+    """A path that can be asked at any time. `sums` integrates (n, 3, 10) in g, columns as above;
+    start_ns: where it begins.
+    """
 
     start_ns: int
     sums: Integral
@@ -64,8 +75,9 @@ class Reckoning:
 
 @dataclass(frozen=True, kw_only=True)
 class Instant:
-    """n instants: t_s since the start, R_g_v, sums (n, 3, 10), tray (n,) rad and its direction, lever (n, 3) m of the
-    instrument in vehicle, lever_by_tray (n, 3)."""
+    """n instants: t_s since the start, R_g_v, sums (n, 3, 10), tray (n,) rad and its direction,
+    lever (n, 3) m of the instrument in vehicle, lever_by_tray (n, 3).
+    """
 
     t_ns: Ints
     t_s: Array
@@ -87,7 +99,11 @@ class Instant:
 
 
 def reckon(
-    velocities: Velocities, attitude: AttitudeHistory, servo: Servo, rig: SensorRig, start_ns: int | None = None
+    velocities: Velocities,
+    attitude: AttitudeHistory,
+    servo: Servo,
+    rig: SensorRig,
+    start_ns: int | None = None,
 ) -> Reckoning:
     """Return the path of at least two velocities, from the first of them, or from one at start_ns."""
     t_ns = velocities.t_ns
@@ -102,7 +118,14 @@ def reckon(
     by_tray = np.einsum("nij,nj->ni", R_g_v, np.cross(TILT_AXIS, v_v))
     by_backlash = by_tray * servo.direction_at(t_ns)[:, None]
     by_tilt = -R_g_v @ cross_matrix(v_v)
-    columns = [v_g[..., None], (v_g * t[:, None])[..., None], by_mount, by_tray[..., None], by_backlash[..., None], by_tilt]
+    columns = [
+        v_g[..., None],
+        (v_g * t[:, None])[..., None],
+        by_mount,
+        by_tray[..., None],
+        by_backlash[..., None],
+        by_tilt,
+    ]
     return Reckoning(
         start_ns=start,
         sums=integral(t, np.concatenate(columns, axis=2)),

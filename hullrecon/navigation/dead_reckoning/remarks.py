@@ -22,41 +22,66 @@ FEW_PERIODS = 2.5  # of the DVL, to the next velocity: one ping may be lost
 def remarks_of(
     pings_ns: Ints, path: Reckoning, nodes: Nodes, depth: Depth | None, returns: Returns
 ) -> tuple[list[str], dict[str, object]]:
-    """Return sentences, and the numbers behind them for navigation.json: times there are seconds since start_ns."""
+    """Return sentences, and the numbers behind them for navigation.json: times there are seconds
+    since start_ns.
+    """
 
     def since(t_ns: Ints) -> list[float]:
         """Return seconds since the first velocity."""
         return [round(float(t), 3) for t in (np.asarray(t_ns) - path.start_ns).ravel() * 1e-9]
 
     v, holes, turned = path.velocities, path.attitude.holes, path.attitude.steps
-    way_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1))])
+    way_m = np.concatenate(
+        [[0.0], np.cumsum(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1))]
+    )
     blank = images_missing(nodes, way_m)
     steps = np.zeros(0, np.int64) if depth is None else depth.steps
     no_depth = "" if depth is None else depth.silence
     no_angle = path.servo.silence(nodes.t_ns)
-    bridged, no_velocity, no_attitude = _bridged(v), _silent_dvl(v, nodes.t_ns), _silent_imu(path.attitude, nodes.t_ns)
+    bridged, no_velocity, no_attitude = (
+        _bridged(v),
+        _silent_dvl(v, nodes.t_ns),
+        _silent_imu(path.attitude, nodes.t_ns),
+    )
     sentences = [
         (bridged, bridged),
         (no_velocity, no_velocity),
         (no_attitude, no_attitude),
         (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
-        (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
+        (
+            returns.flagged.any(),
+            f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers",
+        ),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
         (len(turned.row), _heading_steps(np.degrees(turned.size), path.attitude.t_ns[turned.row])),
         (
             len(turned.disagreement),
-            _disagreements(np.degrees(turned.disagreement_rad), path.attitude.t_ns[turned.disagreement]),
+            _disagreements(
+                np.degrees(turned.disagreement_rad), path.attitude.t_ns[turned.disagreement]
+            ),
         ),
         (not path.attitude.fused, "IMU: no rates; the attitude between readings is interpolated"),
         (len(blank), _without_images(nodes.t_ns, blank, v)),
         (depth is None, "no pressure: the depth is counted from the start and drifts"),
-        (len(steps), f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the first at {_first(steps)}"),
+        (
+            len(steps),
+            f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the first at {_first(steps)}",
+        ),
         (no_depth, f"pressure: {no_depth}; there the depth is counted on by the DVL"),
         (not path.servo.is_read, "no tray angles: the tray is taken to stand at zero"),
-        (no_angle, f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings"),
+        (
+            no_angle,
+            f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings",
+        ),
         (nodes.outside, _without_pose(nodes.outside)),
-        (nodes.lone, f"{_times(nodes.lone, 'image')} of the upper camera without a partner in the lower one"),
-        (nodes.unpaired, f"{_times(nodes.unpaired, 'image')} of the lower camera without a partner in the upper one"),
+        (
+            nodes.lone,
+            f"{_times(nodes.lone, 'image')} of the upper camera without a partner in the lower one",
+        ),
+        (
+            nodes.unpaired,
+            f"{_times(nodes.unpaired, 'image')} of the lower camera without a partner in the upper one",
+        ),
     ]
     facts: dict[str, object] = {
         "start_ns": path.start_ns,
@@ -79,9 +104,14 @@ def remarks_of(
 
 
 def _bridged(velocities: Velocities) -> str:
-    """Return how many outages were bridged that last longer than a few periods of the DVL; between two pings of a slow one
-    nothing was lost."""
-    few_ns = FEW_PERIODS * float(np.median(np.diff(velocities.t_ns))) if len(velocities.t_ns) > 1 else 0.0
+    """Return how many outages were bridged that last longer than a few periods of the DVL; between
+    two pings of a slow one nothing was lost.
+    """
+    few_ns = (
+        FEW_PERIODS * float(np.median(np.diff(velocities.t_ns)))
+        if len(velocities.t_ns) > 1
+        else 0.0
+    )
     outages = velocities.outages[np.diff(velocities.outages, axis=1)[:, 0] > few_ns]
     if not len(outages):
         return ""
@@ -89,7 +119,8 @@ def _bridged(velocities: Velocities) -> str:
 
 
 def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
-    """Return the spans between two nodes with images that are far longer than usual: (first, last, m of way).
+    """Return the spans between two nodes with images that are far longer than usual: (first, last,
+    m of way).
 
     way_m (n,): how far the vehicle had come.
     """
@@ -97,11 +128,17 @@ def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
     if len(seen) < 3:
         return []
     long = np.flatnonzero(np.diff(nodes.t_ns[seen]) > 1e9 * longest_pause_s(nodes.t_ns[seen]))
-    return [(int(seen[k]), int(seen[k + 1]), float(way_m[seen[k + 1]] - way_m[seen[k]])) for k in long]
+    return [
+        (int(seen[k]), int(seen[k + 1]), float(way_m[seen[k + 1]] - way_m[seen[k]])) for k in long
+    ]
 
 
-def _without_images(nodes_ns: Ints, blank: list[tuple[int, int, float]], velocities: Velocities) -> str:
-    """Return what the longest of the spans without images means for the path; its way where the DVL was heard."""
+def _without_images(
+    nodes_ns: Ints, blank: list[tuple[int, int, float]], velocities: Velocities
+) -> str:
+    """Return what the longest of the spans without images means for the path; its way where the DVL
+    was heard.
+    """
     if not blank:
         return ""
     first, last, way_m = max(blank, key=lambda span: nodes_ns[span[1]] - nodes_ns[span[0]])
@@ -159,9 +196,15 @@ def _without_pose(count: int) -> str:
 
 
 def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
-    """Return where images alone carry the path, before the first and after the last velocity; "" where they do not."""
+    """Return where images alone carry the path, before the first and after the last velocity; ""
+    where they do not.
+    """
     heard_ns, ends_ns = velocities.t_ns[[0, -1]], nodes_ns[[0, -1]]
-    sigma_m = np.sqrt(velocities.bridged_variance(ends_ns.clip(max=heard_ns[1]), ends_ns.clip(min=heard_ns[0])).max())
+    sigma_m = np.sqrt(
+        velocities.bridged_variance(
+            ends_ns.clip(max=heard_ns[1]), ends_ns.clip(min=heard_ns[0])
+        ).max()
+    )
     ends = _silent_ends(heard_ns, ends_ns)
     return ends and (
         f"DVL: silent over {ends} of the path, which each image carries on from the one before; navigation alone knows the way"
@@ -181,9 +224,15 @@ def _silent_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
 
 
 def _silent_ends(heard_ns: Ints, ends_ns: Ints) -> str:
-    """Return for how long nothing was read at the ends (2,) of the path; heard_ns (2,): the first and the last reading."""
+    """Return for how long nothing was read at the ends (2,) of the path; heard_ns (2,): the first
+    and the last reading.
+    """
     lasts_s = np.array([heard_ns[0] - ends_ns[0], ends_ns[1] - heard_ns[1]]) * 1e-9
-    return " and ".join(f"the {name} {s:.1f} s" for name, s in zip(("first", "last"), lasts_s, strict=True) if s > SILENT_S)
+    return " and ".join(
+        f"the {name} {s:.1f} s"
+        for name, s in zip(("first", "last"), lasts_s, strict=True)
+        if s > SILENT_S
+    )
 
 
 def _first(t_ns: Ints) -> str:

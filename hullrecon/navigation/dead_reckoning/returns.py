@@ -16,8 +16,9 @@ from hullrecon.typing import Array, Mask
 
 
 def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Returns:
-    """Return one row a beam that came back, by ping and then by beam. flagged (pings, beams). Pings beyond the nodes' span by
-    more than a second are left out: nothing places them."""
+    """Return one row a beam that came back, by ping and then by beam. flagged (pings, beams). Pings
+    beyond the nodes' span by more than a second are left out: nothing places them.
+    """
     inside = (dvl.t_ns >= nodes.t_ns[0] - 10**9) & (dvl.t_ns <= nodes.t_ns[-1] + 10**9)
     back = mark_lost(dvl.ranges)
     ping, beam = np.nonzero(np.isfinite(back) & inside[:, None])
@@ -41,8 +42,11 @@ def mark_lost(ranges: Array) -> Array:
     return np.where(np.isfinite(ranges) & (ranges > 0), ranges, np.nan)
 
 
-def flag_ranges(dvl: DvlPings, window_s: float, jump_m: float, sigmas: float, sigma_range_m: float) -> Mask:
-    """Return which ranges (n, b) leave the median of their beam's neighbours by jump_m or so many robust sigma of the window.
+def flag_ranges(
+    dvl: DvlPings, window_s: float, jump_m: float, sigmas: float, sigma_range_m: float
+) -> Mask:
+    """Return which ranges (n, b) leave the median of their beam's neighbours by jump_m or so many
+    robust sigma of the window.
 
     The robust sigma is that of the neighbours' own departures, at least the instrument's.
     """

@@ -22,8 +22,9 @@ def describe_unplaced(
     nodes_ns: Ints,
     returns: Returns,
 ) -> list[str]:
-    """Return a sentence each on velocities without an attitude, ranges beyond the path, and an IMU that ran on without a
-    velocity; none where these are few."""
+    """Return a sentence each on velocities without an attitude, ranges beyond the path, and an IMU
+    that ran on without a velocity; none where these are few.
+    """
     given_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     used_ns = np.concatenate([velocities.t_ns, velocities.outliers])
     unread = int(np.count_nonzero((given_ns < used_ns.min()) | (given_ns > used_ns.max())))
@@ -39,7 +40,9 @@ def describe_unplaced(
 def _share(count: int, of: int, noun: str, where: str) -> list[str]:
     if count < UNPLACED_SHARE * max(of, 1):
         return []
-    return [f"DVL: {100 * count / of:.0f} % of its {noun} ({count} of {of}) lie {where} and are not used"]
+    return [
+        f"DVL: {100 * count / of:.0f} % of its {noun} ({count} of {of}) lie {where} and are not used"
+    ]
 
 
 def _silent(seconds: float) -> str:

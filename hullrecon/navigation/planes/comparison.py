@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two patches of one hull compared: how the second stands to what the first's curvature leads to, and how sure that is."""
+"""Two patches of one hull compared: how the second stands to what the first's curvature leads to,
+and how sure that is.
+"""
 
 from __future__ import annotations
 
@@ -15,19 +17,22 @@ from hullrecon.typing import Array, Ints, Mask
 
 # What no curvature explains between two patches: frames, seams, the change of the curvature itself.
 ROUGHNESS = np.array([0.003, 0.002, 0.002])  # m, slopes in azimuth and elevation
-# Of the difference of two patches' curvatures, which says how fast it changes: the share by which their mean may be off, what
-# that leaves of the height beside the slopes, and how a change within a patch of 0.66 m, a cubic, tilts what is fitted to it.
+# Of the difference of two patches' curvatures, which says how fast it changes: the share by which
+# their mean may be off, what that leaves of the height beside the slopes, and how a change within a
+# patch of 0.66 m, a cubic, tilts what is fitted to it.
 MEAN_OFF, HEIGHT_OFF, TILT_M2 = 0.5, 0.05, 0.5 * 0.66**2 / 6
 MIN_DISTANCE_M = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class PatchPairs:
-    """m pairs of patches on a path. first, second (m,). place (m, 3) m: of the second's centre in the vehicle frame of the
-    first's anchor; position (m, 2) m: in the first's axes. expected (m, 3): (height m, slopes) of the hull there, over the
-    first's plane carried on by the mean of both curvatures, and by_position (m, 3, 2): its derivative; gap (m, 3): those of the
-    second less these. noise (m, 3, 3): of the gap by curvature and roughness of the hull; fit (m, 3, 3): by the fits of the two
-    planes."""
+    """m pairs of patches on a path. first, second (m,). place (m, 3) m: of the second's centre in
+    the vehicle frame of the first's anchor; position (m, 2) m: in the first's axes. expected (m,
+    3): (height m, slopes) of the hull there, over the first's plane carried on by the mean of both
+    curvatures, and by_position (m, 3, 2): its derivative; gap (m, 3): those of the second less
+    these. noise (m, 3, 3): of the gap by curvature and roughness of the hull; fit (m, 3, 3): by the
+    fits of the two planes.
+    """
 
     first: Ints
     second: Ints
@@ -88,7 +93,9 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
 
 
 def _roughness(position: Array, change: Array) -> Array:
-    """Return the covariance (m, 3, 3) of gaps by what two curvatures leave open; change (m, 3): between them."""
+    """Return the covariance (m, 3, 3) of gaps by what two curvatures leave open; change (m, 3):
+    between them.
+    """
     distance = np.maximum(np.linalg.norm(position, axis=1), MIN_DISTANCE_M)
     of_axes = np.sqrt(change[:, [0, 2]] ** 2 + change[:, [1]] ** 2)
     height = HEIGHT_OFF * distance**2 * np.linalg.norm(change, axis=1)
@@ -96,13 +103,21 @@ def _roughness(position: Array, change: Array) -> Array:
     return np.asarray((ROUGHNESS**2 + sigma**2)[:, :, None] * np.eye(3))
 
 
-def gap_by_poses(patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array) -> Array:
-    """Return the derivative (m, 3, 14) of the gaps by both anchors' (translation in g, rotation on the right, tray)."""
+def gap_by_poses(
+    patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array
+) -> Array:
+    """Return the derivative (m, 3, 14) of the gaps by both anchors' (translation in g, rotation on
+    the right, tray).
+    """
     return position_and_gap_by_poses(patches, pairs, path, tray_origin)[:, 2:]
 
 
-def position_and_gap_by_poses(patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array) -> Array:
-    """Return the derivative (m, 5, 14) of position and gap by both anchors' (translation in g, rotation on the right, tray)."""
+def position_and_gap_by_poses(
+    patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array
+) -> Array:
+    """Return the derivative (m, 5, 14) of position and gap by both anchors' (translation in g,
+    rotation on the right, tray).
+    """
     anchors = [patches.anchor[pairs.first], patches.anchor[pairs.second]]
     out = np.zeros((len(pairs), 5, 14))
     step = 1e-5
@@ -110,15 +125,21 @@ def position_and_gap_by_poses(patches: Patches, pairs: PatchPairs, path: Vehicle
         values = []
         for sign in (1, -1):
             moved = [path.poses[a] for a in anchors]
-            moved[k // 7] = _perturbed(moved[k // 7], path.tray[anchors[k // 7]], k % 7, sign * step, tray_origin)
-            position, _, gap, _ = _gap(patches, pairs.first, pairs.second, moved[0].inverse() @ moved[1])
+            moved[k // 7] = _perturbed(
+                moved[k // 7], path.tray[anchors[k // 7]], k % 7, sign * step, tray_origin
+            )
+            position, _, gap, _ = _gap(
+                patches, pairs.first, pairs.second, moved[0].inverse() @ moved[1]
+            )
             values.append(np.hstack([position, gap]))
         out[:, :, k] = (values[0] - values[1]) / (2 * step)
     return out
 
 
 def _perturbed(poses: Poses, tray: Array, column: int, step: float, tray_origin: Array) -> Poses:
-    """Return what the patches hang on, moved: the vehicle, or its tray, which carries the DVL and so what was seen by it."""
+    """Return what the patches hang on, moved: the vehicle, or its tray, which carries the DVL and
+    so what was seen by it.
+    """
     vector = np.zeros((1, 6))
     if column < 3:
         return Poses(poses.quaternion, poses.translation + step * np.eye(3)[column])
@@ -135,12 +156,17 @@ def _exp(vector: Array) -> Poses:
     return Poses(np.c_[half, np.sqrt(1 - np.sum(half**2, axis=1))], vector[:, :3].copy())
 
 
-def _gap(patches: Patches, first: Ints, second: Ints, motion: Poses) -> tuple[Array, Array, Array, Array]:
-    """Return position (m, 2), expected and gap (m, 3), and the turn (m, 2, 2) of the second's axes along the hull into the
-    first's. motion: T_v1_v2 of what carries the patches."""
+def _gap(
+    patches: Patches, first: Ints, second: Ints, motion: Poses
+) -> tuple[Array, Array, Array, Array]:
+    """Return position (m, 2), expected and gap (m, 3), and the turn (m, 2, 2) of the second's axes
+    along the hull into the first's. motion: T_v1_v2 of what carries the patches.
+    """
     axes = patches.axes[first]
     rotation = axes.swapaxes(1, 2) @ motion.rotation.as_matrix() @ patches.axes[second]
-    center = np.einsum("mji,mj->mi", axes, motion.apply(patches.center[second]) - patches.center[first])
+    center = np.einsum(
+        "mji,mj->mi", axes, motion.apply(patches.center[second]) - patches.center[first]
+    )
     position, turn = center[:, :2], rotation[:, :2, :2]
     by_height, by_slopes = _by_curvature(position)
     own = patches.curvature[first]
@@ -162,7 +188,9 @@ def _by_curvature(position: Array) -> tuple[Array, Array]:
 
 
 def _by_position(position: Array, own: Array, other: Array) -> Array:
-    """Return the derivative (m, 3, 2) of expected height and slopes by the place, between curvatures own and other (m, 3)."""
+    """Return the derivative (m, 3, 2) of expected height and slopes by the place, between
+    curvatures own and other (m, 3).
+    """
     by_height = 2 * np.einsum("mij,mj->mi", _matrix(own / 3 + other / 6), position)
     return np.concatenate([by_height[:, None], _matrix(0.5 * (own + other))], axis=1)
 
@@ -173,7 +201,9 @@ def _matrix(curvature: Array) -> Array:
 
 
 def _carried(position: Array) -> Array:
-    """Return the derivative (m, 3, 3) of a plane's (height, slopes) at places by those at its centre."""
+    """Return the derivative (m, 3, 3) of a plane's (height, slopes) at places by those at its
+    centre.
+    """
     out = np.tile(np.eye(3), (len(position), 1, 1))
     out[:, 0, 1:] = position
     return out
@@ -194,8 +224,9 @@ def _turn_curvature(turn: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneDifference:
-    """What TiedPlanes has of pairs: difference (m, 3) m, the square root of its information (m, 3, 3), and by_place
-    (m, 3, 3)."""
+    """What TiedPlanes has of pairs: difference (m, 3) m, the square root of its information (m, 3,
+    3), and by_place (m, 3, 3).
+    """
 
     difference: Array
     information: Array
@@ -203,7 +234,9 @@ class PlaneDifference:
 
 
 def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> PlaneDifference:
-    """Return the plane to be expected at the second's centre less the first's. noise (m, 3, 3): of the gaps."""
+    """Return the plane to be expected at the second's centre less the first's. noise (m, 3, 3): of
+    the gaps.
+    """
     axes, slopes = patches.axes[pairs.first], pairs.expected[:, 1:]
     length = np.sqrt(1 + np.sum(slopes**2, axis=1))[:, None, None]
     in_patch = np.concatenate([-slopes, np.ones((len(pairs), 1))], axis=1)[:, :, None] / length
@@ -216,12 +249,19 @@ def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> P
     turned = -axes[:, :, :2]
     along = np.einsum("mij,mi->mj", turned, normal)
     by_normal = (turned - normal[:, :, None] * along[:, None, :]) / length
-    by_slopes = distance[:, :, None] * by_normal - normal[:, :, None] * np.einsum("mij,mi->mj", by_normal, point)[:, None, :]
+    by_slopes = (
+        distance[:, :, None] * by_normal
+        - normal[:, :, None] * np.einsum("mij,mi->mj", by_normal, point)[:, None, :]
+    )
     by_height = -normal * in_patch[:, 2]
     by_gap = np.concatenate([by_height[:, :, None], by_slopes], axis=2)
     whole = by_gap @ noise @ by_gap.swapaxes(1, 2)
-    # by the place: height and slopes change on the way, and the point that the plane passes through is another one
-    by_position = by_gap @ pairs.by_position - normal[:, :, None] * np.einsum("mi,mij->mj", normal, axes[:, :, :2])[:, None, :]
+    # by the place: height and slopes change on the way, and the point that the plane passes through
+    # is another one
+    by_position = (
+        by_gap @ pairs.by_position
+        - normal[:, :, None] * np.einsum("mi,mij->mj", normal, axes[:, :, :2])[:, None, :]
+    )
     return PlaneDifference(
         difference=difference,
         information=np.asarray(np.linalg.inv(np.linalg.cholesky(whole))),

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The characteristic curvature of a hull [Ozog2016 2.3.4]: how strongly it bends, from its CAD model, or from the dive itself.
+"""The characteristic curvature of a hull [Ozog2016 2.3.4]: how strongly it bends, from its CAD
+model, or from the dive itself.
 
-It is the sigma about zero of the curvature K in azimuth, in twist and in elevation (1/m): what is known of a patch before its
-returns are looked at. A patch measures its own curvature, so that this matters little: in the sphere of [Ozog2016 C] the map is
-the same for radii from 4 to 20 m.
+It is the sigma about zero of the curvature K in azimuth, in twist and in elevation (1/m): what is
+known of a patch before its returns are looked at. A patch measures its own curvature, so that this
+matters little: in the sphere of [Ozog2016 C] the map is the same for radii from 4 to 20 m.
 """
 
 from __future__ import annotations
@@ -27,8 +28,9 @@ CLIPPED = 95  # percentile: edges and knuckles are no curvature
 
 
 def curvature_of_patches(patches: Patches) -> Array:
-    """Return the characteristic curvature (3,) of patches that were fitted with a broad one: the spread of theirs, less that
-    of their noise."""
+    """Return the characteristic curvature (3,) of patches that were fitted with a broad one: the
+    spread of theirs, less that of their noise.
+    """
     if len(patches) < LEAST_NEIGHBOURS:
         return BROAD
     noise = np.einsum("wii->wi", patches.curvature_covariance)
@@ -37,16 +39,27 @@ def curvature_of_patches(patches: Patches) -> Array:
 
 
 def curvature_of_mesh(mesh: Mesh, seed: int = 0) -> Array:
-    """Return the characteristic curvature (3,) of a CAD model in M: of points spread over it, by how the normals near them
-    turn."""
+    """Return the characteristic curvature (3,) of a CAD model in M: of points spread over it, by
+    how the normals near them turn.
+    """
     points, normals = _sample(mesh, np.random.default_rng(seed))
     near = cKDTree(points).query_ball_point(points, NEAR_M)
-    found = [k for k in (_curvature(points, normals, i, np.array(rows)) for i, rows in enumerate(near)) if k is not None]
+    found = [
+        k
+        for k in (_curvature(points, normals, i, np.array(rows)) for i, rows in enumerate(near))
+        if k is not None
+    ]
     if len(found) < LEAST_NEIGHBOURS:
         return BROAD
     square = np.array(found) ** 2
     return np.asarray(
-        np.sqrt(np.clip(np.mean(np.minimum(square, np.percentile(square, CLIPPED, axis=0)), 0), LEAST**2, BROAD**2))
+        np.sqrt(
+            np.clip(
+                np.mean(np.minimum(square, np.percentile(square, CLIPPED, axis=0)), 0),
+                LEAST**2,
+                BROAD**2,
+            )
+        )
     )
 
 

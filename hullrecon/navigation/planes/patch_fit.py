@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A curved patch of the hull through the ends of DVL beams: the plane that touches it, its curvature, and how sure both are."""
+"""A curved patch of the hull through the ends of DVL beams: the plane that touches it, its
+curvature, and how sure both are.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +23,13 @@ TURNS = 4  # of rejecting outliers and turning the axes into the plane that touc
 
 @dataclass(frozen=True, kw_only=True)
 class PatchFit:
-    """A patch in the frame of its points. center (3,) on the surface; axes (3, 3): columns azimuth, elevation, normal towards
-    the vehicle. Over the plane that touches it at the centre it stands 0.5 x' K x towards the vehicle; curvature (3,) 1/m:
-    K_aa, K_ae, K_ee, with its covariance; plane_covariance (3, 3) of (height m, slopes) at the centre as if K were known;
-    by_curvature (3, 3): what a change of K changes of these. sigma_m: of a range; kept (n,): which points agree; to_plane
-    (n,) m: from a point on along its beam to the plane."""
+    """A patch in the frame of its points. center (3,) on the surface; axes (3, 3): columns azimuth,
+    elevation, normal towards the vehicle. Over the plane that touches it at the centre it stands
+    0.5 x' K x towards the vehicle; curvature (3,) 1/m: K_aa, K_ae, K_ee, with its covariance;
+    plane_covariance (3, 3) of (height m, slopes) at the centre as if K were known; by_curvature (3,
+    3): what a change of K changes of these. sigma_m: of a range; kept (n,): which points agree;
+    to_plane (n,) m: from a point on along its beam to the plane.
+    """
 
     center: Array
     axes: Array
@@ -38,9 +42,13 @@ class PatchFit:
     to_plane: Array
 
 
-def fit_patch(points: Array, rays: Array, sigma_range_m: float, curvature_sigma: Array) -> PatchFit | None:
-    """Return the patch of points (n, 3) that beams of unit directions rays (n, 3) met; None where they are too few, lie on a
-    line, or not on a smooth surface. curvature_sigma (3,) 1/m: of K about zero."""
+def fit_patch(
+    points: Array, rays: Array, sigma_range_m: float, curvature_sigma: Array
+) -> PatchFit | None:
+    """Return the patch of points (n, 3) that beams of unit directions rays (n, 3) met; None where
+    they are too few, lie on a line, or not on a smooth surface. curvature_sigma (3,) 1/m: of K
+    about zero.
+    """
     kept = np.ones(len(points), bool)
     if len(points) < LEAST_RETURNS:
         return None
@@ -54,13 +62,19 @@ def fit_patch(points: Array, rays: Array, sigma_range_m: float, curvature_sigma:
             return None
         rows = _rows(local)
         weight = 1 / (sigma_range_m * incidence)
-        information = (rows[kept] * weight[kept, None] ** 2).T @ rows[kept] + np.diag(np.r_[np.zeros(3), curvature_sigma**-2])
-        solution = np.linalg.solve(information, (rows[kept] * weight[kept, None] ** 2).T @ local[kept, 2])
+        information = (rows[kept] * weight[kept, None] ** 2).T @ rows[kept] + np.diag(
+            np.r_[np.zeros(3), curvature_sigma**-2]
+        )
+        solution = np.linalg.solve(
+            information, (rows[kept] * weight[kept, None] ** 2).T @ local[kept, 2]
+        )
         residual = (local[:, 2] - rows @ solution) * weight
         spread = max(1.0, NORMAL_MAD * float(np.median(np.abs(residual[kept]))))
         kept = np.abs(residual) < OUTLIER_SIGMAS * spread
         center = center + axes @ np.r_[0.0, 0.0, solution[0]]
-        axes = patch_axes(axes @ (np.r_[-solution[1:3], 1.0] / np.hypot(1, np.linalg.norm(solution[1:3]))))
+        axes = patch_axes(
+            axes @ (np.r_[-solution[1:3], 1.0] / np.hypot(1, np.linalg.norm(solution[1:3])))
+        )
     rms = float(np.sqrt(np.mean(residual[kept] ** 2))) if kept.any() else np.inf
     if kept.sum() < max(LEAST_RETURNS, 0.7 * len(points)) or rms > MAX_RMS_SIGMAS:
         return None
@@ -82,7 +96,9 @@ def fit_patch(points: Array, rays: Array, sigma_range_m: float, curvature_sigma:
 
 
 def patch_axes(normal: Array) -> Array:
-    """Return axes (3, 3) with that unit normal (3,) as third column: the first is level where the normal is not upright."""
+    """Return axes (3, 3) with that unit normal (3,) as third column: the first is level where the
+    normal is not upright.
+    """
     level = np.cross([0.0, 0.0, 1.0], normal)
     if np.linalg.norm(level) < 0.3:  # under a flat bottom: the first axis is the vehicle's y
         level = np.cross(np.cross(normal, [0.0, 1.0, 0.0]), normal)
@@ -91,7 +107,9 @@ def patch_axes(normal: Array) -> Array:
 
 
 def height_over_plane(curvature: Array, local: Array) -> Array:
-    """Return how far the patch stands over the plane that touches it, (n,) m, at points (n, >=2) in its axes."""
+    """Return how far the patch stands over the plane that touches it, (n,) m, at points (n, >=2) in
+    its axes.
+    """
     a, e = local[:, 0], local[:, 1]
     return np.asarray(np.sum(curvature * np.stack([0.5 * a**2, a * e, 0.5 * e**2], axis=1), axis=1))
 

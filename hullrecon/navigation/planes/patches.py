@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The patches of the hull under a path: one for each window of DVL returns that fit a smooth surface [Ozog2016 2.3.4]."""
+"""The patches of the hull under a path: one for each window of DVL returns that fit a smooth
+surface [Ozog2016 2.3.4].
+"""
 
 from __future__ import annotations
 
@@ -18,14 +20,17 @@ from hullrecon.typing import Array, Ints
 WINDOW_M = 0.8  # of the path in one window: about half of what its beams span at a metre's distance
 WINDOW_S = 8.0  # dead reckoning within it is good to millimetres
 MOST_RETURNS = 60  # of a window: more, where the vehicle stands, say the same again
-LEAST_DISTANCE_M = 0.1  # of the vehicle's origin from a patch: a plane through its anchor has no three numbers
+# of the vehicle's origin from a patch: a plane through its anchor has no three numbers
+LEAST_DISTANCE_M = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
 class Patches:
-    """Patches along a path, in its order. anchor (w,): the node in the middle of the window; one array a patch: rows of the
-    returns, and their to_plane. In the vehicle frame of the anchor: center (w, 3) and axes (w, 3, 3); the rest as in PatchFit.
-    travelled (w,) m: of the path up to the anchor."""
+    """Patches along a path, in its order. anchor (w,): the node in the middle of the window; one
+    array a patch: rows of the returns, and their to_plane. In the vehicle frame of the anchor:
+    center (w, 3) and axes (w, 3, 3); the rest as in PatchFit. travelled (w,) m: of the path up to
+    the anchor.
+    """
 
     anchor: Ints
     rows: tuple[Ints, ...]
@@ -44,25 +49,37 @@ class Patches:
 
     @property
     def plane(self) -> Array:
-        """Return each patch's plane (w, 3) m in the vehicle frame of its anchor, as TiedPlanes has it."""
+        """Return each patch's plane (w, 3) m in the vehicle frame of its anchor, as TiedPlanes has
+        it.
+        """
         normal = self.axes[:, :, 2]
         return np.asarray(-np.sum(normal * self.center, axis=1, keepdims=True) * normal)
 
 
-def find_patches(returns: Returns, path: VehiclePath, t_ns: Ints, rig: Rig, curvature_sigma: Array) -> Patches:
-    """Return the patches that the returns show along a path T_g_v with stamps t_ns (n,). curvature_sigma (3,) 1/m: of azimuth,
-    twist and elevation about zero, what is known of the hull beforehand."""
+def find_patches(
+    returns: Returns, path: VehiclePath, t_ns: Ints, rig: Rig, curvature_sigma: Array
+) -> Patches:
+    """Return the patches that the returns show along a path T_g_v with stamps t_ns (n,).
+    curvature_sigma (3,) 1/m: of azimuth, twist and elevation about zero, what is known of the hull
+    beforehand.
+    """
     travelled = travelled_m(path.poses)
     number = _windows(travelled, t_ns)[returns.node]
     usable = np.flatnonzero(~returns.flagged)
     order = usable[np.argsort(number[usable], kind="stable")]
     groups = np.split(order, np.flatnonzero(np.diff(number[order])) + 1) if len(order) else []
-    chosen = [group[np.linspace(0, len(group) - 1, min(len(group), MOST_RETURNS)).astype(int)] for group in groups]
+    chosen = [
+        group[np.linspace(0, len(group) - 1, min(len(group), MOST_RETURNS)).astype(int)]
+        for group in groups
+    ]
     anchors = [int(np.median(returns.node[rows])) for rows in chosen]
     points, rays = _seen_from(returns, chosen, path, anchors, rig)
     found: list[tuple[int, Ints, PatchFit]] = []
     for window, rows, anchor in zip(
-        np.split(np.arange(len(points)), np.cumsum([len(r) for r in chosen])), chosen, anchors, strict=False
+        np.split(np.arange(len(points)), np.cumsum([len(r) for r in chosen])),
+        chosen,
+        anchors,
+        strict=False,
     ):
         fit = fit_patch(points[window], rays[window], rig.sigma_range, curvature_sigma)
         if fit is not None and -fit.axes[:, 2] @ fit.center > LEAST_DISTANCE_M:
@@ -84,21 +101,33 @@ def find_patches(returns: Returns, path: VehiclePath, t_ns: Ints, rig: Rig, curv
     )
 
 
-def _seen_from(returns: Returns, windows: list[Ints], path: VehiclePath, anchors: list[int], rig: Rig) -> tuple[Array, Array]:
-    """Return the ends (m, 3) and unit directions (m, 3) of the windows' beams, one window after the other, in the vehicle
-    frames of their anchors."""
+def _seen_from(
+    returns: Returns, windows: list[Ints], path: VehiclePath, anchors: list[int], rig: Rig
+) -> tuple[Array, Array]:
+    """Return the ends (m, 3) and unit directions (m, 3) of the windows' beams, one window after the
+    other, in the vehicle frames of their anchors.
+    """
     if not windows:
         return np.zeros((0, 3)), np.zeros((0, 3))
-    sensors = SensorRig(tray_origin=rig.tray_origin, pressure_origin=rig.pressure_origin, tray_from_dvl=rig.T_s_d.nominal)
+    sensors = SensorRig(
+        tray_origin=rig.tray_origin,
+        pressure_origin=rig.pressure_origin,
+        tray_from_dvl=rig.T_s_d.nominal,
+    )
     rows = np.concatenate(windows)
-    beams = sensors.dvl_points(Returns(**{field.name: getattr(returns, field.name)[rows] for field in fields(Returns)}), path)
+    beams = sensors.dvl_points(
+        Returns(**{field.name: getattr(returns, field.name)[rows] for field in fields(Returns)}),
+        path,
+    )
     to_anchor = path.poses[np.repeat(anchors, [len(window) for window in windows])].inverse()
     return to_anchor.apply(beams.points), np.asarray(to_anchor.rotation.apply(beams.directions))
 
 
 def travelled_m(poses: Poses) -> Array:
     """Return the length (n,) m of the path up to each node."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(poses.translation, axis=0), axis=1))])
+    return np.concatenate(
+        [[0.0], np.cumsum(np.linalg.norm(np.diff(poses.translation, axis=0), axis=1))]
+    )
 
 
 def _windows(travelled: Array, t_ns: Ints) -> Ints:

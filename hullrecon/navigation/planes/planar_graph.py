@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pose graph with planes: solved without them, then with the patches that the path shows to be seen again, in rounds."""
+"""The pose graph with planes: solved without them, then with the patches that the path shows to be
+seen again, in rounds.
+"""
 
 from __future__ import annotations
 
@@ -13,28 +15,40 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.navigation.planes.comparison import PatchPairs, compare_patches
 from hullrecon.navigation.planes.curvature import BROAD, curvature_of_mesh, curvature_of_patches
 from hullrecon.navigation.planes.patches import Patches, find_patches
-from hullrecon.navigation.planes.ties import gaining, located, passing, propose_ties, roughness, tie_planes
+from hullrecon.navigation.planes.ties import (
+    gaining,
+    located,
+    passing,
+    propose_ties,
+    roughness,
+    tie_planes,
+)
 from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
 from hullrecon.records.links import CameraLinks
 from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array
 
-# One sigma of a patch's curvature about zero, over the characteristic one: with that itself patches come out too flat, by a
-# fifth where their noise is half of it, and the planes of a whole turn around a hull pull the path along it.
+# One sigma of a patch's curvature about zero, over the characteristic one: with that itself patches
+# come out too flat, by a fifth where their noise is half of it, and the planes of a whole turn
+# around a hull pull the path along it.
 PRIOR_WIDER = 2.0
 MOST_ROUNDS = 5
 LEAST_TIES = 5
-LEAST_AGREEING = 0.6  # share of the ties offered: on a ship's side 0.9 and more; in a cave or on rocks far fewer
+# share of the ties offered: on a ship's side 0.9 and more; in a cave or on rocks far fewer
+LEAST_AGREEING = 0.6
 MAX_ROUGHNESS = 5.0  # of the hull: beyond it patches tell little, and less of that is sure
 SAME_ROUGHNESS = 0.05
-MAX_NAVIGATION_CHI2 = 22.5  # of the navigation errors as found, 99.9 % of their six degrees of freedom
+# of the navigation errors as found, 99.9 % of their six degrees of freedom
+MAX_NAVIGATION_CHI2 = 22.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlanarSolution(GraphSolution):
-    """A solved pose graph, with planes or without. patches: seen on its path; offered: pairs that would say more than is known;
-    refusal: why planes were left out though they were offered, None where they were not left out."""
+    """A solved pose graph, with planes or without. patches: seen on its path; offered: pairs that
+    would say more than is known; refusal: why planes were left out though they were offered, None
+    where they were not left out.
+    """
 
     patches: int
     offered: int
@@ -48,8 +62,10 @@ class PlanarSolution(GraphSolution):
 
 @dataclass(frozen=True, kw_only=True)
 class Offer:
-    """Pairs of patches that gain, those of them that agree, and the planes that these make, None of too few. roughness (3,): of
-    the hull in height and slopes, in units of what curvature leaves open."""
+    """Pairs of patches that gain, those of them that agree, and the planes that these make, None of
+    too few. roughness (3,): of the hull in height and slopes, in units of what curvature leaves
+    open.
+    """
 
     patches: int
     roughness: Array
@@ -65,20 +81,27 @@ class Offer:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanarGraph:
-    """A pose graph, the DVL's returns that show the hull, and its characteristic curvature (3,), None where the dive has to
-    tell it."""
+    """A pose graph, the DVL's returns that show the hull, and its characteristic curvature (3,),
+    None where the dive has to tell it.
+    """
 
     graph: PoseGraph
     returns: Returns
     curvature: Array | None
 
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> PlanarSolution:
-        """Return the path of least cost with links, and with planes where these say more than is known without them.
+        """Return the path of least cost with links, and with planes where these say more than is
+        known without them.
 
-        Planes that contradict each other or navigation are left out, all of them: a wrong one is worse than none.
+        Planes that contradict each other or navigation are left out, all of them: a wrong one is
+        worse than none.
         """
         alone = self.graph.solve(links, before)
-        known = curvature_of_patches(self._patches(alone, BROAD)) if self.curvature is None else self.curvature
+        known = (
+            curvature_of_patches(self._patches(alone, BROAD))
+            if self.curvature is None
+            else self.curvature
+        )
         curvature = PRIOR_WIDER * known
         solved, offer = alone, self._offer(alone, alone, curvature, np.ones(3))
         for _ in range(MOST_ROUNDS):
@@ -86,14 +109,19 @@ class PlanarGraph:
                 break
             solved = replace(self.graph, planes=offer.planes).solve(links, solved)
             last, offer = offer, self._offer(alone, solved, curvature, offer.roughness)
-            if last.agreeing == offer.agreeing and np.allclose(last.roughness, offer.roughness, rtol=SAME_ROUGHNESS):
+            if last.agreeing == offer.agreeing and np.allclose(
+                last.roughness, offer.roughness, rtol=SAME_ROUGHNESS
+            ):
                 break
         refusal = _refusal(offer, solved)
         return _with_offer(alone if refusal else solved, offer, refusal)
 
-    def _offer(self, alone: GraphSolution, solved: GraphSolution, curvature: Array, rough: Array) -> Offer:
-        """Return the ties that the path of `solved` shows. alone: the solution without planes, which says what is known;
-        curvature and rough (3,): of the hull as known by now."""
+    def _offer(
+        self, alone: GraphSolution, solved: GraphSolution, curvature: Array, rough: Array
+    ) -> Offer:
+        """Return the ties that the path of `solved` shows. alone: the solution without planes,
+        which says what is known; curvature and rough (3,): of the hull as known by now.
+        """
         path, rig = solved.path, self.graph.rig
         patches = self._patches(solved, curvature)
         first, second = propose_ties(patches, path)
@@ -102,7 +130,9 @@ class PlanarGraph:
         rough = np.maximum(rough, roughness(patches, smooth, path, rig, joint))
         pairs = smooth.roughened(rough)
         known = _joint(alone, patches, pairs)
-        gains = gaining(patches, pairs, path, rig, known) & located(patches, pairs, path, rig, known)
+        gains = gaining(patches, pairs, path, rig, known) & located(
+            patches, pairs, path, rig, known
+        )
         pairs, joint = pairs.rows(gains), joint[gains]
         agreeing = pairs.rows(passing(patches, pairs, path, rig, joint))
         return Offer(
@@ -110,23 +140,35 @@ class PlanarGraph:
             roughness=rough,
             offered=len(pairs),
             agreeing=frozenset(zip(agreeing.first.tolist(), agreeing.second.tolist(), strict=True)),
-            planes=tie_planes(patches, agreeing, self.returns) if len(agreeing) >= LEAST_TIES else None,
+            planes=tie_planes(patches, agreeing, self.returns)
+            if len(agreeing) >= LEAST_TIES
+            else None,
         )
 
     def _patches(self, solved: GraphSolution, curvature: Array) -> Patches:
-        return find_patches(self.returns, solved.path, self.graph.trajectory.t_ns, self.graph.rig, curvature)
+        return find_patches(
+            self.returns, solved.path, self.graph.trajectory.t_ns, self.graph.rig, curvature
+        )
 
 
 def planar_graph(graph: PoseGraph, returns: Returns, cad_model: Mesh | None) -> PlanarGraph:
-    """Return a pose graph with the planes that the returns show, of the curvature of a CAD model where there is one."""
-    return PlanarGraph(graph=graph, returns=returns, curvature=None if cad_model is None else curvature_of_mesh(cad_model))
+    """Return a pose graph with the planes that the returns show, of the curvature of a CAD model
+    where there is one.
+    """
+    return PlanarGraph(
+        graph=graph,
+        returns=returns,
+        curvature=None if cad_model is None else curvature_of_mesh(cad_model),
+    )
 
 
 def _joint(solved: GraphSolution, patches: Patches, pairs: PatchPairs) -> Array:
     """Return the covariance (m, 14, 14) of the poses and trays of both anchors of each pair."""
     if not len(pairs):
         return np.zeros((0, 14, 14))
-    nodes = np.column_stack([patches.anchor[pairs.first], patches.anchor[pairs.second]]).astype(np.int32)
+    nodes = np.column_stack([patches.anchor[pairs.first], patches.anchor[pairs.second]]).astype(
+        np.int32
+    )
     return native.pair_covariance(solved.problem, nodes, OPTIONS).pose
 
 
@@ -134,9 +176,7 @@ def _refusal(offer: Offer, solved: GraphSolution) -> str | None:
     """Return why planes are left out, None where they are not, or none was offered."""
     if offer.offered >= LEAST_TIES and not offer.trusted:
         share = 100 * len(offer.agreeing) / offer.offered
-        return (
-            f"only {share:.0f} % of {offer.offered} patches of the hull that were passed again are as they were: no smooth hull"
-        )
+        return f"only {share:.0f} % of {offer.offered} patches of the hull that were passed again are as they were: no smooth hull"
     if offer.roughness.max() > MAX_ROUGHNESS:
         return f"what is passed again differs {offer.roughness.max():.0f} times as much as a smooth hull would"
     if solved.graph.planes is None:

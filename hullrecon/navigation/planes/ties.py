@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which patches are one piece of the hull seen again: near each other on it, alike within what is known, and worth tying.
+"""Which patches are one piece of the hull seen again: near each other on it, alike within what is
+known, and worth tying.
 
-A wrong tie is worse than none, so each has to pass a gate both ways; and a tie that says less than is known already, as between
-nodes that images tie, is left out.
+A wrong tie is worse than none, so each has to pass a gate both ways; and a tie that says less than
+is known already, as between nodes that images tie, is left out.
 """
 
 from __future__ import annotations
@@ -25,18 +26,25 @@ from hullrecon.records.planes import PlaneRanges, TiedPlanes
 from hullrecon.records.trajectory import Returns, VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 
-REACH_M = 2.2  # along the hull, from the centre of a patch to that of another: beyond it, curvature says nothing of the second
-SAME_PASS_M = 3.0  # of the path between two patches of one pass: odometry is better there than any patch
+# along the hull, from the centre of a patch to that of another: beyond it, curvature says nothing
+# of the second
+REACH_M = 2.2
+# of the path between two patches of one pass: odometry is better there than any patch
+SAME_PASS_M = 3.0
 MOST_TIES = 4  # of a patch to earlier ones, the nearest on the hull
 SEARCH_M = 4.0  # across and along the hull, for patches that a drift has put apart
 MOST_UNSURE_M = 0.25 * REACH_M  # sigma of where the second lies from the first, along the hull
 LEAST_ALIGNMENT = 0.7  # cosine between the normals of two patches of one piece of hull
 GATE_CHI2 = 11.34  # 99 % of three degrees of freedom
-LEAST_GAIN = 1.0  # variance of the gap as the path has it over that as the patches measure it, in the direction that gains most
+# variance of the gap as the path has it over that as the patches measure it, in the direction that
+# gains most
+LEAST_GAIN = 1.0
 
 
 def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
-    """Return pairs (m,) of patches of different passes whose footprints meet on the hull, the earlier first."""
+    """Return pairs (m,) of patches of different passes whose footprints meet on the hull, the
+    earlier first.
+    """
     if len(patches) < 2:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     at = path.poses[patches.anchor]
@@ -58,47 +66,64 @@ def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
 
 
 def gaining(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Return which pairs (m,) measure their gap better than it is known, in at least one direction. joint (m, 14, 14): the
-    covariance of both anchors' poses and trays on the path."""
+    """Return which pairs (m,) measure their gap better than it is known, in at least one direction.
+    joint (m, 14, 14): the covariance of both anchors' poses and trays on the path.
+    """
     known, measured = _known(patches, pairs, path, rig, joint), pairs.noise + pairs.fit
     root = np.linalg.inv(np.linalg.cholesky(measured))
-    return np.asarray(np.linalg.eigvalsh(root @ known @ root.swapaxes(1, 2)).max(axis=1, initial=0.0) > LEAST_GAIN)
+    return np.asarray(
+        np.linalg.eigvalsh(root @ known @ root.swapaxes(1, 2)).max(axis=1, initial=0.0) > LEAST_GAIN
+    )
 
 
 def located(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Return which pairs (m,) lie to each other along the hull as the path has them, within a part of the reach of curvature.
+    """Return which pairs (m,) lie to each other along the hull as the path has them, within a part
+    of the reach of curvature.
 
-    Farther off, as after minutes without a DVL, the hull there has another form than the one that is compared; gaps, taken as
-    straight in the place, would pull the path along to where that form fits best and be sure of it.
+    Farther off, as after minutes without a DVL, the hull there has another form than the one that
+    is compared; gaps, taken as straight in the place, would pull the path along to where that form
+    fits best and be sure of it.
     """
     by_poses = position_and_gap_by_poses(patches, pairs, path, rig.tray_origin)[:, :2]
-    variance = np.linalg.eigvalsh(by_poses @ joint @ by_poses.swapaxes(1, 2)).max(axis=1, initial=0.0)
+    variance = np.linalg.eigvalsh(by_poses @ joint @ by_poses.swapaxes(1, 2)).max(
+        axis=1, initial=0.0
+    )
     return np.asarray(variance < MOST_UNSURE_M**2)
 
 
 def passing(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Return which pairs (m,) are alike within what is known, the second seen from the first and the first from the second."""
+    """Return which pairs (m,) are alike within what is known, the second seen from the first and
+    the first from the second.
+    """
     back = compare_patches(patches, pairs.second, pairs.first, path)
     swapped = np.r_[7:14, 0:7]
     agrees = np.ones(len(pairs), bool)
     for way, covariance in ((pairs, joint), (back, joint[:, swapped][:, :, swapped])):
         whole = _known(patches, way, path, rig, covariance) + way.noise + way.fit
-        agrees &= np.sum(way.gap * np.linalg.solve(whole, way.gap[:, :, None])[:, :, 0], axis=1) < GATE_CHI2
+        agrees &= (
+            np.sum(way.gap * np.linalg.solve(whole, way.gap[:, :, None])[:, :, 0], axis=1)
+            < GATE_CHI2
+        )
     return agrees
 
 
-def roughness(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Array:
-    """Return by how much the gaps of pairs in height and slopes (3,) exceed what is known of them and measured: a robust ratio
-    over the dive, at least one."""
+def roughness(
+    patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
+) -> Array:
+    """Return by how much the gaps of pairs in height and slopes (3,) exceed what is known of them
+    and measured: a robust ratio over the dive, at least one.
+    """
     whole = _known(patches, pairs, path, rig, joint) + pairs.noise + pairs.fit
     ratio = np.abs(pairs.gap) / np.sqrt(np.einsum("mii->mi", whole))
     return np.maximum(NORMAL_MAD * np.median(ratio, axis=0), 1.0) if len(pairs) else np.ones(3)
 
 
 def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPlanes:
-    """Return the patches that the pairs touch as planes, their returns as ranges to them, and the pairs.
+    """Return the patches that the pairs touch as planes, their returns as ranges to them, and the
+    pairs.
 
-    A patch in many pairs brings its own error into each: the more there are, the less each says."""
+    A patch in many pairs brings its own error into each: the more there are, the less each says.
+    """
     used = np.unique(np.concatenate([pairs.first, pairs.second]))
     number = np.full(len(patches), -1, np.int64)
     number[used] = np.arange(len(used))

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pose graph [KimEustice2009; Ozog2016 2]: odometry, depth, attitude and links, with navigation's systematic errors and
-the cameras' mount as unknowns, solved by the native module."""
+"""The pose graph [KimEustice2009; Ozog2016 2]: odometry, depth, attitude and links, with
+navigation's systematic errors and the cameras' mount as unknowns, solved by the native module.
+"""
 
 from __future__ import annotations
 
@@ -34,19 +35,30 @@ from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Trajectory, VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 
-REJECTED_CHI2 = 5.0  # of a link's whitened square in units of its rows: dynamic covariance scaling has all but dropped it
+# of a link's whitened square in units of its rows: dynamic covariance scaling has all but dropped
+# it
+REJECTED_CHI2 = 5.0
 MAX_REJECTED_SHARE = 0.03  # of the links, beyond which it may be the path that is wrong
-SHARED_IMAGES = 2.0  # links of a node that speak as if alone; more of them share its features' noise
-KERNELS = {"scaling": native.LinkKernel.SCALING, "switch": native.LinkKernel.SWITCH, "none": native.LinkKernel.NONE}
-# Damping holds what little stiffens a long path, its bends, far more than its steps: with a smaller radius these take ten
-# iterations more, and stop short of the minimum.
-OPTIONS = native.Options(method="naive", max_iterations=60, function_tolerance=1e-7, initial_radius=1e8)
+# links of a node that speak as if alone; more of them share its features' noise
+SHARED_IMAGES = 2.0
+KERNELS = {
+    "scaling": native.LinkKernel.SCALING,
+    "switch": native.LinkKernel.SWITCH,
+    "none": native.LinkKernel.NONE,
+}
+# Damping holds what little stiffens a long path, its bends, far more than its steps: with a smaller
+# radius these take ten iterations more, and stop short of the minimum.
+OPTIONS = native.Options(
+    method="naive", max_iterations=60, function_tolerance=1e-7, initial_radius=1e8
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PoseGraph:
-    """What navigation measured, the rig with its priors, what guards against wrong links (scaling, switch or none), the
-    planes of the hull that tie passes and the positions from outside that bound the path, None where there are none."""
+    """What navigation measured, the rig with its priors, what guards against wrong links (scaling,
+    switch or none), the planes of the hull that tie passes and the positions from outside that
+    bound the path, None where there are none.
+    """
 
     trajectory: Trajectory
     odometry: Odometry
@@ -59,9 +71,10 @@ class PoseGraph:
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> GraphSolution:
         """Return the path of least cost. before: a solution with fewer links, to begin with.
 
-        Without one the start is that of `path_along_links`, from which right links look as wrong as wrong ones: the first solve
-        then guards against none. So it is tried where the solution with fewer links makes many look wrong: an error that they
-        share, as of the cameras' mount, may be one that it could not know. Raises StageError where nothing determines the path.
+        Without one the start is that of `path_along_links`, from which right links look as wrong as
+        wrong ones: the first solve then guards against none. So it is tried where the solution with
+        fewer links makes many look wrong: an error that they share, as of the cameras' mount, may
+        be one that it could not know. Raises StageError where nothing determines the path.
         """
         if before is None:
             begin = path_along_links(self.trajectory, self.odometry, links, self.rig)
@@ -71,32 +84,47 @@ class PoseGraph:
         solved, cost = self._solve_guarded(links, known)
         if solved.rejected.sum() <= MAX_REJECTED_SHARE * len(links):
             return solved
-        other, other_cost = self._solve_guarded(links, self._solve_unguarded(links, known.pose, known))
+        other, other_cost = self._solve_guarded(
+            links, self._solve_unguarded(links, known.pose, known)
+        )
         return other if other_cost < cost else solved
 
-    def _solve_unguarded(self, links: CameraLinks, pose: Array, known: native.Unknowns | None = None) -> native.Unknowns:
-        """Return the unknowns of least cost when all links are right. Starts: pose (n, 8), T_g_v and the tray, and known, the
-        other unknowns."""
+    def _solve_unguarded(
+        self, links: CameraLinks, pose: Array, known: native.Unknowns | None = None
+    ) -> native.Unknowns:
+        """Return the unknowns of least cost when all links are right. Starts: pose (n, 8), T_g_v
+        and the tray, and known, the other unknowns.
+        """
         problem = self._problem(links, native.LinkKernel.NONE, _vehicle(pose))
         start = problem.unknowns if known is None else self._started(problem, known)
         return native.solve(problem.started_from(replace(start, pose=pose)), OPTIONS).unknowns
 
-    def _solve_guarded(self, links: CameraLinks, known: native.Unknowns) -> tuple[GraphSolution, float]:
+    def _solve_guarded(
+        self, links: CameraLinks, known: native.Unknowns
+    ) -> tuple[GraphSolution, float]:
         """Return the solution from those unknowns, guarded against wrong links, and its cost."""
         problem = self._problem(links, KERNELS[self.kernel], _vehicle(known.pose))
         result = native.solve(problem.started_from(self._started(problem, known)), OPTIONS)
         solved = problem.started_from(result.unknowns)
         found = GraphSolution(
-            graph=self, links=links, problem=solved, rejected=_rejected(solved, len(links)), converged=result.converged
+            graph=self,
+            links=links,
+            problem=solved,
+            rejected=_rejected(solved, len(links)),
+            converged=result.converged,
         )
         return found, float(reached_cost(result.iterations.cost, result.iterations.accepted)[-1])
 
     @staticmethod
     def _started(problem: native.Problem, known: native.Unknowns) -> native.Unknowns:
         """Return the unknowns of another problem of the same dive, for this one."""
-        return replace(known, link_switch=problem.unknowns.link_switch, plane=problem.unknowns.plane)
+        return replace(
+            known, link_switch=problem.unknowns.link_switch, plane=problem.unknowns.plane
+        )
 
-    def _problem(self, links: CameraLinks, kernel: native.LinkKernel, path: Poses) -> native.Problem:
+    def _problem(
+        self, links: CameraLinks, kernel: native.LinkKernel, path: Poses
+    ) -> native.Problem:
         """Return the problem, started from dead reckoning. path: T_g_v as it is known by now."""
         rig, t, start = self.rig, self.trajectory, self.trajectory.track().path
         switches = len(links) if kernel == native.LinkKernel.SWITCH else 0
@@ -108,7 +136,9 @@ class PoseGraph:
         held = {name for name, prior in priors.items() if prior is None}
         problem = native.Problem(
             unknowns=_unknowns(start, nominal, switches),
-            constant=tuple(sorted(held | {"T_g_M", "deviation", "intrinsics_top", "intrinsics_bottom"})),
+            constant=tuple(
+                sorted(held | {"T_g_M", "deviation", "intrinsics_top", "intrinsics_bottom"})
+            ),
             lever_arms=native.LeverArms(tray=rig.tray_origin, pressure=rig.pressure_origin),
             priors=native.Priors(
                 T_s_d=priors["T_s_d"],
@@ -118,9 +148,13 @@ class PoseGraph:
                 navigation_sigma=rig.navigation_sigma,
             ),
             attitude=attitude_table(self.attitude),
-            tray=tray_table(t.tray, self.attitude.tray_direction, rig.tray_sigma, self.attitude.tray_sigma),
+            tray=tray_table(
+                t.tray, self.attitude.tray_direction, rig.tray_sigma, self.attitude.tray_sigma
+            ),
             velocities=velocity_table(self.odometry, t.t_ns),
-            odometry=odometry_table(_unlinked_motions(self.odometry, links), t.tray, rig.T_s_d.nominal, path),
+            odometry=odometry_table(
+                _unlinked_motions(self.odometry, links), t.tray, rig.T_s_d.nominal, path
+            ),
             links=link_table(links, len(t.t_ns), kernel),
         )
         return with_positions(with_planes(problem, self.planes), self.positions)
@@ -128,7 +162,9 @@ class PoseGraph:
 
 @dataclass(frozen=True, kw_only=True)
 class GraphSolution:
-    """A solved pose graph. problem: at its solution; rejected (m,): links that the rest contradicts."""
+    """A solved pose graph. problem: at its solution; rejected (m,): links that the rest
+    contradicts.
+    """
 
     graph: PoseGraph
     links: CameraLinks
@@ -140,11 +176,14 @@ class GraphSolution:
     def path(self) -> VehiclePath:
         """Return the vehicle and its tray."""
         pose = self.problem.unknowns.pose
-        return VehiclePath(poses=Poses(pose[:, 3:7].copy(), pose[:, :3].copy()), tray=pose[:, 7].copy())
+        return VehiclePath(
+            poses=Poses(pose[:, 3:7].copy(), pose[:, :3].copy()), tray=pose[:, 7].copy()
+        )
 
     def relative_errors(self, bottom: Mask) -> GraphErrors:
-        """Return how well the nodes' leading cameras are known relative to each other; bottom (n,): where that is the bottom
-        one."""
+        """Return how well the nodes' leading cameras are known relative to each other; bottom (n,):
+        where that is the bottom one.
+        """
         return GraphErrors(problem=self.problem, bottom=bottom)
 
     def record(self) -> LinkedPath:
@@ -165,7 +204,12 @@ class GraphSolution:
         """Return how the positions from outside lie to the path; None where there are none."""
         if self.graph.positions is None:
             return None
-        return fit_of_positions(self.problem, self.graph.positions, native.covariance(self.problem, OPTIONS).world, OPTIONS)
+        return fit_of_positions(
+            self.problem,
+            self.graph.positions,
+            native.covariance(self.problem, OPTIONS).world,
+            OPTIONS,
+        )
 
     def _sigma_of_parts(self, part: Ints) -> Array:
         """Return the sigma (parts,) m of the middle of each part relative to that of the largest."""
@@ -176,21 +220,24 @@ class GraphSolution:
         errors = self.relative_errors(np.zeros(len(part), bool))
         covariance = errors.relative_covariance(np.full(len(middle), middle[0]), middle)[:, :3, :3]
         sigma = np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0))
-        sigma[0] = 0.0  # to itself, where what is left of a difference of equal covariances depends on rounding
+        # to itself, where what is left of a difference of equal covariances depends on rounding
+        sigma[0] = 0.0
         return np.asarray(sigma)
 
 
 @dataclass(frozen=True, kw_only=True)
 class GraphErrors:
-    """Relative covariances of the leading cameras from the joint marginals of a solved graph. bottom (n,): nodes where the
-    bottom camera leads."""
+    """Relative covariances of the leading cameras from the joint marginals of a solved graph.
+    bottom (n,): nodes where the bottom camera leads.
+    """
 
     problem: native.Problem
     bottom: Mask
 
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
-        """Return the covariance (m, 6, 6) of second_from_first: (translation in second's axes, rotation perturbed on its
-        right). The camera's mount is taken as known: its error is common to both.
+        """Return the covariance (m, 6, 6) of second_from_first: (translation in second's axes,
+        rotation perturbed on its right). The camera's mount is taken as known: its error is common
+        to both.
         """
         if len(first) == 0:
             return np.zeros((0, 6, 6))
@@ -221,8 +268,15 @@ class GraphErrors:
         """Return R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c of the leading camera (n, 4, 4)."""
         pose = self.problem.unknowns.pose
         vehicle = Poses(pose[:, 3:7], pose[:, :3]).rotation.as_matrix()
-        cos, sin, zero, one = np.cos(pose[:, 7]), np.sin(pose[:, 7]), np.zeros(len(pose)), np.ones(len(pose))
-        tray = np.stack([cos, zero, sin, zero, one, zero, -sin, zero, cos], axis=1).reshape(-1, 3, 3)
+        cos, sin, zero, one = (
+            np.cos(pose[:, 7]),
+            np.sin(pose[:, 7]),
+            np.zeros(len(pose)),
+            np.ones(len(pose)),
+        )
+        tray = np.stack([cos, zero, sin, zero, one, zero, -sin, zero, cos], axis=1).reshape(
+            -1, 3, 3
+        )
         top = pose_from_vector(self.problem.unknowns.T_s_ct)
         mount = np.tile(top.matrix(), (len(pose), 1, 1))
         if self.bottom.any():
@@ -230,8 +284,9 @@ class GraphErrors:
         return vehicle, tray, mount
 
     def _by_vehicle(self, nodes: Ints) -> Array:
-        """Return the derivative (m, 6, 7) of the camera's (position in g, rotation on the right) by the vehicle's (translation,
-        rotation, tray)."""
+        """Return the derivative (m, 6, 7) of the camera's (position in g, rotation on the right) by
+        the vehicle's (translation, rotation, tray).
+        """
         vehicle, tray, mount = (x[nodes] for x in self._chain)
         axis = np.array([0.0, 1.0, 0.0])
         arm = np.einsum("nij,nj->ni", tray, mount[:, :3, 3])
@@ -245,14 +300,18 @@ class GraphErrors:
 
 
 def _unlinked_motions(odometry: Odometry, links: CameraLinks) -> Odometry:
-    """Return the odometry without what the images of two nodes measured that a link joins: images speak once."""
+    """Return the odometry without what the images of two nodes measured that a link joins: images
+    speak once.
+    """
     nodes = 1 + max(int(odometry.second.max(initial=0)), int(links.second.max(initial=0)))
     linked = np.isin(odometry.first * nodes + odometry.second, links.first * nodes + links.second)
     return odometry.without(odometry.from_images & linked)
 
 
 def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> native.LinkTable:
-    """Return the links as factors. A node's links share its features' noise: the more there are, the less each says."""
+    """Return the links as factors. A node's links share its features' noise: the more there are,
+    the less each says.
+    """
     degree = np.bincount(np.concatenate([links.first, links.second]), minlength=nodes)
     shared = np.maximum(0.5 * (degree[links.first] + degree[links.second]) / SHARED_IMAGES, 1.0)
     # a link's first camera is the one that the other is seen from
@@ -269,8 +328,9 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
 
 
 def _whitening(links: CameraLinks) -> Array:
-    """Return the square root of the information (m, 6, 6); of a link without a length, of its five numbers, in the leading
-    block."""
+    """Return the square root of the information (m, 6, 6); of a link without a length, of its five
+    numbers, in the leading block.
+    """
     covariance = links.covariance.copy()
     free = np.flatnonzero(~links.scaled)
     out = np.zeros_like(covariance)
@@ -278,7 +338,9 @@ def _whitening(links: CameraLinks) -> Array:
     out[full] = np.linalg.inv(np.linalg.cholesky(covariance[full]))
     length = np.linalg.norm(links.translation[free], axis=1)
     to_five = np.zeros((len(free), 5, 6))
-    to_five[:, :2, :3] = native.bearing_basis(links.translation[free]).swapaxes(1, 2) / length[:, None, None]
+    to_five[:, :2, :3] = (
+        native.bearing_basis(links.translation[free]).swapaxes(1, 2) / length[:, None, None]
+    )
     to_five[:, 2:, 3:] = np.eye(3)
     five = to_five @ covariance[free] @ to_five.swapaxes(1, 2)
     out[free, :5, :5] = np.linalg.inv(np.linalg.cholesky(five))
@@ -291,20 +353,30 @@ def _vehicle(pose: Array) -> Poses:
 
 
 def _rejected(problem: native.Problem, count: int) -> Mask:
-    """Return which links have a whitened square beyond what dynamic covariance scaling lets speak: of the links themselves, not
-    as a switch leaves them, which takes the square of a wrong one to nothing."""
+    """Return which links have a whitened square beyond what dynamic covariance scaling lets speak:
+    of the links themselves, not as a switch leaves them, which takes the square of a wrong one to
+    nothing.
+    """
     bare = replace(problem.links, kernel=np.full(count, int(native.LinkKernel.NONE), np.int32))
     bare_unknowns = replace(problem.unknowns, link_switch=np.ones(0))
-    found = native.evaluate(replace(problem, links=bare, unknowns=bare_unknowns), OPTIONS, jacobian=False)
+    found = native.evaluate(
+        replace(problem, links=bare, unknowns=bare_unknowns), OPTIONS, jacobian=False
+    )
     rows = found.factor == native.FACTORS.index("link")
     square = np.bincount(found.table_row[rows], found.residual[rows] ** 2, minlength=count)
     freedoms = np.bincount(found.table_row[rows], minlength=count)
     return np.asarray(square > REJECTED_CHI2 * np.maximum(freedoms, 1))
 
 
-def _unknowns(start: VehiclePath, nominal: Mapping[str, Poses | None], switches: int) -> native.Unknowns:
-    unknowns = native.Unknowns(pose=np.hstack([start.poses.vectors(), start.tray[:, None]]), link_switch=np.ones(switches))
-    return replace(unknowns, **{name: pose_vector(pose) for name, pose in nominal.items() if pose is not None})
+def _unknowns(
+    start: VehiclePath, nominal: Mapping[str, Poses | None], switches: int
+) -> native.Unknowns:
+    unknowns = native.Unknowns(
+        pose=np.hstack([start.poses.vectors(), start.tray[:, None]]), link_switch=np.ones(switches)
+    )
+    return replace(
+        unknowns, **{name: pose_vector(pose) for name, pose in nominal.items() if pose is not None}
+    )
 
 
 def linked_parts(nodes: int, first: Ints, second: Ints) -> Ints:

@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the pose graph's solve begins: dead reckoning, and along the images' own directions where the DVL was silent.
+"""Where the pose graph's solve begins: dead reckoning, and along the images' own directions where
+the DVL was silent.
 
-There dead reckoning goes straight on, whatever the vehicle does. A link of one camera says the direction and not the length of
-a step: from a start that goes the wrong way after a turn, such links end in a wrong minimum.
+There dead reckoning goes straight on, whatever the vehicle does. A link of one camera says the
+direction and not the length of a step: from a start that goes the wrong way after a turn, such
+links end in a wrong minimum.
 """
 
 from __future__ import annotations
@@ -20,32 +22,45 @@ from hullrecon.typing import Array, Ints, Mask
 UNKNOWN_SHARE, UNKNOWN_M = 0.3, 0.02
 
 
-def path_along_links(trajectory: Trajectory, odometry: Odometry, links: CameraLinks, rig: Rig) -> Poses:
-    """Return T_g_v (n) of dead reckoning, in which a step that odometry knows badly has the direction and turn of the link
-    across it, and its own length."""
+def path_along_links(
+    trajectory: Trajectory, odometry: Odometry, links: CameraLinks, rig: Rig
+) -> Poses:
+    """Return T_g_v (n) of dead reckoning, in which a step that odometry knows badly has the
+    direction and turn of the link across it, and its own length.
+    """
     reckoned = trajectory.poses()
     bearings = np.flatnonzero(~links.scaled)
     if rig.T_s_ct is None or not len(bearings):
         return reckoned
-    ends = [(links.first[bearings], links.bottom[bearings, 0]), (links.second[bearings], links.bottom[bearings, 1])]
-    from_first, from_second = (_vehicle_from_camera(trajectory, rig, node, is_bottom) for node, is_bottom in ends)
+    ends = [
+        (links.first[bearings], links.bottom[bearings, 0]),
+        (links.second[bearings], links.bottom[bearings, 1]),
+    ]
+    from_first, from_second = (
+        _vehicle_from_camera(trajectory, rig, node, is_bottom) for node, is_bottom in ends
+    )
     first, second = ends[0][0], ends[1][0]
     step = (reckoned[second] @ from_second).inverse() @ (reckoned[first] @ from_first)
     length = np.linalg.norm(step.translation, axis=1)
     badly = odometry.sigma_between(first, second) > np.maximum(UNKNOWN_SHARE * length, UNKNOWN_M)
     if not badly.any():
         return reckoned
-    direction = links.translation[bearings] / np.linalg.norm(links.translation[bearings], axis=1, keepdims=True)
+    direction = links.translation[bearings] / np.linalg.norm(
+        links.translation[bearings], axis=1, keepdims=True
+    )
     second_from_first = Poses(links.quaternion[bearings], direction * length[:, None])
     moved = (from_first @ second_from_first.inverse() @ from_second.inverse()).matrix()
-    nearest: dict[int, tuple[int, Array]] = {}  # by node: the nearest node before it that a link joins to it, and the motion
+    # by node: the nearest node before it that a link joins to it, and the motion
+    nearest: dict[int, tuple[int, Array]] = {}
     for row in np.flatnonzero(badly)[np.argsort(first[badly], kind="stable")]:
         nearest[int(second[row])] = int(first[row]), moved[row]
     return from_matrix(_compose(reckoned, nearest))
 
 
 def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
-    """Return T_g_v (n, 4, 4): from node to node as reckoned, but to the nodes of `along` by its motions (4, 4) from others."""
+    """Return T_g_v (n, 4, 4): from node to node as reckoned, but to the nodes of `along` by its
+    motions (4, 4) from others.
+    """
     steps = (reckoned[:-1].inverse() @ reckoned[1:]).matrix()
     out = reckoned.matrix()
     for k in range(1, len(out)):

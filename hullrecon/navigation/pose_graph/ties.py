@@ -16,12 +16,15 @@ MOST_LISTED = 5
 
 
 def describe_parts(path: LinkedPath, t_ns: Ints) -> str | None:
-    """Return a sentence on the parts into which the images of a dive fall, and how well navigation alone ties them; None where
-    all are tied together. t_ns (n,): of the nodes."""
+    """Return a sentence on the parts into which the images of a dive fall, and how well navigation
+    alone ties them; None where all are tied together. t_ns (n,): of the nodes.
+    """
     size = np.bincount(path.part[path.part >= 0])
     if len(size) < 2:
         return None
-    listed = [k for k in range(len(size)) if k == 0 or size[k] >= LEAST_SHARE * size.sum()][:MOST_LISTED]
+    listed = [k for k in range(len(size)) if k == 0 or size[k] >= LEAST_SHARE * size.sum()][
+        :MOST_LISTED
+    ]
     spans = [_span(path, t_ns, k, int(size[k])) for k in listed]
     rest = len(size) - len(listed)
     more = f", and {rest} smaller" if rest else ""
@@ -33,6 +36,8 @@ def describe_parts(path: LinkedPath, t_ns: Ints) -> str | None:
 
 def _span(path: LinkedPath, t_ns: Ints, part: int, size: int) -> str:
     at = t_ns[path.part == part]
-    first, last = (datetime.fromtimestamp(int(t) / 1e9, UTC).strftime("%H:%M:%S") for t in (at.min(), at.max()))
+    first, last = (
+        datetime.fromtimestamp(int(t) / 1e9, UTC).strftime("%H:%M:%S") for t in (at.min(), at.max())
+    )
     sigma = "" if part == 0 else f", known to {path.part_sigma[part]:.2f} m relative to the first"
     return f"{size} nodes from {first} to {last}{sigma}"

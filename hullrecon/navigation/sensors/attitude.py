@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Attitude between and at the IMU's readings: the slow part from its orientation, the fast part from its rates.
+"""Attitude between and at the IMU's readings: the slow part from its orientation, the fast part
+from its rates.
 
-An orientation is noisy from one reading to the next and true in the long run; integrated rates are the reverse. Their
-disagreement, accumulated, is smoothed and taken off; how much it is smoothed follows from the noise found in it.
+An orientation is noisy from one reading to the next and true in the long run; integrated rates are
+the reverse. Their disagreement, accumulated, is smoothed and taken off; how much it is smoothed
+follows from the noise found in it.
 """
 
 from __future__ import annotations
@@ -17,21 +19,30 @@ from hullrecon.dive.logs.timeline import longest_step, period
 from hullrecon.geometry.poses import Poses, interpolate
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.sensors.clock import gaps, seconds
-from hullrecon.navigation.sensors.heading_steps import BESIDE_S, NO_STEPS, HeadingSteps, find_heading_steps, find_jumps
+from hullrecon.navigation.sensors.heading_steps import (
+    BESIDE_S,
+    NO_STEPS,
+    HeadingSteps,
+    find_heading_steps,
+    find_jumps,
+)
 from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.records.sensors import ImuSamples
 from hullrecon.typing import Array, Ints
 
-LEAST_SIGMA_RAD = 1e-4  # of a turn between two nodes: below it lie the stamps' jitter and the mount's give
+# of a turn between two nodes: below it lie the stamps' jitter and the mount's give
+LEAST_SIGMA_RAD = 1e-4
 BRIDGED_RATE_RAD_S = 0.05  # a vehicle that inspects turns about this fast; where no reading tells
-BRIDGED_FOR_S = 4.0  # and for about as long one way; beyond the readings its turns walk from then on
+# and for about as long one way; beyond the readings its turns walk from then on
+BRIDGED_FOR_S = 4.0
 
 
 @dataclass(frozen=True)
 class AttitudeHistory:
-    """R_g_v at the IMU's stamps: quaternion (n, 4). sigma_rad: white error of one attitude after smoothing; walk: variance of a
-    turn by the rates alone, rad2/s; holes (m, 2): intervals without readings, ns. fused: rates were used. steps: of the logged
-    heading, which were taken off."""
+    """R_g_v at the IMU's stamps: quaternion (n, 4). sigma_rad: white error of one attitude after
+    smoothing; walk: variance of a turn by the rates alone, rad2/s; holes (m, 2): intervals without
+    readings, ns. fused: rates were used. steps: of the logged heading, which were taken off.
+    """
 
     t_ns: Ints
     quaternion: Array
@@ -56,29 +67,49 @@ class AttitudeHistory:
             hole += np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
         left = self.turned_by_steps(stop_ns) - self.turned_by_steps(start_ns)
         beyond = self.turned_unread(stop_ns) - self.turned_unread(start_ns)
-        return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left + beyond)
+        return np.asarray(
+            bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left + beyond
+        )
 
     def turned_unread(self, at_ns: Ints) -> Array:
-        """Return variance (m,) rad2, each axis, of the turn since the last reading, negative before the first one."""
-        after, before = np.maximum(0, at_ns - self.t_ns[-1]) * 1e-9, np.maximum(0, self.t_ns[0] - at_ns) * 1e-9
-        seconds2 = np.minimum(after, BRIDGED_FOR_S) * after - np.minimum(before, BRIDGED_FOR_S) * before
+        """Return variance (m,) rad2, each axis, of the turn since the last reading, negative before
+        the first one.
+        """
+        after, before = (
+            np.maximum(0, at_ns - self.t_ns[-1]) * 1e-9,
+            np.maximum(0, self.t_ns[0] - at_ns) * 1e-9,
+        )
+        seconds2 = (
+            np.minimum(after, BRIDGED_FOR_S) * after - np.minimum(before, BRIDGED_FOR_S) * before
+        )
         return np.asarray(BRIDGED_RATE_RAD_S**2 * seconds2)
 
     def turned_by_steps(self, at_ns: Ints) -> Array:
-        """Return variance (m,) rad2, about z of g, of the heading's steps before those times: what is left of those that were
-        taken off, and what heading and rates disagree about."""
-        out = self.steps.sigma_rad**2 * np.searchsorted(self.t_ns[self.steps.row], at_ns, side="right").astype(float)
+        """Return variance (m,) rad2, about z of g, of the heading's steps before those times: what
+        is left of those that were taken off, and what heading and rates disagree about.
+        """
+        out = self.steps.sigma_rad**2 * np.searchsorted(
+            self.t_ns[self.steps.row], at_ns, side="right"
+        ).astype(float)
         reach = round(BESIDE_S * 1e9)
-        for at, apart in zip(self.t_ns[self.steps.disagreement], self.steps.disagreement_rad, strict=True):
+        for at, apart in zip(
+            self.t_ns[self.steps.disagreement], self.steps.disagreement_rad, strict=True
+        ):
             out += apart**2 * np.clip((at_ns - at + reach) / (2 * reach), 0.0, 1.0)
         return np.asarray(out)
 
     def holes_before(self, at_ns: Ints) -> Ints:
         """Return how many holes (m,) have begun by those times."""
-        return np.asarray(np.searchsorted(self.holes[:, 0], at_ns)) if len(self.holes) else np.zeros(len(at_ns), np.int64)
+        return (
+            np.asarray(np.searchsorted(self.holes[:, 0], at_ns))
+            if len(self.holes)
+            else np.zeros(len(at_ns), np.int64)
+        )
 
     def hole_sigma(self, at_ns: Ints) -> Array:
-        """Return (m,) rad, each axis: of an attitude in a hole, by the time to the nearest reading; 0 elsewhere."""
+        """Return (m,) rad, each axis: of an attitude in a hole, by the time to the nearest reading;
+        0 elsewhere.
+        """
         out = np.zeros(len(at_ns))
         for begin, end in self.holes:
             inside = (at_ns > begin) & (at_ns < end)
@@ -86,19 +117,25 @@ class AttitudeHistory:
         return out
 
     def unread_sigma(self, at_ns: Ints) -> Array:
-        """Return (m,) rad, each axis: of an attitude in a hole or beyond the readings, by the time to the next; 0 where there
-        was one."""
+        """Return (m,) rad, each axis: of an attitude in a hole or beyond the readings, by the time
+        to the next; 0 where there was one.
+        """
         return np.hypot(np.sqrt(np.abs(self.turned_unread(at_ns))), self.hole_sigma(at_ns))
 
 
-def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: float) -> AttitudeHistory:
-    """Return the attitude by an IMU's record in time order. sigma_tilt_rad: white error of roll and pitch where rates cannot
-    tell it."""
+def attitude_history(
+    imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: float
+) -> AttitudeHistory:
+    """Return the attitude by an IMU's record in time order. sigma_tilt_rad: white error of roll and
+    pitch where rates cannot tell it.
+    """
     holes = gaps(imu.t_ns, longest_gap_s)
     t = seconds(imu.t_ns, int(imu.t_ns[0]))
     if len(imu.t_ns) < 50 or np.isfinite(imu.angular_velocity).all(axis=1).mean() < 0.99:
         steps = find_jumps(t, imu.quaternion)
-        return AttitudeHistory(imu.t_ns, steps.taken_off(imu.quaternion), sigma_tilt_rad, 0.0, holes, False, steps)
+        return AttitudeHistory(
+            imu.t_ns, steps.taken_off(imu.quaternion), sigma_tilt_rad, 0.0, holes, False, steps
+        )
     steps = find_heading_steps(t, _disagreement(t, imu)[:, 2])
     imu = replace(imu, quaternion=steps.taken_off(imu.quaternion))
     gap = _disagreement(t, imu)
@@ -113,16 +150,20 @@ def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: floa
 
 
 def _stamps_turn(t: Array, imu: ImuSamples) -> float:
-    """Return by how much, rad, the vehicle turns about an axis while stamps that come unevenly, as in bursts, are off."""
+    """Return by how much, rad, the vehicle turns about an axis while stamps that come unevenly, as
+    in bursts, are off.
+    """
     step, usual = np.diff(t), period(t)
     uneven_s = np.sqrt(np.mean(np.square(step[step <= longest_step(usual)] - usual)))
     return float(uneven_s * np.sqrt(np.nanmean(np.square(imu.angular_velocity))))
 
 
 def _disagreement(t: Array, imu: ImuSamples) -> Array:
-    """Return small rotation in g (n, 3) of the logged orientation against the integrated rates, their mean bias taken off.
+    """Return small rotation in g (n, 3) of the logged orientation against the integrated rates,
+    their mean bias taken off.
 
-    Accumulated as a sum: its wander stays far below a degree, so that the order of rotations does not count.
+    Accumulated as a sum: its wander stays far below a degree, so that the order of rotations does
+    not count.
     """
     row = np.arange(len(t))
     known = np.isfinite(imu.angular_velocity).all(axis=1)
@@ -138,12 +179,17 @@ def _disagreement(t: Array, imu: ImuSamples) -> Array:
 
 
 def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
-    """Return white variance (rad2) of the orientation and walk (rad2/s) of the rates: the variance of differences over a lag is
-    twice the first plus the second times the lag. Medians, so that a jolt does not count."""
+    """Return white variance (rad2) of the orientation and walk (rad2/s) of the rates: the variance
+    of differences over a lag is twice the first plus the second times the lag. Medians, so that a
+    jolt does not count.
+    """
     step = period(t)
     lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))
     lags = lags[lags < len(t) // 2]
-    spread = [np.mean((NORMAL_MAD * np.median(np.abs(gap[lag:] - gap[:-lag]), axis=0)) ** 2) for lag in lags]
+    spread = [
+        np.mean((NORMAL_MAD * np.median(np.abs(gap[lag:] - gap[:-lag]), axis=0)) ** 2)
+        for lag in lags
+    ]
     design = np.stack([np.full(len(lags), 2.0), lags * step], axis=1)
     white, walk = np.linalg.lstsq(design, np.asarray(spread), rcond=None)[0]
     return max(float(white), 1e-12), max(float(walk), 1e-10)

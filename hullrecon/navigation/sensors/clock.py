@@ -16,8 +16,9 @@ Stream = TypeVar("Stream")
 
 
 def in_order(record: Stream, name: str) -> tuple[Stream, list[str]]:
-    """Return a stream's record in time order without repeated stamps (the first of equals stays), and what was done, as
-    sentences."""
+    """Return a stream's record in time order without repeated stamps (the first of equals stays),
+    and what was done, as sentences.
+    """
     stamps: Ints = record.t_ns  # type: ignore[attr-defined]
     n = len(stamps)
     order = np.argsort(stamps, kind="stable")
@@ -33,14 +34,18 @@ def in_order(record: Stream, name: str) -> tuple[Stream, list[str]]:
 
 
 def _by_row(value: NDArray[np.generic], n: int, name: str) -> bool:
-    """Return whether a field has a row a stamp; tables of the instrument (beams, directions, bins) do not."""
+    """Return whether a field has a row a stamp; tables of the instrument (beams, directions, bins)
+    do not.
+    """
     return name not in ("beams", "directions", "range_m") and value.shape[:1] == (n,)
 
 
 def gaps(t_ns: Ints, longest_s: float) -> Ints:
     """Return start and end (m, 2) of the intervals between stamps that are longer than that."""
     long = np.flatnonzero(np.diff(t_ns) > longest_s * 1e9)
-    return np.stack([t_ns[long], t_ns[long + 1]], axis=1) if len(long) else np.zeros((0, 2), np.int64)
+    return (
+        np.stack([t_ns[long], t_ns[long + 1]], axis=1) if len(long) else np.zeros((0, 2), np.int64)
+    )
 
 
 def seconds(t_ns: Ints, start_ns: int) -> Array:

@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Depth: the DVL's vertical path, held to the pressure sensor slowly.
 
-Over a second the DVL knows the vertical step to a millimetre where one pressure reading scatters by centimetres; over minutes
-the pressure is right. So what is smoothed is the difference of the two, over WIDTH_S: ten readings a second of 0.02 m leave
-some 1.5 mm, and a drift that is steady over half a minute (scale, mount) is followed without lag. Where the DVL was silent its
-path goes straight on, whatever the vehicle does: there the pressure alone speaks, and no reading from there is smoothed into
-what the DVL saw.
+Over a second the DVL knows the vertical step to a millimetre where one pressure reading scatters by
+centimetres; over minutes the pressure is right. So what is smoothed is the difference of the two,
+over WIDTH_S: ten readings a second of 0.02 m leave some 1.5 mm, and a drift that is steady over
+half a minute (scale, mount) is followed without lag. Where the DVL was silent its path goes
+straight on, whatever the vehicle does: there the pressure alone speaks, and no reading from there
+is smoothed into what the DVL saw.
 """
 
 from __future__ import annotations
@@ -26,16 +27,20 @@ WIDTH_S = 5.0
 STEP_M = 0.3  # between two readings, beyond what the DVL saw
 LEAST_SIGMA_M = 1e-3
 UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
-AROUND_S, AROUND_PERIODS = 5.0, 2.5  # of a node, within which nodes and readings are counted: the longer of the two
-AT_AN_EDGE = 2.5  # sigma of a line fitted to one side with Gaussian weights over that of one fitted to both
+# of a node, within which nodes and readings are counted: the longer of the two
+AROUND_S, AROUND_PERIODS = 5.0, 2.5
+# sigma of a line fitted to one side with Gaussian weights over that of one fitted to both
+AT_AN_EDGE = 2.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class Depth:
-    """z to add to the DVL's vertical path at the nodes: shift (n,) and its sigma (n,), m. measured (n,): depth of the sensor
-    there; shared (n,): how many nodes come to a reading, 0 where none was near. steps (k,): stamps where the pressure jumped
-    against the DVL; white: scatter of one reading, m. unread_s (n,): how far in time the next reading is, 0 where the depth was
-    measured; silence: the same in words, "" without any."""
+    """z to add to the DVL's vertical path at the nodes: shift (n,) and its sigma (n,), m. measured
+    (n,): depth of the sensor there; shared (n,): how many nodes come to a reading, 0 where none was
+    near. steps (k,): stamps where the pressure jumped against the DVL; white: scatter of one
+    reading, m. unread_s (n,): how far in time the next reading is, 0 where the depth was measured;
+    silence: the same in words, "" without any.
+    """
 
     shift: Array
     sigma: Array
@@ -47,9 +52,12 @@ class Depth:
     silence: str
 
 
-def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints, window_s: float) -> Depth:
-    """Return what the pressure adds to the path's depth, from a record in time order; window_s: half a node's share of the
-    time, over which readings are averaged."""
+def hold_to_pressure(
+    pressure: PressureSamples, path: Reckoning, nodes_ns: Ints, window_s: float
+) -> Depth:
+    """Return what the pressure adds to the path's depth, from a record in time order; window_s:
+    half a node's share of the time, over which readings are averaged.
+    """
     known = np.isfinite(pressure.depth)
     t_ns, depth = pressure.t_ns[known], pressure.depth[known]
     t, at = path_seconds(path, t_ns), path_seconds(path, nodes_ns)
@@ -58,10 +66,13 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
     step = float(np.median(np.diff(t)))
     widths = WIDTH_S, max(window_s, step)
     first_ns, last_ns = min(t_ns[0], nodes_ns[0]), max(t_ns[-1], nodes_ns[-1])
-    edges = path_seconds(path, silent_spans(path.velocities.t_ns, int(first_ns), int(last_ns)).ravel())
+    edges = path_seconds(
+        path, silent_spans(path.velocities.t_ns, int(first_ns), int(last_ns)).ravel()
+    )
     smooth = _smooth(t, steady, np.concatenate([at, t]), edges, widths)
     slow, fitted, unread = smooth[: len(at)], smooth[len(at) :], unread_s(t_ns, nodes_ns)
-    shift = np.where(unread > 0, np.interp(at, t, fitted), slow)  # a line fitted to noise leads far astray there
+    # a line fitted to noise leads far astray there
+    shift = np.where(unread > 0, np.interp(at, t, fitted), slow)
     white = robust_sigma(gap - fitted, about=0.0)
     sigma = np.maximum(white * np.sqrt(step) * _noise_left(at, edges, widths), LEAST_SIGMA_M)
     near, _ = local_line(t, steady, at, window_s)
@@ -80,43 +91,59 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
 
 
 def nodes_per_reading(read_ns: Ints, nodes_ns: Ints, measured: Mask) -> Array:
-    """Return how many nodes there are to a reading around each (n,), 1 where readings are more: by so many depths at nodes are
-    one and the same reading's. measured (n,): nodes whose depth was; the others are not counted, and have 0."""
+    """Return how many nodes there are to a reading around each (n,), 1 where readings are more: by
+    so many depths at nodes are one and the same reading's. measured (n,): nodes whose depth was;
+    the others are not counted, and have 0.
+    """
     period_s = float(np.median(np.diff(read_ns))) * 1e-9 if len(read_ns) > 1 else 0.0
     half_ns = round(1e9 * max(AROUND_S, AROUND_PERIODS * period_s))
     nodes, readings = (
-        np.searchsorted(stamps, nodes_ns + half_ns, side="right") - np.searchsorted(stamps, nodes_ns - half_ns)
+        np.searchsorted(stamps, nodes_ns + half_ns, side="right")
+        - np.searchsorted(stamps, nodes_ns - half_ns)
         for stamps in (nodes_ns[measured], read_ns)
     )
     return np.asarray(np.where(measured, np.maximum(1.0, nodes / np.maximum(readings, 1)), 0.0))
 
 
 def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
-    """Return the sigma (n,) m of depths at nodes, shared (n,) to a reading of that sigma: together they say what it says. Wide
-    where none was read."""
+    """Return the sigma (n,) m of depths at nodes, shared (n,) to a reading of that sigma: together
+    they say what it says. Wide where none was read.
+    """
     return np.where(shared > 0, sigma_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
 
 
-def _smooth(t_s: Array, values: Array, at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:
-    """Return values (m,) at times at_s (m,) of readings (n,), those of each stretch between two edges smoothed alone: over the
-    first width where the DVL was heard, over the second where it was silent. A stretch of less than two readings takes all."""
+def _smooth(
+    t_s: Array, values: Array, at_s: Array, edges_s: Array, widths_s: tuple[float, float]
+) -> Array:
+    """Return values (m,) at times at_s (m,) of readings (n,), those of each stretch between two
+    edges smoothed alone: over the first width where the DVL was heard, over the second where it was
+    silent. A stretch of less than two readings takes all.
+    """
     out = np.zeros(len(at_s))
     stretch, stretch_at = (np.searchsorted(edges_s, times, side="right") for times in (t_s, at_s))
     for number in np.unique(stretch_at):
         inside, width = stretch == number, widths_s[int(_silent(number))]
         rows = inside if inside.sum() > 1 else np.ones(len(t_s), bool)
-        out[stretch_at == number] = local_line(t_s[rows], values[rows], at_s[stretch_at == number], width)[0][:, 0]
+        out[stretch_at == number] = local_line(
+            t_s[rows], values[rows], at_s[stretch_at == number], width
+        )[0][:, 0]
     return out
 
 
 def _noise_left(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:
-    """Return by how much (n,), in 1/sqrt(s), smoothing leaves of a density of white noise; more at the edges of a stretch, to
-    the one side of which there are no readings."""
-    width = np.where(_silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0])
+    """Return by how much (n,), in 1/sqrt(s), smoothing leaves of a density of white noise; more at
+    the edges of a stretch, to the one side of which there are no readings.
+    """
+    width = np.where(
+        _silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]
+    )
     far = np.concatenate([[-np.inf], edges_s, [np.inf]])
     after = np.searchsorted(far, at_s)
     gap = np.minimum(at_s - far[after - 1], far[after] - at_s)
-    return np.asarray((1 + (AT_AN_EDGE - 1) * np.exp(-0.5 * (gap / width) ** 2)) / np.sqrt(2 * np.sqrt(np.pi) * width))
+    return np.asarray(
+        (1 + (AT_AN_EDGE - 1) * np.exp(-0.5 * (gap / width) ** 2))
+        / np.sqrt(2 * np.sqrt(np.pi) * width)
+    )
 
 
 def _silent(stretch: Ints) -> Mask:

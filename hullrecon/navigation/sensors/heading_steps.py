@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Steps in an IMU's heading that the vehicle did not make: a filter that is reset, a compass that finds north again.
+"""Steps in an IMU's heading that the vehicle did not make: a filter that is reset, a compass that
+finds north again.
 
-An orientation that steps by degrees between two readings, while the rates beside it go on, has not turned the vehicle.
+An orientation that steps by degrees between two readings, while the rates beside it go on, has not
+turned the vehicle.
 """
 
 from __future__ import annotations
@@ -20,16 +22,19 @@ from hullrecon.typing import Array, Ints
 BESIDE_S = 1.0  # of readings on either side that tell a step's size
 LEAST_STEP_RAD = np.radians(0.5)
 STEP_SIGMAS = 8.0  # of such differences along the dive
-SUDDEN_S, SUDDEN = 0.15, 0.6  # the share of a step that comes within that time; what comes slower may be the rates' fault
-MEDIAN_VALUES = 1_000_000  # copied at a time: each reading lies in as many windows as a window has readings
+# the share of a step that comes within that time; what comes slower may be the rates' fault
+SUDDEN_S, SUDDEN = 0.15, 0.6
+# copied at a time: each reading lies in as many windows as a window has readings
+MEDIAN_VALUES = 1_000_000
 FASTEST_RAD_S = 1.0  # of a vehicle that inspects, where no rates are logged
 
 
 @dataclass(frozen=True)
 class HeadingSteps:
-    """row (k,): the first reading after each step; size (k,) rad, about z of g; sigma_rad: how well a size is known.
-    disagreement (d,) and disagreement_rad (d,): readings in the middle of BESIDE_S to either side over which heading and rates
-    part by so much, but slowly: either may be wrong."""
+    """row (k,): the first reading after each step; size (k,) rad, about z of g; sigma_rad: how well
+    a size is known. disagreement (d,) and disagreement_rad (d,): readings in the middle of BESIDE_S
+    to either side over which heading and rates part by so much, but slowly: either may be wrong.
+    """
 
     row: Ints
     size: Array
@@ -43,7 +48,9 @@ class HeadingSteps:
             return quaternion
         heading = np.zeros(len(quaternion))
         np.add.at(heading, self.row, self.size)
-        turned = Rotation.from_euler("z", -np.cumsum(heading)[:, None]) * Rotation.from_quat(quaternion)
+        turned = Rotation.from_euler("z", -np.cumsum(heading)[:, None]) * Rotation.from_quat(
+            quaternion
+        )
         return np.asarray(turned.as_quat())
 
 
@@ -51,13 +58,17 @@ NO_STEPS = HeadingSteps(np.zeros(0, np.int64), np.zeros(0), 0.0, np.zeros(0, np.
 
 
 def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD) -> HeadingSteps:
-    """Return the steps of a heading (n,) rad less what the rates say of it. least_rad: of a step between two readings."""
+    """Return the steps of a heading (n,) rad less what the rates say of it. least_rad: of a step
+    between two readings.
+    """
     count = round(BESIDE_S / period(t_s)) if len(t_s) > 2 else 0
     if count < 3 or len(t_s) < 4 * count:
         return NO_STEPS
     windows = np.lib.stride_tricks.sliding_window_view(gap, count)
     block = max(1, MEDIAN_VALUES // count)
-    level = np.concatenate([np.median(windows[k : k + block], axis=-1) for k in range(0, len(windows), block)])
+    level = np.concatenate(
+        [np.median(windows[k : k + block], axis=-1) for k in range(0, len(windows), block)]
+    )
     size = np.zeros(len(gap))  # by which the level after a reading exceeds that before it
     size[count : len(gap) - count + 1] = level[count:] - level[:-count]
     sigma = robust_sigma(size[count : len(gap) - count + 1], about=0.0)
@@ -80,8 +91,9 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
 
 
 def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
-    """Return the steps of a heading without rates: turns between two readings that no vehicle makes, beside others that do
-    not."""
+    """Return the steps of a heading without rates: turns between two readings that no vehicle
+    makes, beside others that do not.
+    """
     if len(t_s) < 12:
         return NO_STEPS
     orientation, step = Rotation.from_quat(quaternion), np.diff(t_s)
@@ -89,4 +101,6 @@ def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
     more = turn - running_median((turn / step)[:, None], 9)[:, 0] * step
     least = max(LEAST_STEP_RAD, FASTEST_RAD_S * period(t_s))
     found = find_heading_steps(t_s, np.concatenate([[0.0], np.cumsum(more)]), least)
-    return HeadingSteps(found.row, found.size, found.sigma_rad, NO_STEPS.disagreement, NO_STEPS.disagreement_rad)
+    return HeadingSteps(
+        found.row, found.size, found.sigma_rad, NO_STEPS.disagreement, NO_STEPS.disagreement_rad
+    )

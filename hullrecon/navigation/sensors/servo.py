@@ -14,14 +14,16 @@ from hullrecon.records.sensors import JointSamples
 from hullrecon.typing import Array, Ints
 
 LEAST_TRAVEL_RAD = np.radians(0.3)  # a servo's reading flickers by less; a command moves it farther
-UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5  # how fast and how far a tray may have turned while nothing was read
+# how fast and how far a tray may have turned while nothing was read
+UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5
 FEW_READINGS = 3  # fewer are no record of a tray that turns, but the angle at which it was set
 
 
 @dataclass(frozen=True, kw_only=True)
 class Servo:
-    """Readings t_ns (n,), angle (n,) rad; direction (n,): +1 or -1, the sense in which it last moved. is_read: False of a tray
-    that stands at zero, as no angle was logged."""
+    """Readings t_ns (n,), angle (n,) rad; direction (n,): +1 or -1, the sense in which it last
+    moved. is_read: False of a tray that stands at zero, as no angle was logged.
+    """
 
     t_ns: Ints
     angle: Array
@@ -31,41 +33,60 @@ class Servo:
     def angle_at(self, t_ns: Ints) -> Array:
         """Return (m,) rad, linear; the ends held."""
         start = self.t_ns[0]
-        return np.asarray(np.interp((t_ns - start).astype(float), (self.t_ns - start).astype(float), self.angle))
+        return np.asarray(
+            np.interp((t_ns - start).astype(float), (self.t_ns - start).astype(float), self.angle)
+        )
 
     def direction_at(self, t_ns: Ints) -> Array:
         """Return (m,) +1 or -1."""
-        return self.direction[np.clip(np.searchsorted(self.t_ns, t_ns, side="right") - 1, 0, len(self.t_ns) - 1)]
+        return self.direction[
+            np.clip(np.searchsorted(self.t_ns, t_ns, side="right") - 1, 0, len(self.t_ns) - 1)
+        ]
 
     def unread_sigma(self, t_ns: Ints) -> Array:
-        """Return (m,) rad: sigma of what the tray may have turned since it was last read; 0 where it was not silent. Between
-        two readings no more than they differ: a joint that is logged when it turns is silent while it stands."""
+        """Return (m,) rad: sigma of what the tray may have turned since it was last read; 0 where
+        it was not silent. Between two readings no more than they differ: a joint that is logged
+        when it turns is silent while it stands.
+        """
         if len(self.t_ns) < FEW_READINGS:
             return np.zeros(len(t_ns))
         right = np.searchsorted(self.t_ns, t_ns)
         inside = (right > 0) & (right < len(self.t_ns))
-        turned = np.abs(self.angle[np.minimum(right, len(self.angle) - 1)] - self.angle[np.maximum(right - 1, 0)])
+        turned = np.abs(
+            self.angle[np.minimum(right, len(self.angle) - 1)]
+            - self.angle[np.maximum(right - 1, 0)]
+        )
         most = np.where(inside, np.minimum(turned, UNREAD_RAD), UNREAD_RAD)
         return np.asarray(np.minimum(UNREAD_RATE_RAD_S * unread_s(self.t_ns, t_ns), most))
 
     def silence(self, t_ns: Ints) -> str:
-        """Return in words how long no angle was read; "" where none was missed. t_ns (m,): the nodes."""
+        """Return in words how long no angle was read; "" where none was missed. t_ns (m,): the
+        nodes.
+        """
         return describe_silence(self.t_ns, t_ns) if self.is_read else ""
 
 
 def servo(tray: JointSamples | None, start_ns: int) -> Servo:
     """Return the servo of a joint's record in time order; one that was not logged stays at zero."""
     if tray is None or not np.isfinite(tray.angle).any():
-        return Servo(t_ns=np.array([start_ns]), angle=np.zeros(1), direction=np.ones(1), is_read=False)
+        return Servo(
+            t_ns=np.array([start_ns]), angle=np.zeros(1), direction=np.ones(1), is_read=False
+        )
     known = np.isfinite(tray.angle)
     angle = tray.angle[known]
     flicker = robust_sigma(np.diff(angle, n=2), about=0.0) / np.sqrt(6) if len(angle) > 2 else 0.0
-    return Servo(t_ns=tray.t_ns[known], angle=angle, direction=_directions(angle, max(LEAST_TRAVEL_RAD, 6 * float(flicker))))
+    return Servo(
+        t_ns=tray.t_ns[known],
+        angle=angle,
+        direction=_directions(angle, max(LEAST_TRAVEL_RAD, 6 * float(flicker))),
+    )
 
 
 def _directions(angle: Array, travel: float) -> Array:
-    """Return +1 or -1 a reading: the sense flips when the angle has come back by `travel` from its farthest point, and is dated
-    back to that point. A scan, since each flip decides what the next one is measured from."""
+    """Return +1 or -1 a reading: the sense flips when the angle has come back by `travel` from its
+    farthest point, and is dated back to that point. A scan, since each flip decides what the next
+    one is measured from.
+    """
     out = np.ones(len(angle))
     sense, far, turned, first = 0, 0, 0, angle[0]
     for i, value in enumerate(angle.tolist()):

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Smoothing of unevenly sampled signals without lag: a line fitted about every instant with Gaussian weights.
+"""Smoothing of unevenly sampled signals without lag: a line fitted about every instant with
+Gaussian weights.
 
 A straight trend passes unchanged, at the ends too; the cost does not grow with the window.
 """
@@ -16,11 +17,12 @@ REACH = 4  # widths of the Gaussian that count
 
 
 def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[Array, Array]:
-    """Return value (m, k) and slope (m, k) at times at_s (m,) of samples (n, k) at t_s (n,); width_s: sigma of the weights.
+    """Return value (m, k) and slope (m, k) at times at_s (m,) of samples (n, k) at t_s (n,);
+    width_s: sigma of the weights.
 
-    Samples are gathered into bins of a sixth of the width, their first two moments kept; there are bins where samples are near,
-    so that memory grows with these and not with the time that they span. Where a gap leaves no sample in reach the neighbours
-    are joined linearly.
+    Samples are gathered into bins of a sixth of the width, their first two moments kept; there are
+    bins where samples are near, so that memory grows with these and not with the time that they
+    span. Where a gap leaves no sample in reach the neighbours are joined linearly.
     """
     step = width_s / BINS_A_WIDTH
     start = min(t_s.min(), at_s.min())
@@ -30,43 +32,59 @@ def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[
     bins = _bins_near(cell)
     of = np.searchsorted(bins, cell)
     weight = [_bin(of, off**power, len(bins)) for power in range(3)]
-    moment = [np.stack([_bin(of, off**power * v, len(bins)) for v in values.T], axis=1) for power in range(2)]
+    moment = [
+        np.stack([_bin(of, off**power * v, len(bins)) for v in values.T], axis=1)
+        for power in range(2)
+    ]
     level, slope = _lines(weight, moment, step, width_s)
     node = start + step * bins
     return _between(node, level, at_s), _between(node, slope, at_s)
 
 
 def running_median(values: Array, count: int) -> Array:
-    """Return median of `count` (odd) neighbours of each of (n, k), NaN left out; the ends repeat their first and last value."""
+    """Return median of `count` (odd) neighbours of each of (n, k), NaN left out; the ends repeat
+    their first and last value.
+    """
     import warnings
 
     padded = np.pad(values, ((count // 2, count // 2), (0, 0)), mode="edge")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # a window of nothing but NaN gives NaN
-        return np.asarray(np.nanmedian(np.lib.stride_tricks.sliding_window_view(padded, count, axis=0), axis=-1))
+        return np.asarray(
+            np.nanmedian(np.lib.stride_tricks.sliding_window_view(padded, count, axis=0), axis=-1)
+        )
 
 
 def _bins_near(cell: Ints) -> Ints:
-    """Return the bins (g,), ascending, that have a sample's bin (n,) in reach. Those of two runs reach no sample of the other,
-    though they stand beside each other in tables."""
+    """Return the bins (g,), ascending, that have a sample's bin (n,) in reach. Those of two runs
+    reach no sample of the other, though they stand beside each other in tables.
+    """
     reach = REACH * BINS_A_WIDTH
     used = np.unique(cell)
     first = np.concatenate([[0], 1 + np.flatnonzero(np.diff(used) > 2 * reach)])
     low, high = used[first] - reach, used[np.concatenate([first[1:], [len(used)]]) - 1] + reach
-    return np.concatenate([np.arange(a, b + 1) for a, b in zip(low.tolist(), high.tolist(), strict=True)])
+    return np.concatenate(
+        [np.arange(a, b + 1) for a, b in zip(low.tolist(), high.tolist(), strict=True)]
+    )
 
 
 def _bin(cell: Ints, weight: Array, size: int) -> Array:
     return np.asarray(np.bincount(cell, weight, minlength=size)[:size], float)
 
 
-def _lines(weight: list[Array], moment: list[Array], step: float, width_s: float) -> tuple[Array, Array]:
+def _lines(
+    weight: list[Array], moment: list[Array], step: float, width_s: float
+) -> tuple[Array, Array]:
     """Return level (g, k) and slope (g, k) at the bins; NaN where no sample is in reach."""
     x = step * np.arange(-REACH * BINS_A_WIDTH, REACH * BINS_A_WIDTH + 1)
     kernel = np.exp(-0.5 * (x / width_s) ** 2)
     s0 = _correlate(weight[0], kernel)
     s1 = _correlate(weight[0], kernel * x) + _correlate(weight[1], kernel)
-    s2 = _correlate(weight[0], kernel * x**2) + 2 * _correlate(weight[1], kernel * x) + _correlate(weight[2], kernel)
+    s2 = (
+        _correlate(weight[0], kernel * x**2)
+        + 2 * _correlate(weight[1], kernel * x)
+        + _correlate(weight[2], kernel)
+    )
     y0 = _correlate(moment[0], kernel)
     y1 = _correlate(moment[0], kernel * x) + _correlate(moment[1], kernel)
     some = s0 > 1e-6

@@ -14,18 +14,22 @@ from hullrecon.navigation.sensors.smoothing import running_median
 from hullrecon.records.sensors import DvlPings
 from hullrecon.typing import Array, Ints, Mask
 
-OUTLIER_M_S = 0.25  # no inspection vehicle leaves the median of its neighbours by more within half a second
+# no inspection vehicle leaves the median of its neighbours by more within half a second
+OUTLIER_M_S = 0.25
 OUTLIER_WITHIN_S = 0.5
 OUTLIER_SIGMAS = 8.0
-NEIGHBOURS, NEAR_S = 4, 0.9  # before a ping and after it; farther in time none counts, but for the nearest
+# before a ping and after it; farther in time none counts, but for the nearest
+NEIGHBOURS, NEAR_S = 4, 0.9
 LEAST_AGITATION = 1e-4  # m2/s3: 0.01 m/s in a second
 FIRST_LAG_S = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Agitation:
-    """How a velocity wanders from what it was. rate (k,): variance of its change, each axis, over lag_s (k,) and per second of
-    it, m2/s3; of a walk they are equal, of a vehicle that speeds up steadily or turns back they grow with the lag."""
+    """How a velocity wanders from what it was. rate (k,): variance of its change, each axis, over
+    lag_s (k,) and per second of it, m2/s3; of a walk they are equal, of a vehicle that speeds up
+    steadily or turns back they grow with the lag.
+    """
 
     lag_s: Array
     rate: Array
@@ -37,8 +41,10 @@ class Agitation:
 
 @dataclass(frozen=True, kw_only=True)
 class Velocities:
-    """Pings with a velocity: t_ns (n,), velocity (n, 3) m/s of the instrument in dvl, sigma (n,) m/s each axis. outages (m, 2):
-    intervals without one that were bridged, ns. agitation: how it changes meanwhile. outliers: pings rejected."""
+    """Pings with a velocity: t_ns (n,), velocity (n, 3) m/s of the instrument in dvl, sigma (n,)
+    m/s each axis. outages (m, 2): intervals without one that were bridged, ns. agitation: how it
+    changes meanwhile. outliers: pings rejected.
+    """
 
     t_ns: Ints
     velocity: Array
@@ -50,8 +56,9 @@ class Velocities:
     def bridged_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
         """Return variance (m,) m2 that intervals add where no velocity was heard.
 
-        Over an outage of length T a velocity that walks between its two known ends adds agitation T^3 / 12. Before the first
-        and after the last velocity one that walks away from a known end adds agitation T^3 / 3.
+        Over an outage of length T a velocity that walks between its two known ends adds agitation
+        T^3 / 12. Before the first and after the last velocity one that walks away from a known end
+        adds agitation T^3 / 3.
         """
         out = np.zeros(len(start_ns))
         for begin, end in self.outages:
@@ -60,15 +67,24 @@ class Velocities:
             out += self.agitation.over(lasts_s) * lasts_s**2 / 12 * inside
         before, after = (
             np.maximum(0, away) * 1e-9
-            for away in (self.t_ns[0] - np.stack([stop_ns, start_ns]), np.stack([start_ns, stop_ns]) - self.t_ns[-1])
+            for away in (
+                self.t_ns[0] - np.stack([stop_ns, start_ns]),
+                np.stack([start_ns, stop_ns]) - self.t_ns[-1],
+            )
         )
         walked = sum(self.agitation.over(away) * away**3 for away in (before, after))
         return np.asarray(out + np.diff(walked, axis=0)[0] / 3)
 
 
 def usable_velocities(dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: float) -> Velocities:
-    """Return the velocities that are finite, near their neighbours, and within the span that the attitude covers (ns)."""
-    finite = np.isfinite(dvl.velocity).all(axis=1) & np.isfinite(dvl.velocity_sigma) & (dvl.velocity_sigma > 0)
+    """Return the velocities that are finite, near their neighbours, and within the span that the
+    attitude covers (ns).
+    """
+    finite = (
+        np.isfinite(dvl.velocity).all(axis=1)
+        & np.isfinite(dvl.velocity_sigma)
+        & (dvl.velocity_sigma > 0)
+    )
     finite &= (dvl.t_ns >= span_ns[0]) & (dvl.t_ns <= span_ns[1])
     t, v, sigma = dvl.t_ns[finite], dvl.velocity[finite], dvl.velocity_sigma[finite]
     outlier = _find_outliers(t, v)
@@ -86,8 +102,9 @@ def usable_velocities(dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: fl
 def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
     """Return pings that leave the running median by a jump and by many robust sigma of that.
 
-    A stop that takes less than half of the window is no different from outliers, so that the window of a slow DVL has fewer
-    pings: nine of them are 9 s at 1 Hz. Between its pings a vehicle may change its velocity by more.
+    A stop that takes less than half of the window is no different from outliers, so that the window
+    of a slow DVL has fewer pings: nine of them are 9 s at 1 Hz. Between its pings a vehicle may
+    change its velocity by more.
     """
     if len(velocity) < 3:
         return np.zeros(len(velocity), bool)
@@ -101,8 +118,10 @@ def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
 
 
 def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
-    """Return the agitation from the changes over a second or so and over twice, four times, ... that, up to half of the record,
-    less the instrument's noise; of the axis that changes most. Over a longer lag it is never less."""
+    """Return the agitation from the changes over a second or so and over twice, four times, ...
+    that, up to half of the record, less the instrument's noise; of the axis that changes most. Over
+    a longer lag it is never less.
+    """
     lag, rate = [FIRST_LAG_S], [0.01 if len(t_ns) < 12 else LEAST_AGITATION]
     lasts_ns = int(t_ns[-1] - t_ns[0]) if len(t_ns) else 0
     while len(t_ns) >= 12 and 2e9 * lag[-1] <= lasts_ns:
@@ -111,7 +130,9 @@ def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
         later = later[first]
         step_s = (t_ns[later] - t_ns[first]) * 1e-9
         near = step_s < 1.5 * lag[-1]
-        change = (velocity[later] - velocity[first]) ** 2 - (sigma[later] ** 2 + sigma[first] ** 2)[:, None]
+        change = (velocity[later] - velocity[first]) ** 2 - (sigma[later] ** 2 + sigma[first] ** 2)[
+            :, None
+        ]
         if near.any():
             rate[-1] = max(rate[-1], float((change / step_s[:, None])[near].mean(axis=0).max()))
         lag.append(2 * lag[-1])

@@ -12,15 +12,18 @@ from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect
 from hullrecon.typing import Array
 
 ITERATIONS = 20
-LARGEST = 2e-3  # of an error of the disparity, rad: where the iterations begin, 2 px in a lens of 1,000 px
+# of an error of the disparity, rad: where the iterations begin, 2 px in a lens of 1,000 px
+LARGEST = 2e-3
 
 
 def calibration_moment(evidence: Sequence[CalibrationEffect], prior_sigma: Array) -> Array:
-    """Return the second moment (k, k) of the errors of the calibration: how far off they are found, and how well that is known.
+    """Return the second moment (k, k) of the errors of the calibration: how far off they are found,
+    and how well that is known.
 
-    prior_sigma (k,): prior sigma of each, NaN where none is known. Those share one sigma, which is the most likely one given
-    what all motions of the dive say (expectation maximisation: an empirical prior). A good calibration shows none, and then the
-    errors that no motion can see, as the scale, are small as well; a rough one is rough in them too.
+    prior_sigma (k,): prior sigma of each, NaN where none is known. Those share one sigma, which is
+    the most likely one given what all motions of the dive say (expectation maximisation: an
+    empirical prior). A good calibration shows none, and then the errors that no motion can see, as
+    the scale, are small as well; a rough one is rough in them too.
     """
     information = np.sum([e.information for e in evidence], axis=0)
     gradient = np.sum([e.gradient for e in evidence], axis=0)

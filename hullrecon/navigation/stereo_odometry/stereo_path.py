@@ -58,8 +58,9 @@ class Aids:
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredDepth:
-    """depth (n,) m of the pressure sensor at the nodes; shared (n,): how many nodes come to a reading, 0 where none was near;
-    silence: where that is, in words."""
+    """depth (n,) m of the pressure sensor at the nodes; shared (n,): how many nodes come to a
+    reading, 0 where none was near; silence: where that is, in words.
+    """
 
     depth: Array
     silence: str
@@ -78,14 +79,22 @@ def stereo_navigate(
 ) -> Navigated:
     """Return the records of a dive whose vehicle was followed by its stereo cameras.
 
-    g starts at the first pair: x = y = 0; attitude by the IMU, else level with heading 0; depth by the pressure sensor, else 0.
-    calibration_sigma (k,): of the errors of the calibration that motions are told with, NaN where the dive has to show it.
-    Raises StageError where there are fewer than two pairs or fewer than half of them can be joined.
+    g starts at the first pair: x = y = 0; attitude by the IMU, else level with heading 0; depth by
+    the pressure sensor, else 0. calibration_sigma (k,): of the errors of the calibration that
+    motions are told with, NaN where the dive has to show it. Raises StageError where there are
+    fewer than two pairs or fewer than half of them can be joined.
     """
     pair = pair_frames(frames.top[0], frames.bottom[0])
     if len(pair) < 2:
-        raise StageError("fewer than two stereo pairs", where="navigate", remedy="check the stamps of both cameras")
-    t_ns, image = frames.top[0][pair[:, 0]], np.stack([frames.top[1][pair[:, 0]], frames.bottom[1][pair[:, 1]]], axis=1)
+        raise StageError(
+            "fewer than two stereo pairs",
+            where="navigate",
+            remedy="check the stamps of both cameras",
+        )
+    t_ns, image = (
+        frames.top[0][pair[:, 0]],
+        np.stack([frames.top[1][pair[:, 0]], frames.bottom[1][pair[:, 1]]], axis=1),
+    )
     tray = servo(aids.tray if aids.tray is None else in_order(aids.tray, "tray")[0], int(t_ns[0]))
     angle = tray.angle_at(t_ns)
     vehicle_from_camera = tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP)
@@ -113,7 +122,11 @@ def stereo_navigate(
     return Navigated(
         trajectory=trajectory,
         error_model=errors,
-        odometry=_edges(step, covariance + by_calibration @ calibration @ np.swapaxes(by_calibration, 1, 2), chain.lost),
+        odometry=_edges(
+            step,
+            covariance + by_calibration @ calibration @ np.swapaxes(by_calibration, 1, 2),
+            chain.lost,
+        ),
         returns=no_returns(),
         attitude=_attitude(history, depth, t_ns, sigmas, tray),
         remarks=_remarks(chain, t_ns, unpaired, aids, depth, tray),
@@ -121,11 +134,15 @@ def stereo_navigate(
     )
 
 
-def _history(imu: ImuSamples | None, sigma_tilt_rad: float, options: NavigateOptions) -> AttitudeHistory | None:
+def _history(
+    imu: ImuSamples | None, sigma_tilt_rad: float, options: NavigateOptions
+) -> AttitudeHistory | None:
     """Return the attitude; None where no IMU, or one without orientations, was logged."""
     if imu is None or np.isfinite(imu.quaternion).all(axis=1).sum() < 2:
         return None
-    return attitude_history(in_order(finite_attitude(imu), "imu")[0], sigma_tilt_rad, options.longest_gap_s)
+    return attitude_history(
+        in_order(finite_attitude(imu), "imu")[0], sigma_tilt_rad, options.longest_gap_s
+    )
 
 
 def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Poses) -> StepGuess:
@@ -134,11 +151,19 @@ def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Pos
     if history is None:
         return StepGuess(t_s=t_s)
     camera = history.rotation(t_ns) * vehicle_from_camera.rotation
-    return StepGuess(t_s=t_s, camera=camera, turn_variance=history.turn_variance(t_ns[:-1], t_ns[1:]))
+    return StepGuess(
+        t_s=t_s, camera=camera, turn_variance=history.turn_variance(t_ns[:-1], t_ns[1:])
+    )
 
 
-def _start(history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: Ints, rig: SensorRig) -> Poses:
-    start = identity() if history is None else Poses(history.rotation(t_ns[:1]).as_quat(), np.zeros((1, 3)))
+def _start(
+    history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: Ints, rig: SensorRig
+) -> Poses:
+    start = (
+        identity()
+        if history is None
+        else Poses(history.rotation(t_ns[:1]).as_quat(), np.zeros((1, 3)))
+    )
     if depth is None:
         return start
     sensor = start.apply(rig.pressure_origin)[0, 2]
@@ -146,7 +171,9 @@ def _start(history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: I
 
 
 def _depths(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | None:
-    """Return the depth of the sensor at the nodes, linear between readings; None where it was not measured."""
+    """Return the depth of the sensor at the nodes, linear between readings; None where it was not
+    measured.
+    """
     if pressure is None or np.isfinite(pressure.depth).sum() < 2:
         return None
     record = in_order(pressure, "pressure")[0]
@@ -190,9 +217,15 @@ def no_returns() -> Returns:
 
 
 def _attitude(
-    history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: Ints, sigmas: NavigationSigmas, tray: Servo
+    history: AttitudeHistory | None,
+    depth: MeasuredDepth | None,
+    t_ns: Ints,
+    sigmas: NavigationSigmas,
+    tray: Servo,
 ) -> Attitude:
-    """Return the record; what was not measured has a wide sigma. Empty but for the tray where neither was measured."""
+    """Return the record; what was not measured has a wide sigma. Empty but for the tray where
+    neither was measured.
+    """
     direction, tray_sigma = tray.direction_at(t_ns), tray.unread_sigma(t_ns)
     if history is None and depth is None:
         none = np.zeros(0)
@@ -207,8 +240,14 @@ def _attitude(
             tray_sigma=tray_sigma,
         )
     n = len(t_ns)
-    roll, pitch = np.zeros((2, n)) if history is None else roll_pitch_yaw(history.rotation(t_ns)).T[:2]
-    tilt = np.full(n, np.pi) if history is None else np.hypot(sigmas.tilt_rad, history.unread_sigma(t_ns))
+    roll, pitch = (
+        np.zeros((2, n)) if history is None else roll_pitch_yaw(history.rotation(t_ns)).T[:2]
+    )
+    tilt = (
+        np.full(n, np.pi)
+        if history is None
+        else np.hypot(sigmas.tilt_rad, history.unread_sigma(t_ns))
+    )
     shared = np.zeros(n) if depth is None else depth.shared
     return Attitude(
         node=np.arange(n),
@@ -222,14 +261,24 @@ def _attitude(
     )
 
 
-def _remarks(chain: StereoChain, t_ns: Ints, unpaired: int, aids: Aids, depth: MeasuredDepth | None, tray: Servo) -> list[str]:
+def _remarks(
+    chain: StereoChain,
+    t_ns: Ints,
+    unpaired: int,
+    aids: Aids,
+    depth: MeasuredDepth | None,
+    tray: Servo,
+) -> list[str]:
     no_depth, no_angle = "" if depth is None else depth.silence, tray.silence(t_ns)
     longest_s = 1e-9 * float(np.diff(t_ns)[chain.lost].max(initial=0))
     sentences = [
         (aids.imu is None, "no IMU: the vehicle is taken to be level at the first pair"),
         (aids.pressure is None, "no pressure: the depth is counted from the first pair"),
         (no_depth, f"pressure: {no_depth}; there the depth is counted on by the cameras"),
-        (no_angle, f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings"),
+        (
+            no_angle,
+            f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings",
+        ),
         (unpaired, f"images without a partner in the other camera, and without a pose: {unpaired}"),
         (
             len(chain.lost),

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stereo visual odometry: the path of a dive without a DVL, pair by pair.
 
-g begins at the first pair. With an IMU its attitude there is the IMU's, and with pressure its depth; without, the vehicle is
-taken to be level and at the surface, and a remark says so.
+g begins at the first pair. With an IMU its attitude there is the IMU's, and with pressure its
+depth; without, the vehicle is taken to be level and at the surface, and a remark says so.
 """
 
 from __future__ import annotations
@@ -17,7 +17,12 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import Poses, identity
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.error_propagation import twist_by_pose_error
-from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, Frame, PairMotion, StereoMotion
+from hullrecon.navigation.stereo_odometry.pair_motion import (
+    CalibrationEffect,
+    Frame,
+    PairMotion,
+    StereoMotion,
+)
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.typing import Array, Ints
 
@@ -25,14 +30,17 @@ LOOK_BACK = 3  # pairs that a motion is sought from, the nearest first
 LEAST_VARIANCE = 1e-10  # m2, rad2: keeps the covariance of the first pose invertible
 LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell, of the usual time
 LOST_M_S, LOST_RAD_S = 0.2, 0.05  # by which these grow with every second that it lasts beyond that
-MOST_LOST_M, MOST_LOST_RAD = 10.0, 1.0  # and the most: beyond that the parts that images join are as good as untied
+# and the most: beyond that the parts that images join are as good as untied
+MOST_LOST_M, MOST_LOST_RAD = 10.0, 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoChain:
-    """step: T_i_j of the top camera between neighbouring pairs (n - 1); covariance (n - 1, 6, 6) of (translation in i, rotation
-    perturbed on the right), of its white part; by_calibration (n - 1, 6, k): derivative by the errors of the calibration;
-    evidence: what was seen of them; inliers (n - 1,); `lost` (k,): steps that were guessed."""
+    """step: T_i_j of the top camera between neighbouring pairs (n - 1); covariance (n - 1, 6, 6) of
+    (translation in i, rotation perturbed on the right), of its white part; by_calibration (n - 1,
+    6, k): derivative by the errors of the calibration; evidence: what was seen of them; inliers (n
+    - 1,); `lost` (k,): steps that were guessed.
+    """
 
     step: Poses
     covariance: Array
@@ -44,9 +52,11 @@ class StereoChain:
 
 @dataclass(frozen=True, kw_only=True)
 class StepGuess:
-    """What is guessed of a step that no pair could tell: the velocity of the step before goes on, known the worse the longer it
-    has to; the turn is the IMU's where there is one. t_s (n,) of the pairs; camera: R_g_ct (n) by the IMU, and turn_variance
-    (n - 1,) rad2 of its turns, None without one."""
+    """What is guessed of a step that no pair could tell: the velocity of the step before goes on,
+    known the worse the longer it has to; the turn is the IMU's where there is one. t_s (n,) of the
+    pairs; camera: R_g_ct (n) by the IMU, and turn_variance (n - 1,) rad2 of its turns, None without
+    one.
+    """
 
     t_s: Array
     camera: Rotation | None = None
@@ -64,7 +74,9 @@ class StepGuess:
             quaternion = (self.camera[k].inv() * self.camera[k + 1]).as_quat()[None]
             sigma_rad = min(float(np.sqrt(self.turn_variance[k])), sigma_rad)
         sigma = np.repeat([min(LOST_SIGMA_M + LOST_M_S * longer_s, MOST_LOST_M), sigma_rad], 3)
-        none = CalibrationEffect(by_error=np.zeros((6, 0)), information=np.zeros((0, 0)), gradient=np.zeros(0))
+        none = CalibrationEffect(
+            by_error=np.zeros((6, 0)), information=np.zeros((0, 0)), gradient=np.zeros(0)
+        )
         pose = Poses(quaternion, going_on)
         return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0, calibration=none)
 
@@ -75,9 +87,11 @@ def follow(
     guess: StepGuess,
     progress: Callable[[Sequence[int]], Iterable[int]],
 ) -> StereoChain:
-    """Return the chain of stereo pairs; images: their rows in the indices of the top and the bottom camera, in time order.
+    """Return the chain of stereo pairs; images: their rows in the indices of the top and the bottom
+    camera, in time order.
 
-    Each pair is read once. A step that the pair before cannot give is taken from one of the pairs before that, else guessed.
+    Each pair is read once. A step that the pair before cannot give is taken from one of the pairs
+    before that, else guessed.
     """
     recent: list[Frame] = []
     steps: list[StereoMotion] = []
@@ -107,7 +121,9 @@ def follow(
 def _from_recent(
     recent: Sequence[Frame], new: Frame, steps: Sequence[StereoMotion], motion: PairMotion[Frame]
 ) -> StereoMotion | None:
-    """Return the step from the last pair to the new one, through an older pair when they do not see enough in common."""
+    """Return the step from the last pair to the new one, through an older pair when they do not see
+    enough in common.
+    """
     for back in range(1, len(recent) + 1):
         found = motion.between(recent[-back], new)
         if found is None:
@@ -119,7 +135,9 @@ def _from_recent(
 
 
 def _remainder(first: StereoMotion, whole: StereoMotion) -> StereoMotion:
-    """Return first^-1 whole: its errors are those of the whole, turned into the later pair's axes, and the first's."""
+    """Return first^-1 whole: its errors are those of the whole, turned into the later pair's axes,
+    and the first's.
+    """
     rest = first.pose.inverse() @ whole.pose
     back = first.pose.rotation.inv().as_matrix()[0]
     of_whole = np.eye(6)
@@ -134,20 +152,24 @@ def _remainder(first: StereoMotion, whole: StereoMotion) -> StereoMotion:
     return replace(
         whole,
         pose=rest,
-        covariance=of_whole @ whole.covariance @ of_whole.T + of_first @ first.covariance @ of_first.T,
+        covariance=of_whole @ whole.covariance @ of_whole.T
+        + of_first @ first.covariance @ of_first.T,
         calibration=replace(whole.calibration, by_error=by_error),
     )
 
 
 def _stack_effects(steps: Sequence[StereoMotion]) -> Array:
-    """Return the derivatives (n - 1, 6, k) by the errors of the calibration; zero for steps that were guessed."""
+    """Return the derivatives (n - 1, 6, k) by the errors of the calibration; zero for steps that
+    were guessed.
+    """
     count = max(s.calibration.by_error.shape[1] for s in steps)
     return np.stack([s.calibration.by_error if s.inliers else np.zeros((6, count)) for s in steps])
 
 
 def in_vehicle(chain: StereoChain, T_v_ct: Poses) -> tuple[Poses, Array, Array]:
-    """Return the steps T_i_j of the vehicle (n - 1), the covariance of their white part and their derivatives by the errors of
-    the calibration, from those of the camera; T_v_ct (n) at each pair."""
+    """Return the steps T_i_j of the vehicle (n - 1), the covariance of their white part and their
+    derivatives by the errors of the calibration, from those of the camera; T_v_ct (n) at each pair.
+    """
     before, after = T_v_ct[np.arange(len(chain.step))], T_v_ct[np.arange(1, len(chain.step) + 1)]
     step = before @ chain.step @ after.inverse()
     J = np.zeros((len(step), 6, 6))
@@ -163,14 +185,20 @@ def compose(start: Poses, step: Poses) -> Poses:
     found = [start]
     for k in range(len(step)):
         found.append(found[-1] @ step[k])
-    return Poses(np.vstack([p.quaternion for p in found]), np.vstack([p.translation for p in found]))
+    return Poses(
+        np.vstack([p.quaternion for p in found]), np.vstack([p.translation for p in found])
+    )
 
 
-def chain_errors(path: Poses, covariance: Array, by_calibration: Array, calibration: Array) -> TrajectoryErrorModel:
-    """Return what makes T_g_v (n,) wrong relative to the first: the steps' white covariance (n - 1, 6, 6), and the errors of
-    the calibration by which the steps change as by_calibration (n - 1, 6, k), of covariance (k, k).
+def chain_errors(
+    path: Poses, covariance: Array, by_calibration: Array, calibration: Array
+) -> TrajectoryErrorModel:
+    """Return what makes T_g_v (n,) wrong relative to the first: the steps' white covariance (n - 1,
+    6, 6), and the errors of the calibration by which the steps change as by_calibration (n - 1, 6,
+    k), of covariance (k, k).
 
-    Written as twists about the origin of g the steps' errors simply add: omega = R_j w, rho = R_i t + p_j x omega.
+    Written as twists about the origin of g the steps' errors simply add: omega = R_j w, rho = R_i t
+    + p_j x omega.
     """
     R, p = path.rotation.as_matrix(), path.translation
     to_twist = np.zeros((len(R) - 1, 6, 6))

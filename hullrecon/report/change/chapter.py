@@ -17,8 +17,9 @@ GATE = 1e-3  # an offset less likely than this says that a hull pose is worse th
 
 @dataclass(frozen=True, kw_only=True)
 class ChangeRow:
-    """One object of either dive: what became of it, its numbers in both, where it is, heights and change in mm with
-    their sigmas, and the chance that nothing changed."""
+    """One object of either dive: what became of it, its numbers in both, where it is, heights and
+    change in mm with their sigmas, and the chance that nothing changed.
+    """
 
     status: str
     changed: bool
@@ -33,10 +34,11 @@ class ChangeRow:
 
 @dataclass(frozen=True, kw_only=True)
 class ChangeChapter:
-    """The texts. first, second: names of the dives; outcome: the verdict without them; lines: a sentence a change; moves:
-    stretches of bare hull that moved, with the chance of each that nothing did; offset: how the dives lie beside each other;
-    area_first, area_second, area_both: of the map that each covers and that both looked at, m²; detectable: a length; places:
-    how many."""
+    """The texts. first, second: names of the dives; outcome: the verdict without them; lines: a
+    sentence a change; moves: stretches of bare hull that moved, with the chance of each that
+    nothing did; offset: how the dives lie beside each other; area_first, area_second, area_both: of
+    the map that each covers and that both looked at, m²; detectable: a length; places: how many.
+    """
 
     first: str
     second: str
@@ -60,7 +62,10 @@ def change_chapter(change: HullChange) -> ChangeChapter:
         second=change.second,
         outcome=outcome(change),
         verdict=verdict(change),
-        lines=(*(object_sentence(row) for row in change.changed()), *(move_sentence(row) for row in change.moves)),
+        lines=(
+            *(object_sentence(row) for row in change.changed()),
+            *(move_sentence(row) for row in change.moves),
+        ),
         rows=tuple(_row(row) for row in change.objects),
         moves=tuple((move_sentence(row), probability(row.p_value)) for row in change.moves),
         offset=offset_sentence(change.offset),
@@ -73,7 +78,9 @@ def change_chapter(change: HullChange) -> ChangeChapter:
 
 
 def offset_sentence(offset: SurveyOffset) -> str:
-    """Return how the second dive was moved to lie on the first, and whether their hull poses foresaw it."""
+    """Return how the second dive was moved to lie on the first, and whether their hull poses
+    foresaw it.
+    """
     at = offset.first_from_second.apply(offset.center[None])[0] - offset.center
     turn = np.degrees(np.linalg.norm(offset.first_from_second.rotation.as_rotvec()[0]))
     sigma = np.sqrt(np.diag(offset.covariance))[:3]
@@ -83,7 +90,11 @@ def offset_sentence(offset: SurveyOffset) -> str:
         for axis, v, s in zip("xyz", at, sigma, strict=True)
     )
     prior = ", ".join(f"{1000 * s:.0f}" for s in expected)
-    gate = "as their hull poses foresaw" if is_foreseen(offset) else "farther than their hull poses foresaw"
+    gate = (
+        "as their hull poses foresaw"
+        if is_foreseen(offset)
+        else "farther than their hull poses foresaw"
+    )
     return (
         f"To lie on the first dive the second was moved by {numbers}, in the middle of what it saw, and turned by {turn:.2f}°"
         f" ({gate}: one sigma {prior} mm, chi-square {offset.chi_square:.1f} of 6). This is no change of the hull and was taken"

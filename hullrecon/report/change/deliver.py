@@ -16,7 +16,9 @@ from hullrecon.report.change.table import change_csv
 
 
 def change_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict[str, bytes]:
-    """Return the bytes of document, table, layers and map by their names; t_ns: time of the second dive's last pose."""
+    """Return the bytes of document, table, layers and map by their names; t_ns: time of the second
+    dive's last pose.
+    """
     layers = change_layers(change, outside)
     return {
         "change.csv": change_csv(change).encode(),
@@ -31,7 +33,11 @@ def comparison_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict
     """Return the same files and a page of them; change.json is the last: where it lies, all do."""
     files = change_files(change, outside, t_ns)
     document = files.pop("change.json")
-    return {**files, "change.html": change_page(change, files["change.png"]).encode(), "change.json": document}
+    return {
+        **files,
+        "change.html": change_page(change, files["change.png"]).encode(),
+        "change.json": document,
+    }
 
 
 def _json(value: object) -> bytes:

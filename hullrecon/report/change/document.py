@@ -42,7 +42,9 @@ def change_document(change: HullChange, outside: OutsideMap) -> dict[str, object
 
 
 def offset_document(offset: SurveyOffset) -> dict[str, object]:
-    """Return where the second dive lies in the first one's frame: numbers that are no change of the hull."""
+    """Return where the second dive lies in the first one's frame: numbers that are no change of the
+    hull.
+    """
     motion = offset.first_from_second
     at_center = motion.apply(offset.center[None])[0] - offset.center
     return {

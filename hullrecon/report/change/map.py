@@ -27,7 +27,9 @@ CHANGED_OBJECT, OTHER_OBJECT, MOVED_HULL, ONE_DIVE_ONLY = (
 
 @dataclass(frozen=True, kw_only=True)
 class OutlineStyle:
-    """How an outline is drawn: colour and width (points) of its line, dashed or not; fill: colour inside, "none" for none."""
+    """How an outline is drawn: colour and width (points) of its line, dashed or not; fill: colour
+    inside, "none" for none.
+    """
 
     line: str
     width: float = 1.0
@@ -48,12 +50,16 @@ def change_png(change: HullChange, outside: OutsideMap) -> bytes:
     low, step = change.map.lattice.origin, change.map.lattice.step_m
     ends = outside.to_map(np.stack([low, low + step * (np.array(change.map.lattice.shape) - 1)]))
     width, height = np.abs(ends[1] - ends[0])
-    figure, (axis,) = new_figure(9.0, float(min(9.0, max(2.9, 8.0 * height / max(width, 1e-6) + 1.5))))
+    figure, (axis,) = new_figure(
+        9.0, float(min(9.0, max(2.9, 8.0 * height / max(width, 1e-6) + 1.5)))
+    )
     _draw_cells(axis, change.map, ends)
     axis.set(
-        xlim=sorted(ends[:, 0]), ylim=sorted(ends[:, 1]), xlabel=f"x = {'−' * (outside.x_sign < 0)}along (m)",
+        xlim=sorted(ends[:, 0]),
+        ylim=sorted(ends[:, 1]),
+        xlabel=f"x = {'−' * (outside.x_sign < 0)}along (m)",
         ylabel=f"y = {'−' * (outside.y_sign < 0)}girth (m)",
-    )  # fmt: skip
+    )
     for row in change.objects:
         _draw_object(axis, row, outside)
     for move in change.moves:
@@ -61,19 +67,34 @@ def change_png(change: HullChange, outside: OutsideMap) -> bytes:
     _draw_scale(axis)
     kinds = [kind for kind in OUTLINES if kind != MOVED_HULL or change.moves]
     handles = [_outline(np.zeros((3, 2)), kind) for kind in kinds]
-    figure.legend(handles, kinds, loc="outside lower center", ncols=len(kinds), fontsize=8, frameon=False)
+    figure.legend(
+        handles, kinds, loc="outside lower center", ncols=len(kinds), fontsize=8, frameon=False
+    )
     return png_bytes(figure)
 
 
 def _draw_cells(axis: Axes, grid: ChangeMap, ends: Array) -> None:
-    """Draw how far each cell moved, grey where only one dive saw it; ends (2, 2): first and last cell on the map, m."""
+    """Draw how far each cell moved, grey where only one dive saw it; ends (2, 2): first and last
+    cell on the map, m.
+    """
     skip = max(1, int(np.ceil(np.sqrt(grid.change.size / MAX_PIXELS))))
     extent = (float(ends[0, 0]), float(ends[1, 0]), float(ends[0, 1]), float(ends[1, 1]))
     one_only = np.where(grid.first_seen ^ grid.second_seen, 1.0, np.nan)
-    pictures = {"Greys": (one_only, 0.0, 4.0), "RdBu_r": (1000 * grid.change, -LIMITS_MM, LIMITS_MM)}
+    pictures = {
+        "Greys": (one_only, 0.0, 4.0),
+        "RdBu_r": (1000 * grid.change, -LIMITS_MM, LIMITS_MM),
+    }
     for colours, (values, least, most) in pictures.items():
-        shown = axis.imshow(values[::skip, ::skip].T, origin="lower", extent=extent, cmap=colours, vmin=least, vmax=most,
-                            interpolation="nearest", aspect="equal")  # fmt: skip
+        shown = axis.imshow(
+            values[::skip, ::skip].T,
+            origin="lower",
+            extent=extent,
+            cmap=colours,
+            vmin=least,
+            vmax=most,
+            interpolation="nearest",
+            aspect="equal",
+        )
     bar = axis.figure.colorbar(shown, ax=axis, shrink=0.9, pad=0.01, extend="both")
     bar.set_label("change (mm), outward positive", size=9)
     bar.ax.tick_params(labelsize=8)
@@ -82,13 +103,26 @@ def _draw_cells(axis: Axes, grid: ChangeMap, ends: Array) -> None:
 def _draw_object(axis: Axes, row: ObjectChange, outside: OutsideMap) -> None:
     """Draw an object's outline, and above it what became of it."""
     if len(row.outline) >= 3:
-        axis.add_patch(_outline(outside.to_map(row.outline), CHANGED_OBJECT if row.status in CHANGED else OTHER_OBJECT))
+        axis.add_patch(
+            _outline(
+                outside.to_map(row.outline),
+                CHANGED_OBJECT if row.status in CHANGED else OTHER_OBJECT,
+            )
+        )
     if not np.isfinite(row.along_girth).all():
         return
     ring = outside.to_map(row.outline if len(row.outline) else row.along_girth[None])
     above = (float(ring[:, 0].mean()), float(ring[:, 1].max()))
-    axis.annotate(_label(row), above, (0, 2), textcoords="offset points", fontsize=7, color=INK, ha="center",
-                  bbox={"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.7})  # fmt: skip
+    axis.annotate(
+        _label(row),
+        above,
+        (0, 2),
+        textcoords="offset points",
+        fontsize=7,
+        color=INK,
+        ha="center",
+        bbox={"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.7},
+    )
 
 
 def _draw_scale(axis: Axes) -> None:
@@ -99,7 +133,13 @@ def _draw_scale(axis: Axes) -> None:
     start, level = left + 0.02 * (right - left), bottom + 0.05 * (top - bottom)
     axis.plot([start, start + span], [level, level], color=INK, lw=2.5, solid_capstyle="butt")
     axis.annotate(
-        f"{span:g} m", (start + span / 2, level), (0, 3), textcoords="offset points", fontsize=8, color=INK, ha="center"
+        f"{span:g} m",
+        (start + span / 2, level),
+        (0, 3),
+        textcoords="offset points",
+        fontsize=8,
+        color=INK,
+        ha="center",
     )
 
 
@@ -107,7 +147,9 @@ def _outline(ring: Array, kind: str) -> Polygon:
     from matplotlib.patches import Polygon
 
     style = OUTLINES[kind]
-    return Polygon(ring, fc=style.fill, ec=style.line, lw=style.width, ls="--" if style.dashed else "-")
+    return Polygon(
+        ring, fc=style.fill, ec=style.line, lw=style.width, ls="--" if style.dashed else "-"
+    )
 
 
 def _label(row: ObjectChange) -> str:

@@ -21,12 +21,18 @@ def outcome(change: HullChange) -> str:
     """Return what changed, of how much hull, and how small a change would have stood out there."""
     number = {status: sum(row.status == status for row in change.objects) for status in CHANGED}
     parts = [f"{n} {status}" for status, n in number.items() if n]
-    parts += [count(len(change.moves), MOVED, "stretches of bare hull moved")] if change.moves else []
+    parts += (
+        [count(len(change.moves), MOVED, "stretches of bare hull moved")] if change.moves else []
+    )
     what = join(parts) if parts else "no change"
     unseen = sum(row.status.startswith("not seen") for row in change.objects)
     left = f", {count(unseen, 'object')} where only one dive looked" if unseen else ""
     unsure = sum(row.status == "uncertain" for row in change.objects)
-    left += f", {count(unsure, 'object')} that one dive lists and the other neither shows nor excludes" if unsure else ""
+    left += (
+        f", {count(unsure, 'object')} that one dive lists and the other neither shows nor excludes"
+        if unsure
+        else ""
+    )
     if not math.isfinite(change.detectable_m):
         return f"{what}{left}; no hull was seen well enough by both dives"
     return (
@@ -42,7 +48,11 @@ def object_sentence(row: ObjectChange) -> str:
     if row.status in ("grown", "shrunk"):
         return f"{row.status}: {name}{where}, height {_signed(row.change, row.change_sigma)}"
     gone = row.status == "gone"
-    height, sigma = (row.height_before, row.height_before_sigma) if gone else (row.height_after, row.height_after_sigma)
+    height, sigma = (
+        (row.height_before, row.height_before_sigma)
+        if gone
+        else (row.height_after, row.height_after_sigma)
+    )
     size = with_sigma(1000 * abs(height), 1000 * sigma, "mm")
     return f"{row.status}: {name}{where}, {'recess' if height < 0 else 'height'} {size}"
 

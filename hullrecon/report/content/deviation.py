@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The deviation from the CAD model in numbers and words: the form, and apart from it how far the whole patch stands off."""
+"""The deviation from the CAD model in numbers and words: the form, and apart from it how far the
+whole patch stands off.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,10 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class DeviationFigures:
-    """Metres. offset of the surveyed patch from its CAD model, outward positive, with its sigma; tilt (2,), m/m, along and in
-    girth, with its sigma; form (3,): 5th, 50th and 95th percentile of the seen area; form_sigma: median over it."""
+    """Metres. offset of the surveyed patch from its CAD model, outward positive, with its sigma;
+    tilt (2,), m/m, along and in girth, with its sigma; form (3,): 5th, 50th and 95th percentile of
+    the seen area; form_sigma: median over it.
+    """
 
     offset: float
     offset_sigma: float
@@ -30,8 +34,18 @@ class DeviationFigures:
     @property
     def offset_words(self) -> str:
         """Return the offset in a sentence's part, with what its sigma makes of it."""
-        side = "from" if round(1000 * abs(self.offset)) == 0 else "outside" if self.offset > 0 else "inside"
-        known = "" if abs(self.offset) > 2 * self.offset_sigma else ", not significantly different from zero"
+        side = (
+            "from"
+            if round(1000 * abs(self.offset)) == 0
+            else "outside"
+            if self.offset > 0
+            else "inside"
+        )
+        known = (
+            ""
+            if abs(self.offset) > 2 * self.offset_sigma
+            else ", not significantly different from zero"
+        )
         return f"{1000 * abs(self.offset):.0f} mm {side} it (one sigma {1000 * self.offset_sigma:.0f} mm{known})"
 
     @property
@@ -80,10 +94,14 @@ def deviation_rows(figures: DeviationFigures | None) -> list[tuple[str, str]]:
     if figures is None:
         return []
     slopes = " / ".join(
-        with_minus(f"{1000 * t:+.1f} ± {1000 * s:.1f}") for t, s in zip(figures.tilt, figures.tilt_sigma, strict=True)
+        with_minus(f"{1000 * t:+.1f} ± {1000 * s:.1f}")
+        for t, s in zip(figures.tilt, figures.tilt_sigma, strict=True)
     )
     return [
         ("Form", figures.form_words),
-        ("Offset of the surveyed patch", with_minus(f"{1000 * figures.offset:+.0f} ± {1000 * figures.offset_sigma:.0f} mm")),
+        (
+            "Offset of the surveyed patch",
+            with_minus(f"{1000 * figures.offset:+.0f} ± {1000 * figures.offset_sigma:.0f} mm"),
+        ),
         ("Tilt of the surveyed patch, along / in girth", f"{slopes} mm per m"),
     ]

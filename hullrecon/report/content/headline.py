@@ -9,7 +9,16 @@ import numpy as np
 
 from hullrecon.records.deliverables import SensorCoverage
 from hullrecon.report.content.deviation import deviation_figures
-from hullrecon.report.content.phrases import area_words, count, duration, join, length, lengths, signed_range, with_sigma
+from hullrecon.report.content.phrases import (
+    area_words,
+    count,
+    duration,
+    join,
+    length,
+    lengths,
+    signed_range,
+    with_sigma,
+)
 from hullrecon.report.step_documents import DetectSettings
 from hullrecon.report.survey import AdjustedDive, Survey
 
@@ -44,27 +53,49 @@ def verdict(survey: Survey) -> str:
 
 
 def key_figures(survey: Survey) -> list[tuple[str, str, str]]:
-    """Return the figures on top of the page: what, how much, and a remark; those that the dive gives."""
-    found, coverage, figures = survey.findings.objects, survey.findings.coverage, deviation_figures(survey)
+    """Return the figures on top of the page: what, how much, and a remark; those that the dive
+    gives.
+    """
+    found, coverage, figures = (
+        survey.findings.objects,
+        survey.findings.coverage,
+        deviation_figures(survey),
+    )
     seen = coverage.camera if coverage is not None else None
-    rows = [] if found is None else [("Objects" if len(found) != 1 else "Object", str(len(found)), "on the hull")]
+    rows = (
+        []
+        if found is None
+        else [("Objects" if len(found) != 1 else "Object", str(len(found)), "on the hull")]
+    )
     if seen is not None and seen.area_m2:
         rows.append((seen_words(survey), f"{seen.area_m2:.1f} m²", "by camera"))
     if survey.surfaces.chart is not None:
         along, girth = survey.track.sigma_on_chart(survey.surfaces.chart)
         if np.isfinite(along + girth):
             across = "in girth" if survey.is_in_hull_frame else "across"
-            rows.append(("Vehicle, along the hull", f"± {length(along)}", f"± {length(girth)} {across}, one sigma"))
+            rows.append(
+                (
+                    "Vehicle, along the hull",
+                    f"± {length(along)}",
+                    f"± {length(girth)} {across}, one sigma",
+                )
+            )
     if figures is not None:
         low, _, high = 1000 * figures.form
         form = f"{signed_range(low, high)}\N{NO-BREAK SPACE}mm"
-        rows.append(("Form off the CAD model", form, f"one sigma {1000 * figures.form_sigma:.1f} mm"))
+        rows.append(
+            ("Form off the CAD model", form, f"one sigma {1000 * figures.form_sigma:.1f} mm")
+        )
     return rows
 
 
 def path_length_m(survey: Survey) -> float:
-    """Return the length of the vehicle's path to the millimetre, m: one number, which sentences and files round alike."""
-    return round(float(np.linalg.norm(np.diff(survey.track.poses.translation, axis=0), axis=1).sum()), 3)
+    """Return the length of the vehicle's path to the millimetre, m: one number, which sentences and
+    files round alike.
+    """
+    return round(
+        float(np.linalg.norm(np.diff(survey.track.poses.translation, axis=0), axis=1).sum()), 3
+    )
 
 
 def _dive(survey: Survey) -> str:
@@ -81,7 +112,11 @@ def _position(survey: Survey) -> str:
     sigma = lengths(np.median(survey.track.sigma[:, :3], axis=0).tolist())
     if survey.adjusted is None:
         return f"Positions are dead reckoned in a local frame (g); median one sigma in x / y / z: {sigma}."
-    why = "the CAD model was left out, see warnings" if survey.adjusted.cad_model_was_refused else "there is no CAD model"
+    why = (
+        "the CAD model was left out, see warnings"
+        if survey.adjusted.cad_model_was_refused
+        else "there is no CAD model"
+    )
     frame = "the ship's frame (M)" if survey.is_in_hull_frame else f"a local frame (g), as {why}"
     return f"Positions are adjusted by method {survey.method} and given in {frame}; median one sigma in x / y / z: {sigma}."
 
@@ -103,7 +138,9 @@ def _from_outside(adjusted: AdjustedDive | None) -> str:
 
 
 def weak_sentences(survey: Survey, min_sigma_m: float = 0.05) -> list[str]:
-    """Return the adjustment's sentences where it has any; else one for each axis whose median sigma exceeds the least."""
+    """Return the adjustment's sentences where it has any; else one for each axis whose median sigma
+    exceeds the least.
+    """
     directions = survey.adjusted.weak_directions if survey.adjusted is not None else ()
     sentences = [str(w["sentence"]) for w in directions if w.get("sentence")]
     if sentences:
@@ -111,7 +148,8 @@ def weak_sentences(survey: Survey, min_sigma_m: float = 0.05) -> list[str]:
     axes = _AXES[survey.track.frame]
     sigma = np.median(survey.track.sigma[:, :3], axis=0)
     return [
-        f"The position {axes[k]} is uncertain by {length(sigma[k])} (one sigma)." for k in np.flatnonzero(sigma > min_sigma_m)
+        f"The position {axes[k]} is uncertain by {length(sigma[k])} (one sigma)."
+        for k in np.flatnonzero(sigma > min_sigma_m)
     ]
 
 
@@ -132,7 +170,9 @@ def _objects(survey: Survey) -> str:
 
 
 def _looked_for(survey: Survey) -> list[str]:
-    """Return what a place of the hull has to show to be reported as an object; nothing where the settings are not known."""
+    """Return what a place of the hull has to show to be reported as an object; nothing where the
+    settings are not known.
+    """
     settings = survey.provenance.settings_of("detect")
     if not settings:
         return []
@@ -164,7 +204,9 @@ def _deviation(survey: Survey) -> str:
 
 
 def seen_words(survey: Survey) -> str:
-    """Return of what areas seen are counted: without a CAD model nothing is known of the hull beyond the measured surface."""
+    """Return of what areas seen are counted: without a CAD model nothing is known of the hull
+    beyond the measured surface.
+    """
     return "Hull seen" if survey.is_in_hull_frame else "Measured surface seen"
 
 
@@ -191,13 +233,19 @@ def _landmarks(adjusted: AdjustedDive | None) -> str:
     label = adjusted.solution.landmarks.label
     text = f"{count(len(label), 'landmark was', 'landmarks were')} measured in the images"
     share = 100 * float(np.mean(label == 1))
-    on_hull = f", {share:.1f} % of them taken to lie on the CAD model's surface" if adjusted.has_cad_model else ""
+    on_hull = (
+        f", {share:.1f} % of them taken to lie on the CAD model's surface"
+        if adjusted.has_cad_model
+        else ""
+    )
     return f"{text}{on_hull}."
 
 
 def _mosaics(survey: Survey) -> str:
     resolutions = {name: m.facts.resolution_m for name, m in survey.mosaics.named().items()}
-    parts = [f"{name} at {1000 * step:.1f} mm per pixel" for name, step in resolutions.items() if step]
+    parts = [
+        f"{name} at {1000 * step:.1f} mm per pixel" for name, step in resolutions.items() if step
+    ]
     return f"Mosaics of the hull: {join(parts)}." if parts else ""
 
 
@@ -206,5 +254,7 @@ def _rejected(survey: Survey) -> str:
     if not lost and not warnings:
         return "The log was read completely and no step raised a warning."
     parts = [count(len(lost), "span of data was lost", "spans of data were lost")] if lost else []
-    parts += [count(len(warnings), "warning was raised", "warnings were raised")] if warnings else []
+    parts += (
+        [count(len(warnings), "warning was raised", "warnings were raised")] if warnings else []
+    )
     return f"{join(parts)[0].upper()}{join(parts)[1:]}; see rejected data and warnings."

@@ -18,16 +18,28 @@ _BY_STEP = {
     "surface": ("surface.ply", "chart.json", "chart.ply"),
     "detect": ("as_found.ply", "as_found.las", *OF_OBJECTS, "coverage.json"),
     "mosaic-optical": (
-        "ortho_optical.tif", "ortho_optical.png", "mosaic_optical.glb", "variance_optical.tif", "views_optical.tif",
+        "ortho_optical.tif",
+        "ortho_optical.png",
+        "mosaic_optical.glb",
+        "variance_optical.tif",
+        "views_optical.tif",
     ),
-    "mosaic-sonar": ("ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb", "variance_sonar.tif", "views_sonar.tif"),
+    "mosaic-sonar": (
+        "ortho_sonar.tif",
+        "ortho_sonar.png",
+        "mosaic_sonar.glb",
+        "variance_sonar.tif",
+        "views_sonar.tif",
+    ),
     "change": ("change/",),
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Carried:
-    """What a dive has: a camera, an imaging sonar, a CAD model, the name of an earlier dive to be compared with."""
+    """What a dive has: a camera, an imaging sonar, a CAD model, the name of an earlier dive to be
+    compared with.
+    """
 
     camera: bool
     sonar: bool
@@ -36,18 +48,30 @@ class Carried:
 
 
 def missing_deliverables(
-    carried: Carried, steps: Collection[str], solution: Solution | None, failures: Mapping[str, str] = MappingProxyType({})
+    carried: Carried,
+    steps: Collection[str],
+    solution: Solution | None,
+    failures: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, str]:
-    """Return the reason of each missing file by name. steps: those that left an artifact; failures: why others did not."""
+    """Return the reason of each missing file by name. steps: those that left an artifact; failures:
+    why others did not.
+    """
     reasons: dict[str, str] = {}
     if not carried.cad_model:
         reasons["alignment.json"] = "no CAD model was given, so there is nothing to align to"
-        reasons.update(dict.fromkeys(OF_DEVIATION, "no CAD model was given, so there is nothing to deviate from"))
+        reasons.update(
+            dict.fromkeys(
+                OF_DEVIATION, "no CAD model was given, so there is nothing to deviate from"
+            )
+        )
     elif solution is None:
         reasons["alignment.json"] = "the adjustment did not run"
     elif solution.hull_pose is None:
         reasons.update(
-            dict.fromkeys(("alignment.json", *OF_DEVIATION), "the CAD model does not fit the survey and was left out")
+            dict.fromkeys(
+                ("alignment.json", *OF_DEVIATION),
+                "the CAD model does not fit the survey and was left out",
+            )
         )
     for step, names in _BY_STEP.items():
         asked = step != "change" or carried.earlier_dive
@@ -56,7 +80,10 @@ def missing_deliverables(
             reasons.update(dict.fromkeys(names, reason))
     if not {"mosaic-optical", "mosaic-sonar"} & set(steps):
         rasters = (*OF_DEVIATION, OF_SUPPORT)
-        reasons = {**dict.fromkeys(rasters, "they lie on a mosaic's grid, and there is none"), **reasons}
+        reasons = {
+            **dict.fromkeys(rasters, "they lie on a mosaic's grid, and there is none"),
+            **reasons,
+        }
     if carried.camera and solution is not None and not len(solution.landmarks):
         reasons["landmarks.ply"] = "no landmark was adjusted"
     if not carried.camera:

@@ -36,14 +36,28 @@ def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> Ca
             )
         )
     if found.deviation is not None:
-        rows.append(("Largest distance to the CAD model", with_sigma(found.deviation, found.deviation_sigma, "m")))
+        rows.append(
+            (
+                "Largest distance to the CAD model",
+                with_sigma(found.deviation, found.deviation_sigma, "m"),
+            )
+        )
     if found.along is not None and found.girth is not None:
-        places = (with_sigma(found.along, found.sigma_along, "m"), with_sigma(found.girth, found.sigma_girth, "m"))
-        rows.append(("Along, girth" if survey.is_in_hull_frame else "Along, across", ", ".join(places)))
+        places = (
+            with_sigma(found.along, found.sigma_along, "m"),
+            with_sigma(found.girth, found.sigma_girth, "m"),
+        )
+        rows.append(
+            ("Along, girth" if survey.is_in_hull_frame else "Along, across", ", ".join(places))
+        )
     if found.depth is not None:
-        rows.append(("Depth below the water surface", with_sigma(found.depth, found.depth_sigma, "m")))
+        rows.append(
+            ("Depth below the water surface", with_sigma(found.depth, found.depth_sigma, "m"))
+        )
     sigmas = found.position_sigma or (None, None, None)
-    center = ", ".join(with_sigma(c, s, "").strip() for c, s in zip(found.center, sigmas, strict=True))
+    center = ", ".join(
+        with_sigma(c, s, "").strip() for c, s in zip(found.center, sigmas, strict=True)
+    )
     rows += [
         ("Centre (x, y, z)", f"{center} m in {survey.track.frame}"),
         ("More than half of its top seen in", count(found.views, "view")),
@@ -60,7 +74,9 @@ def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> Ca
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectCell:
-    """A cell of the table of objects: its text, and the number that it is sorted by, None for words."""
+    """A cell of the table of objects: its text, and the number that it is sorted by, None for
+    words.
+    """
 
     text: str
     value: float | None = None
@@ -78,9 +94,16 @@ def object_rows(survey: Survey) -> ObjectRows:
     """Return the table of objects. Columns that no object has (a depth, a side) are left out."""
     across = "Girth" if survey.is_in_hull_frame else "Across"
     columns = [_column(found, across) for found in survey.findings.objects or ()]
-    names = [name for name in (columns[0] if columns else ()) if any(c[name].text != "–" for c in columns)]
+    names = [
+        name
+        for name in (columns[0] if columns else ())
+        if any(c[name].text != "–" for c in columns)
+    ]
     objects = survey.findings.objects or ()
-    rows = [(found.id, [cells[name] for name in names]) for found, cells in zip(objects, columns, strict=True)]
+    rows = [
+        (found.id, [cells[name] for name in names])
+        for found, cells in zip(objects, columns, strict=True)
+    ]
     return ObjectRows(headings=names, rows=rows)
 
 
@@ -90,7 +113,9 @@ def _column(found: ReportedObject, across: str) -> dict[str, ObjectCell]:
         "No.": ObjectCell(text=str(found.id), value=found.id),
         "Kind": ObjectCell(text="protrusion" if found.height >= 0 else "recess"),
         "Height": _number(found.height, found.height_sigma, "m"),
-        "Area": ObjectCell(text=_scaled(found.area, found.area_sigma, 1e4, "cm²"), value=found.area),
+        "Area": ObjectCell(
+            text=_scaled(found.area, found.area_sigma, 1e4, "cm²"), value=found.area
+        ),
         "Along": _number(found.along, found.sigma_along, "m"),
         across: _number(found.girth, found.sigma_girth, "m"),
         "Depth": _number(found.depth, found.depth_sigma, "m"),
@@ -99,12 +124,18 @@ def _column(found: ReportedObject, across: str) -> dict[str, ObjectCell]:
 
 
 def _number(value: float | None, sigma: float | None, unit: str) -> ObjectCell:
-    return ObjectCell(text="–") if value is None else ObjectCell(text=with_sigma(value, sigma, unit), value=value)
+    return (
+        ObjectCell(text="–")
+        if value is None
+        else ObjectCell(text=with_sigma(value, sigma, unit), value=value)
+    )
 
 
 def _extents(found: ReportedObject) -> list[str]:
     sigmas = found.extent_sigma or (None, None)
-    return [with_sigma(extent, sigma, "m") for extent, sigma in zip(found.extent, sigmas, strict=True)]
+    return [
+        with_sigma(extent, sigma, "m") for extent, sigma in zip(found.extent, sigmas, strict=True)
+    ]
 
 
 def _scaled(value: float, sigma: float | None, factor: float, unit: str) -> str:

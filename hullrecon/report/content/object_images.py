@@ -23,8 +23,9 @@ from hullrecon.typing import Array, Ints, Pixels
 
 @dataclass(frozen=True, kw_only=True)
 class Crop:
-    """A part of one image with its contrast stretched: picture (h, w, 3) RGB, outline (n, 2) in its pixels, pixels per metre
-    there, and where it is from."""
+    """A part of one image with its contrast stretched: picture (h, w, 3) RGB, outline (n, 2) in its
+    pixels, pixels per metre there, and where it is from.
+    """
 
     picture: Pixels
     outline: Array
@@ -51,7 +52,10 @@ class Crop:
 
 def object_crops(survey: Survey) -> dict[int, Crop]:
     """Return the picture of each object by its number; objects that no image shows have none."""
-    found = {o.id: best_crop(o, survey.track, survey.facts.rig, survey.facts.images) for o in survey.findings.objects or ()}
+    found = {
+        o.id: best_crop(o, survey.track, survey.facts.rig, survey.facts.images)
+        for o in survey.findings.objects or ()
+    }
     return {number: crop for number, crop in found.items() if crop is not None}
 
 
@@ -62,15 +66,26 @@ def photo_jpeg(crop: Crop, min_width: int = 800) -> bytes:
     factor = max(1.0, min_width / crop.width)
     size = (round(factor * crop.width), round(factor * crop.height))
     picture = np.ascontiguousarray(cv2.resize(crop.picture, size, interpolation=cv2.INTER_CUBIC))
-    line = np.rint(16 * (factor * (crop.outline + 0.5) - 0.5)).astype(np.int32)  # in sixteenths of a pixel
+    # in sixteenths of a pixel
+    line = np.rint(16 * (factor * (crop.outline + 0.5) - 0.5)).astype(np.int32)
     for color, width in (((0, 0, 0), 5), ((255, 255, 255), 2)):
-        cv2.polylines(picture, [line[:, None]], isClosed=True, color=color, thickness=width, lineType=cv2.LINE_AA, shift=4)
+        cv2.polylines(
+            picture,
+            [line[:, None]],
+            isClosed=True,
+            color=color,
+            thickness=width,
+            lineType=cv2.LINE_AA,
+            shift=4,
+        )
     return _jpeg(np.asarray(picture, np.uint8), 90)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectView:
-    """One image of a camera at a node of the track: camera_from_result T_c_M (T_c_g without a CAD model), the image's row."""
+    """One image of a camera at a node of the track: camera_from_result T_c_M (T_c_g without a CAD
+    model), the image's row.
+    """
 
     camera: Camera
     model: CameraModel
@@ -78,12 +93,19 @@ class ObjectView:
     row: int
 
 
-def best_crop(found: ReportedObject, track: VehicleTrack, rig: SensorRig, images: Mapping[Camera, ImageSource]) -> Crop | None:
+def best_crop(
+    found: ReportedObject, track: VehicleTrack, rig: SensorRig, images: Mapping[Camera, ImageSource]
+) -> Crop | None:
     """Return the picture of an object; None when no image shows it.
 
-    The view is that among the object's images (all, when it names none) whose middle lies nearest to the object's centre.
+    The view is that among the object's images (all, when it names none) whose middle lies nearest
+    to the object's centre.
     """
-    views = [view for camera, source in images.items() for view in _ranked_views(found, track, rig, camera, source.index)]
+    views = [
+        view
+        for camera, source in images.items()
+        for view in _ranked_views(found, track, rig, camera, source.index)
+    ]
     for _, view in sorted(views, key=lambda item: item[0])[:5]:
         crop = _cut_image(found, view, images[view.camera])
         if crop is not None:
@@ -94,7 +116,9 @@ def best_crop(found: ReportedObject, track: VehicleTrack, rig: SensorRig, images
 def _ranked_views(
     found: ReportedObject, track: VehicleTrack, rig: SensorRig, camera: Camera, index: ImageIndex
 ) -> list[tuple[float, ObjectView]]:
-    """Return views that have the centre inside the image, with its distance from the middle in half diagonals."""
+    """Return views that have the centre inside the image, with its distance from the middle in half
+    diagonals.
+    """
     rows = track.image[:, camera.column]
     wanted = _rows_named(found.images, camera, index)
     nodes = np.flatnonzero((rows >= 0) & (np.isin(rows, wanted) if wanted is not None else True))
@@ -102,24 +126,37 @@ def _ranked_views(
         return []
     model = rig.camera_models[camera]
     camera_from_result = rig.camera_poses(track.path[nodes], camera).inverse()
-    pixel = model.project(camera_from_result.apply(np.tile(np.array(found.center), (len(nodes), 1))))
+    pixel = model.project(
+        camera_from_result.apply(np.tile(np.array(found.center), (len(nodes), 1)))
+    )
     size = np.array([model.width, model.height])
     inside = np.all((pixel > 0) & (pixel < size), axis=1)
     score = np.linalg.norm(pixel - size / 2, axis=1) / np.linalg.norm(size / 2)
     return [
         (
             float(score[k]),
-            ObjectView(camera=camera, model=model, camera_from_result=camera_from_result[[k]], row=int(rows[nodes[k]])),
+            ObjectView(
+                camera=camera,
+                model=model,
+                camera_from_result=camera_from_result[[k]],
+                row=int(rows[nodes[k]]),
+            ),
         )
         for k in np.flatnonzero(inside)
     ]
 
 
 def _rows_named(images: Sequence[str], camera: Camera, index: ImageIndex) -> Ints | None:
-    """Return rows of the camera's index for names like camera_top/1777887000468241234.jpg; None when no image is named."""
+    """Return rows of the camera's index for names like camera_top/1777887000468241234.jpg; None
+    when no image is named.
+    """
     if not images:
         return None
-    stamps = [int(name.split("/")[1].split(".")[0]) for name in images if name.startswith(camera.key + "/")]
+    stamps = [
+        int(name.split("/")[1].split(".")[0])
+        for name in images
+        if name.startswith(camera.key + "/")
+    ]
     return np.flatnonzero(np.isin(index.t_ns, stamps))
 
 
@@ -150,8 +187,9 @@ def _cut_image(found: ReportedObject, view: ObjectView, source: ImageSource) -> 
 
 
 def stretch_contrast(picture: Pixels) -> Pixels:
-    """Return the picture with its contrast stretched between the 1st and 99th percentile: underwater
-    pictures use a third of the range."""
+    """Return the picture with its contrast stretched between the 1st and 99th percentile:
+    underwater pictures use a third of the range.
+    """
     low, high = np.percentile(picture, (1, 99))
     return np.asarray(np.clip((picture - low) * (245 / max(high - low, 20)) + 5, 0, 255), np.uint8)
 
@@ -162,15 +200,22 @@ def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
 
     factor = max(1.0, min_width / picture.shape[1])
     if factor > 1:
-        picture = np.asarray(cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC), np.uint8)
-    return "data:image/jpeg;base64," + b64encode(_jpeg(np.asarray(picture, np.uint8), quality)).decode()
+        picture = np.asarray(
+            cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC), np.uint8
+        )
+    return (
+        "data:image/jpeg;base64,"
+        + b64encode(_jpeg(np.asarray(picture, np.uint8), quality)).decode()
+    )
 
 
 def _jpeg(picture: Pixels, quality: int) -> bytes:
     import cv2
 
     ordered = picture[..., ::-1] if picture.ndim == 3 else picture
-    done, data = cv2.imencode(".jpg", np.ascontiguousarray(ordered), [cv2.IMWRITE_JPEG_QUALITY, quality])
+    done, data = cv2.imencode(
+        ".jpg", np.ascontiguousarray(ordered), [cv2.IMWRITE_JPEG_QUALITY, quality]
+    )
     if not done:
         raise ValueError("the picture could not be encoded")
     return bytes(data.tobytes())

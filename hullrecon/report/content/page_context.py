@@ -16,7 +16,13 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.deliverables import Coverage, CoverageHole, RegionShare, ReportedObject
 from hullrecon.report.content.deviation import deviation_figures, deviation_rows
 from hullrecon.report.content.frame_words import frame_in_words, origin_in_words
-from hullrecon.report.content.headline import headline, key_figures, seen_words, verdict, weak_sentences
+from hullrecon.report.content.headline import (
+    headline,
+    key_figures,
+    seen_words,
+    verdict,
+    weak_sentences,
+)
 from hullrecon.report.content.object_card import card_context, object_rows
 from hullrecon.report.content.object_images import Crop, jpeg_uri
 from hullrecon.report.content.page_data import image_id, image_uri, page_data, script_json
@@ -27,24 +33,42 @@ from hullrecon.report.figures.chart_map import form_png, ground_png
 from hullrecon.report.figures.plan_view import Mark, Plan, SigmaEllipse, plan_svg
 from hullrecon.report.figures.ship_view import ship_svg
 from hullrecon.report.figures.style import Plot
-from hullrecon.report.figures.survey_map import ChartView, chart_view, object_ellipses, survey_layers
+from hullrecon.report.figures.survey_map import (
+    ChartView,
+    chart_view,
+    object_ellipses,
+    survey_layers,
+)
 from hullrecon.report.scene.scene_data import BLOCK, make_scene
 from hullrecon.report.survey import Mosaic, Survey
 from hullrecon.typing import Array, Pixels
 
 PageContext = Mapping[str, object]
 SECTIONS = (
-    ("plan", "Map of the hull"), ("view", "The hull in 3-D"), ("objects", "Objects on the hull"), ("change", "Change"),
-    ("deviation", "Deviation from the CAD model"), ("mosaics", "Mosaics"), ("coverage", "Coverage"),
-    ("position", "Position uncertainty"), ("quality", "Quality of the data"), ("rejected", "Rejected data and warnings"),
-    ("record", "Record"), ("appendix", "Appendix: plots"),
-)  # fmt: skip
+    ("plan", "Map of the hull"),
+    ("view", "The hull in 3-D"),
+    ("objects", "Objects on the hull"),
+    ("change", "Change"),
+    ("deviation", "Deviation from the CAD model"),
+    ("mosaics", "Mosaics"),
+    ("coverage", "Coverage"),
+    ("position", "Position uncertainty"),
+    ("quality", "Quality of the data"),
+    ("rejected", "Rejected data and warnings"),
+    ("record", "Record"),
+    ("appendix", "Appendix: plots"),
+)
 
 
 def page_context(
-    survey: Survey, plots: Sequence[Plot], deliverables: Mapping[str, object], photos: Mapping[int, Crop]
+    survey: Survey,
+    plots: Sequence[Plot],
+    deliverables: Mapping[str, object],
+    photos: Mapping[int, Crop],
 ) -> PageContext:
-    """Return the template's variables; deliverables: entries with bytes and sha256 by name; photos: of the objects."""
+    """Return the template's variables; deliverables: entries with bytes and sha256 by name; photos:
+    of the objects.
+    """
     view = chart_view(survey)
     layers = survey_layers(survey, view) if view else []
     ellipses = object_ellipses(survey.findings.objects or (), view.chart) if view else []
@@ -55,12 +79,22 @@ def page_context(
     data = {**page_data(survey, view, layers, ellipses), "scene": scene and scene.document}
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
     has = {
-        "deviation": survey.is_in_hull_frame, "view": data["scene"], "mosaics": mosaics,
-        "coverage": coverage_rows(coverage), "change": survey.change,
-        "appendix": plots, "plan": view is not None, "objects": survey.findings.objects is not None, "quality": quality,
-    }  # fmt: skip
+        "deviation": survey.is_in_hull_frame,
+        "view": data["scene"],
+        "mosaics": mosaics,
+        "coverage": coverage_rows(coverage),
+        "change": survey.change,
+        "appendix": plots,
+        "plan": view is not None,
+        "objects": survey.findings.objects is not None,
+        "quality": quality,
+    }
     absent = {name for name, there in has.items() if not there}
-    sections = [(name, title + _since(survey) * (name == "change")) for name, title in SECTIONS if name not in absent]
+    sections = [
+        (name, title + _since(survey) * (name == "change"))
+        for name, title in SECTIONS
+        if name not in absent
+    ]
     return {
         "sections": sections,
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
@@ -78,7 +112,8 @@ def page_context(
         "verdict": verdict(survey),
         "figures": key_figures(survey),
         "quality": {table.name: table for table in quality},
-        "layers": [(image_id(layer), image_uri(layer)) for layer in layers] + ([(BLOCK, scene.block)] if scene else []),
+        "layers": [(image_id(layer), image_uri(layer)) for layer in layers]
+        + ([(BLOCK, scene.block)] if scene else []),
         "table": object_rows(survey),
         "address_of": {o.id: o.address for o in survey.findings.objects or ()},
         "date": _date_words(dive.date) if dive.date is not None else "",
@@ -91,7 +126,15 @@ def page_context(
         "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
         **_coverage_context(survey),
         **_change_context(survey),
-        "plots": {p.name: {"title": p.title, "alt": p.alt, "src": png_uri(p.png), "csv": f"plots/{p.name}.csv"} for p in plots},
+        "plots": {
+            p.name: {
+                "title": p.title,
+                "alt": p.alt,
+                "src": png_uri(p.png),
+                "csv": f"plots/{p.name}.csv",
+            }
+            for p in plots
+        },
         "rejected": rejected_groups(survey),
         "settings": settings_rows(survey.provenance.steps),
         "steps": survey.provenance.steps,
@@ -110,7 +153,9 @@ def _date_words(date: datetime) -> str:
 
 
 def _change_context(survey: Survey) -> PageContext:
-    """Return the template's variables of what changed since an earlier dive; None where it was not compared with one."""
+    """Return the template's variables of what changed since an earlier dive; None where it was not
+    compared with one.
+    """
     found = survey.change
     return {"change": found and found.chapter, "change_map": found and png_uri(found.map)}
 
@@ -133,8 +178,9 @@ def _coverage_context(survey: Survey) -> PageContext:
 
 
 def draw_ship(survey: Survey) -> tuple[str, str] | None:
-    """Return the ship with the surveyed patch on it as SVG, and which side it shows; None without a CAD model or where nothing
-    of it was seen."""
+    """Return the ship with the surveyed patch on it as SVG, and which side it shows; None without a
+    CAD model or where nothing of it was seen.
+    """
     chart, surface = survey.surfaces.chart, survey.surfaces.as_found or survey.surfaces.surveyed
     if not isinstance(chart, AxisChart) or surface is None or not survey.is_in_hull_frame:
         return None
@@ -150,7 +196,10 @@ def png_uri(png: bytes) -> str:
 def draw_plan(survey: Survey, view: ChartView) -> str:
     """Return the plan of the dive as SVG."""
     ellipses = object_ellipses(survey.findings.objects or (), view.chart)
-    marks = [mark_of(o, at, e) for o, at, e in zip(survey.findings.objects or (), view.objects, ellipses, strict=True)]
+    marks = [
+        mark_of(o, at, e)
+        for o, at, e in zip(survey.findings.objects or (), view.objects, ellipses, strict=True)
+    ]
     chart = "the hull's chart" if survey.is_in_hull_frame else "the survey's own plane"
     across = "girth" if survey.is_in_hull_frame else "across"
     title = (
@@ -164,7 +213,9 @@ def draw_plan(survey: Survey, view: ChartView) -> str:
         marks=marks,
         ground=ground_png(view.found, view.extent) if view.found is not None else None,
         across=across,
-        frame_spacing_m=survey.facts.hull.frame_spacing if survey.facts.hull and survey.is_in_hull_frame else None,
+        frame_spacing_m=survey.facts.hull.frame_spacing
+        if survey.facts.hull and survey.is_in_hull_frame
+        else None,
     )
     return plan_svg(plan, title)
 
@@ -172,26 +223,43 @@ def draw_plan(survey: Survey, view: ChartView) -> str:
 def mark_of(found: ReportedObject, at: Array, ellipse: SigmaEllipse | None) -> Mark:
     """Return an object as a mark on the plan, at (along, girth)."""
     text = f"Object {found.id}: height {with_sigma(found.height, found.height_sigma, 'm')}, {found.address}"
-    return Mark(label=str(found.id), along=float(at[0]), girth=float(at[1]), text=text, ellipse=ellipse)
+    return Mark(
+        label=str(found.id), along=float(at[0]), girth=float(at[1]), text=text, ellipse=ellipse
+    )
 
 
 def deviation_map(survey: Survey, view: ChartView) -> str | None:
-    """Return the map of the deviation's form as a data URI; None without a CAD model or a hull as found."""
+    """Return the map of the deviation's form as a data URI; None without a CAD model or a hull as
+    found.
+    """
     split = survey.surfaces.deviation
-    if split is None or not survey.is_in_hull_frame or view.found is None or not np.isfinite(split.form).any():
+    if (
+        split is None
+        or not survey.is_in_hull_frame
+        or view.found is None
+        or not np.isfinite(split.form).any()
+    ):
         return None
     objects = survey.findings.objects or ()
-    marks = [(str(o.id), float(a[0]), float(a[1])) for o, a in zip(objects, view.objects, strict=True)]
+    marks = [
+        (str(o.id), float(a[0]), float(a[1])) for o, a in zip(objects, view.objects, strict=True)
+    ]
     return png_uri(form_png(view.found, split, view.extent, marks))
 
 
 def describe_position(survey: Survey) -> str:
-    """Return how well the survey as a whole lies on its chart, in a sentence; nothing where that is not known."""
+    """Return how well the survey as a whole lies on its chart, in a sentence; nothing where that is
+    not known.
+    """
     chart = survey.surfaces.chart
     along, girth = survey.track.sigma_on_chart(chart) if chart is not None else (np.nan, np.nan)
     if not np.isfinite(along + girth):
         return ""
-    ways = ("along the hull", "in girth") if survey.is_in_hull_frame else ("along the plane", "across it")
+    ways = (
+        ("along the hull", "in girth")
+        if survey.is_in_hull_frame
+        else ("along the plane", "across it")
+    )
     return f"Its position as a whole is known to {length(along)} {ways[0]} and {length(girth)} {ways[1]} (one sigma, median)."
 
 
@@ -199,12 +267,22 @@ def mosaic_context(name: str, mosaic: Mosaic) -> PageContext:
     """Return the preview, at most 1800 pixels wide, as JPEG, with what mosaic.json says."""
     import cv2
 
-    picture: Pixels = np.asarray(cv2.imdecode(np.frombuffer(mosaic.preview, np.uint8), cv2.IMREAD_COLOR_RGB), np.uint8)
+    picture: Pixels = np.asarray(
+        cv2.imdecode(np.frombuffer(mosaic.preview, np.uint8), cv2.IMREAD_COLOR_RGB), np.uint8
+    )
     if picture.shape[1] > 1800:
         factor = 1800 / picture.shape[1]
-        picture = np.asarray(cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA), np.uint8)
+        picture = np.asarray(
+            cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA), np.uint8
+        )
     src = jpeg_uri(picture, 0, 86)
-    return {"name": name.title(), "src": src, "caption": mosaic.facts.caption, "stem": name, "has_mesh": mosaic.has_mesh}
+    return {
+        "name": name.title(),
+        "src": src,
+        "caption": mosaic.facts.caption,
+        "stem": name,
+        "has_mesh": mosaic.has_mesh,
+    }
 
 
 def coverage_rows(coverage: Coverage | None, what: str = "Hull seen") -> list[tuple[str, str]]:
@@ -212,22 +290,39 @@ def coverage_rows(coverage: Coverage | None, what: str = "Hull seen") -> list[tu
     rows: list[tuple[str, str]] = []
     if coverage is None:
         return rows
-    for name, seen in (("camera", coverage.camera), ("sonar", coverage.sonar), ("DVL", coverage.dvl)):
+    for name, seen in (
+        ("camera", coverage.camera),
+        ("sonar", coverage.sonar),
+        ("DVL", coverage.dvl),
+    ):
         if seen is None:
             continue
-        areas = (("by", seen.area_m2, seen.area_sigma_m2), ("at least twice by", seen.area_twice_m2, None))
-        rows += [(f"{what} {text} {name}", area_words(area, sigma)) for text, area, sigma in areas if area is not None]
+        areas = (
+            ("by", seen.area_m2, seen.area_sigma_m2),
+            ("at least twice by", seen.area_twice_m2, None),
+        )
+        rows += [
+            (f"{what} {text} {name}", area_words(area, sigma))
+            for text, area, sigma in areas
+            if area is not None
+        ]
         spreads = (
             ("Ground sample distance", seen.gsd_m, 1000.0, " mm"),
             ("Incidence angle of the best view", seen.incidence_deg, 1.0, "°"),
             ("Views per point", seen.views, 1.0, ""),
         )
-        rows += [(f"{text}, {name}", percentile_text(p, factor, unit)) for text, p, factor, unit in spreads if p]
+        rows += [
+            (f"{text}, {name}", percentile_text(p, factor, unit))
+            for text, p, factor, unit in spreads
+            if p
+        ]
     return rows
 
 
 def region_rows(coverage: Coverage | None) -> list[tuple[str, ...]]:
-    """Return a row of words for each region: name, limits, hull in it, and what camera, sonar and DVL saw of it."""
+    """Return a row of words for each region: name, limits, hull in it, and what camera, sonar and
+    DVL saw of it.
+    """
 
     def limits(pair: tuple[float, float] | None) -> str:
         return "whole" if pair is None else f"{pair[0]:g} to {pair[1]:g} m"
@@ -239,15 +334,29 @@ def region_rows(coverage: Coverage | None) -> list[tuple[str, ...]]:
         return f"{area_words(share.area_m2, share.area_sigma_m2)} ({percent})"
 
     return [
-        (r.name, limits(r.along), limits(r.girth), f"{r.area_m2:.1f} m²", seen(r.camera), seen(r.sonar), seen(r.dvl))
+        (
+            r.name,
+            limits(r.along),
+            limits(r.girth),
+            f"{r.area_m2:.1f} m²",
+            seen(r.camera),
+            seen(r.sonar),
+            seen(r.dvl),
+        )
         for r in (coverage.regions if coverage is not None else ())
     ]
 
 
 def percentile_text(percentiles: Mapping[str, float], factor: float, unit: str) -> str:
-    """Return `2 mm (5th to 95th percentile 1.8 to 2.4 mm)` of members p05, p50, p95; those that are missing are left out."""
+    """Return `2 mm (5th to 95th percentile 1.8 to 2.4 mm)` of members p05, p50, p95; those that are
+    missing are left out.
+    """
     low, middle, high = (percentiles.get(name) for name in ("p05", "p50", "p95"))
-    spread = "" if low is None or high is None else f"5th to 95th percentile {factor * low:.3g} to {factor * high:.3g}{unit}"
+    spread = (
+        ""
+        if low is None or high is None
+        else f"5th to 95th percentile {factor * low:.3g} to {factor * high:.3g}{unit}"
+    )
     if middle is None:
         return spread
     return f"{factor * middle:.3g}{unit}" + (f" ({spread})" if spread else "")

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the page's script is given, as JSON in the page: places in map coordinates, metres, as in the rasters and GeoPackages.
+"""What the page's script is given, as JSON in the page: places in map coordinates, metres, as in
+the rasters and GeoPackages.
 
-Members: `frame`; `map` (None without a chart), which report/web/src/map.js reads; `objects`, with their places on the map; and
-`scene` (None where nothing is shown in 3-D), which scene.js reads. A layer's picture is a data URI in a script element of its
-own, named by `image`: a browser decodes it when it is first shown.
+Members: `frame`; `map` (None without a chart), which report/web/src/map.js reads; `objects`, with
+their places on the map; and `scene` (None where nothing is shown in 3-D), which scene.js reads. A
+layer's picture is a data URI in a script element of its own, named by `image`: a browser decodes it
+when it is first shown.
 """
 
 from __future__ import annotations
@@ -32,10 +34,18 @@ ELLIPSE = np.linspace(0, 2 * np.pi, 41)
 
 
 def page_data(
-    survey: Survey, view: ChartView | None, layers: Sequence[MapLayer], ellipses: Sequence[SigmaEllipse | None]
+    survey: Survey,
+    view: ChartView | None,
+    layers: Sequence[MapLayer],
+    ellipses: Sequence[SigmaEllipse | None],
 ) -> PageData:
     """Return the document of #report-data; ellipses: of the objects."""
-    document: dict[str, object] = {"frame": str(survey.track.frame), "map": None, "objects": [], "scene": None}
+    document: dict[str, object] = {
+        "frame": str(survey.track.frame),
+        "map": None,
+        "objects": [],
+        "scene": None,
+    }
     if view is None:
         return document
     outside = _outside(view.extent, survey)
@@ -51,7 +61,9 @@ def page_data(
 
 def script_json(data: PageData) -> str:
     """Return JSON that cannot end the script element it stands in. Raises ValueError for a NaN."""
-    text = json.dumps(data, allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+    text = json.dumps(
+        data, allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True
+    )
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
@@ -70,7 +82,9 @@ def _outside(extent: Extent, survey: Survey) -> OutsideMap:
     return OutsideMap(x_sign=x, y_sign=y, frame=str(survey.track.frame))
 
 
-def _map_document(survey: Survey, view: ChartView, layers: Sequence[MapLayer], outside: OutsideMap) -> PageData:
+def _map_document(
+    survey: Survey, view: ChartView, layers: Sequence[MapLayer], outside: OutsideMap
+) -> PageData:
     hull = survey.facts.hull
     in_ship = survey.is_in_hull_frame
     return {
@@ -104,10 +118,18 @@ def _layer_document(layer: MapLayer) -> PageData:
 
 
 def _object_document(
-    found: ReportedObject, at: Array, ellipse: SigmaEllipse | None, chart: Chart, outside: OutsideMap
+    found: ReportedObject,
+    at: Array,
+    ellipse: SigmaEllipse | None,
+    chart: Chart,
+    outside: OutsideMap,
 ) -> PageData:
     """Return one object's places; `at` and lists are None and empty where it lies off the chart."""
-    outline = chart.to_chart(np.array(found.outline, float))[:, :2] if len(found.outline) >= 3 else np.zeros((0, 2))
+    outline = (
+        chart.to_chart(np.array(found.outline, float))[:, :2]
+        if len(found.outline) >= 3
+        else np.zeros((0, 2))
+    )
     on_chart = bool(np.isfinite(at).all())
     return {
         "id": found.id,
@@ -115,7 +137,9 @@ def _object_document(
         "height": round(found.height, 4),
         "at": _rounded(outside.to_map(at[None])[0]) if on_chart else None,
         "outline": _rounded(outside.to_map(outline[np.isfinite(outline).all(axis=1)])),
-        "ellipse": _rounded(outside.to_map(at + _ring(ellipse))) if ellipse is not None and on_chart else [],
+        "ellipse": _rounded(outside.to_map(at + _ring(ellipse)))
+        if ellipse is not None and on_chart
+        else [],
     }
 
 
@@ -135,13 +159,26 @@ def _pieces(path: Array) -> list[Array]:
 
 
 def _links(pairs: NodePairs | None, path: Array, outside: OutsideMap) -> list[PageData]:
-    """Return the pairs of images that matched by kind, each with its segments (x, y, x, y); path: the nodes on the chart."""
-    if pairs is None or not len(pairs) or max(int(pairs.first.max()), int(pairs.second.max())) >= len(path):
+    """Return the pairs of images that matched by kind, each with its segments (x, y, x, y); path:
+    the nodes on the chart.
+    """
+    if (
+        pairs is None
+        or not len(pairs)
+        or max(int(pairs.first.max()), int(pairs.second.max())) >= len(path)
+    ):
         return []
     ends = np.hstack([outside.to_map(path[pairs.first]), outside.to_map(path[pairs.second])])
     kept = pairs.joined & np.isfinite(ends).all(axis=1)
-    kinds: dict[str, Mask] = {"along the track": kept & ~pairs.across, "between legs": kept & pairs.across}
-    return [{"kind": name, "segments": _rounded(ends[which])} for name, which in kinds.items() if which.any()]
+    kinds: dict[str, Mask] = {
+        "along the track": kept & ~pairs.across,
+        "between legs": kept & pairs.across,
+    }
+    return [
+        {"kind": name, "segments": _rounded(ends[which])}
+        for name, which in kinds.items()
+        if which.any()
+    ]
 
 
 def _rounded(values: Array) -> list[object]:

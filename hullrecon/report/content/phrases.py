@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers as a surveyor writes them: unit and sigma beside each, no more digits than the sigma deserves."""
+"""Numbers as a surveyor writes them: unit and sigma beside each, no more digits than the sigma
+deserves.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,9 @@ from collections.abc import Sequence
 
 
 def decimals(sigma: float) -> int:
-    """Return the digits after the point so that a sigma keeps one significant one, two when it begins with a 1."""
+    """Return the digits after the point so that a sigma keeps one significant one, two when it
+    begins with a 1.
+    """
     if not math.isfinite(sigma) or sigma <= 0:
         return 3
     power = math.floor(math.log10(sigma))
@@ -37,7 +41,9 @@ def area_words(area_m2: float, sigma_m2: float | None = None) -> str:
 
 
 def error_with_sigma(error: float, sigma: float, unit: str) -> str:
-    """Return an error with its sign, like −0.12 ± 0.03°; the unit brings its own space. A sigma of zero is not known."""
+    """Return an error with its sign, like −0.12 ± 0.03°; the unit brings its own space. A sigma of
+    zero is not known.
+    """
     shown = min(4, decimals(sigma)) if sigma > 0 else 2
     known = f" ± {sigma:.{shown}f}" if sigma > 0 else ""
     return f"{with_minus(f'{error:+.{shown}f}')}{known}{unit}"
@@ -53,11 +59,16 @@ def length(metres: float) -> str:
 
 
 def lengths(metres: Sequence[float]) -> str:
-    """Return several lengths in one unit: 0.350 / 0.041 / 0.098 m; millimetres where all are below 0.1 m."""
+    """Return several lengths in one unit: 0.350 / 0.041 / 0.098 m; millimetres where all are below
+    0.1 m.
+    """
     finite = [abs(m) for m in metres if math.isfinite(m)]
     if finite and max(finite) < 0.0995:
         digits = 1 if min(finite) < 0.00995 else 0
-        return " / ".join("–" if not math.isfinite(m) else f"{1000 * m:.{digits}f}" for m in metres) + " mm"
+        return (
+            " / ".join("–" if not math.isfinite(m) else f"{1000 * m:.{digits}f}" for m in metres)
+            + " mm"
+        )
     digits = 3 if finite and min(finite) < 0.0995 else 2
     return " / ".join("–" if not math.isfinite(m) else f"{m:.{digits}f}" for m in metres) + " m"
 
@@ -78,7 +89,9 @@ def duration(seconds: float) -> str:
 
 
 def probability(p: float | None) -> str:
-    """Return a probability; a very small one as a bound, since a tail is not known to thirty digits."""
+    """Return a probability; a very small one as a bound, since a tail is not known to thirty
+    digits.
+    """
     if p is None or not math.isfinite(p):
         return "–"
     return "< 0.0001" if p < 1e-4 else f"{p:.4f}"
@@ -91,4 +104,10 @@ def count(number: int, one: str, many: str = "") -> str:
 
 def join(parts: Sequence[str]) -> str:
     """Return a text like a, b and c."""
-    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1] if parts else ""
+    return (
+        parts[0]
+        if len(parts) == 1
+        else ", ".join(parts[:-1]) + " and " + parts[-1]
+        if parts
+        else ""
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How well images overlapped and fit, what the adjustment found of the sensors, how long each step took: tables in words."""
+"""How well images overlapped and fit, what the adjustment found of the sensors, how long each step
+took: tables in words.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ def quality_tables(survey: Survey) -> list[WordTable]:
 def _overlap(survey: Survey) -> WordTable:
     pairs = survey.facts.node_pairs
     kinds = (("Neighbours along the track", False), ("Images of other legs", True))
-    rows = [_overlap_row(pairs, name, across) for name, across in kinds] if pairs is not None else []
+    rows = (
+        [_overlap_row(pairs, name, across) for name, across in kinds] if pairs is not None else []
+    )
     return WordTable(
         name="overlap",
         caption="Overlap of images: median of the matched ones and 5th to 95th percentile, on the path known by then",
@@ -66,11 +70,25 @@ def _residuals(survey: Survey) -> WordTable:
     if summary is not None and summary.sigmas.pixel_px is not None:
         rows += [_residual_row(summary.residuals_after[key], name, summary.sigmas.pixel_px, "px")
                  for key, name in IMAGE_FACTORS.items() if key in summary.residuals_after]  # fmt: skip
-    if summary is not None and summary.sigmas.range_m is not None and "range" in summary.residuals_after:
-        rows.append(_residual_row(summary.residuals_after["range"], "DVL ranges", 1000 * summary.sigmas.range_m, "mm"))
-    if summary is not None and summary.positions is not None and "position" in summary.residuals_after:
+    if (
+        summary is not None
+        and summary.sigmas.range_m is not None
+        and "range" in summary.residuals_after
+    ):
+        rows.append(
+            _residual_row(
+                summary.residuals_after["range"], "DVL ranges", 1000 * summary.sigmas.range_m, "mm"
+            )
+        )
+    if (
+        summary is not None
+        and summary.positions is not None
+        and "position" in summary.residuals_after
+    ):
         name = "Positions from outside, north and east"
-        rows.append(_residual_row(summary.residuals_after["position"], name, summary.positions.sigma_m, "m"))
+        rows.append(
+            _residual_row(summary.residuals_after["position"], name, summary.positions.sigma_m, "m")
+        )
     return WordTable(
         name="residuals-px",
         caption="Residuals after the adjustment: median-based sigma, root mean square, and how many lie beyond three sigmas",
@@ -79,7 +97,9 @@ def _residuals(survey: Survey) -> WordTable:
     )
 
 
-def _residual_row(found: FactorResiduals, name: str, unit_sigma: float, unit: str) -> tuple[str, ...]:
+def _residual_row(
+    found: FactorResiduals, name: str, unit_sigma: float, unit: str
+) -> tuple[str, ...]:
     robust = "–" if found.robust_sigma is None else f"{unit_sigma * found.robust_sigma:.2g} {unit}"
     beyond = "–" if found.share_beyond_3 is None else f"{100 * found.share_beyond_3:.1f} %"
     return name, f"{int(found.count):,}", robust, f"{unit_sigma * found.rms:.2g} {unit}", beyond
@@ -87,10 +107,17 @@ def _residual_row(found: FactorResiduals, name: str, unit_sigma: float, unit: st
 
 def _calibration(survey: Survey) -> WordTable:
     summary = survey.adjusted.summary if survey.adjusted is not None else AdjustSummary()
-    rows = [] if summary.navigation is None else _sensor_errors(survey, summary.navigation, summary.navigation_sigma)
+    rows = (
+        []
+        if summary.navigation is None
+        else _sensor_errors(survey, summary.navigation, summary.navigation_sigma)
+    )
     for camera, parameters in summary.intrinsics.items():
         rows += [
-            (f"Camera {camera}, {name}", f"{with_sigma(p.found, p.sigma, '').strip()} (calibrated {p.calibrated:.6g})")
+            (
+                f"Camera {camera}, {name}",
+                f"{with_sigma(p.found, p.sigma, '').strip()} (calibrated {p.calibrated:.6g})",
+            )
             for name, p in parameters.items()
         ]
     return WordTable(
@@ -102,22 +129,45 @@ def _calibration(survey: Survey) -> WordTable:
     )
 
 
-def _sensor_errors(survey: Survey, found: SensorErrors, sigma: SensorErrors) -> list[tuple[str, str]]:
-    """Return a row for each error of a sensor that was carried. Scale and drift were estimated as what corrects the sensor: its
-    error has the other sign. The tray's backlash is left out: its sigma does not hold against truth."""
+def _sensor_errors(
+    survey: Survey, found: SensorErrors, sigma: SensorErrors
+) -> list[tuple[str, str]]:
+    """Return a row for each error of a sensor that was carried. Scale and drift were estimated as
+    what corrects the sensor: its error has the other sign. The tray's backlash is left out: its
+    sigma does not hold against truth.
+    """
     rows = []
     if survey.facts.dvl is not None:
         scale, scale_sigma = -100 * found.dvl_scale, 100 * sigma.dvl_scale
-        rows.append(("Scale error of the DVL's velocities", error_with_sigma(scale, scale_sigma, " %")))
+        rows.append(
+            ("Scale error of the DVL's velocities", error_with_sigma(scale, scale_sigma, " %"))
+        )
     if survey.facts.has_attitude:
-        drift, drift_sigma = (3600 * math.degrees(v) for v in (-found.heading_drift_rad_s, sigma.heading_drift_rad_s))
+        drift, drift_sigma = (
+            3600 * math.degrees(v) for v in (-found.heading_drift_rad_s, sigma.heading_drift_rad_s)
+        )
         rows += [
             ("Drift of the heading", error_with_sigma(drift, drift_sigma, "° per hour")),
-            ("Bias of roll", error_with_sigma(math.degrees(found.roll_bias_rad), math.degrees(sigma.roll_bias_rad), "°")),
-            ("Bias of pitch", error_with_sigma(math.degrees(found.pitch_bias_rad), math.degrees(sigma.pitch_bias_rad), "°")),
+            (
+                "Bias of roll",
+                error_with_sigma(
+                    math.degrees(found.roll_bias_rad), math.degrees(sigma.roll_bias_rad), "°"
+                ),
+            ),
+            (
+                "Bias of pitch",
+                error_with_sigma(
+                    math.degrees(found.pitch_bias_rad), math.degrees(sigma.pitch_bias_rad), "°"
+                ),
+            ),
         ]
     if survey.facts.has_depth:
-        rows.append(("Bias of the depth", error_with_sigma(1000 * found.depth_bias_m, 1000 * sigma.depth_bias_m, " mm")))
+        rows.append(
+            (
+                "Bias of the depth",
+                error_with_sigma(1000 * found.depth_bias_m, 1000 * sigma.depth_bias_m, " mm"),
+            )
+        )
     return rows
 
 
@@ -130,4 +180,6 @@ def _times(survey: Survey) -> WordTable:
             held = f"{memory / 1e6:,.0f} MB" if isinstance(memory, int | float) else "–"
             rows.append((step.name, duration(float(seconds)), held))
     caption = f"Time and memory by step: {duration(total)} for {count(len(rows), 'step')}, this report's own not counted"
-    return WordTable(name="times", caption=caption, headings=("Step", "Time", "Most memory held"), rows=rows)
+    return WordTable(
+        name="times", caption=caption, headings=("Step", "Time", "Most memory held"), rows=rows
+    )

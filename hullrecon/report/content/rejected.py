@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Section 9 and the parameters: what was lost, rejected or not delivered, and every resolved option."""
+"""Section 9 and the parameters: what was lost, rejected or not delivered, and every resolved
+option.
+"""
 
 from __future__ import annotations
 
@@ -14,20 +16,36 @@ from hullrecon.report.survey import StepRun, Survey
 
 
 def rejected_groups(survey: Survey) -> list[tuple[str, list[str]]]:
-    """Return what was lost, rejected or not delivered, by heading; headings without an item are left out."""
+    """Return what was lost, rejected or not delivered, by heading; headings without an item are
+    left out.
+    """
     facts = survey.facts
-    pairs = [f"{reason}: {count(number, 'pair')}" for reason, number in sorted(facts.pairs.failed.items())]
+    pairs = [
+        f"{reason}: {count(number, 'pair')}"
+        for reason, number in sorted(facts.pairs.failed.items())
+    ]
     navigation = facts.navigation
     outages = [f"no DVL {_between(navigation, interval)}" for interval in navigation.outages_s]
-    gaps = [f"no attitude {_between(navigation, interval)}" for interval in navigation.attitude_gaps_s]
+    gaps = [
+        f"no attitude {_between(navigation, interval)}" for interval in navigation.attitude_gaps_s
+    ]
     groups = [
-        ("Deliverables that this dive cannot give", [f"{name}: {why}" for name, why in survey.provenance.missing.items()]),
+        (
+            "Deliverables that this dive cannot give",
+            [f"{name}: {why}" for name, why in survey.provenance.missing.items()],
+        ),
         ("Lost data", list(facts.log.lost)),
         ("CAD model, as checked", list(facts.log.hull)),
         ("Navigation", [*outages, *gaps, *navigation.remarks]),
         ("Image pairs without a relative pose", pairs),
-        ("Observations", _observations(survey.adjusted.summary) if survey.adjusted is not None else []),
-        ("Regions examined and not reported as objects", [_region(r) for r in survey.findings.not_reported]),
+        (
+            "Observations",
+            _observations(survey.adjusted.summary) if survey.adjusted is not None else [],
+        ),
+        (
+            "Regions examined and not reported as objects",
+            [_region(r) for r in survey.findings.not_reported],
+        ),
         ("Warnings of the steps", survey.provenance.warnings()),
         ("Remarks on the log", list(facts.log.remarks)),
     ]
@@ -64,11 +82,21 @@ def settings_rows(steps: Iterable[StepRun]) -> list[tuple[str, str]]:
 def _flatten(values: Mapping[str, object], above: str = "") -> list[tuple[str, object]]:
     out: list[tuple[str, object]] = []
     for key, value in values.items():
-        out += _flatten(value, f"{above}{key}.") if isinstance(value, Mapping) else [(above + key, value)]
+        out += (
+            _flatten(value, f"{above}{key}.")
+            if isinstance(value, Mapping)
+            else [(above + key, value)]
+        )
     return out
 
 
 def _value(value: object) -> str:
     if isinstance(value, Mapping):
         return " ".join(f"{key} {_value(member)}" for key, member in value.items())
-    return ", ".join(map(_value, value)) if isinstance(value, list | tuple) else "not set" if value is None else str(value)
+    return (
+        ", ".join(map(_value, value))
+        if isinstance(value, list | tuple)
+        else "not set"
+        if value is None
+        else str(value)
+    )

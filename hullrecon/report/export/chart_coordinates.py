@@ -15,8 +15,9 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class ChartCoordinates:
-    """Of n points: along and girth (n,) m, NaN off the chart; side (n,), "" where there is none; frame (n,), the ship's frame
-    number, NaN without spacing."""
+    """Of n points: along and girth (n,) m, NaN off the chart; side (n,), "" where there is none;
+    frame (n,), the ship's frame number, NaN without spacing.
+    """
 
     along: Array
     girth: Array
@@ -25,7 +26,9 @@ class ChartCoordinates:
 
 
 def chart_coordinates(survey: Survey, points: Array) -> ChartCoordinates:
-    """Return the coordinates of points (n, 3) in the frame of the results; all are lost without a chart."""
+    """Return the coordinates of points (n, 3) in the frame of the results; all are lost without a
+    chart.
+    """
     chart, hull = survey.surfaces.chart, survey.facts.hull
     lost = np.full(len(points), np.nan)
     if chart is None or not len(points):

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The chart itself, for programs without hullrecon: chart.ply, a mesh that knows its chart coordinates, and chart.json, which
-says how to go from them to the ship and back."""
+"""The chart itself, for programs without hullrecon: chart.ply, a mesh that knows its chart
+coordinates, and chart.json, which says how to go from them to the ship and back.
+"""
 
 from __future__ import annotations
 
@@ -35,8 +36,9 @@ TO_CHART = (
 
 @dataclass(frozen=True, kw_only=True)
 class ChartMesh:
-    """The chart as a mesh: along_girth (n, 2) m, points and outward normals (n, 3), faces (m, 3), outward; step_m between
-    vertices."""
+    """The chart as a mesh: along_girth (n, 2) m, points and outward normals (n, 3), faces (m, 3),
+    outward; step_m between vertices.
+    """
 
     along_girth: Array
     points: Array
@@ -51,13 +53,21 @@ def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
     at = at[np.isfinite(at).all(axis=1)]
     low, high = at.min(axis=0) - MARGIN_M, at.max(axis=0) + MARGIN_M
     step = max(STEP_M, float(np.sqrt(np.prod(high - low) / MAX_VERTICES)))
-    along, girth = (np.arange(np.floor(a / step), np.ceil(b / step) + 1) * step for a, b in zip(low, high, strict=True))
+    along, girth = (
+        np.arange(np.floor(a / step), np.ceil(b / step) + 1) * step
+        for a, b in zip(low, high, strict=True)
+    )
     lattice = np.stack(np.meshgrid(along, girth, indexing="ij"), axis=-1)
     points, normals = chart.from_chart(lattice.reshape(-1, 2))
     number = np.arange(len(points)).reshape(len(along), len(girth))
-    corners = [number[rows, columns].ravel() for rows in (np.s_[:-1], np.s_[1:]) for columns in (np.s_[:-1], np.s_[1:])]
+    corners = [
+        number[rows, columns].ravel()
+        for rows in (np.s_[:-1], np.s_[1:])
+        for columns in (np.s_[:-1], np.s_[1:])
+    ]
     whole = np.isfinite(points[np.stack(corners, axis=1)]).all(axis=(1, 2))
-    a, b, c, d = (corner[whole] for corner in corners)  # charts are left-handed about the outward normal
+    # charts are left-handed about the outward normal
+    a, b, c, d = (corner[whole] for corner in corners)
     faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([b, d, c], axis=1)])
     used, faces = np.unique(faces, return_inverse=True)
     return ChartMesh(
@@ -72,7 +82,10 @@ def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
 def chart_ply(survey: Survey, mesh: ChartMesh) -> bytes:
     """Return chart.ply (docs/deliverables.md)."""
     normals = {f"n{axis}": mesh.normals[:, k].astype(np.float32) for k, axis in enumerate("xyz")}
-    at = {name: np.ascontiguousarray(mesh.along_girth[:, k]) for k, name in enumerate(("along", "girth"))}
+    at = {
+        name: np.ascontiguousarray(mesh.along_girth[:, k])
+        for k, name in enumerate(("along", "girth"))
+    }
     return ply_bytes({**columns(mesh.points), **normals, **at}, mesh.faces, header_comments(survey))
 
 

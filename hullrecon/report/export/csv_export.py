@@ -21,7 +21,9 @@ def numbers(values: NDArray[np.float64], form: str = ".9f") -> list[str]:
 
 
 def csv_text(table: Mapping[str, Sequence[object]]) -> str:
-    """Return a CSV of columns; cells that hold a comma, a quote or a line end are quoted (RFC 4180)."""
+    """Return a CSV of columns; cells that hold a comma, a quote or a line end are quoted (RFC
+    4180).
+    """
     rows = zip(*table.values(), strict=True)
     return "\n".join([",".join(table), *(",".join(_cell(c) for c in row) for row in rows), ""])
 

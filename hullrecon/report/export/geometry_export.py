@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Landmarks and surfaces as PLY, and the alignment as JSON: the deliverables that other programs read."""
+"""Landmarks and surfaces as PLY, and the alignment as JSON: the deliverables that other programs
+read.
+"""
 
 from __future__ import annotations
 
@@ -26,26 +28,37 @@ def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
 
 def header_comments(survey: Survey) -> list[str]:
     """Return what the header of each PLY says: frame and units."""
-    return [f"frame {survey.track.frame}: {frame_in_words(survey)}", "unit metre; sigma is one standard deviation"]
+    return [
+        f"frame {survey.track.frame}: {frame_in_words(survey)}",
+        "unit metre; sigma is one standard deviation",
+    ]
 
 
 def landmarks_ply(survey: Survey, solution: Solution) -> bytes:
-    """Return landmarks.ply (docs/deliverables.md). sigma is that of one axis: the square root of a third of the covariance's
-    trace."""
+    """Return landmarks.ply (docs/deliverables.md). sigma is that of one axis: the square root of a
+    third of the covariance's trace.
+    """
     sigma = np.sqrt(np.einsum("nii->n", solution.landmarks.covariance) / 3)
-    color = {name: solution.landmarks.color[:, k].astype(np.uint8) for k, name in enumerate(("red", "green", "blue"))}
+    color = {
+        name: solution.landmarks.color[:, k].astype(np.uint8)
+        for k, name in enumerate(("red", "green", "blue"))
+    }
     values = {
         "label": solution.landmarks.label.astype(np.uint8),
         "deviation": solution.landmarks.deviation.astype(np.float32),
         "sigma": sigma.astype(np.float32),
         "track": solution.landmarks.views.astype(np.int32),
     }
-    return ply_bytes({**columns(landmarks_in_hull(solution)), **color, **values}, comments=header_comments(survey))
+    return ply_bytes(
+        {**columns(landmarks_in_hull(solution)), **color, **values},
+        comments=header_comments(survey),
+    )
 
 
 def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None = None) -> bytes:
-    """Return the bytes of surface.ply and as_found.ply (docs/deliverables.md), the latter with the form of the deviation, NaN
-    without a CAD model."""
+    """Return the bytes of surface.ply and as_found.ply (docs/deliverables.md), the latter with the
+    form of the deviation, NaN without a CAD model.
+    """
     values = {
         "deviation": surface.deviation.astype(np.float32),
         "sigma": surface.sigma.astype(np.float32),
@@ -55,24 +68,36 @@ def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None =
         lost = np.full(len(surface.vertices), np.nan, np.float32)
         values["form"] = lost if split is None else split.form.astype(np.float32)
         values["form_sigma"] = lost if split is None else split.form_sigma.astype(np.float32)
-    return ply_bytes({**columns(surface.vertices), **values}, surface.faces, header_comments(survey))
+    return ply_bytes(
+        {**columns(surface.vertices), **values}, surface.faces, header_comments(survey)
+    )
 
 
 def motion_document(motion: Poses) -> dict[str, list[float]]:
     """Return a rigid motion (a batch of one) as translation (m) and quaternion (x y z w)."""
-    return {"translation": motion.translation[0].tolist(), "quaternion": motion.quaternion[0].tolist()}
+    return {
+        "translation": motion.translation[0].tolist(),
+        "quaternion": motion.quaternion[0].tolist(),
+    }
 
 
-def alignment_document(hull_pose: HullPose, hull: Hull, weak_directions: Sequence[Mapping[str, object]]) -> dict[str, object]:
-    """Return alignment.json (docs/deliverables.md): T_g_M, the guess before, and the directions that stay uncertain.
+def alignment_document(
+    hull_pose: HullPose, hull: Hull, weak_directions: Sequence[Mapping[str, object]]
+) -> dict[str, object]:
+    """Return alignment.json (docs/deliverables.md): T_g_M, the guess before, and the directions
+    that stay uncertain.
 
-    covariance: of where the hull lies given the dive's own frame, with the CAD model's error in it (HullPose.covariance).
+    covariance: of where the hull lies given the dive's own frame, with the CAD model's error in it
+    (HullPose.covariance).
     """
     return {
         "T_g_M": motion_document(hull_pose.global_from_hull),
         "covariance": hull_pose.covariance.tolist(),
         "covariance_order": "translation x y z in g (m), rotation x y z perturbed on the right (rad), about survey_center",
         "survey_center": hull_pose.survey_center.tolist(),
-        "prior": {**motion_document(from_mount(hull.pose)), "sigma_m_deg": guess_sigma(hull.pose, hull.pose_sigma).tolist()},
+        "prior": {
+            **motion_document(from_mount(hull.pose)),
+            "sigma_m_deg": guess_sigma(hull.pose, hull.pose_sigma).tolist(),
+        },
         "weak_directions": list(weak_directions),
     }

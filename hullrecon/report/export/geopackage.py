@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A GeoPackage (OGC 12-128r18) of points and polygons as bytes: an SQLite database of the standard's tables."""
+"""A GeoPackage (OGC 12-128r18) of points and polygons as bytes: an SQLite database of the
+standard's tables.
+"""
 
 from __future__ import annotations
 
@@ -34,8 +36,9 @@ WGS84 = (
 
 @dataclass(frozen=True, kw_only=True)
 class Layer:
-    """Features of one kind: polygons, closed rings (k, 2), or points (1, 2) in map coordinates, and for each its fields: whole
-    numbers, numbers, words or None, the same names in the same order."""
+    """Features of one kind: polygons, closed rings (k, 2), or points (1, 2) in map coordinates, and
+    for each its fields: whole numbers, numbers, words or None, the same names in the same order.
+    """
 
     name: str
     description: str
@@ -46,7 +49,9 @@ class Layer:
 
 
 def geopackage_bytes(layers: Sequence[Layer], crs_name: str, wkt: str, changed: str) -> bytes:
-    """Return the file. changed: time of the last change, ISO 8601: that of the dive, so that equal runs give equal bytes."""
+    """Return the file. changed: time of the last change, ISO 8601: that of the dive, so that equal
+    runs give equal bytes.
+    """
     database = sqlite3.connect(":memory:")
     try:
         database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
@@ -69,13 +74,22 @@ def geopackage_bytes(layers: Sequence[Layer], crs_name: str, wkt: str, changed: 
 
 def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None:
     corners = np.concatenate([np.zeros((0, 2)), *layer.shapes])
-    box = [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()] if len(corners) else [None] * 4
+    box = (
+        [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()]
+        if len(corners)
+        else [None] * 4
+    )
     entry = (layer.name, "features", layer.name, layer.description, changed, *box, SRS_ID)
     database.execute("INSERT INTO gpkg_contents VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", entry)
     kind = "POLYGON" if layer.polygons else "POINT"
-    database.execute("INSERT INTO gpkg_geometry_columns VALUES (?, 'geom', ?, ?, 0, 0)", (layer.name, kind, SRS_ID))
+    database.execute(
+        "INSERT INTO gpkg_geometry_columns VALUES (?, 'geom', ?, ?, 0, 0)",
+        (layer.name, kind, SRS_ID),
+    )
     fields = "".join(f', "{name}" {TYPES[of]}' for name, of in layer.types.items())
-    database.execute(f'CREATE TABLE "{layer.name}" (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, geom {kind}{fields})')
+    database.execute(
+        f'CREATE TABLE "{layer.name}" (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, geom {kind}{fields})'
+    )
     marks = ", ".join("?" * (1 + len(layer.types)))
     names = ", ".join(["geom", *(f'"{name}"' for name in layer.types)])
     rows = [
@@ -86,12 +100,18 @@ def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None
 
 
 def geometry_blob(shape: Array, polygon: bool) -> bytes:
-    """Return a polygon of one ring (k, 2), closed here, or a point (1, 2), as GeoPackage stores it: header with the envelope of
-    polygons, then WKB, little endian."""
+    """Return a polygon of one ring (k, 2), closed here, or a point (1, 2), as GeoPackage stores it:
+    header with the envelope of polygons, then WKB, little endian.
+    """
     ring = np.vstack([shape, shape[:1]]) if polygon else shape
     head = b"GP" + struct.pack("<BBi", 0, 0b011 if polygon else 0b001, SRS_ID)
     if not polygon:
         return head + struct.pack("<BI2d", 1, 1, *ring[0])
     low, high = ring.min(axis=0), ring.max(axis=0)
     envelope = struct.pack("<4d", low[0], high[0], low[1], high[1])
-    return head + envelope + struct.pack("<BIII", 1, 3, 1, len(ring)) + np.ascontiguousarray(ring, "<f8").tobytes()
+    return (
+        head
+        + envelope
+        + struct.pack("<BIII", 1, 3, 1, len(ring))
+        + np.ascontiguousarray(ring, "<f8").tobytes()
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull as found as a point cloud (ASPRS LAS 1.4), for programs of surveyors: what was seen of it, with sigma."""
+"""The hull as found as a point cloud (ASPRS LAS 1.4), for programs of surveyors: what was seen of
+it, with sigma.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array
 
-STEP_M = 0.0001  # of the whole numbers that LAS stores: a twentieth of the best sigma, and 200 km in reach
+# of the whole numbers that LAS stores: a twentieth of the best sigma, and 200 km in reach
+STEP_M = 0.0001
 POINT_FORMAT = 6  # the least that carries its coordinate system as WKT
 
 
@@ -27,9 +30,11 @@ def las_bytes(
     by_images: bool = True,
     up: Sequence[float] | Array = (0.0, 0.0, 1.0),
 ) -> bytes:
-    """Return as_found.las (docs/deliverables.md): the seen vertices in frame M or g. split: the deviation's parts, None without
-    a CAD model; then there is no deviation. t_ns: time of the dive's last pose, which stands for that of the file. by_images:
-    what the support counts, else returns of the DVL. up (3,): the axis that points up in M."""
+    """Return as_found.las (docs/deliverables.md): the seen vertices in frame M or g. split: the
+    deviation's parts, None without a CAD model; then there is no deviation. t_ns: time of the
+    dive's last pose, which stands for that of the file. by_images: what the support counts, else
+    returns of the DVL. up (3,): the axis that points up in M.
+    """
     import laspy
 
     seen = surface.support > 0
@@ -49,7 +54,9 @@ def las_bytes(
             "form_sigma": (split.form_sigma, "m, one sigma of the form"),
         }
     types = {name: np.int32 if name == "support" else np.float32 for name in values}
-    header.add_extra_dims([laspy.ExtraBytesParams(name, types[name], text) for name, (_, text) in values.items()])
+    header.add_extra_dims(
+        [laspy.ExtraBytesParams(name, types[name], text) for name, (_, text) in values.items()]
+    )
     header.vlrs.append(laspy.vlrs.known.WktCoordinateSystemVlr(frame_wkt(frame, up)))
     header.global_encoding.wkt = True
     cloud = laspy.LasData(header)
@@ -63,17 +70,24 @@ def las_bytes(
 
 
 def frame_wkt(frame: str, up: Sequence[float] | Array = (0.0, 0.0, 1.0)) -> str:
-    """Return a local engineering system of three axes in WKT 1, as LAS asks for: metres, tied to no place on Earth. up (3,): in
-    M; the level axes have the names that a chart on paper gives them."""
+    """Return a local engineering system of three axes in WKT 1, as LAS asks for: metres, tied to no
+    place on Earth. up (3,): in M; the level axes have the names that a chart on paper gives them.
+    """
     name, datum, ways = "hull frame of the ship (M)", "the ship", _ways(np.asarray(up, float))
     if frame != "M":
-        name, datum, ways = "local level frame (g), z down", "start of the dive", ("EAST", "NORTH", "DOWN")
+        name, datum, ways = (
+            "local level frame (g), z down",
+            "start of the dive",
+            ("EAST", "NORTH", "DOWN"),
+        )
     axes = ",".join(f'AXIS["{axis}",{way}]' for axis, way in zip("xyz", ways, strict=True))
     return f'LOCAL_CS["{name}",LOCAL_DATUM["{datum}",32767],UNIT["metre",1],{axes}]'
 
 
 def _ways(up: Array) -> tuple[str, ...]:
-    """Return where x, y, z of a right-handed frame point, of which one is level to the right (east)."""
+    """Return where x, y, z of a right-handed frame point, of which one is level to the right
+    (east).
+    """
     turn = gltf_from(up)[:3, :3]  # rows east, up, south
     names = (("EAST", "WEST"), ("UP", "DOWN"), ("SOUTH", "NORTH"))
     row = np.argmax(np.abs(turn), axis=0)

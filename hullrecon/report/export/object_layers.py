@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The objects as layers over the orthos: objects.geojson and objects.gpkg, in the map coordinates of the rasters."""
+"""The objects as layers over the orthos: objects.geojson and objects.gpkg, in the map coordinates
+of the rasters.
+"""
 
 from __future__ import annotations
 
@@ -15,17 +17,39 @@ from hullrecon.report.export.geopackage import Layer, geopackage_bytes
 from hullrecon.typing import Array
 
 FIELDS: dict[str, type] = {
-    "id": int, "kind": str, "height": float, "height_sigma": float, "deviation": float, "deviation_sigma": float, "area": float,
-    "area_sigma": float, "volume": float, "volume_sigma": float, "views": int, "p_value": float, "along": float, "girth": float,
-    "side": str, "frame": float, "depth": float, "depth_sigma": float, "sigma_along": float, "sigma_girth": float,
-    "sigma_normal": float, "open_edge": float, "address": str,
-}  # fmt: skip
+    "id": int,
+    "kind": str,
+    "height": float,
+    "height_sigma": float,
+    "deviation": float,
+    "deviation_sigma": float,
+    "area": float,
+    "area_sigma": float,
+    "volume": float,
+    "volume_sigma": float,
+    "views": int,
+    "p_value": float,
+    "along": float,
+    "girth": float,
+    "side": str,
+    "frame": float,
+    "depth": float,
+    "depth_sigma": float,
+    "sigma_along": float,
+    "sigma_girth": float,
+    "sigma_normal": float,
+    "open_edge": float,
+    "address": str,
+}
 Fields = dict[str, int | float | str | None]
 
 
-def object_layers(objects: Sequence[ReportedObject], photos: Collection[int], chart: Chart, outside: OutsideMap) -> list[Layer]:
-    """Return outlines and centers of objects, those without an outline on the chart left out of the first; photos: ids of those
-    with a photo file."""
+def object_layers(
+    objects: Sequence[ReportedObject], photos: Collection[int], chart: Chart, outside: OutsideMap
+) -> list[Layer]:
+    """Return outlines and centers of objects, those without an outline on the chart left out of the
+    first; photos: ids of those with a photo file.
+    """
     fields = [object_fields(found, photos) for found in objects]
     rings = [_on_map(found.outline, chart, outside) for found in objects]
     drawn = [k for k, ring in enumerate(rings) if len(ring) >= 3]
@@ -33,11 +57,23 @@ def object_layers(objects: Sequence[ReportedObject], photos: Collection[int], ch
     placed = [k for k, center in enumerate(centers) if len(center)]
     types = {**FIELDS, "photo": str}
     return [
-        Layer(name="objects", description="outlines of the objects' footprints", polygons=True, types=types,
-              shapes=[rings[k] for k in drawn], fields=[fields[k] for k in drawn]),
-        Layer(name="object_centers", description="the objects' centers", polygons=False, types=types,
-              shapes=[centers[k] for k in placed], fields=[fields[k] for k in placed]),
-    ]  # fmt: skip
+        Layer(
+            name="objects",
+            description="outlines of the objects' footprints",
+            polygons=True,
+            types=types,
+            shapes=[rings[k] for k in drawn],
+            fields=[fields[k] for k in drawn],
+        ),
+        Layer(
+            name="object_centers",
+            description="the objects' centers",
+            polygons=False,
+            types=types,
+            shapes=[centers[k] for k in placed],
+            fields=[fields[k] for k in placed],
+        ),
+    ]
 
 
 def object_fields(found: ReportedObject, photos: Collection[int]) -> Fields:
@@ -55,8 +91,9 @@ def photo_name(number: int) -> str:
 
 
 def objects_geojson(layers: Sequence[Layer], outside: OutsideMap) -> dict[str, object]:
-    """Return objects.geojson: the outlines. Its coordinates are metres of the map, not degrees, which the member `crs` of the
-    2008 specification says to programs that read it."""
+    """Return objects.geojson: the outlines. Its coordinates are metres of the map, not degrees,
+    which the member `crs` of the 2008 specification says to programs that read it.
+    """
     outlines = layers[0]
     return {
         "type": "FeatureCollection",
@@ -67,7 +104,10 @@ def objects_geojson(layers: Sequence[Layer], outside: OutsideMap) -> dict[str, o
                 "type": "Feature",
                 "id": fields["id"],
                 "properties": dict(fields),
-                "geometry": {"type": "Polygon", "coordinates": [[*ring.round(5).tolist(), ring[0].round(5).tolist()]]},
+                "geometry": {
+                    "type": "Polygon",
+                    "coordinates": [[*ring.round(5).tolist(), ring[0].round(5).tolist()]],
+                },
             }
             for ring, fields in zip(outlines.shapes, outlines.fields, strict=True)
         ],

@@ -13,18 +13,41 @@ from hullrecon.report.export.table import Column, Table
 def objects_table(objects: Sequence[ReportedObject]) -> Table:
     """Return objects.csv (docs/deliverables.md): a row an object, as in objects.json."""
     columns = [_column("id", "", "number, as in objects.json", [o.id for o in objects])]
-    for name, unit, meaning in (("center", "m", "on the visible surface"), ("normal", "", "outward unit normal of the hull")):
-        columns += [_column(f"{name}_{a}", unit, meaning, [getattr(o, name)[k] for o in objects]) for k, a in enumerate("xyz")]
-    columns += [
-        _column(f"extent_{k + 1}", "m", f"size {way} of the part above a quarter of the height", [o.extent[k] for o in objects])
-        for k, way in enumerate(("along the hull", "over the girth"))
-    ]
-    columns += [_column(name, unit, meaning, [getattr(o, name) for o in objects]) for name, unit, meaning in _BEFORE]
-    columns.append(_column("address", "", "place in words", [o.address for o in objects], words=True))
-    columns.append(_column("image_count", "", "images that objects.json lists", [len(o.images) for o in objects]))
+    for name, unit, meaning in (
+        ("center", "m", "on the visible surface"),
+        ("normal", "", "outward unit normal of the hull"),
+    ):
+        columns += [
+            _column(f"{name}_{a}", unit, meaning, [getattr(o, name)[k] for o in objects])
+            for k, a in enumerate("xyz")
+        ]
     columns += [
         _column(
-            f"extent_{k + 1}_sigma", "m", "one sigma of the extent", [o.extent_sigma and o.extent_sigma[k] for o in objects]
+            f"extent_{k + 1}",
+            "m",
+            f"size {way} of the part above a quarter of the height",
+            [o.extent[k] for o in objects],
+        )
+        for k, way in enumerate(("along the hull", "over the girth"))
+    ]
+    columns += [
+        _column(name, unit, meaning, [getattr(o, name) for o in objects])
+        for name, unit, meaning in _BEFORE
+    ]
+    columns.append(
+        _column("address", "", "place in words", [o.address for o in objects], words=True)
+    )
+    columns.append(
+        _column(
+            "image_count", "", "images that objects.json lists", [len(o.images) for o in objects]
+        )
+    )
+    columns += [
+        _column(
+            f"extent_{k + 1}_sigma",
+            "m",
+            "one sigma of the extent",
+            [o.extent_sigma and o.extent_sigma[k] for o in objects],
         )
         for k in range(2)
     ]
@@ -70,8 +93,16 @@ _ADDED = (
 )
 
 
-def _column(name: str, unit: str, meaning: str, values: Sequence[object], words: bool = False) -> Column:
-    return Column(name=name, unit=unit, meaning=meaning, values=[_cell(value) for value in values], words=words)
+def _column(
+    name: str, unit: str, meaning: str, values: Sequence[object], words: bool = False
+) -> Column:
+    return Column(
+        name=name,
+        unit=unit,
+        meaning=meaning,
+        values=[_cell(value) for value in values],
+        words=words,
+    )
 
 
 def _cell(value: object) -> object:

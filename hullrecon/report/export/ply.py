@@ -13,18 +13,25 @@ _NAMES = {"float32": "float", "float64": "double", "uint8": "uchar", "int32": "i
 
 
 def ply_bytes(
-    vertex: Mapping[str, NDArray[np.generic]], faces: NDArray[np.integer] | None = None, comments: Sequence[str] = ()
+    vertex: Mapping[str, NDArray[np.generic]],
+    faces: NDArray[np.integer] | None = None,
+    comments: Sequence[str] = (),
 ) -> bytes:
-    """Return a PLY of vertex properties (n,) in the order given, float32, float64, uint8 or int32, and triangles (m, 3), with
-    comments in its header.
+    """Return a PLY of vertex properties (n,) in the order given, float32, float64, uint8 or int32,
+    and triangles (m, 3), with comments in its header.
 
     Raises KeyError for a property of another type.
     """
     columns = {name: np.asarray(values) for name, values in vertex.items()}
     count = len(next(iter(columns.values())))
     header = ["ply", "format binary_little_endian 1.0", *(f"comment {line}" for line in comments)]
-    header += [f"element vertex {count}", *(f"property {_NAMES[v.dtype.name]} {n}" for n, v in columns.items())]
-    rows = np.empty(count, [(name, values.dtype.newbyteorder("<")) for name, values in columns.items()])
+    header += [
+        f"element vertex {count}",
+        *(f"property {_NAMES[v.dtype.name]} {n}" for n, v in columns.items()),
+    ]
+    rows = np.empty(
+        count, [(name, values.dtype.newbyteorder("<")) for name, values in columns.items()]
+    )
     for name, values in columns.items():
         rows[name] = values
     body = rows.tobytes()
@@ -37,5 +44,7 @@ def ply_bytes(
 
 
 def columns(points: NDArray[np.float64]) -> dict[str, NDArray[np.generic]]:
-    """Return x, y, z of (n, 3) points as double: a float has steps of 4 mm at a ship's length from a harbour's origin."""
+    """Return x, y, z of (n, 3) points as double: a float has steps of 4 mm at a ship's length from
+    a harbour's origin.
+    """
     return {name: np.ascontiguousarray(points[:, k]) for k, name in enumerate("xyz")}

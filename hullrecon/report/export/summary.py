@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""summary.json: the run in numbers, for programs. All that differs between equal runs stands in its `run` block."""
+"""summary.json: the run in numbers, for programs. All that differs between equal runs stands in its
+`run` block.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,11 @@ def summary_document(survey: Survey, deliverables: Mapping[str, FileEntry]) -> d
     return {
         "schema": SCHEMA,
         "software": {"name": "hullrecon", "version": __version__},
-        "dive": {"name": dive.name, "vessel": dive.vessel, "date": dive.date.isoformat() if dive.date else None},
+        "dive": {
+            "name": dive.name,
+            "vessel": dive.vessel,
+            "date": dive.date.isoformat() if dive.date else None,
+        },
         "frame": survey.track.frame,
         "frame_in_words": frame_in_words(survey),
         "units": "metres, seconds, radians; sigma is one standard deviation",
@@ -46,7 +52,9 @@ def summary_document(survey: Survey, deliverables: Mapping[str, FileEntry]) -> d
 
 
 def _public_run(run: Mapping[str, object]) -> dict[str, object]:
-    """Return a step's run block as others may see it: without times of single iterations and the host's name."""
+    """Return a step's run block as others may see it: without times of single iterations and the
+    host's name.
+    """
     public = {name: value for name, value in run.items() if name != "times"}
     host = public.get("host")
     if isinstance(host, Mapping):
@@ -55,11 +63,17 @@ def _public_run(run: Mapping[str, object]) -> dict[str, object]:
 
 
 def _iterations(adjusted: AdjustedDive) -> int | None:
-    """Return the iterations of all rounds, their starts not counted; None where they were not recorded."""
+    """Return the iterations of all rounds, their starts not counted; None where they were not
+    recorded.
+    """
     record = adjusted.iterations
     if "cost" not in record:
         return None
-    return count(np.asarray(record["round"], np.int64)) if "round" in record else len(record["cost"]) - 1
+    return (
+        count(np.asarray(record["round"], np.int64))
+        if "round" in record
+        else len(record["cost"]) - 1
+    )
 
 
 def counts(survey: Survey) -> dict[str, object]:
@@ -69,8 +83,12 @@ def counts(survey: Survey) -> dict[str, object]:
         "poses": len(track.t_ns),
         "path_m": path_length_m(survey),
         "duration_s": round(float(track.t_ns[-1] - track.t_ns[0]) * 1e-9, 3),
-        "images": {camera.key: int(source.index.usable.sum()) for camera, source in facts.images.items()},
-        "images_unusable": {camera.key: int((~source.index.usable).sum()) for camera, source in facts.images.items()},
+        "images": {
+            camera.key: int(source.index.usable.sum()) for camera, source in facts.images.items()
+        },
+        "images_unusable": {
+            camera.key: int((~source.index.usable).sum()) for camera, source in facts.images.items()
+        },
     }
     if survey.adjusted is not None:
         landmarks = survey.adjusted.solution.landmarks

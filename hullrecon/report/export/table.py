@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tables whose columns say their unit and meaning: the CSV, and csv-metadata.json beside it (CSV on the Web, W3C)."""
+"""Tables whose columns say their unit and meaning: the CSV, and csv-metadata.json beside it (CSV on
+the Web, W3C).
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,9 @@ UNITS = {"m": "M", "rad": "RAD", "s": "SEC", "m2": "M2", "m3": "M3"}  # names of
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """A column of a table. name: without its unit; unit: "" for numbers without one and for words; words: whether its cells
-    are."""
+    """A column of a table. name: without its unit; unit: "" for numbers without one and for words;
+    words: whether its cells are.
+    """
 
     name: str
     unit: str
@@ -26,7 +29,9 @@ class Column:
 
     @property
     def heading(self) -> str:
-        """Return what the table's first row calls it: the name, and its unit where it has one (`sigma_x_m`)."""
+        """Return what the table's first row calls it: the name, and its unit where it has one
+        (`sigma_x_m`).
+        """
         return f"{self.name}_{self.unit}" if self.unit else self.name
 
 
@@ -45,11 +50,17 @@ class Table:
 
 
 def csv_metadata(tables: Sequence[Table]) -> Mapping[str, object]:
-    """Return csv-metadata.json: a group of tables, each with name, unit, meaning and type of its columns."""
+    """Return csv-metadata.json: a group of tables, each with name, unit, meaning and type of its
+    columns.
+    """
     return {
         "@context": "http://www.w3.org/ns/csvw",
         "tables": [
-            {"url": table.file, "dc:title": table.title, "tableSchema": {"columns": [_entry(c) for c in table.columns]}}
+            {
+                "url": table.file,
+                "dc:title": table.title,
+                "tableSchema": {"columns": [_entry(c) for c in table.columns]},
+            }
             for table in tables
         ],
     }
@@ -62,4 +73,6 @@ def _entry(column: Column) -> dict[str, str]:
         "datatype": "string" if column.words else "number",
         "dc:description": column.meaning,
     }
-    return entry | ({"unit": column.unit, "qudt:hasUnit": QUDT + UNITS[column.unit]} if column.unit else {})
+    return entry | (
+        {"unit": column.unit, "qudt:hasUnit": QUDT + UNITS[column.unit]} if column.unit else {}
+    )

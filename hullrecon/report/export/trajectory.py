@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The trajectory as people take it away: the vehicle in the hull frame (global without a CAD model), with sigmas."""
+"""The trajectory as people take it away: the vehicle in the hull frame (global without a CAD
+model), with sigmas.
+"""
 
 from __future__ import annotations
 
@@ -27,26 +29,50 @@ def trajectory_table(survey: Survey) -> Table:
     place, turn = track.poses.translation, track.poses.quaternion
     columns = [Column(name="t", unit="s", meaning="since 1970 (UTC)", values=seconds(track.t_ns))]
     columns += [
-        Column(name=n, unit="m", meaning=f"position of the vehicle in {frame}", values=numbers(place[:, k]))
+        Column(
+            name=n,
+            unit="m",
+            meaning=f"position of the vehicle in {frame}",
+            values=numbers(place[:, k]),
+        )
         for k, n in enumerate("xyz")
     ]
     columns += [
-        Column(name=n, unit="", meaning=f"rotation of the vehicle in {frame}, unit quaternion", values=numbers(turn[:, k]))
+        Column(
+            name=n,
+            unit="",
+            meaning=f"rotation of the vehicle in {frame}, unit quaternion",
+            values=numbers(turn[:, k]),
+        )
         for k, n in enumerate(("qx", "qy", "qz", "qw"))
     ]
     columns += [
-        Column(name=f"sigma_{n}", unit=unit, meaning=f"one sigma of {what}", values=numbers(track.sigma[:, k], ".6g"))
+        Column(
+            name=f"sigma_{n}",
+            unit=unit,
+            meaning=f"one sigma of {what}",
+            values=numbers(track.sigma[:, k], ".6g"),
+        )
         for k, (n, unit, what) in enumerate(_SIGMAS)
     ]
-    columns.append(Column(name="tray", unit="rad", meaning="angle of the tray", values=numbers(track.tray)))
-    return Table(file="trajectory.csv", title="the vehicle at every node", columns=[*columns, *_ship_columns(survey)])
+    columns.append(
+        Column(name="tray", unit="rad", meaning="angle of the tray", values=numbers(track.tray))
+    )
+    return Table(
+        file="trajectory.csv",
+        title="the vehicle at every node",
+        columns=[*columns, *_ship_columns(survey)],
+    )
 
 
 _SIGMAS = (
-    ("x", "m", "the position along x"), ("y", "m", "the position along y"), ("z", "m", "the position along z"),
-    ("roll", "rad", "a small rotation about the vehicle's x"), ("pitch", "rad", "a small rotation about its y"),
+    ("x", "m", "the position along x"),
+    ("y", "m", "the position along y"),
+    ("z", "m", "the position along z"),
+    ("roll", "rad", "a small rotation about the vehicle's x"),
+    ("pitch", "rad", "a small rotation about its y"),
     ("yaw", "rad", "a small rotation about its z"),
-)  # fmt: skip
+)
 
 
 def _ship_columns(survey: Survey) -> list[Column]:
@@ -65,7 +91,12 @@ def _ship_columns(survey: Survey) -> list[Column]:
         length("along", "along the hull, of the point below the vehicle", at.along),
         length("girth", "girth from the keel, port positive", at.girth),
         Column(name="side", unit="", meaning="port, starboard or keel", values=at.side, words=True),
-        Column(name="frame", unit="", meaning="number of the ship's frame", values=numbers(at.frame, ".3f")),
+        Column(
+            name="frame",
+            unit="",
+            meaning="number of the ship's frame",
+            values=numbers(at.frame, ".3f"),
+        ),
         length("depth", "below the water surface", depth),
         length("sigma_along", "one sigma along the hull", along_sigma, ".6g"),
         length("sigma_girth", "one sigma in girth", girth_sigma, ".6g"),
@@ -74,17 +105,22 @@ def _ship_columns(survey: Survey) -> list[Column]:
 
 
 def chart_sigmas(survey: Survey) -> tuple[Array, Array]:
-    """Return one sigma (n,) m of the vehicle along the hull and in girth, by the chart's tangents below it; NaN off the
-    chart."""
+    """Return one sigma (n,) m of the vehicle along the hull and in girth, by the chart's tangents
+    below it; NaN off the chart.
+    """
     track, chart = survey.track, survey.surfaces.chart
     if chart is None:
         return np.full(len(track.t_ns), np.nan), np.full(len(track.t_ns), np.nan)
-    along, girth = (track.sigma_towards(direction) for direction in tangents_at(chart, track.poses.translation))
+    along, girth = (
+        track.sigma_towards(direction) for direction in tangents_at(chart, track.poses.translation)
+    )
     return along, girth
 
 
 def vehicle_depth(survey: Survey) -> Array | None:
-    """Return the depth (n,) m of the vehicle at the nodes, adjusted where it was; None where none was measured."""
+    """Return the depth (n,) m of the vehicle at the nodes, adjusted where it was; None where none
+    was measured.
+    """
     if not survey.facts.has_depth:
         return None
     if survey.adjusted is not None:
@@ -93,8 +129,9 @@ def vehicle_depth(survey: Survey) -> Array | None:
 
 
 def vehicle_depth_sigma(survey: Survey) -> Array:
-    """Return one sigma (n,) m of the depth at the nodes: in g that of the position; in M, whose covariance says how the vehicle
-    lies to the hull, that of the pressure sensor's bias and noise."""
+    """Return one sigma (n,) m of the depth at the nodes: in g that of the position; in M, whose
+    covariance says how the vehicle lies to the hull, that of the pressure sensor's bias and noise.
+    """
     adjusted, nodes = survey.adjusted, len(survey.track.t_ns)
     if adjusted is None:
         return np.asarray(np.sqrt(survey.trajectory.covariance[:, 2, 2]))

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Extent:
-    """A rectangle of the chart, metres. flips: shown with along to the left, girth downwards (charts.viewing_side)."""
+    """A rectangle of the chart, metres. flips: shown with along to the left, girth downwards
+    (charts.viewing_side).
+    """
 
     along: tuple[float, float]
     girth: tuple[float, float]
@@ -30,7 +32,9 @@ class Extent:
     @property
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return left and right, bottom and top of a picture of it."""
-        along, girth = (s[::-1] if f else s for s, f in zip((self.along, self.girth), self.flips, strict=True))
+        along, girth = (
+            s[::-1] if f else s for s, f in zip((self.along, self.girth), self.flips, strict=True)
+        )
         return (along[0], along[1]), (girth[0], girth[1])
 
     @property
@@ -41,7 +45,9 @@ class Extent:
 
 @dataclass(frozen=True, kw_only=True)
 class ChartedSurface:
-    """A surface with its vertices on the chart, at (n, 2); faces outside the chart or across its seam are left out."""
+    """A surface with its vertices on the chart, at (n, 2); faces outside the chart or across its
+    seam are left out.
+    """
 
     surface: Surface
     at: Array
@@ -53,8 +59,12 @@ def project_surface(surface: Surface, chart: Chart) -> ChartedSurface:
     at = chart.to_chart(surface.vertices)[:, :2]
     corners = at[surface.faces]
     span = np.ptp(corners, axis=1).max(axis=1)
-    edge = np.linalg.norm(surface.vertices[surface.faces[:, 0]] - surface.vertices[surface.faces[:, 1]], axis=1)
-    return ChartedSurface(surface=surface, at=at, faces=surface.faces[np.isfinite(span) & (span < 4 * edge + 0.5)])
+    edge = np.linalg.norm(
+        surface.vertices[surface.faces[:, 0]] - surface.vertices[surface.faces[:, 1]], axis=1
+    )
+    return ChartedSurface(
+        surface=surface, at=at, faces=surface.faces[np.isfinite(span) & (span < 4 * edge + 0.5)]
+    )
 
 
 def extent_of(points: Array, flips: tuple[bool, bool], margin_m: float = 0.4) -> Extent:
@@ -71,31 +81,41 @@ def seen_faces(found: ChartedSurface, min_support: int = 1) -> Ints32:
 
 
 def weighted_percentiles(values: Array, weights: Array, percent: tuple[float, ...]) -> Array:
-    """Return percentiles of values (n,) with weights (n,), by linear interpolation of the cumulated weight."""
+    """Return percentiles of values (n,) with weights (n,), by linear interpolation of the cumulated
+    weight.
+    """
     order = np.argsort(values, kind="stable")
     share = np.cumsum(weights[order]) - 0.5 * weights[order]
     return np.asarray(np.interp(np.array(percent) / 100 * weights.sum(), share, values[order]))
 
 
 def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> bytes:
-    """Return a picture of the seen faces, tinted by views, transparent elsewhere; it fills the extent without a frame."""
+    """Return a picture of the seen faces, tinted by views, transparent elsewhere; it fills the
+    extent without a frame.
+    """
     from matplotlib.figure import Figure
 
     width, height = extent.size
-    figure = Figure(figsize=(width_px / 100, width_px / 100 * height / width), dpi=100, frameon=False)
+    figure = Figure(
+        figsize=(width_px / 100, width_px / 100 * height / width), dpi=100, frameon=False
+    )
     axis = figure.add_axes((0, 0, 1, 1))
     axis.set(xlim=extent.limits[0], ylim=extent.limits[1])
     axis.axis("off")
     faces = seen_faces(found)
     if len(faces):
         views = np.minimum(found.surface.support, 8).astype(float)
-        axis.tripcolor(*_finite(found.at), faces, views, cmap="GnBu", vmin=-4, vmax=12, shading="gouraud")
+        axis.tripcolor(
+            *_finite(found.at), faces, views, cmap="GnBu", vmin=-4, vmax=12, shading="gouraud"
+        )
     return png_bytes(figure, transparent=True)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Shading:
-    """How values are coloured: the colours' name, the values at their ends, the legend, and which end goes on."""
+    """How values are coloured: the colours' name, the values at their ends, the legend, and which
+    end goes on.
+    """
 
     colours: str
     low: float
@@ -105,8 +125,10 @@ class Shading:
 
 
 def form_shadings(found: ChartedSurface, split: DeviationSplit) -> tuple[Shading, Shading] | None:
-    """Return how the form of the deviation (mm) and its sigma (mm) are coloured; None where nothing was seen. The bare hull
-    sets the ends: five times the median, since it is most of the area; structures are beyond them."""
+    """Return how the form of the deviation (mm) and its sigma (mm) are coloured; None where nothing
+    was seen. The bare hull sets the ends: five times the median, since it is most of the area;
+    structures are beyond them.
+    """
     weight = np.where(np.isfinite(split.form), vertex_areas(found.surface.mesh()), 0.0)
     if not weight.sum() > 0:
         return None
@@ -115,23 +137,42 @@ def form_shadings(found: ChartedSurface, split: DeviationSplit) -> tuple[Shading
     most = max(2.0, float(weighted_percentiles(sigma, weight, (95,))[0]))
     return (
         Shading(colours="RdBu_r", low=-top, high=top, label="form (mm)", extend="both"),
-        Shading(colours="viridis", low=0, high=most, label="one sigma of the form (mm)", extend="max"),
+        Shading(
+            colours="viridis", low=0, high=most, label="one sigma of the form (mm)", extend="max"
+        ),
     )
 
 
-def form_png(found: ChartedSurface, split: DeviationSplit, extent: Extent, marks: list[tuple[str, float, float]]) -> bytes:
-    """Return maps of the form of the seen faces in millimetres, blue inward, red outward, and below it of its sigma; marks:
-    labels at along, girth."""
+def form_png(
+    found: ChartedSurface,
+    split: DeviationSplit,
+    extent: Extent,
+    marks: list[tuple[str, float, float]],
+) -> bytes:
+    """Return maps of the form of the seen faces in millimetres, blue inward, red outward, and below
+    it of its sigma; marks: labels at along, girth.
+    """
     width, height = extent.size
     figure, axes = new_figure(7.6, 2 * min(5.0, max(1.8, 6.0 * height / width + 0.6)), rows=2)
     fields = (1000 * np.nan_to_num(split.form), 1000 * np.nan_to_num(split.form_sigma))
     for axis, values, shading in zip(axes, fields, form_shadings(found, split) or (), strict=False):
         _draw_field(axis, found, values, shading)
     for axis in axes:
-        axis.set(xlim=extent.limits[0], ylim=extent.limits[1], aspect="equal", xlabel="along (m)", ylabel="girth (m)")
+        axis.set(
+            xlim=extent.limits[0],
+            ylim=extent.limits[1],
+            aspect="equal",
+            xlabel="along (m)",
+            ylabel="girth (m)",
+        )
     for text, along, girth in marks:
         axes[0].annotate(
-            text, (along, girth), fontsize=8, ha="center", va="center", bbox={"boxstyle": "circle", "fc": "white", "lw": 0.8}
+            text,
+            (along, girth),
+            fontsize=8,
+            ha="center",
+            va="center",
+            bbox={"boxstyle": "circle", "fc": "white", "lw": 0.8},
         )
     return png_bytes(figure)
 
@@ -141,7 +182,13 @@ def _draw_field(axis: Axes, found: ChartedSurface, values: Array, shading: Shadi
     if not len(faces):
         return
     drawn = axis.tripcolor(
-        *_finite(found.at), faces, values, cmap=shading.colours, vmin=shading.low, vmax=shading.high, shading="gouraud"
+        *_finite(found.at),
+        faces,
+        values,
+        cmap=shading.colours,
+        vmin=shading.low,
+        vmax=shading.high,
+        shading="gouraud",
     )
     bar = axis.figure.colorbar(drawn, ax=axis, shrink=0.9, pad=0.01, extend=shading.extend)
     bar.set_label(shading.label, size=9)
@@ -149,6 +196,8 @@ def _draw_field(axis: Axes, found: ChartedSurface, values: Array, shading: Shadi
 
 
 def _finite(at: Array) -> tuple[Array, Array]:
-    """Return along and girth without NaN: matplotlib wants numbers for vertices off the chart, which no shown face uses."""
+    """Return along and girth without NaN: matplotlib wants numbers for vertices off the chart,
+    which no shown face uses.
+    """
     along, girth = np.nan_to_num(at).T
     return along, girth

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pictures of the page's map: mosaics and fields of the hull, each filling a rectangle of the map coordinates."""
+"""The pictures of the page's map: mosaics and fields of the hull, each filling a rectangle of the
+map coordinates.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,16 @@ from hullrecon.report.figures.chart_map import ChartedSurface, Extent, Shading, 
 from hullrecon.typing import Array, Mask, Pixels
 
 Bounds = tuple[float, float, float, float]  # left, bottom, right, top in map coordinates, m
-MOST_PIXELS = 12e6  # of a mosaic: 10 m2 at 1 mm a pixel in some 4 MB; the GeoTIFF beside has all of them
+# of a mosaic: 10 m2 at 1 mm a pixel in some 4 MB; the GeoTIFF beside has all of them
+MOST_PIXELS = 12e6
 FIELD_STEP_M, MOST_FIELD_PIXELS = 0.005, 1600
 
 
 @dataclass(frozen=True, kw_only=True)
 class MapLayer:
-    """A picture on the map: name (a stem for ids), title, WebP, its bounds, what its colours mean (None for a photograph), and
-    a sentence of what a reader has to know."""
+    """A picture on the map: name (a stem for ids), title, WebP, its bounds, what its colours mean
+    (None for a photograph), and a sentence of what a reader has to know.
+    """
 
     name: str
     title: str
@@ -33,8 +37,9 @@ class MapLayer:
 
 
 def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer:
-    """Return an ortho as a layer, at most MOST_PIXELS large, its contrast stretched, transparent where nothing was seen; ortho:
-    its GeoTIFF."""
+    """Return an ortho as a layer, at most MOST_PIXELS large, its contrast stretched, transparent
+    where nothing was seen; ortho: its GeoTIFF.
+    """
     import rasterio
     from rasterio.enums import Resampling
 
@@ -46,37 +51,57 @@ def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer
         seen = source.dataset_mask(out_shape=shape)
         left, bottom, right, top = (float(v) for v in source.bounds)
     rgba = np.dstack([*_stretched(np.asarray(picture, np.uint8), seen > 0), seen])
-    return MapLayer(name=name, title=title, webp=webp_bytes(rgba), bounds=(left, bottom, right, top), note=note)
+    return MapLayer(
+        name=name, title=title, webp=webp_bytes(rgba), bounds=(left, bottom, right, top), note=note
+    )
 
 
 def _stretched(picture: Pixels, seen: Mask) -> Pixels:
-    """Return bands (3, h, w) with their brightness spread over the range: water leaves a third of it. Colour grows less, or it
-    would glare."""
+    """Return bands (3, h, w) with their brightness spread over the range: water leaves a third of
+    it. Colour grows less, or it would glare.
+    """
     level = picture.mean(axis=0, dtype=np.float32)
     if not seen.any():
         return picture
     low, high = np.percentile(level[seen], (0.5, 99.5))
     gain = 220 / max(high - low, 25.0)
-    bands = [np.clip(15 + (level - low) * gain + (band - level) * min(gain, 1.25), 0, 255) for band in picture]
+    bands = [
+        np.clip(15 + (level - low) * gain + (band - level) * min(gain, 1.25), 0, 255)
+        for band in picture
+    ]
     return np.stack([band.astype(np.uint8) for band in bands])
 
 
 def field_layer(
-    name: str, title: str, found: ChartedSurface, values: Array, shading: Shading, extent: Extent, note: str = ""
+    name: str,
+    title: str,
+    found: ChartedSurface,
+    values: Array,
+    shading: Shading,
+    extent: Extent,
+    note: str = "",
 ) -> MapLayer:
-    """Return values at the vertices (n,) as a layer over what was seen. Pixels have the colours of the legend and no others, so
-    that a page reads a value from its pixel."""
+    """Return values at the vertices (n,) as a layer over what was seen. Pixels have the colours of
+    the legend and no others, so that a page reads a value from its pixel.
+    """
     level, seen = _levels(found, values, shading, extent)
     rgba = np.dstack([palette(shading.colours)[level], np.where(seen, 255, 0).astype(np.uint8)])
     return MapLayer(
-        name=name, title=title, webp=webp_bytes(rgba, lossless=True), bounds=bounds_of(extent), legend=shading, note=note
+        name=name,
+        title=title,
+        webp=webp_bytes(rgba, lossless=True),
+        bounds=bounds_of(extent),
+        legend=shading,
+        note=note,
     )
 
 
 def bounds_of(extent: Extent) -> Bounds:
     """Return the rectangle of an extent in map coordinates."""
     x, y = (-1 if flip else 1 for flip in extent.flips)
-    corners = OutsideMap(x_sign=x, y_sign=y, frame="").to_map(np.array([extent.along, extent.girth]).T)
+    corners = OutsideMap(x_sign=x, y_sign=y, frame="").to_map(
+        np.array([extent.along, extent.girth]).T
+    )
     (left, bottom), (right, top) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     return left, bottom, right, top
 
@@ -88,14 +113,20 @@ def palette(name: str) -> Pixels:
     return np.asarray(np.rint(255 * colormaps[name](np.linspace(0, 1, 256))[:, :3]), np.uint8)
 
 
-def _levels(found: ChartedSurface, values: Array, shading: Shading, extent: Extent) -> tuple[Pixels, Mask]:
-    """Return values as levels 0 to 255 of the shading, and where there are any: both (h, w), drawn in grey by matplotlib."""
+def _levels(
+    found: ChartedSurface, values: Array, shading: Shading, extent: Extent
+) -> tuple[Pixels, Mask]:
+    """Return values as levels 0 to 255 of the shading, and where there are any: both (h, w), drawn
+    in grey by matplotlib.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     width_m, height_m = extent.size
     width = min(MOST_FIELD_PIXELS, width_m / FIELD_STEP_M)
-    figure = Figure(figsize=(width / 100, max(2.0, width * height_m / width_m) / 100), dpi=100, frameon=False)
+    figure = Figure(
+        figsize=(width / 100, max(2.0, width * height_m / width_m) / 100), dpi=100, frameon=False
+    )
     canvas = FigureCanvasAgg(figure)
     axis = figure.add_axes((0, 0, 1, 1))
     axis.set(xlim=extent.limits[0], ylim=extent.limits[1])
@@ -104,7 +135,9 @@ def _levels(found: ChartedSurface, values: Array, shading: Shading, extent: Exte
     faces = faces[np.isfinite(values[faces]).all(axis=1)]
     if len(faces):
         at, shown = np.nan_to_num(found.at), np.nan_to_num(values)
-        axis.tripcolor(*at.T, faces, shown, cmap="gray", vmin=shading.low, vmax=shading.high, shading="gouraud")
+        axis.tripcolor(
+            *at.T, faces, shown, cmap="gray", vmin=shading.low, vmax=shading.high, shading="gouraud"
+        )
     canvas.draw()
     drawn = np.asarray(canvas.buffer_rgba())
     return np.ascontiguousarray(drawn[..., 0]), np.asarray(drawn[..., 3] >= 128)
@@ -116,5 +149,12 @@ def webp_bytes(rgba: Pixels, lossless: bool = False) -> bytes:
 
     buffer = BytesIO()
     picture = Image.fromarray(np.ascontiguousarray(rgba, np.uint8), "RGBA")
-    picture.save(buffer, format="WEBP", lossless=lossless, exact=lossless, quality=60 if lossless else 84, method=3)
+    picture.save(
+        buffer,
+        format="WEBP",
+        lossless=lossless,
+        exact=lossless,
+        quality=60 if lossless else 84,
+        method=3,
+    )
     return buffer.getvalue()

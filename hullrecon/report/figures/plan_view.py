@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The plan of the dive on the hull's chart as SVG: hull seen, path of the vehicle, objects, uncertainty."""
+"""The plan of the dive on the hull's chart as SVG: hull seen, path of the vehicle, objects,
+uncertainty.
+"""
 
 from __future__ import annotations
 
@@ -30,13 +32,17 @@ def sigma_ellipse(covariance: Array) -> SigmaEllipse:
     """Return the one-sigma ellipse of a covariance (2, 2), m2, of along and girth."""
     variance, axes = np.linalg.eigh(covariance)
     half = np.sqrt(np.maximum(variance, 0.0))
-    return SigmaEllipse(half_axes=(float(half[1]), float(half[0])), angle_rad=math.atan2(float(axes[1, 1]), float(axes[0, 1])))
+    return SigmaEllipse(
+        half_axes=(float(half[1]), float(half[0])),
+        angle_rad=math.atan2(float(axes[1, 1]), float(axes[0, 1])),
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mark:
-    """An object on the plan: along, girth in metres, a text for it, and the one-sigma ellipse of its own place, None where that
-    is not known."""
+    """An object on the plan: along, girth in metres, a text for it, and the one-sigma ellipse of
+    its own place, None where that is not known.
+    """
 
     label: str
     along: float
@@ -47,8 +53,9 @@ class Mark:
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """path (n, 2) chart coordinates of the vehicle, NaN rows break the line; path_sigma: along and girth, metres; across:
-    what the second coordinate is called."""
+    """path (n, 2) chart coordinates of the vehicle, NaN rows break the line; path_sigma: along and
+    girth, metres; across: what the second coordinate is called.
+    """
 
     extent: Extent
     path: Array
@@ -113,20 +120,30 @@ def _ticks(plan: Plan, scale: float, height: float) -> list[str]:
     parts = []
     for value in _multiples(plan.extent.along, step):
         x = _x(value, plan, scale)
-        parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{TOP + height:.1f}" class="grid"/>')
-        parts.append(f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m</text>')
+        parts.append(
+            f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{TOP + height:.1f}" class="grid"/>'
+        )
+        parts.append(
+            f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m</text>'
+        )
         if plan.frame_spacing_m:
             frame = f"fr {value / plan.frame_spacing_m:.{digits}f}"
-            parts.append(f'<text x="{x:.1f}" y="{TOP + height + 33:.1f}" class="tick mid">{frame}</text>')
+            parts.append(
+                f'<text x="{x:.1f}" y="{TOP + height + 33:.1f}" class="tick mid">{frame}</text>'
+            )
     for value in _multiples(plan.extent.girth, step):
         y = _y(value, plan, scale, height)
-        parts.append(f'<line x1="{LEFT}" x2="{LEFT + WIDTH}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>')
+        parts.append(
+            f'<line x1="{LEFT}" x2="{LEFT + WIDTH}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>'
+        )
         parts.append(f'<text x="{LEFT - 7}" y="{y + 4:.1f}" class="tick end">{value:g} m</text>')
     return parts
 
 
 def _multiples(span: tuple[float, float], step: float) -> list[float]:
-    return [round(k * step, 9) for k in range(math.ceil(span[0] / step), math.floor(span[1] / step) + 1)]
+    return [
+        round(k * step, 9) for k in range(math.ceil(span[0] / step), math.floor(span[1] / step) + 1)
+    ]
 
 
 def _path(plan: Plan, scale: float, height: float) -> str:
@@ -159,7 +176,9 @@ def _mark(mark: Mark, plan: Plan, scale: float, height: float) -> str:
     )
 
 
-def _ellipse(ellipse: SigmaEllipse, x: float, y: float, flips: tuple[bool, bool], scale: float) -> str:
+def _ellipse(
+    ellipse: SigmaEllipse, x: float, y: float, flips: tuple[bool, bool], scale: float
+) -> str:
     """Return the ellipse; SVG's y grows downwards, and so does its angle."""
     along, girth = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
     angle = math.degrees(math.atan2(girth if flips[1] else -girth, -along if flips[0] else along))
@@ -183,9 +202,7 @@ def _sigma_bar(plan: Plan, scale: float, height: float) -> str:
         return ""
     y, right = TOP + height + 58, LEFT + WIDTH
     reach = min(along * scale, WIDTH / 3)
-    text = (
-        f"one sigma of the vehicle: {along:.3f} m along, {girth:.3f} m {'in girth' if plan.across == 'girth' else plan.across}"
-    )
+    text = f"one sigma of the vehicle: {along:.3f} m along, {girth:.3f} m {'in girth' if plan.across == 'girth' else plan.across}"
     return (
         f'<path d="M{right - 2 * reach:.1f} {y - 5:.1f}v10m0 -5h{2 * reach:.1f}m0 -5v10" class="bar sigma-bar"/>'
         f'<text x="{right:.1f}" y="{y + 22:.1f}" class="tick end">{text}</text>'

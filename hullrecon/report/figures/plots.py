@@ -35,19 +35,31 @@ if TYPE_CHECKING:
 
 
 def convergence(iterations: Arrays) -> Plot:
-    """Draw the cost by iteration, and by factor where the record has it; lines break between rounds, whose costs do
-    not compare."""
+    """Draw the cost by iteration, and by factor where the record has it; lines break between
+    rounds, whose costs do not compare.
+    """
     cost = _reached(iterations)
     rounds = _rounds(iterations, len(cost))
     step = np.arange(len(cost))
-    by_factor = {n.removeprefix("cost_"): v for n, v in iterations.items() if n.startswith("cost_") and n != "cost_change"}
+    by_factor = {
+        n.removeprefix("cost_"): v
+        for n, v in iterations.items()
+        if n.startswith("cost_") and n != "cost_change"
+    }
     parts = {name: np.asarray(values, float) for name, values in by_factor.items()}
     figure, (axis,) = new_figure(7.2, 3.4)
-    axis.semilogy(*broken(step, np.maximum(cost, 1e-12), rounds), color=BLUE, linewidth=2, label="all factors")
+    axis.semilogy(
+        *broken(step, np.maximum(cost, 1e-12), rounds), color=BLUE, linewidth=2, label="all factors"
+    )
     for k, (name, values) in enumerate(sorted(parts.items())):
         if (values > 0).any():
             shown = np.where(values > 0, values, np.nan)
-            axis.semilogy(*broken(step, shown, rounds), linewidth=1, linestyle=("-", "--", ":")[k % 3], label=name)
+            axis.semilogy(
+                *broken(step, shown, rounds),
+                linewidth=1,
+                linestyle=("-", "--", ":")[k % 3],
+                label=name,
+            )
     axis.set(xlabel="iteration, all rounds", ylabel="cost (half sum of squares)")
     _mark_rounds(axis, iterations, rounds)
     axis.legend(fontsize=7, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -63,15 +75,22 @@ def convergence(iterations: Arrays) -> Plot:
         "cost": numbers(cost, ".9g"),
         **{n: numbers(v, ".9g") for n, v in sorted(parts.items())},
     }
-    return Plot(name="convergence", title="Cost by iteration", alt=alt, png=png_bytes(figure), table=table)
+    return Plot(
+        name="convergence", title="Cost by iteration", alt=alt, png=png_bytes(figure), table=table
+    )
 
 
 def labels(iterations: Arrays) -> Plot:
-    """Draw the share of the landmarks on the hull and the labels changed, by iteration [Ozog2016 Fig. 4.12], with breaks
-    between rounds."""
+    """Draw the share of the landmarks on the hull and the labels changed, by iteration [Ozog2016
+    Fig. 4.12], with breaks between rounds.
+    """
     on, changed = (np.asarray(iterations[k], np.int64) for k in ("on_surface", "label_changes"))
     rounds, step = _rounds(iterations, len(on)), np.arange(len(on))
-    of = np.asarray(iterations["landmarks"], np.int64) if "landmarks" in iterations else np.full(len(on), on.max())
+    of = (
+        np.asarray(iterations["landmarks"], np.int64)
+        if "landmarks" in iterations
+        else np.full(len(on), on.max())
+    )
     figure, (left, right) = new_figure(7.2, columns=2)
     left.plot(*broken(step, 100 * on / np.maximum(of, 1), rounds), color=BLUE, linewidth=2)
     left.set(xlabel="iteration, all rounds", ylabel="landmarks on the hull (%)")
@@ -81,20 +100,37 @@ def labels(iterations: Arrays) -> Plot:
     for axis in (left, right):
         _mark_rounds(axis, iterations, rounds, names=False)
     alt = f"{on[-1]:,} of {of[-1]:,} landmarks end as on the hull; {changed[-1]:,} labels changed at the last iteration."
-    table = {"round": rounds.tolist(), "iteration": step.tolist(), "landmarks": of.tolist(), "on_surface": on.tolist(),
-             "label_changes": changed.tolist()}  # fmt: skip
-    return Plot(name="labels", title="Labels by iteration", alt=alt, png=png_bytes(figure), table=table)
+    table = {
+        "round": rounds.tolist(),
+        "iteration": step.tolist(),
+        "landmarks": of.tolist(),
+        "on_surface": on.tolist(),
+        "label_changes": changed.tolist(),
+    }
+    return Plot(
+        name="labels", title="Labels by iteration", alt=alt, png=png_bytes(figure), table=table
+    )
 
 
 def _reached(iterations: Arrays) -> Array:
-    """Return the cost (k,) at the last accepted point; the record's own where it does not say which were."""
+    """Return the cost (k,) at the last accepted point; the record's own where it does not say which
+    were.
+    """
     cost = np.asarray(iterations["cost"], float)
-    return reached_cost(cost, np.asarray(iterations["accepted"], bool)) if "accepted" in iterations else cost
+    return (
+        reached_cost(cost, np.asarray(iterations["accepted"], bool))
+        if "accepted" in iterations
+        else cost
+    )
 
 
 def _rounds(iterations: Arrays, count: int) -> Ints:
     """Return the round (count,) of each row, 1 where the record does not say."""
-    return np.asarray(iterations["round"], np.int64) if "round" in iterations else np.ones(count, np.int64)
+    return (
+        np.asarray(iterations["round"], np.int64)
+        if "round" in iterations
+        else np.ones(count, np.int64)
+    )
 
 
 def _mark_rounds(axis: Axes, iterations: Arrays, rounds: Ints, names: bool = True) -> None:
@@ -109,9 +145,16 @@ def _mark_rounds(axis: Axes, iterations: Arrays, rounds: Ints, names: bool = Tru
         if names and "pixel_sigma_px" in iterations:
             text += f"\n{float(iterations['pixel_sigma_px'][k]):.2g} px"
         axis.annotate(
-            text, (k, 1.0), fontsize=7, color=GRAY, va="bottom", annotation_clip=False, xycoords=axis.get_xaxis_transform(),
-            xytext=(3, 2), textcoords="offset points",
-        )  # fmt: skip
+            text,
+            (k, 1.0),
+            fontsize=7,
+            color=GRAY,
+            va="bottom",
+            annotation_clip=False,
+            xycoords=axis.get_xaxis_transform(),
+            xytext=(3, 2),
+            textcoords="offset points",
+        )
 
 
 def residuals(before: Mapping[str, FactorResiduals], after: Mapping[str, FactorResiduals]) -> Plot:
@@ -129,27 +172,44 @@ def residuals(before: Mapping[str, FactorResiduals], after: Mapping[str, FactorR
     axis.invert_yaxis()
     axis.set(xlabel="root mean square residual, in its own sigma")
     axis.legend(fontsize=7, frameon=False)
-    changes = "; ".join(f"{n} from {a:.2f} to {b:.2f} sigma" for n, a, b in zip(names, low, high, strict=True))
+    changes = "; ".join(
+        f"{n} from {a:.2f} to {b:.2f} sigma" for n, a, b in zip(names, low, high, strict=True)
+    )
     alt = f"RMS residuals: {changes}."
-    table: dict[str, Sequence[object]] = {"factor": names, "rms_before": numbers(low, ".6g"), "rms_after": numbers(high, ".6g"),
-             "count": [int(after[n].count) for n in names]}  # fmt: skip
-    return Plot(name="residuals", title="Residuals before and after", alt=alt, png=png_bytes(figure), table=table)
+    table: dict[str, Sequence[object]] = {
+        "factor": names,
+        "rms_before": numbers(low, ".6g"),
+        "rms_after": numbers(high, ".6g"),
+        "count": [int(after[n].count) for n in names],
+    }
+    return Plot(
+        name="residuals",
+        title="Residuals before and after",
+        alt=alt,
+        png=png_bytes(figure),
+        table=table,
+    )
 
 
 def standoff(dvl: DvlPings) -> Array:
-    """Return the distance (n,) m from the DVL to the hull: the median over the beams of range times the cosine between
-    beam and instrument axis."""
+    """Return the distance (n,) m from the DVL to the hull: the median over the beams of range times
+    the cosine between beam and instrument axis.
+    """
     depth = dvl.ranges * dvl.beams[:, 2]
     filled = np.sort(np.where(np.isfinite(depth), depth, np.inf), axis=1)
     valid = np.isfinite(depth).sum(axis=1)
     rows = np.arange(len(depth))
-    low, high = filled[rows, np.maximum(0, (valid - 1) // 2)], filled[rows, np.minimum(valid // 2, depth.shape[1] - 1)]
+    low, high = (
+        filled[rows, np.maximum(0, (valid - 1) // 2)],
+        filled[rows, np.minimum(valid // 2, depth.shape[1] - 1)],
+    )
     return np.where(valid > 0, 0.5 * (low + high), np.nan)
 
 
 def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) -> Plot | None:
-    """Draw the depth of the vehicle at the nodes and the distance to the hull, over the time of the dive; without a pressure
-    sensor (depth_m None) or a DVL the other alone, None without both."""
+    """Draw the depth of the vehicle at the nodes and the distance to the hull, over the time of the
+    dive; without a pressure sensor (depth_m None) or a DVL the other alone, None without both.
+    """
     gap = standoff(dvl) if dvl is not None and np.isfinite(dvl.ranges).any() else None
     if depth_m is None and gap is None:
         return None
@@ -170,7 +230,10 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
         parts.append(f"distance to the hull {np.nanmedian(gap):.2f} m (median)")
     axes[-1].set(xlabel="time since the first pose (s)")
     names = {"depth": depth_m is not None, "distance to the hull": gap is not None}
-    title, alt = " and ".join(name for name, measured in names.items() if measured), "; ".join(parts)
+    title, alt = (
+        " and ".join(name for name, measured in names.items() if measured),
+        "; ".join(parts),
+    )
     return Plot(
         name="depth_standoff",
         title=title[0].upper() + title[1:],
@@ -181,24 +244,47 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
 
 
 def _while_heard(t_ns: Ints, heard_ns: Ints, value: Array) -> Array:
-    """Return values at times (n,), NaN where the next that were heard, at heard_ns (m,) ascending, lie more than HEARD_S apart
-    or away."""
+    """Return values at times (n,), NaN where the next that were heard, at heard_ns (m,) ascending,
+    lie more than HEARD_S apart or away.
+    """
     after = np.searchsorted(heard_ns, t_ns)
     before = np.clip(after - 1, 0, len(heard_ns) - 1)
     apart_ns = heard_ns[np.clip(after, 0, len(heard_ns) - 1)] - heard_ns[before]
     away_ns = np.maximum(heard_ns[0] - t_ns, t_ns - heard_ns[-1])
-    return np.where(np.maximum(apart_ns, away_ns) <= 1e9 * HEARD_S, np.interp(t_ns, heard_ns, value), np.nan)
+    return np.where(
+        np.maximum(apart_ns, away_ns) <= 1e9 * HEARD_S, np.interp(t_ns, heard_ns, value), np.nan
+    )
 
 
 def sigmas(track: VehicleTrack) -> Plot:
     """Draw one sigma of the vehicle's position by axis over time."""
     figure, (axis,) = new_figure()
     for k, (name, color) in enumerate(zip("xyz", (BLUE, ORANGE, GREEN), strict=True)):
-        axis.semilogy((track.t_ns - track.t_ns[0]) * 1e-9, np.maximum(track.sigma[:, k], 1e-5), color=color, label=name)
-    axis.set(xlabel="time since the first pose (s)", ylabel=f"one sigma of position in {track.frame} (m)")
+        axis.semilogy(
+            (track.t_ns - track.t_ns[0]) * 1e-9,
+            np.maximum(track.sigma[:, k], 1e-5),
+            color=color,
+            label=name,
+        )
+    axis.set(
+        xlabel="time since the first pose (s)", ylabel=f"one sigma of position in {track.frame} (m)"
+    )
     label_log_axis(axis.yaxis)
     axis.legend(fontsize=8, frameon=False, ncols=3)
     middle = np.median(track.sigma[:, :3], axis=0)
-    alt = "Median one sigma: " + ", ".join(f"{n} {v:.3f} m" for n, v in zip("xyz", middle, strict=True)) + "."
-    table = {"t_s": seconds(track.t_ns), **{f"sigma_{n}_m": numbers(track.sigma[:, k], ".6g") for k, n in enumerate("xyz")}}
-    return Plot(name="position_sigma", title="Uncertainty of position", alt=alt, png=png_bytes(figure), table=table)
+    alt = (
+        "Median one sigma: "
+        + ", ".join(f"{n} {v:.3f} m" for n, v in zip("xyz", middle, strict=True))
+        + "."
+    )
+    table = {
+        "t_s": seconds(track.t_ns),
+        **{f"sigma_{n}_m": numbers(track.sigma[:, k], ".6g") for k, n in enumerate("xyz")},
+    }
+    return Plot(
+        name="position_sigma",
+        title="Uncertainty of position",
+        alt=alt,
+        png=png_bytes(figure),
+        table=table,
+    )

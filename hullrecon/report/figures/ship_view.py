@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ship as its CAD model has it, seen from the side or from below, with the surveyed patch on it, as SVG."""
+"""The ship as its CAD model has it, seen from the side or from below, with the surveyed patch on
+it, as SVG.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +19,16 @@ from hullrecon.report.figures.style import png_bytes
 from hullrecon.typing import Array
 
 WIDTH, MARGIN, FOOT = 1000.0, 26.0, 26.0
-LEAST_FRAME = 26.0  # of the rectangle around the patch: a small one on a long ship is found all the same
+# of the rectangle around the patch: a small one on a long ship is found all the same
+LEAST_FRAME = 26.0
 STEEL, PATCH = np.array([0.50, 0.58, 0.66]), np.array([0.88, 0.42, 0.10])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Side:
-    """A way to look at a ship whose axes are forward, port, up. right, up (3,): of the picture; words: where the viewer is."""
+    """A way to look at a ship whose axes are forward, port, up. right, up (3,): of the picture;
+    words: where the viewer is.
+    """
 
     right: Array
     up: Array
@@ -46,7 +51,11 @@ class Side:
 
 PORT = Side(right=np.array([-1.0, 0, 0]), up=np.array([0, 0, 1.0]), words="port side")
 STARBOARD = Side(right=np.array([1.0, 0, 0]), up=np.array([0, 0, 1.0]), words="starboard side")
-BELOW = Side(right=np.array([1.0, 0, 0]), up=np.array([0, -1.0, 0]), words="bottom, seen from below, starboard on top")
+BELOW = Side(
+    right=np.array([1.0, 0, 0]),
+    up=np.array([0, -1.0, 0]),
+    words="bottom, seen from below, starboard on top",
+)
 
 
 def facing_side(patch: Mesh) -> Side:
@@ -58,7 +67,9 @@ def facing_side(patch: Mesh) -> Side:
 
 
 def ship_svg(ship: Mesh, patch: Mesh) -> tuple[str, str]:
-    """Return the picture, and in words which side it shows; ship, patch: in axes forward, port, up, metres."""
+    """Return the picture, and in words which side it shows; ship, patch: in axes forward, port, up,
+    metres.
+    """
     side = facing_side(patch)
     at = side.project(ship.vertices)
     low, high = at.min(axis=0), at.max(axis=0)
@@ -102,7 +113,9 @@ def _foot(side: Side, scale: float, height: float) -> str:
 
 
 def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) -> bytes:
-    """Return the shaded ship with the patch as PNG, transparent around it; it fills the bounds (2,), (2,) of the picture."""
+    """Return the shaded ship with the patch as PNG, transparent around it; it fills the bounds
+    (2,), (2,) of the picture.
+    """
     from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
 
@@ -119,7 +132,9 @@ def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) ->
 
 
 def _halved(png: bytes) -> bytes:
-    """Return a picture of half the size: faces drawn without smoothing leave no seams, and this smooths their outline."""
+    """Return a picture of half the size: faces drawn without smoothing leave no seams, and this
+    smooths their outline.
+    """
     from PIL import Image
 
     buffer = BytesIO()
@@ -137,4 +152,6 @@ def _shaded_faces(mesh: Mesh, side: Side, tint: Array) -> tuple[Array, Array]:
     shown = shown[np.argsort(depth[shown], kind="stable")]
     light = 0.55 * side.toward + 0.75 * side.up + 0.25 * side.right
     shade = 0.62 + 0.38 * np.clip(normal[shown] @ light / np.linalg.norm(light), 0, 1)
-    return side.project(mesh.vertices[mesh.faces[shown]]), np.clip(shade[:, None] * tint * 1.12, 0, 1)
+    return side.project(mesh.vertices[mesh.faces[shown]]), np.clip(
+        shade[:, None] * tint * 1.12, 0, 1
+    )

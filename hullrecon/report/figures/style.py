@@ -19,7 +19,9 @@ INK, BLUE, ORANGE, GREEN, GRAY = "#1c2733", "#1f5f99", "#c8541b", "#2b7a4b", "#7
 
 @dataclass(frozen=True, kw_only=True)
 class Plot:
-    """A picture with the numbers behind it: name (file stem), title, alt (what it shows), png, table (columns)."""
+    """A picture with the numbers behind it: name (file stem), title, alt (what it shows), png,
+    table (columns).
+    """
 
     name: str
     title: str
@@ -28,7 +30,9 @@ class Plot:
     table: Mapping[str, Sequence[object]]
 
 
-def new_figure(width_in: float = 7.2, height_in: float = 3.0, rows: int = 1, columns: int = 1) -> tuple[Figure, list[Axes]]:
+def new_figure(
+    width_in: float = 7.2, height_in: float = 3.0, rows: int = 1, columns: int = 1
+) -> tuple[Figure, list[Axes]]:
     """Return a matplotlib figure and its axes, row by row, without pyplot's global state."""
     from matplotlib.figure import Figure
 
@@ -52,7 +56,9 @@ def style_axes(axis: Axes) -> None:
 
 
 def label_log_axis(axis: Axis) -> None:
-    """Label a logarithmic axis with plain numbers, not powers of ten: many spans are shorter than a decade."""
+    """Label a logarithmic axis with plain numbers, not powers of ten: many spans are shorter than a
+    decade.
+    """
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What of a survey is shown on the hull's chart: its extent, the vehicle's path, the objects, and the layers of the map."""
+"""What of a survey is shown on the hull's chart: its extent, the vehicle's path, the objects, and
+the layers of the map.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ MOSAIC_TITLES = {"optical": "Camera mosaic", "sonar": "Sonar mosaic"}
 
 @dataclass(frozen=True, kw_only=True)
 class ChartView:
-    """What is shown on the chart: its extent, the vehicle's path (n, 2), the objects (k, 2) and the surface as found."""
+    """What is shown on the chart: its extent, the vehicle's path (n, 2), the objects (k, 2) and the
+    surface as found.
+    """
 
     chart: Chart
     extent: Extent
@@ -44,14 +48,20 @@ class ChartView:
 
 
 def chart_view(survey: Survey) -> ChartView | None:
-    """Return what is shown on the chart; None without a chart, or when nothing of the dive lies on it."""
+    """Return what is shown on the chart; None without a chart, or when nothing of the dive lies on
+    it.
+    """
     chart = survey.surfaces.chart
     if chart is None:
         return None
     path = chart.to_chart(survey.track.poses.translation)[:, :2]
     centers = np.array([o.center for o in survey.findings.objects or ()], float).reshape(-1, 3)
     objects = chart.to_chart(centers)[:, :2] if len(centers) else np.zeros((0, 2))
-    surface = survey.surfaces.as_found if survey.surfaces.as_found is not None else survey.surfaces.surveyed
+    surface = (
+        survey.surfaces.as_found
+        if survey.surfaces.as_found is not None
+        else survey.surfaces.surveyed
+    )
     found = project_surface(surface, chart) if surface is not None else None
     seen = found.at[found.surface.support > 0] if found is not None else np.zeros((0, 2))
     corners = np.vstack([path, objects, seen])
@@ -63,22 +73,33 @@ def chart_view(survey: Survey) -> ChartView | None:
 
 
 def object_ellipses(objects: Sequence[ReportedObject], chart: Chart) -> list[SigmaEllipse | None]:
-    """Return the one-sigma ellipse of each object's own place on the chart; None where its covariance is not known."""
+    """Return the one-sigma ellipse of each object's own place on the chart; None where its
+    covariance is not known.
+    """
     if not objects:
         return []
     tangents = np.stack(tangents_at(chart, np.array([o.center for o in objects], float)), axis=1)
     out: list[SigmaEllipse | None] = []
     for found, axes in zip(objects, tangents, strict=True):
         known = found.position_covariance is not None and np.isfinite(axes).all()
-        out.append(sigma_ellipse(axes @ np.array(found.position_covariance) @ axes.T) if known else None)
+        out.append(
+            sigma_ellipse(axes @ np.array(found.position_covariance) @ axes.T) if known else None
+        )
     return out
 
 
 def survey_layers(survey: Survey, view: ChartView) -> list[MapLayer]:
-    """Return the layers that this dive gives, the one that is shown first in front: mosaics, deviation, sigma, coverage."""
+    """Return the layers that this dive gives, the one that is shown first in front: mosaics,
+    deviation, sigma, coverage.
+    """
     mosaics, copies = survey.mosaics.named(), survey.provenance.copies
     layers = [
-        mosaic_layer(name, MOSAIC_TITLES[name], copies[f"ortho_{name}.tif"], f"{mosaic.facts.caption} Contrast stretched.")
+        mosaic_layer(
+            name,
+            MOSAIC_TITLES[name],
+            copies[f"ortho_{name}.tif"],
+            f"{mosaic.facts.caption} Contrast stretched.",
+        )
         for name, mosaic in mosaics.items()
         if f"ortho_{name}.tif" in copies
     ]
@@ -94,24 +115,40 @@ def survey_layers(survey: Survey, view: ChartView) -> list[MapLayer]:
 def _deviation_layers(survey: Survey, view: ChartView, found: ChartedSurface) -> list[MapLayer]:
     """Return form and its sigma; without a CAD model the sigma of the surface."""
     split, figures = survey.surfaces.deviation, deviation_figures(survey)
-    shadings = form_shadings(found, split) if split is not None and survey.is_in_hull_frame else None
+    shadings = (
+        form_shadings(found, split) if split is not None and survey.is_in_hull_frame else None
+    )
     if split is not None and shadings is not None:
-        apart = f" Not shown: as a whole the patch lies {figures.offset_words}." if figures is not None else ""
+        apart = (
+            f" Not shown: as a whole the patch lies {figures.offset_words}."
+            if figures is not None
+            else ""
+        )
         note = f"Red is outside the CAD model, blue inside; offset and tilt of the patch are taken out.{apart}"
         form, sigma = (
             field_layer(name, title, found, 1000 * values, shading, view.extent, words)
             for name, title, values, shading, words in (
                 ("form", "Form off the CAD model", split.form, shadings[0], note),
-                ("form_sigma", "Sigma of the form", split.form_sigma, shadings[1], "One standard deviation."),
+                (
+                    "form_sigma",
+                    "Sigma of the form",
+                    split.form_sigma,
+                    shadings[1],
+                    "One standard deviation.",
+                ),
             )
         )
         return [form, sigma]
     values = 1000 * found.surface.sigma
-    weight = np.where((found.surface.support > 0) & np.isfinite(values), vertex_areas(found.surface.mesh()), 0.0)
+    weight = np.where(
+        (found.surface.support > 0) & np.isfinite(values), vertex_areas(found.surface.mesh()), 0.0
+    )
     if not weight.sum() > 0:
         return []
     most = max(1.0, float(weighted_percentiles(np.nan_to_num(values), weight, (95,))[0]))
-    shading = Shading(colours="viridis", low=0, high=most, label="one sigma of the surface (mm)", extend="max")
+    shading = Shading(
+        colours="viridis", low=0, high=most, label="one sigma of the surface (mm)", extend="max"
+    )
     note = "One standard deviation of the surface along its normal."
     return [field_layer("sigma", "Sigma of the surface", found, values, shading, view.extent, note)]
 
@@ -123,7 +160,13 @@ def _coverage_layer(view: ChartView, found: ChartedSurface, by_images: bool) -> 
     most = max(4.0, float(np.percentile(support[support > 0], 95)))
     label = "images that show a place" if by_images else "DVL returns within reach"
     title, none = (
-        ("Coverage by the cameras", "no image shows it") if by_images else ("Coverage by the DVL", "no return is near")
+        ("Coverage by the cameras", "no image shows it")
+        if by_images
+        else ("Coverage by the DVL", "no return is near")
     )
     shading = Shading(colours="YlGnBu", low=0, high=most, label=label, extend="max")
-    return [field_layer("coverage", title, found, support, shading, view.extent, f"Without colour: {none}.")]
+    return [
+        field_layer(
+            "coverage", title, found, support, shading, view.extent, f"Without colour: {none}."
+        )
+    ]

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""dive_result.mcap: the dive in 3-D and in time, for Foxglove: where the vehicle was, what its DVL met, hull and objects."""
+"""dive_result.mcap: the dive in 3-D and in time, for Foxglove: where the vehicle was, what its DVL
+met, hull and objects.
+"""
 
 from __future__ import annotations
 
@@ -63,13 +65,21 @@ def dive_result_mcap(survey: Survey) -> bytes:
     channels: dict[str, int] = {}
     for name, schema in TOPICS.items():
         if any(message.topic == name for message in found):
-            number = writer.register_schema(str(schema["title"]), "jsonschema", json.dumps(schema).encode())
+            number = writer.register_schema(
+                str(schema["title"]), "jsonschema", json.dumps(schema).encode()
+            )
             channels[name] = writer.register_channel(name, "json", number)
-    about = {"dive": survey.facts.dive.name, "frame": frame_in_words(survey), "unit": "metre, second, radian"}
+    about = {
+        "dive": survey.facts.dive.name,
+        "frame": frame_in_words(survey),
+        "unit": "metre, second, radian",
+    }
     writer.add_metadata("hullrecon", about)
     for message in found:
         data = json.dumps(message.value, allow_nan=False, separators=(",", ":")).encode()
-        writer.add_message(channels[message.topic], log_time=message.t_ns, publish_time=message.t_ns, data=data)
+        writer.add_message(
+            channels[message.topic], log_time=message.t_ns, publish_time=message.t_ns, data=data
+        )
     writer.finish()
     return file.getvalue()
 
@@ -86,17 +96,23 @@ def survey_messages(survey: Survey) -> Iterator[TimedMessage]:
 
 
 def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
-    """Yield where the sensors sit on the tray, and how hull and global frame lie to each other. A viewer's z is up: where that
-    of the frame is not, `global_z_up` or `hull_z_up` is the frame turned upright."""
+    """Yield where the sensors sit on the tray, and how hull and global frame lie to each other. A
+    viewer's z is up: where that of the frame is not, `global_z_up` or `hull_z_up` is the frame
+    turned upright.
+    """
     rig = survey.facts.rig
     yield messages.frame_transform(t_ns, "tray", "dvl", rig.tray_from_dvl)
     for camera in rig.cameras:
         yield messages.frame_transform(t_ns, "tray", camera.key, rig.tray_from(Camera(camera)))
     if frame == "global":
-        yield messages.frame_transform(t_ns, "global_z_up", frame, from_rpy(np.zeros((1, 3)), np.array([[np.pi, 0, 0]])))
+        yield messages.frame_transform(
+            t_ns, "global_z_up", frame, from_rpy(np.zeros((1, 3)), np.array([[np.pi, 0, 0]]))
+        )
         return
     if survey.adjusted is not None:
-        yield messages.frame_transform(t_ns, frame, "global", survey.adjusted.solution.result_from_global())
+        yield messages.frame_transform(
+            t_ns, frame, "global", survey.adjusted.solution.result_from_global()
+        )
     chart = survey.surfaces.chart
     if chart is not None and chart.ship_axes[2, 2] < 1:
         upright = from_matrix(gltf_from(Z_UP).T @ gltf_from(chart.ship_axes[2]))
@@ -109,8 +125,14 @@ def _standing(survey: Survey, t_ns: int, frame: str) -> Iterator[tuple[str, Mess
     yield "/vehicle/path", {"timestamp": messages.time(t_ns), "frame_id": frame, "poses": path}
     if survey.adjusted is not None and len(survey.adjusted.solution.landmarks):
         landmarks = survey.adjusted.solution.landmarks
-        color = {name: landmarks.color[:, k].astype(np.uint8) for k, name in enumerate(("red", "green", "blue"))}
-        more = {"alpha": np.full(len(landmarks), 255, np.uint8), "label": landmarks.label.astype(np.uint8)}
+        color = {
+            name: landmarks.color[:, k].astype(np.uint8)
+            for k, name in enumerate(("red", "green", "blue"))
+        }
+        more = {
+            "alpha": np.full(len(landmarks), 255, np.uint8),
+            "label": landmarks.label.astype(np.uint8),
+        }
         points = _columns(landmarks_in_hull(survey.adjusted.solution))
         yield "/landmarks", messages.point_cloud(t_ns, frame, {**points, **color, **more})
     if surfaces.as_found is not None:
@@ -124,17 +146,29 @@ def _standing(survey: Survey, t_ns: int, frame: str) -> Iterator[tuple[str, Mess
 def _vehicle(survey: Survey, frame: str) -> Iterator[TimedMessage]:
     track, names = survey.track, ("x", "y", "z", "roll", "pitch", "yaw")
     tray = tray_poses(survey.facts.rig.tray_origin, track.tray)
-    for row, (t_ns, sigma) in enumerate(zip(track.t_ns.tolist(), track.sigma.tolist(), strict=True)):
+    for row, (t_ns, sigma) in enumerate(
+        zip(track.t_ns.tolist(), track.sigma.tolist(), strict=True)
+    ):
         at = messages.time(t_ns)
         values: dict[str, Message] = {
             "/tf": messages.frame_transform(t_ns, frame, "vehicle", track.poses, row),
-            "/vehicle/pose": {"timestamp": at, "frame_id": frame, "pose": messages.pose(track.poses, row)},
+            "/vehicle/pose": {
+                "timestamp": at,
+                "frame_id": frame,
+                "pose": messages.pose(track.poses, row),
+            },
         }
         if np.isfinite(sigma).all():  # JSON has no NaN
             values["/vehicle/sigma"] = {
-                "timestamp": at, **dict(zip(names, sigma, strict=True)), "tray": float(track.tray[row])
-            }  # fmt: skip
-        yield TimedMessage(t_ns=t_ns, topic="/tf", value=messages.frame_transform(t_ns, "vehicle", "tray", tray, row))
+                "timestamp": at,
+                **dict(zip(names, sigma, strict=True)),
+                "tray": float(track.tray[row]),
+            }
+        yield TimedMessage(
+            t_ns=t_ns,
+            topic="/tf",
+            value=messages.frame_transform(t_ns, "vehicle", "tray", tray, row),
+        )
         for topic, value in values.items():
             yield TimedMessage(t_ns=t_ns, topic=topic, value=value)
 
@@ -157,7 +191,9 @@ def _dvl_returns(survey: Survey, frame: str) -> Iterator[TimedMessage]:
 
 
 def _columns(points: Array) -> dict[str, NDArray[np.generic]]:
-    """Return x, y, z of points (n, 3) in single precision, a tenth of a millimetre at a ship's length."""
+    """Return x, y, z of points (n, 3) in single precision, a tenth of a millimetre at a ship's
+    length.
+    """
     return {name: points[:, k].astype(np.float32) for k, name in enumerate("xyz")}
 
 
@@ -169,7 +205,9 @@ def _as_found(surface: Surface, t_ns: int, frame: str) -> Message:
 
 
 def _cad_model(mesh: Mesh, t_ns: int, frame: str) -> Message:
-    return messages.scene_update([messages.entity(t_ns, frame, "cad_model", models=[messages.model(ship_glb(mesh))])])
+    return messages.scene_update(
+        [messages.entity(t_ns, frame, "cad_model", models=[messages.model(ship_glb(mesh))])]
+    )
 
 
 def _object(found: ReportedObject, t_ns: int, frame: str) -> Message:
@@ -180,7 +218,14 @@ def _object(found: ReportedObject, t_ns: int, frame: str) -> Message:
     if found.height_sigma is not None:
         facts["height_sigma_m"] = f"{found.height_sigma:.4f}"
     return messages.entity(
-        t_ns, frame, str(found.id), facts=facts,
+        t_ns,
+        frame,
+        str(found.id),
+        facts=facts,
         lines=[messages.line_loop(np.array(found.outline), ORANGE, 3.0)] if found.outline else [],
-        texts=[messages.label(text, np.array(found.center) + LABEL_OFF_M * np.array(found.normal), WHITE, 16.0)],
-    )  # fmt: skip
+        texts=[
+            messages.label(
+                text, np.array(found.center) + LABEL_OFF_M * np.array(found.normal), WHITE, 16.0
+            )
+        ],
+    )

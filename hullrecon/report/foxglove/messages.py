@@ -18,7 +18,10 @@ Message = dict[str, object]
 Rgba = tuple[float, float, float, float]
 LINE_LOOP = 1
 STILL: Message = {"sec": 0, "nsec": 0}
-ORIGIN: Message = {"position": {"x": 0.0, "y": 0.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
+ORIGIN: Message = {
+    "position": {"x": 0.0, "y": 0.0, "z": 0.0},
+    "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+}
 
 
 def time(t_ns: int) -> Message:
@@ -33,7 +36,10 @@ def vector(values: Array) -> Message:
 
 def pose(poses: Poses, row: int = 0) -> Message:
     """Return one pose of a batch."""
-    return {"position": vector(poses.translation[row]), "orientation": vector(poses.quaternion[row])}
+    return {
+        "position": vector(poses.translation[row]),
+        "orientation": vector(poses.quaternion[row]),
+    }
 
 
 def frame_transform(t_ns: int, parent: str, child: str, poses: Poses, row: int = 0) -> Message:
@@ -48,18 +54,31 @@ def frame_transform(t_ns: int, parent: str, child: str, poses: Poses, row: int =
 
 
 def point_cloud(t_ns: int, frame: str, columns: Mapping[str, NDArray[np.generic]]) -> Message:
-    """Return points of columns (n,), among them x, y, z, of numpy's types uint8 to float64. Raises ValueError for others."""
-    rows = np.empty(len(columns["x"]), np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in columns.items()]))
+    """Return points of columns (n,), among them x, y, z, of numpy's types uint8 to float64. Raises
+    ValueError for others.
+    """
+    rows = np.empty(
+        len(columns["x"]),
+        np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in columns.items()]),
+    )
     for name, values in columns.items():
         rows[name] = values
-    offsets = {name: rows.dtype.fields[name][1] for name in columns} if rows.dtype.fields is not None else {}
-    kinds = {name: NUMERIC_TYPES.index(values.dtype.name.upper()) for name, values in columns.items()}
+    offsets = (
+        {name: rows.dtype.fields[name][1] for name in columns}
+        if rows.dtype.fields is not None
+        else {}
+    )
+    kinds = {
+        name: NUMERIC_TYPES.index(values.dtype.name.upper()) for name, values in columns.items()
+    }
     return {
         "timestamp": time(t_ns),
         "frame_id": frame,
         "pose": ORIGIN,
         "point_stride": rows.dtype.itemsize,
-        "fields": [{"name": name, "offset": offsets[name], "type": kinds[name]} for name in columns],
+        "fields": [
+            {"name": name, "offset": offsets[name], "type": kinds[name]} for name in columns
+        ],
         "data": base64.b64encode(rows.tobytes()).decode(),
     }
 
@@ -96,9 +115,15 @@ def color(rgba: Rgba) -> Message:
 def line_loop(points: Array, rgba: Rgba, thickness_px: float) -> Message:
     """Return a closed line through points (n, 3)."""
     return {
-        "type": LINE_LOOP, "pose": ORIGIN, "thickness": thickness_px, "scale_invariant": True,
-        "points": [vector(point) for point in points], "color": color(rgba), "colors": [], "indices": [],
-    }  # fmt: skip
+        "type": LINE_LOOP,
+        "pose": ORIGIN,
+        "thickness": thickness_px,
+        "scale_invariant": True,
+        "points": [vector(point) for point in points],
+        "color": color(rgba),
+        "colors": [],
+        "indices": [],
+    }
 
 
 def label(text: str, at: Array, rgba: Rgba, size_px: float) -> Message:
@@ -111,6 +136,11 @@ def label(text: str, at: Array, rgba: Rgba, size_px: float) -> Message:
 def model(glb: bytes) -> Message:
     """Return a glTF model in its own colours. Foxglove turns glTF's y, which is up, to z."""
     return {
-        "pose": ORIGIN, "scale": vector(np.ones(3)), "color": color((1, 1, 1, 1)), "override_color": False, "url": "",
-        "media_type": "model/gltf-binary", "data": base64.b64encode(glb).decode(),
-    }  # fmt: skip
+        "pose": ORIGIN,
+        "scale": vector(np.ones(3)),
+        "color": color((1, 1, 1, 1)),
+        "override_color": False,
+        "url": "",
+        "media_type": "model/gltf-binary",
+        "data": base64.b64encode(glb).decode(),
+    }

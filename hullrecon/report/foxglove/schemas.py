@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""JSON Schemas of Foxglove's well-known messages, as far as they are written here, and of one message of our own.
+"""JSON Schemas of Foxglove's well-known messages, as far as they are written here, and of one
+message of our own.
 
-Foxglove knows a message by its schema's name and decodes its fields by the schema: a `time` and a `duration` by their titles,
-bytes by contentEncoding.
+Foxglove knows a message by its schema's name and decodes its fields by the schema: a `time` and a
+`duration` by their titles, bytes by contentEncoding.
 """
 
 from __future__ import annotations
@@ -40,36 +41,98 @@ POINT = record("foxglove.Point3", x=NUMBER, y=NUMBER, z=NUMBER)
 QUATERNION = record("foxglove.Quaternion", x=NUMBER, y=NUMBER, z=NUMBER, w=NUMBER)
 POSE = record("foxglove.Pose", position=VECTOR, orientation=QUATERNION)
 COLOR = record("foxglove.Color", r=NUMBER, g=NUMBER, b=NUMBER, a=NUMBER)
-NUMERIC_TYPES = ("UNKNOWN", "UINT8", "INT8", "UINT16", "INT16", "UINT32", "INT32", "FLOAT32", "FLOAT64")
+NUMERIC_TYPES = (
+    "UNKNOWN",
+    "UINT8",
+    "INT8",
+    "UINT16",
+    "INT16",
+    "UINT32",
+    "INT32",
+    "FLOAT32",
+    "FLOAT64",
+)
 PACKED_FIELD = record(
-    "foxglove.PackedElementField", name=TEXT, offset=COUNT, type=choice("foxglove.NumericType", *NUMERIC_TYPES)
+    "foxglove.PackedElementField",
+    name=TEXT,
+    offset=COUNT,
+    type=choice("foxglove.NumericType", *NUMERIC_TYPES),
 )
 LINE = record(
-    "foxglove.LinePrimitive", type=choice("foxglove.LineType", "LINE_STRIP", "LINE_LOOP", "LINE_LIST"), pose=POSE,
-    thickness=NUMBER, scale_invariant=FLAG, points=listed(POINT), color=COLOR, colors=listed(COLOR), indices=listed(COUNT),
-)  # fmt: skip
+    "foxglove.LinePrimitive",
+    type=choice("foxglove.LineType", "LINE_STRIP", "LINE_LOOP", "LINE_LIST"),
+    pose=POSE,
+    thickness=NUMBER,
+    scale_invariant=FLAG,
+    points=listed(POINT),
+    color=COLOR,
+    colors=listed(COLOR),
+    indices=listed(COUNT),
+)
 LABEL = record(
-    "foxglove.TextPrimitive", pose=POSE, billboard=FLAG, font_size=NUMBER, scale_invariant=FLAG, color=COLOR, text=TEXT
+    "foxglove.TextPrimitive",
+    pose=POSE,
+    billboard=FLAG,
+    font_size=NUMBER,
+    scale_invariant=FLAG,
+    color=COLOR,
+    text=TEXT,
 )
 MODEL = record(
-    "foxglove.ModelPrimitive", pose=POSE, scale=VECTOR, color=COLOR, override_color=FLAG, url=TEXT, media_type=TEXT, data=BYTES
+    "foxglove.ModelPrimitive",
+    pose=POSE,
+    scale=VECTOR,
+    color=COLOR,
+    override_color=FLAG,
+    url=TEXT,
+    media_type=TEXT,
+    data=BYTES,
 )
-NEVER_WRITTEN = ("arrows", "cubes", "spheres", "cylinders", "triangles")  # primitives that an entity has none of
+# primitives that an entity has none of
+NEVER_WRITTEN = ("arrows", "cubes", "spheres", "cylinders", "triangles")
 ENTITY = record(
-    "foxglove.SceneEntity", timestamp=TIME, frame_id=TEXT, id=TEXT, lifetime=DURATION, frame_locked=FLAG,
-    metadata=listed(record("foxglove.KeyValuePair", key=TEXT, value=TEXT)), lines=listed(LINE), texts=listed(LABEL),
-    models=listed(MODEL), **{name: listed(record("none")) for name in NEVER_WRITTEN},
-)  # fmt: skip
-SCENE_UPDATE = record("foxglove.SceneUpdate", deletions=listed(record("none")), entities=listed(ENTITY))
+    "foxglove.SceneEntity",
+    timestamp=TIME,
+    frame_id=TEXT,
+    id=TEXT,
+    lifetime=DURATION,
+    frame_locked=FLAG,
+    metadata=listed(record("foxglove.KeyValuePair", key=TEXT, value=TEXT)),
+    lines=listed(LINE),
+    texts=listed(LABEL),
+    models=listed(MODEL),
+    **{name: listed(record("none")) for name in NEVER_WRITTEN},
+)
+SCENE_UPDATE = record(
+    "foxglove.SceneUpdate", deletions=listed(record("none")), entities=listed(ENTITY)
+)
 POINT_CLOUD = record(
-    "foxglove.PointCloud", timestamp=TIME, frame_id=TEXT, pose=POSE, point_stride=COUNT, fields=listed(PACKED_FIELD), data=BYTES
+    "foxglove.PointCloud",
+    timestamp=TIME,
+    frame_id=TEXT,
+    pose=POSE,
+    point_stride=COUNT,
+    fields=listed(PACKED_FIELD),
+    data=BYTES,
 )
 FRAME_TRANSFORM = record(
     "foxglove.FrameTransform",
-    timestamp=TIME, parent_frame_id=TEXT, child_frame_id=TEXT, translation=VECTOR, rotation=QUATERNION,
-)  # fmt: skip
+    timestamp=TIME,
+    parent_frame_id=TEXT,
+    child_frame_id=TEXT,
+    translation=VECTOR,
+    rotation=QUATERNION,
+)
 POSE_IN_FRAME = record("foxglove.PoseInFrame", timestamp=TIME, frame_id=TEXT, pose=POSE)
 POSES_IN_FRAME = record("foxglove.PosesInFrame", timestamp=TIME, frame_id=TEXT, poses=listed(POSE))
 POSE_SIGMA = record(
-    "hullrecon.PoseSigma", timestamp=TIME, x=NUMBER, y=NUMBER, z=NUMBER, roll=NUMBER, pitch=NUMBER, yaw=NUMBER, tray=NUMBER
+    "hullrecon.PoseSigma",
+    timestamp=TIME,
+    x=NUMBER,
+    y=NUMBER,
+    z=NUMBER,
+    roll=NUMBER,
+    pitch=NUMBER,
+    yaw=NUMBER,
+    tray=NUMBER,
 )

@@ -9,8 +9,10 @@ import numpy as np
 from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 
-MAX_FACES = 200_000  # what a viewer still turns smoothly; of a finer model shape is all that is kept
-Z_UP = np.array([0.0, 0.0, 1.0])  # Foxglove turns glTF's y to the z of the frame, whichever axis of M is up
+# what a viewer still turns smoothly; of a finer model shape is all that is kept
+MAX_FACES = 200_000
+# Foxglove turns glTF's y to the z of the frame, whichever axis of M is up
+Z_UP = np.array([0.0, 0.0, 1.0])
 STEEL = (150, 160, 170, 255)
 
 
@@ -20,7 +22,11 @@ def ship_glb(mesh: Mesh) -> bytes:
 
     shown = _thinned(mesh)
     material = trimesh.visual.material.PBRMaterial(
-        baseColorFactor=STEEL, metallicFactor=0.0, roughnessFactor=1.0, doubleSided=True, name="cad_model"
+        baseColorFactor=STEEL,
+        metallicFactor=0.0,
+        roughnessFactor=1.0,
+        doubleSided=True,
+        name="cad_model",
     )
     ship = trimesh.Trimesh(
         shown.vertices,
@@ -39,6 +45,8 @@ def _thinned(mesh: Mesh) -> Mesh:
         return mesh
     import open3d as o3d
 
-    full = o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(mesh.vertices), o3d.utility.Vector3iVector(mesh.faces))
+    full = o3d.geometry.TriangleMesh(
+        o3d.utility.Vector3dVector(mesh.vertices), o3d.utility.Vector3iVector(mesh.faces)
+    )
     thin = full.simplify_quadric_decimation(target_number_of_triangles=MAX_FACES)
     return Mesh(np.asarray(thin.vertices), np.asarray(thin.triangles, np.int32))

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Render report.pdf: the page's content on paper, with page numbers, by WeasyPrint; nothing is read but templates and fonts."""
+"""Render report.pdf: the page's content on paper, with page numbers, by WeasyPrint; nothing is read
+but templates and fonts.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,8 @@ class _Shown(TypedDict):
 def why_no_pdf() -> str | None:
     """Return why this machine cannot make a PDF, in a sentence; None where it can."""
     try:
-        with redirect_stdout(io.StringIO()):  # where a library is missing, WeasyPrint prints how to install it
+        # where a library is missing, WeasyPrint prints how to install it
+        with redirect_stdout(io.StringIO()):
             import weasyprint  # noqa: F401
     except OSError:
         return "Pango is not installed (Debian packages libpango-1.0-0, libpangoft2-1.0-0, libharfbuzz-subset0)"
@@ -45,7 +48,8 @@ def why_no_pdf() -> str | None:
 
 
 def render_pdf(context: Mapping[str, object]) -> bytes:
-    """Return the report as PDF, tagged for screen readers; context: the variables of page_context. Same context, same bytes.
+    """Return the report as PDF, tagged for screen readers; context: the variables of page_context.
+    Same context, same bytes.
 
     Raises OSError where Pango is missing.
     """
@@ -54,13 +58,18 @@ def render_pdf(context: Mapping[str, object]) -> bytes:
     for name in ("weasyprint", "fontTools"):  # they speak of fonts and CSS, not of the dive
         logging.getLogger(name).setLevel(logging.ERROR)
     document = weasyprint.HTML(string=render_html(context), url_fetcher=_fetch, base_url=_FONT)
-    return bytes(document.write_pdf(pdf_variant="pdf/ua-1", pdf_identifier=b"hullrecon", dpi=200, optimize_images=True))
+    return bytes(
+        document.write_pdf(
+            pdf_variant="pdf/ua-1", pdf_identifier=b"hullrecon", dpi=200, optimize_images=True
+        )
+    )
 
 
 def render_html(context: Mapping[str, object]) -> str:
     """Return what is laid out on the pages."""
     shown = cast(_Shown, context)
-    style, _, pictures = read_template("print.css").partition(_PICTURES)  # rules of the page do not reach into a picture
+    # rules of the page do not reach into a picture
+    style, _, pictures = read_template("print.css").partition(_PICTURES)
     sections = [section for section in shown["sections"] if section[0] != "view"]
     plan, ship = shown["plan"], shown["ship"]
     more = {
@@ -80,7 +89,9 @@ def _with_style(svg: str, rules: str) -> str:
 
 
 def _fetch(url: str, headers: Mapping[str, str] | None = None) -> object:
-    """Return a font, or a picture of a data URI. Raises ValueError for anything else: nothing comes from disk or network."""
+    """Return a font, or a picture of a data URI. Raises ValueError for anything else: nothing comes
+    from disk or network.
+    """
     import matplotlib
     from weasyprint.urls import URLFetcher, URLFetcherResponse
 
@@ -90,5 +101,9 @@ def _fetch(url: str, headers: Mapping[str, str] | None = None) -> object:
         raise ValueError(f"the report names {url.split(':')[0]}")
     name = Path(url.removeprefix(_FONT)).name
     if name.startswith("DejaVu"):
-        return URLFetcherResponse(url, (Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name).read_bytes())
-    return URLFetcherResponse(url, (resources.files("hullrecon.report") / "templates" / "fonts" / name).read_bytes())
+        return URLFetcherResponse(
+            url, (Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name).read_bytes()
+        )
+    return URLFetcherResponse(
+        url, (resources.files("hullrecon.report") / "templates" / "fonts" / name).read_bytes()
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Part the hull's form into its relief, which a viewer may exaggerate, and what stands on it: objects, growth, noise."""
+"""Part the hull's form into its relief, which a viewer may exaggerate, and what stands on it:
+objects, growth, noise.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,11 @@ MAX_SAMPLES = 20_000
 
 
 def relief_of(points: Array, form: Array) -> Array:
-    """Return the relief (n,) m of a form (n,) at points (n, 3): its median within RADIUS_M, smoothed.
+    """Return the relief (n,) m of a form (n,) at points (n, 3): its median within RADIUS_M,
+    smoothed.
 
-    The points are thinned to one a cell first, since a mesh is finer where objects are; over wide surveys cell and radius grow.
+    The points are thinned to one a cell first, since a mesh is finer where objects are; over wide
+    surveys cell and radius grow.
     """
     from scipy.spatial import cKDTree
 
@@ -32,7 +36,9 @@ def relief_of(points: Array, form: Array) -> Array:
     tree = cKDTree(at)
     neighbours = tree.query_ball_point(at, radius, return_sorted=True)
     medians = np.array([np.median(samples_form[near]) for near in neighbours])
-    smooth = np.array([medians[near].mean() for near in tree.query_ball_point(at, radius / 2, return_sorted=True)])
+    smooth = np.array(
+        [medians[near].mean() for near in tree.query_ball_point(at, radius / 2, return_sorted=True)]
+    )
     distance, nearest = tree.query(points, k=min(4, len(at)))
     distance, nearest = (np.reshape(values, (len(points), -1)) for values in (distance, nearest))
     weight = 1.0 / (distance + 0.25 * spacing) ** 2

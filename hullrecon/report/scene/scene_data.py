@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What report/web/src/scene.js is given: a document, and one packed block of arrays that it points into.
+"""What report/web/src/scene.js is given: a document, and one packed block of arrays that it points
+into.
 
-All arrays are little-endian, each begins at a multiple of four bytes. A vertex is three uint16 inside the part's box; its form
-an int16 in steps of `form_step_m` along a normal of three int8 (in 127ths), and so its relief, the part of the form that may be
-exaggerated; its place on the map two float32; a triangle three uint32.
+All arrays are little-endian, each begins at a multiple of four bytes. A vertex is three uint16
+inside the part's box; its form an int16 in steps of `form_step_m` along a normal of three int8 (in
+127ths), and so its relief, the part of the form that may be exaggerated; its place on the map two
+float32; a triangle three uint32.
 """
 
 from __future__ import annotations
@@ -38,7 +40,9 @@ class SceneView:
 
 
 def make_scene(survey: Survey, view: ChartView | None) -> SceneView | None:
-    """Return the 3-D view of a survey; None where there is no surface. view: what the page's map shows of the chart."""
+    """Return the 3-D view of a survey; None where there is no surface. view: what the page's map
+    shows of the chart.
+    """
     surveyed, rest = scene_parts(survey.surfaces)
     if surveyed is None or view is None:
         return None
@@ -55,8 +59,16 @@ def make_scene(survey: Survey, view: ChartView | None) -> SceneView | None:
         "rest": None if rest is None else _pack(rest, outside, block),
         "has_form": surveyed.has_form,
         "has_cad": survey.is_in_hull_frame,
-        "path": _rounded(_known(survey.track.poses.translation)[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
-        "objects": [_object(o) for o in survey.findings.objects or () if np.isfinite((*o.center, *o.normal)).all()],
+        "path": _rounded(
+            _known(survey.track.poses.translation)[
+                :: max(1, -(-len(survey.track.t_ns) // MAX_PATH))
+            ]
+        ),
+        "objects": [
+            _object(o)
+            for o in survey.findings.objects or ()
+            if np.isfinite((*o.center, *o.normal)).all()
+        ],
     }
     return SceneView(document=document, block=b64encode(bytes(block)).decode())
 
@@ -74,7 +86,9 @@ def _pack(part: ScenePart, outside: OutsideMap, block: bytearray) -> SceneDocume
         "form_step_m": form_step,
         "vertices": _append(block, np.round((part.vertices - low) / span * _STEPS).astype("<u2")),
         "form": _append(block, np.round(part.form / form_step).astype("<i2")),
-        "relief": _append(block, np.round(relief_of(part.vertices, part.form) / form_step).astype("<i2")),
+        "relief": _append(
+            block, np.round(relief_of(part.vertices, part.form) / form_step).astype("<i2")
+        ),
         "normals": _append(block, np.round(127 * part.normals).astype("i1")),
         "map": _append(block, outside.to_map(part.chart).astype("<f4")),
         "faces": _append(block, part.faces.astype("<u4")),

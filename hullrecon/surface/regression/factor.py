@@ -53,7 +53,10 @@ class _Sparse:
     def __init__(self, matrix: sparse.csr_array) -> None:
         try:
             self._factor = splu(
-                matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+                matrix.tocsc(),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
             )
         except RuntimeError as error:
             raise _indefinite() from error
@@ -68,5 +71,7 @@ class _Sparse:
 
 def _indefinite() -> NotPositiveDefiniteError:
     return NotPositiveDefiniteError(
-        "the kernel's matrix is not positive definite", where="surface", remedy="use the product or the wendland kernel"
+        "the kernel's matrix is not positive definite",
+        where="surface",
+        remedy="use the product or the wendland kernel",
     )

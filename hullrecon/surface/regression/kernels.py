@@ -19,9 +19,9 @@ Form = Literal["product", "radial", "wendland"]
 class Kernel:
     """form; length (along, girth) m at which the covariance becomes zero; sigma m, of the field.
 
-    product: the Melkumyan-Ramos function of each axis, multiplied: positive definite. radial: the same of the
-    two-dimensional radius, as [Ozog2016 3.2.2.2] prints it: not positive definite in general. wendland: (1 - r)^4 (4 r + 1) of
-    the radius.
+    product: the Melkumyan-Ramos function of each axis, multiplied: positive definite. radial: the
+    same of the two-dimensional radius, as [Ozog2016 3.2.2.2] prints it: not positive definite in
+    general. wendland: (1 - r)^4 (4 r + 1) of the radius.
     """
 
     form: Form
@@ -35,7 +35,9 @@ class Kernel:
         scale = np.array(self.length)
         left, right = np.asarray(a, float) / scale, np.asarray(b, float) / scale
         norm = np.inf if self.form == "product" else 2.0
-        pairs = cKDTree(left).sparse_distance_matrix(cKDTree(right), 1.0, p=norm, output_type="ndarray")
+        pairs = cKDTree(left).sparse_distance_matrix(
+            cKDTree(right), 1.0, p=norm, output_type="ndarray"
+        )
         row, column = pairs["i"], pairs["j"]
         value = self.sigma**2 * self.correlation(left[row] - right[column])
         return sparse.csr_array((value, (row, column)), shape=(len(left), len(right)))
@@ -49,7 +51,9 @@ class Kernel:
 
 
 def compact(r: Array) -> Array:
-    """Return the function of [MelkumyanRamos2009]: (2 + cos 2 pi r)/3 (1 - r) + sin(2 pi r)/(2 pi), zero from r = 1 on."""
+    """Return the function of [MelkumyanRamos2009]: (2 + cos 2 pi r)/3 (1 - r) + sin(2 pi r)/(2 pi),
+    zero from r = 1 on.
+    """
     turn = 2 * np.pi * r
     return np.where(r < 1, (2 + np.cos(turn)) / 3 * (1 - r) + np.sin(turn) / (2 * np.pi), 0.0)
 

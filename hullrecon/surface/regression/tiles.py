@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Regression of a large survey in tiles that overlap: exact Gaussian processes whose memory and time do not grow with the dive.
+"""Regression of a large survey in tiles that overlap: exact Gaussian processes whose memory and
+time do not grow with the dive.
 
-A kernel that ends at its length lets an observation be outweighed by nearer ones long before that: a tile sees those within
-half a length around it, and where tiles meet their predictions are blended (docs/methods.md 11).
+A kernel that ends at its length lets an observation be outweighed by nearer ones long before that:
+a tile sees those within half a length around it, and where tiles meet their predictions are blended
+(docs/methods.md 11).
 """
 
 from __future__ import annotations
@@ -50,16 +52,21 @@ class Box:
 
 
 def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST) -> Prediction:
-    """Return the field of a zero mean at places (m, 2) of the chart; seen: its observations, outliers are weighed down.
+    """Return the field of a zero mean at places (m, 2) of the chart; seen: its observations,
+    outliers are weighed down.
 
-    Raises NotPositiveDefiniteError as `fit` does."""
+    Raises NotPositiveDefiniteError as `fit` does.
+    """
     lengths = np.array(kernel.length)
     corners = np.vstack([seen.at, wanted])
     whole = Box(corners.min(axis=0), corners.max(axis=0))
     boxes = list(_split(whole, seen.at, MARGIN * lengths, most))
     total, mean, sigma = np.zeros((3, len(wanted)))
     for box in boxes:
-        rows, near = box.around(wanted, BLEND * lengths), seen.take(box.around(seen.at, MARGIN * lengths))
+        rows, near = (
+            box.around(wanted, BLEND * lengths),
+            seen.take(box.around(seen.at, MARGIN * lengths)),
+        )
         if not len(rows):
             continue
         weight = box.weight(wanted[rows], BLEND * lengths) if len(boxes) > 1 else np.ones(len(rows))
@@ -79,7 +86,9 @@ def _predict(kernel: Kernel, seen: Observations, wanted: Array) -> tuple[Array, 
 
 
 def _split(box: Box, at: Array, margin: Array, most: int) -> Iterator[Box]:
-    """Yield boxes that hold `most` observations with those around them, or are no larger than their margins."""
+    """Yield boxes that hold `most` observations with those around them, or are no larger than their
+    margins.
+    """
     size = (box.high - box.low) / margin
     if len(box.around(at, margin)) <= most or size.max() <= 1:
         yield box

@@ -15,7 +15,10 @@ def cameras_of(dive: Dive) -> dict[str, CameraModel]:
     if dive.spec.cameras.carried == "none":
         return {}
     bottom = dive.rig.camera_bottom
-    return {"camera_top": dive.rig.camera_top, **({"camera_bottom": bottom} if bottom is not None else {})}
+    return {
+        "camera_top": dive.rig.camera_top,
+        **({"camera_bottom": bottom} if bottom is not None else {}),
+    }
 
 
 def camera_info(name: str, camera: CameraModel) -> str:

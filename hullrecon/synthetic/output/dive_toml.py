@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""dive.toml of a simulated dive: nominal mounts, the instruments' sigmas, and an initial hull pose that is off."""
+"""dive.toml of a simulated dive: nominal mounts, the instruments' sigmas, and an initial hull pose
+that is off.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,12 @@ from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.output.calibration import cameras_of
 from hullrecon.synthetic.output.mcap_log import TOPICS
-from hullrecon.synthetic.sensors.instruments import DEPTH_SIGMA, LEAST_POSITION_SIGMA_M, RANGE_SIGMA, VELOCITY_SIGMA
+from hullrecon.synthetic.sensors.instruments import (
+    DEPTH_SIGMA,
+    LEAST_POSITION_SIGMA_M,
+    RANGE_SIGMA,
+    VELOCITY_SIGMA,
+)
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.rig import (
     BEAMS,
@@ -33,7 +40,9 @@ DVL_SCALE_SIGMA = 0.005  # assumed by readers where the key is absent
 
 
 def initial_guess(dive: Dive) -> Poses:
-    """Return T_g_M as the operator would give it: off by the guess's errors at the middle of the survey."""
+    """Return T_g_M as the operator would give it: off by the guess's errors at the middle of the
+    survey.
+    """
     spec, random = dive.spec, dive.spec.random("guess")
     sign = random.choice([-1.0, 1.0], 4)
     middle = dive.hull.skin.middle()
@@ -77,7 +86,14 @@ frame_spacing = 0.6
 
 def _head(dive: Dive) -> str:
     spec = dive.spec
-    carried = ["dvl", "imu", "pressure", "joints", *cameras_of(dive), *(["sonar"] if spec.sonar else [])]
+    carried = [
+        "dvl",
+        "imu",
+        "pressure",
+        "joints",
+        *cameras_of(dive),
+        *(["sonar"] if spec.sonar else []),
+    ]
     carried += ["position"] if spec.positions.every_s is not None else []
     topics = "\n".join(f'{name} = "{TOPICS[name][0]}"' for name in carried)
     files = '["logs/dive.mcap"]' if spec.form == "mcap" else '["logs"]'

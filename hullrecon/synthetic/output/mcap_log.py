@@ -32,7 +32,13 @@ TOPICS = {
     "sonar": ("/sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage"),
     "position": ("/usbl", "geometry_msgs/msg/PointStamped"),
 }
-LATENCY_NS = {"dvl": 33_000_000, "imu": 2_000_000, "pressure": 6_000_000, "joints": 7_000_000, "sonar": 130_000_000}
+LATENCY_NS = {
+    "dvl": 33_000_000,
+    "imu": 2_000_000,
+    "pressure": 6_000_000,
+    "joints": 7_000_000,
+    "sonar": 130_000_000,
+}
 
 
 def write_mcap(path: Path, streams: Streams) -> None:
@@ -43,7 +49,10 @@ def write_mcap(path: Path, streams: Streams) -> None:
         writer = Writer(file, chunk_size=1 << 20, compression=CompressionType.ZSTD)
         writer.start(profile="ros2", library="hullrecon")
         channels = _channels(writer, {name for _, name, _ in in_order(streams)})
-        rows = sorted((ns + LATENCY_NS.get(name, 60_000_000), name, k, ns) for ns, name, k in in_order(streams))
+        rows = sorted(
+            (ns + LATENCY_NS.get(name, 60_000_000), name, k, ns)
+            for ns, name, k in in_order(streams)
+        )
         for logged_ns, name, k, ns in rows:
             message = MESSAGES[name](streams, k, ns)
             data = bytes(store().serialize_cdr(message, TOPICS[name][1]))
@@ -57,8 +66,12 @@ def _channels(writer: Any, names: set[str]) -> dict[str, int]:
         topic, kind = TOPICS[name]
         if kind not in schemas:
             text, _ = store().generate_msgdef(kind, ros_version=2)
-            schemas[kind] = writer.register_schema(name=kind, encoding="ros2msg", data=text.encode())
-        channels[name] = writer.register_channel(topic=topic, message_encoding="cdr", schema_id=schemas[kind])
+            schemas[kind] = writer.register_schema(
+                name=kind, encoding="ros2msg", data=text.encode()
+            )
+        channels[name] = writer.register_channel(
+            topic=topic, message_encoding="cdr", schema_id=schemas[kind]
+        )
     return channels
 
 
@@ -94,7 +107,9 @@ def _imu(streams: Streams, k: int, ns: int) -> RosMessage:
         "sensor_msgs/msg/Imu",
         header=header(ns, "vehicle"),
         orientation=make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w),
-        orientation_covariance=np.diag([ROLL_PITCH_SIGMA**2, ROLL_PITCH_SIGMA**2, (10 * HEADING_SIGMA) ** 2]).ravel(),
+        orientation_covariance=np.diag(
+            [ROLL_PITCH_SIGMA**2, ROLL_PITCH_SIGMA**2, (10 * HEADING_SIGMA) ** 2]
+        ).ravel(),
         angular_velocity=vector(streams.imu.rates[k]),
         angular_velocity_covariance=np.diag(np.full(3, GYRO_SIGMA**2)).ravel(),
         linear_acceleration=vector(streams.imu.force[k]),
@@ -104,13 +119,25 @@ def _imu(streams: Streams, k: int, ns: int) -> RosMessage:
 
 def _pressure(streams: Streams, k: int, ns: int) -> RosMessage:
     pascal = float(streams.pressure.value[k])
-    return make("sensor_msgs/msg/FluidPressure", header=header(ns, "vehicle"), fluid_pressure=pascal, variance=0.0)
+    return make(
+        "sensor_msgs/msg/FluidPressure",
+        header=header(ns, "vehicle"),
+        fluid_pressure=pascal,
+        variance=0.0,
+    )
 
 
 def _joints(streams: Streams, k: int, ns: int) -> RosMessage:
     none = np.zeros(0)
     names, angle = ["tray", "sonar_tray"], streams.joints.value[k]
-    return make("sensor_msgs/msg/JointState", header=header(ns, ""), name=names, position=angle, velocity=none, effort=none)
+    return make(
+        "sensor_msgs/msg/JointState",
+        header=header(ns, ""),
+        name=names,
+        position=angle,
+        velocity=none,
+        effort=none,
+    )
 
 
 def _position(streams: Streams, k: int, ns: int) -> RosMessage:
@@ -120,18 +147,28 @@ def _position(streams: Streams, k: int, ns: int) -> RosMessage:
 
 def _camera(name: str, jpeg: bytes, ns: int) -> RosMessage:
     data = np.frombuffer(jpeg, np.uint8)
-    return make("sensor_msgs/msg/CompressedImage", header=header(ns, name), format="jpeg", data=data)
+    return make(
+        "sensor_msgs/msg/CompressedImage", header=header(ns, name), format="jpeg", data=data
+    )
 
 
 def _sonar(streams: Streams, k: int, ns: int) -> RosMessage:
     width = np.full(sonar.BEAM_COUNT, np.radians(SONAR_ELEVATION_DEG), np.float32)
     beam = np.full(sonar.BEAM_COUNT, abs(sonar.AZIMUTH[1] - sonar.AZIMUTH[0]), np.float32)
     info = make(
-        "marine_acoustic_msgs/msg/PingInfo", frequency=1.8e6, sound_speed=1500.0, tx_beamwidths=width, rx_beamwidths=beam
+        "marine_acoustic_msgs/msg/PingInfo",
+        frequency=1.8e6,
+        sound_speed=1500.0,
+        tx_beamwidths=width,
+        rx_beamwidths=beam,
     )
     pixels = np.ascontiguousarray(streams.pings[k].T).ravel()  # range bin by range bin
     image = make(
-        "marine_acoustic_msgs/msg/SonarImageData", is_bigendian=False, dtype=0, beam_count=sonar.BEAM_COUNT, data=pixels
+        "marine_acoustic_msgs/msg/SonarImageData",
+        is_bigendian=False,
+        dtype=0,
+        beam_count=sonar.BEAM_COUNT,
+        data=pixels,
     )
     return make(
         "marine_acoustic_msgs/msg/ProjectedSonarImage",

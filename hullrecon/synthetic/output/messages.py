@@ -11,7 +11,8 @@ from hullrecon.dive.logs.messages.definitions import DVL, PING_INFO, PROJECTED_S
 
 RosMessage = Any  # an instance of the class that rosbags makes for its type
 
-# Of the published one without the types that no simulated image has: logs carry this text, and are the same bytes as ever.
+# Of the published one without the types that no simulated image has: logs carry this text, and are
+# the same bytes as ever.
 SONAR_IMAGE_DATA = """
 uint32 DTYPE_UINT8=0
 bool is_bigendian

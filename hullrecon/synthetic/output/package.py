@@ -19,11 +19,12 @@ from hullrecon.synthetic.world.hull_shapes import write_stl
 
 
 def write_package(folder: Path, spec: DiveSpec, track: Track = without_progress) -> Dive:
-    """Simulate a dive, write its package and return it, truth and all. The folder may exist but must be empty; it is written
-    beside under a temporary name, so that a simulation that fails or is interrupted leaves nothing. track: shows the
-    images as they are written.
+    """Simulate a dive, write its package and return it, truth and all. The folder may exist but
+    must be empty; it is written beside under a temporary name, so that a simulation that fails or
+    is interrupted leaves nothing. track: shows the images as they are written.
 
-    Raises StorageError when the folder is not empty or cannot be written."""
+    Raises StorageError when the folder is not empty or cannot be written.
+    """
     with new_folder(folder) as partial:
         dive = simulate_dive(spec)
         write_parts(partial, dive, record(dive, track))
@@ -31,7 +32,9 @@ def write_package(folder: Path, spec: DiveSpec, track: Track = without_progress)
 
 
 def write_parts(folder: Path, dive: Dive, streams: Streams) -> None:
-    """Write all that a package consists of into an empty folder; streams: what the dive's sensors gave."""
+    """Write all that a package consists of into an empty folder; streams: what the dive's sensors
+    gave.
+    """
     write_stl(folder / "hull.stl", dive.cad_model)
     (folder / "logs").mkdir()
     if dive.spec.form == "mcap":

@@ -26,14 +26,18 @@ BEHIND_M = 1.35  # a point so far behind the standoff lies round the bilge, wher
 
 
 def write_truth(folder: Path, dive: Dive) -> None:
-    """Write poses.csv, alignment.json, servo.csv, sonar_servo.csv, extrinsics.json, objects.json, as_built.ply."""
+    """Write poses.csv, alignment.json, servo.csv, sonar_servo.csv, extrinsics.json, objects.json,
+    as_built.ply.
+    """
     motion = dive.motion
     at = motion.in_hull(motion.vehicle(dive.frame_s))
     rows = np.hstack([at.translation, at.quaternion])
     write_table(folder / "poses.csv", ["x", "y", "z", "qx", "qy", "qz", "qw"], dive.frame_s, rows)
     often = np.arange(0, motion.t_s[-1], 0.05)
     write_table(folder / "servo.csv", ["rad"], often, motion.angle(motion.tray, often)[:, None])
-    write_table(folder / "sonar_servo.csv", ["rad"], often, motion.angle(motion.sonar_tray, often)[:, None])
+    write_table(
+        folder / "sonar_servo.csv", ["rad"], often, motion.angle(motion.sonar_tray, often)[:, None]
+    )
     _json(folder / "alignment.json", {"T_g_M": _place(motion.T_g_M)})
     _json(folder / "extrinsics.json", _extrinsics(dive))
     _json(folder / "objects.json", _objects(dive))
@@ -41,9 +45,14 @@ def write_truth(folder: Path, dive: Dive) -> None:
 
 
 def write_ply(path: Path, pieces: Iterable[Mesh]) -> None:
-    """Write the pieces of a mesh as one binary PLY, float32 vertices; one piece is held in memory at a time."""
+    """Write the pieces of a mesh as one binary PLY, float32 vertices; one piece is held in memory
+    at a time.
+    """
     vertices = faces = 0
-    with tempfile.TemporaryFile(dir=path.parent) as corners, tempfile.TemporaryFile(dir=path.parent) as triangles:
+    with (
+        tempfile.TemporaryFile(dir=path.parent) as corners,
+        tempfile.TemporaryFile(dir=path.parent) as triangles,
+    ):
         for mesh in pieces:
             rows = np.zeros(len(mesh.faces), np.dtype([("n", "u1"), ("corner", "<i4", 3)]))
             rows["n"], rows["corner"] = 3, mesh.faces + vertices
@@ -73,7 +82,12 @@ end_header
 
 def _extrinsics(dive: Dive) -> dict[str, Any]:
     rig = dive.rig
-    mounts = {"T_s_d": rig.T_s_d, "T_s_ct": rig.T_s_ct, "T_ct_cb": rig.T_ct_cb, "T_sonarservo_o": rig.T_u_o}
+    mounts = {
+        "T_s_d": rig.T_s_d,
+        "T_s_ct": rig.T_s_ct,
+        "T_ct_cb": rig.T_ct_cb,
+        "T_sonarservo_o": rig.T_u_o,
+    }
     if dive.spec.cameras.carried == "none":
         mounts = {name: mounts[name] for name in ("T_s_d", "T_sonarservo_o")}
     placed: dict[str, Any] = {name: _place(mount) for name, mount in mounts.items()}
@@ -81,7 +95,8 @@ def _extrinsics(dive: Dive) -> dict[str, Any]:
 
 
 def _objects(dive: Dive) -> dict[str, Any]:
-    along = sorted(range(len(dive.items)), key=lambda k: dive.items[k].along_m)  # as the hull's blocks lie
+    # as the hull's blocks lie
+    along = sorted(range(len(dive.items)), key=lambda k: dive.items[k].along_m)
     made = {k: _object(dive, dive.items[k], k + 1) for k in along}
     rows = [made[k] for k in range(len(dive.items))]
     rough = [row for row in rows if row["kind"] == "barnacles"]
@@ -89,7 +104,9 @@ def _objects(dive: Dive) -> dict[str, Any]:
 
 
 def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
-    """Return an item as objects.json has it. The centre lies on the visible surface: a protrusion's top, a recess's floor."""
+    """Return an item as objects.json has it. The centre lies on the visible surface: a protrusion's
+    top, a recess's floor.
+    """
     a, g = np.array([item.along_m]), np.array([item.girth_m])
     block = dive.hull.near(item.along_m)
     normal = block.patch.sample(block.patch.normal, a, g)[0]

@@ -26,7 +26,9 @@ LEAST_POSITION_SIGMA_M = 0.001  # that is told of positions simulated without no
 
 @dataclass(frozen=True, kw_only=True)
 class Dvl:
-    """Hold the DVL's readings. velocity (n, 3) in `dvl`, m/s; ranges (n, 4) in metres, NaN where lost."""
+    """Hold the DVL's readings. velocity (n, 3) in `dvl`, m/s; ranges (n, 4) in metres, NaN where
+    lost.
+    """
 
     t_s: Array
     velocity: Array
@@ -35,8 +37,9 @@ class Dvl:
 
 @dataclass(frozen=True, kw_only=True)
 class Imu:
-    """Hold the IMU's readings. quaternion (n, 4): vehicle in g; rates (n, 3) rad/s and specific force (n, 3) m/s2 in the
-    vehicle."""
+    """Hold the IMU's readings. quaternion (n, 4): vehicle in g; rates (n, 3) rad/s and specific
+    force (n, 3) m/s2 in the vehicle.
+    """
 
     t_s: Array
     quaternion: Array
@@ -56,19 +59,26 @@ NO_POSITIONS = Series(np.zeros(0), np.zeros((0, 3)))
 
 
 def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: BuiltHull) -> Dvl:
-    """Return the velocity of the instrument over ground in its own frame, too long by the scale error; ranges to the hull as
-    built."""
+    """Return the velocity of the instrument over ground in its own frame, too long by the scale
+    error; ranges to the hull as built.
+    """
     random = spec.random("dvl")
     t = ticks(motion, 5.0, random)
     at = motion.on_tray(t, rig.T_s_d, TRAY_ORIGIN)
-    ahead, behind = (motion.on_tray(t + dt, rig.T_s_d, TRAY_ORIGIN).translation for dt in (0.04, -0.04))
+    ahead, behind = (
+        motion.on_tray(t + dt, rig.T_s_d, TRAY_ORIGIN).translation for dt in (0.04, -0.04)
+    )
     true = at.rotation.inv().apply((ahead - behind) / 0.08)
-    velocity = true * (1 + spec.errors.dvl_scale_error) + VELOCITY_SIGMA * random.standard_normal(true.shape)
+    velocity = true * (1 + spec.errors.dvl_scale_error) + VELOCITY_SIGMA * random.standard_normal(
+        true.shape
+    )
     return Dvl(t_s=t, velocity=velocity, ranges=_ranges(random, motion.in_hull(at), hull))
 
 
 def imu(spec: DiveSpec, motion: Motion) -> Imu:
-    """Return the attitude with a constant bias in roll and pitch, a heading that drifts and wanders, and white noise."""
+    """Return the attitude with a constant bias in roll and pitch, a heading that drifts and
+    wanders, and white noise.
+    """
     from scipy.spatial.transform import Rotation
 
     random = spec.random("imu")
@@ -82,7 +92,11 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
     turn = Rotation.from_euler("z", heading[:, None]) * motion.vehicle(t).rotation * error
     down = np.array([0.0, 0.0, GRAVITY])
     force = motion.vehicle(t).rotation.inv().apply(motion.acceleration(t) - down)
-    rates = motion.rates(t) + 0.0005 * random.standard_normal(3) + GYRO_SIGMA * random.standard_normal((n, 3))
+    rates = (
+        motion.rates(t)
+        + 0.0005 * random.standard_normal(3)
+        + GYRO_SIGMA * random.standard_normal((n, 3))
+    )
     felt = force + ACCELERATION_SIGMA * random.standard_normal((n, 3))
     return Imu(t_s=t, quaternion=turn.as_quat(), rates=rates, force=felt)
 
@@ -92,12 +106,16 @@ def pressure(spec: DiveSpec, motion: Motion) -> Series:
     random = spec.random("pressure")
     t = ticks(motion, 10.0, random, 0.12)
     bias = 0.03 * random.choice([-1.0, 1.0])
-    depth = motion.vehicle(t).translation[:, 2] + bias + DEPTH_SIGMA * random.standard_normal(len(t))
+    depth = (
+        motion.vehicle(t).translation[:, 2] + bias + DEPTH_SIGMA * random.standard_normal(len(t))
+    )
     return Series(t, ATMOSPHERE_PA + DENSITY * GRAVITY * depth)
 
 
 def positions(spec: DiveSpec, motion: Motion) -> Series:
-    """Return where USBL has its transponder, east, north, up (n, 3) in m, in a local frame that lies any way to g."""
+    """Return where USBL has its transponder, east, north, up (n, 3) in m, in a local frame that
+    lies any way to g.
+    """
     if spec.positions.every_s is None:
         return NO_POSITIONS
     random = spec.random("positions")
@@ -106,7 +124,9 @@ def positions(spec: DiveSpec, motion: Motion) -> Series:
     x, y, z = motion.vehicle(t).apply(np.array(TRANSPONDER)).T
     north = place[0] + x * np.cos(heading) - y * np.sin(heading)
     east = place[1] + x * np.sin(heading) + y * np.cos(heading)
-    at = np.stack([east, north, -z], axis=1) + spec.positions.sigma_m * random.standard_normal((len(t), 3))
+    at = np.stack([east, north, -z], axis=1) + spec.positions.sigma_m * random.standard_normal(
+        (len(t), 3)
+    )
     wild = random.random(len(t)) < spec.positions.outlier_share
     return Series(t, np.where(wild[:, None], at + random.uniform(-30, 30, at.shape), at))
 
@@ -117,7 +137,10 @@ def joints(spec: DiveSpec, motion: Motion) -> Series:
     t = ticks(motion, 10.0, random, 0.09)
     series = (motion.encoder, motion.sonar_tray)
     reported = np.stack([motion.angle(s, t) for s in series], axis=1)
-    return Series(t, reported + np.radians(spec.errors.servo_sigma_deg) * random.standard_normal(reported.shape))
+    return Series(
+        t,
+        reported + np.radians(spec.errors.servo_sigma_deg) * random.standard_normal(reported.shape),
+    )
 
 
 def _ranges(random: np.random.Generator, T_M_d: Poses, hull: BuiltHull) -> Array:

@@ -19,7 +19,9 @@ ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0
 
 
 def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
-    """Yield the RGB images (h, w, 3) of the top and the bottom camera; None where no bottom camera is carried."""
+    """Yield the RGB images (h, w, 3) of the top and the bottom camera; None where no bottom camera
+    is carried.
+    """
     rig, motion, random = dive.rig, dive.motion, dive.spec.random("camera")
     paint, absorption = _paint(dive), 2.0 / dive.spec.visibility_m
     top = lens(rig.camera_top)

@@ -35,7 +35,9 @@ def without_progress(items: Iterator[bytes], label: str, total: int, /) -> Itera
 
 
 class InTurn(Generic[Item]):
-    """Give the items of an iterator by number, keeping the last one alone: a number may repeat or grow, never fall."""
+    """Give the items of an iterator by number, keeping the last one alone: a number may repeat or
+    grow, never fall.
+    """
 
     def __init__(self, items: Iterator[Item]) -> None:
         self._items, self._number = items, -1
@@ -52,9 +54,12 @@ class InTurn(Generic[Item]):
 
 @dataclass(frozen=True, kw_only=True)
 class Streams:
-    """Hold what the sensors gave; images and pings are made as they are asked for, in the order of time.
+    """Hold what the sensors gave; images and pings are made as they are asked for, in the order of
+    time.
 
-    cameras: names of those carried; frames: by frame, a JPEG file for each of them; pings: by ping, (beams, ranges) uint8."""
+    cameras: names of those carried; frames: by frame, a JPEG file for each of them; pings: by ping,
+    (beams, ranges) uint8.
+    """
 
     dvl: instruments.Dvl
     imu: instruments.Imu
@@ -71,7 +76,9 @@ class Streams:
 def record(dive: Dive, track: Track = without_progress) -> Streams:
     """Return the readings of all sensors of the dive."""
     spec, motion = dive.spec, dive.motion
-    cameras = {"stereo": ("camera_top", "camera_bottom"), "mono": ("camera_top",), "none": ()}[spec.cameras.carried]
+    cameras = {"stereo": ("camera_top", "camera_bottom"), "mono": ("camera_top",), "none": ()}[
+        spec.cameras.carried
+    ]
     images = track(_jpegs(dive), "images written", len(cameras) * len(dive.frame_s))
     ping_s, pinged = pings(dive) if spec.sonar else (np.zeros(0), iter(()))
     return Streams(
@@ -119,6 +126,8 @@ def _jpegs(dive: Dive) -> Iterator[bytes]:
 def _jpeg(image: NDArray[np.uint8], quality: int) -> bytes:
     import cv2
 
-    done, data = cv2.imencode(".jpg", np.ascontiguousarray(image[..., ::-1]), [cv2.IMWRITE_JPEG_QUALITY, quality])
+    done, data = cv2.imencode(
+        ".jpg", np.ascontiguousarray(image[..., ::-1]), [cv2.IMWRITE_JPEG_QUALITY, quality]
+    )
     assert done
     return data.tobytes()

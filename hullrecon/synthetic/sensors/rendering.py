@@ -41,10 +41,14 @@ def lens(camera: CameraModel) -> Lens:
     """Return the rays of all pixels of a camera, row by row."""
     x, y = np.meshgrid(np.arange(camera.width, dtype=float), np.arange(camera.height, dtype=float))
     ray = camera.rays(np.stack([x.ravel(), y.ravel()], 1)).astype(np.float32)
-    return Lens(camera, ray, np.asarray(ray[:, 2] ** 2.5, np.float32).reshape(camera.height, camera.width))
+    return Lens(
+        camera, ray, np.asarray(ray[:, 2] ** 2.5, np.float32).reshape(camera.height, camera.width)
+    )
 
 
-def photograph(scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.random.Generator) -> NDArray[np.uint8]:
+def photograph(
+    scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.random.Generator
+) -> NDArray[np.uint8]:
     """Return one image (h, w, 3) RGB from a pose (a batch of one) with the lamp at that point of M."""
     shape = view.vignetting.shape
     direction = view.ray @ T_M_c.rotation.as_matrix()[0].T.astype(np.float32)
@@ -53,7 +57,11 @@ def photograph(scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.r
     corner = scene.block.built.mesh.faces[hits.face]
     chart = np.einsum("nk,nkd->nd", hits.weight, scene.block.built.chart[corner])
     normal = np.einsum("nk,nkd->nd", hits.weight, scene.block.built.normal[corner])
-    along_m, girth_m, seen = chart[:, 0].reshape(shape), chart[:, 1].reshape(shape), hits.hit.reshape(shape)
+    along_m, girth_m, seen = (
+        chart[:, 0].reshape(shape),
+        chart[:, 1].reshape(shape),
+        hits.hit.reshape(shape),
+    )
     albedo = scene.atlas.look_up(along_m, girth_m, seen).reshape(-1, 3)
     point = direction * range_m[:, None]
     light, lamp_way = _lamp(scene, hits.hit, point, normal, chart, T_M_c.translation[0], lamp)
@@ -65,10 +73,17 @@ def photograph(scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.r
 
 
 def _lamp(
-    scene: Scene, hit: NDArray[np.bool_], point: Floats32, normal: Floats32, chart: Floats32, camera: Array, lamp: Array
+    scene: Scene,
+    hit: NDArray[np.bool_],
+    point: Floats32,
+    normal: Floats32,
+    chart: Floats32,
+    camera: Array,
+    lamp: Array,
 ) -> tuple[Floats32, Floats32]:
-    """Return the light (n,) that the lamp throws on points given from the camera, and its way through the water; shadows
-    where something stands out nearby."""
+    """Return the light (n,) that the lamp throws on points given from the camera, and its way
+    through the water; shadows where something stands out nearby.
+    """
     to_lamp = (lamp - camera).astype(np.float32) - point
     way = np.linalg.norm(to_lamp, axis=1)
     to_lamp /= way[:, None]
@@ -91,8 +106,18 @@ def _snow(radiance: Floats32, random: np.random.Generator) -> Floats32:
     flakes: Floats32 = np.zeros((height, width), np.float32)
     for x, y, r, tone in random.uniform(0, 1, (14, 4)).tolist():
         centre = (round(16 * x * width), round(16 * y * height))
-        cv2.circle(flakes, centre, round(16 * (0.5 + 1.5 * r**4)), 0.02 + 0.12 * tone**3, -1, cv2.LINE_AA, 4)
-    lit = radiance + cv2.GaussianBlur(flakes, (0, 0), 0.8)[..., None] * np.array([0.8, 1, 0.95], np.float32)
+        cv2.circle(
+            flakes,
+            centre,
+            round(16 * (0.5 + 1.5 * r**4)),
+            0.02 + 0.12 * tone**3,
+            -1,
+            cv2.LINE_AA,
+            4,
+        )
+    lit = radiance + cv2.GaussianBlur(flakes, (0, 0), 0.8)[..., None] * np.array(
+        [0.8, 1, 0.95], np.float32
+    )
     return np.asarray(cv2.GaussianBlur(lit, (0, 0), 0.55), np.float32)
 
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""An imaging sonar: every beam integrates over its arc of elevation; what stands in front casts a shadow."""
+"""An imaging sonar: every beam integrates over its arc of elevation; what stands in front casts a
+shadow.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +30,9 @@ RATE_HZ = 2.0
 
 @dataclass(frozen=True)
 class Fan:
-    """Hold the rays of one ping in `sonar`: direction (n, 3), the beam (n,) each belongs to, and the beam pattern's gain
-    (n,)."""
+    """Hold the rays of one ping in `sonar`: direction (n, 3), the beam (n,) each belongs to, and
+    the beam pattern's gain (n,).
+    """
 
     direction: Array
     beam: NDArray[np.int64]
@@ -37,12 +40,17 @@ class Fan:
 
 
 def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
-    """Return the times (n,) of the sonar's pings, s, and their images (beams, ranges), made as they are asked for."""
+    """Return the times (n,) of the sonar's pings, s, and their images (beams, ranges), made as they
+    are asked for.
+    """
     random = dive.spec.random("sonar")
     t_s = ticks(dive.motion, RATE_HZ, random, 0.3)
     at = dive.motion.on_tray(t_s, dive.rig.T_u_o, SONAR_ORIGIN, dive.motion.sonar_tray)
     T_M_o, rays = dive.motion.in_hull(at), fan()
-    return t_s, (ping(T_M_o[k], dive.hull.near(T_M_o.translation[k, 0]), rays, random) for k in range(len(t_s)))
+    return t_s, (
+        ping(T_M_o[k], dive.hull.near(T_M_o.translation[k, 0]), rays, random)
+        for k in range(len(t_s))
+    )
 
 
 def beam_directions() -> Array:
@@ -59,13 +67,16 @@ def fan() -> Fan:
     b, s, e = np.meshgrid(np.arange(BEAM_COUNT), offset * step, elevation, indexing="ij")
     azimuth = (AZIMUTH[b] + s).ravel()
     e = e.ravel()
-    direction = np.stack([np.sin(e), np.cos(e) * np.sin(azimuth), np.cos(e) * np.cos(azimuth)], axis=1)
+    direction = np.stack(
+        [np.sin(e), np.cos(e) * np.sin(azimuth), np.cos(e) * np.cos(azimuth)], axis=1
+    )
     return Fan(direction, b.ravel().astype(np.int64), np.exp(-1.2 * (e / half) ** 2))
 
 
 def ping(T_M_o: Poses, block: Block, rays: Fan, random: np.random.Generator) -> NDArray[np.uint8]:
-    """Return one image (beams, ranges): Lambert's echo of every ray that hits, summed by range bin, with speckle and a noise
-    floor."""
+    """Return one image (beams, ranges): Lambert's echo of every ray that hits, summed by range bin,
+    with speckle and a noise floor.
+    """
     direction = T_M_o.rotation.apply(rays.direction)
     hits = block.rays.cast(T_M_o.translation, direction)
     corner = block.built.mesh.faces[hits.face]
@@ -74,9 +85,13 @@ def ping(T_M_o: Poses, block: Block, rays: Fan, random: np.random.Generator) -> 
     bins = np.rint((hits.range_m - NEAR_M) / (FAR_M - NEAR_M) * (BIN_COUNT - 1))
     seen = hits.hit & (bins >= 0) & (bins < BIN_COUNT)
     cell = rays.beam[seen] * BIN_COUNT + bins[seen].astype(np.int64)
-    total = np.bincount(cell, (rays.gain * (0.3 * facing + 0.7 * facing**2))[seen], BEAM_COUNT * BIN_COUNT)
+    total = np.bincount(
+        cell, (rays.gain * (0.3 * facing + 0.7 * facing**2))[seen], BEAM_COUNT * BIN_COUNT
+    )
     echo = total.reshape(BEAM_COUNT, BIN_COUNT) * RANGE / (ARC_RAYS * SUB_BEAMS / 40.0)
-    speckle = random.gamma(LOOKS, 1 / LOOKS, echo.shape) * (1 + 0.05 * random.standard_normal((BEAM_COUNT, 1)))
+    speckle = random.gamma(LOOKS, 1 / LOOKS, echo.shape) * (
+        1 + 0.05 * random.standard_normal((BEAM_COUNT, 1))
+    )
     floor = 0.004 * random.gamma(1.0, 1.0, echo.shape)
     loud = 255 * np.sqrt(np.abs(0.65 * echo * speckle + floor))
     return np.asarray(np.clip(loud, 0, 255), np.uint8)

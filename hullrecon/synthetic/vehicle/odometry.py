@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Odometry along a true path, its errors drawn from the sigmas that its record states, and dead reckoning from it."""
+"""Odometry along a true path, its errors drawn from the sigmas that its record states, and dead
+reckoning from it.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +15,17 @@ from hullrecon.typing import Array
 
 
 def measured_steps(
-    rng: np.random.Generator, truth: Array, navigation: Array, mount: Array, step_s: float, step_sigma: Array
+    rng: np.random.Generator,
+    truth: Array,
+    navigation: Array,
+    mount: Array,
+    step_s: float,
+    step_sigma: Array,
 ) -> Odometry:
-    """Return the steps of a path T_g_v (n, 4, 4), one every step_s, with a wrong scale and a drifting heading, the first two of
-    navigation (rad/s), and a DVL mount turned by mount (3,) rad, besides white noise of step_sigma (6,) m, rad."""
+    """Return the steps of a path T_g_v (n, 4, 4), one every step_s, with a wrong scale and a
+    drifting heading, the first two of navigation (rad/s), and a DVL mount turned by mount (3,) rad,
+    besides white noise of step_sigma (6,) m, rad.
+    """
     first, second = np.arange(len(truth) - 1), np.arange(1, len(truth))
     step = np.linalg.inv(truth[first]) @ truth[second]
     t, m = step[:, :3, 3], len(first)
@@ -24,9 +33,12 @@ def measured_steps(
     by_navigation[:, :3, 0] = t
     by_navigation[:, :3, 1] = 0.5 * step_s * np.cross(truth[first, 2, :3], t)
     by_navigation[:, 3:, 1] = step_s * truth[second, 2, :3]
-    by_mount[:, :3] = np.cross(t[:, None], np.eye(3))  # what a small turn of the mount does: turn x t
+    # what a small turn of the mount does: turn x t
+    by_mount[:, :3] = np.cross(t[:, None], np.eye(3))
     by_tray[:, :3] = np.cross([0.0, 1.0, 0.0], t)
-    error = by_navigation @ navigation[:2] + by_mount @ mount + step_sigma * rng.standard_normal((m, 6))
+    error = (
+        by_navigation @ navigation[:2] + by_mount @ mount + step_sigma * rng.standard_normal((m, 6))
+    )
     turn = Rotation.from_matrix(step[:, :3, :3]) * Rotation.from_rotvec(-error[:, 3:])
     return Odometry(
         first=first,
@@ -42,8 +54,9 @@ def measured_steps(
 
 
 def reckoned(start: Array, odometry: Odometry, step_s: float) -> Trajectory:
-    """Return the path, one node every step_s, that the steps give from a first pose T_g_v (4, 4) on. Its covariance is unity: a
-    pose graph does not read it."""
+    """Return the path, one node every step_s, that the steps give from a first pose T_g_v (4, 4)
+    on. Its covariance is unity: a pose graph does not read it.
+    """
     track = [start]
     for step in Poses(odometry.quaternion, odometry.translation).matrix():
         track.append(track[-1] @ step)

@@ -23,7 +23,9 @@ BOTTOM_IN_TOP: Six = (0.001, 0.1, -0.001, 0.15, -0.1, 0.12)
 SONAR_MOUNT: Six = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
 SONAR_ELEVATION_DEG = 14.0
 LAMP_IN_TOP = np.array([0.16, -0.26, 0.02])  # metres in camera_top
-BEAMS = np.array([[-0.5, 0.0, 0.75**0.5], [0.5, 0.0, 0.75**0.5], [0.0, 0.5, 0.75**0.5], [0.0, -0.5, 0.75**0.5]])
+BEAMS = np.array(
+    [[-0.5, 0.0, 0.75**0.5], [0.5, 0.0, 0.75**0.5], [0.0, 0.5, 0.75**0.5], [0.0, -0.5, 0.75**0.5]]
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,8 +45,21 @@ def true_rig(spec: DiveSpec) -> Rig:
     random = spec.random("rig")
     width, height = spec.cameras.image_width, spec.cameras.image_height
     f = 1.03 * width
-    top = CameraModel(width, height, f, 1.0012 * f, 0.507 * width, 0.493 * height, -0.065, 0.035, 0.0006, -0.0004)
-    bottom = CameraModel(width, height, 0.993 * f, 0.9942 * f, 0.495 * width, 0.509 * height, -0.061, 0.03, -0.0003, 0.0005)
+    top = CameraModel(
+        width, height, f, 1.0012 * f, 0.507 * width, 0.493 * height, -0.065, 0.035, 0.0006, -0.0004
+    )
+    bottom = CameraModel(
+        width,
+        height,
+        0.993 * f,
+        0.9942 * f,
+        0.495 * width,
+        0.509 * height,
+        -0.061,
+        0.03,
+        -0.0003,
+        0.0005,
+    )
     return Rig(
         T_s_d=from_mount(DVL_MOUNT) @ _slip(random, 0.002, 0.2),
         T_s_ct=from_mount(CAMERA_MOUNT) @ _slip(random, 0.003, 0.25),
@@ -56,4 +71,8 @@ def true_rig(spec: DiveSpec) -> Rig:
 
 
 def _slip(random: np.random.Generator, shift_m: float, turn_deg: float) -> Poses:
-    return exp(np.concatenate([shift_m * random.standard_normal(3), np.radians(turn_deg) * random.standard_normal(3)]))
+    return exp(
+        np.concatenate(
+            [shift_m * random.standard_normal(3), np.radians(turn_deg) * random.standard_normal(3)]
+        )
+    )

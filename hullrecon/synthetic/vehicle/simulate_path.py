@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The survey: legs along the hull at a constant standoff, from the top down, the vehicle facing the steel."""
+"""The survey: legs along the hull at a constant standoff, from the top down, the vehicle facing the
+steel.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ from hullrecon.synthetic.world.hull_patch import HullSkin
 from hullrecon.typing import Array
 
 STEP_S = 0.02
-SONAR_BELOW = (0.72, 0.42)  # the sonar looks that much lower than the cameras (rad), less where the bilge curves away (rad/rad)
+# the sonar looks that much lower than the cameras (rad), less where the bilge curves away (rad/rad)
+SONAR_BELOW = (0.72, 0.42)
 
 
 def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
@@ -39,10 +42,14 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     facing, out = level.apply(normal), level.apply(point)
     port = level.apply([0.0, 1.0, 0.0])
     flat = facing[:, :2] + 0.1 * port[:2]  # under a flat bottom the normal alone gives no heading
-    yaw = gaussian_filter1d(np.unwrap(np.arctan2(-flat[:, 1], -flat[:, 0])), 0.7 / STEP_S, mode="nearest")
+    yaw = gaussian_filter1d(
+        np.unwrap(np.arctan2(-flat[:, 1], -flat[:, 0])), 0.7 / STEP_S, mode="nearest"
+    )
     wobble = _wobble(spec, t)
     attitude = np.stack([wobble[:, 3], wobble[:, 4], yaw + wobble[:, 5]], axis=1)
-    elevation = gaussian_filter1d(np.arcsin(np.clip(facing[:, 2], -0.98, 0.98)), 0.7 / STEP_S, mode="nearest")
+    elevation = gaussian_filter1d(
+        np.arcsin(np.clip(facing[:, 2], -0.98, 0.98)), 0.7 / STEP_S, mode="nearest"
+    )
     sensor = out + spec.survey.standoff_m * facing + wobble[:, :3]
     position = sensor - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
     smooth = gaussian_filter1d(position, 0.5 / STEP_S, axis=0, mode="nearest")
@@ -64,12 +71,16 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
 
 
 def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
-    """Return along and girth every STEP_S: constant speed, half as fast between legs, a rest at both ends, corners rounded."""
+    """Return along and girth every STEP_S: constant speed, half as fast between legs, a rest at
+    both ends, corners rounded.
+    """
     from scipy.ndimage import gaussian_filter1d
 
     way = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     seconds = way / np.where(np.arange(len(way)) % 2, 0.5 * speed, speed)
-    knots = np.concatenate([[0.0], 1.0 + np.concatenate([[0.0], np.cumsum(seconds)]), [2.0 + seconds.sum()]])
+    knots = np.concatenate(
+        [[0.0], 1.0 + np.concatenate([[0.0], np.cumsum(seconds)]), [2.0 + seconds.sum()]]
+    )
     t = np.arange(0, knots[-1], STEP_S)
     path = np.vstack([corners[:1], corners, corners[-1:]])
     along, girth = (np.interp(t, knots, path[:, k]) for k in (0, 1))
@@ -77,21 +88,26 @@ def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
 
 
 def _trim(spec: DiveSpec) -> Rotation:
-    """Return the turn from M to a level frame with z down: the ship lies a little by the head and to one side."""
+    """Return the turn from M to a level frame with z down: the ship lies a little by the head and
+    to one side.
+    """
     heel, trim = np.radians(spec.random("trim").uniform(-0.5, 0.5, 2))
     return Rotation.from_euler("xyz", [np.pi + heel, trim, 0.0])
 
 
 def _start_of(position: Array, yaw: float, draught_m: float) -> Poses:
-    """Return the pose of the level frame in g, which starts where the vehicle starts, heading its way; its z = 0 is the water
-    surface."""
+    """Return the pose of the level frame in g, which starts where the vehicle starts, heading its
+    way; its z = 0 is the water surface.
+    """
     turn = from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, -yaw])
     shift = -turn.apply(position[None])[0]
     return Poses(turn.quaternion, np.array([[shift[0], shift[1], draught_m]]))
 
 
 def _wobble(spec: DiveSpec, t: Array, waves: int = 7) -> Array:
-    """Return (n, 7) what the controller does not hold: position (m), roll, pitch, yaw, and the tray's command (rad)."""
+    """Return (n, 7) what the controller does not hold: position (m), roll, pitch, yaw, and the
+    tray's command (rad).
+    """
     random = spec.random("wobble")
     size = np.array([0.012, 0.012, 0.012, *np.radians([0.9, 0.9, 1.0, 0.7])])
     rate = 2 * np.pi * random.uniform(0.03, 0.22, (waves, 7))

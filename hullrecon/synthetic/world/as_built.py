@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull as it is: the CAD model's patch moved by its deviation, with what stands on it, finer where something does."""
+"""The hull as it is: the CAD model's patch moved by its deviation, with what stands on it, finer
+where something does.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,10 @@ FINER = 5  # 3 cm cells become 6 mm cells
 
 @dataclass(frozen=True, kw_only=True)
 class AsBuilt:
-    """Hold the surface. mesh in M; chart (n, 2) along and girth and normal (n, 3) by vertex; steel (a, g, 3): the patch's
-    points moved by the deviation alone; busy (a, g) bool: grid nodes near something that stands out."""
+    """Hold the surface. mesh in M; chart (n, 2) along and girth and normal (n, 3) by vertex; steel
+    (a, g, 3): the patch's points moved by the deviation alone; busy (a, g) bool: grid nodes near
+    something that stands out.
+    """
 
     mesh: Mesh
     chart: NDArray[np.float32]
@@ -44,10 +48,18 @@ def build(spec: DiveSpec, patch: HullPatch, items: tuple[Item, ...]) -> AsBuilt:
     height = np.zeros(len(key))
     for item in items:
         height += height_of(item, along, girth)
-    vertices = patch.sample(steel, along, girth) + height[:, None] * patch.sample(patch.normal, along, girth)
+    vertices = patch.sample(steel, along, girth) + height[:, None] * patch.sample(
+        patch.normal, along, girth
+    )
     mesh = Mesh(vertices, faces)
     chart = np.stack([along, girth], 1).astype(np.float32)
-    return AsBuilt(mesh=mesh, chart=chart, normal=_vertex_normals(mesh).astype(np.float32), steel=steel, busy=busy)
+    return AsBuilt(
+        mesh=mesh,
+        chart=chart,
+        normal=_vertex_normals(mesh).astype(np.float32),
+        steel=steel,
+        busy=busy,
+    )
 
 
 def crop(built: AsBuilt, along_m: tuple[float, float], girth_m: tuple[float, float]) -> Mesh:
@@ -63,24 +75,31 @@ def _busy(patch: HullPatch, items: tuple[Item, ...], margin_m: float) -> NDArray
     out = np.zeros((len(patch.along_m), len(patch.girth_m)), bool)
     for item in (i for i in items if i.height_m != 0):
         reach = item.reach_m() + margin_m
-        far = np.hypot(*np.meshgrid(patch.along_m - item.along_m, patch.girth_m - item.girth_m, indexing="ij"))
+        far = np.hypot(
+            *np.meshgrid(patch.along_m - item.along_m, patch.girth_m - item.girth_m, indexing="ij")
+        )
         out |= far < reach
     return out
 
 
 def _lattice(busy: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.int32]]:
-    """Return vertices as keys on the fine lattice, faces counter-clockwise seen from outside; fine cells share their
-    corners."""
+    """Return vertices as keys on the fine lattice, faces counter-clockwise seen from outside; fine
+    cells share their corners.
+    """
     columns = busy.shape[1]
     width = FINER * (columns - 1) + 1
     fine = busy[:-1, :-1] | busy[1:, :-1] | busy[1:, 1:] | busy[:-1, 1:]
     coarse_cell = np.argwhere(~fine) * FINER
-    sub = np.stack(np.meshgrid(np.arange(FINER), np.arange(FINER), indexing="ij"), -1).reshape(1, -1, 2)
+    sub = np.stack(np.meshgrid(np.arange(FINER), np.arange(FINER), indexing="ij"), -1).reshape(
+        1, -1, 2
+    )
     fine_cell = (np.argwhere(fine)[:, None] * FINER + sub).reshape(-1, 2)
     quads = np.concatenate([_quads(coarse_cell, FINER, width), _quads(fine_cell, 1, width)])
     key, corner = np.unique(quads, return_inverse=True)
     a, b, c, d = corner.reshape(-1, 4).T
-    return key.astype(np.int64), np.concatenate([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]).astype(np.int32)
+    return key.astype(np.int64), np.concatenate(
+        [np.stack([a, c, b], 1), np.stack([a, d, c], 1)]
+    ).astype(np.int32)
 
 
 def _quads(cell: Ints, size: int, width: int) -> Ints:
@@ -91,5 +110,11 @@ def _quads(cell: Ints, size: int, width: int) -> Ints:
 def _vertex_normals(mesh: Mesh) -> Array:
     corner = mesh.vertices[mesh.faces]
     face = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    total = np.stack([np.bincount(mesh.faces.ravel(), np.repeat(face[:, k], 3), len(mesh.vertices)) for k in range(3)], 1)
+    total = np.stack(
+        [
+            np.bincount(mesh.faces.ravel(), np.repeat(face[:, k], 3), len(mesh.vertices))
+            for k in range(3)
+        ],
+        1,
+    )
     return np.asarray(total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12))

@@ -11,8 +11,10 @@ from hullrecon.typing import Array
 
 
 def deviation_m(spec: DiveSpec, along_m: Array, girth_m: Array, waves: int = 300) -> Array:
-    """Return offsets (...) along the outward normal: a stationary Gaussian field with Matern 5/2 correlation, half as long
-    over the girth as along, drawn by its spectrum (a sum of plane waves, so it can be asked anywhere)."""
+    """Return offsets (...) along the outward normal: a stationary Gaussian field with Matern 5/2
+    correlation, half as long over the girth as along, drawn by its spectrum (a sum of plane waves,
+    so it can be asked anywhere).
+    """
     random = spec.hull_random("deviation")
     stretch = np.sqrt(5.0 / random.chisquare(5.0, waves))
     length = np.array([spec.deviation.length_m, 0.5 * spec.deviation.length_m])

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The surveyed part of a hull as a regular grid in (along, girth): sections of the CAD model, cut by arc length."""
+"""The surveyed part of a hull as a regular grid in (along, girth): sections of the CAD model, cut
+by arc length.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +19,15 @@ from hullrecon.typing import Array
 
 GAP_M = 0.6  # a wider gap between neighbouring rays' hits ends a section: an edge, not a facet
 BLOCK_CELLS = 4e5  # of the grid in a block: what is made of one takes some 0.3 GB
-MARGIN_M = 4.0  # beyond a block on both sides: more than any sensor sees past the sensor's own place along the hull
+# beyond a block on both sides: more than any sensor sees past the sensor's own place along the hull
+MARGIN_M = 4.0
 
 
 @dataclass(frozen=True)
 class HullPatch:
-    """Hold points (a, g, 3) on the CAD model and outward unit normals (a, g, 3), in M, at evenly spaced along_m and girth_m."""
+    """Hold points (a, g, 3) on the CAD model and outward unit normals (a, g, 3), in M, at evenly
+    spaced along_m and girth_m.
+    """
 
     along_m: Array
     girth_m: Array
@@ -43,16 +48,25 @@ class HullPatch:
         from scipy.ndimage import gaussian_filter
 
         sigma = width_m / (self.along_m[1] - self.along_m[0])
-        blur = np.stack([gaussian_filter(self.normal[..., k], sigma, mode="nearest") for k in range(3)], -1)
-        return HullPatch(self.along_m, self.girth_m, self.point, blur / np.linalg.norm(blur, axis=2, keepdims=True))
+        blur = np.stack(
+            [gaussian_filter(self.normal[..., k], sigma, mode="nearest") for k in range(3)], -1
+        )
+        return HullPatch(
+            self.along_m,
+            self.girth_m,
+            self.point,
+            blur / np.linalg.norm(blur, axis=2, keepdims=True),
+        )
 
 
 class HullSkin:
-    """Cut the surveyed part of the CAD model's port side into patches of one grid, block by block along the hull.
+    """Cut the surveyed part of the CAD model's port side into patches of one grid, block by block
+    along the hull.
 
-    along_m (a,), girth_m (g,): the whole grid. Girth is 0 where the port side passes `zero_z_m` (so that legs of constant
-    girth keep their depth near bow and stern), grows up to the height `top_z_m`, and falls over `down_m`, past the keel if
-    need be."""
+    along_m (a,), girth_m (g,): the whole grid. Girth is 0 where the port side passes `zero_z_m` (so
+    that legs of constant girth keep their depth near bow and stern), grows up to the height
+    `top_z_m`, and falls over `down_m`, past the keel if need be.
+    """
 
     def __init__(
         self,
@@ -69,7 +83,9 @@ class HullSkin:
         self._caster, self._zero_z_m = Rays(cad_model), zero_z_m
         self._high_z_m = float(cad_model.vertices[:, 2].max())
         self._far_m = 2.0 * float(np.abs(cad_model.vertices[:, 1:]).max())
-        self.along_m = np.arange(np.floor(span_m[0] / step_m), np.ceil(span_m[1] / step_m) + 1) * step_m
+        self.along_m = (
+            np.arange(np.floor(span_m[0] / step_m), np.ceil(span_m[1] / step_m) + 1) * step_m
+        )
         low, high = -down_m, np.inf
         for arc, line in self._sections(self.along_m):
             low, high = max(low, float(arc[0])), min(high, _arc_at(arc, line, top_z_m))
@@ -86,12 +102,16 @@ class HullSkin:
         return len(self._edges) - 1
 
     def core_m(self, block: int) -> tuple[float, float]:
-        """Return where a block begins and ends along the hull; its patch reaches beyond by a margin."""
+        """Return where a block begins and ends along the hull; its patch reaches beyond by a
+        margin.
+        """
         first, last = self._edges[block : block + 2]
         return float(self.along_m[first]), float(self.along_m[last])
 
     def block_of(self, along_m: Array) -> NDArray[np.int64]:
-        """Return the block (n,) of each position along the hull, the first or the last one for those outside."""
+        """Return the block (n,) of each position along the hull, the first or the last one for
+        those outside.
+        """
         return np.searchsorted(self.along_m[self._edges[1:-1]], along_m, side="right")
 
     def patch(self, block: int) -> HullPatch:
@@ -101,8 +121,14 @@ class HullSkin:
         return self._cut(first, last)
 
     def follow(self, along_m: Array, girth_m: Array, width_m: float) -> tuple[Array, Array]:
-        """Return points (n, 3) on the CAD model at chart coordinates (n,) and its normals (n, 3), smoothed over that width."""
-        point, normal, block = np.empty((len(along_m), 3)), np.empty((len(along_m), 3)), self.block_of(along_m)
+        """Return points (n, 3) on the CAD model at chart coordinates (n,) and its normals (n, 3),
+        smoothed over that width.
+        """
+        point, normal, block = (
+            np.empty((len(along_m), 3)),
+            np.empty((len(along_m), 3)),
+            self.block_of(along_m),
+        )
         for k in np.unique(block).tolist():
             rows, smooth = block == k, self.patch(k).smooth(width_m)
             point[rows] = smooth.sample(smooth.point, along_m[rows], girth_m[rows])
@@ -112,7 +138,9 @@ class HullSkin:
     def middle(self) -> Array:
         """Return the mean (3,) of the grid's points."""
         total = np.zeros(3)
-        for first, last in zip(self._edges[:-1], [*self._edges[1:-1], len(self.along_m)], strict=True):
+        for first, last in zip(
+            self._edges[:-1], [*self._edges[1:-1], len(self.along_m)], strict=True
+        ):
             total += self._cut(int(first), int(last)).point.reshape(-1, 3).sum(0)
         return np.asarray(total / (len(self.along_m) * len(self.girth_m)))
 
@@ -124,26 +152,36 @@ class HullSkin:
         return HullPatch(along, self.girth_m, point, _normals(point))
 
     def _sections(self, along_m: Array, rays: int = 3000) -> Iterator[tuple[Array, Array]]:
-        """Yield each section as (arc length from where the port side passes zero_z_m, points): rays from far outside towards
-        a spine within."""
+        """Yield each section as (arc length from where the port side passes zero_z_m, points): rays
+        from far outside towards a spine within.
+        """
         spine = np.array([0.0, 1e-3 * self._high_z_m, 0.55 * self._high_z_m])
         angle = np.linspace(-1.25, 2.5, rays)
         out = np.stack([np.zeros(rays), np.sin(angle), -np.cos(angle)], 1)
         for x in along_m:
-            arc, line = _section(self._caster, spine + np.array([x, 0.0, 0.0]), out, self._far_m, angle)
+            arc, line = _section(
+                self._caster, spine + np.array([x, 0.0, 0.0]), out, self._far_m, angle
+            )
             yield arc - _arc_at(arc, line, self._zero_z_m), line
 
 
-def _section(caster: Rays, spine: Array, out: Array, far: float, angle: Array) -> tuple[Array, Array]:
+def _section(
+    caster: Rays, spine: Array, out: Array, far: float, angle: Array
+) -> tuple[Array, Array]:
     hits = caster.cast(spine + far * out, -out)
     good = hits.hit & (hits.range_m < far)
     if good.sum() < 2:
-        raise InputError("the hull has no section", where=f"x = {spine[0]:.2f} m", remedy="move `along_m`")
+        raise InputError(
+            "the hull has no section", where=f"x = {spine[0]:.2f} m", remedy="move `along_m`"
+        )
     line = spine + (far - hits.range_m[good, None].astype(float)) * out[good]
     middle = int(np.argmin(np.abs(angle[good])))
     jump = np.linalg.norm(np.diff(line, axis=0), axis=1)
     gap = np.flatnonzero(jump > GAP_M)
-    first, last = int(np.max(gap[gap < middle], initial=-1)) + 1, int(np.min(gap[gap >= middle], initial=len(jump)))
+    first, last = (
+        int(np.max(gap[gap < middle], initial=-1)) + 1,
+        int(np.min(gap[gap >= middle], initial=len(jump))),
+    )
     arc = np.concatenate([[0.0], np.cumsum(jump[first:last])])
     return arc - arc[middle - first], line[first : last + 1]
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hulls: an analytic ship form, or any mesh. Frame M: x forward from the aft end, y port, z up from the keel."""
+"""Hulls: an analytic ship form, or any mesh. Frame M: x forward from the aft end, y port, z up from
+the keel.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +21,15 @@ from hullrecon.typing import Array
 
 def hull_shape(ship: Ship) -> Mesh:
     """Return the CAD model."""
-    return ship_form(ship) if ship.hull == "form" else hull_from_mesh(Path(ship.hull), ship.length_m)
+    return (
+        ship_form(ship) if ship.hull == "form" else hull_from_mesh(Path(ship.hull), ship.length_m)
+    )
 
 
 def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
-    """Return a closed hull with a parallel midbody, round bilges and curvature both ways towards the ends."""
+    """Return a closed hull with a parallel midbody, round bilges and curvature both ways towards
+    the ends.
+    """
     x = _stations(ship, stations)
     port = np.stack([_section(ship, xi, points) for xi in x])  # (stations, points, 3), keel to deck
     starboard = port[:, :0:-1] * [1, -1, 1]
@@ -33,9 +39,12 @@ def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
 
 
 def hull_from_mesh(path: Path, length_m: float | None = None) -> Mesh:
-    """Return any mesh as hull, moved so that its aft end is x = 0 and its lowest point z = 0, and scaled to that length.
+    """Return any mesh as hull, moved so that its aft end is x = 0 and its lowest point z = 0, and
+    scaled to that length.
 
-    Raises InputError when there is no such file, and when it holds no triangles or none with a length."""
+    Raises InputError when there is no such file, and when it holds no triangles or none with a
+    length.
+    """
     import trimesh
 
     if not os.path.isfile(path):  # also of names that no file can have
@@ -45,13 +54,19 @@ def hull_from_mesh(path: Path, length_m: float | None = None) -> Mesh:
         loaded = trimesh.load(path, force="mesh", process=True)
     except Exception as error:  # trimesh's parsers raise whatever damaged bytes lead them to
         reason = shorten(f"{type(error).__name__} {error}", 120)
-        raise InputError(f"the hull mesh cannot be read, {reason}", where=str(path), remedy=remedy) from None
+        raise InputError(
+            f"the hull mesh cannot be read, {reason}", where=str(path), remedy=remedy
+        ) from None
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
         raise InputError("the hull mesh holds no triangles", where=str(path), remedy=remedy)
     vertices = np.asarray(loaded.vertices, float)
     low, high = vertices.min(0), vertices.max(0)
     if not high[0] > low[0]:
-        raise InputError("the hull mesh has no length along x", where=str(path), remedy="give one with the bow towards +x")
+        raise InputError(
+            "the hull mesh has no length along x",
+            where=str(path),
+            remedy="give one with the bow towards +x",
+        )
     scale = 1.0 if length_m is None else length_m / (high[0] - low[0])
     return Mesh((vertices - [low[0], 0.0, low[2]]) * scale, np.asarray(loaded.faces, np.int32))
 
@@ -61,7 +76,10 @@ def write_stl(path: Path, mesh: Mesh) -> None:
     triangles = mesh.vertices[mesh.faces]
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-    row = np.zeros(len(triangles), np.dtype([("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("attribute", "<u2")]))
+    row = np.zeros(
+        len(triangles),
+        np.dtype([("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("attribute", "<u2")]),
+    )
     row["normal"], row["corner"] = normal, triangles
     path.write_bytes(bytes(80) + np.uint32(len(row)).tobytes() + row.tobytes())
 
@@ -76,9 +94,12 @@ def _stations(ship: Ship, count: int) -> Array:
 
 
 def _section(ship: Ship, x: float, count: int) -> Array:
-    """Return half a section (count, 3) from the keel to the deck on the port side: flat, bilge arc, side."""
+    """Return half a section (count, 3) from the keel to the deck on the port side: flat, bilge arc,
+    side.
+    """
     end = ship.entrance * ship.length_m
-    s = max(0.0, 1 - min(x, ship.length_m - x) / end)  # 0 on the parallel midbody, 1 at the very end
+    # 0 on the parallel midbody, 1 at the very end
+    s = max(0.0, 1 - min(x, ship.length_m - x) / end)
     half = 0.5 * ship.beam_m * (1 - 0.97 * s**2.2)
     radius = min(
         ship.bilge_radius_m + (ship.depth_m - ship.bilge_radius_m) * 0.8 * s,
@@ -93,19 +114,28 @@ def _section(ship: Ship, x: float, count: int) -> Array:
     z = np.concatenate([np.zeros(6), arc_z, side])
     lean = 0.12 * s * half * (z / ship.depth_m - 1)
     rise = 0.25 * ship.depth_m * s**3 * (1 - z / ship.depth_m)
-    return np.stack([np.full(count, x), np.maximum(0.0, y + lean * (y / max(half, 1e-9))), z + rise], axis=1)
+    return np.stack(
+        [np.full(count, x), np.maximum(0.0, y + lean * (y / max(half, 1e-9))), z + rise], axis=1
+    )
 
 
 def _skin(rings: int, points: int) -> NDArray[np.int64]:
     node = np.arange(rings * points).reshape(rings, points)
     a, b, c, d = node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]
-    return np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+    return np.concatenate(
+        [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
+    )
 
 
 def _caps(rings: int, points: int) -> NDArray[np.int64]:
     """Return the faces of the deck between both sheer lines and the two ends."""
     node = np.arange(rings * points).reshape(rings, points)
     first, last = node[:, 0], node[:, -1]
-    deck = [np.stack([first[:-1], last[1:], first[1:]], -1), np.stack([first[:-1], last[:-1], last[1:]], -1)]
-    fan = [np.stack([np.full(points - 2, r[0]), r[1:-1], r[2:]], -1) for r in (node[0], node[-1, ::-1])]
+    deck = [
+        np.stack([first[:-1], last[1:], first[1:]], -1),
+        np.stack([first[:-1], last[:-1], last[1:]], -1),
+    ]
+    fan = [
+        np.stack([np.full(points - 2, r[0]), r[1:-1], r[2:]], -1) for r in (node[0], node[-1, ::-1])
+    ]
     return np.concatenate([*deck, *fan])

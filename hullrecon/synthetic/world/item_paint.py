@@ -15,11 +15,18 @@ from hullrecon.synthetic.world.texture import Atlas
 from hullrecon.typing import Floats32
 
 ITEM_TONES = (70.0, 150.0)  # grey of a structure
-PAINTS = {"digits": (205, 205, 195), "stripe": (200, 190, 70), "ring": (205, 205, 195), "barnacles": (185, 180, 160)}
+PAINTS = {
+    "digits": (205, 205, 195),
+    "stripe": (200, 190, 70),
+    "ring": (205, 205, 195),
+    "barnacles": (185, 180, 160),
+}
 
 
 def paint_items(atlas: Atlas, items: tuple[Item, ...], tones: NDArray[np.float64]) -> None:
-    """Paint the items that lie in the atlas: marks white or yellow, structures in their tone, the barnacles' patch pale."""
+    """Paint the items that lie in the atlas: marks white or yellow, structures in their tone, the
+    barnacles' patch pale.
+    """
     for item, tone in zip(items, tones.tolist(), strict=True):
         _mark(atlas, item, tone)
 
@@ -44,7 +51,9 @@ def _stamp(atlas: Atlas, item: Item) -> tuple[int, int, Floats32]:
     columns = np.arange(max(0, column - reach), min(atlas.image.shape[1], column + reach))
     if len(rows) == 0 or len(columns) == 0:
         return 0, 0, np.zeros((0, 0), np.float32)
-    a, g = np.meshgrid(atlas.origin_m[0] + columns * atlas.texel_m, atlas.origin_m[1] + rows * atlas.texel_m)
+    a, g = np.meshgrid(
+        atlas.origin_m[0] + columns * atlas.texel_m, atlas.origin_m[1] + rows * atlas.texel_m
+    )
     u, v = local(item, a, g)
     return int(rows[0]), int(columns[0]), _shape(item, u, v).astype(np.float32)
 
@@ -60,8 +69,9 @@ def _shape(item: Item, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArra
 
 
 def _digits(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return the mask of a draught mark, as it reads from outside with the girth going up and the hull's port side before
-    us."""
+    """Return the mask of a draught mark, as it reads from outside with the girth going up and the
+    hull's port side before us.
+    """
     import cv2
 
     board: Any = np.zeros((120, 200), np.uint8)

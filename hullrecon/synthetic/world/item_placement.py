@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where structures, painted marks and barnacles go: drawn at random over the surveyed part, clear of each other."""
+"""Where structures, painted marks and barnacles go: drawn at random over the surveyed part, clear
+of each other.
+"""
 
 from __future__ import annotations
 
@@ -26,20 +28,30 @@ SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
 }
 
 
-def place_items(spec: DiveSpec, along_m: tuple[float, float], girth_m: tuple[float, float]) -> tuple[Item, ...]:
-    """Return the dive's items within that window of the chart: structures first, then marks, then barnacles, then structures
-    added since. Raises UsageError when they do not fit, and when more are to be changed than there are."""
+def place_items(
+    spec: DiveSpec, along_m: tuple[float, float], girth_m: tuple[float, float]
+) -> tuple[Item, ...]:
+    """Return the dive's items within that window of the chart: structures first, then marks, then
+    barnacles, then structures added since. Raises UsageError when they do not fit, and when more
+    are to be changed than there are.
+    """
     if spec.items.placed is not None:
         return spec.items.placed
     wanted = spec.items
     if wanted.structures < wanted.removed + (wanted.grown_m != 0):
-        raise UsageError(f"{wanted.structures} structures are too few to change so many", remedy="ask for more --structures")
+        raise UsageError(
+            f"{wanted.structures} structures are too few to change so many",
+            remedy="ask for more --structures",
+        )
     kinds = [STRUCTURES[k % len(STRUCTURES)] for k in range(wanted.structures)]
     kinds += [MARKS[k % len(MARKS)] for k in range(wanted.marks)]
     kinds += ["barnacles"] * wanted.barnacles
     window = (along_m, girth_m)
     before = _draw(spec.hull_random("items"), kinds, [], *window)
-    since = [STRUCTURES[k % len(STRUCTURES)] for k in range(wanted.structures, wanted.structures + wanted.added)]
+    since = [
+        STRUCTURES[k % len(STRUCTURES)]
+        for k in range(wanted.structures, wanted.structures + wanted.added)
+    ]
     added = _draw(spec.hull_random("added items"), since, before, *window)
     if wanted.grown_m:
         before[0] = _grow(before[0], wanted.grown_m)
@@ -71,12 +83,20 @@ def _grow(item: Item, by_m: float) -> Item:
 
 
 def _clear_place(
-    random: np.random.Generator, item: Item, taken: list[Item], along_m: tuple[float, float], girth_m: tuple[float, float]
+    random: np.random.Generator,
+    item: Item,
+    taken: list[Item],
+    along_m: tuple[float, float],
+    girth_m: tuple[float, float],
 ) -> Item:
     for _ in range(4000):
         a, g = float(random.uniform(*along_m)), float(random.uniform(*girth_m))
-        if all(np.hypot(a - o.along_m, g - o.girth_m) > item.reach_m() + o.reach_m() + 0.05 for o in taken):
+        if all(
+            np.hypot(a - o.along_m, g - o.girth_m) > item.reach_m() + o.reach_m() + 0.05
+            for o in taken
+        ):
             return Item(item.kind, a, g, item.height_m, item.size_m, item.turn_rad)
     raise UsageError(
-        f"no room for {len(taken) + 1} items on the surveyed part", remedy="ask for fewer structures and marks, or longer legs"
+        f"no room for {len(taken) + 1} items on the surveyed part",
+        remedy="ask for fewer structures and marks, or longer legs",
     )

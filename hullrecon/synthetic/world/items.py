@@ -16,10 +16,12 @@ MARKS: tuple[Kind, ...] = ("digits", "stripe", "ring")
 
 @dataclass(frozen=True)
 class Item:
-    """Describe something added to the CAD model: a structure, a painted mark (no height) or a patch of barnacles.
+    """Describe something added to the CAD model: a structure, a painted mark (no height) or a patch
+    of barnacles.
 
-    along_m, girth_m: its middle in the chart; height_m: over the steel, negative for a recess; size_m: full extent along and
-    across; turn_rad: its turn in the chart."""
+    along_m, girth_m: its middle in the chart; height_m: over the steel, negative for a recess;
+    size_m: full extent along and across; turn_rad: its turn in the chart.
+    """
 
     kind: Kind
     along_m: float

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The texture of the hull: painted as a whole, or for a large one plate by plate as the cameras come by."""
+"""The texture of the hull: painted as a whole, or for a large one plate by plate as the cameras
+come by.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,11 @@ KEPT_PLATES = 24  # 2.4 m x 1.3 m at a millimetre a texel are 9.4 MB
 
 
 def paint_atlas(
-    spec: DiveSpec, items: tuple[Item, ...], along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
+    spec: DiveSpec,
+    items: tuple[Item, ...],
+    along_m: tuple[float, float],
+    girth_m: tuple[float, float],
+    texel_m: float,
 ) -> Atlas:
     """Return the texture of that window of the chart, painted as a whole."""
     random = spec.hull_random("texture")
@@ -30,15 +36,21 @@ def paint_atlas(
 
 
 class PlateAtlas:
-    """Hold the texture of the last plates that were looked at; each has random draws of its own, its edges are weld seams."""
+    """Hold the texture of the last plates that were looked at; each has random draws of its own,
+    its edges are weld seams.
+    """
 
     def __init__(self, spec: DiveSpec, items: tuple[Item, ...], texel_m: float) -> None:
         self._spec, self._items, self._texel_m = spec, items, texel_m
-        self._tones: NDArray[np.float64] = spec.hull_random("item tones").uniform(*ITEM_TONES, len(items))
+        self._tones: NDArray[np.float64] = spec.hull_random("item tones").uniform(
+            *ITEM_TONES, len(items)
+        )
         self._plates: OrderedDict[tuple[int, int], Atlas] = OrderedDict()
 
     def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w); nothing elsewhere."""
+        """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w);
+        nothing elsewhere.
+        """
         column = np.floor(along_m / np.float32(PLATE_M[0])).astype(np.int64)
         row = np.floor(girth_m / np.float32(PLATE_M[1])).astype(np.int64)
         number = column * ROWS + row + ROWS // 2  # rows have either sign

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Ray casts against a triangle mesh, in coordinates about the mesh's own middle (float32 is too coarse far from it)."""
+"""Ray casts against a triangle mesh, in coordinates about the mesh's own middle (float32 is too
+coarse far from it).
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,9 @@ from hullrecon.typing import Array, Floats32
 
 @dataclass(frozen=True)
 class Hits:
-    """Hold what rays hit. range_m (n,) inf where nothing was hit; face (n,); weight (n, 3) barycentric weights of the face's
-    corners."""
+    """Hold what rays hit. range_m (n,) inf where nothing was hit; face (n,); weight (n, 3)
+    barycentric weights of the face's corners.
+    """
 
     range_m: Floats32
     face: NDArray[np.int64]
@@ -44,14 +47,18 @@ class Rays:
         )
 
     def cast(self, origins: Array, directions: NDArray[Any]) -> Hits:
-        """Return the nearest hits of rays from origins (n, 3) or (3,) along unit directions (n, 3), in the mesh's frame."""
+        """Return the nearest hits of rays from origins (n, 3) or (3,) along unit directions (n, 3),
+        in the mesh's frame.
+        """
         answer = self._scene.cast_rays(self._pack(origins, directions))
         uv = answer["primitive_uvs"].numpy()
         weight = np.stack([1 - uv[:, 0] - uv[:, 1], uv[:, 0], uv[:, 1]], axis=1)
         face = answer["primitive_ids"].numpy().astype(np.int64)
         return Hits(answer["t_hit"].numpy(), np.where(face == 0xFFFFFFFF, 0, face), weight)
 
-    def is_blocked(self, origins: Array, directions: NDArray[Any], reach_m: NDArray[Any]) -> NDArray[np.bool_]:
+    def is_blocked(
+        self, origins: Array, directions: NDArray[Any], reach_m: NDArray[Any]
+    ) -> NDArray[np.bool_]:
         """Return whether something stands within `reach_m` (n,) along each ray."""
         answer = self._scene.cast_rays(self._pack(origins, directions))["t_hit"].numpy()
         return np.asarray(answer < reach_m)

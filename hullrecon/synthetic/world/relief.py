@@ -11,13 +11,19 @@ from hullrecon.typing import Array
 
 
 def height_of(item: Item, along_m: Array, girth_m: Array) -> Array:
-    """Return the height (n,) of one item at chart points; zero away from it and everywhere for paint."""
+    """Return the height (n,) of one item at chart points; zero away from it and everywhere for
+    paint.
+    """
     u, v = local(item, along_m, girth_m)
     radius = np.hypot(u, v)
     if item.kind in ("cylinder", "recess"):
         return item.height_m * _wall((1 - radius) * 0.5 * item.size_m[0])
     if item.kind == "box":
-        return item.height_m * _wall(np.minimum((1 - np.abs(u)) * 0.5 * item.size_m[0], (1 - np.abs(v)) * 0.5 * item.size_m[1]))
+        return item.height_m * _wall(
+            np.minimum(
+                (1 - np.abs(u)) * 0.5 * item.size_m[0], (1 - np.abs(v)) * 0.5 * item.size_m[1]
+            )
+        )
     if item.kind == "dome":
         return np.asarray(item.height_m * np.sqrt(np.clip(1 - radius**2, 0, None)))
     if item.kind == "lump":
@@ -28,7 +34,9 @@ def height_of(item: Item, along_m: Array, girth_m: Array) -> Array:
 
 
 def _wall(inside_m: Array, width_m: float = 0.008) -> Array:
-    """Return 1 inside, 0 outside, a steep ramp between: a wall that a 6 mm grid can hold without teeth."""
+    """Return 1 inside, 0 outside, a steep ramp between: a wall that a 6 mm grid can hold without
+    teeth.
+    """
     return np.clip(0.5 + inside_m / width_m, 0, 1)
 
 
@@ -41,8 +49,13 @@ def local(item: Item, along_m: Array, girth_m: Array) -> tuple[Array, Array]:
 
 def _lump(item: Item, u: Array, v: Array, radius: Array) -> Array:
     """Return the height of a bump with an uneven back; its highest point stays at the middle."""
-    back = 1 - 0.12 * (1 - np.cos(5 * u + item.along_m)) * radius - 0.08 * (1 - np.cos(7 * v)) * radius
-    return np.asarray(item.height_m * np.where(radius < 1, np.cos(0.5 * np.pi * np.minimum(radius, 1)) ** 1.2 * back, 0))
+    back = (
+        1 - 0.12 * (1 - np.cos(5 * u + item.along_m)) * radius - 0.08 * (1 - np.cos(7 * v)) * radius
+    )
+    return np.asarray(
+        item.height_m
+        * np.where(radius < 1, np.cos(0.5 * np.pi * np.minimum(radius, 1)) ** 1.2 * back, 0)
+    )
 
 
 def _barnacles(item: Item, along_m: Array, girth_m: Array, radius: Array) -> Array:
@@ -50,7 +63,10 @@ def _barnacles(item: Item, along_m: Array, girth_m: Array, radius: Array) -> Arr
     random = np.random.default_rng([round(1e4 * abs(item.along_m)), round(1e4 * abs(item.girth_m))])
     count = int(900 * item.size_m[0] * item.size_m[1])
     middles = random.uniform(-0.5, 0.5, (count, 2)) * item.size_m + [item.along_m, item.girth_m]
-    width, tall = random.uniform(0.008, 0.018, count), random.uniform(0.3, 1.0, count) * item.height_m
+    width, tall = (
+        random.uniform(0.008, 0.018, count),
+        random.uniform(0.3, 1.0, count) * item.height_m,
+    )
     out = np.zeros_like(radius)
     for (a, g), w, h in zip(middles, width, tall, strict=True):
         near = np.flatnonzero((np.abs(along_m - a) < w) & (np.abs(girth_m - g) < w))

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The steel's colour over the chart: plates and weld seams, fouling at all scales, specks and scratches, painted marks."""
+"""The steel's colour over the chart: plates and weld seams, fouling at all scales, specks and
+scratches, painted marks.
+"""
 
 from __future__ import annotations
 
@@ -24,14 +26,18 @@ PLATE_M, SEAM_M = (2.4, 1.3), 0.011
 class Atlas:
     """Hold the albedo of a window of the chart as one image.
 
-    image: (rows along girth, columns along the hull, 3) albedo x 255, RGB; its first texel's centre lies at origin_m."""
+    image: (rows along girth, columns along the hull, 3) albedo x 255, RGB; its first texel's centre
+    lies at origin_m.
+    """
 
     image: Pixels
     origin_m: tuple[float, float]
     texel_m: float
 
     def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w); anything elsewhere."""
+        """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w);
+        anything elsewhere.
+        """
         import cv2
 
         x = (along_m - np.float32(self.origin_m[0])) / np.float32(self.texel_m)
@@ -41,7 +47,13 @@ class Atlas:
         left, right = _window(x[seen], self.image.shape[1])
         top, bottom = _window(y[seen], self.image.shape[0])
         part = np.ascontiguousarray(self.image[top:bottom, left:right])
-        out = cv2.remap(part, x - np.float32(left), y - np.float32(top), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+        out = cv2.remap(
+            part,
+            x - np.float32(left),
+            y - np.float32(top),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REFLECT,
+        )
         return np.asarray(out, np.float32) / np.float32(255)
 
 
@@ -49,14 +61,18 @@ class Albedo(Protocol):
     """Tells the colour of the steel."""
 
     def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything elsewhere."""
+        """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything
+        elsewhere.
+        """
         ...
 
 
 @dataclass(frozen=True, kw_only=True)
 class PaintedHull:
-    """Change the albedo of a hull. bare_to_m: sternwards of it the paint is bare, in one tone, None where it is nowhere so;
-    repeats_m: length along the hull after which the colours come again, from start_m on, None where they never do."""
+    """Change the albedo of a hull. bare_to_m: sternwards of it the paint is bare, in one tone, None
+    where it is nowhere so; repeats_m: length along the hull after which the colours come again,
+    from start_m on, None where they never do.
+    """
 
     albedo: Albedo
     start_m: float
@@ -64,10 +80,14 @@ class PaintedHull:
     repeats_m: float | None
 
     def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything elsewhere."""
+        """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything
+        elsewhere.
+        """
         within = along_m
         if self.repeats_m is not None:
-            within = (np.mod(along_m - self.start_m, self.repeats_m) + self.start_m).astype(np.float32)
+            within = (np.mod(along_m - self.start_m, self.repeats_m) + self.start_m).astype(
+                np.float32
+            )
         out = self.albedo.look_up(within, girth_m, seen)
         if self.bare_to_m is not None:
             out[along_m < self.bare_to_m] = PAINT
@@ -75,7 +95,10 @@ class PaintedHull:
 
 
 def paint_steel(
-    random: np.random.Generator, along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
+    random: np.random.Generator,
+    along_m: tuple[float, float],
+    girth_m: tuple[float, float],
+    texel_m: float,
 ) -> Atlas:
     """Return the texture of that window of the chart without items."""
     shape = (int((girth_m[1] - girth_m[0]) / texel_m), int((along_m[1] - along_m[0]) / texel_m))
@@ -83,16 +106,21 @@ def paint_steel(
     fouling = _fouling(random, shape, texel_m)
     plates = _plates(random, shape, origin, texel_m)
     image = np.empty((*shape, 3), np.uint8)
-    for k in range(0, shape[0], 256):  # in strips: three colours in float32 of the whole window would not fit into memory
+    # in strips: three colours in float32 of the whole window would not fit into memory
+    for k in range(0, shape[0], 256):
         strip = slice(k, k + 256)
-        image[strip] = np.clip(255 * (_colour(fouling, strip) * plates(strip)[..., None]), 0, 255).astype(np.uint8)
+        image[strip] = np.clip(
+            255 * (_colour(fouling, strip) * plates(strip)[..., None]), 0, 255
+        ).astype(np.uint8)
     _specks(random, image, texel_m)
     _scratches(random, image, texel_m)
     return Atlas(image, origin, texel_m)
 
 
 def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: float) -> Floats32:
-    """Return (rows, columns) in about -1..1: random values on a grid of that cell size, cubic in between."""
+    """Return (rows, columns) in about -1..1: random values on a grid of that cell size, cubic in
+    between.
+    """
     import cv2
 
     rows, columns = (int(np.ceil(n / cell_px)) + 4 for n in shape)
@@ -104,7 +132,11 @@ def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: fl
 
 
 def _octaves(
-    random: np.random.Generator, shape: tuple[int, int], cells_m: list[float], gains: list[float], texel_m: float
+    random: np.random.Generator,
+    shape: tuple[int, int],
+    cells_m: list[float],
+    gains: list[float],
+    texel_m: float,
 ) -> Floats32:
     total = np.zeros(shape, np.float32)
     for cell, gain in zip(cells_m, gains, strict=True):
@@ -115,8 +147,9 @@ def _octaves(
 
 @dataclass(frozen=True)
 class _Fouling:
-    """Say what covers the steel. paint (rows, columns): share of bare paint; patches: tone and share (rows, columns) of algae
-    and of pale spots."""
+    """Say what covers the steel. paint (rows, columns): share of bare paint; patches: tone and
+    share (rows, columns) of algae and of pale spots.
+    """
 
     paint: Floats32
     patches: tuple[tuple[Floats32, Floats32], ...]
@@ -124,7 +157,13 @@ class _Fouling:
 
 def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float) -> _Fouling:
     """Return where the paint shows through the slime, and where algae grow or something fell off."""
-    fine = _octaves(random, shape, [0.30, 0.12, 0.055, 0.026, 0.013, 0.0065], [0.45, 0.5, 0.6, 0.65, 0.5, 0.35], texel_m)
+    fine = _octaves(
+        random,
+        shape,
+        [0.30, 0.12, 0.055, 0.026, 0.013, 0.0065],
+        [0.45, 0.5, 0.6, 0.65, 0.5, 0.35],
+        texel_m,
+    )
     fine *= np.float32(1.6)
     patches = []
     for tone, cells, gains, level in (
@@ -147,7 +186,9 @@ def _soften(x: Floats32) -> Floats32:
 
 
 def _colour(fouling: _Fouling, rows: slice) -> Floats32:
-    """Return the albedo (rows, columns, 3) of some rows: paint under slime, algae in patches, pale spots."""
+    """Return the albedo (rows, columns, 3) of some rows: paint under slime, algae in patches, pale
+    spots.
+    """
     share = fouling.paint[rows, :, None]
     out = PAINT * share + SLIME * (1 - share)
     for tone, patch in fouling.patches:
@@ -157,9 +198,14 @@ def _colour(fouling: _Fouling, rows: slice) -> Floats32:
 
 
 def _plates(
-    random: np.random.Generator, shape: tuple[int, int], origin_m: tuple[float, float], texel_m: float
+    random: np.random.Generator,
+    shape: tuple[int, int],
+    origin_m: tuple[float, float],
+    texel_m: float,
 ) -> Callable[[slice], Floats32]:
-    """Return the brightness (rows, columns) of some rows: a tone of its own for each plate, and the weld between."""
+    """Return the brightness (rows, columns) of some rows: a tone of its own for each plate, and the
+    weld between.
+    """
     g = origin_m[1] + texel_m * np.arange(shape[0])
     a = origin_m[0] + texel_m * np.arange(shape[1])
     row, column = np.floor(g / PLATE_M[1]).astype(int), np.floor(a / PLATE_M[0]).astype(int)
@@ -169,7 +215,9 @@ def _plates(
     def brightness(rows: slice) -> Floats32:
         """Return those rows."""
         seam = np.minimum(across[rows, None], along)
-        return np.asarray(tone[np.ix_(row[rows] - row.min(), column - column.min())] * seam, np.float32)
+        return np.asarray(
+            tone[np.ix_(row[rows] - row.min(), column - column.min())] * seam, np.float32
+        )
 
     return brightness
 
@@ -177,16 +225,21 @@ def _plates(
 def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) -> Floats32:
     """Return the brightness (n,) of a dark, uneven line at each multiple."""
     near = np.abs((x + every_m / 2) % every_m - every_m / 2)
-    return np.asarray(1 - 0.45 * np.exp(-((near / SEAM_M) ** 2)) * random.uniform(0.8, 1.0, len(x)), np.float32)
+    return np.asarray(
+        1 - 0.45 * np.exp(-((near / SEAM_M) ** 2)) * random.uniform(0.8, 1.0, len(x)), np.float32
+    )
 
 
 def _specks(random: np.random.Generator, image: Pixels, texel_m: float) -> None:
     import cv2
 
     count = int(350 * image.shape[0] * image.shape[1] * texel_m**2)
-    at = (random.uniform(0, 16, (count, 2)) * image.shape[1::-1]).astype(int)  # sixteenths of a texel
+    # sixteenths of a texel
+    at = (random.uniform(0, 16, (count, 2)) * image.shape[1::-1]).astype(int)
     radius = (16 * random.gamma(3.0, 0.0011, count) / texel_m).astype(int) + 8
-    tone = np.where(random.random(count) < 0.55, random.uniform(20, 70, count), random.uniform(130, 215, count))
+    tone = np.where(
+        random.random(count) < 0.55, random.uniform(20, 70, count), random.uniform(130, 215, count)
+    )
     tint = random.uniform(0.8, 1.0, (count, 3)) * tone[:, None]
     for (x, y), r, c in zip(at.tolist(), radius.tolist(), tint.tolist(), strict=True):
         cv2.circle(image, (x, y), r, c, -1, cv2.LINE_AA, 4)
@@ -198,7 +251,11 @@ def _scratches(random: np.random.Generator, image: Pixels, texel_m: float) -> No
     count = int(5 * image.shape[0] * image.shape[1] * texel_m**2)
     start = random.uniform(0, 1, (count, 1, 2)) * image.shape[1::-1]
     angle = random.uniform(0, 2 * np.pi, count)
-    step = random.uniform(0.02, 0.12, count)[:, None, None] / texel_m * np.stack([np.cos(angle), np.sin(angle)], 1)[:, None]
+    step = (
+        random.uniform(0.02, 0.12, count)[:, None, None]
+        / texel_m
+        * np.stack([np.cos(angle), np.sin(angle)], 1)[:, None]
+    )
     bend = random.uniform(-0.3, 0.3, (count, 1, 1)) * step[..., ::-1] * [1, -1]
     share = np.linspace(0, 1, 9)[None, :, None]
     lines = np.rint(16 * (start + step * 2 * share + bend * share**2)).astype(np.int32)

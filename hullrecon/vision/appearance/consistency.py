@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Links that confirm each other: around two of them and the path on both sides the motions must close [Mangelson2018]."""
+"""Links that confirm each other: around two of them and the path on both sides the motions must
+close [Mangelson2018].
+"""
 
 from __future__ import annotations
 
@@ -20,14 +22,18 @@ MAX_CHI2 = 22.5  # of six numbers, 99.9 %
 
 @dataclass(frozen=True, kw_only=True)
 class Agreement:
-    """Of m links: agree and contradict (m, m): around the two the path is known well enough, and closes or does not."""
+    """Of m links: agree and contradict (m, m): around the two the path is known well enough, and
+    closes or does not.
+    """
 
     agree: Mask
     contradict: Mask
 
 
 def compose(outer: Motion, inner: Motion) -> Motion:
-    """Return c_from_a of c_from_b and b_from_a, its covariance to first order; the two err independently."""
+    """Return c_from_a of c_from_b and b_from_a, its covariance to first order; the two err
+    independently.
+    """
     turn = outer.second_from_first[:3, :3]
     by_outer, by_inner = np.eye(6), np.eye(6)
     by_outer[:3, 3:] = -turn @ cross_matrix(inner.second_from_first[:3, 3])
@@ -37,10 +43,13 @@ def compose(outer: Motion, inner: Motion) -> Motion:
     return Motion(outer.second_from_first @ inner.second_from_first, covariance)
 
 
-def agreement(track: CameraTrack, first: Ints, second: Ints, found: Sequence[PairMatch], max_sigma_m: float) -> Agreement:
+def agreement(
+    track: CameraTrack, first: Ints, second: Ints, found: Sequence[PairMatch], max_sigma_m: float
+) -> Agreement:
     """Return which links (m,), all matched, confirm or contradict each other.
 
-    max_sigma_m: of the path between their nodes, on either side; where it is worse, two links say nothing of each other.
+    max_sigma_m: of the path between their nodes, on either side; where it is worse, two links say
+    nothing of each other.
     """
     count = len(first)
     i, j = np.triu_indices(count, 1)
@@ -61,8 +70,9 @@ def _sigma_m(motion: Motion) -> float:
 
 
 def largest_group(agree: Mask, among: Ints) -> Ints:
-    """Return the most of those links found that all agree with each other, sorted: from each link on, greedily by the number
-    of links that it agrees with."""
+    """Return the most of those links found that all agree with each other, sorted: from each link
+    on, greedily by the number of links that it agrees with.
+    """
     best = np.zeros(0, np.int64)
     for start in among:
         members, left = [int(start)], among[agree[start, among]]

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which places may be one although the search by probability of overlap could not ask: the path leaves it open by many
-footprints; and which it knows to be two."""
+"""Which places may be one although the search by probability of overlap could not ask: the path
+leaves it open by many footprints; and which it knows to be two.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +17,15 @@ from hullrecon.vision.appearance.inverted_file import InvertedFile
 from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.selection import scene_in_target
 
-BEYOND = 1.0  # footprints of sigma: with more, no pair overlaps with the last of the search's probabilities
+# footprints of sigma: with more, no pair overlaps with the last of the search's probabilities
+BEYOND = 1.0
 KNOWN = 0.25  # footprints of sigma within which two places are known to be two
 APART = 2.0  # footprints between these
 GATE_CHI2 = 16.3  # of the offset of two scenes, three numbers, 99.9 %
 STATIONS = 100  # keyframes at which the path is asked, evenly along it
 QUERIES = 300  # keyframes for which appearance is asked, evenly
-PART_STATIONS, PART_QUERIES = 3, 10  # of each part of the path, however short, beside its share of these
+# of each part of the path, however short, beside its share of these
+PART_STATIONS, PART_QUERIES = 3, 10
 MOST_STATIONS, MOST_QUERIES = 600, 1000  # for the parts, in all
 CANDIDATES = 20  # of each, whose offset is computed
 PLACES = 5  # of these, each away from the others, that are compared
@@ -32,9 +35,11 @@ CONTROLS = 60  # pairs of places known to be two, that are compared as well
 
 @dataclass(frozen=True, kw_only=True)
 class OpenPlaces:
-    """What the path says of pairs of m keyframes, by the station next to either: station (m,); open and apart (s, s): the two
-    may be one place, beyond the search; they are known to be two. edges (p + 1,): where parts of the keyframes begin, and m.
-    reach_m: the largest distance that is known."""
+    """What the path says of pairs of m keyframes, by the station next to either: station (m,); open
+    and apart (s, s): the two may be one place, beyond the search; they are known to be two. edges
+    (p + 1,): where parts of the keyframes begin, and m. reach_m: the largest distance that is
+    known.
+    """
 
     edges: Ints
     station: Ints
@@ -52,9 +57,12 @@ def footprint_m(depth_m: Array, camera: CameraModel) -> float:
     return float(np.nanmedian(depth_m)) * min(camera.width / camera.fx, camera.height / camera.fy)
 
 
-def scene_offsets(track: CameraTrack, first: Ints, second: Ints, depth_m: Array) -> tuple[Array, Array]:
-    """Return from the middle of the second node's scene to that of the first's (m, 3), in the second camera, and its
-    covariance (m, 3, 3)."""
+def scene_offsets(
+    track: CameraTrack, first: Ints, second: Ints, depth_m: Array
+) -> tuple[Array, Array]:
+    """Return from the middle of the second node's scene to that of the first's (m, 3), in the
+    second camera, and its covariance (m, 3, 3).
+    """
     relative, covariance = scene_in_target(track, first, second, depth_m[first])
     middle = depth_m[first, None] * [0.0, 0.0, 1.0]
     there = np.einsum("mij,mj->mi", relative[:, :3, :3], middle) + relative[:, :3, 3]
@@ -62,8 +70,12 @@ def scene_offsets(track: CameraTrack, first: Ints, second: Ints, depth_m: Array)
 
 
 def may_be_one(offset: Array, covariance: Array, slack_m: float) -> Mask:
-    """Return which places (m,) lie within the gate of each other. slack_m: between the middles of scenes that overlap."""
-    chi2 = np.einsum("mi,mij,mj->m", offset, np.linalg.inv(covariance + slack_m**2 * np.eye(3)), offset)
+    """Return which places (m,) lie within the gate of each other. slack_m: between the middles of
+    scenes that overlap.
+    """
+    chi2 = np.einsum(
+        "mi,mij,mj->m", offset, np.linalg.inv(covariance + slack_m**2 * np.eye(3)), offset
+    )
     return np.asarray(chi2 <= GATE_CHI2)
 
 
@@ -72,9 +84,12 @@ def largest_sigma(covariance: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(covariance)[:, -1], 0)))
 
 
-def open_places(track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel) -> OpenPlaces | None:
-    """Return what the path leaves open between keyframes (m,) of known depth; None where the search covers all that it
-    leaves. depth_m (n,): by node."""
+def open_places(
+    track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel
+) -> OpenPlaces | None:
+    """Return what the path leaves open between keyframes (m,) of known depth; None where the search
+    covers all that it leaves. depth_m (n,): by node.
+    """
     if len(keyframes) < 2:
         return None
     size = footprint_m(depth_m[keyframes], camera)
@@ -86,7 +101,8 @@ def open_places(track: CameraTrack, keyframes: Ints, depth_m: Array, camera: Cam
     rank = _spread(edges, STATIONS, PART_STATIONS, MOST_STATIONS)
     station = _nearest_of_part(edges, rank)
     at = track.global_from_camera.translation[keyframes]
-    slack = float(np.median(np.linalg.norm(at - at[rank[station]], axis=1)))  # of a keyframe from its station
+    # of a keyframe from its station
+    slack = float(np.median(np.linalg.norm(at - at[rank[station]], axis=1)))
     a, b = np.triu_indices(len(rank), 1)
     offset, covariance = scene_offsets(track, keyframes[rank[a]], keyframes[rank[b]], depth_m)
     pairs_open = _is_open(offset, covariance, size, size / 2 + slack)
@@ -103,22 +119,30 @@ def open_places(track: CameraTrack, keyframes: Ints, depth_m: Array, camera: Cam
 
 
 def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m: float) -> Ints:
-    """Return where the parts (p + 1,) of the keyframes begin, and their number: between two parts the path does not know one
-    step to a footprint, as over an outage."""
+    """Return where the parts (p + 1,) of the keyframes begin, and their number: between two parts
+    the path does not know one step to a footprint, as over an outage.
+    """
     _, covariance = scene_offsets(track, keyframes[:-1], keyframes[1:], depth_m)
-    return np.concatenate([[0], np.flatnonzero(largest_sigma(covariance) > BEYOND * size_m) + 1, [len(keyframes)]])
+    return np.concatenate(
+        [[0], np.flatnonzero(largest_sigma(covariance) > BEYOND * size_m) + 1, [len(keyframes)]]
+    )
 
 
 def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
-    """Return ranks of keyframes, evenly along each part: `total` by the parts' lengths, but at least `each` of every part, or
-    as many as make `most` of all; where there are more parts than that, as if there were one."""
+    """Return ranks of keyframes, evenly along each part: `total` by the parts' lengths, but at
+    least `each` of every part, or as many as make `most` of all; where there are more parts than
+    that, as if there were one.
+    """
     length, parts = np.diff(edges), len(edges) - 1
     if parts > most:
         edges, length, parts = edges[[0, -1]], edges[[-1]], 1
     count = np.rint(total * length / length.sum()).astype(np.int64)
     if parts > 1:
         count = np.maximum(count, min(each, most // parts))
-    ranks = [np.linspace(a, b - 1, n).round() for a, b, n in zip(edges[:-1], edges[1:], count, strict=True)]
+    ranks = [
+        np.linspace(a, b - 1, n).round()
+        for a, b, n in zip(edges[:-1], edges[1:], count, strict=True)
+    ]
     return np.unique(np.concatenate(ranks).astype(np.int64))
 
 
@@ -127,7 +151,9 @@ def _nearest_of_part(edges: Ints, rank: Ints) -> Ints:
     number = np.arange(edges[-1])
     after = np.searchsorted(rank, number)
     beside = np.clip([after - 1, after], 0, len(rank) - 1)
-    part, of_station = (np.searchsorted(edges, values, side="right") for values in (number, rank[beside]))
+    part, of_station = (
+        np.searchsorted(edges, values, side="right") for values in (number, rank[beside])
+    )
     away = np.abs(number - rank[beside]) + edges[-1] * (part != of_station)
     return np.asarray(np.where(away[0] <= away[1], *beside))
 
@@ -139,14 +165,22 @@ def _symmetric(values: Mask, a: Ints, b: Ints, count: int) -> Mask:
 
 
 def likeliest_pairs(
-    track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel, places: OpenPlaces, images: InvertedFile
+    track: CameraTrack,
+    keyframes: Ints,
+    depth_m: Array,
+    camera: CameraModel,
+    places: OpenPlaces,
+    images: InvertedFile,
 ) -> tuple[Array, Array]:
-    """Return the pairs of ranks among the keyframes (m, 2) that may be one place and look most alike, and pairs (c, 2) that
-    look most alike and are known to be two: first < second, sorted."""
+    """Return the pairs of ranks among the keyframes (m, 2) that may be one place and look most
+    alike, and pairs (c, 2) that look most alike and are known to be two: first < second, sorted.
+    """
     queries = _spread(places.edges, QUERIES, PART_QUERIES, MOST_QUERIES)
     scores, size = images.scores(queries), footprint_m(depth_m[keyframes], camera)
 
-    def pairs_where(mask: Mask, wanted: Callable[[Array, Array], Mask], places_each: int, most: int) -> Array:
+    def pairs_where(
+        mask: Mask, wanted: Callable[[Array, Array], Mask], places_each: int, most: int
+    ) -> Array:
         # The stations are near, not exact: an outage may lie between a keyframe and its own.
         asked, place = _best(np.where(places.of(queries, mask), scores, 0.0), CANDIDATES)
         keep = wanted(*scene_offsets(track, keyframes[queries[asked]], keyframes[place], depth_m))
@@ -155,24 +189,40 @@ def likeliest_pairs(
         return _distinct(np.column_stack([queries[asked], place])[order], most)
 
     return (
-        pairs_where(places.open, lambda offset, covariance: _is_open(offset, covariance, size, size / 2), PLACES, MOST_PAIRS),
-        pairs_where(places.apart, lambda offset, covariance: _is_apart(offset, covariance, size, 0.0), 1, CONTROLS),
+        pairs_where(
+            places.open,
+            lambda offset, covariance: _is_open(offset, covariance, size, size / 2),
+            PLACES,
+            MOST_PAIRS,
+        ),
+        pairs_where(
+            places.apart,
+            lambda offset, covariance: _is_apart(offset, covariance, size, 0.0),
+            1,
+            CONTROLS,
+        ),
     )
 
 
 def _is_open(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
     """Return which places (m,) may be one, beyond the search."""
-    return np.asarray((largest_sigma(covariance) > BEYOND * size_m) & may_be_one(offset, covariance, slack_m))
+    return np.asarray(
+        (largest_sigma(covariance) > BEYOND * size_m) & may_be_one(offset, covariance, slack_m)
+    )
 
 
 def _is_apart(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
     """Return which places (m,) are known to be two."""
     distance = np.linalg.norm(offset, axis=1)
-    return np.asarray((largest_sigma(covariance) < KNOWN * size_m) & (distance > APART * size_m + 2 * slack_m))
+    return np.asarray(
+        (largest_sigma(covariance) < KNOWN * size_m) & (distance > APART * size_m + 2 * slack_m)
+    )
 
 
 def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
-    """Return rows and columns of the `most` highest scores of each row, the highest first, none that is zero."""
+    """Return rows and columns of the `most` highest scores of each row, the highest first, none
+    that is zero.
+    """
     most = min(most, scores.shape[1])
     column = np.argsort(-scores, axis=1, kind="stable")[:, :most]
     row = np.repeat(np.arange(len(scores)), most)
@@ -181,8 +231,9 @@ def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
 
 
 def _by_place(asked: Ints, wanted: Ints, score: Array, most: int) -> Ints:
-    """Return the rows to compare in order: each query's best first, then its next best, away from the better ones, at most
-    `most` of a query. The rows come by query, the best first."""
+    """Return the rows to compare in order: each query's best first, then its next best, away from
+    the better ones, at most `most` of a query. The rows come by query, the best first.
+    """
     rank, taken = np.full(len(asked), -1), dict[int, list[int]]()
     for k, (query, place) in enumerate(zip(asked.tolist(), wanted.tolist(), strict=True)):
         before = taken.setdefault(query, [])

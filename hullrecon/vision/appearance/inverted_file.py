@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which images share rare words [SivicZisserman2003]: an inverted file, weighted by term frequency and inverse document
-frequency."""
+"""Which images share rare words [SivicZisserman2003]: an inverted file, weighted by term frequency
+and inverse document frequency.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +17,9 @@ from hullrecon.typing import Array, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class InvertedFile:
-    """images (n, w): the weights of each image's words, of unit length; by_word (w, n): the images of each word."""
+    """images (n, w): the weights of each image's words, of unit length; by_word (w, n): the images
+    of each word.
+    """
 
     images: csr_array
     by_word: csr_array
@@ -32,8 +35,8 @@ class InvertedFile:
 def invert(words: Sequence[Ints], vocabulary: int) -> InvertedFile:
     """Return the inverted file of n images from their words, of a vocabulary of that size.
 
-    A word counts by the share of the image's features that show it times log(n / images with that word): what all images show
-    says nothing.
+    A word counts by the share of the image's features that show it times log(n / images with that
+    word): what all images show says nothing.
     """
     size = np.array([len(w) for w in words], np.int64)
     image = np.repeat(np.arange(len(words)), size)

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Visual words [SivicZisserman2003]: cells of descriptor space, learnt from a dive's own images, in two levels
-[NisterStewenius2006].
+"""Visual words [SivicZisserman2003]: cells of descriptor space, learnt from a dive's own images, in
+two levels [NisterStewenius2006].
 
-Centres are rounded to bytes: every product and sum below is a whole number under 2^24, exact in float32, so that a word depends
-neither on the order of a sum nor on the number of threads.
+Centres are rounded to bytes: every product and sum below is a whole number under 2^24, exact in
+float32, so that a word depends neither on the order of a sum nor on the number of threads.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ Descriptors = NDArray[np.uint8]
 
 @dataclass(frozen=True, kw_only=True)
 class Vocabulary:
-    """coarse (b, 128): centres of the first level; fine (w, 128): those of the words, start (b + 1,): where the words of each
-    coarse centre begin."""
+    """coarse (b, 128): centres of the first level; fine (w, 128): those of the words, start (b +
+    1,): where the words of each coarse centre begin.
+    """
 
     coarse: Descriptors
     fine: Descriptors
@@ -47,7 +48,9 @@ class Vocabulary:
 
 
 def learn_vocabulary(descriptors: Descriptors, seed: int, branches: int = BRANCHES) -> Vocabulary:
-    """Return at most branches^2 words of a sample of descriptors (n, 128). Raises ValueError where there are none."""
+    """Return at most branches^2 words of a sample of descriptors (n, 128). Raises ValueError where
+    there are none.
+    """
     if len(descriptors) == 0:
         raise ValueError("a vocabulary needs descriptors")
     rng = np.random.default_rng(seed)
@@ -61,8 +64,12 @@ def learn_vocabulary(descriptors: Descriptors, seed: int, branches: int = BRANCH
 
 
 def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> Descriptors:
-    """Return at most that many centres by Lloyd's algorithm; one that loses its members stays where it is."""
-    centres = descriptors[np.sort(rng.choice(len(descriptors), min(count, len(descriptors)), replace=False))]
+    """Return at most that many centres by Lloyd's algorithm; one that loses its members stays where
+    it is.
+    """
+    centres = descriptors[
+        np.sort(rng.choice(len(descriptors), min(count, len(descriptors)), replace=False))
+    ]
     for _ in range(ITERATIONS):
         label = _nearest(descriptors, centres)
         size = np.bincount(label, minlength=len(centres))
@@ -70,7 +77,11 @@ def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> 
         order = np.argsort(label, kind="stable")
         begin = np.concatenate([[0], np.cumsum(size)[:-1]])[size > 0]
         total[size > 0] = np.add.reduceat(descriptors[order], begin, axis=0, dtype=np.int64)
-        moved = np.where(size[:, None] > 0, (2 * total + size[:, None]) // np.maximum(2 * size, 1)[:, None], centres)
+        moved = np.where(
+            size[:, None] > 0,
+            (2 * total + size[:, None]) // np.maximum(2 * size, 1)[:, None],
+            centres,
+        )
         if (moved == centres).all():
             break
         centres = moved.astype(np.uint8)

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Comparing descriptors: everything against everything, or only a sparse list of pairs.
 
-Descriptors are RootSIFT as uint8: unit vectors times 512, so that distances below are between unit vectors.
+Descriptors are RootSIFT as uint8: unit vectors times 512, so that distances below are between unit
+vectors.
 """
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ class Putative:
 
 
 def root_sift(descriptors: Floats32) -> Pixels:
-    """Return the Hellinger form: square root of the L1-normalised vector (unit length), times 512, as bytes."""
+    """Return the Hellinger form: square root of the L1-normalised vector (unit length), times 512,
+    as bytes.
+    """
     share = descriptors / np.maximum(descriptors.sum(axis=1, keepdims=True), 1e-9)
     return np.asarray(np.minimum(np.rint(np.sqrt(share) * UNIT), 255), np.uint8)
 
@@ -47,8 +50,11 @@ def sparse_distance(a: Floats32, b: Floats32, first: Ints, second: Ints) -> Floa
     return native.descriptor_distances(a, b, first, second)
 
 
-def best_of_pairs(first: Ints, second: Ints, distance: Floats32, ratio: float, most: float) -> Putative:
-    """Return mutual best within a list of pairs, closer than `most`, and than `ratio` times the next of either side.
+def best_of_pairs(
+    first: Ints, second: Ints, distance: Floats32, ratio: float, most: float
+) -> Putative:
+    """Return mutual best within a list of pairs, closer than `most`, and than `ratio` times the
+    next of either side.
 
     A feature in a single pair has no next one; then only `most` and the mutual choice count.
     """
@@ -88,4 +94,6 @@ def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative
 
 
 def _no_matches() -> Putative:
-    return Putative(first=np.zeros(0, np.int64), second=np.zeros(0, np.int64), distance=np.zeros(0, np.float32))
+    return Putative(
+        first=np.zeros(0, np.int64), second=np.zeros(0, np.int64), distance=np.zeros(0, np.float32)
+    )

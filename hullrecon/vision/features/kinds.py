@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""SIFT features and corners side by side: like is compared with like, and of what matches corners are a share at most.
+"""SIFT features and corners side by side: like is compared with like, and of what matches corners
+are a share at most.
 
-The share is steered as in [KimEustice2009 III-A], by the distance that the Zernike vectors of two corners may have: here it is
-chosen for each set of matches, as the one at which the share is reached.
+The share is steered as in [KimEustice2009 III-A], by the distance that the Zernike vectors of two
+corners may have: here it is chosen for each set of matches, as the one at which the share is
+reached.
 """
 
 from __future__ import annotations
@@ -22,8 +24,12 @@ def like_pairs(first: Ints, second: Ints, corner_a: Mask, corner_b: Mask) -> tup
     return first[like], second[like]
 
 
-def best_of_each_kind(a: Floats32, b: Floats32, corner_a: Mask, corner_b: Mask, ratio: float, most: float) -> Putative:
-    """Return the mutual best of all a (n, 128) and b (m, 128) within each kind: the SIFT features', then the corners'."""
+def best_of_each_kind(
+    a: Floats32, b: Floats32, corner_a: Mask, corner_b: Mask, ratio: float, most: float
+) -> Putative:
+    """Return the mutual best of all a (n, 128) and b (m, 128) within each kind: the SIFT features',
+    then the corners'.
+    """
     if not corner_a.any() and not corner_b.any():
         return best_of_all(a, b, ratio, most)
     parts = []
@@ -36,7 +42,8 @@ def best_of_each_kind(a: Floats32, b: Floats32, corner_a: Mask, corner_b: Mask, 
 
 
 def limit_corners(found: Putative, corner: Mask, share: float) -> Putative:
-    """Return the matches with no more corners than that share of them, the most alike; corner (m,): which are of corners.
+    """Return the matches with no more corners than that share of them, the most alike; corner (m,):
+    which are of corners.
 
     SIFT features are all kept: where few match, few corners are.
     """
@@ -46,4 +53,6 @@ def limit_corners(found: Putative, corner: Mask, share: float) -> Putative:
     rows = np.flatnonzero(corner)
     alike = rows[np.argsort(found.distance[rows], kind="stable")[:room]]
     kept = np.sort(np.concatenate([np.flatnonzero(~corner), alike]))
-    return Putative(first=found.first[kept], second=found.second[kept], distance=found.distance[kept])
+    return Putative(
+        first=found.first[kept], second=found.second[kept], distance=found.distance[kept]
+    )

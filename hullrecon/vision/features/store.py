@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Features of many images on disk: plain .npy files that grow while written and are mapped, not read, afterwards."""
+"""Features of many images on disk: plain .npy files that grow while written and are mapped, not
+read, afterwards.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ KINDS = ("keypoints", "descriptors", "color")
 
 
 class GrowingArray:
-    """An .npy of rows (n, width) written block by block; numpy leaves room in the header for n to grow."""
+    """An .npy of rows (n, width) written block by block; numpy leaves room in the header for n to
+    grow.
+    """
 
     def __init__(self, path: Path, width: int, dtype: type[np.generic]) -> None:
         self._path, self._width, self._dtype, self._rows = path, width, np.dtype(dtype), 0
@@ -33,20 +37,33 @@ class GrowingArray:
         return self
 
     def append(self, rows: NDArray[np.generic]) -> None:
-        """Write rows (m, width). Raises ValueError where they have another width, or outside of a `with`."""
+        """Write rows (m, width). Raises ValueError where they have another width, or outside of a
+        `with`.
+        """
         if self._file is None or rows.shape[1:] != (self._width,):
-            raise ValueError(f"rows of {rows.shape[1:]} do not fit an open array of width {self._width}")
+            raise ValueError(
+                f"rows of {rows.shape[1:]} do not fit an open array of width {self._width}"
+            )
         self._file.write(np.ascontiguousarray(rows, self._dtype).tobytes())
         self._rows += len(rows)
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         if self._file is not None:
             self._file.seek(0)
             self._header(self._file)
             self._file.close()
 
     def _header(self, file: IO[bytes]) -> None:
-        description = {"descr": self._dtype.str, "fortran_order": False, "shape": (self._rows, self._width)}
+        description = {
+            "descr": self._dtype.str,
+            "fortran_order": False,
+            "shape": (self._rows, self._width),
+        }
         np.lib.format.write_array_header_1_0(file, description)
 
 
@@ -66,10 +83,16 @@ class FeatureStore:
         return np.asarray(size[images])
 
     def read(self, image: int) -> Features:
-        """Return the features of that row of the camera's ImageIndex, views into the mapped files; none for -1."""
+        """Return the features of that row of the camera's ImageIndex, views into the mapped files;
+        none for -1.
+        """
         mapped = self._open()
         first, last = (0, 0) if image < 0 else mapped.start[image : image + 2]
-        rows = mapped.keypoints[first:last], mapped.descriptors[first:last], mapped.color[first:last]
+        rows = (
+            mapped.keypoints[first:last],
+            mapped.descriptors[first:last],
+            mapped.color[first:last],
+        )
         return Features(*rows, corners=0 if image < 0 else int(mapped.corners[image]))
 
     def saliency(self, image: int) -> float:
@@ -83,7 +106,9 @@ class FeatureStore:
 
 @dataclass(frozen=True, kw_only=True)
 class _Mapped:
-    """The arrays of one camera, mapped. corners (n,): how many of each image's rows, the last, are corners."""
+    """The arrays of one camera, mapped. corners (n,): how many of each image's rows, the last, are
+    corners.
+    """
 
     start: Ints
     saliency: Array
@@ -95,11 +120,19 @@ class _Mapped:
 
 @lru_cache(maxsize=8)
 def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
-    """Return the mapped arrays; `stamp` tells one build of the artifact from the next in the same folder."""
+    """Return the mapped arrays; `stamp` tells one build of the artifact from the next in the same
+    folder.
+    """
     with np.load(folder / "index.npz", allow_pickle=False) as index:
-        start, saliency = np.asarray(index[f"{camera}_start"], np.int64), np.asarray(index[f"{camera}_saliency"], float)
+        start, saliency = (
+            np.asarray(index[f"{camera}_start"], np.int64),
+            np.asarray(index[f"{camera}_saliency"], float),
+        )
         none = np.zeros(len(saliency), np.int64)  # an artifact without corners says nothing of them
         corners = np.asarray(index.get(f"{camera}_corners", none), np.int64)
     mode: Literal["r"] | None = "r" if start[-1] else None  # a file without rows cannot be mapped
-    arrays = {kind: np.load(folder / f"{kind}_{camera}.npy", mmap_mode=mode, allow_pickle=False) for kind in KINDS}
+    arrays = {
+        kind: np.load(folder / f"{kind}_{camera}.npy", mmap_mode=mode, allow_pickle=False)
+        for kind in KINDS
+    }
     return _Mapped(start=start, saliency=saliency, corners=corners, **arrays)

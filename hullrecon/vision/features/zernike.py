@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Zernike moments [Zernike1934; Teague1980] of patches: coefficients of a basis that is orthonormal on the disc.
+"""Zernike moments [Zernike1934; Teague1980] of patches: coefficients of a basis that is orthonormal
+on the disc.
 
-A patch is sampled on rings, Gauss-Legendre in the square of the radius and evenly in the angle. Thus products of any two of the
-functions are integrated exactly, and a turn of the patch by a step of the angle moves its samples round.
+A patch is sampled on rings, Gauss-Legendre in the square of the radius and evenly in the angle.
+Thus products of any two of the functions are integrated exactly, and a turn of the patch by a step
+of the angle moves its samples round.
 """
 
 from __future__ import annotations
@@ -29,21 +31,30 @@ def disc_points() -> Array:
 
 @cache
 def orders() -> Ints:
-    """Return n and m (k, 2) of the moments: n from 1 to ORDER, m >= 0 of the same parity. The mean (0, 0) is not among them."""
+    """Return n and m (k, 2) of the moments: n from 1 to ORDER, m >= 0 of the same parity. The mean
+    (0, 0) is not among them.
+    """
     return np.array([(n, m) for n in range(1, ORDER + 1) for m in range(n % 2, n + 1, 2)], np.int64)
 
 
 @cache
 def basis() -> NDArray[np.complex128]:
-    """Return the functions V_nm (k, RINGS * ANGLES) at the sample points; the integral of |V|^2 over the disc is 1."""
+    """Return the functions V_nm (k, RINGS * ANGLES) at the sample points; the integral of |V|^2
+    over the disc is 1.
+    """
     radius, turn = np.sqrt(_rings()[0]), np.exp(1j * _angles())
-    rows = [np.sqrt((n + 1) / np.pi) * np.outer(radial(n, m, radius), turn**m) for n, m in orders().tolist()]
+    rows = [
+        np.sqrt((n + 1) / np.pi) * np.outer(radial(n, m, radius), turn**m)
+        for n, m in orders().tolist()
+    ]
     return np.array(rows).reshape(len(rows), -1)
 
 
 @cache
 def weights() -> Array:
-    """Return the area (RINGS * ANGLES,) for which each sample point stands; together that of the unit disc."""
+    """Return the area (RINGS * ANGLES,) for which each sample point stands; together that of the
+    unit disc.
+    """
     return np.repeat(_rings()[1] * np.pi / ANGLES, ANGLES)
 
 
@@ -51,7 +62,10 @@ def radial(n: int, m: int, radius: Array) -> Array:
     """Return the radial polynomial R_nm at each radius."""
     half, less = (n + m) // 2, (n - m) // 2
     terms = [
-        (-1) ** k * factorial(n - k) / (factorial(k) * factorial(half - k) * factorial(less - k)) * radius ** (n - 2 * k)
+        (-1) ** k
+        * factorial(n - k)
+        / (factorial(k) * factorial(half - k) * factorial(less - k))
+        * radius ** (n - 2 * k)
         for k in range(less + 1)
     ]
     return np.asarray(np.sum(terms, axis=0), np.float64)

@@ -19,12 +19,15 @@ from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import DepthPrior
 
-# What navigation's error model does not hold: stamps of the images, the camera's mount, holes in the attitude.
+# What navigation's error model does not hold: stamps of the images, the camera's mount, holes in
+# the attitude.
 WHITE_TRANSLATION_M = 0.01
 WHITE_ROTATION_RAD = np.radians(0.2)
-LEAST_SPREAD_M = 0.05  # of the returns across the direction in which they spread most: less is a line, not a plane
+# of the returns across the direction in which they spread most: less is a line, not a plane
+LEAST_SPREAD_M = 0.05
 WINDOW = 4  # nodes to either side whose returns count: a footprint's width
-WINDOW_S = 1.0  # to either side, at least: a DVL may give a ping a second where a camera gives fifteen images
+# to either side, at least: a DVL may give a ping a second where a camera gives fifteen images
+WINDOW_S = 1.0
 MOST_RELIEF = 0.5  # scatter off the plane over that spread: more has no normal
 
 
@@ -38,22 +41,30 @@ class RelativeErrors(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class NavigationErrors:
-    """The errors of dead reckoning by cause. global_from_camera: T_g_c by node; model: of these poses, the servo's backlash in
-    its white part."""
+    """The errors of dead reckoning by cause. global_from_camera: T_g_c by node; model: of these
+    poses, the servo's backlash in its white part.
+    """
 
     global_from_camera: Poses
     model: TrajectoryErrorModel
 
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
-        """Return (m, 6, 6) of second_from_first as Motion defines it: (J_b - J_a) P (J_b - J_a)' for the errors that are one
-        unknown for the dive, what accumulated between the two nodes, and what is new at each.
+        """Return (m, 6, 6) of second_from_first as Motion defines it: (J_b - J_a) P (J_b - J_a)'
+        for the errors that are one unknown for the dive, what accumulated between the two nodes,
+        and what is new at each.
 
-        T_b^-1 Exp(twist_a - twist_b) T_a: the translation moves by R_b' (rho + omega x p_a), the rotation by R_a' omega.
+        T_b^-1 Exp(twist_a - twist_b) T_a: the translation moves by R_b' (rho + omega x p_a), the
+        rotation by R_a' omega.
         """
         e = self.model
         apart = e.by_error[first] - e.by_error[second]
         gained = e.walk[np.maximum(first, second)] - e.walk[np.minimum(first, second)]
-        twist = apart @ e.error_covariance @ apart.swapaxes(1, 2) + gained + e.white[first] + e.white[second]
+        twist = (
+            apart @ e.error_covariance @ apart.swapaxes(1, 2)
+            + gained
+            + e.white[first]
+            + e.white[second]
+        )
         a, b = (self.global_from_camera[k].rotation.inv().as_matrix() for k in (first, second))
         by_twist = np.zeros((len(first), 6, 6))
         by_twist[:, :3, :3] = b
@@ -64,8 +75,9 @@ class NavigationErrors:
 
 @dataclass(frozen=True, kw_only=True)
 class CameraTrack:
-    """global_from_camera: T_g_c of the leading camera of every node (the top one, or the bottom one where that leads), and how
-    well the nodes are known relative to each other."""
+    """global_from_camera: T_g_c of the leading camera of every node (the top one, or the bottom one
+    where that leads), and how well the nodes are known relative to each other.
+    """
 
     global_from_camera: Poses
     errors: RelativeErrors
@@ -74,8 +86,12 @@ class CameraTrack:
         return len(self.global_from_camera)
 
     def motions(self, first: Ints, second: Ints) -> list[Motion]:
-        """Return second_from_first of the cameras with the covariance of that relative pose, for m pairs."""
-        relative = (self.global_from_camera[second].inverse() @ self.global_from_camera[first]).matrix()
+        """Return second_from_first of the cameras with the covariance of that relative pose, for m
+        pairs.
+        """
+        relative = (
+            self.global_from_camera[second].inverse() @ self.global_from_camera[first]
+        ).matrix()
         floor = np.diag(np.repeat([WHITE_TRANSLATION_M**2, WHITE_ROTATION_RAD**2], 3))
         covariance = self.errors.relative_covariance(first, second) + floor
         return [Motion(*pair) for pair in zip(relative, covariance, strict=True)]
@@ -87,31 +103,47 @@ class CameraTrack:
     def relative_sigma(self, first: Ints, second: Ints) -> Array:
         """Return the sigma (m,) in metres of the relative position, the mean over the axes."""
         covariance = self.errors.relative_covariance(first, second)[:, :3, :3]
-        return np.asarray(np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0) / 3))  # of a node to itself: 0
+        # of a node to itself: 0
+        return np.asarray(np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0) / 3))
 
 
 def track_cameras(
-    trajectory: Trajectory, errors: TrajectoryErrorModel, cameras: CameraRig, tray_sigma_rad: float, bottom: Mask
+    trajectory: Trajectory,
+    errors: TrajectoryErrorModel,
+    cameras: CameraRig,
+    tray_sigma_rad: float,
+    bottom: Mask,
 ) -> CameraTrack:
-    """Return the leading camera of every node as dead reckoning has it. bottom (n,): where that is the bottom one."""
+    """Return the leading camera of every node as dead reckoning has it. bottom (n,): where that is
+    the bottom one.
+    """
     path = trajectory.track().path
     leading = leading_cameras(cameras, path, bottom)
     backlash = _backlash_twist(path.poses, cameras.rig.tray_origin, tray_sigma_rad)
     model = replace(errors, white=errors.white + backlash)
-    return CameraTrack(global_from_camera=leading, errors=NavigationErrors(global_from_camera=leading, model=model))
+    return CameraTrack(
+        global_from_camera=leading, errors=NavigationErrors(global_from_camera=leading, model=model)
+    )
 
 
 def leading_cameras(cameras: CameraRig, path: VehiclePath, bottom: Mask) -> Poses:
-    """Return T_g_c of the leading camera of every node: the top one, or the bottom one where `bottom` (n,) says so."""
+    """Return T_g_c of the leading camera of every node: the top one, or the bottom one where
+    `bottom` (n,) says so.
+    """
     top = cameras.rig.camera_poses(path, Camera.TOP)
     if not bottom.any():
         return top
     lower, leads = cameras.rig.camera_poses(path, Camera.BOTTOM), bottom[:, None]
-    return Poses(np.where(leads, lower.quaternion, top.quaternion), np.where(leads, lower.translation, top.translation))
+    return Poses(
+        np.where(leads, lower.quaternion, top.quaternion),
+        np.where(leads, lower.translation, top.translation),
+    )
 
 
 def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:
-    """Return (n, 6, 6) of the twist that turns the tray about the vehicle's y through its origin, independent at each node."""
+    """Return (n, 6, 6) of the twist that turns the tray about the vehicle's y through its origin,
+    independent at each node.
+    """
     axis = global_from_vehicle.rotation.as_matrix()[:, :, 1]
     origin = global_from_vehicle.apply(np.tile(tray_origin, (len(axis), 1)))
     twist = np.hstack([np.cross(origin, axis), axis])
@@ -121,8 +153,9 @@ def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: f
 def depth_priors(
     track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: SensorRig, margin: float
 ) -> list[DepthPrior | None]:
-    """Return depth along each camera's axis, and the surface's normal, from the unflagged returns of the node and its
-    neighbours; None where there are none."""
+    """Return depth along each camera's axis, and the surface's normal, from the unflagged returns
+    of the node and its neighbours; None where there are none.
+    """
     good = ~returns.flagged & np.isfinite(returns.range_m)
     points, node = rig.dvl_points(returns, trajectory.track().path).points[good], returns.node[good]
     order = np.argsort(node, kind="stable")
@@ -130,7 +163,9 @@ def depth_priors(
     t_ns, row, span_ns = trajectory.t_ns, np.arange(len(track)), round(1e9 * WINDOW_S)
     start = np.searchsorted(node, np.minimum(row - WINDOW, np.searchsorted(t_ns, t_ns - span_ns)))
     stop = np.searchsorted(
-        node, np.maximum(row + WINDOW, np.searchsorted(t_ns, t_ns + span_ns, side="right") - 1), side="right"
+        node,
+        np.maximum(row + WINDOW, np.searchsorted(t_ns, t_ns + span_ns, side="right") - 1),
+        side="right",
     )
     camera_from_global = track.global_from_camera.inverse()
     return [_prior(camera_from_global[k].apply(points[a:b]), margin) if b > a else None
@@ -155,8 +190,9 @@ def _prior(points: Array, margin: float) -> DepthPrior | None:
 
 
 def _surface_normal(points: Array) -> tuple[float, float, float] | None:
-    """Return the unit normal of the plane through (n, 3), away from the camera; None where the points lie on a line or
-    scatter."""
+    """Return the unit normal of the plane through (n, 3), away from the camera; None where the
+    points lie on a line or scatter.
+    """
     if len(points) < 3:
         return None
     _, extent, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)

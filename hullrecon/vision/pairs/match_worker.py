@@ -35,7 +35,9 @@ class MatchNode:
 
 @dataclass(frozen=True, kw_only=True)
 class NodePair:
-    """Two nodes to be compared: their numbers, navigation's motion, and whether to search everywhere where that fails."""
+    """Two nodes to be compared: their numbers, navigation's motion, and whether to search
+    everywhere where that fails.
+    """
 
     first: int
     second: int
@@ -52,9 +54,17 @@ class MatchWorker:
     options: MatchOptions
 
     def read(self, image: tuple[int, int], stereo: StereoMatches) -> NodeFeatures:
-        """Return the features of both cameras; none for a camera that was not carried. stereo: the matches between them."""
-        bottom = FeatureStore(self.features, Camera.BOTTOM).read(image[1]) if self.rig.stereo else no_features()
-        return NodeFeatures(top=FeatureStore(self.features, Camera.TOP).read(image[0]), bottom=bottom, stereo=stereo)
+        """Return the features of both cameras; none for a camera that was not carried. stereo: the
+        matches between them.
+        """
+        bottom = (
+            FeatureStore(self.features, Camera.BOTTOM).read(image[1])
+            if self.rig.stereo
+            else no_features()
+        )
+        return NodeFeatures(
+            top=FeatureStore(self.features, Camera.TOP).read(image[0]), bottom=bottom, stereo=stereo
+        )
 
     def bottom_leads(self, nodes: Sequence[MatchNode]) -> Mask:
         """Return at which nodes (n,) the bottom camera leads."""
@@ -64,12 +74,18 @@ class MatchWorker:
         """Return the local saliency of the image that leads."""
         blind = self.read(node.image, node.stereo).bottom_leads
         top = 0.0 if blind else FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
-        return top or (FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1]) if self.rig.stereo else 0.0)
+        return top or (
+            FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1])
+            if self.rig.stereo
+            else 0.0
+        )
 
     def view(self, node: MatchNode) -> NodeView:
         """Return the node as pair matching wants it."""
         features = self.read(node.image, node.stereo)
-        return view_of_node(self.rig, features.top, features.bottom, node.stereo, node.depth, self.options.sigma_px)
+        return view_of_node(
+            self.rig, features.top, features.bottom, node.stereo, node.depth, self.options.sigma_px
+        )
 
 
 @dataclass(frozen=True)
@@ -81,7 +97,9 @@ class MatchStereo:
     def __call__(self, node: MatchNode) -> tuple[int, StereoMatches]:
         """Return the number of the leading camera's features, and the matches between the two."""
         features = self.worker.read(node.image, no_matches())
-        stereo = stereo_of_node(self.worker.rig, features.top, features.bottom, node.depth, self.worker.options)
+        stereo = stereo_of_node(
+            self.worker.rig, features.top, features.bottom, node.depth, self.worker.options
+        )
         return len(replace(features, stereo=stereo).leading), stereo
 
 
@@ -97,5 +115,12 @@ class MatchPairs:
         views = {number: self.worker.view(node) for number, node in nodes.items()}
         matcher, seed = PairMatcher(self.worker.rig, self.worker.options), self.worker.options.seed
         return [
-            matcher.match(views[p.first], views[p.second], p.expected, (seed, p.first, p.second), p.full_search) for p in pairs
+            matcher.match(
+                views[p.first],
+                views[p.second],
+                p.expected,
+                (seed, p.first, p.second),
+                p.full_search,
+            )
+            for p in pairs
         ]

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which matches of two views without depth show one motion, where RANSAC alone cannot tell.
 
-On a nearly plane hull a turn and a shift of the camera look alike: a motion that is degrees off costs the right matches a tenth
-of a pixel each, and a few wrong ones that it happens to fit make it the likelier. Navigation knows the motion better than that:
-with it the wrong ones stand out. It chooses matches; what these say of the motion is refined without it.
+On a nearly plane hull a turn and a shift of the camera look alike: a motion that is degrees off
+costs the right matches a tenth of a pixel each, and a few wrong ones that it happens to fit make it
+the likelier. Navigation knows the motion better than that: with it the wrong ones stand out. It
+chooses matches; what these say of the motion is refined without it.
 """
 
 from __future__ import annotations
@@ -37,22 +38,33 @@ def choose(
     prior: Motion | None,
     surface_normal: tuple[float, float, float] | None,
 ) -> Motion:
-    """Return one of the motions that a matrix may stand for, refined on its inliers (n, 2) of both views, with its covariance.
+    """Return one of the motions that a matrix may stand for, refined on its inliers (n, 2) of both
+    views, with its covariance.
 
-    The two motions of a plane differ by its normal: the DVL's decides where there is one, else navigation's rotation and
-    direction, else the order.
+    The two motions of a plane differ by its normal: the DVL's decides where there is one, else
+    navigation's rotation and direction, else the order.
     """
     if surface_normal is not None and all(p.normal is not None for p in possible):
         possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type: ignore[arg-type]
-    found = [mono_motion.with_length(*refine_on_inliers(p.motion, *matches, prior), prior) for p in possible]
-    return found[0] if prior is None else min(found, key=lambda motion: mono_motion.navigation_chi2(motion, prior))
+    found = [
+        mono_motion.with_length(*refine_on_inliers(p.motion, *matches, prior), prior)
+        for p in possible
+    ]
+    return (
+        found[0]
+        if prior is None
+        else min(found, key=lambda motion: mono_motion.navigation_chi2(motion, prior))
+    )
 
 
-def gather(motion: Motion, first: Array, second: Array, prior: Motion | None, tolerance: float) -> tuple[Motion, Mask]:
-    """Return the motion refined on all matches (n, 2) within a tolerance of their epipolar lines, and which (n,) they are.
+def gather(
+    motion: Motion, first: Array, second: Array, prior: Motion | None, tolerance: float
+) -> tuple[Motion, Mask]:
+    """Return the motion refined on all matches (n, 2) within a tolerance of their epipolar lines,
+    and which (n,) they are.
 
-    A plane's inliers will not do: on a curved hull they are those whose noise makes it flatter, and the motion turns by what
-    the flatter hull would mean.
+    A plane's inliers will not do: on a curved hull they are those whose noise makes it flatter, and
+    the motion turns by what the flatter hull would mean.
     """
     inlier = on_lines(motion.second_from_first, first, second, tolerance)
     found: _OnInliers | None = None
@@ -64,7 +76,9 @@ def gather(motion: Motion, first: Array, second: Array, prior: Motion | None, to
         before, inlier = inlier, on_lines(found.motion, first, second, tolerance)
         if (inlier == before).all():
             break
-    return motion if found is None else mono_motion.with_length(found.motion, found.covariance(), prior), inlier
+    return motion if found is None else mono_motion.with_length(
+        found.motion, found.covariance(), prior
+    ), inlier
 
 
 def on_lines(motion: Array, first: Array, second: Array, tolerance: float) -> Mask:
@@ -72,13 +86,15 @@ def on_lines(motion: Array, first: Array, second: Array, tolerance: float) -> Ma
     return np.asarray(sampson_squared(essential_of(motion), first, second) < tolerance**2)
 
 
-def refine_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> tuple[Array, Array]:
-    """Return the motion (4, 4) with |t| = 1 and its covariance (5, 5), as `mono_motion.refine` does, of the matches (n, 2) that
-    agree with the most likely motion, navigation's word counted; of all where navigation does not know the motion well or means
-    another.
+def refine_on_inliers(
+    start: Array, first: Array, second: Array, prior: Motion | None
+) -> tuple[Array, Array]:
+    """Return the motion (4, 4) with |t| = 1 and its covariance (5, 5), as `mono_motion.refine`
+    does, of the matches (n, 2) that agree with the most likely motion, navigation's word counted;
+    of all where navigation does not know the motion well or means another.
 
-    Matches that do not agree are not without meaning: as many more may lie within the limit. In the variance they count as if
-    they lay on it.
+    Matches that do not agree are not without meaning: as many more may lie within the limit. In the
+    variance they count as if they lay on it.
     """
     found = _fit_on_inliers(start, first, second, prior)
     return found.motion, found.covariance()
@@ -86,7 +102,9 @@ def refine_on_inliers(start: Array, first: Array, second: Array, prior: Motion |
 
 @dataclass(frozen=True, kw_only=True)
 class _OnInliers:
-    """A motion (4, 4) with |t| = 1 fitted to matches (n, 2), or to the good (n,) of them, those within a limit."""
+    """A motion (4, 4) with |t| = 1 fitted to matches (n, 2), or to the good (n,) of them, those
+    within a limit.
+    """
 
     motion: Array
     first: Array
@@ -98,14 +116,20 @@ class _OnInliers:
         """Return that of the motion (5, 5)."""
         if self.good is None:
             return mono_motion.covariance_of(self.motion, self.first, self.second)
-        covariance = mono_motion.covariance_of(self.motion, self.first[self.good], self.second[self.good])
+        covariance = mono_motion.covariance_of(
+            self.motion, self.first[self.good], self.second[self.good]
+        )
         squares = mono_motion.linearise(self.motion, self.first, self.second)[0] ** 2
         own = max(float(squares[self.good].mean()), LEAST_SIGMA**2)
-        return np.asarray(covariance * max(1.0, float(np.minimum(squares, self.limit**2).mean()) / own))
+        return np.asarray(
+            covariance * max(1.0, float(np.minimum(squares, self.limit**2).mean()) / own)
+        )
 
 
 def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> _OnInliers:
-    """Return what `refine_on_inliers` fits; its covariance, which takes as long, is asked for at the end alone."""
+    """Return what `refine_on_inliers` fits; its covariance, which takes as long, is asked for at
+    the end alone.
+    """
     motion = mono_motion.fit(start, first, second)
     alone = _OnInliers(motion=motion, first=first, second=second, good=None, limit=np.inf)
     if prior is None or not is_well_known(prior) or not _is_near(motion, prior):
@@ -115,12 +139,16 @@ def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | N
     good = np.abs(mono_motion.linearise(likely, first, second)[0]) < limit
     if good.sum() <= 2 * mono_motion.FREEDOMS:
         return alone
-    return replace(alone, motion=mono_motion.fit(likely, first[good], second[good]), good=good, limit=limit)
+    return replace(
+        alone, motion=mono_motion.fit(likely, first[good], second[good]), good=good, limit=limit
+    )
 
 
 def is_well_known(prior: Motion) -> bool:
-    """Return whether navigation tells rotation and direction of the motion so well that of a plane's two motions the wrong one,
-    and what noise makes of nearly plane matches, are out of the question."""
+    """Return whether navigation tells rotation and direction of the motion so well that of a
+    plane's two motions the wrong one, and what noise makes of nearly plane matches, are out of the
+    question.
+    """
     length = float(np.linalg.norm(prior.second_from_first[:3, 3]))
     if length < LEAST_LENGTH_M:
         return False
@@ -131,19 +159,24 @@ def is_well_known(prior: Motion) -> bool:
 
 
 def _is_near(motion: Array, prior: Motion) -> bool:
-    """Return whether rotation and direction of a motion (4, 4) are those that navigation means, and not of a plane's other."""
+    """Return whether rotation and direction of a motion (4, 4) are those that navigation means, and
+    not of a plane's other.
+    """
     wanted = prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ motion[:3, :3]).magnitude()
     cosine = motion[:3, 3] @ wanted[:3, 3] / np.linalg.norm(wanted[:3, 3])
     return bool(max(turn, np.arccos(np.clip(cosine, -1, 1))) < NEAR_RAD)
 
 
-def most_likely_motion(start: Array, first: Array, second: Array, prior: Motion) -> tuple[Array, float]:
-    """Return the motion (4, 4), |t| = 1, of least robust cost of matches (n, 2) and navigation together, from where RANSAC has
-    it, and the robust sigma of the matches about it.
+def most_likely_motion(
+    start: Array, first: Array, second: Array, prior: Motion
+) -> tuple[Array, float]:
+    """Return the motion (4, 4), |t| = 1, of least robust cost of matches (n, 2) and navigation
+    together, from where RANSAC has it, and the robust sigma of the matches about it.
 
-    Steps are reweighted by Tukey's biweight, about a sigma that falls with them: costs of two steps cannot be compared, as
-    geometry.pose_solver does. From navigation's motion they would lead to either of a plane's two.
+    Steps are reweighted by Tukey's biweight, about a sigma that falls with them: costs of two steps
+    cannot be compared, as geometry.pose_solver does. From navigation's motion they would lead to
+    either of a plane's two.
     """
     motion = start.copy()
     motion[:3, 3] *= np.linalg.norm(prior.second_from_first[:3, 3])
@@ -153,11 +186,16 @@ def most_likely_motion(start: Array, first: Array, second: Array, prior: Motion)
         length, unit = float(np.linalg.norm(motion[:3, 3])), _unit(motion)
         residual, by = mono_motion.linearise(unit, first, second)
         weight = _biweight(residual)
-        jacobian = np.hstack([by[:, 3:] @ mono_motion.tangent_basis(unit[:3, 3]).T / length, by[:, :3]])
+        jacobian = np.hstack(
+            [by[:, 3:] @ mono_motion.tangent_basis(unit[:3, 3]).T / length, by[:, :3]]
+        )
         weighted = (jacobian * weight[:, None]).T
         normal = weighted @ jacobian + of_navigation
-        normal[:3, :3] += np.eye(3) / length**2  # a direction is never more than unknown, and matches tell no length
-        step = np.asarray(-np.linalg.solve(normal, weighted @ residual + of_navigation @ _gap(motion, prior)))
+        # a direction is never more than unknown, and matches tell no length
+        normal[:3, :3] += np.eye(3) / length**2
+        step = np.asarray(
+            -np.linalg.solve(normal, weighted @ residual + of_navigation @ _gap(motion, prior))
+        )
         step *= min(1.0, LARGEST_STEP / max(float(np.abs(step).max()), 1e-12))
         motion[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[3:]).as_matrix()
         motion[:3, 3] += step[:3]
@@ -169,7 +207,9 @@ def most_likely_motion(start: Array, first: Array, second: Array, prior: Motion)
 def _biweight(residual: Array) -> Array:
     """Return the weights (n,), inverse variances, of residuals of one robust sigma."""
     sigma = _sigma(residual)
-    return np.asarray(np.clip(1 - (residual / (OUTLIER_SIGMAS * sigma)) ** 2, 0, None) ** 2 / sigma**2)
+    return np.asarray(
+        np.clip(1 - (residual / (OUTLIER_SIGMAS * sigma)) ** 2, 0, None) ** 2 / sigma**2
+    )
 
 
 def _sigma(residual: Array) -> float:

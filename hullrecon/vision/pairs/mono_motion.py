@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Relative pose of two views without depth: refined on matches, how well its five numbers are known, and whether navigation
-agrees [Ozog2016 D.1; KimEustice2009 III-B]."""
+"""Relative pose of two views without depth: refined on matches, how well its five numbers are
+known, and whether navigation agrees [Ozog2016 D.1; KimEustice2009 III-B].
+"""
 
 from __future__ import annotations
 
@@ -18,9 +19,11 @@ from hullrecon.vision.pairs.two_view import essential_of
 
 ITERATIONS = 10
 FREEDOMS = 5  # of a motion without a length
-DIRECTION_SIGMA_RAD = 1.0  # of a direction about which the matches say nothing: the vehicle stood still
+# of a direction about which the matches say nothing: the vehicle stood still
+DIRECTION_SIGMA_RAD = 1.0
 DIRECTION_PRIOR = np.diag([0.0, 0.0, 0.0, DIRECTION_SIGMA_RAD**-2, DIRECTION_SIGMA_RAD**-2])
-NOISE_SIGMAS = 3.0  # information about the direction within so many sigmas of what noise alone gives is none
+# information about the direction within so many sigmas of what noise alone gives is none
+NOISE_SIGMAS = 3.0
 UNKNOWN_LENGTH = 1.0  # sigma over length where nothing has measured it
 
 
@@ -33,11 +36,14 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
 def fit(motion: Array, first: Array, second: Array) -> Array:
     """Return the motion (4, 4) with |t| = 1 that minimises the Sampson distances of matches (n, 2).
 
-    Its unknowns: the rotation perturbed on the right (3), the direction of t in `tangent_basis` (2). To first order the Sampson
-    distance is what a bundle adjustment of two views leaves of a match once its point is solved for.
+    Its unknowns: the rotation perturbed on the right (3), the direction of t in `tangent_basis`
+    (2). To first order the Sampson distance is what a bundle adjustment of two views leaves of a
+    match once its point is solved for.
     """
     residual, jacobian = linearise(motion, first, second)
-    damping = 1e-6  # not geometry.pose_solver: five unknowns, and steps in units of a variance that each step finds anew
+    # not geometry.pose_solver: five unknowns, and steps in units of a variance that each step finds
+    # anew
+    damping = 1e-6
     for _ in range(ITERATIONS):
         normal = _information(jacobian, _variance(residual))
         gradient = jacobian.T @ residual / _variance(residual)
@@ -54,24 +60,30 @@ def fit(motion: Array, first: Array, second: Array) -> Array:
 
 
 def covariance_of(motion: Array, first: Array, second: Array) -> Array:
-    """Return the covariance (5, 5) of the unknowns of `fit` at its motion: the information is that of adjusting two views.
+    """Return the covariance (5, 5) of the unknowns of `fit` at its motion: the information is that
+    of adjusting two views.
 
-    It takes its scale from the residuals and from how far neighbours err together, and what the matches' own noise adds to the
-    information about the direction is taken off.
+    It takes its scale from the residuals and from how far neighbours err together, and what the
+    matches' own noise adds to the information about the direction is taken off.
     """
     residual, jacobian = linearise(motion, first, second)
     variance = _variance(residual)
     own = jacobian.T @ jacobian / variance
     moved = has_parallax(motion, first, second, variance)
-    information = without_noise_share(own, noise_share(motion, first, second)) if moved else _without_direction(own)
+    information = (
+        without_noise_share(own, noise_share(motion, first, second))
+        if moved
+        else _without_direction(own)
+    )
     each = jacobian[:, :, None] * jacobian[:, None]
     inflation = correlation_inflation(each, jacobian * residual[:, None], variance, first)
     return np.asarray(np.linalg.inv(information / inflation + DIRECTION_PRIOR))
 
 
 def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motion:
-    """Return the motion with navigation's length (1 without navigation) and the covariance (6, 6) of Motion from (5, 5): the
-    length is as uncertain as navigation says."""
+    """Return the motion with navigation's length (1 without navigation) and the covariance (6, 6)
+    of Motion from (5, 5): the length is as uncertain as navigation says.
+    """
     direction = motion[:3, 3]
     length, length_variance = 1.0, UNKNOWN_LENGTH**2
     if prior is not None:
@@ -88,16 +100,18 @@ def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motio
 
 
 def navigation_chi2(found: Motion, prior: Motion) -> float:
-    """Return the squared distance, over five degrees of freedom, of a motion without a length from navigation's.
+    """Return the squared distance, over five degrees of freedom, of a motion without a length from
+    navigation's.
 
-    The length is free, but not negative: the one taken is that which agrees best, so that a direction says little where the
-    vehicle hardly moved.
+    The length is free, but not negative: the one taken is that which agrees best, so that a
+    direction says little where the vehicle hardly moved.
     """
     own, wanted = found.second_from_first, prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ own[:3, :3]).as_rotvec()
     direction = own[:3, 3] / max(float(np.linalg.norm(own[:3, 3])), 1e-12)
     across = np.eye(6)
-    across[:3, :3] -= np.outer(direction, direction)  # the length that was found is navigation's own
+    # the length that was found is navigation's own
+    across[:3, :3] -= np.outer(direction, direction)
     information = np.linalg.inv(prior.covariance + across @ found.covariance @ across)
     along = np.concatenate([direction, np.zeros(3)])
     target = np.concatenate([wanted[:3, 3], -turn])
@@ -107,36 +121,46 @@ def navigation_chi2(found: Motion, prior: Motion) -> float:
 
 
 def has_parallax(motion: Array, first: Array, second: Array, variance: float) -> bool:
-    """Return whether matches (n, 2) differ by more than the motion's rotation and noise of that variance in both images.
+    """Return whether matches (n, 2) differ by more than the motion's rotation and noise of that
+    variance in both images.
 
-    The gaps of two images have four times the variance a match; that ratio scatters by 1 / sqrt(n), the variance found from n
-    residuals by sqrt(2 / n).
+    The gaps of two images have four times the variance a match; that ratio scatters by 1 / sqrt(n),
+    the variance found from n residuals by sqrt(2 / n).
     """
     turned = np.hstack([first, np.ones((len(first), 1))]) @ motion[:3, :3].T
     gap = second - turned[:, :2] / turned[:, 2:]
-    return bool((gap**2).sum() > (1 + NOISE_SIGMAS * np.sqrt(3 / len(gap))) * 4 * variance * len(gap))
+    return bool(
+        (gap**2).sum() > (1 + NOISE_SIGMAS * np.sqrt(3 / len(gap))) * 4 * variance * len(gap)
+    )
 
 
 def noise_share(motion: Array, first: Array, second: Array) -> Array:
-    """Return the information (n, 2, 2) about the direction that noise in each match (n, 2) seems to give, whatever its size.
+    """Return the information (n, 2, 2) about the direction that noise in each match (n, 2) seems to
+    give, whatever its size.
 
-    The derivative of a match by the direction is its shift out of the rotation, (R x1) x x2. Noise of one sigma in both images
-    has the covariance sigma^2 ([x2]x R P R' [x2]x' + [R x1]x P [R x1]x') in that, P = diag(1, 1, 0), and the Sampson distance
-    has the variance sigma^2, which cancels. A vehicle that stands still shows this much and no more.
+    The derivative of a match by the direction is its shift out of the rotation, (R x1) x x2. Noise
+    of one sigma in both images has the covariance sigma^2 ([x2]x R P R' [x2]x' + [R x1]x P [R
+    x1]x') in that, P = diag(1, 1, 0), and the Sampson distance has the variance sigma^2, which
+    cancels. A vehicle that stands still shows this much and no more.
     """
     a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
     turned, basis = a @ motion[:3, :3].T, tangent_basis(motion[:3, 3])
     by_first = basis.T @ cross_matrix(b) @ motion[:3, :2]
     by_second = (basis.T @ cross_matrix(turned))[:, :, :2]
-    both = np.concatenate([by_first, by_second], axis=2) / _line_length(*_epipolar_lines(motion, a, b))[:, None, None]
+    both = (
+        np.concatenate([by_first, by_second], axis=2)
+        / _line_length(*_epipolar_lines(motion, a, b))[:, None, None]
+    )
     return np.asarray(both @ both.swapaxes(1, 2))
 
 
 def without_noise_share(information: Array, share: Array) -> Array:
-    """Return the information (5, 5) of matches less what noise alone adds to that about the direction, share (n, 2, 2).
+    """Return the information (5, 5) of matches less what noise alone adds to that about the
+    direction, share (n, 2, 2).
 
-    The sum of the shares scatters as a sum of squares does, by the root of twice the sum of their squares: far more than
-    1 / sqrt(n) where the epipole lies in the image and the few matches next to it have most of the weight.
+    The sum of the shares scatters as a sum of squares does, by the root of twice the sum of their
+    squares: far more than 1 / sqrt(n) where the epipole lies in the image and the few matches next
+    to it have most of the weight.
     """
     scatter = np.sqrt(2 * np.einsum("nij,nij->", share, share))
     noise = share.sum(axis=0) + NOISE_SIGMAS * scatter * np.eye(2)
@@ -157,16 +181,20 @@ def _without_direction(information: Array) -> Array:
 
 def tangent_basis(direction: Array) -> Array:
     """Return two unit vectors (3, 2) across a unit vector (3,) and across each other."""
-    x, y, z = (float(part) for part in direction)  # numbers: a small array's arithmetic takes ten times as long
+    # numbers: a small array's arithmetic takes ten times as long
+    x, y, z = (float(part) for part in direction)
     least = min(range(3), key=lambda k: abs((x, y, z)[k]))
-    a, b, c = ((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))[least]  # direction x the axis it is least along
+    # direction x the axis it is least along
+    a, b, c = ((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))[least]
     length = math.sqrt(a * a + b * b + c * c)
     a, b, c = a / length, b / length, c / length
     return np.array([[a, y * c - z * b], [b, z * a - x * c], [c, x * b - y * a]])
 
 
 def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
-    """Return signed Sampson distances (n,) and their derivatives (n, 5), the distance's own denominator held."""
+    """Return signed Sampson distances (n,) and their derivatives (n, 5), the distance's own
+    denominator held.
+    """
     essential, rotation = essential_of(motion), motion[:3, :3]
     a0, a1 = np.ascontiguousarray(first.T)  # by column: several times faster than rows of three
     b0, b1 = np.ascontiguousarray(second.T)
@@ -177,7 +205,9 @@ def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]
     out[0] = a1 * line_first[2] - line_first[1]  # x2' E [w]x x1 = w . (x1 x E' x2)
     out[1] = line_first[0] - a0 * line_first[2]
     out[2] = a0 * line_first[1] - a1 * line_first[0]
-    across = np.array([turned[1] - turned[2] * b1, turned[2] * b0 - turned[0], turned[0] * b1 - turned[1] * b0])
+    across = np.array(
+        [turned[1] - turned[2] * b1, turned[2] * b0 - turned[0], turned[0] * b1 - turned[1] * b0]
+    )
     out[3:] = tangent_basis(motion[:3, 3]).T @ across  # x2 . (d x R x1) = d . (R x1 x x2)
     squared = line_second[0] ** 2 + line_second[1] ** 2 + line_first[0] ** 2 + line_first[1] ** 2
     scale = np.sqrt(np.maximum(squared, 1e-18))
@@ -187,13 +217,17 @@ def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]
 
 
 def _epipolar_lines(motion: Array, a: Array, b: Array) -> tuple[Array, Array]:
-    """Return the epipolar lines (n, 3) of the points a (n, 3) in the second image, and of b (n, 3) in the first."""
+    """Return the epipolar lines (n, 3) of the points a (n, 3) in the second image, and of b (n, 3)
+    in the first.
+    """
     essential = essential_of(motion)
     return a @ essential.T, b @ essential
 
 
 def _line_length(line_second: Array, line_first: Array) -> Array:
-    """Return the (n,) length of both epipolar lines' normals together, the denominator of the Sampson distance."""
+    """Return the (n,) length of both epipolar lines' normals together, the denominator of the
+    Sampson distance.
+    """
     squared = (line_second[:, :2] ** 2).sum(axis=1) + (line_first[:, :2] ** 2).sum(axis=1)
     return np.asarray(np.sqrt(np.maximum(squared, 1e-18)))
 

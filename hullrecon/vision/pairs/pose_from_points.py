@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Relative pose of two stereo nodes: 3-point RANSAC on triangulated points, residuals in pixels, then Levenberg-Marquardt.
+"""Relative pose of two stereo nodes: 3-point RANSAC on triangulated points, residuals in pixels,
+then Levenberg-Marquardt.
 
-Residuals live in ideal coordinates; tolerances arrive divided by the focal length [Ozog2016 D.2.3], which has metres.
+Residuals live in ideal coordinates; tolerances arrive divided by the focal length [Ozog2016 D.2.3],
+which has metres.
 """
 
 from __future__ import annotations
@@ -22,10 +24,12 @@ SMALLEST_STEP = 1e-7  # m, rad: far below what a pair tells
 
 @dataclass(frozen=True, kw_only=True)
 class ObservedPoints:
-    """Points (n, 3) of one node and where another node's cameras saw them: xy (n, 2), NaN where that camera did not.
+    """Points (n, 3) of one node and where another node's cameras saw them: xy (n, 2), NaN where
+    that camera did not.
 
-    camera_from_node (4, 4): the camera in the frame that the points are moved into. backward: the motion wanted carries these
-    points with its inverse. baseline_m: of the rig that triangulated the points, for their uncertainty in depth.
+    camera_from_node (4, 4): the camera in the frame that the points are moved into. backward: the
+    motion wanted carries these points with its inverse. baseline_m: of the rig that triangulated
+    the points, for their uncertainty in depth.
     """
 
     points: Array
@@ -36,19 +40,26 @@ class ObservedPoints:
 
 
 def ransac(
-    first: Array, second: Array, views: list[ObservedPoints], tolerance: float, most_trials: int, seed: tuple[int, ...]
+    first: Array,
+    second: Array,
+    views: list[ObservedPoints],
+    tolerance: float,
+    most_trials: int,
+    seed: tuple[int, ...],
 ) -> Array | None:
-    """Return the best motion (4, 4) of points (n, 3) onto (n, 3) by truncated squared error of the views; None with fewer
-    than 3.
+    """Return the best motion (4, 4) of points (n, 3) onto (n, 3) by truncated squared error of the
+    views; None with fewer than 3.
 
-    Trials come in blocks until a triple of inliers has been drawn with 99.99 % or `most_trials` are spent.
+    Trials come in blocks until a triple of inliers has been drawn with 99.99 % or `most_trials` are
+    spent.
     """
     if len(first) < 3:
         return None
     rng = np.random.default_rng(seed)
     best, least, spent, needed = np.eye(4), np.inf, 0, float(most_trials)
     while spent < min(needed, most_trials):
-        triple = rng.integers(len(first), size=(BLOCK, 3))  # one that repeats a point fits nothing and loses
+        # one that repeats a point fits nothing and loses
+        triple = rng.integers(len(first), size=(BLOCK, 3))
         motions = fit_rigid(first[triple], second[triple]).matrix()
         error = sum(np.minimum(squared_errors(motions, s), tolerance**2).sum(axis=1) for s in views)
         k = int(np.argmin(error))
@@ -71,18 +82,25 @@ def _trials(share: float) -> float:
 
 
 def squared_errors(motions: Array, view: ObservedPoints) -> Array:
-    """Return (s, n): squared distance in the image under each motion (s, 4, 4); inf behind the camera, 0 where not seen."""
+    """Return (s, n): squared distance in the image under each motion (s, 4, 4); inf behind the
+    camera, 0 where not seen.
+    """
     way = np.linalg.inv(motions) if view.backward else motions
     return native.squared_reprojections(view.camera_from_node @ way, view.points, view.xy)
 
 
-def refine(motion: Array, views: list[ObservedPoints], tolerance: float, iterations: int = 12) -> tuple[Array, Array]:
-    """Return the motion (4, 4) that minimises the inliers' errors in units of their sigma, and its covariance (6, 6) as
-    Motion defines it.
+def refine(
+    motion: Array, views: list[ObservedPoints], tolerance: float, iterations: int = 12
+) -> tuple[Array, Array]:
+    """Return the motion (4, 4) that minimises the inliers' errors in units of their sigma, and its
+    covariance (6, 6) as Motion defines it.
 
-    Inliers are chosen again in the first half of the iterations, then held. The covariance takes its scale from the residuals.
+    Inliers are chosen again in the first half of the iterations, then held. The covariance takes
+    its scale from the residuals.
     """
-    damping = 1e-6  # not geometry.pose_solver: a change of the inliers changes the cost, by which that would refuse the step
+    # not geometry.pose_solver: a change of the inliers changes the cost, by which that would refuse
+    # the step
+    damping = 1e-6
     inlier = _inliers(motion, views, tolerance)
     normal, gradient, cost = _normal(motion, views, inlier)
     for k in range(iterations):
@@ -105,17 +123,25 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float, iterati
 
 def _inliers(motion: Array, views: list[ObservedPoints], tolerance: float) -> list[Mask]:
     """Return of each view which points (n,) were seen where the motion puts them."""
-    return [np.isfinite(v.xy[:, 0]) & (squared_errors(motion[None], v)[0] < tolerance**2) for v in views]
+    return [
+        np.isfinite(v.xy[:, 0]) & (squared_errors(motion[None], v)[0] < tolerance**2) for v in views
+    ]
 
 
-def _normal(motion: Array, views: list[ObservedPoints], inlier: list[Mask]) -> tuple[Array, Array, float]:
-    """Return normal matrix (6, 6), gradient (6,) and summed squared error of the inliers of all views.
+def _normal(
+    motion: Array, views: list[ObservedPoints], inlier: list[Mask]
+) -> tuple[Array, Array, float]:
+    """Return normal matrix (6, 6), gradient (6,) and summed squared error of the inliers of all
+    views.
 
-    A triangulated depth is off by z^2 sqrt(2) / b for each unit of error in the image; unweighted, that bends wide pairs.
+    A triangulated depth is off by z^2 sqrt(2) / b for each unit of error in the image; unweighted,
+    that bends wide pairs.
     """
     normal, gradient, cost = np.zeros((6, 6)), np.zeros(6), 0.0
     for v, rows in zip(views, inlier, strict=True):
-        more = native.normal_of_reprojections(motion, v.points, v.xy, v.camera_from_node, v.backward, v.baseline_m, rows)
+        more = native.normal_of_reprojections(
+            motion, v.points, v.xy, v.camera_from_node, v.backward, v.baseline_m, rows
+        )
         normal, gradient, cost = normal + more[0], gradient + more[1], cost + more[2]
     return normal, gradient, cost
 
@@ -130,13 +156,17 @@ def _apply_step(motion: Array, step: Array) -> Array:
 def hide_unknown_points(view: ObservedPoints) -> ObservedPoints:
     """Return the same view with rows that lack a point marked as not seen."""
     unknown = np.isnan(view.points[:, 0])
-    points, xy = np.where(unknown[:, None], 0.0, view.points), np.where(unknown[:, None], np.nan, view.xy)
+    points, xy = (
+        np.where(unknown[:, None], 0.0, view.points),
+        np.where(unknown[:, None], np.nan, view.xy),
+    )
     return replace(view, points=points, xy=xy)
 
 
 def resect(points: Array, xy: Array, tolerance: float, trials: int) -> Array | None:
-    """Return the motion (4, 4) that carries points (n, 3) to a camera that saw them at ideal coordinates (n, 2): P3P in
-    RANSAC."""
+    """Return the motion (4, 4) that carries points (n, 3) to a camera that saw them at ideal
+    coordinates (n, 2): P3P in RANSAC.
+    """
     import cv2
 
     if len(points) < 4:

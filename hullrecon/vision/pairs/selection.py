@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which nodes are compared: neighbours along the dive, and nodes of other legs that should have seen the same piece of hull."""
+"""Which nodes are compared: neighbours along the dive, and nodes of other legs that should have
+seen the same piece of hull.
+"""
 
 from __future__ import annotations
 
@@ -22,14 +24,16 @@ GRID = 8  # cells of the footprint along each side
 FINE_GRID = 32  # where small steps count
 QUANTILES = 6  # of a relative position along each axis
 BLOCK = 1000  # pairs whose quantiles are laid onto each other at a time
-COVARIANCE_BLOCK = 60_000  # pairs whose covariances are asked for at a time: each time the graph is factored anew
+# pairs whose covariances are asked for at a time: each time the graph is factored anew
+COVARIANCE_BLOCK = 60_000
 GRID_POINTS = 1_000_000  # of footprints, at a time
 
 
 @dataclass(frozen=True, kw_only=True)
 class Proposal:
-    """first < second (m,): nodes; across (m,) bool: of another leg, not a neighbour; overlap (m,): of the predicted footprints,
-    NaN where no depth is known. Sorted by (first, second)."""
+    """first < second (m,): nodes; across (m,) bool: of another leg, not a neighbour; overlap (m,):
+    of the predicted footprints, NaN where no depth is known. Sorted by (first, second).
+    """
 
     first: Ints
     second: Ints
@@ -40,9 +44,12 @@ class Proposal:
         return len(self.first)
 
 
-def select_keyframes(track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel, options: MatchOptions) -> Ints:
-    """Return the nodes that are compared with others. usable (n,): the node has an image; depth_m (n,) of the scene, NaN where
-    unknown."""
+def select_keyframes(
+    track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel, options: MatchOptions
+) -> Ints:
+    """Return the nodes that are compared with others. usable (n,): the node has an image; depth_m
+    (n,) of the scene, NaN where unknown.
+    """
     return _keyframes(track, np.flatnonzero(usable), depth_m, camera, options.max_overlap)
 
 
@@ -66,20 +73,33 @@ def propose_revisits(
     min_probability: float,
     compared: Ints,
 ) -> Proposal:
-    """Return for each keyframe the `across` to which the vehicle came back that most probably show the same piece of hull.
+    """Return for each keyframe the `across` to which the vehicle came back that most probably show
+    the same piece of hull.
 
-    min_probability: that two nodes' footprints have min_overlap in common, given how well their relative pose is known
-    [KimEustice2009]. compared: pairs (first * n + second) that are not proposed again, but count among those of their nodes.
+    min_probability: that two nodes' footprints have min_overlap in common, given how well their
+    relative pose is known [KimEustice2009]. compared: pairs (first * n + second) that are not
+    proposed again, but count among those of their nodes.
     """
-    first, second, overlap, probability = _revisits(track, keyframes, depth_m, camera, options, min_probability)
-    return _best_of_each(first, second, overlap, probability + overlap, options.across, compared, len(track))
+    first, second, overlap, probability = _revisits(
+        track, keyframes, depth_m, camera, options, min_probability
+    )
+    return _best_of_each(
+        first, second, overlap, probability + overlap, options.across, compared, len(track)
+    )
 
 
 def propose_overlapping(
-    track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions, compared: Ints
+    track: CameraTrack,
+    keyframes: Ints,
+    depth_m: Array,
+    camera: CameraModel,
+    options: MatchOptions,
+    compared: Ints,
 ) -> Proposal:
-    """Return for each keyframe those to which the vehicle came back that overlap it by OVERLAPPING where the track has the two,
-    the `revisits` of largest overlap at most; compared: as for propose_revisits."""
+    """Return for each keyframe those to which the vehicle came back that overlap it by OVERLAPPING
+    where the track has the two, the `revisits` of largest overlap at most; compared: as for
+    propose_revisits.
+    """
     first, second, overlap, _ = _revisits(track, keyframes, depth_m, camera, options, PROBABLE)
     rows = np.flatnonzero(overlap >= OVERLAPPING)
     first, second, overlap = first[rows], second[rows], overlap[rows]
@@ -87,9 +107,16 @@ def propose_overlapping(
 
 
 def _revisits(
-    track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions, min_probability: float
+    track: CameraTrack,
+    keyframes: Ints,
+    depth_m: Array,
+    camera: CameraModel,
+    options: MatchOptions,
+    min_probability: float,
 ) -> tuple[Ints, Ints, Array, Array]:
-    """Return the pairs of keyframes to which the vehicle came back: first, second, overlap, probability of min_overlap."""
+    """Return the pairs of keyframes to which the vehicle came back: first, second, overlap,
+    probability of min_overlap.
+    """
     first, second = _near(track, keyframes, depth_m, camera, options.sequential)
     overlap = footprint_overlap(track, first, second, depth_m, camera)
     ranks = np.searchsorted(keyframes, first), np.searchsorted(keyframes, second)
@@ -101,8 +128,12 @@ def _revisits(
     return first[keep], second[keep], overlap[keep], probability[keep]
 
 
-def _best_of_each(first: Ints, second: Ints, overlap: Array, score: Array, most: int, compared: Ints, nodes: int) -> Proposal:
-    """Return the pairs that are among the `most` highest scores of one of their nodes, without those compared."""
+def _best_of_each(
+    first: Ints, second: Ints, overlap: Array, score: Array, most: int, compared: Ints, nodes: int
+) -> Proposal:
+    """Return the pairs that are among the `most` highest scores of one of their nodes, without
+    those compared.
+    """
     best = _top(second, score, most) | _top(first, score, most)
     best &= ~np.isin(first * nodes + second, compared)
     first, second, overlap = first[best], second[best], overlap[best]
@@ -110,10 +141,17 @@ def _best_of_each(first: Ints, second: Ints, overlap: Array, score: Array, most:
 
 
 def overlap_probability(
-    track: CameraTrack, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, min_overlap: float
+    track: CameraTrack,
+    first: Ints,
+    second: Ints,
+    depth_m: Array,
+    camera: CameraModel,
+    min_overlap: float,
 ) -> Array:
-    """Return the probability (m,) that the middle of the first node's scene lies where the second's footprint covers
-    min_overlap of the first's, by quantiles of the relative pose; 0 where depth is unknown."""
+    """Return the probability (m,) that the middle of the first node's scene lies where the second's
+    footprint covers min_overlap of the first's, by quantiles of the relative pose; 0 where depth is
+    unknown.
+    """
     parts = [np.zeros(0)]
     for start in range(0, len(first), COVARIANCE_BLOCK):
         source, target = (nodes[start : start + COVARIANCE_BLOCK] for nodes in (first, second))
@@ -121,23 +159,42 @@ def overlap_probability(
         relative, covariance = scene_in_target(track, source, target, depth)
         for k in range(0, len(source), BLOCK):
             rows = slice(k, k + BLOCK)
-            parts.append(_share_of_quantiles(relative[rows], covariance[rows], depth[rows], camera, min_overlap))
+            parts.append(
+                _share_of_quantiles(
+                    relative[rows], covariance[rows], depth[rows], camera, min_overlap
+                )
+            )
     return np.where(np.isfinite(depth_m[first]), np.concatenate(parts), 0.0)
 
 
-def scene_in_target(track: CameraTrack, source: Ints, target: Ints, depth: Array) -> tuple[Array, Array]:
-    """Return target_from_source (m, 4, 4), and the covariance (m, 3, 3) in the target camera of the middle of the source's
-    scene at depth (m,), as docs/methods.md (59) has it."""
-    relative = (track.global_from_camera[target].inverse() @ track.global_from_camera[source]).matrix()
+def scene_in_target(
+    track: CameraTrack, source: Ints, target: Ints, depth: Array
+) -> tuple[Array, Array]:
+    """Return target_from_source (m, 4, 4), and the covariance (m, 3, 3) in the target camera of the
+    middle of the source's scene at depth (m,), as docs/methods.md (59) has it.
+    """
+    relative = (
+        track.global_from_camera[target].inverse() @ track.global_from_camera[source]
+    ).matrix()
     middle = np.stack([0 * depth, 0 * depth, depth], axis=1)
     by_motion = np.concatenate(
-        [np.broadcast_to(np.eye(3), (len(source), 3, 3)), -relative[:, :3, :3] @ cross_matrix(middle)], axis=2
+        [
+            np.broadcast_to(np.eye(3), (len(source), 3, 3)),
+            -relative[:, :3, :3] @ cross_matrix(middle),
+        ],
+        axis=2,
     )
-    return relative, by_motion @ track.errors.relative_covariance(source, target) @ by_motion.swapaxes(1, 2)
+    return relative, by_motion @ track.errors.relative_covariance(
+        source, target
+    ) @ by_motion.swapaxes(1, 2)
 
 
-def _share_of_quantiles(relative: Array, covariance: Array, depth: Array, camera: CameraModel, min_overlap: float) -> Array:
-    """Return the share (m,) of quantiles of the relative pose at which the target's footprint covers min_overlap."""
+def _share_of_quantiles(
+    relative: Array, covariance: Array, depth: Array, camera: CameraModel, min_overlap: float
+) -> Array:
+    """Return the share (m,) of quantiles of the relative pose at which the target's footprint
+    covers min_overlap.
+    """
     values, vectors = np.linalg.eigh(covariance[:, :2, :2])
     root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
     quantile = ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES)
@@ -151,22 +208,33 @@ def _share_of_quantiles(relative: Array, covariance: Array, depth: Array, camera
 
 
 def _ideal_in_target(relative: Array, depth: Array, camera: CameraModel, grid: int) -> Array:
-    """Return where a grid on the source image, at one depth (m,), lies in the target camera, ideal coordinates (m, grid^2, 2);
-    inf behind it."""
+    """Return where a grid on the source image, at one depth (m,), lies in the target camera, ideal
+    coordinates (m, grid^2, 2); inf behind it.
+    """
     middle = (np.arange(grid) + 0.5) / grid
     u, v = np.meshgrid(middle * camera.width - 0.5, middle * camera.height - 0.5)
     rays = np.hstack([camera.undistort(np.stack([u.ravel(), v.ravel()], 1)), np.ones((grid**2, 1))])
     points = rays[None] * depth[:, None, None]
     seen = points @ relative[:, :3, :3].swapaxes(1, 2) + relative[:, None, :3, 3]
     ahead = seen[..., 2] > 0.05
-    return np.asarray(np.where(ahead[..., None], seen[..., :2] / np.where(ahead, seen[..., 2], 1.0)[..., None], np.inf))
+    return np.asarray(
+        np.where(
+            ahead[..., None], seen[..., :2] / np.where(ahead, seen[..., 2], 1.0)[..., None], np.inf
+        )
+    )
 
 
 def footprint_overlap(
-    track: CameraTrack, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, grid: int = GRID
+    track: CameraTrack,
+    first: Ints,
+    second: Ints,
+    depth_m: Array,
+    camera: CameraModel,
+    grid: int = GRID,
 ) -> Array:
-    """Return the share (m,) of a grid on each image that falls into the other, the smaller of both ways; NaN where depth is
-    unknown."""
+    """Return the share (m,) of a grid on each image that falls into the other, the smaller of both
+    ways; NaN where depth is unknown.
+    """
     out, block = np.zeros(len(first)), max(1, GRID_POINTS // grid**2)
     for start in range(0, len(first), block):
         a, b = (nodes[start : start + block] for nodes in (first, second))
@@ -175,7 +243,9 @@ def footprint_overlap(
     return out
 
 
-def _share(track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, grid: int) -> Array:
+def _share(
+    track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, grid: int
+) -> Array:
     poses = track.global_from_camera
     relative = (poses[target].inverse() @ poses[source]).matrix()
     image = _ideal_in_target(relative, depth_m[source], camera, grid)
@@ -184,8 +254,12 @@ def _share(track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camer
     return np.asarray(np.where(np.isfinite(depth_m[source]), inside.mean(axis=1), np.nan))
 
 
-def _keyframes(track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, most: float) -> Ints:
-    """Return the nodes that left the footprint of the keyframe before by enough; where no depth is known all are."""
+def _keyframes(
+    track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, most: float
+) -> Ints:
+    """Return the nodes that left the footprint of the keyframe before by enough; where no depth is
+    known all are.
+    """
     if len(nodes) < 2 or most >= 1:
         return nodes
     step = footprint_overlap(track, nodes[:-1], nodes[1:], depth_m, camera, grid=FINE_GRID)
@@ -194,7 +268,11 @@ def _keyframes(track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraMo
     kept = [int(nodes[0])]
     for node, close in zip(nodes[1:].tolist(), (step > most).tolist(), strict=True):
         last = np.array([kept[-1]])
-        if close and footprint_overlap(track, last, np.array([node]), depth_m, camera, grid=FINE_GRID)[0] > most:
+        if (
+            close
+            and footprint_overlap(track, last, np.array([node]), depth_m, camera, grid=FINE_GRID)[0]
+            > most
+        ):
             continue
         kept.append(node)
     return np.array(kept, np.int64)
@@ -208,15 +286,23 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
     return np.concatenate([none, *first]), np.concatenate([none, *second])
 
 
-def _near(track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int) -> tuple[Ints, Ints]:
-    """Return pairs of nodes beyond the sequential ones whose footprints' middles are within a diagonal and 3 sigma."""
+def _near(
+    track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int
+) -> tuple[Ints, Ints]:
+    """Return pairs of nodes beyond the sequential ones whose footprints' middles are within a
+    diagonal and 3 sigma.
+    """
     known = np.flatnonzero(np.isfinite(depth_m[nodes]))
     none = np.zeros(0, np.int64)
     if len(known) < 2:
         return none, none
     at = nodes[known]
-    middle = track.global_from_camera[at].apply(np.stack([0 * depth_m[at], 0 * depth_m[at], depth_m[at]], axis=1))
-    size = float(np.median(depth_m[at])) * np.hypot(camera.width / camera.fx, camera.height / camera.fy)
+    middle = track.global_from_camera[at].apply(
+        np.stack([0 * depth_m[at], 0 * depth_m[at], depth_m[at]], axis=1)
+    )
+    size = float(np.median(depth_m[at])) * np.hypot(
+        camera.width / camera.fx, camera.height / camera.fy
+    )
     # Two nodes' relative sigma is at most the sum of theirs relative to a third one.
     sigma_m = track.relative_sigma(at, np.full(len(at), at[len(at) // 2]))
     first, second = _within_reach(middle, size, 3 * sigma_m, 3 * size)
@@ -225,8 +311,9 @@ def _near(track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, 
 
 
 def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple[Ints, Ints]:
-    """Return the pairs first < second of points (n, 3) that are no farther apart than size and what the two have more (n,), but
-    no more than `most`, sorted."""
+    """Return the pairs first < second of points (n, 3) that are no farther apart than size and what
+    the two have more (n,), but no more than `most`, sorted.
+    """
     from scipy.spatial import cKDTree
 
     tree = cKDTree(middle)
@@ -235,8 +322,13 @@ def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple
         rows = np.arange(start, min(start + BLOCK, len(middle)))
         # twice its own: the pair is found from that end which has more
         found = tree.query_ball_point(middle[rows], size + np.minimum(2 * more[rows], most))
-        one, other = np.repeat(rows, [len(near) for near in found]), np.concatenate([*found]).astype(np.int64)
-        near = np.linalg.norm(middle[one] - middle[other], axis=1) <= size + np.minimum(more[one] + more[other], most)
+        one, other = (
+            np.repeat(rows, [len(near) for near in found]),
+            np.concatenate([*found]).astype(np.int64),
+        )
+        near = np.linalg.norm(middle[one] - middle[other], axis=1) <= size + np.minimum(
+            more[one] + more[other], most
+        )
         keep = near & ((more[one] > more[other]) | ((more[one] == more[other]) & (one < other)))
         parts.append(np.sort(np.column_stack([one, other])[keep], axis=1))
     pairs = np.concatenate(parts)
@@ -245,10 +337,16 @@ def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple
 
 
 def _lowest_between(
-    track: CameraTrack, nodes: Ints, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, least: float
+    track: CameraTrack,
+    nodes: Ints,
+    first: Ints,
+    second: Ints,
+    depth_m: Array,
+    camera: CameraModel,
+    least: float,
 ) -> Array:
-    """Return the smallest overlap (m,) with the first node that the vehicle had on its way to the second; 0 once it fell
-    below `least`. Nodes of unknown depth say nothing of it.
+    """Return the smallest overlap (m,) with the first node that the vehicle had on its way to the
+    second; 0 once it fell below `least`. Nodes of unknown depth say nothing of it.
 
     first, second: ranks among the nodes.
     """

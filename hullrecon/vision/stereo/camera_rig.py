@@ -49,7 +49,9 @@ class CameraRig:
         return 0.5 * (model.fx + model.fy)
 
     def from_top(self, camera: Camera) -> Array:
-        """Return the motion (4, 4) of points of the top camera into that camera; the identity for a mono rig."""
+        """Return the motion (4, 4) of points of the top camera into that camera; the identity for a
+        mono rig.
+        """
         pose = self.top_from_bottom
         if camera is Camera.TOP or pose is None:
             return np.eye(4)

@@ -18,8 +18,9 @@ from hullrecon.vision.stereo.rectification import Rectification, triangulate
 
 @dataclass(frozen=True, kw_only=True)
 class StereoMatches:
-    """Rows of the top and of the bottom camera's features that show one point, each standing for all at its pixel; point (m, 3)
-    in the top camera, metres."""
+    """Rows of the top and of the bottom camera's features that show one point, each standing for
+    all at its pixel; point (m, 3) in the top camera, metres.
+    """
 
     top: Ints
     bottom: Ints
@@ -31,8 +32,9 @@ class StereoMatches:
 
 @dataclass(frozen=True, kw_only=True)
 class StereoLimits:
-    """column: half width of the band, ideal units (pixels over focal length); depths of the scene; ratio, max_distance: of unit
-    descriptors; harris_share: of the matches that may be corners."""
+    """column: half width of the band, ideal units (pixels over focal length); depths of the scene;
+    ratio, max_distance: of unit descriptors; harris_share: of the matches that may be corners.
+    """
 
     column: float
     nearest_m: float
@@ -44,8 +46,9 @@ class StereoLimits:
 
 @dataclass(frozen=True, kw_only=True)
 class StereoSide:
-    """One camera's features: xy (n, 2) ideal coordinates, descriptor (n, 128) unit, corner (n,): which are corners, place (n,):
-    the row that stands for all at its pixel."""
+    """One camera's features: xy (n, 2) ideal coordinates, descriptor (n, 128) unit, corner (n,):
+    which are corners, place (n,): the row that stands for all at its pixel.
+    """
 
     xy: Array
     descriptor: Floats32
@@ -55,13 +58,20 @@ class StereoSide:
 
 def no_matches() -> StereoMatches:
     """Return the matches of a node that has none."""
-    return StereoMatches(top=np.zeros(0, np.int64), bottom=np.zeros(0, np.int64), point=np.zeros((0, 3)))
+    return StereoMatches(
+        top=np.zeros(0, np.int64), bottom=np.zeros(0, np.int64), point=np.zeros((0, 3))
+    )
 
 
-def match_stereo(rectification: Rectification, top: StereoSide, bottom: StereoSide, limits: StereoLimits) -> StereoMatches:
+def match_stereo(
+    rectification: Rectification, top: StereoSide, bottom: StereoSide, limits: StereoLimits
+) -> StereoMatches:
     """Return mutual best matches within the band of [Ozog2016 D.2.1]."""
     xy_top, xy_bottom = rectification.rectify_top(top.xy), rectification.rectify_bottom(bottom.xy)
-    most, least = rectification.disparity(limits.nearest_m), rectification.disparity(limits.farthest_m)
+    most, least = (
+        rectification.disparity(limits.nearest_m),
+        rectification.disparity(limits.farthest_m),
+    )
     middle = np.array([0.0, 0.5 * float(most + least)])
     half = np.array([limits.column, max(0.5 * float(most - least), limits.column)])
     near = like_pairs(*in_box(xy_top - middle, half, xy_bottom), top.corner, bottom.corner)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What one node sees: features of its leading camera with depths, ready for the search in another node."""
+"""What one node sees: features of its leading camera with depths, ready for the search in another
+node.
+"""
 
 from __future__ import annotations
 
@@ -16,14 +18,22 @@ from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.leading import bottom_leads, is_fair_share
-from hullrecon.vision.stereo.matching import StereoLimits, StereoMatches, StereoSide, match_stereo, no_matches
+from hullrecon.vision.stereo.matching import (
+    StereoLimits,
+    StereoMatches,
+    StereoSide,
+    match_stereo,
+    no_matches,
+)
 from hullrecon.vision.stereo.rectification import Rectification, rectify
 
 
 @dataclass(frozen=True, kw_only=True)
 class DepthPrior:
-    """Depth of the scene along the camera's axis from the DVL: mean, sigma, nearest and farthest, metres. normal: unit normal
-    of the surface in the camera's axes, pointing away from it; None where the returns lie on a line."""
+    """Depth of the scene along the camera's axis from the DVL: mean, sigma, nearest and farthest,
+    metres. normal: unit normal of the surface in the camera's axes, pointing away from it; None
+    where the returns lie on a line.
+    """
 
     mean: float
     sigma: float
@@ -36,11 +46,12 @@ class DepthPrior:
 class NodeView:
     """A node for pair matching. camera: the leading one.
 
-    xy (n, 2) ideal coordinates in the leading camera, descriptor (n, 128) unit, corner (n,): not of SIFT, place (n,): the row
-    that stands for all at its pixel. other (n, 2): ideal coordinates in the bottom camera of the stereo match, NaN where none;
-    point (n, 3) in the leading camera, NaN where none; both of the place, whichever of its rows was matched.
-    depth, depth_sigma (n,): measured, carried over from stereo neighbours, from the prior, or NaN. normal: the prior's, in the
-    leading camera's axes.
+    xy (n, 2) ideal coordinates in the leading camera, descriptor (n, 128) unit, corner (n,): not of
+    SIFT, place (n,): the row that stands for all at its pixel. other (n, 2): ideal coordinates in
+    the bottom camera of the stereo match, NaN where none; point (n, 3) in the leading camera, NaN
+    where none; both of the place, whichever of its rows was matched. depth, depth_sigma (n,):
+    measured, carried over from stereo neighbours, from the prior, or NaN. normal: the prior's, in
+    the leading camera's axes.
     """
 
     camera: Camera
@@ -66,11 +77,14 @@ class NodeView:
 def stereo_of_node(
     rig: CameraRig, top: Features, bottom: Features, prior: DepthPrior | None, options: MatchOptions
 ) -> StereoMatches:
-    """Return the matches between a node's two cameras; none for a mono rig or a lost image, nor where there are no more than
-    noise has with an image."""
+    """Return the matches between a node's two cameras; none for a mono rig or a lost image, nor
+    where there are no more than noise has with an image.
+    """
     if rig.top_from_bottom is None or not len(top) or not len(bottom):
         return no_matches()
-    nearest, farthest = (prior.nearest, prior.farthest) if prior else (options.nearest_m, options.farthest_m)
+    nearest, farthest = (
+        (prior.nearest, prior.farthest) if prior else (options.nearest_m, options.farthest_m)
+    )
     limits = StereoLimits(
         column=options.column_px / rig.focal_px(Camera.TOP),
         nearest_m=nearest,
@@ -81,7 +95,10 @@ def stereo_of_node(
     )
     sides = [
         StereoSide(
-            xy=rig.model(k).undistort(f.keypoints[:, :2]), descriptor=to_unit(f.descriptors), corner=f.corner, place=f.place
+            xy=rig.model(k).undistort(f.keypoints[:, :2]),
+            descriptor=to_unit(f.descriptors),
+            corner=f.corner,
+            place=f.place,
         )
         for k, f in zip(Camera, (top, bottom), strict=True)
     ]
@@ -90,10 +107,14 @@ def stereo_of_node(
     return found if is_fair_share(len(found), top, bottom) else no_matches()
 
 
-def drop_isolated_depths(matches: StereoMatches, xy: Array, neighbours: int = 8, factor: float = 6.0) -> StereoMatches:
-    """Return the matches whose inverse depth agrees with that of some neighbours in the image; a chance match has none like it.
+def drop_isolated_depths(
+    matches: StereoMatches, xy: Array, neighbours: int = 8, factor: float = 6.0
+) -> StereoMatches:
+    """Return the matches whose inverse depth agrees with that of some neighbours in the image; a
+    chance match has none like it.
 
-    Kept when at least a quarter of the nearest neighbours lie within `factor` robust sigmas of local spread.
+    Kept when at least a quarter of the nearest neighbours lie within `factor` robust sigmas of
+    local spread.
     """
     from scipy.spatial import cKDTree
 
@@ -104,11 +125,18 @@ def drop_isolated_depths(matches: StereoMatches, xy: Array, neighbours: int = 8,
     gap = np.abs(inverse[near] - inverse[:, None])
     typical = np.median(np.abs(inverse[near] - np.median(inverse[near], axis=1, keepdims=True)))
     close = (gap < factor * NORMAL_MAD * max(float(typical), 1e-4)).sum(axis=1) >= neighbours // 4
-    return StereoMatches(top=matches.top[close], bottom=matches.bottom[close], point=matches.point[close])
+    return StereoMatches(
+        top=matches.top[close], bottom=matches.bottom[close], point=matches.point[close]
+    )
 
 
 def view_of_node(
-    rig: CameraRig, top: Features, bottom: Features, stereo: StereoMatches, prior: DepthPrior | None, sigma_px: float
+    rig: CameraRig,
+    top: Features,
+    bottom: Features,
+    stereo: StereoMatches,
+    prior: DepthPrior | None,
+    sigma_px: float,
 ) -> NodeView:
     """Return the node as pair matching wants it."""
     camera = Camera.BOTTOM if bottom_leads(top, bottom, stereo) else Camera.TOP
@@ -134,8 +162,12 @@ def view_of_node(
     )
 
 
-def _depths(rig: CameraRig, xy: Array, point: Array, prior: DepthPrior | None, sigma_px: float) -> tuple[Array, Array]:
-    """Return depth and sigma (n,), m, of every feature: its own, its four nearest stereo neighbours', or the prior's."""
+def _depths(
+    rig: CameraRig, xy: Array, point: Array, prior: DepthPrior | None, sigma_px: float
+) -> tuple[Array, Array]:
+    """Return depth and sigma (n,), m, of every feature: its own, its four nearest stereo
+    neighbours', or the prior's.
+    """
     from scipy.spatial import cKDTree
 
     depth = np.full(len(xy), prior.mean if prior else np.nan)
@@ -147,6 +179,8 @@ def _depths(rig: CameraRig, xy: Array, point: Array, prior: DepthPrior | None, s
     measured = point[own, 2]
     near = cKDTree(xy[own]).query(xy[~own], k=4)[1]
     depth[own], depth[~own] = measured, measured[near].mean(axis=1)
-    sigma[own] = measured**2 * np.sqrt(2) * sigma_px / rig.focal_px(Camera.TOP) / rectification.baseline_m
+    sigma[own] = (
+        measured**2 * np.sqrt(2) * sigma_px / rig.focal_px(Camera.TOP) / rectification.baseline_m
+    )
     sigma[~own] = np.hypot(1.5 * measured[near].std(axis=1), 0.02 * depth[~own])
     return depth, sigma

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Coordinates of a stereo rig in which a match lies on one column.
 
-Both cameras are turned in software so that the baseline becomes the y axis: whatever way the rig is built, a point then has
-the same x in both images and y differs by the baseline over its depth [Ozog2016 D.2.1]. Frames rt, rb are the turned cameras.
+Both cameras are turned in software so that the baseline becomes the y axis: whatever way the rig is
+built, a point then has the same x in both images and y differs by the baseline over its depth
+[Ozog2016 D.2.1]. Frames rt, rb are the turned cameras.
 """
 
 from __future__ import annotations
@@ -18,18 +19,24 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class Rectification:
-    """rotation_top, rotation_bottom (3, 3): turned camera from camera; baseline_m > 0, bottom is at +y of top in rt."""
+    """rotation_top, rotation_bottom (3, 3): turned camera from camera; baseline_m > 0, bottom is at
+    +y of top in rt.
+    """
 
     rotation_top: Array
     rotation_bottom: Array
     baseline_m: float
 
     def rectify_top(self, xy: Array) -> Array:
-        """Return ideal coordinates (n, 2) of the top camera, turned; NaN where a ray no longer points forward."""
+        """Return ideal coordinates (n, 2) of the top camera, turned; NaN where a ray no longer
+        points forward.
+        """
         return turn_rays(self.rotation_top, xy)
 
     def rectify_bottom(self, xy: Array) -> Array:
-        """Return ideal coordinates (n, 2) of the bottom camera, turned; NaN where a ray no longer points forward."""
+        """Return ideal coordinates (n, 2) of the bottom camera, turned; NaN where a ray no longer
+        points forward.
+        """
         return turn_rays(self.rotation_bottom, xy)
 
     def disparity(self, depth_m: Array | float) -> Array:
@@ -38,7 +45,8 @@ class Rectification:
 
 
 def rectify(top_from_bottom: Poses) -> Rectification:
-    """Return the turn that puts the baseline on y with the least rotation of the two optical axes' mean.
+    """Return the turn that puts the baseline on y with the least rotation of the two optical axes'
+    mean.
 
     Raises ValueError where the two cameras stand at one place.
     """
@@ -63,7 +71,9 @@ def turn_rays(rotation: Array, xy: Array) -> Array:
 
 
 def triangulate(rectification: Rectification, top: Array, bottom: Array) -> Array:
-    """Return points (n, 3) in the top camera, m, of turned coordinates (n, 2) each; NaN where the disparity is not positive."""
+    """Return points (n, 3) in the top camera, m, of turned coordinates (n, 2) each; NaN where the
+    disparity is not positive.
+    """
     disparity = top[:, 1] - bottom[:, 1]
     depth = rectification.baseline_m / np.where(disparity > 1e-9, disparity, np.nan)
     x = 0.5 * (top[:, 0] + bottom[:, 0])

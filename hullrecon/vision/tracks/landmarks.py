@@ -20,7 +20,9 @@ from hullrecon.vision.tracks.union import join_matches
 
 @dataclass(frozen=True, kw_only=True)
 class NodeFeatures:
-    """Features of a node's two cameras, empty where one has no image, and the matches between the two."""
+    """Features of a node's two cameras, empty where one has no image, and the matches between the
+    two.
+    """
 
     top: Features
     bottom: Features
@@ -39,8 +41,9 @@ class NodeFeatures:
 
 @dataclass(frozen=True, kw_only=True)
 class FeatureMatches:
-    """Verified matches of all pairs, features of the nodes' leading cameras numbered through the dive: first and second (m,),
-    descriptor distance (m,)."""
+    """Verified matches of all pairs, features of the nodes' leading cameras numbered through the
+    dive: first and second (m,), descriptor distance (m,).
+    """
 
     first: Ints
     second: Ints
@@ -48,7 +51,9 @@ class FeatureMatches:
 
 
 def first_numbers(count: Ints) -> Ints:
-    """Return the number (n + 1,) of each node's first feature, and that behind the last; count (n,): features of each node."""
+    """Return the number (n + 1,) of each node's first feature, and that behind the last; count
+    (n,): features of each node.
+    """
     return np.concatenate([[0], np.cumsum(count)])
 
 
@@ -60,10 +65,12 @@ def build_tracks(
     single_node: bool,
     find_outliers: Callable[[Ints, Ints, Array, Array], Mask] | None = None,
 ) -> Tracks:
-    """Return the tracks of all landmarks that two nodes share and, with `single_node`, of those that one stereo node saw.
+    """Return the tracks of all landmarks that two nodes share and, with `single_node`, of those
+    that one stereo node saw.
 
-    count (n,): features of each node's leading camera. stereo: matches of each node, rows into its cameras. read: a node's
-    features by its number. find_outliers: from node, landmark, top and bottom pixels to the observations to be dropped.
+    count (n,): features of each node's leading camera. stereo: matches of each node, rows into its
+    cameras. read: a node's features by its number. find_outliers: from node, landmark, top and
+    bottom pixels to the observations to be dropped.
     """
     start = first_numbers(count)
     marked = np.zeros(start[-1], bool)
@@ -76,12 +83,22 @@ def build_tracks(
     label = join_matches(node, *ends, matches.distance)
     label[label < 0] = label.max(initial=-1) + 1 + np.arange(int((label < 0).sum()))
     top, bottom, response, color = _observations(used - start[node], node, stereo, read)
-    keep = np.ones(len(used), bool) if find_outliers is None else ~find_outliers(node, label, top, bottom)
+    keep = (
+        np.ones(len(used), bool)
+        if find_outliers is None
+        else ~find_outliers(node, label, top, bottom)
+    )
     shared = np.bincount(label[keep], minlength=int(label.max(initial=-1)) + 1) > 1
     both = np.isfinite(top[:, 0]) & np.isfinite(bottom[:, 0])
     keep &= shared[label] | (both & single_node)
     label = np.unique(label[keep], return_inverse=True)[1].astype(np.int64)
-    node, top, bottom, response, color = node[keep], top[keep], bottom[keep], response[keep], color[keep]
+    node, top, bottom, response, color = (
+        node[keep],
+        top[keep],
+        bottom[keep],
+        response[keep],
+        color[keep],
+    )
     order = np.lexsort((node, label))
     return Tracks(
         landmark=label[order],
@@ -96,9 +113,14 @@ def build_tracks(
 def _observations(
     row: Ints, node: Ints, stereo: Sequence[StereoMatches], read: Callable[[int], NodeFeatures]
 ) -> tuple[Array, Array, Array, Array]:
-    """Return pixels in the top and in the bottom image, NaN where not seen, the detector's response in the mean of both, NaN
-    for corners, and colours; node (m,) ascending."""
-    top, bottom, color = np.full((len(row), 2), np.nan), np.full((len(row), 2), np.nan), np.zeros((len(row), 3))
+    """Return pixels in the top and in the bottom image, NaN where not seen, the detector's response
+    in the mean of both, NaN for corners, and colours; node (m,) ascending.
+    """
+    top, bottom, color = (
+        np.full((len(row), 2), np.nan),
+        np.full((len(row), 2), np.nan),
+        np.zeros((len(row), 3)),
+    )
     response = np.full(len(row), np.nan)
     for k in np.unique(node):
         rows = slice(*np.searchsorted(node, [k, k + 1]))

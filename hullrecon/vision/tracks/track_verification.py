@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Verification of tracks: every verified pair is held against every landmark that both of its nodes claim to have seen.
+"""Verification of tracks: every verified pair is held against every landmark that both of its nodes
+claim to have seen.
 
 A wrong match joins two points into one track; the pairs that did not make that match contradict it.
 """
@@ -25,7 +26,9 @@ ROUNDS = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Link:
-    """A verified pair of nodes and the motion between their leading cameras; scaled: its length is measured."""
+    """A verified pair of nodes and the motion between their leading cameras; scaled: its length is
+    measured.
+    """
 
     first: int
     second: int
@@ -34,29 +37,44 @@ class Link:
 
 
 def contradicted_observations(
-    rig: CameraRig, node: Ints, label: Ints, top: Array, bottom: Array, links: Sequence[Link], options: MatchOptions
+    rig: CameraRig,
+    node: Ints,
+    label: Ints,
+    top: Array,
+    bottom: Array,
+    links: Sequence[Link],
+    options: MatchOptions,
 ) -> Mask:
-    """Return which observations (m,) at least as many pairs contradict as confirm, one at least. node (m,) ascending."""
+    """Return which observations (m,) at least as many pairs contradict as confirm, one at least.
+    node (m,) ascending.
+    """
     observations = _Observations(rig, top, bottom)
-    bounds = {k: slice(*np.searchsorted(node, [k, k + 1])) for k in {n for link in links for n in (link.first, link.second)}}
+    bounds = {
+        k: slice(*np.searchsorted(node, [k, k + 1]))
+        for k in {n for link in links for n in (link.first, link.second)}
+    }
     votes: list[tuple[Ints32, Ints32, Mask]] = []
     for link in links:
         i, j = bounds[link.first], bounds[link.second]
         _, a, b = np.intersect1d(label[i], label[j], assume_unique=True, return_indices=True)
         a, b = a + i.start, b + j.start
-        votes.append((a.astype(np.int32), b.astype(np.int32), observations.agree(link, a, b, options)))
+        votes.append(
+            (a.astype(np.int32), b.astype(np.int32), observations.agree(link, a, b, options))
+        )
     return _outvote(len(node), votes)
 
 
 def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
-    """Return which of the observations are rejected, in rounds: a rejected one no longer counts against the others.
+    """Return which of the observations are rejected, in rounds: a rejected one no longer counts
+    against the others.
 
     votes: of each pair its observations a and b, each once, and whether the two agree.
     """
     out = np.zeros(count, bool)
     for step in range(ROUNDS):
         yes, no = np.zeros(count, np.int32), np.zeros(count, np.int32)
-        for a, b, good in votes:  # pair by pair: those of a long dive together would fill the memory
+        # pair by pair: those of a long dive together would fill the memory
+        for a, b, good in votes:
             counted = ~(out[a] | out[b])
             for tally, chosen in ((yes, counted & good), (no, counted & ~good)):
                 tally[a[chosen]] += 1
@@ -72,16 +90,21 @@ class _Observations:
         self._rig = rig
         upper, lower = _undistort(rig, Camera.TOP, top), _undistort(rig, Camera.BOTTOM, bottom)
         self._other = lower
-        self._lead = np.where(np.isfinite(upper), upper, lower)  # the bottom camera leads where it saw alone
+        # the bottom camera leads where it saw alone
+        self._lead = np.where(np.isfinite(upper), upper, lower)
         self._depth = np.full(len(top), np.nan)
         both = np.isfinite(upper[:, 0]) & np.isfinite(lower[:, 0])
         if rig.top_from_bottom is not None:
             turned = rectify(rig.top_from_bottom)
-            self._depth[both] = triangulate(turned, turned.rectify_top(upper[both]), turned.rectify_bottom(lower[both]))[:, 2]
+            self._depth[both] = triangulate(
+                turned, turned.rectify_top(upper[both]), turned.rectify_bottom(lower[both])
+            )[:, 2]
         self._both = both
 
     def agree(self, link: Link, a: Ints, b: Ints, options: MatchOptions) -> Mask:
-        """Return whether the observations lie on each other's epipolar lines and, with a depth, at the right place on them."""
+        """Return whether the observations lie on each other's epipolar lines and, with a depth, at
+        the right place on them.
+        """
         motion = link.motion.second_from_first
         limit = (1.5 * options.verify_px / self._rig.focal_px(Camera.TOP)) ** 2
         good = sampson_squared(essential_of(motion), self._lead[a], self._lead[b]) < limit
@@ -93,7 +116,9 @@ class _Observations:
         return good & (self._at_depth(link.motion, a, b, options) if link.scaled else True)
 
     def _at_depth(self, motion: Motion, a: Ints, b: Ints, options: MatchOptions) -> Mask:
-        """Return whether the observations lie where their depth puts them; true as well where no depth is known."""
+        """Return whether the observations lie where their depth puts them; true as well where no
+        depth is known.
+        """
         sigma = options.sigma_px / self._rig.focal_px(Camera.TOP)
         depth = self._depth[a]
         spread = depth**2 * np.sqrt(2) * sigma / self._rig.baseline_m

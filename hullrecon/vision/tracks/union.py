@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Matches joined into landmarks: union of what was matched, one observation a node, conflicts split."""
+"""Matches joined into landmarks: union of what was matched, one observation a node, conflicts
+split.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +13,12 @@ from hullrecon.typing import Ints, Mask
 
 
 def join_matches(node_of: Ints, first: Ints, second: Ints, quality: NDArray[np.floating]) -> Ints:
-    """Return the landmark number (n,) of each feature: -1 where unmatched; numbered by first feature.
+    """Return the landmark number (n,) of each feature: -1 where unmatched; numbered by first
+    feature.
 
-    node_of (n,): node of each feature. first, second (m,): matched features. quality (m,): smaller is better. A component
-    that would hold two features of one node is built again, best match first, leaving out what brings the conflict.
+    node_of (n,): node of each feature. first, second (m,): matched features. quality (m,): smaller
+    is better. A component that would hold two features of one node is built again, best match
+    first, leaving out what brings the conflict.
     """
     label = _components(len(node_of), first, second)
     torn = _conflicting(label, node_of)
@@ -52,8 +56,9 @@ def _conflicting(label: Ints, node_of: Ints) -> Mask:
 
 
 def _without_conflict(node_of: Ints, first: Ints, second: Ints) -> Mask:
-    """Return the edges, in their order, that join two groups without a common node. A loop, but only over the torn
-    components."""
+    """Return the edges, in their order, that join two groups without a common node. A loop, but
+    only over the torn components.
+    """
     group: dict[int, dict[int, int]] = {}  # feature -> its group: node -> feature
     kept = np.zeros(len(first), bool)
     for k, (a, b) in enumerate(zip(first.tolist(), second.tolist(), strict=True)):

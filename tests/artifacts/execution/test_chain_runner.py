@@ -21,19 +21,27 @@ from hullrecon.errors import LockedError, StageError, StorageError
 
 def times(workspace: Workspace) -> dict[Path, int]:
     """When each file was last written; the lock names its holder, so that one is."""
-    return {path: path.stat().st_mtime_ns for path in workspace.root.rglob("*") if path.is_file() and path.name != "lock"}
+    return {
+        path: path.stat().st_mtime_ns
+        for path in workspace.root.rglob("*")
+        if path.is_file() and path.name != "lock"
+    }
 
 
 def total(workspace: Workspace) -> object:
     return json.loads((workspace.root / "deliver" / "total.json").read_text())
 
 
-def test_a_run_makes_everything_and_shows_the_deliverables(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_run_makes_everything_and_shows_the_deliverables(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     assert toy.made(toy.run(package, workspace)) == ["read", "left", "right", "join"]
     assert total(workspace) == {"total": 12.0, "of": ["left", "right"]}
 
 
-def test_a_second_run_makes_nothing_and_changes_no_file(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_second_run_makes_nothing_and_changes_no_file(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     toy.run(package, workspace)
     before = times(workspace)
     assert toy.made(toy.run(package, workspace)) == []
@@ -56,7 +64,12 @@ def test_a_second_run_makes_nothing_and_changes_no_file(toy: ModuleType, package
     ],
 )
 def test_an_option_reruns_exactly_what_depends_on_it(
-    section: str, option: dict[str, float], made: list[str], toy: ModuleType, package: Path, workspace: Workspace
+    section: str,
+    option: dict[str, float],
+    made: list[str],
+    toy: ModuleType,
+    package: Path,
+    workspace: Workspace,
 ) -> None:
     toy.run(package, workspace)
     kind = toy.Scale if section == "scale" else toy.Options
@@ -74,27 +87,44 @@ def test_a_damaged_artifact_is_set_apart_and_made_anew_and_nothing_after_it(
     assert (workspace.root / "quarantine" / "left-1" / "raw.bin").read_bytes() == b"damaged"
 
 
-def test_a_removed_artifact_is_made_anew_and_nothing_after_it(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_removed_artifact_is_made_anew_and_nothing_after_it(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     toy.run(package, workspace)
     workspace.remove("read")
     assert toy.made(toy.run(package, workspace)) == ["read"]
 
 
-def test_from_scratch_makes_everything_with_the_same_content(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_from_scratch_makes_everything_with_the_same_content(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     before = [o.manifest.content_hash for o in toy.run(package, workspace)]
     again = toy.run(package, workspace, from_scratch=True)
     assert toy.made(again) == ["read", "left", "right", "join"]
     assert [o.manifest.content_hash for o in again] == before
 
 
-def test_a_skipped_step_is_absent_from_what_uses_it(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_skipped_step_is_absent_from_what_uses_it(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     toy.run(package, workspace)
     chain = toy.chain(package, scale=None)
     stages = (
-        toy.Stage("read", "read", (), toy.Options, 1, lambda c: c.out.arrays("numbers.npz", {"x": toy.np.ones(1)})),
+        toy.Stage(
+            "read",
+            "read",
+            (),
+            toy.Options,
+            1,
+            lambda c: c.out.arrays("numbers.npz", {"x": toy.np.ones(1)}),
+        ),
         *chain.stages[1:],
     )
-    outcomes = run_chain(toy.Chain(stages, chain.sections, package), workspace, RunContext(workspace.hashes(), Serial()))
+    outcomes = run_chain(
+        toy.Chain(stages, chain.sections, package),
+        workspace,
+        RunContext(workspace.hashes(), Serial()),
+    )
     assert [o.before.state for o in outcomes if o.before.stage.name == "right"] == ["skipped"]
     assert total(workspace) == {"total": 1.0, "of": ["left"]}
     assert outcomes[-1].manifest is not None
@@ -102,20 +132,26 @@ def test_a_skipped_step_is_absent_from_what_uses_it(toy: ModuleType, package: Pa
     assert outcomes[-1].before.reasons == ("input left changed", "input right is gone")
 
 
-def test_a_step_without_result_keeps_what_was_finished(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_step_without_result_keeps_what_was_finished(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     with pytest.raises(StageError, match="no result for a negative power"):
         toy.run(package, workspace, right=toy.Options(power=-1))
     assert toy.made(toy.run(package, workspace)) == ["right", "join"]
 
 
-def test_a_run_beside_another_is_refused_and_changes_nothing(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_run_beside_another_is_refused_and_changes_nothing(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     toy.run(package, workspace)
     with workspace.lock(), pytest.raises(LockedError):
         toy.run(package, workspace, left=toy.Options(power=2))
     assert total(workspace) == {"total": 12.0, "of": ["left", "right"]}
 
 
-def test_preflight_sees_the_plan_and_may_end_the_run(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_preflight_sees_the_plan_and_may_end_the_run(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     seen: list[str] = []
 
     def refuse(plan: list[StepStatus]) -> None:
@@ -123,12 +159,19 @@ def test_preflight_sees_the_plan_and_may_end_the_run(toy: ModuleType, package: P
         raise StorageError("too little space")
 
     with pytest.raises(StorageError):
-        run_chain(toy.chain(package), workspace, RunContext(workspace.hashes(), Serial()), preflight=refuse)
+        run_chain(
+            toy.chain(package),
+            workspace,
+            RunContext(workspace.hashes(), Serial()),
+            preflight=refuse,
+        )
     assert seen == ["not run yet"] * 4
     assert not (workspace.root / "read").exists()
 
 
-def test_a_read_only_place_ends_with_the_folder_named(toy: ModuleType, package: Path, read_only_folder: Path) -> None:
+def test_a_read_only_place_ends_with_the_folder_named(
+    toy: ModuleType, package: Path, read_only_folder: Path
+) -> None:
     with pytest.raises(StorageError, match=str(read_only_folder)):
         toy.run(package, Workspace(read_only_folder / "dive"))
 

@@ -41,7 +41,9 @@ def cluster(folder: Path, scheme: str, **environment: str) -> Iterator[str]:
     ]
     quiet = subprocess.DEVNULL
     running = [
-        subprocess.Popen([*PYTHON, "-m", *command], env=environment, cwd=folder, stdout=quiet, stderr=quiet)
+        subprocess.Popen(
+            [*PYTHON, "-m", *command], env=environment, cwd=folder, stdout=quiet, stderr=quiet
+        )
         for command in commands
     ]
     yield address
@@ -61,7 +63,19 @@ def certificates(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Settings of Dask for one certificate that signs itself."""
     folder: Path = tmp_path_factory.mktemp("tls")
     key, certificate = str(folder / "key.pem"), str(folder / "certificate.pem")
-    options = ["-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=test", "-keyout", key, "-out", certificate]
+    options = [
+        "-newkey",
+        "rsa:2048",
+        "-nodes",
+        "-days",
+        "2",
+        "-subj",
+        "/CN=test",
+        "-keyout",
+        key,
+        "-out",
+        certificate,
+    ]
     subprocess.run(["openssl", "req", "-x509", *options], check=True, capture_output=True)
     parts = ("scheduler", "worker", "client")
     return {
@@ -75,7 +89,10 @@ def certificates(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 def test_a_cluster_with_certificates_gives_what_serial_gives_and_no_warning(
     certificates: dict[str, str], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    names = {f"DASK_{key.replace('.', '__').replace('-', '_').upper()}": value for key, value in certificates.items()}
+    names = {
+        f"DASK_{key.replace('.', '__').replace('-', '_').upper()}": value
+        for key, value in certificates.items()
+    }
     with (
         cluster(tmp_path, "tls", **names) as address,
         dask.config.set(certificates),
@@ -86,17 +103,24 @@ def test_a_cluster_with_certificates_gives_what_serial_gives_and_no_warning(
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_plain_cluster_is_said_to_be_one(scheduler: str, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_plain_cluster_is_said_to_be_one(
+    scheduler: str, caplog: pytest.LogCaptureFixture
+) -> None:
     with choose_executor(scheduler=scheduler):
         pass
-    (said,) = [record.getMessage() for record in caplog.records if record.name.startswith("hullrecon")]
+    (said,) = [
+        record.getMessage() for record in caplog.records if record.name.startswith("hullrecon")
+    ]
     assert said.startswith(f"{scheduler} is plain TCP: whoever reaches its port runs programs here")
 
 
 def test_a_cluster_with_tls_needs_certificates() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"tls://127.0.0.1:{server.getsockname()[1]}"
-        with pytest.raises(UsageError, match=r"lacks distributed\.comm\.tls\.ca-file and distributed\.comm\.tls\.client"):
+        with pytest.raises(
+            UsageError,
+            match=r"lacks distributed\.comm\.tls\.ca-file and distributed\.comm\.tls\.client",
+        ):
             choose_executor(scheduler=address)
 
 
@@ -116,7 +140,10 @@ def test_work_is_done_elsewhere_and_a_functions_error_passes(scheduler: str) -> 
 
 @pytest.mark.filterwarnings("ignore")
 def test_a_killed_worker_is_a_stage_error(scheduler: str) -> None:
-    with choose_executor(scheduler=scheduler) as executor, pytest.raises(StageError, match="a Dask worker was killed"):
+    with (
+        choose_executor(scheduler=scheduler) as executor,
+        pytest.raises(StageError, match="a Dask worker was killed"),
+    ):
         list(executor.map(os._exit, [9]))
 
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""artifacts.executor: the same results in order, here and in worker processes; a dead worker has a name."""
+"""artifacts.executor: the same results in order, here and in worker processes; a dead worker has a
+name.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,13 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.artifacts.execution.executor import THREAD_VARIABLES, Processes, Serial, choose_executor, one_thread_each
+from hullrecon.artifacts.execution.executor import (
+    THREAD_VARIABLES,
+    Processes,
+    Serial,
+    choose_executor,
+    one_thread_each,
+)
 from hullrecon.errors import StageError
 
 ORPHANS = """
@@ -69,7 +77,9 @@ def test_a_killed_worker_is_a_stage_error_and_the_next_map_works() -> None:
         assert list(executor.map(math.sqrt, [1.0, 4.0])) == [1.0, 2.0]
 
 
-def test_a_worker_has_one_thread_unless_the_parent_says_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_has_one_thread_unless_the_parent_says_otherwise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     for name in THREAD_VARIABLES:
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("OMP_NUM_THREADS", "3")
@@ -89,7 +99,9 @@ def test_the_parents_environment_is_as_before(monkeypatch: pytest.MonkeyPatch) -
 def test_workers_end_when_their_parent_is_killed(tmp_path: Path) -> None:
     script = tmp_path / "orphans.py"
     script.write_text(ORPHANS)
-    with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        [sys.executable, str(script)], stdout=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdout is not None
         process.stdout.readline()
         workers = [int(pid) for pid in process.stdout.readline().split()]

@@ -19,7 +19,8 @@ def test_versions_name_python_and_what_is_installed() -> None:
 def test_the_peak_counts_memory_that_was_freed_and_can_start_anew() -> None:
     reset_peak_rss()
     before = peak_rss()
-    # A mapping of its own: the heap of a process that has run other tests may hold 200 MB of free pages that it still owns.
+    # A mapping of its own: the heap of a process that has run other tests may hold 200 MB of free
+    # pages that it still owns.
     with mmap.mmap(-1, 200_000_000) as block:
         block[:: mmap.PAGESIZE] = b"x" * len(range(0, len(block), mmap.PAGESIZE))
     assert peak_rss() - before > 150_000_000

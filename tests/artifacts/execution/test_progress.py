@@ -10,7 +10,14 @@ import sys
 
 import pytest
 
-from hullrecon.artifacts.execution.progress import Bars, LogLines, Progress, Silent, choose_progress, length
+from hullrecon.artifacts.execution.progress import (
+    Bars,
+    LogLines,
+    Progress,
+    Silent,
+    choose_progress,
+    length,
+)
 
 
 class Terminal(io.StringIO):
@@ -24,7 +31,9 @@ def test_the_items_pass_unchanged(progress: Progress, monkeypatch: pytest.Monkey
     assert list(progress.track(iter("abc"), "letters", 3)) == ["a", "b", "c"]
 
 
-def test_a_terminal_gets_bars_a_file_gets_lines_and_quiet_gets_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_terminal_gets_bars_a_file_gets_lines_and_quiet_gets_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     assert isinstance(choose_progress(quiet=True), Silent)
     monkeypatch.setattr(sys, "stderr", io.StringIO())
     assert isinstance(choose_progress(), LogLines)
@@ -47,7 +56,9 @@ def test_short_work_logs_nothing(caplog: pytest.LogCaptureFixture) -> None:
     assert caplog.records == []
 
 
-def test_bars_may_stand_inside_each_other_and_end_with_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bars_may_stand_inside_each_other_and_end_with_the_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(sys, "stderr", Terminal())
     bars = Bars()
     pairs = [(a, b) for a in bars.track("ab", "outer", 2) for b in bars.track("cd", "inner", 2)]

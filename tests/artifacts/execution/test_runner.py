@@ -67,20 +67,35 @@ def test_an_artifact_lies_at_its_place_with_a_manifest_of_all_it_holds(tmp_path:
     assert manifest.warnings == ["one beam was lost"]
     assert manifest.key == manifest.recipe.key
     assert manifest.run.keys() == {
-        "versions", "host", "started", "seconds", "cpu_seconds", "peak_rss_bytes", "workers_peak_rss_bytes",
-    }  # fmt: skip
+        "versions",
+        "host",
+        "started",
+        "seconds",
+        "cpu_seconds",
+        "peak_rss_bytes",
+        "workers_peak_rss_bytes",
+    }
     assert sorted(os.listdir(tmp_path)) == ["make"]
 
 
 def test_times_that_a_stage_tells_stand_in_the_run_block(tmp_path: Path) -> None:
-    manifest = read_manifest(run_stage(stage(lambda c: c.record_times("iterations_s", [0.12345, 2])), {}, {}, tmp_path / "a"))
+    manifest = read_manifest(
+        run_stage(
+            stage(lambda c: c.record_times("iterations_s", [0.12345, 2])), {}, {}, tmp_path / "a"
+        )
+    )
     assert manifest is not None
     assert manifest.run["times"] == {"iterations_s": [0.123, 2.0]}
     assert "times" not in (manifest.recipe.settings | manifest.outputs)
 
 
-def test_two_runs_differ_in_the_run_block_alone(toy: ModuleType, package: Path, tmp_path: Path) -> None:
-    first, second = (run_stage(toy.STAGES[0], {"scale": toy.Scale()}, {}, tmp_path / n, package) for n in ("one", "two"))
+def test_two_runs_differ_in_the_run_block_alone(
+    toy: ModuleType, package: Path, tmp_path: Path
+) -> None:
+    first, second = (
+        run_stage(toy.STAGES[0], {"scale": toy.Scale()}, {}, tmp_path / n, package)
+        for n in ("one", "two")
+    )
     documents = [json.loads((folder / "manifest.json").read_text()) for folder in (first, second)]
     for document in documents:
         del document["run"], document["seal"]
@@ -89,10 +104,16 @@ def test_two_runs_differ_in_the_run_block_alone(toy: ModuleType, package: Path, 
         assert (first / name).read_bytes() == (second / name).read_bytes()
 
 
-def test_the_files_of_the_package_stand_in_the_manifest(toy: ModuleType, package: Path, tmp_path: Path) -> None:
-    manifest = read_manifest(run_stage(toy.STAGES[0], {"scale": toy.Scale()}, {}, tmp_path / "read", package))
+def test_the_files_of_the_package_stand_in_the_manifest(
+    toy: ModuleType, package: Path, tmp_path: Path
+) -> None:
+    manifest = read_manifest(
+        run_stage(toy.STAGES[0], {"scale": toy.Scale()}, {}, tmp_path / "read", package)
+    )
     assert manifest is not None
-    assert {name: record.size for name, record in manifest.recipe.external.items()} == {"numbers.txt": 6}
+    assert {name: record.size for name, record in manifest.recipe.external.items()} == {
+        "numbers.txt": 6
+    }
 
 
 def test_a_folder_of_the_package_stands_in_the_manifest_file_by_file(tmp_path: Path) -> None:
@@ -105,7 +126,9 @@ def test_a_folder_of_the_package_stands_in_the_manifest_file_by_file(tmp_path: P
     assert list(manifest.recipe.external) == ["images/a.jpg", "images/b.jpg"]
 
 
-def test_a_missing_file_of_the_package_is_named(toy: ModuleType, package: Path, tmp_path: Path) -> None:
+def test_a_missing_file_of_the_package_is_named(
+    toy: ModuleType, package: Path, tmp_path: Path
+) -> None:
     (package / "numbers.txt").unlink()
     with pytest.raises(InputError, match=r"numbers\.txt is missing") as caught:
         run_stage(toy.STAGES[0], {"scale": toy.Scale()}, {}, tmp_path / "read", package)
@@ -116,7 +139,12 @@ def test_a_missing_file_of_the_package_is_named(toy: ModuleType, package: Path, 
 def test_an_input_may_be_a_folder_made_by_hand(toy: ModuleType, tmp_path: Path) -> None:
     (tmp_path / "read").mkdir()
     np.savez(tmp_path / "read" / "numbers.npz", x=np.array([2.0]))
-    out = run_stage(toy.STAGES[1], {"left": toy.Options(power=3)}, {"read": tmp_path / "read"}, tmp_path / "left")
+    out = run_stage(
+        toy.STAGES[1],
+        {"left": toy.Options(power=3)},
+        {"read": tmp_path / "read"},
+        tmp_path / "left",
+    )
     assert load_arrays(out / "side.npz")["x"].tolist() == [8.0]
 
 
@@ -140,7 +168,10 @@ def test_items_shown_as_progress_pass_unchanged(tmp_path: Path) -> None:
     def run(context: Context) -> None:
         context.out.json("a.json", list(context.progress(iter("ab"), "letters")))
 
-    assert json.loads((run_stage(stage(run), {}, {}, tmp_path / "out") / "a.json").read_text()) == ["a", "b"]
+    assert json.loads((run_stage(stage(run), {}, {}, tmp_path / "out") / "a.json").read_text()) == [
+        "a",
+        "b",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -149,7 +180,11 @@ def test_items_shown_as_progress_pass_unchanged(tmp_path: Path) -> None:
         (StageError("too few matches"), StageError, "too few matches"),
         (MemoryError(), StageError, "make ran out of memory"),
         (OSError(errno.ENOSPC, "No space left on device"), StorageError, "No space left"),
-        (PermissionError(errno.EACCES, "denied", "/package/log.bag"), InputError, "may not read a file"),
+        (
+            PermissionError(errno.EACCES, "denied", "/package/log.bag"),
+            InputError,
+            "may not read a file",
+        ),
         (ZeroDivisionError("ours"), ZeroDivisionError, "ours"),
         (KeyboardInterrupt("by the user"), KeyboardInterrupt, "by the user"),
     ],
@@ -172,5 +207,7 @@ def test_sigterm_is_still_ours_after_a_stage_that_imports_pycolmap(tmp_path: Pat
     pytest.importorskip("pycolmap")
     script = tmp_path / "script.py"
     script.write_text(STOPPED)
-    answer = subprocess.run([sys.executable, script, tmp_path / "out"], capture_output=True, text=True, check=False)
+    answer = subprocess.run(
+        [sys.executable, script, tmp_path / "out"], capture_output=True, text=True, check=False
+    )
     assert (answer.returncode, answer.stdout) == (0, "stopped by SIGTERM\n"), answer.stderr

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A step that fails alone leaves the others and its reason; what an earlier run delivered never looks like today's."""
+"""A step that fails alone leaves the others and its reason; what an earlier run delivered never
+looks like today's.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ REASON = "no result for a negative power: give a positive one"
 
 
 def chain(toy: ModuleType, package: Path, **sections: object) -> Chain:
-    """The toy chain with an optional step `right` that fails alone, and a step `more` that needs it."""
+    """The toy chain with an optional step `right` that fails alone, and a step `more` that needs
+    it.
+    """
 
     def write_zero(context: Context) -> None:
         context.out.arrays("side.npz", {"x": np.zeros(1)})
@@ -41,7 +45,9 @@ def chain(toy: ModuleType, package: Path, **sections: object) -> Chain:
 
 
 def run(chain: Chain, workspace: Workspace, *, keep_going: bool = True) -> list[StepOutcome]:
-    return run_chain(chain, workspace, RunContext(workspace.hashes(), Serial()), keep_going=keep_going)
+    return run_chain(
+        chain, workspace, RunContext(workspace.hashes(), Serial()), keep_going=keep_going
+    )
 
 
 def delivered(workspace: Workspace, name: str) -> object:
@@ -55,7 +61,11 @@ def failing(toy: ModuleType) -> dict[str, object]:
 
 @pytest.mark.parametrize("ran_before", [False, True])
 def test_the_others_are_delivered_afresh_with_the_reason(
-    ran_before: bool, toy: ModuleType, package: Path, workspace: Workspace, failing: dict[str, object]
+    ran_before: bool,
+    toy: ModuleType,
+    package: Path,
+    workspace: Workspace,
+    failing: dict[str, object],
 ) -> None:
     if ran_before:
         run(chain(toy, package), workspace)
@@ -67,7 +77,11 @@ def test_the_others_are_delivered_afresh_with_the_reason(
         "more": f"it needs right, which failed: {REASON}",
     }
     assert isinstance(first_failure(outcomes), StageError)
-    assert [(o.before.stage.name, o.made) for o in outcomes][2:] == [("right", False), ("more", False), ("join", True)]
+    assert [(o.before.stage.name, o.made) for o in outcomes][2:] == [
+        ("right", False),
+        ("more", False),
+        ("join", True),
+    ]
 
 
 def test_the_same_failure_makes_nothing_again(
@@ -90,12 +104,16 @@ def test_when_it_succeeds_again_all_that_could_use_it_reruns(
     assert delivered(workspace, "failures.json") == {}
 
 
-def test_a_fault_of_ours_in_such_a_step_leaves_the_others_too(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_fault_of_ours_in_such_a_step_leaves_the_others_too(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     def divide(context: Context) -> None:
         raise ZeroDivisionError
 
     whole = chain(toy, package)
-    stages = tuple(replace(stage, run=divide) if stage.name == "right" else stage for stage in whole.stages)
+    stages = tuple(
+        replace(stage, run=divide) if stage.name == "right" else stage for stage in whole.stages
+    )
     failure = first_failure(run(replace(whole, stages=stages), workspace))
     assert isinstance(failure, ZeroDivisionError)
     failures = delivered(workspace, "failures.json")
@@ -103,13 +121,19 @@ def test_a_fault_of_ours_in_such_a_step_leaves_the_others_too(toy: ModuleType, p
     assert failures["right"] == "internal error (ZeroDivisionError)"
 
 
-@pytest.mark.parametrize("error", [StorageError("full"), InputError("changed"), OSError(28, "full")])
-def test_what_concerns_all_steps_ends_the_run(error: Exception, toy: ModuleType, package: Path, workspace: Workspace) -> None:
+@pytest.mark.parametrize(
+    "error", [StorageError("full"), InputError("changed"), OSError(28, "full")]
+)
+def test_what_concerns_all_steps_ends_the_run(
+    error: Exception, toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     def refuse(context: Context) -> None:
         raise error
 
     whole = chain(toy, package)
-    stages = tuple(replace(stage, run=refuse) if stage.name == "right" else stage for stage in whole.stages)
+    stages = tuple(
+        replace(stage, run=refuse) if stage.name == "right" else stage for stage in whole.stages
+    )
     with pytest.raises(type(error) if not isinstance(error, OSError) else Exception):
         run(replace(whole, stages=stages), workspace)
     assert not (workspace.root / "join").exists()

@@ -43,7 +43,9 @@ def test_after_a_run_everything_is_fresh(look: Look, ran: Workspace) -> None:
     assert look() == dict.fromkeys(("read", "left", "right", "join"), ("up to date", []))
 
 
-def test_a_changed_option_makes_its_step_stale_and_those_after_it_wait(look: Look, toy: ModuleType, ran: Workspace) -> None:
+def test_a_changed_option_makes_its_step_stale_and_those_after_it_wait(
+    look: Look, toy: ModuleType, ran: Workspace
+) -> None:
     assert look(left=toy.Options(power=2)) == {
         "read": ("up to date", []),
         "left": ("out of date", ["option left.power changed from 1 to 2"]),
@@ -52,10 +54,15 @@ def test_a_changed_option_makes_its_step_stale_and_those_after_it_wait(look: Loo
     }
 
 
-def test_a_changed_section_makes_all_that_read_it_stale(look: Look, toy: ModuleType, ran: Workspace) -> None:
+def test_a_changed_section_makes_all_that_read_it_stale(
+    look: Look, toy: ModuleType, ran: Workspace
+) -> None:
     seen = look(scale=toy.Scale(factor=2.0))
     assert seen["read"] == ("out of date", ["option scale.factor changed from 1.0 to 2.0"])
-    assert seen["right"] == ("out of date", ["option scale.factor changed from 1.0 to 2.0", "input read will rerun"])
+    assert seen["right"] == (
+        "out of date",
+        ["option scale.factor changed from 1.0 to 2.0", "input read will rerun"],
+    )
     assert seen["left"] == ("out of date", ["input read will rerun"])
 
 
@@ -76,12 +83,16 @@ def test_an_altered_artifact_is_damaged_and_named(look: Look, ran: Workspace) ->
     assert look()["right"][0] == "damaged"
 
 
-def test_a_step_that_does_not_apply_is_skipped_with_its_reason(look: Look, toy: ModuleType, ran: Workspace) -> None:
+def test_a_step_that_does_not_apply_is_skipped_with_its_reason(
+    look: Look, toy: ModuleType, ran: Workspace
+) -> None:
     seen = look(scale=None, read=toy.Options())
     assert seen["right"] == ("skipped", ["no scale was given"])
 
 
-def test_what_needs_a_skipped_step_is_skipped_with_the_reason_named(toy: ModuleType, package: Path) -> None:
+def test_what_needs_a_skipped_step_is_skipped_with_the_reason_named(
+    toy: ModuleType, package: Path
+) -> None:
     chain = toy.chain(package, scale=None)
     needy = toy.Stage("needy", "needy", ("right",), toy.Options, 1, toy.join)
     needier = toy.Stage("needier", "needier", ("needy",), toy.Options, 1, toy.join)
@@ -93,13 +104,24 @@ def test_what_needs_a_skipped_step_is_skipped_with_the_reason_named(toy: ModuleT
     }
 
 
-def test_the_part_up_to_a_step_holds_what_it_needs_and_may_use(toy: ModuleType, package: Path) -> None:
-    names = {last: [s.name for s in toy.chain(package).up_to(last).stages] for last in ("read", "left", "join")}
-    assert names == {"read": ["read"], "left": ["read", "left"], "join": ["read", "left", "right", "join"]}
+def test_the_part_up_to_a_step_holds_what_it_needs_and_may_use(
+    toy: ModuleType, package: Path
+) -> None:
+    names = {
+        last: [s.name for s in toy.chain(package).up_to(last).stages]
+        for last in ("read", "left", "join")
+    }
+    assert names == {
+        "read": ["read"],
+        "left": ["read", "left"],
+        "join": ["read", "left", "right", "join"],
+    }
 
 
 def test_an_unknown_step_is_refused_with_the_nearest_or_all(toy: ModuleType, package: Path) -> None:
     with pytest.raises(UsageError, match="unknown step 'rihgt'; did you mean 'right'"):
         toy.chain(package).up_to("rihgt")
-    with pytest.raises(UsageError, match="unknown step 'xyzzy': the steps are read, left, right, join"):
+    with pytest.raises(
+        UsageError, match="unknown step 'xyzzy': the steps are read, left, right, join"
+    ):
         toy.chain(package).up_to("xyzzy")

@@ -23,9 +23,14 @@ class Options(Struct, frozen=True):
 
 def stage(*files: str) -> Stage:
     return Stage(
-        name="read", summary="read", inputs=(), parameters=Options, version=1, run=lambda context: None,
+        name="read",
+        summary="read",
+        inputs=(),
+        parameters=Options,
+        version=1,
+        run=lambda context: None,
         external=lambda settings, source: [Path(name) for name in files],
-    )  # fmt: skip
+    )
 
 
 def recipe_of(source: Path, *files: str, inputs: dict[str, Path] | None = None) -> Recipe:
@@ -37,7 +42,11 @@ def test_files_stand_by_their_path_in_the_package_and_a_folder_file_by_file(tmp_
     (tmp_path / "logs").mkdir()
     for name in ("logs/b.csv", "logs/a.csv", "top.yaml"):
         (tmp_path / name).write_text(name)
-    assert list(recipe_of(tmp_path, "logs", "top.yaml").external) == ["logs/a.csv", "logs/b.csv", "top.yaml"]
+    assert list(recipe_of(tmp_path, "logs", "top.yaml").external) == [
+        "logs/a.csv",
+        "logs/b.csv",
+        "top.yaml",
+    ]
 
 
 def test_a_missing_file_is_an_input_error_that_names_it(tmp_path: Path) -> None:
@@ -56,12 +65,22 @@ def test_a_stage_that_stumbles_over_such_a_name_itself_ends_likewise(tmp_path: P
     def look(settings: object, source: Path) -> list[Path]:
         return [source] if (source / ("x" * 5000)).is_dir() else []
 
-    read = Stage(name="read", summary="", inputs=(), parameters=Options, version=1, run=lambda context: None, external=look)
+    read = Stage(
+        name="read",
+        summary="",
+        inputs=(),
+        parameters=Options,
+        version=1,
+        run=lambda context: None,
+        external=look,
+    )
     with pytest.raises(InputError, match="File name too long"):
         external_files(read, settings_for(read, {}), tmp_path, HashCache())
 
 
-def test_the_key_changes_with_the_content_of_an_input_and_not_with_its_place(tmp_path: Path) -> None:
+def test_the_key_changes_with_the_content_of_an_input_and_not_with_its_place(
+    tmp_path: Path,
+) -> None:
     for name, text in (("a", "one"), ("b", "one"), ("c", "two")):
         (tmp_path / name).mkdir()
         (tmp_path / name / "data.txt").write_text(text)
@@ -71,5 +90,7 @@ def test_the_key_changes_with_the_content_of_an_input_and_not_with_its_place(tmp
 
 
 def test_a_stage_without_files_of_the_package_has_none(tmp_path: Path) -> None:
-    plain = Stage(name="read", summary="", inputs=(), parameters=Options, version=1, run=lambda context: None)
+    plain = Stage(
+        name="read", summary="", inputs=(), parameters=Options, version=1, run=lambda context: None
+    )
     assert external_files(plain, settings_for(plain, {}), tmp_path, HashCache()) == {}

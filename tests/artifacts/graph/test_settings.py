@@ -35,7 +35,9 @@ def test_the_stages_own_section_has_its_defaults_when_absent() -> None:
 
 
 @pytest.mark.parametrize("sections", [{"camera": Camera(Top())}, {"camera.top": Top()}])
-def test_a_dotted_name_finds_the_nested_section_and_its_single_keys(sections: dict[str, object]) -> None:
+def test_a_dotted_name_finds_the_nested_section_and_its_single_keys(
+    sections: dict[str, object],
+) -> None:
     settings = settings_for(stage("camera.top", "camera.top.mount"), sections)
     assert settings["camera.top"] == Top()
     assert settings["camera.top.mount"] == (1.0, 2.0)
@@ -63,7 +65,11 @@ def test_reading_a_section_that_was_not_declared_is_a_fault_even_with_get() -> N
 
 def test_resolved_settings_are_plain_values() -> None:
     settings = settings_for(stage("camera.top", "sonar"), {"camera.top": Top()})
-    assert resolve_settings(settings) == {"camera.top": {"mount": [1.0, 2.0]}, "sonar": None, "find": {"size": 3.0}}
+    assert resolve_settings(settings) == {
+        "camera.top": {"mount": [1.0, 2.0]},
+        "sonar": None,
+        "find": {"size": 3.0},
+    }
 
 
 def test_an_option_that_is_not_finite_is_named() -> None:
@@ -72,4 +78,8 @@ def test_an_option_that_is_not_finite_is_named() -> None:
 
 
 def test_flatten_names_leaves_by_their_path_and_keeps_lists_whole() -> None:
-    assert flatten({"a": {"b": {"c": 1}, "d": [1, 2]}, "e": {}}) == {"a.b.c": 1, "a.d": [1, 2], "e": {}}
+    assert flatten({"a": {"b": {"c": 1}, "d": [1, 2]}, "e": {}}) == {
+        "a.b.c": 1,
+        "a.d": [1, 2],
+        "e": {},
+    }

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""artifacts.source_watch: a package that changes while it is read ends the run, and nothing mixed is delivered."""
+"""artifacts.source_watch: a package that changes while it is read ends the run, and nothing mixed
+is delivered.
+"""
 
 from __future__ import annotations
 
@@ -77,7 +79,9 @@ def test_a_package_that_changes_during_a_run_ends_it_and_nothing_is_delivered(
     assert not (workspace.root / step).exists()
 
 
-def test_the_next_run_reads_the_changed_package_as_a_whole(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_the_next_run_reads_the_changed_package_as_a_whole(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     with pytest.raises(InputError):
         run(changing(toy, package, "left", append), workspace)
     assert toy.made(toy.run(package, workspace)) == ["read", "left", "right", "join"]
@@ -91,12 +95,16 @@ def test_a_later_step_that_would_read_another_file_than_an_earlier_one_did_not_b
         "again", "again", ("read",), toy.Options, 1, lambda context: append(context.source),
         external=lambda settings, source: [source / "numbers.txt"],
     )  # fmt: skip
-    with pytest.raises(InputError, match=r"numbers.txt changed during the run \(.*package\): nothing was delivered"):
+    with pytest.raises(
+        InputError, match=r"numbers.txt changed during the run \(.*package\): nothing was delivered"
+    ):
         run(replace(chain, stages=(*chain.stages[:3], again, chain.stages[3])), workspace)
     assert not (workspace.root / "again").exists()
 
 
-def test_a_file_that_comes_into_a_folder_that_is_read_counts(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_file_that_comes_into_a_folder_that_is_read_counts(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     (package / "logs").mkdir()
     (package / "logs" / "one.txt").touch()
 
@@ -110,7 +118,9 @@ def test_a_file_that_comes_into_a_folder_that_is_read_counts(toy: ModuleType, pa
         run(replace(toy.chain(package), stages=(stage,)), workspace)
 
 
-def test_a_configuration_that_changes_during_a_run_ends_it_too(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_configuration_that_changes_during_a_run_ends_it_too(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     path = package / "dive.toml"
     path.write_text("before")
     chain = changing(toy, package, "left", lambda folder: path.write_text("after") and None)
@@ -118,6 +128,8 @@ def test_a_configuration_that_changes_during_a_run_ends_it_too(toy: ModuleType, 
         run(replace(chain, read_before={"dive.toml": hash_file(path)}), workspace)
 
 
-def test_a_file_that_was_only_touched_has_not_changed(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_file_that_was_only_touched_has_not_changed(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     run(changing(toy, package, "left", lambda folder: os.utime(folder / "numbers.txt")), workspace)
     assert (workspace.root / "deliver" / "total.json").exists()

@@ -8,7 +8,9 @@ import pytest
 
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 
-SETTINGS = StageSettings("find", {"imu.frame": "ned", "tray": None, "dvl.sigma_range": 1, "dvl.mount": (0.0, 1.0)})
+SETTINGS = StageSettings(
+    "find", {"imu.frame": "ned", "tray": None, "dvl.sigma_range": 1, "dvl.mount": (0.0, 1.0)}
+)
 
 
 def test_a_value_is_read_with_its_type() -> None:
@@ -36,7 +38,9 @@ def test_an_absent_section_is_none_only_where_it_may_be() -> None:
 
 
 def test_what_the_step_did_not_declare_can_not_be_read() -> None:
-    with pytest.raises(RuntimeError, match="step find reads section 'hull' without naming it in its `uses`"):
+    with pytest.raises(
+        RuntimeError, match="step find reads section 'hull' without naming it in its `uses`"
+    ):
         SETTINGS.read_optional("hull", str)
 
 

@@ -42,9 +42,15 @@ def with_option(section: str, value: Any) -> Recipe:
         ),
         (
             with_option("matches", {"max_pairs": 40, "ratio": 0.9, "roi": [1, 3]}),
-            ["option matches.ratio changed from 0.8 to 0.9", "option matches.roi changed from [1, 2] to [1, 3]"],
+            [
+                "option matches.ratio changed from 0.8 to 0.9",
+                "option matches.roi changed from [1, 2] to [1, 3]",
+            ],
         ),
-        (with_option("matches", {"max_pairs": 40, "ratio": 0.8}), ["option matches.roi is gone, it was [1, 2]"]),
+        (
+            with_option("matches", {"max_pairs": 40, "ratio": 0.8}),
+            ["option matches.roi is gone, it was [1, 2]"],
+        ),
         (
             with_option("matches", {"max_pairs": 40, "ratio": 0.8, "roi": [1, 2], "new": "x"}),
             ['option matches.new is new, it is "x"'],
@@ -52,7 +58,13 @@ def with_option(section: str, value: Any) -> Recipe:
         (with_option("sonar", {"elevation_deg": 14.0}), ["sonar changed from none to a section"]),
         (with_option("camera.top", None), ["camera.top changed from a section to none"]),
         (
-            changed(settings={name: value for name, value in MADE.settings.items() if name not in ("logs", "sonar")}),
+            changed(
+                settings={
+                    name: value
+                    for name, value in MADE.settings.items()
+                    if name not in ("logs", "sonar")
+                }
+            ),
             ['logs is no longer read, it was ["a"]', "sonar is no longer read, it was none"],
         ),
         (with_option("dvl.mount", [0.5]), ["dvl.mount is read now, it is [0.5]"]),
@@ -61,9 +73,15 @@ def with_option(section: str, value: Any) -> Recipe:
         (changed(inputs={"features": "f2", "navigate": "n1"}), ["input features changed"]),
         (changed(inputs={"features": "f1"}), ["input navigate is gone"]),
         (changed(inputs={**MADE.inputs, "adjust": "a"}), ["input adjust is new"]),
-        (changed(external={"logs/dive.mcap": FileRecord("bb", 10)}), ["external file logs/dive.mcap changed"]),
+        (
+            changed(external={"logs/dive.mcap": FileRecord("bb", 10)}),
+            ["external file logs/dive.mcap changed"],
+        ),
         (changed(external={}), ["external file logs/dive.mcap is gone"]),
-        (changed(external={**MADE.external, "hull.stl": FileRecord("cc", 1)}), ["external file hull.stl is new"]),
+        (
+            changed(external={**MADE.external, "hull.stl": FileRecord("cc", 1)}),
+            ["external file hull.stl is new"],
+        ),
         (changed(version=2), ["code version 1 -> 2"]),
         (changed(stage="pairs"), ["it was made by step matches"]),
     ],

@@ -36,13 +36,18 @@ def flip(path: Path, bit: int) -> None:
 def test_a_whole_workspace_has_no_damage(ran: Workspace) -> None:
     found = check_workspace(ran, NAMES, read_data=True)
     assert found.damaged == []
-    assert (found.artifacts, found.files) == (4, 12)  # the package's file, deliver/ and three documents of the workspace too
+    # the package's file, deliver/ and three documents of the workspace too
+    assert (found.artifacts, found.files) == (4, 12)
 
 
 @pytest.mark.parametrize("trial", range(40))
-def test_a_flipped_bit_in_any_file_is_found_and_named(trial: int, ran: Workspace, package: Path) -> None:
+def test_a_flipped_bit_in_any_file_is_found_and_named(
+    trial: int, ran: Workspace, package: Path
+) -> None:
     chance = random.Random(trial)
-    files = [p for p in sorted(ran.root.rglob("*")) if p.is_file() and p.stat().st_size] + [package / "numbers.txt"]
+    files = [p for p in sorted(ran.root.rglob("*")) if p.is_file() and p.stat().st_size] + [
+        package / "numbers.txt"
+    ]
     path = files[trial % len(files)]
     bit = chance.randrange(8 * path.stat().st_size)
     flip(path, bit)
@@ -65,7 +70,9 @@ def test_a_missing_file_of_the_package_is_found(ran: Workspace, package: Path) -
     (package / "numbers.txt").unlink()
     assert check_workspace(ran, NAMES, read_data=False).damaged == []
     found = check_workspace(ran, NAMES, read_data=True).damaged
-    assert found == [f"{package.resolve() / 'numbers.txt'} cannot be read: No such file or directory"]
+    assert found == [
+        f"{package.resolve() / 'numbers.txt'} cannot be read: No such file or directory"
+    ]
 
 
 def test_a_deliverable_that_is_not_the_artifacts_is_found(ran: Workspace) -> None:

@@ -19,9 +19,19 @@ from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import StorageError, UsageError
 
 PLACES = (
-    "deliver", "left", "quarantine", "logs", "compare", ".old-left", ".hullrecon/building", ".hullrecon/lock",
-    ".hullrecon/hashes.json", ".hullrecon/.tmp-hashes.json", "compare/geva", "compare/geva/.hullrecon",
-)  # fmt: skip
+    "deliver",
+    "left",
+    "quarantine",
+    "logs",
+    "compare",
+    ".old-left",
+    ".hullrecon/building",
+    ".hullrecon/lock",
+    ".hullrecon/hashes.json",
+    ".hullrecon/.tmp-hashes.json",
+    "compare/geva",
+    "compare/geva/.hullrecon",
+)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -46,13 +56,17 @@ def test_a_link_among_a_runs_own_files_is_refused_and_what_it_leads_to_stays(
     if path.exists():
         path.rename(workspace.root / "aside") if path.is_dir() else path.unlink()
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.symlink_to(victim / "hashes.json" if path.suffix == ".json" or path.name == "lock" else victim)
+    path.symlink_to(
+        victim / "hashes.json" if path.suffix == ".json" or path.name == "lock" else victim
+    )
     with pytest.raises(UsageError, match="symbolic link lies among the run's own files"):
         toy.run(package, workspace, left=toy.Options(power=2))
     assert contents(victim) == before
 
 
-def test_a_private_folder_that_is_a_link_is_refused(toy: ModuleType, package: Path, workspace: Workspace, victim: Path) -> None:
+def test_a_private_folder_that_is_a_link_is_refused(
+    toy: ModuleType, package: Path, workspace: Workspace, victim: Path
+) -> None:
     workspace.root.mkdir(parents=True)
     (workspace.root / ".hullrecon").symlink_to(victim)
     before = contents(victim)
@@ -61,7 +75,9 @@ def test_a_private_folder_that_is_a_link_is_refused(toy: ModuleType, package: Pa
     assert contents(victim) == before
 
 
-def test_a_run_folder_that_is_a_link_is_refused(toy: ModuleType, package: Path, workspace: Workspace, victim: Path) -> None:
+def test_a_run_folder_that_is_a_link_is_refused(
+    toy: ModuleType, package: Path, workspace: Workspace, victim: Path
+) -> None:
     workspace.root.parent.mkdir()
     workspace.root.symlink_to(victim)
     before = contents(victim)
@@ -70,14 +86,18 @@ def test_a_run_folder_that_is_a_link_is_refused(toy: ModuleType, package: Path, 
     assert contents(victim) == before
 
 
-def test_the_folder_of_all_runs_may_be_a_link(toy: ModuleType, package: Path, tmp_path: Path) -> None:
+def test_the_folder_of_all_runs_may_be_a_link(
+    toy: ModuleType, package: Path, tmp_path: Path
+) -> None:
     (tmp_path / "disk").mkdir()
     (tmp_path / "runs").symlink_to(tmp_path / "disk")
     toy.run(package, Workspace(tmp_path / "runs" / "dive"))
     assert (tmp_path / "disk" / "dive" / "deliver" / "total.json").exists()
 
 
-def test_a_folder_of_somebody_else_is_not_adopted(toy: ModuleType, package: Path, workspace: Workspace) -> None:
+def test_a_folder_of_somebody_else_is_not_adopted(
+    toy: ModuleType, package: Path, workspace: Workspace
+) -> None:
     workspace.root.mkdir(parents=True)
     (workspace.root / "thesis.tex").write_text("years of work")
     with pytest.raises(UsageError, match="not empty and holds no run"):
@@ -109,8 +129,14 @@ def test_a_run_that_another_package_takes_over_is_said_to(
     other = toy.make_package(package.parent / "other")
     assert workspace.other_package(other, ()) == package
     toy.run(other, workspace)
-    said = [record.getMessage() for record in caplog.records if "another dive package" in record.getMessage()]
-    assert said == [f"{workspace.root} holds the results of another dive package, {package}: what differs is replaced"]
+    said = [
+        record.getMessage()
+        for record in caplog.records
+        if "another dive package" in record.getMessage()
+    ]
+    assert said == [
+        f"{workspace.root} holds the results of another dive package, {package}: what differs is replaced"
+    ]
     assert workspace.package == other
     assert workspace.other_package(other, ()) is None
     shutil.rmtree(other)
@@ -118,7 +144,12 @@ def test_a_run_that_another_package_takes_over_is_said_to(
 
 
 def test_a_run_may_lie_inside_its_package(toy: ModuleType, package: Path) -> None:
-    assert toy.made(toy.run(package, Workspace(package / "runs" / "dive"))) == ["read", "left", "right", "join"]
+    assert toy.made(toy.run(package, Workspace(package / "runs" / "dive"))) == [
+        "read",
+        "left",
+        "right",
+        "join",
+    ]
 
 
 def test_a_place_that_takes_no_folders_is_said(toy: ModuleType, package: Path) -> None:
@@ -126,9 +157,13 @@ def test_a_place_that_takes_no_folders_is_said(toy: ModuleType, package: Path) -
         toy.run(package, Workspace(Path("/proc/hullrecon/dive")))
 
 
-def test_a_name_that_no_file_system_takes_is_said(toy: ModuleType, package: Path, tmp_path: Path) -> None:
+def test_a_name_that_no_file_system_takes_is_said(
+    toy: ModuleType, package: Path, tmp_path: Path
+) -> None:
     with pytest.raises(UsageError, match="the name of the run's folder is too long"):
-        run_chain(toy.chain(package), Workspace(tmp_path / ("x" * 300)), RunContext(HashCache(), Serial()))
+        run_chain(
+            toy.chain(package), Workspace(tmp_path / ("x" * 300)), RunContext(HashCache(), Serial())
+        )
 
 
 def test_a_lock_is_empty_when_nobody_holds_it(workspace: Workspace) -> None:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The writer crashed at each of its calls, and killed at random times: only the old artifact or the new one is found."""
+"""The writer crashed at each of its calls, and killed at random times: only the old artifact or the
+new one is found.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,18 @@ from hullrecon.artifacts.storage.workspace import Workspace
 
 NAMES = ("read", "left", "right", "join")
 PAUSE_S = 0.1
-CALLS = ("fsync", "replace", "rename", "link", "unlink", "rmdir", "mkdir", "truncate", "pwrite", "copy_file_range")
+CALLS = (
+    "fsync",
+    "replace",
+    "rename",
+    "link",
+    "unlink",
+    "rmdir",
+    "mkdir",
+    "truncate",
+    "pwrite",
+    "copy_file_range",
+)
 
 
 class Crash(BaseException):
@@ -35,7 +48,9 @@ class Crash(BaseException):
 
 
 class Countdown:
-    """Lets a number of calls that change the disk pass; the next, and all after it, do not happen. A write may half happen."""
+    """Lets a number of calls that change the disk pass; the next, and all after it, do not happen.
+    A write may half happen.
+    """
 
     def __init__(self, calls: int) -> None:
         self.left = calls
@@ -53,7 +68,9 @@ class Countdown:
             raise Crash
 
     def open(self, path: Path, mode: str) -> BinaryIO:
-        """A file whose writes are counted, unbuffered so that what was written before the crash is on the disk."""
+        """A file whose writes are counted, unbuffered so that what was written before the crash is
+        on the disk.
+        """
         self.step()
         file: Any = open(path, mode, buffering=0)  # noqa: SIM115
         return Half(file, self)  # type: ignore[return-value]
@@ -80,7 +97,9 @@ class Half:
 
 
 def contents(workspace: Workspace) -> dict[str, str]:
-    """Content hash by step; fails when any is damaged. What is shown in deliver/ may still be that of the run before."""
+    """Content hash by step; fails when any is damaged. What is shown in deliver/ may still be that
+    of the run before.
+    """
     damaged = check_workspace(workspace, NAMES, read_data=True).damaged
     assert [sentence for sentence in damaged if not sentence.startswith("deliver/")] == []
     found = {name: read_manifest(workspace.artifact(name)) for name in NAMES}
@@ -108,7 +127,8 @@ def _lasting(path: Path) -> bytes:
 def test_a_crash_at_any_call_leaves_the_old_or_the_new_artifact(
     can_swap: bool, toy: ModuleType, package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(os, "fsync", lambda descriptor: None)  # the order is tested elsewhere; here no power fails
+    # the order is tested elsewhere; here no power fails
+    monkeypatch.setattr(os, "fsync", lambda descriptor: None)
     before, expected = Workspace(tmp_path / "before"), Workspace(tmp_path / "expected")
     toy.run(package, before)
     squared = {"left": toy.Options(power=2)}
@@ -117,8 +137,15 @@ def test_a_crash_at_any_call_leaves_the_old_or_the_new_artifact(
     ended, calls = False, 0
     while not ended:
         workspace = Workspace(Path(shutil.copytree(before.root, tmp_path / f"crash-{calls}")))
-        ended = _run_with_crash(calls, can_swap, lambda w=workspace: toy.run(package, w, **squared), monkeypatch)
-        assert json.loads((existing_folder(workspace.root / "deliver") / "total.json").read_text())["total"] in totals
+        ended = _run_with_crash(
+            calls, can_swap, lambda w=workspace: toy.run(package, w, **squared), monkeypatch
+        )
+        assert (
+            json.loads((existing_folder(workspace.root / "deliver") / "total.json").read_text())[
+                "total"
+            ]
+            in totals
+        )
         for name, content in contents(workspace).items():
             assert content in (old[name], new[name])
         toy.run(package, workspace, **squared)
@@ -127,14 +154,20 @@ def test_a_crash_at_any_call_leaves_the_old_or_the_new_artifact(
     assert calls > 50
 
 
-def _run_with_crash(calls: int, can_swap: bool, run: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> bool:
+def _run_with_crash(
+    calls: int, can_swap: bool, run: Callable[[], object], monkeypatch: pytest.MonkeyPatch
+) -> bool:
     """True when the run ended before the crash came."""
     countdown = Countdown(calls)
     with monkeypatch.context() as patch:
         for name in CALLS:
             patch.setattr(os, name, countdown.guard(getattr(os, name)))
         patch.setattr(disk, "open", countdown.open, raising=False)
-        patch.setattr(disk, "exchange", countdown.guard(disk.exchange) if can_swap else lambda first, second: False)
+        patch.setattr(
+            disk,
+            "exchange",
+            countdown.guard(disk.exchange) if can_swap else lambda first, second: False,
+        )
         try:
             run()
         except Crash:
@@ -142,7 +175,9 @@ def _run_with_crash(calls: int, can_swap: bool, run: Callable[[], object], monke
     return True
 
 
-def test_a_run_killed_at_random_times_ends_with_the_same_bytes(toy: ModuleType, package: Path, tmp_path: Path) -> None:
+def test_a_run_killed_at_random_times_ends_with_the_same_bytes(
+    toy: ModuleType, package: Path, tmp_path: Path
+) -> None:
     pause = {"left": toy.Options(pause_s=PAUSE_S), "right": toy.Options(pause_s=PAUSE_S)}
     whole = Workspace(tmp_path / "whole")
     toy.run(package, whole, **pause)
@@ -150,7 +185,9 @@ def test_a_run_killed_at_random_times_ends_with_the_same_bytes(toy: ModuleType, 
     killed = 0
     for trial in range(20):
         workspace = Workspace(tmp_path / f"killed-{trial}")
-        killed += _kill_while_it_runs(Path(toy.__file__ or ""), package, workspace, chance.uniform(0.0, 3 * PAUSE_S))
+        killed += _kill_while_it_runs(
+            Path(toy.__file__ or ""), package, workspace, chance.uniform(0.0, 3 * PAUSE_S)
+        )
         assert contents(workspace).items() <= contents(whole).items()
         toy.run(package, workspace, **pause)
         assert snapshot(workspace) == snapshot(whole)
@@ -159,7 +196,9 @@ def test_a_run_killed_at_random_times_ends_with_the_same_bytes(toy: ModuleType, 
 
 def _kill_while_it_runs(script: Path, package: Path, workspace: Workspace, after_s: float) -> bool:
     """Kills the run that long after it has begun to write; False when it had ended before."""
-    with subprocess.Popen([sys.executable, str(script), str(package), str(workspace.root), str(PAUSE_S)]) as process:
+    with subprocess.Popen(
+        [sys.executable, str(script), str(package), str(workspace.root), str(PAUSE_S)]
+    ) as process:
         while not workspace.root.exists() and process.poll() is None:
             time.sleep(0.001)
         time.sleep(after_s)

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""artifacts.delivery: deliver/ is copies; what others change there harms no artifact, is said, kept and restored."""
+"""artifacts.delivery: deliver/ is copies; what others change there harms no artifact, is said, kept
+and restored.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,9 @@ def flip_quietly(path: Path) -> None:
 
 
 def run_and_read(toy: ModuleType, package: Path, workspace: Workspace) -> list[StepOutcome]:
-    return run_chain(toy.chain(package), workspace, RunContext(workspace.hashes(trusting=False), Serial()))
+    return run_chain(
+        toy.chain(package), workspace, RunContext(workspace.hashes(trusting=False), Serial())
+    )
 
 
 def test_deliverables_are_copies_at_the_workspaces_top(ran: Workspace) -> None:
@@ -59,14 +63,18 @@ def test_an_edited_deliverable_is_said_kept_and_restored_and_harms_no_artifact(
     assert f"restored, what lay there is in {ran.root / 'quarantine' / 'deliver-1'}" in caplog.text
 
 
-def test_what_others_put_into_deliver_is_kept_apart(toy: ModuleType, package: Path, ran: Workspace) -> None:
+def test_what_others_put_into_deliver_is_kept_apart(
+    toy: ModuleType, package: Path, ran: Workspace
+) -> None:
     (ran.root / "deliver" / "mine.txt").write_text("notes")
     toy.run(package, ran)
     assert os.listdir(ran.root / "deliver") == ["total.json"]
     assert (ran.root / "quarantine" / "deliver-1" / "mine.txt").read_text() == "notes"
 
 
-def test_an_edit_is_kept_when_a_new_result_takes_its_place(toy: ModuleType, package: Path, ran: Workspace) -> None:
+def test_an_edit_is_kept_when_a_new_result_takes_its_place(
+    toy: ModuleType, package: Path, ran: Workspace
+) -> None:
     (ran.root / "deliver" / "total.json").write_text("mine")
     toy.run(package, ran, left=toy.Options(power=2))
     assert "20.0" in (ran.root / "deliver" / "total.json").read_text()
@@ -82,7 +90,9 @@ def test_a_new_result_takes_the_place_of_the_old_one_without_a_word(
 
 
 @pytest.mark.parametrize("lost", ["total.json", "."])
-def test_a_removed_deliverable_comes_back(lost: str, toy: ModuleType, package: Path, ran: Workspace) -> None:
+def test_a_removed_deliverable_comes_back(
+    lost: str, toy: ModuleType, package: Path, ran: Workspace
+) -> None:
     path = ran.root / "deliver" / lost
     shutil.rmtree(path) if path.is_dir() else path.unlink()
     toy.run(package, ran)
@@ -115,7 +125,9 @@ def test_a_flipped_bit_in_the_workspaces_own_documents_is_found_and_healed(
     assert check_workspace(ran, NAMES, read_data=True).damaged == []
 
 
-def test_hard_links_of_an_older_version_become_copies(toy: ModuleType, package: Path, ran: Workspace) -> None:
+def test_hard_links_of_an_older_version_become_copies(
+    toy: ModuleType, package: Path, ran: Workspace
+) -> None:
     inside, shown = ran.root / "join/deliver/total.json", ran.root / "deliver/total.json"
     shown.unlink()
     os.link(inside, shown)
@@ -131,7 +143,9 @@ def test_publishing_what_is_in_place_changes_nothing(ran: Workspace) -> None:
     assert (ran.root / "deliver").stat().st_ino == before
 
 
-def test_a_pipe_in_deliver_does_not_hold_the_run_up(toy: ModuleType, package: Path, ran: Workspace) -> None:
+def test_a_pipe_in_deliver_does_not_hold_the_run_up(
+    toy: ModuleType, package: Path, ran: Workspace
+) -> None:
     (ran.root / "deliver" / "total.json").unlink()
     os.mkfifo(ran.root / "deliver" / "total.json")
     toy.run(package, ran)

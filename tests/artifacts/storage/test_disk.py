@@ -35,10 +35,14 @@ def test_an_error_while_writing_leaves_the_old_file(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["a.txt"]
 
 
-def test_a_file_is_synced_before_its_rename_and_the_folder_after(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_is_synced_before_its_rename_and_the_folder_after(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     calls = []
     fsync, replace = os.fsync, os.replace
-    monkeypatch.setattr(os, "fsync", lambda fd: (calls.append(os.readlink(f"/proc/self/fd/{fd}")), fsync(fd)))
+    monkeypatch.setattr(
+        os, "fsync", lambda fd: (calls.append(os.readlink(f"/proc/self/fd/{fd}")), fsync(fd))
+    )
     monkeypatch.setattr(os, "replace", lambda a, b: (calls.append("rename"), replace(a, b)))
     disk.write_file(tmp_path / "a", b"x")
     assert calls == [str(tmp_path / ".tmp-a"), "rename", str(tmp_path)]
@@ -77,7 +81,12 @@ def test_a_failing_library_leaves_nothing_behind(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("number", "words"),
-    [(errno.ENOSPC, "No space left"), (errno.EDQUOT, "quota"), (errno.EROFS, "Read-only"), (errno.EACCES, "denied")],
+    [
+        (errno.ENOSPC, "No space left"),
+        (errno.EDQUOT, "quota"),
+        (errno.EROFS, "Read-only"),
+        (errno.EACCES, "denied"),
+    ],
 )
 def test_a_disk_that_refuses_is_named_with_its_folder(
     number: int, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -127,7 +136,9 @@ def test_a_folder_is_committed_where_none_was(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("can_swap", [True, False])
-def test_a_folder_replaces_another(can_swap: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_replaces_another(
+    can_swap: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     if not can_swap:
         monkeypatch.setattr(disk, "exchange", lambda first, second: False)
     _folder(tmp_path / "final", "old")
@@ -148,7 +159,9 @@ def test_swapping_with_nothing_is_an_error(tmp_path: Path) -> None:
         disk.exchange(_folder(tmp_path / "first", "1"), tmp_path / "absent")
 
 
-def test_a_commit_without_swap_that_was_cut_short_keeps_the_old_folder_in_sight(tmp_path: Path) -> None:
+def test_a_commit_without_swap_that_was_cut_short_keeps_the_old_folder_in_sight(
+    tmp_path: Path,
+) -> None:
     final = tmp_path / "final"
     _folder(disk.set_aside(final), "old")
     assert (disk.existing_folder(final) / "a").read_text() == "old"

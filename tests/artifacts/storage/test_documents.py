@@ -14,10 +14,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec import Struct
 
-from hullrecon.artifacts.storage.documents import DamagedArtifactError, digest, encode, plain, seal, unseal
+from hullrecon.artifacts.storage.documents import (
+    DamagedArtifactError,
+    digest,
+    encode,
+    plain,
+    seal,
+    unseal,
+)
 
 JSON = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.text(),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
     max_leaves=12,
 )
@@ -45,7 +56,9 @@ def test_numpy_values_structs_and_tuples_become_plain() -> None:
     assert json.loads(encode(value)) == plain
 
 
-@pytest.mark.parametrize("bad", [float("nan"), float("inf"), np.float64("nan"), np.array([0.0, np.nan])])
+@pytest.mark.parametrize(
+    "bad", [float("nan"), float("inf"), np.float64("nan"), np.array([0.0, np.nan])]
+)
 def test_a_number_that_is_not_finite_is_refused_with_its_place(bad: object) -> None:
     place = r"objects\[1\]\.height\[1\]" if isinstance(bad, np.ndarray) else r"objects\[1\]\.height"
     with pytest.raises(ValueError, match=f"not a finite number at {place}$"):

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A disk that is full from any one call on: one error of the right kind, nothing lost, the same bytes when there is room."""
+"""A disk that is full from any one call on: one error of the right kind, nothing lost, the same
+bytes when there is room.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,8 @@ from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import StorageError
 
 NAMES = ("read", "left", "right", "join")
-CALLS = ("mkdir", "copy_file_range", "pwrite")  # with opening and writing files, those that take space
+# with opening and writing files, those that take space
+CALLS = ("mkdir", "copy_file_range", "pwrite")
 
 
 class FullDisk:
@@ -97,7 +100,11 @@ def test_a_disk_that_is_full_from_any_call_on_loses_nothing(
                 patch.setattr(os, name, full.guard(getattr(os, name)))
             patch.setattr(disk, "open", full.open, raising=False)
             ended = not _refusals(lambda w=workspace: toy.run(package, w, **squared))
-        damaged = [s for s in check_workspace(workspace, NAMES, read_data=True).damaged if not s.startswith("deliver/")]
+        damaged = [
+            s
+            for s in check_workspace(workspace, NAMES, read_data=True).damaged
+            if not s.startswith("deliver/")
+        ]
         assert damaged == []
         toy.run(package, workspace, **squared)
         assert lasting_hashes(workspace.root) == lasting_hashes(expected.root)

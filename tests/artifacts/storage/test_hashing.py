@@ -55,7 +55,9 @@ def test_a_file_of_other_size_time_or_inode_is_read_again(file: Path, reads: lis
     assert len(reads) == 4
 
 
-def test_a_cache_that_does_not_trust_reads_each_file_once_in_a_run(file: Path, tmp_path: Path, reads: list[Path]) -> None:
+def test_a_cache_that_does_not_trust_reads_each_file_once_in_a_run(
+    file: Path, tmp_path: Path, reads: list[Path]
+) -> None:
     first = HashCache(tmp_path / "hashes.json")
     first.record(file)
     first.save()
@@ -73,7 +75,9 @@ def test_the_cache_outlives_the_run(file: Path, tmp_path: Path, reads: list[Path
     assert reads == [file]
 
 
-def test_a_damaged_cache_is_forgotten_and_written_anew(file: Path, tmp_path: Path, reads: list[Path]) -> None:
+def test_a_damaged_cache_is_forgotten_and_written_anew(
+    file: Path, tmp_path: Path, reads: list[Path]
+) -> None:
     store = tmp_path / "hashes.json"
     first = HashCache(store)
     first.record(file)

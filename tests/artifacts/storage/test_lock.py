@@ -28,7 +28,11 @@ with hold_lock(Path(sys.argv[1])):
 
 def test_a_second_writer_is_refused_with_the_holders_number(tmp_path: Path) -> None:
     path = tmp_path / "dive" / ".hullrecon" / "lock"
-    with hold_lock(path), pytest.raises(LockedError, match=f"process {os.getpid()}") as caught, hold_lock(path):
+    with (
+        hold_lock(path),
+        pytest.raises(LockedError, match=f"process {os.getpid()}") as caught,
+        hold_lock(path),
+    ):
         pytest.fail("two writers at once")
     assert caught.value.exit_code == 5
     assert caught.value.where == str(tmp_path / "dive")
@@ -62,7 +66,9 @@ def test_a_writer_that_waits_gets_its_turn(tmp_path: Path) -> None:
 
 def test_a_killed_holder_leaves_no_lock(tmp_path: Path) -> None:
     path = tmp_path / "lock"
-    with subprocess.Popen([sys.executable, "-c", HOLD, str(path)], stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLD, str(path)], stdout=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "held\n"
         with pytest.raises(LockedError, match=f"process {process.pid}"), hold_lock(path):
@@ -74,5 +80,8 @@ def test_a_killed_holder_leaves_no_lock(tmp_path: Path) -> None:
 
 
 def test_a_place_without_permission_is_a_storage_error(read_only_folder: Path) -> None:
-    with pytest.raises(StorageError, match="cannot write"), hold_lock(read_only_folder / "dive" / "lock"):
+    with (
+        pytest.raises(StorageError, match="cannot write"),
+        hold_lock(read_only_folder / "dive" / "lock"),
+    ):
         pytest.fail("locked where nothing can be written")

@@ -66,7 +66,9 @@ def test_quarantine_never_overwrites(ran: Workspace, package: Path, toy: ModuleT
     toy.run(package, ran)
     second = ran.quarantine("left")
     assert [first.name, second.name] == ["left-1", "left-2"]
-    assert (first / "raw.bin").read_bytes() == (second / "raw.bin").read_bytes() == bytes(range(256))
+    assert (
+        (first / "raw.bin").read_bytes() == (second / "raw.bin").read_bytes() == bytes(range(256))
+    )
     assert not ran.artifact("left").exists()
 
 

@@ -26,7 +26,12 @@ def out(tmp_path: Path) -> ArtifactWriter:
 
 
 def test_arrays_come_back_with_name_type_and_shape(out: ArtifactWriter, tmp_path: Path) -> None:
-    given = {"t_ns": np.array([1, 2**62]), "scalar": np.array(3.5), "none": np.zeros((0, 3)), "text": np.array(["a", "ü"])}
+    given = {
+        "t_ns": np.array([1, 2**62]),
+        "scalar": np.array(3.5),
+        "none": np.zeros((0, 3)),
+        "text": np.array(["a", "ü"]),
+    }
     out.arrays("a.npz", given)
     read = load_arrays(tmp_path / "a.npz")
     assert read.keys() == given.keys()
@@ -35,15 +40,26 @@ def test_arrays_come_back_with_name_type_and_shape(out: ArtifactWriter, tmp_path
         assert (read[name].dtype, read[name].shape) == (array.dtype, array.shape)
 
 
-@settings(max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
-@given(array=arrays_of.arrays(st.sampled_from(["f8", "f4", "i8", "u1", "?"]), arrays_of.array_shapes(min_dims=0, max_side=4)))
-def test_any_array_comes_back_bit_for_bit(out: ArtifactWriter, tmp_path: Path, array: np.ndarray) -> None:
+@settings(
+    max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
+)
+@given(
+    array=arrays_of.arrays(
+        st.sampled_from(["f8", "f4", "i8", "u1", "?"]),
+        arrays_of.array_shapes(min_dims=0, max_side=4),
+    )
+)
+def test_any_array_comes_back_bit_for_bit(
+    out: ArtifactWriter, tmp_path: Path, array: np.ndarray
+) -> None:
     out.arrays("a.npz", {"x": array})
     read = load_arrays(tmp_path / "a.npz")["x"]
     assert (read.dtype, read.shape, read.tobytes()) == (array.dtype, array.shape, array.tobytes())
 
 
-def test_the_same_arrays_give_the_same_bytes_in_another_order(out: ArtifactWriter, tmp_path: Path) -> None:
+def test_the_same_arrays_give_the_same_bytes_in_another_order(
+    out: ArtifactWriter, tmp_path: Path
+) -> None:
     x, y = np.arange(6.0).reshape(2, 3), np.eye(2)
     out.arrays("a.npz", {"x": x, "y": y})
     out.arrays("b.npz", {"y": y, "x": np.asfortranarray(x)})
@@ -56,7 +72,9 @@ def test_no_clock_shows_in_an_archive(out: ArtifactWriter, tmp_path: Path) -> No
         assert {member.date_time for member in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
 
 
-def test_an_array_of_objects_is_refused_and_leaves_nothing(out: ArtifactWriter, tmp_path: Path) -> None:
+def test_an_array_of_objects_is_refused_and_leaves_nothing(
+    out: ArtifactWriter, tmp_path: Path
+) -> None:
     with pytest.raises(ValueError, match="Object arrays"):
         out.arrays("a.npz", {"x": np.array([{}, None])})
     assert not list(tmp_path.iterdir())
@@ -86,7 +104,9 @@ def test_a_name_outside_the_artifact_is_refused(name: str, out: ArtifactWriter) 
         out.text(name, "x")
 
 
-def test_a_scratch_file_is_written_read_and_leaves_nothing(out: ArtifactWriter, tmp_path: Path) -> None:
+def test_a_scratch_file_is_written_read_and_leaves_nothing(
+    out: ArtifactWriter, tmp_path: Path
+) -> None:
     with out.scratch() as file:
         file.write(b"abc")
         file.seek(0)

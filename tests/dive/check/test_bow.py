@@ -37,7 +37,9 @@ def test_a_bow_at_zero_has_no_minus_sign():
 
 
 def test_a_bow_on_the_negative_axis_is_the_other_end():
-    line, warnings = describe_bow(hull(bow="-x", aft_perpendicular=-1.5), box((-50, -4.5, 0), (0, 4.5, 5.5)))
+    line, warnings = describe_bow(
+        hull(bow="-x", aft_perpendicular=-1.5), box((-50, -4.5, 0), (0, 4.5, 5.5))
+    )
     assert line == (
         "bow: at x = -50.0 m of the CAD model (hull.bow); stations count from its x = -1.5 m, 1.5 m forward of its aft end"
     )
@@ -45,7 +47,8 @@ def test_a_bow_on_the_negative_axis_is_the_other_end():
 
 
 def test_the_ships_axis_is_the_long_one_of_those_that_are_level_by_the_pose():
-    line, _ = describe_bow(hull(pose=(0, 0, 0, -90, 0, 0)), box((-4.5, -60, -1), (4.5, 60, 49)))  # y up, a tall rig
+    # y up, a tall rig
+    line, _ = describe_bow(hull(pose=(0, 0, 0, -90, 0, 0)), box((-4.5, -60, -1), (4.5, 60, 49)))
     assert line.startswith("bow: at z = +49.0 m of the CAD model")
     assert line.endswith("stations count from its z = 0, 1.0 m forward of its aft end")
 
@@ -53,7 +56,9 @@ def test_the_ships_axis_is_the_long_one_of_those_that_are_level_by_the_pose():
 def test_a_zero_amidships_is_no_aft_perpendicular():
     line, (warning,) = describe_bow(hull(), box((-25, -4.5, 0), (25, 4.5, 5.5)))
     assert line.endswith("stations count from its x = 0, 25.0 m forward of its aft end")
-    assert warning.endswith("give hull.bow; if its aft perpendicular lies elsewhere, hull.aft_perpendicular")
+    assert warning.endswith(
+        "give hull.bow; if its aft perpendicular lies elsewhere, hull.aft_perpendicular"
+    )
     assert describe_bow(hull(aft_perpendicular=-25), box((-25, -4.5, 0), (25, 4.5, 5.5)))[1] == []
     _, (turned,) = describe_bow(hull(bow="-x"), SHIP)
     assert "50.0 m forward of its aft end" in turned

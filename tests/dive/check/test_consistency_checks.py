@@ -7,9 +7,25 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.check.consistency_checks import check_consistency, describe_start_offset
-from hullrecon.dive.config.schema import CameraBottom, Cameras, CameraTop, Dive, DiveConfig, Dvl, Imu, Logs
+from hullrecon.dive.config.schema import (
+    CameraBottom,
+    Cameras,
+    CameraTop,
+    Dive,
+    DiveConfig,
+    Dvl,
+    Imu,
+    Logs,
+)
 from hullrecon.dive.logs.dvl_beams import tilted_beams
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SensorRecords
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImageIndex,
+    ImuSamples,
+    JointSamples,
+    PressureSamples,
+    SensorRecords,
+)
 
 NS = 1_000_000_000
 T = np.arange(100, dtype=np.int64) * NS // 5
@@ -18,11 +34,19 @@ JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
 
 
 def config(**more) -> DiveConfig:
-    return DiveConfig(dive=Dive(name="x"), logs=Logs(files=("l",)), **{"dvl": Dvl(mount=(0, 0, 0, 0, 90, 0)), **more})
+    return DiveConfig(
+        dive=Dive(name="x"),
+        logs=Logs(files=("l",)),
+        **{"dvl": Dvl(mount=(0, 0, 0, 0, 90, 0)), **more},
+    )
 
 
-def dive(depth=3.0, mount_pitch_deg=90.0, turn: Rotation | None = None, acceleration=(0.0, 0.0, -9.81)):
-    """A level vehicle that bobs by 0.3 m; the DVL looks as its mount says and measures that motion. turn: of the attitude."""
+def dive(
+    depth=3.0, mount_pitch_deg=90.0, turn: Rotation | None = None, acceleration=(0.0, 0.0, -9.81)
+):
+    """A level vehicle that bobs by 0.3 m; the DVL looks as its mount says and measures that motion.
+    turn: of the attitude.
+    """
     bob = 0.3 * np.sin(T / NS)
     down = 0.3 * np.cos(T / NS)
     attitude = turn or Rotation.identity()
@@ -30,7 +54,13 @@ def dive(depth=3.0, mount_pitch_deg=90.0, turn: Rotation | None = None, accelera
     velocity = (attitude * vehicle_from_dvl).inv().apply(np.outer(down, [0, 0, 1.0]))
     n = len(T)
     return {
-        "dvl": DvlPings(t_ns=T, velocity=velocity, velocity_sigma=np.full(n, 0.003), ranges=np.ones((n, 4)), beams=JANUS),
+        "dvl": DvlPings(
+            t_ns=T,
+            velocity=velocity,
+            velocity_sigma=np.full(n, 0.003),
+            ranges=np.ones((n, 4)),
+            beams=JANUS,
+        ),
         "imu": ImuSamples(
             t_ns=T,
             quaternion=np.tile(attitude.as_quat(), (n, 1)),
@@ -60,14 +90,18 @@ def test_a_dive_that_fits_together_raises_no_suspicion():
 def test_returns_above_the_water_raise_suspicion_of_the_mount():
     """At 0.4 m depth with the DVL looking up, ranges of 1 m end in the air."""
     records = dive(depth=0.4, mount_pitch_deg=180.0)
-    (line,) = check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 0, 180, 0))), SensorRecords(**records), {})
+    (line,) = check_consistency(
+        config(dvl=Dvl(mount=(0, 0, 0, 0, 180, 0))), SensorRecords(**records), {}
+    )
     assert "% of the DVL's returns would lie above the water" in line
 
 
 def test_a_dvl_that_is_mounted_upside_down_runs_against_the_pressure():
     """It looks down, the file says up."""
     records = dive(depth=9.0, mount_pitch_deg=0.0)
-    (line,) = check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {})
+    (line,) = check_consistency(
+        config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {}
+    )
     assert "runs against that of the pressure sensor" in line
 
 
@@ -81,14 +115,19 @@ def test_a_dvl_whose_axes_are_mixed_up_does_not_follow_the_pressure():
         ranges=np.ones((len(T), 4)),
         beams=JANUS,
     )
-    (line,) = check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 0, 90, 0))), SensorRecords(**records), {})
+    (line,) = check_consistency(
+        config(dvl=Dvl(mount=(0, 0, 0, 0, 90, 0))), SensorRecords(**records), {}
+    )
     assert "does not follow" in line
 
 
 def test_a_vehicle_that_keeps_its_depth_says_nothing_about_the_dvl():
     records = dive(depth=9.0)
     records["pressure"] = PressureSamples(t_ns=T, depth=np.full(len(T), 9.0))
-    assert check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {}) == []
+    assert (
+        check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {})
+        == []
+    )
 
 
 @pytest.mark.parametrize(("frame", "other"), [("ned", "enu"), ("enu", "ned")])
@@ -101,20 +140,32 @@ def test_gravity_the_wrong_way_round_raises_suspicion_of_the_convention(frame, o
 
 def test_gravity_aslant_is_told_in_degrees():
     records = {"imu": dive(acceleration=(9.81, 0, -9.81))["imu"]}
-    assert "gravity is 45 degrees off the vertical" in check_consistency(config(), SensorRecords(**records), {})[0]
+    assert (
+        "gravity is 45 degrees off the vertical"
+        in check_consistency(config(), SensorRecords(**records), {})[0]
+    )
 
 
 def test_an_imu_without_accelerations_raises_none():
-    assert check_consistency(config(), SensorRecords(imu=dive(acceleration=(np.nan,) * 3)["imu"]), {}) == []
+    assert (
+        check_consistency(config(), SensorRecords(imu=dive(acceleration=(np.nan,) * 3)["imu"]), {})
+        == []
+    )
 
 
 def test_clocks_that_do_not_overlap_are_named_with_how_far_they_are_apart():
-    found = check_consistency(config(), SensorRecords(pressure=dive()["pressure"]), {"camera_top": index(T + 100 * NS)})
-    assert found == ["camera_top and pressure do not overlap in time: one of the clocks is off by 80.2 s or more"]
+    found = check_consistency(
+        config(), SensorRecords(pressure=dive()["pressure"]), {"camera_top": index(T + 100 * NS)}
+    )
+    assert found == [
+        "camera_top and pressure do not overlap in time: one of the clocks is off by 80.2 s or more"
+    ]
 
 
 def test_a_joint_that_was_read_once_says_nothing_about_clocks():
-    """As one that stands still, put at the start of a time window, before the IMU's first reading in it."""
+    """As one that stands still, put at the start of a time window, before the IMU's first reading
+    in it.
+    """
     once = JointSamples(t_ns=T[:1] - NS, angle=np.zeros(1))
     assert check_consistency(config(), SensorRecords(**{**dive(), "tray": once}), {}) == []
 
@@ -128,14 +179,22 @@ def test_an_imu_that_was_read_once_is_named():
 
 def test_a_camera_that_looks_away_from_the_dvl_is_named():
     cameras = Cameras(top=CameraTop(calibration="c", mount=(0, 0, 0, 0, 0, 0)))
-    assert "looks 90 degrees away" in check_consistency(config(camera=cameras), SensorRecords(), {})[0]
+    assert (
+        "looks 90 degrees away" in check_consistency(config(camera=cameras), SensorRecords(), {})[0]
+    )
 
 
 @pytest.mark.parametrize(("metres", "told"), [(100.0, "100.000"), (0.0, "0.000")])
 def test_a_baseline_in_millimetres_or_of_nothing_is_named(metres, told):
     bottom = CameraBottom(calibration="c", pose_in_top=(0, metres, 0, 0, 0, 0))
     found = check_consistency(
-        config(camera=Cameras(top=CameraTop(calibration="c", mount=(0, 0, 0, 90, 0, 90)), bottom=bottom)), SensorRecords(), {}
+        config(
+            camera=Cameras(
+                top=CameraTop(calibration="c", mount=(0, 0, 0, 90, 0, 90)), bottom=bottom
+            )
+        ),
+        SensorRecords(),
+        {},
     )
     assert f"the cameras are {told} m apart" in found[0]
 
@@ -157,7 +216,10 @@ def test_an_imu_that_ended_midway_is_a_warning_where_no_image_carries_on():
     half = ImuSamples(**{f.name: getattr(imu, f.name)[:50] for f in fields(imu)})
     records["imu"] = half
     (words,) = check_consistency(config(), SensorRecords(**records), {})
-    assert words == "45 % of the DVL's velocities lie where no attitude was read: a run cannot use them"
+    assert (
+        words
+        == "45 % of the DVL's velocities lie where no attitude was read: a run cannot use them"
+    )
     assert check_consistency(config(), SensorRecords(**records), {"camera_top": index(T)}) == []
 
 
@@ -165,6 +227,12 @@ def test_a_dvl_that_ended_midway_is_a_warning_but_for_a_logger_on_deck():
     records = dive()
     records["dvl"].velocity[30:] = np.nan
     (words,) = check_consistency(config(), SensorRecords(**records), {})
-    assert words.startswith("the IMU was read for 14.0 s under water before the first or after the last velocity of the DVL")
+    assert words.startswith(
+        "the IMU was read for 14.0 s under water before the first or after the last velocity of the DVL"
+    )
     records["pressure"].depth[30:] = 0.1
-    assert not [words for words in check_consistency(config(), SensorRecords(**records), {}) if "IMU was read" in words]
+    assert not [
+        words
+        for words in check_consistency(config(), SensorRecords(**records), {})
+        if "IMU was read" in words
+    ]

@@ -19,7 +19,8 @@ def hull(*regions, **more):
 
 def test_a_model_with_y_up_is_counted_by_the_pose_that_says_so():
     mesh = barge()
-    turned = Mesh(mesh.vertices @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), mesh.faces)  # y of the file is up
+    # y of the file is up
+    turned = Mesh(mesh.vertices @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), mesh.faces)
     lines, _ = describe_regions(hull(BOW, pose=(0, 0, 0, -90, 0, 0)), turned)
     assert lines == ["region bow: 8.0 m2 of the CAD model"]
 

@@ -19,7 +19,11 @@ def test_a_loss_is_told_with_its_file_topic_span_count_and_reason():
 
 
 def test_an_open_loss_runs_from_the_start_or_to_the_end():
-    found = [("x", Loss("w", "/a", 10**9)), ("x", Loss("w", "", None, 10**9)), ("x", Loss("w", "/a"))]
+    found = [
+        ("x", Loss("w", "/a", 10**9)),
+        ("x", Loss("w", "", None, 10**9)),
+        ("x", Loss("w", "/a")),
+    ]
     assert [line.split(": ", 2)[1:] for line in describe_losses(found)] == [
         ["/a", "from 1970-01-01T00:00:01.000Z to the end is lost: w"],
         ["every topic", "from the start to 1970-01-01T00:00:01.000Z is lost: w"],
@@ -62,7 +66,10 @@ def test_a_silent_spell_and_the_range_of_a_servo_are_told():
         ),
         {},
     )
-    assert "pressure: nothing for 28.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:00:30.000Z" in lines
+    assert (
+        "pressure: nothing for 28.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:00:30.000Z"
+        in lines
+    )
     assert "tray angles run from 0.0 to 45.0 degrees" in lines
 
 
@@ -83,15 +90,23 @@ def test_a_single_reading_is_told_in_the_singular_and_without_a_rate():
 
 def test_rates_are_in_hertz():
     t = np.arange(5, dtype=np.int64) * 500_000_000
-    (line, _) = describe_streams(SensorRecords(pressure=PressureSamples(t_ns=t, depth=np.arange(5.0))), {})
+    (line, _) = describe_streams(
+        SensorRecords(pressure=PressureSamples(t_ns=t, depth=np.arange(5.0))), {}
+    )
     assert line == "pressure: 5 readings in 2.0 s from 1970-01-01T00:00:00.000Z, 2.0 Hz"
 
 
 def test_sensors_without_readings_are_not_described():
     none = np.zeros(0, np.int64)
-    assert describe_streams(SensorRecords(tray=JointSamples(t_ns=none, angle=np.zeros(0))), {}) == []
+    assert (
+        describe_streams(SensorRecords(tray=JointSamples(t_ns=none, angle=np.zeros(0))), {}) == []
+    )
     lost = DvlPings(
-        t_ns=none, velocity=np.zeros((0, 3)), velocity_sigma=np.zeros(0), ranges=np.zeros((0, 4)), beams=np.zeros((4, 3))
+        t_ns=none,
+        velocity=np.zeros((0, 3)),
+        velocity_sigma=np.zeros(0),
+        ranges=np.zeros((0, 4)),
+        beams=np.zeros((4, 3)),
     )
     assert describe_streams(SensorRecords(dvl=lost), {}) == []
 

@@ -19,7 +19,9 @@ from tests.dive.readers.test_pd0 import ensemble_bytes
 
 def check(package: Path, *overrides: str):
     loaded = load_config(package, {}, overrides)
-    return check_package(loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})))
+    return check_package(
+        loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+    )
 
 
 def test_a_package_is_told_with_what_it_lacks(package):
@@ -28,13 +30,19 @@ def test_a_package_is_told_with_what_it_lacks(package):
     assert any(line.startswith("camera_top: 8 images in 3.5 s") for line in lines)
     assert "the first camera image is 0.0 s after the first DVL ping" in lines
     assert "no camera_bottom: one camera: scale and depth come from the DVL" in lines
-    assert "no hull: without a CAD model the run maps onto its own surface, in the frame global" in lines
+    assert (
+        "no hull: without a CAD model the run maps onto its own surface, in the frame global"
+        in lines
+    )
     assert not any(line.startswith(("no dvl", "no imu", "no joints")) for line in lines)
 
 
 def test_a_pressure_sensor_that_never_gave_a_number_is_none(package, kit):
     lost = [
-        dataclasses.replace(e, message=kit.pressure(e.t_ns, float("nan"))) if e.topic == "/pressure" else e for e in kit.dive()
+        dataclasses.replace(e, message=kit.pressure(e.t_ns, float("nan")))
+        if e.topic == "/pressure"
+        else e
+        for e in kit.dive()
     ]
     kit.mcap(package / "logs" / "dive.mcap", lost)
     lines = check(package).lines()
@@ -47,13 +55,24 @@ def test_a_topic_that_dive_toml_does_not_name_is_told_with_the_reason(package, k
     entries = kit.dive()
     entry, t = type(entries[0]), entries[0].t_ns
     beam = kit.make(
-        "sensor_msgs/msg/Range", header=kit.header(t), radiation_type=0, field_of_view=0.1, min_range=0.1, max_range=9.0,
-        range=2.0, variance=0.0,
-    )  # fmt: skip
-    kit.mcap(package / "logs" / "dive.mcap", [*entries, entry("/altimeter", "sensor_msgs/msg/Range", t, beam)])
+        "sensor_msgs/msg/Range",
+        header=kit.header(t),
+        radiation_type=0,
+        field_of_view=0.1,
+        min_range=0.1,
+        max_range=9.0,
+        range=2.0,
+        variance=0.0,
+    )
+    kit.mcap(
+        package / "logs" / "dive.mcap",
+        [*entries, entry("/altimeter", "sensor_msgs/msg/Range", t, beam)],
+    )
     found = check(package)
     (line,) = found.document()["unused"]
-    assert line.startswith("a run would not use /altimeter (sensor_msgs/msg/Range): ranges are taken along the beams of a DVL")
+    assert line.startswith(
+        "a run would not use /altimeter (sensor_msgs/msg/Range): ranges are taken along the beams of a DVL"
+    )
     assert f"note: {line}" in found.lines()
 
 
@@ -61,7 +80,10 @@ def test_the_clock_of_a_sonar_file_is_corrected_by_dive_toml(package):
     (package / "logs" / "sonar.aris").write_bytes(aris_file(2, delay_us=930))
     files = 'logs.files=["logs/dive.mcap","logs/sonar.aris"]'
     own = check(package, files).found.records.sonar.t_ns
-    assert check(package, files, "sonar.time_offset=-0.25").found.records.sonar.t_ns.tolist() == (own - 250_000_000).tolist()
+    assert (
+        check(package, files, "sonar.time_offset=-0.25").found.records.sonar.t_ns.tolist()
+        == (own - 250_000_000).tolist()
+    )
 
 
 @pytest.mark.parametrize("lens", [0, 1])
@@ -71,7 +93,9 @@ def test_a_sonar_file_beside_the_log_is_read_or_its_beams_are_asked_for(package,
     found = check(package, files)
     if lens:
         assert "nothing says where the sonar's 64 beams point" in found.verdict
-        found = check(package, files, f"sonar.beam_azimuth_deg={np.linspace(-7, 7, 64).round(2).tolist()}")
+        found = check(
+            package, files, f"sonar.beam_azimuth_deg={np.linspace(-7, 7, 64).round(2).tolist()}"
+        )
     assert found.run_is_possible
     assert found.found.records.sonar.image.shape == (3, 64, 8)
     azimuth = np.degrees(np.arcsin(found.found.records.sonar.directions[:, 1]))
@@ -94,11 +118,15 @@ def test_defaults_are_those_keys_that_nobody_gave(package):
     defaults = defaults_of(loaded)
     assert "dvl.scale_sigma" not in defaults
     assert defaults["pressure.bias_sigma_m"] == 0.1
-    assert not any(key.startswith(("hull.", "sonar.", "camera.bottom", "position.")) for key in defaults)
+    assert not any(
+        key.startswith(("hull.", "sonar.", "camera.bottom", "position.")) for key in defaults
+    )
     assert "camera.top.calibration" not in defaults
 
 
-@pytest.mark.parametrize(("roll_deg", "sigma"), [(180, [1, 1, 0.3, 1, 1, 5]), (-90, [1, 0.3, 1, 1, 5, 1])])
+@pytest.mark.parametrize(
+    ("roll_deg", "sigma"), [(180, [1, 1, 0.3, 1, 1, 5]), (-90, [1, 0.3, 1, 1, 5, 1])]
+)
 def test_the_sigma_of_the_hulls_pose_is_shown_by_the_axis_that_is_up(package, roll_deg, sigma):
     given = ["hull.mesh='ship.stl'", f"hull.pose=[0,0,0,{roll_deg},0,0]"]
     assert defaults_of(load_config(package, {}, given))["hull.pose_sigma"] == sigma
@@ -111,18 +139,31 @@ def positions(kit, entry, count, step_m):
     at = [kit.start_ns + k * 500_000_000 for k in range(count)]
     points = [kit.make("geometry_msgs/msg/Point", x=step_m * k, y=0.0, z=0.0) for k in range(count)]
     kind = "geometry_msgs/msg/PointStamped"
-    return [entry("/usbl", kind, t, kit.make(kind, header=kit.header(t), point=p)) for t, p in zip(at, points, strict=True)]
+    return [
+        entry("/usbl", kind, t, kit.make(kind, header=kit.header(t), point=p))
+        for t, p in zip(at, points, strict=True)
+    ]
 
 
-@pytest.mark.parametrize(("count", "alone"), [(6, ""), (1, "; one alone tells nothing of the path")])
+@pytest.mark.parametrize(
+    ("count", "alone"), [(6, ""), (1, "; one alone tells nothing of the path")]
+)
 def test_positions_are_told_with_their_number_span_and_sigma(count, alone, package, kit):
     entries = kit.dive()
-    kit.mcap(package / "logs" / "dive.mcap", [*entries, *positions(kit, type(entries[0]), count, 2.0)])
+    kit.mcap(
+        package / "logs" / "dive.mcap", [*entries, *positions(kit, type(entries[0]), count, 2.0)]
+    )
     found = check(package, "topics.position=/usbl", "position.sigma_m=0.5")
     assert any(line.startswith(f"position: {count} position") for line in found.lines())
-    assert f"positions from outside span 0.0 m north and {2 * count - 2:.1f} m east, sigma 0.5 m{alone}" in found.lines()
+    assert (
+        f"positions from outside span 0.0 m north and {2 * count - 2:.1f} m east, sigma 0.5 m{alone}"
+        in found.lines()
+    )
     assert "position.time_offset" in found.defaults
-    assert any(line.startswith("to fill in: position.origin: transponder of USBL") for line in found.lines())
+    assert any(
+        line.startswith("to fill in: position.origin: transponder of USBL")
+        for line in found.lines()
+    )
     (unused,) = check(package).document()["unused"]
     assert "/usbl (could be position)" in unused
 
@@ -130,8 +171,11 @@ def test_positions_are_told_with_their_number_span_and_sigma(count, alone, packa
 def test_the_document_has_every_stream_with_its_rate(package):
     streams = check(package).document()["streams"]
     assert streams["imu"] == {
-        "count": 40, "start_ns": 1_777_887_000_000_000_000, "end_ns": 1_777_887_003_900_000_000, "rate_hz": 10.0,
-    }  # fmt: skip
+        "count": 40,
+        "start_ns": 1_777_887_000_000_000_000,
+        "end_ns": 1_777_887_003_900_000_000,
+        "rate_hz": 10.0,
+    }
     assert set(streams) == {"dvl", "imu", "pressure", "tray", "camera_top"}
 
 
@@ -166,7 +210,9 @@ def test_lever_arms_that_are_left_to_defaults_are_asked_for(package):
 def test_a_camera_that_is_logged_without_a_calibration_is_asked_for(package):
     path = package / "dive.toml"
     path.write_text(path.read_text().split("[camera.top]")[0])
-    assert any(line.startswith("to fill in: camera.top.calibration: ") for line in check(package).lines())
+    assert any(
+        line.startswith("to fill in: camera.top.calibration: ") for line in check(package).lines()
+    )
 
 
 def test_a_dvl_without_an_imu_is_said_to_be_no_run(package):
@@ -216,46 +262,80 @@ def test_a_camera_of_which_no_image_was_logged_is_in_the_way_of_a_run(package, k
     )
     found = check(package)
     assert not found.run_is_possible
-    assert "no image of camera.top was logged: take [camera.top] and [camera.bottom] out of dive.toml" in found.verdict
+    assert (
+        "no image of camera.top was logged: take [camera.top] and [camera.bottom] out of dive.toml"
+        in found.verdict
+    )
 
 
 def test_the_last_line_is_the_verdict(package):
     found = check(package)
-    assert found.lines()[-1].startswith("verdict: ready, with warnings (to fill in: tray.origin, pressure.origin, dvl.mount")
+    assert found.lines()[-1].startswith(
+        "verdict: ready, with warnings (to fill in: tray.origin, pressure.origin, dvl.mount"
+    )
     assert found.document()["verdict"] == found.verdict
-    mounts = ["tray.origin=[0,0,0]", "pressure.origin=[0,0,0]", "dvl.mount=[0,0,0,0,90,0]", "camera.top.mount=[0,0,0,90,0,90]"]
+    mounts = [
+        "tray.origin=[0,0,0]",
+        "pressure.origin=[0,0,0]",
+        "dvl.mount=[0,0,0,0,90,0]",
+        "camera.top.mount=[0,0,0,90,0,90]",
+    ]
     assert check(package, *mounts).lines()[-1] == "verdict: ready"
 
 
 def test_all_that_is_in_the_way_of_a_run_is_listed_at_once(package):
     (package / "calibration" / "camera_top.yaml").write_text("image_width: many\n")
     (package / "hull.stl").write_text("no mesh")
-    (package / "dive.toml").write_text((package / "dive.toml").read_text() + '[hull]\nmesh = "hull.stl"\n')
-    text = (package / "dive.toml").read_text().replace('pressure = "/pressure"', 'pressure = "/nothing"')
-    (package / "dive.toml").write_text(text.replace('joints = "/joints"', 'sonar = "/joints"') + "[sonar]\n")
+    (package / "dive.toml").write_text(
+        (package / "dive.toml").read_text() + '[hull]\nmesh = "hull.stl"\n'
+    )
+    text = (
+        (package / "dive.toml")
+        .read_text()
+        .replace('pressure = "/pressure"', 'pressure = "/nothing"')
+    )
+    (package / "dive.toml").write_text(
+        text.replace('joints = "/joints"', 'sonar = "/joints"') + "[sonar]\n"
+    )
     found = check(package)
     assert not found.run_is_possible
-    for part in ("image_width", "hull.stl", "topic /nothing is not in the log", "not read as sonar"):
+    for part in (
+        "image_width",
+        "hull.stl",
+        "topic /nothing is not in the log",
+        "not read as sonar",
+    ):
         assert any(part in line for line in found.unusable), part
         assert part in found.verdict
     assert found.found.records.dvl is not None
     assert found.found.records.imu is not None
-    assert sum(line.startswith("not usable: ") for line in found.lines()) == len(found.unusable) == 4
+    assert (
+        sum(line.startswith("not usable: ") for line in found.lines()) == len(found.unusable) == 4
+    )
 
 
 def test_a_dvl_without_any_velocity_is_in_the_way_of_a_run(package, kit):
     lost = np.zeros(9)
     lost[0] = -1
     entries = [e for e in kit.dive() if e.topic != "/dvl"]
-    entries += [type(e)("/dvl", "marine_acoustic_msgs/msg/Dvl", e.t_ns, kit.dvl(e.t_ns, velocity_covar=lost)) for e in entries]
+    entries += [
+        type(e)(
+            "/dvl", "marine_acoustic_msgs/msg/Dvl", e.t_ns, kit.dvl(e.t_ns, velocity_covar=lost)
+        )
+        for e in entries
+    ]
     kit.mcap(package / "logs" / "dive.mcap", entries)
     (line,) = check(package).unusable
-    assert line.endswith("pings have no velocity over ground: log its bottom track, or give two cameras instead")
+    assert line.endswith(
+        "pings have no velocity over ground: log its bottom track, or give two cameras instead"
+    )
 
 
 def test_a_profiler_s_lost_velocities_are_told_before_how_it_sits(tmp_path):
     """Else its owner measures mounts of an instrument that cannot be used."""
-    (tmp_path / "x.pd0").write_bytes(b"".join(ensemble_bytes(n, velocity=(-32768,) * 4, heading=100) for n in range(20)))
+    (tmp_path / "x.pd0").write_bytes(
+        b"".join(ensemble_bytes(n, velocity=(-32768,) * 4, heading=100) for n in range(20))
+    )
     (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["x.pd0"]\n')
     first, second = check(tmp_path).unusable
     assert "20 pings have no velocity over ground" in first
@@ -263,7 +343,9 @@ def test_a_profiler_s_lost_velocities_are_told_before_how_it_sits(tmp_path):
 
 
 @pytest.mark.parametrize(("mount", "is_told"), [("[0,0,0,0,90,0]", True), ("[1,0,0,0,3,0]", False)])
-def test_two_statements_on_how_the_dvl_sits_are_compared_where_its_attitude_is_used(tmp_path, mount, is_told):
+def test_two_statements_on_how_the_dvl_sits_are_compared_where_its_attitude_is_used(
+    tmp_path, mount, is_told
+):
     (tmp_path / "x.pd0").write_bytes(b"".join(ensemble_bytes(n, heading=100) for n in range(20)))
     (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["x.pd0"]\n')
     warnings = check(tmp_path, "imu.mount_deg=[0,0,0]", f"dvl.mount={mount}").warnings
@@ -277,7 +359,10 @@ def test_an_imu_of_its_own_may_sit_otherwise_than_the_dvl(package):
 def test_a_sensor_that_cannot_be_used_is_not_called_missing_as_well(package, kit):
     entries = [e for e in kit.dive() if e.topic != "/imu"]
     entry = type(entries[0])
-    entries += [entry("/imu", "sensor_msgs/msg/Imu", e.t_ns, kit.imu(e.t_ns, quaternion=(0, 0, 0, 0))) for e in entries]
+    entries += [
+        entry("/imu", "sensor_msgs/msg/Imu", e.t_ns, kit.imu(e.t_ns, quaternion=(0, 0, 0, 0)))
+        for e in entries
+    ]
     kit.mcap(package / "logs" / "dive.mcap", entries)
     found = check(package)
     assert [line for line in found.unusable if "no attitude" in line]
@@ -305,7 +390,10 @@ def test_an_earlier_dive_that_is_not_there_is_warned_of_and_hinders_no_run(packa
     loaded = load_config(package, {"change": EarlierDive}, ["change.earlier=runs/may"])
     request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
     found = check_package(loaded, request)
-    assert "change.earlier names no folder: runs/may; the report will not say what changed" in found.warnings
+    assert (
+        "change.earlier names no folder: runs/may; the report will not say what changed"
+        in found.warnings
+    )
     assert found.run_is_possible
     (package / "runs" / "may").mkdir(parents=True)
     assert not any("change.earlier" in line for line in check_package(loaded, request).warnings)
@@ -314,10 +402,18 @@ def test_an_earlier_dive_that_is_not_there_is_warned_of_and_hinders_no_run(packa
 def test_a_dvl_of_a_type_that_is_not_read_is_named_in_the_verdict(package, kit):
     entries = kit.dive()
     entry, t = type(entries[0]), entries[0].t_ns
-    warmth = kit.make("sensor_msgs/msg/Temperature", header=kit.header(t), temperature=4.0, variance=0.0)
-    kit.mcap(package / "logs" / "dive.mcap", [*entries, entry("/nortek/raw", "sensor_msgs/msg/Temperature", t, warmth)])
+    warmth = kit.make(
+        "sensor_msgs/msg/Temperature", header=kit.header(t), temperature=4.0, variance=0.0
+    )
+    kit.mcap(
+        package / "logs" / "dive.mcap",
+        [*entries, entry("/nortek/raw", "sensor_msgs/msg/Temperature", t, warmth)],
+    )
     assert check(package).run_is_possible
     text = (package / "dive.toml").read_text()
     (package / "dive.toml").write_text(text.replace('dvl = "/dvl"\n', ""))
     (line,) = check(package).needs
-    assert "/nortek/raw (sensor_msgs/msg/Temperature) is a DVL's but of a type that is not read" in line
+    assert (
+        "/nortek/raw (sensor_msgs/msg/Temperature) is a DVL's but of a type that is not read"
+        in line
+    )

@@ -19,7 +19,9 @@ def test_of_many_images_runs_of_neighbours_over_the_whole_dive_are_kept():
     out, kept = sampled(20 * MOST)
     assert MOST // 4 <= len(kept) <= MOST
     assert kept[-1] > 18 * MOST
-    assert all(k - k % RUN + j in kept for k in kept for j in range(RUN) if k - k % RUN + j < 20 * MOST)
+    assert all(
+        k - k % RUN + j in kept for k in kept for j in range(RUN) if k - k % RUN + j < 20 * MOST
+    )
     assert out.image_at(1) is None
 
 

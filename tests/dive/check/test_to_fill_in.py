@@ -43,9 +43,14 @@ def test_a_camera_without_a_section_needs_a_calibration(tmp_path, camera):
     lines = to_fill_in(load(tmp_path), {camera})
     section = camera.replace("_", ".")
     (line,) = [
-        line for line in lines if line.startswith(f"to fill in: {section}.calibration: the camera_info YAML of {camera}")
+        line
+        for line in lines
+        if line.startswith(f"to fill in: {section}.calibration: the camera_info YAML of {camera}")
     ]
-    assert f"[{section}] alone where the log has its CameraInfo; until then its images are not used" in line
+    assert (
+        f"[{section}] alone where the log has its CameraInfo; until then its images are not used"
+        in line
+    )
 
 
 def test_sensors_are_those_of_the_topics(tmp_path):

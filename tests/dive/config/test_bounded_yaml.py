@@ -15,7 +15,11 @@ def doubling(levels: int) -> str:
 
 
 def test_plain_yaml_is_read():
-    assert parse_yaml("a: 1\nb: [1, 2.5, x]\nc: {d: true}\n") == {"a": 1, "b": [1, 2.5, "x"], "c": {"d": True}}
+    assert parse_yaml("a: 1\nb: [1, 2.5, x]\nc: {d: true}\n") == {
+        "a": 1,
+        "b": [1, 2.5, "x"],
+        "c": {"d": True},
+    }
     assert parse_yaml("") is None
 
 
@@ -25,7 +29,10 @@ def test_the_head_that_opencv_writes_is_left_out():
 
 def test_aliases_as_programs_write_them_are_read():
     assert parse_yaml("a: &id001 [1, 2]\nb: *id001\n") == {"a": [1, 2], "b": [1, 2]}
-    assert parse_yaml("a: &a {x: 1}\nb:\n  <<: *a\n  y: 2\n") == {"a": {"x": 1}, "b": {"x": 1, "y": 2}}
+    assert parse_yaml("a: &a {x: 1}\nb:\n  <<: *a\n  y: 2\n") == {
+        "a": {"x": 1},
+        "b": {"x": 1, "y": 2},
+    }
 
 
 def test_aliases_that_stand_for_more_than_the_file_could_hold_are_refused():
@@ -35,7 +42,9 @@ def test_aliases_that_stand_for_more_than_the_file_could_hold_are_refused():
 
 def test_merged_tables_are_counted_as_well():
     lines = ["a0: &a0 {x: 1}"]
-    lines += [f"a{k}: &a{k}\n  <<: [{', '.join([f'*a{k - 1}'] * 9)}]\n  k{k}: 1" for k in range(1, 12)]
+    lines += [
+        f"a{k}: &a{k}\n  <<: [{', '.join([f'*a{k - 1}'] * 9)}]\n  k{k}: 1" for k in range(1, 12)
+    ]
     with pytest.raises(ValueError, match="aliases stand for more"):
         parse_yaml("\n".join(lines))
 
@@ -66,7 +75,9 @@ def test_what_the_parser_stumbles_over_is_a_value_error_of_one_line(text):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("text", ["{a: " * 20_000 + "}" * 20_000, "a: " + "[" * 101, "b:\n  " + "- {" * 20_000])
+@pytest.mark.parametrize(
+    "text", ["{a: " * 20_000 + "}" * 20_000, "a: " + "[" * 101, "b:\n  " + "- {" * 20_000]
+)
 def test_brackets_in_brackets_are_refused_before_they_are_parsed(text):
     begun = time.process_time()
     with pytest.raises(ValueError, match="nested too deeply"):

@@ -12,18 +12,31 @@ def test_a_camera_info_file_becomes_a_camera(calibration, tmp_path):
     camera = read_camera(calibration(tmp_path / "c.yaml"))
     assert (camera.width, camera.height) == (64, 48)
     assert (camera.fx, camera.fy, camera.cx, camera.cy) == (50.0, 51.0, 31.5, 23.5)
-    assert (camera.k1, camera.k2, camera.p1, camera.p2, camera.k3) == (-0.1, 0.02, 0.001, -0.002, 0.003)
+    assert (camera.k1, camera.k2, camera.p1, camera.p2, camera.k3) == (
+        -0.1,
+        0.02,
+        0.001,
+        -0.002,
+        0.003,
+    )
 
 
 def test_four_coefficients_or_none_are_enough(calibration, tmp_path):
-    camera = read_camera(calibration(tmp_path / "c.yaml", distortion_coefficients="[0.1, 0.2, 0.3, 0.4]"))
+    camera = read_camera(
+        calibration(tmp_path / "c.yaml", distortion_coefficients="[0.1, 0.2, 0.3, 0.4]")
+    )
     assert (camera.k1, camera.p2, camera.k3) == (0.1, 0.4, 0.0)
-    (tmp_path / "c.yaml").write_text("image_width: 4\nimage_height: 3\ncamera_matrix: [1, 0, 2, 0, 1, 1, 0, 0, 1]\n")
+    (tmp_path / "c.yaml").write_text(
+        "image_width: 4\nimage_height: 3\ncamera_matrix: [1, 0, 2, 0, 1, 1, 0, 0, 1]\n"
+    )
     assert read_camera(tmp_path / "c.yaml").k1 == 0.0
 
 
 def test_a_rational_model_whose_denominator_is_one_is_read(calibration, tmp_path):
-    more = {"distortion_model": "rational_polynomial", "distortion_coefficients": "[0.1, 0, 0, 0, 0, 0, 0, 0]"}
+    more = {
+        "distortion_model": "rational_polynomial",
+        "distortion_coefficients": "[0.1, 0, 0, 0, 0, 0, 0, 0]",
+    }
     assert read_camera(calibration(tmp_path / "c.yaml", **more)).k1 == 0.1
 
 
@@ -74,14 +87,22 @@ def test_a_yaml_that_is_nested_without_end_is_refused(tmp_path):
     [
         ({"image_width": "0x" + "f" * 6000}, "image_width is a number of thousands of digits"),
         ({"image_width": "[&a [1, 2], *a]"}, "image_width is"),
-        ({"image_width": "[" + ", ".join(["x"] * 900) + "]"}, r"image_width is \['x', .*\.\.\., not a number"),
+        (
+            {"image_width": "[" + ", ".join(["x"] * 900) + "]"},
+            r"image_width is \['x', .*\.\.\., not a number",
+        ),
         ({"distortion_model": "0x" + "f" * 6000}, "distortion model a number of thousands"),
         ({"distortion_model": "x" * 5000}, r"distortion model x+\.\.\. is"),
-        ({"camera_matrix": "[1" + "0" * 400 + ", 0, 1, 0, 1, 1, 0, 0, 1]"}, "camera_matrix holds no numbers"),
+        (
+            {"camera_matrix": "[1" + "0" * 400 + ", 0, 1, 0, 1, 1, 0, 0, 1]"},
+            "camera_matrix holds no numbers",
+        ),
         ({"image_width": "30000", "image_height": "30000"}, "30000 x 30000 pixels are too large"),
     ],
 )
-def test_values_that_are_too_large_to_print_or_to_read_are_refused_in_a_short_line(tmp_path, calibration, more, message):
+def test_values_that_are_too_large_to_print_or_to_read_are_refused_in_a_short_line(
+    tmp_path, calibration, more, message
+):
     with pytest.raises(InputError, match=message) as caught:
         read_camera(calibration(tmp_path / "x.yaml", **more))
     assert len(str(caught.value)) < 500
@@ -99,7 +120,11 @@ def test_a_fifo_or_a_huge_file_as_calibration_is_refused_in_one_line(tmp_path):
 
 
 def test_an_alias_bomb_as_calibration_is_refused(tmp_path):
-    lines = ["a0: &a0 [x, x]", *(f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]" for k in range(1, 9)), "image_width: *a8"]
+    lines = [
+        "a0: &a0 [x, x]",
+        *(f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]" for k in range(1, 9)),
+        "image_width: *a8",
+    ]
     (tmp_path / "x.yaml").write_text("\n".join(lines))
     with pytest.raises(InputError, match="is not YAML: its aliases"):
         read_camera(tmp_path / "x.yaml")

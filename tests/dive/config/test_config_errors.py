@@ -19,7 +19,13 @@ PLAIN = {"dive": {"name": "x"}, "logs": {"files": ["l"]}}
 
 def test_every_key_of_the_vehicle_is_known_by_its_dotted_name():
     keys = set(known_keys(DiveConfig))
-    assert {"dive", "dive.name", "camera.top.sigma_px", "hull.deviation_length", "topics.camera_bottom"} <= keys
+    assert {
+        "dive",
+        "dive.name",
+        "camera.top.sigma_px",
+        "hull.deviation_length",
+        "topics.camera_bottom",
+    } <= keys
     assert not any(key.startswith("top.") for key in keys)
 
 
@@ -30,19 +36,29 @@ def test_a_key_that_stands_in_the_wrong_section_is_found_in_the_right_one():
 
 
 def test_an_unknown_section_names_the_nearest_among_the_steps_too():
-    assert told(PLAIN | {"feature": {}}, more=("features",)).endswith("the nearest known key is features")
+    assert told(PLAIN | {"feature": {}}, more=("features",)).endswith(
+        "the nearest known key is features"
+    )
 
 
 def test_a_step_section_has_its_name_in_front():
     class Step(msgspec.Struct, forbid_unknown_fields=True):
         clahe: float = 3.0
 
-    assert told({"clahee": 1}, Step, "features").startswith("unknown key features.clahee (dive.toml)")
-    assert told({"clahe": "x"}, Step, "features") == "features.clahe = 'x': expected float, got str (dive.toml)"
+    assert told({"clahee": 1}, Step, "features").startswith(
+        "unknown key features.clahee (dive.toml)"
+    )
+    assert (
+        told({"clahe": "x"}, Step, "features")
+        == "features.clahe = 'x': expected float, got str (dive.toml)"
+    )
 
 
 def test_a_missing_key_has_its_section_in_front():
-    assert told({"dive": {"name": "x"}, "logs": {}}) == "logs.files is missing (dive.toml): this key has no default"
+    assert (
+        told({"dive": {"name": "x"}, "logs": {}})
+        == "logs.files is missing (dive.toml): this key has no default"
+    )
     assert told({"dive": {"name": "x"}}).startswith("logs is missing")
 
 
@@ -53,12 +69,18 @@ def test_a_long_value_is_shown_in_part():
 
 
 def test_a_table_in_place_of_a_value_is_called_a_table():
-    assert "imu.sigma_roll_pitch_deg = a table: expected float" in told(PLAIN | {"imu": {"sigma_roll_pitch_deg": {"a": 1}}})
+    assert "imu.sigma_roll_pitch_deg = a table: expected float" in told(
+        PLAIN | {"imu": {"sigma_roll_pitch_deg": {"a": 1}}}
+    )
 
 
 @pytest.mark.parametrize(
     ("raw", "path"),
-    [({"a": float("nan")}, "a"), ({"a": {"b": [1, float("inf")]}}, r"a\.b\[1\]"), ({"a": [[-float("inf")]]}, "")],
+    [
+        ({"a": float("nan")}, "a"),
+        ({"a": {"b": [1, float("inf")]}}, r"a\.b\[1\]"),
+        ({"a": [[-float("inf")]]}, ""),
+    ],
 )
 def test_numbers_that_are_not_finite_are_refused_wherever_they_stand(raw, path):
     with pytest.raises(UsageError, match=f"{path}.* = .*: expected a finite number"):

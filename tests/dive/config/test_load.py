@@ -39,7 +39,9 @@ def test_the_smallest_file_gives_every_section_its_defaults(package):
 
 
 def test_a_value_is_found_by_its_dotted_name(package):
-    (package / "dive.toml").write_text(PLAIN + '[imu]\nframe = "enu"\n[camera.top]\ncalibration = "a.yaml"\ntime_offset = 2\n')
+    (package / "dive.toml").write_text(
+        PLAIN + '[imu]\nframe = "enu"\n[camera.top]\ncalibration = "a.yaml"\ntime_offset = 2\n'
+    )
     loaded = load_config(package, {"features": Features})
     assert loaded.value("imu.frame") == "enu"
     assert loaded.value("camera.top.time_offset") == 2.0
@@ -54,7 +56,11 @@ def test_a_dotted_name_that_no_section_has_is_a_key_error(package):
 
 
 def test_an_override_is_read_as_toml_and_a_bare_word_as_text(package):
-    loaded = load_config(package, {"features": Features}, ["features.clahe=4", "imu.frame=enu", "dvl.mount=[1,2,3,4,5,6]"])
+    loaded = load_config(
+        package,
+        {"features": Features},
+        ["features.clahe=4", "imu.frame=enu", "dvl.mount=[1,2,3,4,5,6]"],
+    )
     assert loaded.value("features").clahe == 4.0
     assert loaded.value("imu").frame == "enu"
     assert loaded.value("dvl").mount == (1, 2, 3, 4, 5, 6)
@@ -78,7 +84,8 @@ def test_an_unknown_key_names_the_nearest_known_one(package, override, nearest):
     more += ('camera.top.calibration="a"',) if override.startswith("camera.top") else ()
     line = refusal(package, *more, override)
     assert (
-        f"unknown key {override.partition('=')[0].removesuffix('.clahe') if 'feature.' in override else override[:-2]}" in line
+        f"unknown key {override.partition('=')[0].removesuffix('.clahe') if 'feature.' in override else override[:-2]}"
+        in line
     )
     assert line.endswith(f"the nearest known key is {nearest}")
     assert "dive.toml" in line
@@ -99,7 +106,9 @@ def test_an_unknown_key_names_the_nearest_known_one(package, override, nearest):
     ],
 )
 def test_a_wrong_value_names_its_key_and_shows_itself(package, override, key, value):
-    assert f"{key} = {value}: expected" in refusal(package, override).replace("Invalid enum value", "expected")
+    assert f"{key} = {value}: expected" in refusal(package, override).replace(
+        "Invalid enum value", "expected"
+    )
 
 
 def test_a_missing_key_is_named_with_its_section(package):
@@ -170,7 +179,13 @@ def test_a_number_that_cannot_be_printed_is_refused_in_a_short_line(package, key
 
 
 @pytest.mark.parametrize(
-    "text", ["a." * 900 + "a = 1", "[" + "a." * 900 + "a]", "'a'. \"b c\" ." * 140 + "a = 1", "x = {" + "a." * 900 + "a = 1}"]
+    "text",
+    [
+        "a." * 900 + "a = 1",
+        "[" + "a." * 900 + "a]",
+        "'a'. \"b c\" ." * 140 + "a = 1",
+        "x = {" + "a." * 900 + "a = 1}",
+    ],
 )
 def test_a_key_of_hundreds_of_parts_is_refused_before_it_is_parsed(package, text):
     (package / "dive.toml").write_text(text)
@@ -198,7 +213,16 @@ def test_a_choice_of_thousands_of_letters_is_shown_by_its_start(package):
 
 
 @pytest.mark.parametrize(
-    "key", ["dive.vessel", "topics.dvl", "tray.joint", "hull.mesh", "camera.top.calibration", "logs.files", "sonar.joint"]
+    "key",
+    [
+        "dive.vessel",
+        "topics.dvl",
+        "tray.joint",
+        "hull.mesh",
+        "camera.top.calibration",
+        "logs.files",
+        "sonar.joint",
+    ],
 )
 @pytest.mark.parametrize("text", ["a\\nb", "a\\u0000", "\\u001b[31m", "\\u2028", "\\u009b"])
 def test_text_with_control_characters_or_line_breaks_is_refused(package, key, text):
@@ -229,7 +253,9 @@ def test_a_dive_toml_that_is_a_fifo_or_endless_is_refused_in_one_line(tmp_path):
         load_config(tmp_path)
 
 
-@pytest.mark.parametrize("name", [".", "..", ".hidden", "x\\n", "\\u0000", "x" * 101, "a b", "a/b", "\u00e9", "~", "-rf"])
+@pytest.mark.parametrize(
+    "name", [".", "..", ".hidden", "x\\n", "\\u0000", "x" * 101, "a b", "a/b", "\u00e9", "~", "-rf"]
+)
 def test_a_name_that_could_leave_its_folder_is_refused_in_one_line(package, name):
     assert "dive.name" in refusal(package, f'dive.name="{name}"')
 
@@ -242,12 +268,18 @@ HULL = '[hull]\nmesh = "h.stl"\n'
 
 
 def with_regions(package: Path, *regions: str) -> Path:
-    (package / "dive.toml").write_text(PLAIN + HULL + "".join(f"[[hull.region]]\n{region}\n" for region in regions))
+    (package / "dive.toml").write_text(
+        PLAIN + HULL + "".join(f"[[hull.region]]\n{region}\n" for region in regions)
+    )
     return package
 
 
 def test_regions_of_the_hull_have_a_name_and_limits(package):
-    with_regions(package, 'name = "bow, port"\nalong = [30, 40.5]\ngirth = [0, 4]', 'name = "keel"\ngirth = [-0.5, 0.5]')
+    with_regions(
+        package,
+        'name = "bow, port"\nalong = [30, 40.5]\ngirth = [0, 4]',
+        'name = "keel"\ngirth = [-0.5, 0.5]',
+    )
     bow, keel = load_config(package).config.hull.region
     assert (bow.name, bow.along, bow.girth) == ("bow, port", (30.0, 40.5), (0.0, 4.0))
     assert (keel.along, keel.girth) == (None, (-0.5, 0.5))

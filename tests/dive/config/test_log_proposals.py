@@ -8,7 +8,12 @@ from benchmarks.fuzz.seed_ad2cp import DF21, block, dvl_file, dvl_record
 from benchmarks.fuzz.seed_aris import aris_file
 from hullrecon.dive.config.config_template import fill_template
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.config.log_proposals import imu_frame, missing_calibrations, proposed_mounts, questions
+from hullrecon.dive.config.log_proposals import (
+    imu_frame,
+    missing_calibrations,
+    proposed_mounts,
+    questions,
+)
 from hullrecon.dive.config.mounts import ChosenMount
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
 from hullrecon.dive.logs.readers.mcap import McapLog
@@ -37,7 +42,11 @@ def test_gravity_says_in_which_frame_the_attitude_is_logged(kit, tmp_path):
     assert imu_frame(summary) == ("ned", "by gravity in the first message")
     up = kit.imu(kit.start_ns)
     up.linear_acceleration.z = 9.81
-    turned = summary_of(kit, tmp_path / "y.mcap", entries_of(kit, [("/imu", "sensor_msgs/msg/Imu", 1, up)], ["/imu"]))
+    turned = summary_of(
+        kit,
+        tmp_path / "y.mcap",
+        entries_of(kit, [("/imu", "sensor_msgs/msg/Imu", 1, up)], ["/imu"]),
+    )
     assert imu_frame(turned)[0] == "enu"
     assert written(turned, tmp_path).config.imu.frame == "enu"
 
@@ -52,7 +61,10 @@ def test_without_gravity_a_ros_log_is_taken_by_its_standard(kit, tmp_path):
 
 def test_of_two_pressures_the_absolute_one_is_chosen_whatever_their_names(kit, tmp_path):
     kind, t = "sensor_msgs/msg/FluidPressure", kit.start_ns
-    more = [("/a_pressure", kind, t, kit.pressure(t, 120.0)), ("/mavros/imu/diff_pressure", kind, t, kit.pressure(t, 101e3))]
+    more = [
+        ("/a_pressure", kind, t, kit.pressure(t, 120.0)),
+        ("/mavros/imu/diff_pressure", kind, t, kit.pressure(t, 101e3)),
+    ]
     more.append(("/z_pressure", kind, t, kit.pressure(t, 131e3)))
     summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, more, ["/pressure"]))
     assert guess_topics(summary.topics)["pressure"] == "/z_pressure"
@@ -61,7 +73,9 @@ def test_of_two_pressures_the_absolute_one_is_chosen_whatever_their_names(kit, t
 def test_a_type_of_many_uses_is_chosen_by_its_name_alone(kit, tmp_path):
     kind, t = "std_msgs/msg/Float64", kit.start_ns
     number = kit.make(kind, data=1.0)
-    summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, [("/battery", kind, t, number)], ["/pressure"]))
+    summary = summary_of(
+        kit, tmp_path / "x.mcap", entries_of(kit, [("/battery", kind, t, number)], ["/pressure"])
+    )
     assert "pressure" not in guess_topics(summary.topics)
     more = [("/battery", kind, t, number), ("/depth", kind, t, number)]
     summary = summary_of(kit, tmp_path / "y.mcap", entries_of(kit, more, ["/pressure"]))
@@ -72,9 +86,10 @@ def test_a_calibration_is_proposed_from_the_camera_info_beside_the_images(kit, t
     t, kind = kit.start_ns, "sensor_msgs/msg/CompressedImage"
     image = kit.image(t, kit.jpeg(1))
     more = [
-        ("/left/image_raw/compressed", kind, t, image), ("/left/camera_info", "sensor_msgs/msg/CameraInfo", t, info(kit)),
+        ("/left/image_raw/compressed", kind, t, image),
+        ("/left/camera_info", "sensor_msgs/msg/CameraInfo", t, info(kit)),
         ("/other/camera_info", "sensor_msgs/msg/CameraInfo", t, info(kit, width=7)),
-    ]  # fmt: skip
+    ]
     summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, more, ["/cam"]))
     (found,) = missing_calibrations(summary, tmp_path).items()
     assert found[0] == "calibration/camera_top.yaml"
@@ -93,7 +108,9 @@ def static(kit, parent, child, x):
     )
     header = kit.header(0)
     header.frame_id = parent
-    frame = kit.make("geometry_msgs/msg/TransformStamped", header=header, child_frame_id=child, transform=where)
+    frame = kit.make(
+        "geometry_msgs/msg/TransformStamped", header=header, child_frame_id=child, transform=where
+    )
     return kit.make("tf2_msgs/msg/TFMessage", transforms=[frame])
 
 
@@ -103,9 +120,12 @@ def test_mounts_are_proposed_from_the_fixed_frames_of_the_log(kit, tmp_path):
         ("/tf_static", kind, t, static(kit, "base_link", "rig", 0.3)),
         ("/tf_static", kind, t + 1, static(kit, "rig", "x", 0.1)),
     ]
-    summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, more))  # the kit's messages are in the frame "x"
+    # the kit's messages are in the frame "x"
+    summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, more))
     found = proposed_mounts(summary)
-    assert found["dvl.mount"] == ChosenMount(value=(0.4, -0.2, 0.0, 180.0, 0.0, 0.0), source="tf_static, frame x")
+    assert found["dvl.mount"] == ChosenMount(
+        value=(0.4, -0.2, 0.0, 180.0, 0.0, 0.0), source="tf_static, frame x"
+    )
     assert found["pressure.origin"].value == (0.4, -0.2, 0.0)
     loaded = written(summary, tmp_path)
     assert loaded.config.dvl.mount == (0.4, -0.2, 0.0, 180.0, 0.0, 0.0)
@@ -133,20 +153,32 @@ def test_a_nortek_dvl_that_does_not_say_where_its_beams_point_is_asked_about_the
     for content, asked in ((block(DF21, dvl_record()), True), (dvl_file(), False)):
         (tmp_path / "x.ad2cp").write_bytes(content)
         summary = summarise_log(Ad2cpLog(tmp_path / "x.ad2cp"))
-        assert any("nothing says where the DVL's 4 beams point" in line for line in questions(summary)) == asked
-        (tmp_path / "dive.toml").write_text(fill_template(summary, [tmp_path / "x.ad2cp"], tmp_path))
+        assert (
+            any("nothing says where the DVL's 4 beams point" in line for line in questions(summary))
+            == asked
+        )
+        (tmp_path / "dive.toml").write_text(
+            fill_template(summary, [tmp_path / "x.ad2cp"], tmp_path)
+        )
         assert ("# beam_angle_deg" in (tmp_path / "dive.toml").read_text()) == asked
         assert load_config(tmp_path).config.dvl.beams is None
 
 
 def test_a_file_of_a_dvl_beside_a_log_takes_no_topic_from_it(kit, data, tmp_path):
-    """The PD0 file gives the DVL; its own compass and depth cell yield to the IMU and the pressure of the log."""
+    """The PD0 file gives the DVL; its own compass and depth cell yield to the IMU and the pressure
+    of the log.
+    """
     log = McapLog(kit.mcap(tmp_path / "x.mcap", entries_of(kit, without=["/dvl"])))
     summary = summarise_logs([log, Pd0Log(data / "dvl-pd0-slocum" / "LA100204.PD0")])
     guessed = guess_topics(summary.topics)
     assert (guessed["dvl"], guessed["imu"], guessed["pressure"]) == ("dvl", "/imu", "/pressure")
     topics = written(summary, tmp_path).config.topics
-    assert (topics.dvl, topics.imu, topics.pressure, topics.joints) == (None, "/imu", "/pressure", "/joints")
+    assert (topics.dvl, topics.imu, topics.pressure, topics.joints) == (
+        None,
+        "/imu",
+        "/pressure",
+        "/joints",
+    )
     assert questions(summary) == []
 
 
@@ -154,16 +186,24 @@ def test_of_two_imus_the_one_with_an_attitude_is_chosen(kit, tmp_path):
     raw = kit.imu(kit.start_ns, orientation_covariance=np.array([-1.0, *[0.0] * 8]))
     empty = kit.imu(kit.start_ns, quaternion=(0, 0, 0, 0))
     kind = "sensor_msgs/msg/Imu"
-    more = [("/a/imu/raw", kind, 1, raw), ("/b/imu/empty", kind, 1, empty), ("/z/imu/data", kind, 1, kit.imu(kit.start_ns))]
+    more = [
+        ("/a/imu/raw", kind, 1, raw),
+        ("/b/imu/empty", kind, 1, empty),
+        ("/z/imu/data", kind, 1, kit.imu(kit.start_ns)),
+    ]
     summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, more, ["/imu"]))
     assert guess_topics(summary.topics)["imu"] == "/z/imu/data"
 
 
-def test_a_sonar_file_beside_the_log_is_the_sonar_and_its_beams_are_asked_for_where_nothing_is_published(kit, tmp_path):
+def test_a_sonar_file_beside_the_log_is_the_sonar_and_its_beams_are_asked_for_where_nothing_is_published(
+    kit, tmp_path
+):
     log = McapLog(kit.mcap(tmp_path / "x.mcap", entries_of(kit)))
     (tmp_path / "known.aris").write_bytes(aris_file(1))
     (tmp_path / "telephoto.aris").write_bytes(aris_file(1, lens=1))
-    known, unknown = (summarise_logs([log, ArisLog(tmp_path / f"{name}.aris")]) for name in ("known", "telephoto"))
+    known, unknown = (
+        summarise_logs([log, ArisLog(tmp_path / f"{name}.aris")]) for name in ("known", "telephoto")
+    )
     assert questions(known) == []
     assert "beam_azimuth_deg" not in fill_template(known, [tmp_path / "x.mcap"], tmp_path)
     (line,) = questions(unknown)

@@ -56,11 +56,16 @@ def test_without_a_servo_on_the_way_it_is_taken_to_turn_about_the_vehicles_origi
     fixed = FixedSensor(frame="d", pose=(1.0, 0.0, 0.0, 0.0, 90.0, 0.0))
     chosen = choose_mounts(LEFT, {"dvl": fixed})
     assert (chosen["tray.origin"].value, chosen["dvl.mount"].value) == ((0.0, 0.0, 0.0), fixed.pose)
-    assert chosen["tray.origin"].source == "tf_static, which has no frame of the servo: the vehicle's origin"
+    assert (
+        chosen["tray.origin"].source
+        == "tf_static, which has no frame of the servo: the vehicle's origin"
+    )
 
 
 def test_of_a_sensor_on_a_servo_that_the_log_moves_the_servos_place_stays_to_be_filled_in():
-    chosen = choose_mounts(LEFT, {"dvl": FixedSensor(frame="d", pose=(0.0, 0.0, 0.08, 0.0, 90.0, 0.0), on_servo=True)})
+    chosen = choose_mounts(
+        LEFT, {"dvl": FixedSensor(frame="d", pose=(0.0, 0.0, 0.08, 0.0, 90.0, 0.0), on_servo=True)}
+    )
     assert chosen["dvl.mount"].value == (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
     assert (chosen["tray.origin"].value, chosen["tray.origin"].source) == ((0.0, 0.0, 0.0), "")
 
@@ -69,11 +74,15 @@ FIXED_DVL = FixedSensor(frame="dvl_link", pose=(0.0, 0.0, 0.1, 0.0, 0.0, 0.0))
 TILTED_CAMERA = FixedSensor(frame="optical", pose=(0.05, 0.0, 0.0, 90.0, 0.0, 90.0), on_servo=True)
 
 
-@pytest.mark.parametrize("camera", [TILTED_CAMERA, replace(TILTED_CAMERA, on_servo=False, servo_origin=(0.2, 0.0, 0.05))])
+@pytest.mark.parametrize(
+    "camera", [TILTED_CAMERA, replace(TILTED_CAMERA, on_servo=False, servo_origin=(0.2, 0.0, 0.05))]
+)
 def test_a_camera_on_a_servo_beside_a_dvl_that_is_fixed_is_refused(camera):
     """One tray carries both: the DVL would turn with the camera."""
     sensors = {"dvl": FIXED_DVL, "camera_top": camera}
-    with pytest.raises(InputError, match="optical on the tray's servo and dvl_link fixed to the vehicle") as error:
+    with pytest.raises(
+        InputError, match="optical on the tray's servo and dvl_link fixed to the vehicle"
+    ) as error:
         refuse_parted_tray(LEFT, sensors)
     assert error.value.exit_code == 3
     refuse_parted_tray({**LEFT, "dvl.mount": (0.0,) * 6, "camera.top.mount": (0.0,) * 6}, sensors)
@@ -90,20 +99,32 @@ def test_the_lower_camera_is_placed_in_the_upper_one():
     top = FixedSensor(frame="t", pose=(0.4, 0.0, 0.0, 90.0, 0.0, 90.0))
     bottom = FixedSensor(frame="b", pose=(0.4, 0.0, 0.1, 90.0, 0.0, 90.0))
     chosen = choose_mounts(LEFT, {"camera_top": top, "camera_bottom": bottom})
-    np.testing.assert_allclose(chosen["camera.bottom.pose_in_top"].value, [0.0, 0.1, 0.0, 0.0, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(
+        chosen["camera.bottom.pose_in_top"].value, [0.0, 0.1, 0.0, 0.0, 0.0, 0.0], atol=1e-9
+    )
     assert choose_mounts(LEFT, {"camera_bottom": bottom})["camera.bottom.pose_in_top"].source == ""
 
 
 def test_a_configuration_is_filled_in_where_its_sections_are_there(tmp_path):
-    (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["l"]\n[camera.top]\n[dvl]\nscale_sigma = 0.1\n')
+    (tmp_path / "dive.toml").write_text(
+        '[dive]\nname = "x"\n[logs]\nfiles = ["l"]\n[camera.top]\n[dvl]\nscale_sigma = 0.1\n'
+    )
     loaded = load_config(tmp_path)
     assert loaded.value("dvl.mount") == FROM_LOG
     mounts = choose_mounts({key: loaded.value(key) for key in DEFAULTS}, {"dvl": DVL})
     assert not any(key.startswith(("sonar", "camera.bottom")) for key in mounts)
     filled = filled_in(loaded, mounts)
     assert filled.value("dvl.mount") == filled.config.dvl.mount == (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
-    assert filled.config.camera.top.mount == filled.value("camera.top.mount") == DEFAULTS["camera.top.mount"]
-    assert (filled.config.dvl.scale_sigma, filled.config.sonar, filled.given) == (0.1, None, loaded.given)
+    assert (
+        filled.config.camera.top.mount
+        == filled.value("camera.top.mount")
+        == DEFAULTS["camera.top.mount"]
+    )
+    assert (filled.config.dvl.scale_sigma, filled.config.sonar, filled.given) == (
+        0.1,
+        None,
+        loaded.given,
+    )
 
 
 def test_a_mount_that_is_left_to_the_log_is_no_numbers():

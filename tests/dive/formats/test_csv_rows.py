@@ -10,8 +10,15 @@ from hypothesis import strategies as st
 from hullrecon.dive.logs.formats.csv_rows import LONGEST_LINE, read_rows
 from hullrecon.errors import InputError
 
-QUICK = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
-CELLS = st.text(st.characters(codec="utf-8", exclude_characters='\r\n\0"'), max_size=8).map(str.strip)
+QUICK = settings(
+    max_examples=100,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
+CELLS = st.text(st.characters(codec="utf-8", exclude_characters='\r\n\0"'), max_size=8).map(
+    str.strip
+)
 
 
 def rows(tmp_path: Path, text: str | bytes, needed=("a",)):
@@ -21,12 +28,16 @@ def rows(tmp_path: Path, text: str | bytes, needed=("a",)):
 
 
 @QUICK
-@given(st.lists(st.lists(CELLS, min_size=2, max_size=2), max_size=5), st.sampled_from(["\n", "\r\n"]))
+@given(
+    st.lists(st.lists(CELLS, min_size=2, max_size=2), max_size=5), st.sampled_from(["\n", "\r\n"])
+)
 def test_what_the_csv_module_writes_comes_back_with_its_line_numbers(tmp_path, table, end):
     path = tmp_path / "x.csv"
     with path.open("w", newline="", encoding="utf-8") as stream:
         csv.writer(stream, lineterminator=end).writerows([["a", "b"], *table])
-    assert list(read_rows(path, ("a", "b"))) == [(n, dict(zip("ab", row, strict=True))) for n, row in enumerate(table, 2)]
+    assert list(read_rows(path, ("a", "b"))) == [
+        (n, dict(zip("ab", row, strict=True))) for n, row in enumerate(table, 2)
+    ]
 
 
 def test_blank_lines_are_passed_over_and_counted_as_lines(tmp_path):
@@ -34,7 +45,10 @@ def test_blank_lines_are_passed_over_and_counted_as_lines(tmp_path):
 
 
 def test_cells_that_a_line_lacks_are_empty_and_more_than_the_header_has_are_dropped(tmp_path):
-    assert rows(tmp_path, "a,b\n1\n1,2,3\n") == [(2, {"a": "1", "b": ""}), (3, {"a": "1", "b": "2"})]
+    assert rows(tmp_path, "a,b\n1\n1,2,3\n") == [
+        (2, {"a": "1", "b": ""}),
+        (3, {"a": "1", "b": "2"}),
+    ]
 
 
 def test_a_last_line_that_is_short_and_has_no_end_is_cut(tmp_path):

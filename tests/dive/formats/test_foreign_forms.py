@@ -82,7 +82,9 @@ def test_an_empty_folder_is_none_of_them():
 def test_cad_models_alone_are_no_dive_and_are_not_told_to_be_unpacked(tmp_path):
     for name in ("a.stl", "b.obj.gz", "c.STL.gz", "notes.md"):
         (tmp_path / name).write_bytes(b"\x1f\x8b\x08" + bytes(20))
-    with pytest.raises(InputError, match=r"CAD models alone \(a\.stl, b\.obj\.gz, c\.STL\.gz\)") as caught:
+    with pytest.raises(
+        InputError, match=r"CAD models alone \(a\.stl, b\.obj\.gz, c\.STL\.gz\)"
+    ) as caught:
         find_logs(tmp_path)
     assert "its log" in caught.value.remedy
     assert "gunzip" not in caught.value.line()
@@ -91,19 +93,28 @@ def test_cad_models_alone_are_no_dive_and_are_not_told_to_be_unpacked(tmp_path):
 def test_a_packed_file_among_others_is_named_and_is_not_said_to_be_the_log(tmp_path):
     (tmp_path / "a.out.gz").write_bytes(b"\x1f\x8b\x08" + bytes(20))
     (tmp_path / "b.txt").write_text("hello")
-    with pytest.raises(InputError, match=r"a\.out\.gz is packed by gzip .*where it is the log, unpack it .*else give an MCAP"):
+    with pytest.raises(
+        InputError,
+        match=r"a\.out\.gz is packed by gzip .*where it is the log, unpack it .*else give an MCAP",
+    ):
         find_logs(tmp_path)
     (tmp_path / "z.ping").write_bytes(b"SO\xd4\x1e")
     with pytest.raises(InputError, match="pings of an Oculus"):  # says more
         find_logs(tmp_path)
 
 
-@pytest.mark.parametrize(("content", "command"), [("[{0},\n{0}]", "jq -c '.[]' "), ("{0}\n{0}", "jq -c . ")])
-def test_reports_of_a_dvl_that_were_rewritten_over_several_lines_are_told_how_to_be_put_back(tmp_path, content, command):
+@pytest.mark.parametrize(
+    ("content", "command"), [("[{0},\n{0}]", "jq -c '.[]' "), ("{0}\n{0}", "jq -c . ")]
+)
+def test_reports_of_a_dvl_that_were_rewritten_over_several_lines_are_told_how_to_be_put_back(
+    tmp_path, content, command
+):
     report = json.dumps({"vx": 0.1, "transducers": []}, indent=4)
     (tmp_path / "dvl.json").write_text(content.replace("{0}", report))
     for look, path in ((open_log, tmp_path / "dvl.json"), (find_logs, tmp_path)):
-        with pytest.raises(InputError, match="reports of a Water Linked DVL, but not one a line") as caught:
+        with pytest.raises(
+            InputError, match="reports of a Water Linked DVL, but not one a line"
+        ) as caught:
             look(path)
         assert command in caught.value.remedy
     (tmp_path / "dvl.json").write_text(json.dumps(json.loads(report)))

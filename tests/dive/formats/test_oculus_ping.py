@@ -7,10 +7,21 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.logs.formats.oculus_ping import HEADER, HEADS, is_ping, message_bytes, parse_ping
+from hullrecon.dive.logs.formats.oculus_ping import (
+    HEADER,
+    HEADS,
+    is_ping,
+    message_bytes,
+    parse_ping,
+)
 from hullrecon.dive.logs.readers.unpack import DamagedError
 
-QUICK = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=150,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 
 
 def ping_bytes(version=1, pixels=None, gain=False, kind=0, **more):
@@ -21,11 +32,39 @@ def ping_bytes(version=1, pixels=None, gain=False, kind=0, **more):
     rows = b"".join((b"\1\0\0\0" if gain else b"") + row.tobytes() for row in pixels)
     offset = end + 2 * beams
     body = bytearray(offset)
-    struct.pack_into(layout, body, at, kind, more.get("resolution", 0.01), more.get("ranges", ranges), more.get("beams", beams))
-    struct.pack_into("<III", body, image_at, more.get("offset", offset), more.get("size", len(rows)), offset + len(rows))
-    struct.pack_into(f"<{beams}h", body, end, *more.get("bearings", range(-1000, 1000 * beams - 1000, 1000)))
+    struct.pack_into(
+        layout,
+        body,
+        at,
+        kind,
+        more.get("resolution", 0.01),
+        more.get("ranges", ranges),
+        more.get("beams", beams),
+    )
+    struct.pack_into(
+        "<III",
+        body,
+        image_at,
+        more.get("offset", offset),
+        more.get("size", len(rows)),
+        offset + len(rows),
+    )
+    struct.pack_into(
+        f"<{beams}h", body, end, *more.get("bearings", range(-1000, 1000 * beams - 1000, 1000))
+    )
     body[20] = 0x19 | (4 if gain else 0)
-    struct.pack_into(HEADER, body, 0, 0x4F53, 1, 0, 0x23, version if version == 2 else 0, offset + len(rows) - 16, 0)
+    struct.pack_into(
+        HEADER,
+        body,
+        0,
+        0x4F53,
+        1,
+        0,
+        0x23,
+        version if version == 2 else 0,
+        offset + len(rows) - 16,
+        0,
+    )
     return bytes(body) + rows
 
 

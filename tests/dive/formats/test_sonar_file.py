@@ -12,8 +12,17 @@ from hypothesis import strategies as st
 
 from hullrecon.dive.logs.formats.sonar_file import read_ping
 
-QUICK = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
-GOOD = {"image": np.arange(12, dtype=np.uint8).reshape(4, 3), "azimuth": np.linspace(-0.2, 0.2, 4), "range": [1.0, 2.0, 3.0]}
+QUICK = settings(
+    max_examples=150,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
+GOOD = {
+    "image": np.arange(12, dtype=np.uint8).reshape(4, 3),
+    "azimuth": np.linspace(-0.2, 0.2, 4),
+    "range": [1.0, 2.0, 3.0],
+}
 
 
 def ping(folder: Path, compressed: bool = True, **more) -> Path:
@@ -24,7 +33,9 @@ def ping(folder: Path, compressed: bool = True, **more) -> Path:
 @pytest.mark.parametrize("compressed", [True, False])
 @pytest.mark.parametrize("dtype", ["u1", "<f4", ">f8", "<u2", "i4"])
 def test_a_ping_comes_back_as_it_was_written(tmp_path, compressed, dtype):
-    image, azimuth, range_m = read_ping(ping(tmp_path, compressed, image=GOOD["image"].astype(dtype)))
+    image, azimuth, range_m = read_ping(
+        ping(tmp_path, compressed, image=GOOD["image"].astype(dtype))
+    )
     np.testing.assert_array_equal(image, GOOD["image"])
     assert image.dtype == np.dtype(dtype)
     np.testing.assert_array_equal(azimuth, GOOD["azimuth"])
@@ -65,7 +76,9 @@ def test_a_ping_over_the_head_of_another_is_refused(tmp_path):
 
 def test_an_array_that_would_unpack_to_gigabytes_is_not_unpacked(tmp_path):
     head = b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little")
-    head += b"{'descr': '|u1', 'fortran_order': False, 'shape': (16, 16777216), }".ljust(117) + b"\n"
+    head += (
+        b"{'descr': '|u1', 'fortran_order': False, 'shape': (16, 16777216), }".ljust(117) + b"\n"
+    )
     path = ping(tmp_path)
     with zipfile.ZipFile(path) as archive:
         rest = {name: archive.read(name) for name in ("azimuth.npy", "range.npy")}
@@ -121,6 +134,8 @@ def test_a_ping_of_an_oculus_is_read_by_its_number(data):
 
 
 def test_a_cut_ping_of_an_oculus_is_refused(data, tmp_path):
-    (tmp_path / "x.raw").write_bytes((data / "oculus-pings" / "one_ping_8bit.raw").read_bytes()[:-1])
+    (tmp_path / "x.raw").write_bytes(
+        (data / "oculus-pings" / "one_ping_8bit.raw").read_bytes()[:-1]
+    )
     with pytest.raises(ValueError, match="no whole ping"):
         read_ping(tmp_path / "x.raw")

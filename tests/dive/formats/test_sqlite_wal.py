@@ -53,12 +53,17 @@ def test_a_damaged_header_is_found(tmp_path, content, byte):
 
 @pytest.mark.parametrize("rest", [5, 30, 2000])
 def test_a_cut_is_found(tmp_path, content, rest):
-    assert damage(tmp_path, content[: HEADER + 4 * FRAME + rest]) in ("it is cut off", "it is damaged from frame 5 on")
+    assert damage(tmp_path, content[: HEADER + 4 * FRAME + rest]) in (
+        "it is cut off",
+        "it is damaged from frame 5 on",
+    )
 
 
 def test_a_byte_too_many_is_found(tmp_path, content):
     at = HEADER + 2 * FRAME + 100
-    assert damage(tmp_path, content[:at] + b"\x00" + content[at:]) == "it is damaged from frame 3 on"
+    assert (
+        damage(tmp_path, content[:at] + b"\x00" + content[at:]) == "it is damaged from frame 3 on"
+    )
 
 
 def test_frames_of_an_older_generation_behind_the_last_are_no_damage(tmp_path, content):
@@ -77,4 +82,7 @@ def test_a_transaction_that_was_not_finished_is_named(tmp_path):
         connection.commit()
         for n in range(100):
             connection.execute("INSERT INTO rows VALUES (?, ?)", (n, bytes(3000)))
-        assert damage(tmp_path, Path(f"{path}-wal").read_bytes()) == "its last transaction was not finished"
+        assert (
+            damage(tmp_path, Path(f"{path}-wal").read_bytes())
+            == "its last transaction was not finished"
+        )

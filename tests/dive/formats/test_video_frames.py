@@ -32,7 +32,13 @@ def test_frames_are_found_by_their_number(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "content", [b"", b"#EXTM3U\n/etc/passwd\n", b"RIFF\0\0\0\0AVI " + b"x" * 100, b"\0\0\0\x18ftypisom" + b"\0" * 64]
+    "content",
+    [
+        b"",
+        b"#EXTM3U\n/etc/passwd\n",
+        b"RIFF\0\0\0\0AVI " + b"x" * 100,
+        b"\0\0\0\x18ftypisom" + b"\0" * 64,
+    ],
 )
 def test_what_is_no_video_is_refused(tmp_path, content):
     (tmp_path / "x.mp4").write_bytes(content)

@@ -18,16 +18,35 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import Ship
 from hullrecon.synthetic.world.hull_shapes import hull_shape
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 
 
-def tube(length: float = 40.0, sections: int = 30, around: int = 24, arc=(0.0, 2 * np.pi), caps: bool = True) -> Mesh:
-    """A spindle along x with its axis at the origin: a toy hull. arc: the part of the girth that is plated."""
+def tube(
+    length: float = 40.0,
+    sections: int = 30,
+    around: int = 24,
+    arc=(0.0, 2 * np.pi),
+    caps: bool = True,
+) -> Mesh:
+    """A spindle along x with its axis at the origin: a toy hull. arc: the part of the girth that is
+    plated.
+    """
     x = np.linspace(-length / 2, length / 2, sections)
     radius = np.maximum(0.02, 4.0 * (1 - (2 * x / length) ** 2))
     angle = np.linspace(*arc, around + 1)
-    points = np.stack([np.broadcast_to(x[:, None], (sections, around + 1)), radius[:, None] * np.cos(angle),
-                       radius[:, None] * np.sin(angle)], axis=-1).reshape(-1, 3)  # fmt: skip
+    points = np.stack(
+        [
+            np.broadcast_to(x[:, None], (sections, around + 1)),
+            radius[:, None] * np.cos(angle),
+            radius[:, None] * np.sin(angle),
+        ],
+        axis=-1,
+    ).reshape(-1, 3)
     i, j = np.meshgrid(np.arange(sections - 1), np.arange(around), indexing="ij")
     a = (i * (around + 1) + j).ravel()
     b, c, d = a + around + 1, a + 1, a + around + 2
@@ -70,7 +89,9 @@ def test_every_format_gives_the_same_hull(tmp_path, kind):
 def test_a_gzipped_cad_model_is_read(tmp_path):
     plain = save(tmp_path / "hull.stl", tube())
     (tmp_path / "hull.stl.gz").write_bytes(gzip.compress(plain.read_bytes()))
-    assert len(read_hull(tmp_path / "hull.stl.gz", "m", []).faces) == len(read_hull(plain, "m", []).faces)
+    assert len(read_hull(tmp_path / "hull.stl.gz", "m", []).faces) == len(
+        read_hull(plain, "m", []).faces
+    )
 
 
 def test_units_are_converted(tmp_path):
@@ -80,9 +101,15 @@ def test_units_are_converted(tmp_path):
 
 @pytest.mark.parametrize(
     ("scale", "declared", "guess"),
-    [(1000, "m", "millimetres (it would be 40.0 m)"), (1, "mm", "metres (it would be 40.0 m)"), (100, "m", "centimetres")],
+    [
+        (1000, "m", "millimetres (it would be 40.0 m)"),
+        (1, "mm", "metres (it would be 40.0 m)"),
+        (100, "m", "centimetres"),
+    ],
 )
-def test_a_cad_model_in_other_units_than_declared_is_refused_with_the_likely_ones(tmp_path, scale, declared, guess):
+def test_a_cad_model_in_other_units_than_declared_is_refused_with_the_likely_ones(
+    tmp_path, scale, declared, guess
+):
     path = save(tmp_path / "hull.stl", tube(), scale)
     with pytest.raises(InputError) as caught:
         read_hull(path, declared, [])
@@ -96,7 +123,10 @@ def test_a_small_model_is_remarked_not_refused(tmp_path):
 
 
 def test_corners_within_single_precision_become_one():
-    mesh = Mesh(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1e-8, 0, 0], [1, 1, 0]], float), np.array([[0, 1, 2], [3, 4, 2]]))
+    mesh = Mesh(
+        np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1e-8, 0, 0], [1, 1, 0]], float),
+        np.array([[0, 1, 2], [3, 4, 2]]),
+    )
     vertices, faces = merge_corners(mesh.vertices, mesh.faces, 1e-6)
     assert len(vertices) == 4
     assert faces.tolist() == [[0, 1, 2], [0, 3, 2]]
@@ -105,7 +135,10 @@ def test_corners_within_single_precision_become_one():
 def test_degenerate_and_duplicate_faces_are_removed_and_counted():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]], float)
     messages = []
-    mesh = clean_mesh(Mesh(vertices, np.array([[0, 1, 2], [2, 0, 1], [0, 2, 1], [0, 1, 3], [1, 1, 2]], np.int32)), messages)
+    mesh = clean_mesh(
+        Mesh(vertices, np.array([[0, 1, 2], [2, 0, 1], [0, 2, 1], [0, 1, 3], [1, 1, 2]], np.int32)),
+        messages,
+    )
     assert mesh.faces.tolist() == [[0, 1, 2]]
     assert len(mesh.vertices) == 3
     assert messages == ["2 degenerate faces were removed", "2 duplicate faces were removed"]
@@ -113,13 +146,19 @@ def test_degenerate_and_duplicate_faces_are_removed_and_counted():
 
 def test_a_sliver_is_degenerate_by_its_height_not_by_its_area():
     vertices = np.array([[0, 0, 0], [100, 0, 0], [50, 1e-8, 0], [0, 1e-3, 0], [1e-3, 0, 0]], float)
-    assert find_degenerate(Mesh(vertices, np.array([[0, 1, 2], [0, 4, 3]], np.int32)), 1e-6).tolist() == [True, False]
+    assert find_degenerate(
+        Mesh(vertices, np.array([[0, 1, 2], [0, 4, 3]], np.int32)), 1e-6
+    ).tolist() == [True, False]
 
 
 def test_holes_are_counted(tmp_path):
     mesh = tube()
     messages = []
-    read_hull(save(tmp_path / "hull.stl", Mesh(mesh.vertices, np.delete(mesh.faces, 500, axis=0))), "m", messages)
+    read_hull(
+        save(tmp_path / "hull.stl", Mesh(mesh.vertices, np.delete(mesh.faces, 500, axis=0))),
+        "m",
+        messages,
+    )
     assert "the mesh is not watertight: 3 boundary edges" in messages
 
 
@@ -138,9 +177,13 @@ def test_faces_wound_any_way_come_out_outward(share):
     assert (messages == []) == (share == 0.0)
 
 
-@pytest.mark.parametrize("arc", [(0, np.pi), (-np.pi / 2, np.pi / 2), (np.pi, 2 * np.pi), (np.pi * 1.2, np.pi * 1.9)])
+@pytest.mark.parametrize(
+    "arc", [(0, np.pi), (-np.pi / 2, np.pi / 2), (np.pi, 2 * np.pi), (np.pi * 1.2, np.pi * 1.9)]
+)
 @pytest.mark.parametrize("inverted", [False, True])
-def test_a_half_hull_or_one_without_deck_comes_out_outward_whichever_way_it_was_wound(arc, inverted):
+def test_a_half_hull_or_one_without_deck_comes_out_outward_whichever_way_it_was_wound(
+    arc, inverted
+):
     mesh = clean_mesh(tube(arc=arc, caps=False), [])
     mesh = flipped(mesh, np.full(len(mesh.faces), inverted))
     assert faces_away(orient_outward(mesh, [])) > 0.99
@@ -148,7 +191,10 @@ def test_a_half_hull_or_one_without_deck_comes_out_outward_whichever_way_it_was_
 
 def test_separate_patches_of_one_hull_each_come_out_outward():
     """As in a CAD model whose plates share no corners; every second one is inverted."""
-    parts = [tube(arc=(a, a + np.pi / 4), around=6, caps=False) for a in np.arange(0, 2 * np.pi, np.pi / 4)]
+    parts = [
+        tube(arc=(a, a + np.pi / 4), around=6, caps=False)
+        for a in np.arange(0, 2 * np.pi, np.pi / 4)
+    ]
     shift = np.cumsum([0] + [len(p.vertices) for p in parts[:-1]])
     faces = [(p.faces[:, ::-1] if k % 2 else p.faces) + shift[k] for k, p in enumerate(parts)]
     mesh = Mesh(np.vstack([p.vertices for p in parts]), np.vstack(faces).astype(np.int32))
@@ -164,7 +210,8 @@ def test_a_half_hull_stays_one_and_that_is_said(tmp_path):
     assert said in messages
     messages = []
     read_hull(save(tmp_path / "whole.stl", tube()), "m", messages)
-    read_hull(save(tmp_path / "seam.stl", hull_shape(Ship())), "m", messages)  # open at its bow, by faces without an area
+    # open at its bow, by faces without an area
+    read_hull(save(tmp_path / "seam.stl", hull_shape(Ship())), "m", messages)
     assert any("not watertight" in message for message in messages)
     assert said not in messages
 
@@ -181,7 +228,10 @@ def test_a_half_hull_was_cut_at_its_middle_plane_and_is_whole_when_reflected_the
 
 def test_a_flat_bottom_is_plating_not_a_cut():
     box = trimesh.creation.box((40, 8, 6))
-    open_top = Mesh(np.asarray(box.vertices), np.asarray(box.faces)[np.asarray(box.face_normals)[:, 2] < 0.5].astype(np.int32))
+    open_top = Mesh(
+        np.asarray(box.vertices),
+        np.asarray(box.faces)[np.asarray(box.face_normals)[:, 2] < 0.5].astype(np.int32),
+    )
     assert find_possible_cuts(open_top) == [(2, 3.0)]
 
 
@@ -201,7 +251,9 @@ def test_a_format_that_is_not_read_is_an_input_error_that_lists_the_formats(tmp_
 
 
 @pytest.mark.parametrize("name", ["h.stl", "h.ply", "h.obj", "h.off", "h.glb", "h.stl.gz"])
-@pytest.mark.parametrize("content", [b"", b"solid nothing\nendsolid\n", b"\x00" * 84, b"OFF\n1 1 0\n0 0 0\n3 0 7 9\n"])
+@pytest.mark.parametrize(
+    "content", [b"", b"solid nothing\nendsolid\n", b"\x00" * 84, b"OFF\n1 1 0\n0 0 0\n3 0 7 9\n"]
+)
 def test_a_file_without_a_mesh_is_an_input_error(tmp_path, name, content):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError):
@@ -268,7 +320,9 @@ def test_a_strip_with_half_a_twist_has_an_edge_without_a_consistent_winding():
     """A Moebius strip of 10 quads: no orientation agrees across all of its edges."""
     turn = np.linspace(0, 2 * np.pi, 10, endpoint=False)
     along = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(10)])
-    across = 0.3 * np.column_stack([np.cos(turn / 2) * along[:, 0], np.cos(turn / 2) * along[:, 1], np.sin(turn / 2)])
+    across = 0.3 * np.column_stack(
+        [np.cos(turn / 2) * along[:, 0], np.cos(turn / 2) * along[:, 1], np.sin(turn / 2)]
+    )
     vertices = np.vstack([along - across, along + across])
     faces = []
     for k in range(10):

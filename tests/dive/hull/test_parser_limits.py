@@ -43,17 +43,27 @@ def placed(times: int) -> bytes:
     """A GLB of one mesh of 2000 faces that stands in so many places."""
     faces = np.tile(np.arange(3, dtype=np.uint32), 2000)
     vertices = np.array([[0, 0, 0], [20, 0, 0], [0, 9, 0]], np.float32)
-    views = [{"buffer": 0, "byteOffset": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": faces.nbytes}]
+    views = [
+        {"buffer": 0, "byteOffset": 0, "byteLength": 36},
+        {"buffer": 0, "byteOffset": 36, "byteLength": faces.nbytes},
+    ]
     accessors = [
         {"bufferView": 0, "count": 3, "componentType": 5126, "type": "VEC3"},
         {"bufferView": 1, "count": len(faces), "componentType": 5125, "type": "SCALAR"},
     ]
     return glb(
-        {"asset": {"version": "2.0"}, "buffers": [{"byteLength": 36 + faces.nbytes}], "bufferViews": views,
-         "accessors": accessors, "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-         "nodes": [{"mesh": 0}] * times, "scenes": [{"nodes": list(range(times))}], "scene": 0},
+        {
+            "asset": {"version": "2.0"},
+            "buffers": [{"byteLength": 36 + faces.nbytes}],
+            "bufferViews": views,
+            "accessors": accessors,
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "nodes": [{"mesh": 0}] * times,
+            "scenes": [{"nodes": list(range(times))}],
+            "scene": 0,
+        },
         vertices.tobytes() + faces.tobytes(),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize(
@@ -80,7 +90,9 @@ def test_a_gzipped_file_whose_blocks_are_damaged_is_an_input_error(tmp_path):
 
 def test_a_gzip_bomb_is_refused_before_it_is_kept(tmp_path, monkeypatch):
     monkeypatch.setattr(load, "FREE_BYTES", 1 << 20)
-    assert "unpacks to more than 1 MiB" in refusal(tmp_path / "h.stl.gz", gzip.compress(bytes(3 << 20)))
+    assert "unpacks to more than 1 MiB" in refusal(
+        tmp_path / "h.stl.gz", gzip.compress(bytes(3 << 20))
+    )
 
 
 def test_a_fifo_as_cad_model_is_refused_in_one_line(tmp_path):
@@ -92,8 +104,15 @@ def test_a_fifo_as_cad_model_is_refused_in_one_line(tmp_path):
 def test_a_glb_that_claims_values_it_does_not_hold_is_refused(tmp_path):
     accessor = {"count": 500_000_000, "componentType": 5126, "type": "VEC3"}
     meshes = [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]
-    document = {"asset": {"version": "2.0"}, "accessors": [accessor, accessor], "bufferViews": [], "meshes": meshes,
-                "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0}  # fmt: skip
+    document = {
+        "asset": {"version": "2.0"},
+        "accessors": [accessor, accessor],
+        "bufferViews": [],
+        "meshes": meshes,
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+    }
     assert "it claims 1000000000 values" in refusal(tmp_path / "h.glb", glb(document))
 
 
@@ -104,14 +123,19 @@ def test_a_glb_that_places_a_mesh_thousands_of_times_is_refused(tmp_path):
 
 
 def test_a_glb_names_no_file_of_its_own(tmp_path):
-    document = {"asset": {"version": "2.0"}, "buffers": [{"byteLength": 10, "uri": "/etc/hostname"}]}
+    document = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"byteLength": 10, "uri": "/etc/hostname"}],
+    }
     assert "no GLB" in refusal(tmp_path / "h.glb", glb(document, b"x" * 12))
 
 
 def test_a_ply_of_very_many_properties_is_refused(tmp_path):
     head = b"ply\nformat binary_little_endian 1.0\nelement vertex 10\n"
     properties = b"".join(b"property list uint int p%d\n" % k for k in range(300))
-    assert "properties" in refusal(tmp_path / "h.ply", head + properties + b"end_header\n" + bytes(5000))
+    assert "properties" in refusal(
+        tmp_path / "h.ply", head + properties + b"end_header\n" + bytes(5000)
+    )
 
 
 def test_an_obj_of_very_many_groups_is_read_as_one(tmp_path):
@@ -141,10 +165,14 @@ def test_a_short_glb_is_refused():
 
 
 def test_a_mesh_of_thousands_of_separate_faces_is_oriented_in_one_search():
-    """A search a piece took the square of their number: 20,000 faces took three seconds, a million hours."""
+    """A search a piece took the square of their number: 20,000 faces took three seconds, a million
+    hours.
+    """
     count = 20_000
     corners = np.random.default_rng(0).normal(size=(count, 1, 3)) * [20, 4, 4]
     vertices = (corners + np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])).reshape(-1, 3)
     messages: list[str] = []
-    mesh = orient_outward(Mesh(vertices, np.arange(3 * count).reshape(-1, 3).astype(np.int32)), messages)
+    mesh = orient_outward(
+        Mesh(vertices, np.arange(3 * count).reshape(-1, 3).astype(np.int32)), messages
+    )
     assert np.sort(mesh.faces, axis=1).tolist() == np.arange(3 * count).reshape(-1, 3).tolist()

@@ -39,7 +39,9 @@ def test_a_damaged_header_says_nothing_of_it(start, rest):
 
 
 def deep(largest: int, suffix: str = ".png", color: bool = False) -> bytes:
-    """An image of 16 bits whose values grow along its rows up to the largest one; of a colour one only blue does."""
+    """An image of 16 bits whose values grow along its rows up to the largest one; of a colour one
+    only blue does.
+    """
     pixels = np.tile(np.linspace(0, largest, 64).astype(np.uint16), (48, 1))
     if color:
         pixels = np.stack([pixels, 0 * pixels, 0 * pixels], axis=2)
@@ -59,12 +61,16 @@ def stored(folder, *encoded: bytes) -> tuple[ImageStore, list[str]]:
 
 
 @pytest.mark.parametrize("suffix", [".png", ".tif", ".pgm"])
-@pytest.mark.parametrize(("largest", "bits"), [(255, 8), (1023, 10), (4095, 12), (16383, 14), (65535, 16)])
+@pytest.mark.parametrize(
+    ("largest", "bits"), [(255, 8), (1023, 10), (4095, 12), (16383, 14), (65535, 16)]
+)
 def test_values_of_sixteen_bits_are_those_of_as_many_as_they_fill(tmp_path, largest, bits, suffix):
     store, remarks = stored(tmp_path, deep(largest, suffix))
     read = store.read(0)
     assert (read.min(), read.max(), len(np.unique(read))) == (0, 255, 64)
-    what = f"its images have 16 bits with values up to {largest}; the upper 8 of {bits} bits are used"
+    what = (
+        f"its images have 16 bits with values up to {largest}; the upper 8 of {bits} bits are used"
+    )
     assert remarks == [f"camera_top: {what}"]
 
 

@@ -34,7 +34,9 @@ def png_of_zeros(width: int, height: int) -> bytes:
     """A PNG of one bit a pixel, all black: 30,000 x 30,000 pixels in 110 kB."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
 
     row, packer = bytes(1 + (width + 7) // 8), zlib.compressobj(9)
     data = b"".join(packer.compress(row) for _ in range(height)) + packer.flush()
@@ -56,7 +58,9 @@ def test_the_size_of_every_format_is_read_from_its_header(suffix, no_decoder):
     assert header_size(encoded(suffix)) == (36, 24)
 
 
-@pytest.mark.parametrize(("flag", "value"), [(cv2.IMWRITE_JPEG_PROGRESSIVE, 1), (cv2.IMWRITE_JPEG_RST_INTERVAL, 2)])
+@pytest.mark.parametrize(
+    ("flag", "value"), [(cv2.IMWRITE_JPEG_PROGRESSIVE, 1), (cv2.IMWRITE_JPEG_RST_INTERVAL, 2)]
+)
 def test_so_is_that_of_other_jpegs(flag, value):
     assert header_size(encoded(".jpg", flag, value)) == (36, 24)
 
@@ -67,7 +71,9 @@ def test_webp_says_its_size_whether_lossy_or_not(flags):
 
 
 def test_the_canvas_of_an_extended_webp_is_its_size():
-    assert header_size(b"RIFF\0\0\0\0WEBPVP8X" + bytes(8) + (35).to_bytes(3, "little") + (23).to_bytes(3, "little")) == (36, 24)
+    assert header_size(
+        b"RIFF\0\0\0\0WEBPVP8X" + bytes(8) + (35).to_bytes(3, "little") + (23).to_bytes(3, "little")
+    ) == (36, 24)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -85,7 +91,12 @@ def test_a_png_of_another_size_than_the_cameras_is_not_decoded(no_decoder):
 def test_a_png_that_claims_a_billion_pixels_is_never_decoded(no_decoder):
     bomb = png_of_zeros(30_000, 30_000)
     assert len(bomb) < 200_000
-    assert size_of(bomb) == size_of(bomb, (640, 480)) == size_of(bomb, (30_000, 30_000)) == (30_000, 30_000)
+    assert (
+        size_of(bomb)
+        == size_of(bomb, (640, 480))
+        == size_of(bomb, (30_000, 30_000))
+        == (30_000, 30_000)
+    )
     assert decode(bomb) is None
 
 
@@ -117,7 +128,18 @@ def test_a_cut_header_has_no_size(suffix):
 
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(
-    st.sampled_from([b"", b"\xff\xd8", b"\x89PNG\r\n\x1a\n", b"RIFF0000WEBPVP8L", b"II*\0", b"BM", b"P6 ", b"GIF89a"]),
+    st.sampled_from(
+        [
+            b"",
+            b"\xff\xd8",
+            b"\x89PNG\r\n\x1a\n",
+            b"RIFF0000WEBPVP8L",
+            b"II*\0",
+            b"BM",
+            b"P6 ",
+            b"GIF89a",
+        ]
+    ),
     st.binary(max_size=200),
 )
 def test_any_bytes_have_a_size_or_none(head, rest):

@@ -58,7 +58,9 @@ def test_the_cameras_time_offset_is_added(tmp_path, jpegs):
 @pytest.mark.parametrize("bad", [b"", b"no image", "half", "turned"])
 def test_a_corrupt_image_among_good_ones_survives_unusable_and_is_counted(tmp_path, jpegs, bad):
     spoilt = {"half": jpegs[1][: len(jpegs[1]) // 2], "turned": jpegs[1][:-2]}.get(bad, bad)
-    index, remarks = take(sink(tmp_path)[0], image(0, jpegs[0]), image(1, spoilt), image(2, jpegs[2]))
+    index, remarks = take(
+        sink(tmp_path)[0], image(0, jpegs[0]), image(1, spoilt), image(2, jpegs[2])
+    )
     assert index.usable.tolist() == [True, False, True]
     assert remarks == ["camera_top: 1 of 3 images are missing or damaged and are left out"]
 
@@ -69,7 +71,9 @@ def test_an_image_of_another_size_among_good_ones_is_unusable_and_counted(tmp_pa
     assert remarks == ["camera_top: 1 of 2 images have another size and are left out"]
 
 
-def test_images_of_another_size_than_the_calibration_are_refused_with_both_sizes_early(tmp_path, jpegs):
+def test_images_of_another_size_than_the_calibration_are_refused_with_both_sizes_early(
+    tmp_path, jpegs
+):
     store, _ = sink(tmp_path, (640, 480))
     for t in range(4):
         store.take(image(t, jpegs[0]), t, 0)
@@ -146,7 +150,9 @@ def test_a_whole_jpeg_is_whole_with_bytes_behind_it_too(jpegs):
     assert jpeg_is_whole(jpegs[0] + b"\0\0")
 
 
-@pytest.mark.parametrize(("flag", "value"), [(cv2.IMWRITE_JPEG_PROGRESSIVE, 1), (cv2.IMWRITE_JPEG_RST_INTERVAL, 2)])
+@pytest.mark.parametrize(
+    ("flag", "value"), [(cv2.IMWRITE_JPEG_PROGRESSIVE, 1), (cv2.IMWRITE_JPEG_RST_INTERVAL, 2)]
+)
 def test_progressive_jpegs_and_restarts_are_whole(flag, value):
     pixels = np.random.default_rng(1).integers(0, 255, (48, 64, 3), np.uint8)
     encoded = cv2.imencode(".jpg", pixels, [flag, value])[1].tobytes()

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Attitude and depth by other messages than Imu and FluidPressure; messages as their packages define them."""
+"""Attitude and depth by other messages than Imu and FluidPressure; messages as their packages
+define them.
+"""
 
 from types import SimpleNamespace
 
@@ -26,7 +28,9 @@ UP = streams.PressureModel(1025.0, 9.81, 101325.0, "up")
 
 def depth_of(sensor_type, message, model=MODEL, remarks=None):
     samples = TYPES["pressure"][sensor_type](message, T, "pressure")
-    return streams.pressure_samples(samples, model, [] if remarks is None else remarks).depth.tolist()
+    return streams.pressure_samples(
+        samples, model, [] if remarks is None else remarks
+    ).depth.tolist()
 
 
 def pose(kit, z=-3.5, quaternion=(0.0, 0.0, 0.0, 1.0)):
@@ -39,10 +43,18 @@ def pose(kit, z=-3.5, quaternion=(0.0, 0.0, 0.0, 1.0)):
 
 
 def odometry(kit, **more):
-    inner = kit.make("geometry_msgs/msg/PoseWithCovariance", pose=pose(kit, **more), covariance=np.zeros(36))
-    twist = kit.make("geometry_msgs/msg/Twist", linear=kit.vector(0.1, 0.2, 0.3), angular=kit.vector(0, 0, 0))
-    velocity = kit.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36))
-    return kit.make("nav_msgs/msg/Odometry", header=kit.header(T), child_frame_id="", pose=inner, twist=velocity)
+    inner = kit.make(
+        "geometry_msgs/msg/PoseWithCovariance", pose=pose(kit, **more), covariance=np.zeros(36)
+    )
+    twist = kit.make(
+        "geometry_msgs/msg/Twist", linear=kit.vector(0.1, 0.2, 0.3), angular=kit.vector(0, 0, 0)
+    )
+    velocity = kit.make(
+        "geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)
+    )
+    return kit.make(
+        "nav_msgs/msg/Odometry", header=kit.header(T), child_frame_id="", pose=inner, twist=velocity
+    )
 
 
 def test_a_pose_s_z_is_up_and_so_a_depth_with_the_other_sign(kit):
@@ -53,7 +65,14 @@ def test_a_pose_s_z_is_up_and_so_a_depth_with_the_other_sign(kit):
 
 def test_a_number_is_a_depth_and_a_head_up_display_has_an_altitude(kit):
     assert depth_of("std_msgs/msg/Float64", kit.make("std_msgs/msg/Float64", data=2.25)) == [2.25]
-    shown = {"airspeed": 0.0, "groundspeed": 0.1, "heading": 30, "throttle": 0.0, "altitude": -4.5, "climb": 0.0}
+    shown = {
+        "airspeed": 0.0,
+        "groundspeed": 0.1,
+        "heading": 30,
+        "throttle": 0.0,
+        "altitude": -4.5,
+        "climb": 0.0,
+    }
     message = kit.make("mavros_msgs/msg/VfrHud", header=kit.header(T), **shown)
     assert depth_of("mavros_msgs/msg/VfrHud", message) == [4.5]
 
@@ -68,7 +87,9 @@ def test_the_sign_of_a_logged_depth_can_be_given_and_a_wrong_one_is_doubted(kit)
 
 def test_a_depth_of_the_deep_submergence_laboratory_is_read_and_its_gaps_are_damage():
     kind = "ds_sensor_msgs/msg/DepthPressure"
-    assert depth_of(kind, SimpleNamespace(pressure=5.0, pressure_unit=3, tare=-9999.0, depth=12.5)) == [12.5]
+    assert depth_of(
+        kind, SimpleNamespace(pressure=5.0, pressure_unit=3, tare=-9999.0, depth=12.5)
+    ) == [12.5]
     with pytest.raises(DamagedError, match="without a depth"):
         depth_of(kind, SimpleNamespace(depth=-9999.0))
 
@@ -76,7 +97,8 @@ def test_a_depth_of_the_deep_submergence_laboratory_is_read_and_its_gaps_are_dam
 def test_a_depth_number_takes_the_time_of_logging(kit, tmp_path):
     entry = type(kit.dive()[0])
     log = kit.mcap(
-        tmp_path / "x.mcap", [entry("/depth", "std_msgs/msg/Float64", T, kit.make("std_msgs/msg/Float64", data=1.5))]
+        tmp_path / "x.mcap",
+        [entry("/depth", "std_msgs/msg/Float64", T, kit.make("std_msgs/msg/Float64", data=1.5))],
     )
     found = read_streams([McapLog(log)], {"/depth": ("pressure",)}, lambda *_: None)
     assert found.samples["pressure"] == [DepthSample(T, 1.5, is_up=False)]
@@ -85,7 +107,9 @@ def test_a_depth_number_takes_the_time_of_logging(kit, tmp_path):
 
 def test_one_odometry_gives_velocity_attitude_and_depth(kit, tmp_path):
     entry = type(kit.dive()[0])
-    log = kit.mcap(tmp_path / "x.mcap", [entry("/odometry", "nav_msgs/msg/Odometry", T, odometry(kit, z=-2.0))])
+    log = kit.mcap(
+        tmp_path / "x.mcap", [entry("/odometry", "nav_msgs/msg/Odometry", T, odometry(kit, z=-2.0))]
+    )
     found = read_streams([McapLog(log)], {"/odometry": ("dvl", "imu", "pressure")}, lambda *_: None)
     assert found.samples["dvl"][0].velocity.tolist() == [0.1, 0.2, 0.3]
     assert found.samples["imu"][0].quaternion.tolist() == [0, 0, 0, 1]
@@ -96,7 +120,8 @@ def test_one_odometry_gives_velocity_attitude_and_depth(kit, tmp_path):
 
 def test_types_of_a_log_without_definitions_are_known(kit):
     for kind in ("dvl_msgs/msg/DVL", "mavros_msgs/msg/VfrHud", "acoustic_msgs/msg/SonarImage"):
-        with pytest.raises(DamagedError, match="cannot be decoded"):  # and not: of a type without a definition
+        # and not: of a type without a definition
+        with pytest.raises(DamagedError, match="cannot be decoded"):
             decode(Channel("/t", kind, "cdr"), b"\0\1\0\0")
 
 
@@ -106,7 +131,8 @@ def attitude(rotation, of_dvl=False):
 
 def test_an_imu_that_is_mounted_turned_gives_the_vehicle_s_attitude():
     truth = Rotation.from_euler("ZYX", [30, 10, 5], degrees=True)
-    mount = Rotation.from_euler("ZYX", [90, 0, 180], degrees=True)  # yaw 90, roll 180: upside down, its x to starboard
+    # yaw 90, roll 180: upside down, its x to starboard
+    mount = Rotation.from_euler("ZYX", [90, 0, 180], degrees=True)
     found = streams.imu_samples([attitude(truth * mount)], "ned", [], (180.0, 0.0, 90.0))
     assert (Rotation.from_quat(found.quaternion[0]).inv() * truth).magnitude() < 1e-9
     np.testing.assert_allclose(found.acceleration[0], mount.apply([0, 0, -9.81]), atol=1e-12)
@@ -115,16 +141,22 @@ def test_an_imu_that_is_mounted_turned_gives_the_vehicle_s_attitude():
 def test_a_dvl_s_own_attitude_needs_its_mount_and_is_said_to_be_one():
     truth = Rotation.from_euler("ZYX", [30, 10, 5], degrees=True)
     ahead = Rotation.from_euler("ZYX", [0, 90, 0], degrees=True)
-    with pytest.raises(InputError, match="the only attitude is that of the DVL's own sensors") as caught:
+    with pytest.raises(
+        InputError, match="the only attitude is that of the DVL's own sensors"
+    ) as caught:
         streams.imu_samples([attitude(truth * ahead, of_dvl=True)], "ned", [])
     assert caught.value.where == "imu.mount_deg"
     remarks = []
-    found = streams.imu_samples([attitude(truth * ahead, of_dvl=True)], "enu", remarks, (0.0, 90.0, 0.0))
+    found = streams.imu_samples(
+        [attitude(truth * ahead, of_dvl=True)], "enu", remarks, (0.0, 90.0, 0.0)
+    )
     assert (Rotation.from_quat(found.quaternion[0]).inv() * truth).magnitude() < 1e-9
     assert "compass beside a steel hull" in remarks[0]
 
 
 def test_a_depth_by_the_dvl_s_own_sensor_is_said_to_be_one():
     remarks = []
-    assert streams.pressure_samples([DepthSample(T, 9.0, is_up=False, of_dvl=True)], MODEL, remarks).depth.tolist() == [9.0]
+    assert streams.pressure_samples(
+        [DepthSample(T, 9.0, is_up=False, of_dvl=True)], MODEL, remarks
+    ).depth.tolist() == [9.0]
     assert "the DVL's own sensor" in remarks[-1]

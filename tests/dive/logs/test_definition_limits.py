@@ -12,13 +12,19 @@ from hullrecon.dive.logs.readers.unpack import DamagedError
 LINE = "=" * 80
 
 
-def channel(definition: str, encoding: str = "ros1", form: str = "ros2msg", kind: str = "p/msg/T") -> Channel:
+def channel(
+    definition: str, encoding: str = "ros1", form: str = "ros2msg", kind: str = "p/msg/T"
+) -> Channel:
     return Channel("/t", kind, encoding, definition, form)
 
 
 def types(**given: str) -> str:
     """A definition with further types behind it: T first, the others by name."""
-    return given.pop("T") + "\n" + "".join(f"{LINE}\nMSG: p/{name}\n{text}\n" for name, text in given.items())
+    return (
+        given.pop("T")
+        + "\n"
+        + "".join(f"{LINE}\nMSG: p/{name}\n{text}\n" for name, text in given.items())
+    )
 
 
 EMPTY_BOMB = (0xFFFFFFFF).to_bytes(4, "little")
@@ -29,13 +35,19 @@ EMPTY_BOMB = (0xFFFFFFFF).to_bytes(4, "little")
     ("definition", "why"),
     [
         (types(T="Foo[] foos", Foo=""), "a list of an empty type"),
-        (types(T="Foo[1000000000] foos", Foo="uint8 a"), "read: it has an array of 1000000000 elements"),
+        (
+            types(T="Foo[1000000000] foos", Foo="uint8 a"),
+            "read: it has an array of 1000000000 elements",
+        ),
         (types(T="string[1000000000] names"), "an array of 1000000000 elements"),
         (types(T="uint8[999999999999] bytes"), "an array of 999999999999 elements"),
         (types(T="uint8[-1] bytes"), "an array of -1 elements"),
         (types(T="Foo[900] a\nFoo[900] b", Foo="uint8 a"), "arrays of 1800 messages"),
         (types(T="T again"), "contain each other without end|cannot be read"),
-        (types(T="A0 a", **{f"A{i}": f"A{i + 1} a\nA{i + 1} b" for i in range(30)}, A30=""), "nested around nothing"),
+        (
+            types(T="A0 a", **{f"A{i}": f"A{i + 1} a\nA{i + 1} b" for i in range(30)}, A30=""),
+            "nested around nothing",
+        ),
         (types(T="uint8 a", **{f"A{i}": "" for i in range(300)}), "301 types"),
         (types(T="\n".join(f"uint8 a{i}" for i in range(3000))), "3000 fields"),
         ("# " + "x" * 200_000, "characters"),
@@ -44,7 +56,9 @@ EMPTY_BOMB = (0xFFFFFFFF).to_bytes(4, "little")
         (types(T="Missing a"), "cannot be read"),
     ],
 )
-def test_definitions_that_would_take_hours_or_gigabytes_are_refused_in_one_short_line(encoding, definition, why):
+def test_definitions_that_would_take_hours_or_gigabytes_are_refused_in_one_short_line(
+    encoding, definition, why
+):
     with pytest.raises(DamagedError, match=why) as caught:
         decode(channel(definition, encoding), EMPTY_BOMB * 4)
     assert str(caught.value).isprintable()
@@ -53,7 +67,9 @@ def test_definitions_that_would_take_hours_or_gigabytes_are_refused_in_one_short
 
 def test_a_definition_that_fails_is_tried_once_and_not_for_each_message(monkeypatch):
     tried = []
-    monkeypatch.setattr(decode_module, "_from_definition", lambda channel: tried.append(channel) or 1 / 0)
+    monkeypatch.setattr(
+        decode_module, "_from_definition", lambda channel: tried.append(channel) or 1 / 0
+    )
     for _ in range(5):
         with pytest.raises(DamagedError, match="ZeroDivisionError"):
             decode(channel("uint8 once"), b"\x00")
@@ -74,7 +90,9 @@ def test_a_definition_that_fails_is_tried_once_and_not_for_each_message(monkeypa
     ],
 )
 def test_idl_that_computes_is_refused_before_it_is_parsed(expression):
-    text = f"module p {{ module msg {{ const long N = {expression}; struct T {{ uint8 a; }}; }}; }};"
+    text = (
+        f"module p {{ module msg {{ const long N = {expression}; struct T {{ uint8 a; }}; }}; }};"
+    )
     with pytest.raises(DamagedError):
         check_idl(text)
     with pytest.raises(DamagedError, match="cannot be read"):
@@ -87,7 +105,9 @@ def test_idl_as_ros_writes_it_passes():
       struct T { @unit (value="m") double a; /* (((((( */ sequence<uint8, 4> b; // ((((((
       }; }; };"""
     check_idl(text)
-    message = decode(channel(text, "cdr", "ros2idl"), b"\x00\x01\x00\x00" + bytes(8) + b"\x01\x00\x00\x00\x07")
+    message = decode(
+        channel(text, "cdr", "ros2idl"), b"\x00\x01\x00\x00" + bytes(8) + b"\x01\x00\x00\x00\x07"
+    )
     assert message.b.tolist() == [7]
 
 
@@ -97,7 +117,9 @@ def test_the_definitions_that_are_bundled_stay_far_below_the_limits():
 
 
 def test_fixed_arrays_of_messages_and_numbers_decode():
-    definition = types(T="Foo[3] foos\nfloat64[2] numbers\nstring[2] names\nFoo[0] none", Foo="uint8 a")
+    definition = types(
+        T="Foo[3] foos\nfloat64[2] numbers\nstring[2] names\nFoo[0] none", Foo="uint8 a"
+    )
     data = bytes([1, 2, 3]) + bytes(16) + b"\x01\x00\x00\x00a\x00\x00\x00\x00"
     message = decode(channel(definition), data)
     assert [foo.a for foo in message.foos] == [1, 2, 3]
@@ -106,22 +128,29 @@ def test_fixed_arrays_of_messages_and_numbers_decode():
 
 CODE = "__import__('os').system('touch code-has-run')"
 PARTS = (
-    "struct B { sequence<uint8, X> data; };", "struct B { string<X> data; };", "struct B { uint8 data[X]; };",
-    "typedef uint8 T[X]; struct B { T data; };", "typedef sequence<uint8, X> T; struct B { T data; };",
-)  # fmt: skip
+    "struct B { sequence<uint8, X> data; };",
+    "struct B { string<X> data; };",
+    "struct B { uint8 data[X]; };",
+    "typedef uint8 T[X]; struct B { T data; };",
+    "typedef sequence<uint8, X> T; struct B { T data; };",
+)
 
 
 @pytest.mark.parametrize("part", PARTS)
 def test_a_constant_of_text_that_stands_for_a_bound_is_no_code(part, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = f'module a {{ module msg {{ const string X = "{CODE}"; {part} }}; }};'
-    channel = Channel(topic="/t", type="a/msg/B", encoding="cdr", definition=text, definition_format="ros2idl")
+    channel = Channel(
+        topic="/t", type="a/msg/B", encoding="cdr", definition=text, definition_format="ros2idl"
+    )
     with pytest.raises(DamagedError, match="bound"):
         decode(channel, bytes(8))
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("field", [(4, ((1, ("uint8", 0)), CODE)), (3, ((1, ("uint8", 0)), CODE)), (1, ("string", CODE))])
+@pytest.mark.parametrize(
+    "field", [(4, ((1, ("uint8", 0)), CODE)), (3, ((1, ("uint8", 0)), CODE)), (1, ("string", CODE))]
+)
 def test_a_bound_that_is_no_number_never_reaches_the_compiler(field):
     with pytest.raises(DamagedError, match="a bound that is no number"):
         check_types({"a/msg/B": ([], [("data", field)])}, "a/msg/B")

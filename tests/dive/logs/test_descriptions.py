@@ -7,7 +7,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.config.calibration import read_camera
-from hullrecon.dive.logs.messages.descriptions import calibration_yaml, frame_tree, mount_of, vehicle_from
+from hullrecon.dive.logs.messages.descriptions import (
+    calibration_yaml,
+    frame_tree,
+    mount_of,
+    vehicle_from,
+)
 from hullrecon.geometry.poses import Poses, from_mount
 
 
@@ -17,7 +22,8 @@ def transform(parent, child, shift=(0.0, 0.0, 0.0), rotation=None):
         header=SimpleNamespace(frame_id=parent),
         child_frame_id=child,
         transform=SimpleNamespace(
-            translation=SimpleNamespace(x=shift[0], y=shift[1], z=shift[2]), rotation=SimpleNamespace(x=x, y=y, z=z, w=w)
+            translation=SimpleNamespace(x=shift[0], y=shift[1], z=shift[2]),
+            rotation=SimpleNamespace(x=x, y=y, z=z, w=w),
         ),
     )
 
@@ -35,15 +41,21 @@ def test_a_frame_that_the_logs_own_definition_gives_no_header_is_left_out():
 
 def test_a_sensor_s_frame_is_turned_into_the_vehicle_s_axes():
     """base_link is forward, port, up (REP 103); the vehicle forward, starboard, down."""
-    frames = tree(transform("base_link", "frame", (0.2, 0.1, 0.3)), transform("frame", "dvl", (0.05, 0.0, 0.0)))
+    frames = tree(
+        transform("base_link", "frame", (0.2, 0.1, 0.3)),
+        transform("frame", "dvl", (0.05, 0.0, 0.0)),
+    )
     pose = vehicle_from("/dvl", frames)
     np.testing.assert_allclose(pose.translation[0], [0.25, -0.1, -0.3])
     np.testing.assert_allclose(pose.rotation.apply([0, 0, 1])[0], [0, 0, -1], atol=1e-12)
 
 
 def test_a_camera_that_looks_ahead_has_the_mount_that_the_template_has():
-    optical = Rotation.from_matrix([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # REP 103: x right, y down, z ahead
-    mount = mount_of(vehicle_from("camera", tree(transform("base_link", "camera", (0.4, 0, 0), optical))))
+    # REP 103: x right, y down, z ahead
+    optical = Rotation.from_matrix([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])
+    mount = mount_of(
+        vehicle_from("camera", tree(transform("base_link", "camera", (0.4, 0, 0), optical)))
+    )
     assert mount[:3] == [0.4, 0.0, 0.0]
     ahead = from_mount([0, 0, 0, 90.0, 0.0, 90.0]).rotation
     assert (from_mount(mount).rotation * ahead.inv()).magnitude()[0] < 1e-6
@@ -72,12 +84,25 @@ def test_transforms_of_no_rotation_or_no_number_are_left_out():
 
 def info(kit, **more):
     given = {
-        "header": kit.header(0), "height": 480, "width": 640, "distortion_model": "plumb_bob",
+        "header": kit.header(0),
+        "height": 480,
+        "width": 640,
+        "distortion_model": "plumb_bob",
         "d": np.array([-0.1, 0.02, 0, 0, 0]),
-        "k": np.array([500.0, 0, 320, 0, 501, 240, 0, 0, 1]), "r": np.zeros(9), "p": np.zeros(12),
-        "binning_x": 0, "binning_y": 0,
-        "roi": kit.make("sensor_msgs/msg/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False),
-    }  # fmt: skip
+        "k": np.array([500.0, 0, 320, 0, 501, 240, 0, 0, 1]),
+        "r": np.zeros(9),
+        "p": np.zeros(12),
+        "binning_x": 0,
+        "binning_y": 0,
+        "roi": kit.make(
+            "sensor_msgs/msg/RegionOfInterest",
+            x_offset=0,
+            y_offset=0,
+            height=0,
+            width=0,
+            do_rectify=False,
+        ),
+    }
     return kit.make("sensor_msgs/msg/CameraInfo", **{**given, **more})
 
 
@@ -85,7 +110,13 @@ def test_a_camera_info_becomes_the_yaml_that_is_read(kit, tmp_path):
     path = tmp_path / "camera_top.yaml"
     path.write_text(calibration_yaml(info(kit), "/camera/camera_info"))
     camera = read_camera(path)
-    assert (camera.width, camera.height, camera.fx, camera.fy, camera.cx) == (640, 480, 500, 501, 320)
+    assert (camera.width, camera.height, camera.fx, camera.fy, camera.cx) == (
+        640,
+        480,
+        500,
+        501,
+        320,
+    )
     assert (camera.k1, camera.k2) == (-0.1, 0.02)
     assert "calibration in water" in path.read_text()
 

@@ -7,7 +7,14 @@ import pytest
 
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.logs.dvl_beams import A50, a50_beams, check_beams, choose_beams, tilted_beams, unit
+from hullrecon.dive.logs.dvl_beams import (
+    A50,
+    a50_beams,
+    check_beams,
+    choose_beams,
+    tilted_beams,
+    unit,
+)
 from hullrecon.dive.logs.messages.samples import DVL_TYPES
 from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.dive.logs.streams import dvl_pings
@@ -57,7 +64,9 @@ def test_the_beams_of_the_message_win_over_those_of_the_configuration_and_that_i
     remarks = []
     turned = tilted_beams(25.0, (180.0, 0.0, 90.0, -90.0))
     assert choose_beams([ping(JANUS)], turned, 4, remarks) == pytest.approx(JANUS)
-    assert remarks == ["dvl: the beams of dive.toml are up to 5.0 degrees off those of the messages, which were used"]
+    assert remarks == [
+        "dvl: the beams of dive.toml are up to 5.0 degrees off those of the messages, which were used"
+    ]
 
 
 def test_beams_that_agree_with_the_messages_are_not_remarked():
@@ -73,7 +82,9 @@ def test_the_configuration_wins_over_the_instrument_that_the_type_names():
 def test_the_instrument_that_the_type_names_is_used_last_and_said():
     remarks = []
     assert choose_beams([ping(a50_beams(), A50)], None, 4, remarks) == pytest.approx(a50_beams())
-    assert remarks == ["dvl: the messages have no beam directions; those of a Water Linked A50 were used"]
+    assert remarks == [
+        "dvl: the messages have no beam directions; those of a Water Linked A50 were used"
+    ]
 
 
 def test_a_dvl_without_ranges_needs_no_beams():
@@ -96,7 +107,9 @@ def test_another_number_of_beams_than_the_log_has_is_refused():
 def water_linked(beams: int):
     reports = [SimpleNamespace(id=i, valid=True, distance=1.0 + i) for i in range(beams)]
     velocity = SimpleNamespace(x=0.1, y=0.2, z=0.3)
-    return SimpleNamespace(velocity_valid=True, beams=reports, fom=0.01, altitude=1.0, velocity=velocity)
+    return SimpleNamespace(
+        velocity_valid=True, beams=reports, fom=0.01, altitude=1.0, velocity=velocity
+    )
 
 
 @pytest.mark.parametrize("kind", ["waterlinked_a50_ros_driver/msg/DVL", "dvl_msgs/msg/DVL"])
@@ -132,7 +145,10 @@ def test_the_configuration_gives_beams_by_angle_and_azimuth(package):
     [
         (["dvl.beam_angle_deg=30"], "dvl.beam_angle_deg without dvl.beam_azimuth_deg"),
         (["dvl.beam_azimuth_deg=[0, 90]"], "dvl.beam_azimuth_deg without dvl.beam_angle_deg"),
-        (["dvl.beam_angle_deg=30", "dvl.beam_azimuth_deg=[0]", "dvl.beams=[[0, 0, 1]]"], "are both given"),
+        (
+            ["dvl.beam_angle_deg=30", "dvl.beam_azimuth_deg=[0]", "dvl.beams=[[0, 0, 1]]"],
+            "are both given",
+        ),
         (["dvl.beam_angle_deg=0", "dvl.beam_azimuth_deg=[0]"], "beam_angle_deg = 0"),
         (["dvl.beam_angle_deg=90", "dvl.beam_azimuth_deg=[0]"], "beam_angle_deg = 90"),
         (["dvl.beam_angle_deg=30", "dvl.beam_azimuth_deg=[400]"], "400"),
@@ -164,5 +180,8 @@ def test_beams_that_stand_far_off_or_lean_to_one_side_are_named():
     nothing = np.zeros((0, 4)), np.zeros(0)
     assert "up to 67 degrees off" in check_beams(tilted_beams(67.0, (0, 90, 180, -90)), *nothing)[0]
     assert "up to 158 degrees off" in check_beams(a50_beams() * [1, 1, -1], *nothing)[0]
-    assert "mean direction is 16 degrees off" in check_beams(tilted_beams(30.0, (0, 0, 90, -90)), *nothing)[0]
+    assert (
+        "mean direction is 16 degrees off"
+        in check_beams(tilted_beams(30.0, (0, 0, 90, -90)), *nothing)[0]
+    )
     assert check_beams(tilted_beams(30.0, (0, 90, 180, -90)), *nothing) == []

@@ -14,7 +14,8 @@ from hullrecon.steps.ingest import USES, request_of
 from tests.dive.config.test_log_proposals import entries_of, static
 
 JOINTS = {"tray": "tray", "sonar_tray": "other"}
-FLIPPED = (0.4, -0.2, 0.0, 180.0, 0.0, 0.0)  # two steps of the kit's `static`: axes forward, port, up in the vehicle's
+# two steps of the kit's `static`: axes forward, port, up in the vehicle's
+FLIPPED = (0.4, -0.2, 0.0, 180.0, 0.0, 0.0)
 
 
 def sensors(kit, *steps, frames=None, joints=JOINTS):
@@ -35,7 +36,11 @@ def test_the_frame_of_the_servo_on_its_way_says_where_that_turns(kit, name):
 
 def test_where_the_log_moves_the_servo_the_sensor_is_placed_on_it(kit):
     (found,) = sensors(kit, ("tray_link", "x", 0.1)).values()
-    assert (found.pose, found.servo_origin, found.on_servo) == ((0.1, -0.1, 0.0, 180.0, 0.0, 0.0), None, True)
+    assert (found.pose, found.servo_origin, found.on_servo) == (
+        (0.1, -0.1, 0.0, 180.0, 0.0, 0.0),
+        None,
+        True,
+    )
 
 
 def test_a_frame_of_another_servo_says_nothing(kit):
@@ -46,11 +51,16 @@ def test_a_frame_of_another_servo_says_nothing(kit):
 
 def check(package, *overrides):
     loaded = load_config(package, {}, overrides)
-    return check_package(loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})))
+    return check_package(
+        loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+    )
 
 
 def log_with_frames(package, kit, *steps):
-    more = [("/tf_static", "tf2_msgs/msg/TFMessage", kit.start_ns + k, static(kit, *step)) for k, step in enumerate(steps)]
+    more = [
+        ("/tf_static", "tf2_msgs/msg/TFMessage", kit.start_ns + k, static(kit, *step))
+        for k, step in enumerate(steps)
+    ]
     kit.mcap(package / "logs" / "dive.mcap", entries_of(kit, more))
 
 
@@ -65,7 +75,12 @@ def test_check_says_which_mounts_are_the_logs_and_asks_for_the_others(package, k
     assert {f"note: {line}" for line in found.mounts} <= set(found.lines())
     assert found.to_fill_in == []
     assert not any("tf_static" in line for line in found.found.unused)
-    assert not found.defaults.keys() & {"tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"}
+    assert not found.defaults.keys() & {
+        "tray.origin",
+        "pressure.origin",
+        "dvl.mount",
+        "camera.top.mount",
+    }
 
 
 def test_without_a_way_to_the_vehicle_the_defaults_are_used_and_named(package, kit):
@@ -80,5 +95,8 @@ def test_without_a_way_to_the_vehicle_the_defaults_are_used_and_named(package, k
 def test_the_mounts_of_the_log_are_looked_at_as_those_of_dive_toml_are(package, kit):
     """The camera's frame looks up there, the DVL forward."""
     log_with_frames(package, kit, ("base_link", "x", 0.1))
-    assert any("camera.top looks 90 degrees away" in line for line in check(package, "dvl.mount=[0,0,0,0,90,0]").warnings)
+    assert any(
+        "camera.top looks 90 degrees away" in line
+        for line in check(package, "dvl.mount=[0,0,0,0,90,0]").warnings
+    )
     assert np.isfinite(check(package).found.records.dvl.ranges).all()

@@ -40,7 +40,12 @@ def test_a_beam_is_lost_by_its_range_or_by_its_covariance(kit):
     ranges = np.array([0.0, -1.0, np.nan, 4.0])
     assert np.isnan(dvl(kit.dvl(T, range=ranges)).ranges).tolist() == [True, True, True, False]
     covariance = np.array([0, -1, 0, 0], np.float32)
-    assert np.isnan(dvl(kit.dvl(T, range_covar=covariance)).ranges).tolist() == [False, True, False, False]
+    assert np.isnan(dvl(kit.dvl(T, range_covar=covariance)).ranges).tolist() == [
+        False,
+        True,
+        False,
+        False,
+    ]
     assert np.isnan(dvl(kit.dvl(T, beam_ranges_valid=False)).ranges).all()
 
 
@@ -62,9 +67,13 @@ def test_beam_vectors_that_are_not_filled_in_are_not_taken(kit):
 def test_a_twist_is_a_ping_without_ranges(kit):
     covariance = np.zeros(36)
     covariance[[0, 7, 14]] = 0.0004
-    twist = kit.make("geometry_msgs/msg/Twist", linear=kit.vector(1, 2, 3), angular=kit.vector(0, 0, 0))
+    twist = kit.make(
+        "geometry_msgs/msg/Twist", linear=kit.vector(1, 2, 3), angular=kit.vector(0, 0, 0)
+    )
     inner = kit.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=covariance)
-    message = kit.make("geometry_msgs/msg/TwistWithCovarianceStamped", header=kit.header(T), twist=inner)
+    message = kit.make(
+        "geometry_msgs/msg/TwistWithCovarianceStamped", header=kit.header(T), twist=inner
+    )
     (ping,) = translate("dvl", "geometry_msgs/msg/TwistWithCovarianceStamped", message)
     assert ping.velocity.tolist() == [1, 2, 3]
     assert ping.sigma == pytest.approx(0.02)
@@ -77,9 +86,20 @@ def test_a_twist_is_a_ping_without_ranges(kit):
 def test_a_water_linked_report_drops_what_it_calls_invalid(kit):
     kind = "waterlinked_a50_ros_driver/msg/"
     beams = [
-        kit.make(f"{kind}DVLBeam", id=i, velocity=0.0, distance=1.0 + i, rssi=0.0, nsd=0.0, valid=i != 2) for i in (1, 0, 2, 3)
+        kit.make(
+            f"{kind}DVLBeam", id=i, velocity=0.0, distance=1.0 + i, rssi=0.0, nsd=0.0, valid=i != 2
+        )
+        for i in (1, 0, 2, 3)
     ]
-    given = {"header": kit.header(T), "time": 0.0, "fom": 0.01, "altitude": 1.0, "beams": beams, "status": 0, "form": ""}
+    given = {
+        "header": kit.header(T),
+        "time": 0.0,
+        "fom": 0.01,
+        "altitude": 1.0,
+        "beams": beams,
+        "status": 0,
+        "form": "",
+    }
     message = kit.make(f"{kind}DVL", velocity=kit.vector(1, 2, 3), velocity_valid=True, **given)
     (ping,) = translate("dvl", f"{kind}DVL", message)
     np.testing.assert_array_equal(ping.ranges, [1, 2, np.nan, 4])
@@ -91,7 +111,9 @@ def test_a_water_linked_report_drops_what_it_calls_invalid(kit):
 def test_what_an_imu_says_it_does_not_measure_is_nan(kit):
     absent = np.zeros(9)
     absent[0] = -1
-    (sample,) = translate("imu", "sensor_msgs/msg/Imu", kit.imu(T, linear_acceleration_covariance=absent))
+    (sample,) = translate(
+        "imu", "sensor_msgs/msg/Imu", kit.imu(T, linear_acceleration_covariance=absent)
+    )
     assert np.isnan(sample.acceleration).all()
     assert sample.rates.tolist() == [0.1, 0.2, 0.3]
     (sample,) = translate("imu", "sensor_msgs/msg/Imu", kit.imu(T, orientation_covariance=absent))
@@ -99,13 +121,17 @@ def test_what_an_imu_says_it_does_not_measure_is_nan(kit):
 
 
 def test_every_joint_of_a_message_is_a_sample(kit):
-    samples = translate("joints", "sensor_msgs/msg/JointState", kit.joints(T, ["a", "b"], [0.5, 0.25]))
+    samples = translate(
+        "joints", "sensor_msgs/msg/JointState", kit.joints(T, ["a", "b"], [0.5, 0.25])
+    )
     assert [(s.name, s.angle) for s in samples] == [("a", 0.5), ("b", 0.25)]
 
 
 def test_the_sonar_pixel_of_range_r_and_beam_b_lies_at_r_times_beams_plus_b(kit):
     pixels = np.arange(6, dtype=np.uint8).reshape(3, 2)  # [ranges, beams]
-    (ping,) = translate("sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels))
+    (ping,) = translate(
+        "sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels)
+    )
     assert ping.image.tolist() == [[0, 2, 4], [1, 3, 5]]
     assert ping.range_m.tolist() == [1, 2, 3]
     assert np.linalg.norm(ping.directions, axis=1) == pytest.approx([1, 1])
@@ -113,7 +139,9 @@ def test_the_sonar_pixel_of_range_r_and_beam_b_lies_at_r_times_beams_plus_b(kit)
 
 def test_sonar_pixels_of_other_types_keep_their_values(kit):
     pixels = np.arange(6, dtype="<f4").reshape(3, 2) * 100
-    (ping,) = translate("sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels, dtype=8))
+    (ping,) = translate(
+        "sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels, dtype=8)
+    )
     assert ping.image.tolist() == [[0, 200, 400], [100, 300, 500]]
 
 
@@ -122,14 +150,22 @@ def test_a_sonar_image_that_is_too_short_or_of_no_type_is_damaged(kit):
     with pytest.raises(DamagedError, match="4 pixels for 2 beams and 3 ranges"):
         translate("sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels))
     with pytest.raises(DamagedError, match="data type 77"):
-        translate("sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels, dtype=77))
+        translate(
+            "sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels, dtype=77)
+        )
 
 
 def raw(kit, pixels: np.ndarray, encoding: str, **more):
     given = {
-        "header": kit.header(T), "height": pixels.shape[0], "width": pixels.shape[1], "encoding": encoding, "is_bigendian": 0,
-        "step": pixels.nbytes // pixels.shape[0], "data": np.frombuffer(pixels.tobytes(), np.uint8), **more,
-    }  # fmt: skip
+        "header": kit.header(T),
+        "height": pixels.shape[0],
+        "width": pixels.shape[1],
+        "encoding": encoding,
+        "is_bigendian": 0,
+        "step": pixels.nbytes // pixels.shape[0],
+        "data": np.frombuffer(pixels.tobytes(), np.uint8),
+        **more,
+    }
     return kit.make("sensor_msgs/msg/Image", **given)
 
 
@@ -162,7 +198,9 @@ def test_sixteen_bits_keep_their_values_in_either_byte_order(kit, encoding):
 
 @pytest.mark.parametrize("encoding", ["bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8"])
 def test_a_bayer_image_of_one_gray_is_that_gray_in_color(kit, encoding):
-    np.testing.assert_array_equal(picture(kit, np.full((4, 6), 90, np.uint8), encoding), np.full((4, 6, 3), 90))
+    np.testing.assert_array_equal(
+        picture(kit, np.full((4, 6), 90, np.uint8), encoding), np.full((4, 6, 3), 90)
+    )
 
 
 def test_a_red_bayer_mosaic_is_red(kit):
@@ -233,9 +271,13 @@ def test_a_simulators_ping_has_the_ranges_of_its_beams(vendors):
     ]
     covariance = np.diag([1e-4] * 3).ravel()
     message = vendors.make(
-        "stonefish_ros/msg/DVL", header=vendors.header(T), velocity=vendors.vector(1, 2, 3), velocity_covariance=covariance,
-        altitude=1.0, beams=beams,
-    )  # fmt: skip
+        "stonefish_ros/msg/DVL",
+        header=vendors.header(T),
+        velocity=vendors.vector(1, 2, 3),
+        velocity_covariance=covariance,
+        altitude=1.0,
+        beams=beams,
+    )
     (ping,) = translate("dvl", "stonefish_ros/msg/DVL", message)
     np.testing.assert_array_equal(ping.ranges, [1, np.nan, np.nan, 4])
     assert ping.sigma == pytest.approx(0.01)
@@ -243,13 +285,19 @@ def test_a_simulators_ping_has_the_ranges_of_its_beams(vendors):
 
 
 @pytest.mark.parametrize(
-    ("velocity", "merit", "lost"), [(0.5, 0.01, False), (0.5, 2.0, False), (-32.768, 0.01, True), (0.5, 10.0, True)]
+    ("velocity", "merit", "lost"),
+    [(0.5, 0.01, False), (0.5, 2.0, False), (-32.768, 0.01, True), (0.5, 10.0, True)],
 )
-def test_a_nortek_ping_is_lost_by_its_velocity_or_its_figure_of_merit(vendors, velocity, merit, lost):
+def test_a_nortek_ping_is_lost_by_its_velocity_or_its_figure_of_merit(
+    vendors, velocity, merit, lost
+):
     message = vendors.make(
-        "nortek_dvl/msg/Dvl", header=vendors.header(T), velocity=vendors.vector(velocity, 0, 0), figureOfMerit=merit,
+        "nortek_dvl/msg/Dvl",
+        header=vendors.header(T),
+        velocity=vendors.vector(velocity, 0, 0),
+        figureOfMerit=merit,
         beamDistance=np.array([1.0, 0.0, 3.0, 4.0]),
-    )  # fmt: skip
+    )
     (ping,) = translate("dvl", "nortek_dvl/msg/Dvl", message)
     assert np.isnan(ping.velocity).all() == lost
     assert ping.sigma == pytest.approx(np.nan if lost else merit, nan_ok=True)
@@ -257,14 +305,26 @@ def test_a_nortek_ping_is_lost_by_its_velocity_or_its_figure_of_merit(vendors, v
 
 
 def transducers(valid=(True, True, True, True)):
-    return [SimpleNamespace(id=i, velocity=0.0, distance=1.0 + i, rssi=0.0, nsd=0.0, beam_valid=valid[i]) for i in (3, 2, 1, 0)]
+    return [
+        SimpleNamespace(
+            id=i, velocity=0.0, distance=1.0 + i, rssi=0.0, nsd=0.0, beam_valid=valid[i]
+        )
+        for i in (3, 2, 1, 0)
+    ]
 
 
 def report(**more):
     given = {
-        "vx": 0.1, "vy": 0.2, "vz": 0.3, "fom": 0.004, "altitude": 0.9, "transducers": transducers(), "velocity_valid": True,
-        "status": 0, "format": "json_v3",
-    }  # fmt: skip
+        "vx": 0.1,
+        "vy": 0.2,
+        "vz": 0.3,
+        "fom": 0.004,
+        "altitude": 0.9,
+        "transducers": transducers(),
+        "velocity_valid": True,
+        "status": 0,
+        "format": "json_v3",
+    }
     return SimpleNamespace(report=SimpleNamespace(**{**given, **more}))
 
 
@@ -283,7 +343,9 @@ def test_a_transducer_report_of_an_a50_has_its_beams_and_that_of_any_dvl_has_non
     assert ping.ranges.tolist() == [1, 2, 3, 4]
     assert (ping.sigma, ping.altitude, ping.instrument) == (0.004, 0.9, A50)
     np.testing.assert_allclose(ping.beams, a50_beams())
-    (ping,) = translate("dvl", "waterlinked_dvl/msg/TransducerReportStamped", report(velocity_valid=False))
+    (ping,) = translate(
+        "dvl", "waterlinked_dvl/msg/TransducerReportStamped", report(velocity_valid=False)
+    )
     assert (ping.beams, ping.instrument) == (None, "")
     assert np.isnan(ping.velocity).all()
     assert np.isnan(ping.altitude)
@@ -298,11 +360,15 @@ def test_a_lost_transducer_is_a_lost_range():
 def deep_submergence(kit, **more):
     s, c = 0.5, 0.75**0.5
     given = {
-        "velocity": kit.vector(0.1, 0.2, 0.3), "velocity_covar": np.diag([4e-6] * 3).ravel(), "altitude": 2.5,
-        "velocity_mode": 1, "coordinate_mode": 1,
+        "velocity": kit.vector(0.1, 0.2, 0.3),
+        "velocity_covar": np.diag([4e-6] * 3).ravel(),
+        "altitude": 2.5,
+        "velocity_mode": 1,
+        "coordinate_mode": 1,
         "beam_unit_vec": [kit.vector(*b) for b in ((-s, 0, c), (s, 0, c), (0, s, c), (0, -s, c))],
-        "range": np.array([1.0, 2.0, 3.0, 4.0]), "range_covar": np.array([0, -1, 0, 0], np.float32),
-    }  # fmt: skip
+        "range": np.array([1.0, 2.0, 3.0, 4.0]),
+        "range_covar": np.array([0, -1, 0, 0], np.float32),
+    }
     return SimpleNamespace(**{**given, **more})
 
 
@@ -314,7 +380,11 @@ def test_a_dvl_of_the_deep_submergence_laboratory_is_read(kit):
     np.testing.assert_array_equal(ping.ranges, [1, np.nan, 3, 4])
     assert ping.beams[1] == pytest.approx([0.5, 0, np.sqrt(0.75)])
     assert np.isnan(ping.altitude)  # there it is the mean of the ranges
-    for lost in ({"coordinate_mode": 3}, {"velocity_mode": 2}, {"velocity_covar": np.full(9, -1.0)}):
+    for lost in (
+        {"coordinate_mode": 3},
+        {"velocity_mode": 2},
+        {"velocity_covar": np.full(9, -1.0)},
+    ):
         (ping,) = translate("dvl", kind, deep_submergence(kit, **lost))
         assert np.isnan(ping.velocity).all()
 
@@ -326,11 +396,18 @@ def test_the_altitude_of_a_ping_is_kept_where_it_is_one(kit):
 
 def sonar_image(kit, pixels, **more):
     given = {
-        "header": kit.header(T), "frequency": 1e6, "sound_speed": 1500.0, "azimuth_beamwidth": 0.01, "elevation_beamwidth": 0.2,
-        "azimuth_angles": np.array([-0.2, 0.2], np.float32), "elevation_angles": np.zeros(0, np.float32),
-        "ranges": np.array([1.0, 2.0, 3.0], np.float32), "is_bigendian": False, "data_size": pixels.itemsize,
+        "header": kit.header(T),
+        "frequency": 1e6,
+        "sound_speed": 1500.0,
+        "azimuth_beamwidth": 0.01,
+        "elevation_beamwidth": 0.2,
+        "azimuth_angles": np.array([-0.2, 0.2], np.float32),
+        "elevation_angles": np.zeros(0, np.float32),
+        "ranges": np.array([1.0, 2.0, 3.0], np.float32),
+        "is_bigendian": False,
+        "data_size": pixels.itemsize,
         "intensities": np.frombuffer(pixels.tobytes(), np.uint8),
-    }  # fmt: skip
+    }
     return kit.make("acoustic_msgs/msg/SonarImage", **{**given, **more})
 
 
@@ -351,10 +428,15 @@ def oculus(pixels, gains=False, **more):
     """oculus_interfaces/Ping; pixels [ranges, beams] of 8 bits."""
     rows = [(b"\x09\0\0\0" if gains else b"") + row.tobytes() for row in pixels]
     given = {
-        "range_resolution": 0.5, "has_gains": gains, "n_ranges": len(pixels), "n_beams": pixels.shape[1], "step": len(rows[0]),
-        "sample_size": 1, "bearings": np.array([-3000, 0, 3000], np.int16),
+        "range_resolution": 0.5,
+        "has_gains": gains,
+        "n_ranges": len(pixels),
+        "n_beams": pixels.shape[1],
+        "step": len(rows[0]),
+        "sample_size": 1,
+        "bearings": np.array([-3000, 0, 3000], np.int16),
         "ping_data": np.frombuffer(b"".join(rows), np.uint8),
-    }  # fmt: skip
+    }
     return SimpleNamespace(**{**given, **more})
 
 
@@ -365,13 +447,23 @@ def test_an_oculus_ping_is_read_without_the_gains_of_its_rows(gains):
     np.testing.assert_array_equal(ping.image, pixels.T)
     np.testing.assert_allclose(ping.directions[2], [0, 0.5, np.sqrt(0.75)])
     assert ping.range_m.tolist() == [0.25, 0.75, 1.25, 1.75]
-    for wrong in ({"n_ranges": 5}, {"step": 2}, {"sample_size": 3}, {"bearings": np.zeros(2, np.int16)}, {"n_beams": 0}):
+    for wrong in (
+        {"n_ranges": 5},
+        {"step": 2},
+        {"sample_size": 3},
+        {"bearings": np.zeros(2, np.int16)},
+        {"n_beams": 0},
+    ):
         with pytest.raises(DamagedError):
             translate("sonar", "oculus_interfaces/msg/Ping", oculus(pixels, gains, **wrong))
 
 
 def test_what_an_oculus_sent_byte_by_byte_is_read_from_a_message(data):
     content = (data / "oculus-pings" / "one_ping_8bit.raw").read_bytes()
-    (ping,) = translate("sonar", "oculus_sonar_driver/msg/OculusSonarRawMsg", SimpleNamespace(data=content))
+    (ping,) = translate(
+        "sonar", "oculus_sonar_driver/msg/OculusSonarRawMsg", SimpleNamespace(data=content)
+    )
     assert ping.image.shape == (256, 703)
-    assert np.degrees(np.arctan2(ping.directions[[0, -1], 1], ping.directions[[0, -1], 2])) == pytest.approx([-30, 30])
+    assert np.degrees(
+        np.arctan2(ping.directions[[0, -1], 1], ping.directions[[0, -1], 2])
+    ) == pytest.approx([-30, 30])

@@ -41,7 +41,9 @@ def test_what_stands_for_an_image_has_its_shape_and_a_pixel_brighter_than_nearly
     assert (kept.image == kept.image[0, 0]).all()
     assert 0 < (sample.image > kept.image).mean() <= 0.005
     assert kept.image[0, 0] in sample.image
-    nothing = PingSpool(None).keep(SonarSample(0, np.full((2, 3), np.nan, np.float32), None, np.arange(1.0, 4.0)))
+    nothing = PingSpool(None).keep(
+        SonarSample(0, np.full((2, 3), np.nan, np.float32), None, np.arange(1.0, 4.0))
+    )
     assert (nothing.image == 0).all()
 
 
@@ -50,7 +52,9 @@ def test_without_a_file_the_remarks_are_the_same_and_the_images_black():
     spool = PingSpool(None)
     told, heard = [], []
     whole = streams.sonar_pings(samples, told)
-    black = streams.sonar_pings([spool.keep(s) for s in samples], heard, keep=streams.leave_black, load=spool.load)
+    black = streams.sonar_pings(
+        [spool.keep(s) for s in samples], heard, keep=streams.leave_black, load=spool.load
+    )
     assert told == heard
     assert len(told) == 1
     assert black.image.shape == whole.image.shape

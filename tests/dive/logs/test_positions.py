@@ -24,11 +24,16 @@ def covariance(north_east, size):
 
 def satellite_fix(kit, status=0, variances=(0.16, 0.36), known=2, ros=2):
     return kit.make(
-        "sensor_msgs/msg/NavSatFix", ros, header=kit.header(T, ros),
+        "sensor_msgs/msg/NavSatFix",
+        ros,
+        header=kit.header(T, ros),
         status=kit.make("sensor_msgs/msg/NavSatStatus", ros, status=status, service=1),
-        latitude=KIEL[0], longitude=KIEL[1], altitude=KIEL[2], position_covariance=covariance(variances, 3),
+        latitude=KIEL[0],
+        longitude=KIEL[1],
+        altitude=KIEL[2],
+        position_covariance=covariance(variances, 3),
         position_covariance_type=known,
-    )  # fmt: skip
+    )
 
 
 def local_pose(kit, xyz, variances=None):
@@ -37,18 +42,26 @@ def local_pose(kit, xyz, variances=None):
     pose = kit.make("geometry_msgs/msg/Pose", position=point, orientation=quaternion)
     if variances is None:
         return kit.make("geometry_msgs/msg/PoseStamped", header=kit.header(T), pose=pose)
-    pose = kit.make("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=covariance(variances, 6))
+    pose = kit.make(
+        "geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=covariance(variances, 6)
+    )
     return kit.make("geometry_msgs/msg/PoseWithCovarianceStamped", header=kit.header(T), pose=pose)
 
 
 def geographic(kit, kind):
-    at = kit.make("geographic_msgs/msg/GeoPoint", latitude=KIEL[0], longitude=KIEL[1], altitude=KIEL[2])
+    at = kit.make(
+        "geographic_msgs/msg/GeoPoint", latitude=KIEL[0], longitude=KIEL[1], altitude=KIEL[2]
+    )
     if kind == "GeoPointStamped":
         return kit.make("geographic_msgs/msg/GeoPointStamped", header=kit.header(T), position=at)
     quaternion = kit.make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
     pose = kit.make("geographic_msgs/msg/GeoPose", position=at, orientation=quaternion)
     if kind == "GeoPoseWithCovarianceStamped":
-        pose = kit.make("geographic_msgs/msg/GeoPoseWithCovariance", pose=pose, covariance=covariance((4.0, 4.0), 6))
+        pose = kit.make(
+            "geographic_msgs/msg/GeoPoseWithCovariance",
+            pose=pose,
+            covariance=covariance((4.0, 4.0), 6),
+        )
     return kit.make(f"geographic_msgs/msg/{kind}", header=kit.header(T), pose=pose)
 
 
@@ -68,7 +81,10 @@ def test_a_satellite_fix_has_its_place_and_the_sigma_of_its_covariance(kit):
     assert (sample.geographic, sample.by_satellite) == (True, True)
 
 
-@pytest.mark.parametrize(("variances", "known"), [((0.16, 0.36), 0), ((0.0, 0.0), 2), ((np.nan, 1.0), 2), ((-1.0, 0.0), 1)])
+@pytest.mark.parametrize(
+    ("variances", "known"),
+    [((0.16, 0.36), 0), ((0.0, 0.0), 2), ((np.nan, 1.0), 2), ((-1.0, 0.0), 1)],
+)
 def test_a_covariance_that_is_unknown_gives_no_sigma(kit, variances, known):
     assert np.isnan(read(kit, satellite_fix(kit, variances=variances, known=known)).sigma_m)
 
@@ -77,7 +93,9 @@ def test_a_status_of_minus_one_is_no_fix(kit):
     assert np.isnan(read(kit, satellite_fix(kit, status=-1)).place).all()
 
 
-@pytest.mark.parametrize("kind", ["GeoPointStamped", "GeoPoseStamped", "GeoPoseWithCovarianceStamped"])
+@pytest.mark.parametrize(
+    "kind", ["GeoPointStamped", "GeoPoseStamped", "GeoPoseWithCovarianceStamped"]
+)
 def test_geographic_messages_are_of_any_depth(kit, kind):
     sample = read(kit, geographic(kit, kind))
     assert tuple(sample.place) == KIEL
@@ -87,8 +105,13 @@ def test_geographic_messages_are_of_any_depth(kit, kind):
 
 def test_messages_of_a_local_frame_are_metres(kit):
     point = kit.make("geometry_msgs/msg/Point", x=1.0, y=2.0, z=-3.0)
-    of_point = read(kit, kit.make("geometry_msgs/msg/PointStamped", header=kit.header(T), point=point))
-    of_pose, known = read(kit, local_pose(kit, (1.0, 2.0, -3.0))), read(kit, local_pose(kit, (1.0, 2.0, -3.0), (0.25, 0.25)))
+    of_point = read(
+        kit, kit.make("geometry_msgs/msg/PointStamped", header=kit.header(T), point=point)
+    )
+    of_pose, known = (
+        read(kit, local_pose(kit, (1.0, 2.0, -3.0))),
+        read(kit, local_pose(kit, (1.0, 2.0, -3.0), (0.25, 0.25))),
+    )
     for sample in (of_point, of_pose, known):
         assert tuple(sample.place) == (1.0, 2.0, -3.0)
         assert not sample.geographic
@@ -104,7 +127,9 @@ def local(t_s, x, y, sigma=np.nan):
 
 
 def by_gps(t_s, latitude, longitude):
-    return PositionSample(int(t_s * 1e9), np.array([latitude, longitude, 0.0]), np.nan, True, by_satellite=True)
+    return PositionSample(
+        int(t_s * 1e9), np.array([latitude, longitude, 0.0]), np.nan, True, by_satellite=True
+    )
 
 
 def test_east_and_north_become_north_and_east_of_the_first_fix():
@@ -112,7 +137,9 @@ def test_east_and_north_become_north_and_east_of_the_first_fix():
     fixes = position_fixes(samples, 2.0, "enu", None, [])
     np.testing.assert_array_equal(fixes.north_east, [[0, 0], [1, 3]])
     np.testing.assert_array_equal(fixes.sigma, [2.0, 0.7])
-    np.testing.assert_array_equal(position_fixes(samples, 2.0, "ned", None, []).north_east, [[0, 0], [3, 1]])
+    np.testing.assert_array_equal(
+        position_fixes(samples, 2.0, "ned", None, []).north_east, [[0, 0], [3, 1]]
+    )
 
 
 def test_latitude_and_longitude_become_metres():
@@ -120,7 +147,9 @@ def test_latitude_and_longitude_become_metres():
     np.testing.assert_allclose(fixes.north_east[1], [111.13, 0], atol=0.01)
 
 
-@pytest.mark.parametrize("place", [(np.nan, 9.0), (45.0, np.inf), (0.0, 0.0), (91.0, 9.0), (45.0, 4e5)])
+@pytest.mark.parametrize(
+    "place", [(np.nan, 9.0), (45.0, np.inf), (0.0, 0.0), (91.0, 9.0), (45.0, 4e5)]
+)
 def test_a_message_without_a_fix_is_left_out_and_counted(place):
     remarks = []
     fixes = position_fixes([by_gps(0, 45.0, 9.0), by_gps(1, *place)], 2.0, "enu", None, remarks)
@@ -138,23 +167,33 @@ def test_no_fix_at_all_is_no_record():
 def test_a_gps_fix_under_water_is_refused_and_usbl_is_not():
     depth = PressureSamples(t_ns=np.arange(0, 100, 10) * 10**9, depth=np.linspace(0.2, 9.2, 10))
     remarks = []
-    fixes = position_fixes([by_gps(t, 45.0 + 1e-5 * t, 9.0) for t in (1, 5, 40, 80)], 2.0, "enu", depth, remarks)
+    fixes = position_fixes(
+        [by_gps(t, 45.0 + 1e-5 * t, 9.0) for t in (1, 5, 40, 80)], 2.0, "enu", depth, remarks
+    )
     assert len(fixes.t_ns) == 2
     assert remarks == [
         "position: 2 of 4 GPS fixes are of a vehicle deeper than 1 m, where no antenna receives: they are not used"
     ]
-    assert len(position_fixes([local(t, t, 0.0) for t in (1, 5, 40, 80)], 2.0, "enu", depth, []).t_ns) == 4
+    assert (
+        len(position_fixes([local(t, t, 0.0) for t in (1, 5, 40, 80)], 2.0, "enu", depth, []).t_ns)
+        == 4
+    )
 
 
 def test_where_no_depth_is_known_a_gps_fix_is_believed():
     depth = PressureSamples(t_ns=np.arange(100, 110) * 10**9, depth=np.full(10, 5.0))
     remarks = []
-    assert len(position_fixes([by_gps(t, 45.0, 9.0) for t in (1, 2)], 2.0, "enu", depth, remarks).t_ns) == 2
+    assert (
+        len(position_fixes([by_gps(t, 45.0, 9.0) for t in (1, 2)], 2.0, "enu", depth, remarks).t_ns)
+        == 2
+    )
     assert remarks == []
 
 
 def test_fixes_of_another_form_than_the_first_are_left_out():
     remarks = []
-    fixes = position_fixes([local(0, 0, 0), by_gps(1, 45.0, 9.0), local(2, 1, 1)], 2.0, "enu", None, remarks)
+    fixes = position_fixes(
+        [local(0, 0, 0), by_gps(1, 45.0, 9.0), local(2, 1, 1)], 2.0, "enu", None, remarks
+    )
     assert len(fixes.t_ns) == 2
     assert "1 of 3 fixes are not of the form of the first" in remarks[0]

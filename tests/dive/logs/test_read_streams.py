@@ -15,8 +15,12 @@ from hullrecon.dive.logs.samples import PressureSample
 from hullrecon.errors import InputError
 
 TOPICS = {
-    "/imu": ("imu",), "/pressure": ("pressure",), "/joints": ("joints",), "/dvl": ("dvl",), "/cam": ("camera_top",),
-}  # fmt: skip
+    "/imu": ("imu",),
+    "/pressure": ("pressure",),
+    "/joints": ("joints",),
+    "/dvl": ("dvl",),
+    "/cam": ("camera_top",),
+}
 
 
 def run(path, topics=TOPICS):
@@ -44,14 +48,18 @@ def test_topics_that_are_not_wanted_are_counted_but_not_decoded(kit, tmp_path):
 
 
 def test_a_topic_of_another_type_is_an_input_error_that_names_both(kit, tmp_path):
-    with pytest.raises(InputError, match="/imu holds sensor_msgs/msg/Imu, which is not read as dvl") as caught:
+    with pytest.raises(
+        InputError, match="/imu holds sensor_msgs/msg/Imu, which is not read as dvl"
+    ) as caught:
         run(kit.mcap(tmp_path / "x.mcap", kit.dive()), {"/imu": ("dvl",)})
     assert "marine_acoustic_msgs/msg/Dvl" in str(caught.value)
     assert caught.value.where == "topics.dvl"
 
 
 def test_messages_without_a_stamp_take_the_time_of_logging_and_are_counted(kit, tmp_path):
-    entries = [dataclasses.replace(e, message=kit.imu(0)) if e.topic == "/imu" else e for e in kit.dive()]
+    entries = [
+        dataclasses.replace(e, message=kit.imu(0)) if e.topic == "/imu" else e for e in kit.dive()
+    ]
     found, _ = run(kit.mcap(tmp_path / "x.mcap", entries))
     assert found.samples["imu"][1].t_ns == kit.start_ns + 100_000_000
     assert "/imu: 40 messages have no stamp; their logging time was used" in found.remarks
@@ -60,12 +68,22 @@ def test_messages_without_a_stamp_take_the_time_of_logging_and_are_counted(kit, 
 def test_messages_that_do_not_decode_are_counted_with_the_reason(kit, tmp_path):
     entries = kit.dive()
     sonar = [
-        dataclasses.replace(entries[0], topic="/sonar", kind="marine_acoustic_msgs/msg/ProjectedSonarImage", message=m)
-        for m in (kit.sonar(1, np.zeros((2, 2), np.uint8)), kit.sonar(2, np.zeros((3, 2), np.uint8)))
+        dataclasses.replace(
+            entries[0],
+            topic="/sonar",
+            kind="marine_acoustic_msgs/msg/ProjectedSonarImage",
+            message=m,
+        )
+        for m in (
+            kit.sonar(1, np.zeros((2, 2), np.uint8)),
+            kit.sonar(2, np.zeros((3, 2), np.uint8)),
+        )
     ]
     found, _ = run(kit.mcap(tmp_path / "x.mcap", entries + sonar), {"/sonar": ("sonar",)})
     assert len(found.samples["sonar"]) == 1
-    assert found.remarks == ["/sonar: 1 messages could not be used: a sonar image of 4 pixels for 2 beams and 3 ranges"]
+    assert found.remarks == [
+        "/sonar: 1 messages could not be used: a sonar image of 4 pixels for 2 beams and 3 ranges"
+    ]
 
 
 def definition_of(kit, kind):
@@ -81,10 +99,18 @@ class Recording:
 
     def __init__(self, kit, kind, messages, edit=lambda text: text, times=None):
         data = [bytes(kit.stores[2].serialize_cdr(m, kind)) for m in messages]
-        texts = [edit(definition_of(kit, kind))] if isinstance(edit(""), str) else edit(definition_of(kit, kind))
+        texts = (
+            [edit(definition_of(kit, kind))]
+            if isinstance(edit(""), str)
+            else edit(definition_of(kit, kind))
+        )
         self.remarks = []
         self._messages = [
-            Message(Channel("/t", kind, "cdr", texts[n % len(texts)]), (times or range(1, len(data) + 1))[n], d)
+            Message(
+                Channel("/t", kind, "cdr", texts[n % len(texts)]),
+                (times or range(1, len(data) + 1))[n],
+                d,
+            )
             for n, d in enumerate(data)
         ]
 
@@ -109,21 +135,33 @@ class Recording:
         ("joints", "string[] name", "float64[] name"),
     ],
 )
-def test_messages_whose_carried_definition_is_damaged_cost_themselves_and_are_named(kit, sensor, old, new):
+def test_messages_whose_carried_definition_is_damaged_cost_themselves_and_are_named(
+    kit, sensor, old, new
+):
     """Fields of other names and types lead anywhere; the dive goes on with its other sensors."""
     t = kit.start_ns
     made = {"imu": kit.imu(t), "dvl": kit.dvl(t), "joints": kit.joints(t, ["a"], [0.5])}[sensor]
-    kind = {"imu": "sensor_msgs/msg/Imu", "dvl": "marine_acoustic_msgs/msg/Dvl", "joints": "sensor_msgs/msg/JointState"}[sensor]
+    kind = {
+        "imu": "sensor_msgs/msg/Imu",
+        "dvl": "marine_acoustic_msgs/msg/Dvl",
+        "joints": "sensor_msgs/msg/JointState",
+    }[sensor]
     assert old in definition_of(kit, kind)
     log = Recording(kit, kind, [made, made, made], lambda text: text.replace(old, new))
     found = read_streams([log], {"/t": (sensor,)}, lambda *_: None)
     assert not found.samples[sensor]
     assert sum(found.undecoded.values()) == 3
-    assert all(remark.startswith("/t: 3 messages could not be used: ") and remark.isprintable() for remark in found.remarks)
+    assert all(
+        remark.startswith("/t: 3 messages could not be used: ") and remark.isprintable()
+        for remark in found.remarks
+    )
 
 
 def test_a_range_that_is_no_number_costs_its_ping(kit):
-    pings = [kit.sonar(t, np.ones((3, 2), np.uint8), (1, 2, end)) for t, end in ((1, np.nan), (2, np.inf), (3, 3))]
+    pings = [
+        kit.sonar(t, np.ones((3, 2), np.uint8), (1, 2, end))
+        for t, end in ((1, np.nan), (2, np.inf), (3, 3))
+    ]
     log = Recording(kit, "marine_acoustic_msgs/msg/ProjectedSonarImage", pings)
     found = read_streams([log], {"/t": ("sonar",)}, lambda *_: None)
     assert [s.t_ns for s in found.samples["sonar"]] == [3]
@@ -140,9 +178,16 @@ def test_reasons_of_one_topic_do_not_grow_with_its_messages(kit):
 
 def test_a_definition_that_changes_with_every_message_is_not_compiled_each_time(kit, monkeypatch):
     compiled = []
-    monkeypatch.setattr(read_streams_module, "decode", lambda c, data: compiled.append(c) or decode(c, data))
+    monkeypatch.setattr(
+        read_streams_module, "decode", lambda c, data: compiled.append(c) or decode(c, data)
+    )
     readings = [kit.pressure(n + 1, 1e5) for n in range(60)]
-    log = Recording(kit, "sensor_msgs/msg/FluidPressure", readings, lambda text: [f"# {n}\n{text}" for n in range(60)])
+    log = Recording(
+        kit,
+        "sensor_msgs/msg/FluidPressure",
+        readings,
+        lambda text: [f"# {n}\n{text}" for n in range(60)],
+    )
     found = read_streams([log], {"/t": ("pressure",)}, lambda *_: None)
     assert len(set(compiled)) == len(found.samples["pressure"]) == MOST_DEFINITIONS
     assert sum(found.undecoded.values()) == 60 - MOST_DEFINITIONS
@@ -176,9 +221,15 @@ def test_a_damaged_type_among_good_messages_costs_those_messages(kit):
     log._messages.append(Message(Channel("/t", "sensor_msgs/msg/FluidPressurf", "cdr"), 2, b""))
     found = read_streams([log], {"/t": ("pressure",)}, lambda *_: None)
     assert len(found.samples["pressure"]) == 1
-    assert "/t: 1 messages could not be used: they are sensor_msgs/msg/FluidPressurf, unlike those before" in found.remarks
+    assert (
+        "/t: 1 messages could not be used: they are sensor_msgs/msg/FluidPressurf, unlike those before"
+        in found.remarks
+    )
 
 
 def test_names_of_joints_do_not_reach_the_terminal_as_they_are(kit):
     log = Recording(kit, "sensor_msgs/msg/JointState", [kit.joints(1, ["tray\x1b[31m"], [0.5])])
-    assert read_streams([log], {"/t": ("joints",)}, lambda *_: None).samples["joints"][0].name == "tray\\x1b[31m"
+    assert (
+        read_streams([log], {"/t": ("joints",)}, lambda *_: None).samples["joints"][0].name
+        == "tray\\x1b[31m"
+    )

@@ -48,15 +48,21 @@ def test_a_window_that_was_set_anew_is_left_out_and_counted():
     remarks: list[str] = []
     samples = [ping(0), ping(1), ping(2, 5.0, first=2.0), ping(3, 8.0), ping(4, bins=40)]
     assert [s.t_ns for s in pings_of_one_window(samples, remarks)[0]] == [0, 1]
-    assert remarks == ["sonar: 3 of 5 pings have another range or number of beams than 3 beams to 5.0 m and were left out"]
+    assert remarks == [
+        "sonar: 3 of 5 pings have another range or number of beams than 3 beams to 5.0 m and were left out"
+    ]
 
 
 def test_of_two_windows_with_as_many_pings_the_first_stays():
-    assert [s.t_ns for s in pings_of_one_window([ping(0, 8.0), ping(1), ping(2, 8.0), ping(3)], [])[0]] == [0, 2]
+    assert [
+        s.t_ns for s in pings_of_one_window([ping(0, 8.0), ping(1), ping(2, 8.0), ping(3)], [])[0]
+    ] == [0, 2]
 
 
 def test_pings_of_another_mode_s_fan_are_left_out_and_counted():
-    wide = [dataclasses.replace(ping(t), directions=in_fan(np.radians(6 * AZIMUTH_DEG))) for t in (0, 2)]
+    wide = [
+        dataclasses.replace(ping(t), directions=in_fan(np.radians(6 * AZIMUTH_DEG))) for t in (0, 2)
+    ]
     nearly = dataclasses.replace(ping(5), directions=in_fan(np.radians(AZIMUTH_DEG + 0.1)))
     remarks: list[str] = []
     found = streams.sonar_pings([wide[0], ping(1), wide[1], ping(3), ping(4), nearly], remarks)
@@ -105,7 +111,9 @@ def test_beams_of_the_log_come_before_those_of_dive_toml():
     remarks: list[str] = []
     found = streams.sonar_pings([ping(0)], remarks, AZIMUTH_DEG + 1)
     np.testing.assert_allclose(found.directions, in_fan(np.radians(AZIMUTH_DEG)))
-    assert remarks == ["sonar: the log says where the beams point; sonar.beam_azimuth_deg was not used"]
+    assert remarks == [
+        "sonar: the log says where the beams point; sonar.beam_azimuth_deg was not used"
+    ]
 
 
 @pytest.mark.parametrize("azimuth", [[-1.0, 1.0], [-1.0, 1.0, 0.0]])

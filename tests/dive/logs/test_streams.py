@@ -5,7 +5,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs import streams
-from hullrecon.dive.logs.samples import DvlSample, ImuSample, JointSample, PressureSample, SonarSample
+from hullrecon.dive.logs.samples import (
+    DvlSample,
+    ImuSample,
+    JointSample,
+    PressureSample,
+    SonarSample,
+)
 from hullrecon.errors import InputError
 
 S, C = 0.5, np.sqrt(0.75)
@@ -31,7 +37,9 @@ def test_the_sigma_of_the_file_stands_where_the_message_has_none():
 
 def test_a_half_lost_velocity_and_a_senseless_one_are_lost_whole():
     remarks = []
-    pings = streams.dvl_pings([ping(0, (0.1, np.nan, 0)), ping(1, (300, 0, 0)), ping(2)], None, 0.003, remarks)
+    pings = streams.dvl_pings(
+        [ping(0, (0.1, np.nan, 0)), ping(1, (300, 0, 0)), ping(2)], None, 0.003, remarks
+    )
     assert np.isnan(pings.velocity).all(axis=1).tolist() == [True, True, False]
     assert "1 velocities above 15 m/s" in remarks[0]
 
@@ -48,7 +56,9 @@ def test_pings_without_any_range_have_no_beams():
 
 
 def imu(t, quaternion, rates=(1, 2, 3), acceleration=(4, 5, 6)):
-    return ImuSample(t, np.array(quaternion, float), np.array(rates, float), np.array(acceleration, float))
+    return ImuSample(
+        t, np.array(quaternion, float), np.array(rates, float), np.array(acceleration, float)
+    )
 
 
 def test_ned_attitudes_are_taken_as_they_are():
@@ -64,7 +74,9 @@ def test_enu_headings_become_ned_headings(enu_yaw_deg, ned_yaw_deg):
     quaternion = Rotation.from_euler("z", enu_yaw_deg, degrees=True).as_quat()
     found = streams.imu_samples([imu(0, quaternion)], "enu", [])
     want = Rotation.from_euler("z", ned_yaw_deg, degrees=True)
-    assert (Rotation.from_quat(found.quaternion[0]).inv() * want).magnitude() == pytest.approx(0, abs=1e-9)
+    assert (Rotation.from_quat(found.quaternion[0]).inv() * want).magnitude() == pytest.approx(
+        0, abs=1e-9
+    )
 
 
 def test_in_enu_nose_up_is_a_negative_pitch_and_becomes_a_positive_one():
@@ -78,7 +90,9 @@ def test_in_enu_nose_up_is_a_negative_pitch_and_becomes_a_positive_one():
 
 def test_readings_without_attitude_are_left_out_and_counted():
     remarks = []
-    found = streams.imu_samples([imu(0, [0, 0, 0, 0]), imu(1, [0, 0, 0, 1.001]), imu(2, [np.nan] * 4)], "ned", remarks)
+    found = streams.imu_samples(
+        [imu(0, [0, 0, 0, 0]), imu(1, [0, 0, 0, 1.001]), imu(2, [np.nan] * 4)], "ned", remarks
+    )
     assert found.t_ns.tolist() == [1]
     assert np.linalg.norm(found.quaternion[0]) == pytest.approx(1)
     assert "2 of 3 readings" in remarks[0]
@@ -110,14 +124,19 @@ def test_an_orientation_that_is_never_filled_in_is_refused(quaternion, rates, wh
 
 def test_few_attitudes_alike_and_those_of_a_vehicle_at_rest_are_taken():
     assert len(streams.imu_samples([imu(t, [0, 0, 0, 1]) for t in range(49)], "ned", []).t_ns) == 49
-    assert len(streams.imu_samples([imu(t, TURNED, (0, 0, 0)) for t in range(60)], "ned", []).t_ns) == 60
+    assert (
+        len(streams.imu_samples([imu(t, TURNED, (0, 0, 0)) for t in range(60)], "ned", []).t_ns)
+        == 60
+    )
     moved = [imu(t, [0, 0, 0, 1]) for t in range(59)] + [imu(59, TURNED)]
     assert len(streams.imu_samples(moved, "ned", []).t_ns) == 60
 
 
 def test_a_hundredth_of_a_megapascal_is_a_metre_of_sea_water():
     remarks = []
-    found = streams.pressure_samples([PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, remarks)
+    found = streams.pressure_samples(
+        [PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, remarks
+    )
     assert found.depth == pytest.approx([2.0])
     assert found.t_ns.tolist() == [0]
     assert remarks == ["pressure: 1 of 2 readings are no finite numbers and were left out"]
@@ -125,7 +144,12 @@ def test_a_hundredth_of_a_megapascal_is_a_metre_of_sea_water():
 
 def test_a_sensor_of_which_no_reading_is_a_number_has_no_record():
     remarks = []
-    assert streams.pressure_samples([PressureSample(0, np.nan), PressureSample(1, np.inf)], MODEL, remarks) is None
+    assert (
+        streams.pressure_samples(
+            [PressureSample(0, np.nan), PressureSample(1, np.inf)], MODEL, remarks
+        )
+        is None
+    )
     assert streams.joint_samples([JointSample(0, "tray", np.nan)], "tray", remarks) is None
     assert remarks == [
         "pressure: 2 of 2 readings are no finite numbers and were left out",
@@ -141,7 +165,9 @@ def test_a_gauge_pressure_or_another_unit_is_suspected():
 
 def test_joint_angles_in_degrees_are_suspected_and_lost_ones_left_out():
     remarks = []
-    found = streams.joint_samples([JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", remarks)
+    found = streams.joint_samples(
+        [JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", remarks
+    )
     assert found.angle.tolist() == [45.0]
     assert remarks[0] == "joint tray: 1 of 2 readings are no finite numbers and were left out"
     assert "in degrees?" in remarks[1]
@@ -149,14 +175,18 @@ def test_joint_angles_in_degrees_are_suspected_and_lost_ones_left_out():
 
 def sonar(t, image, reach=3.0):
     image = np.asarray(image)
-    directions = np.stack([np.zeros(len(image)), np.zeros(len(image)), np.full(len(image), 2.0)], axis=1)
+    directions = np.stack(
+        [np.zeros(len(image)), np.zeros(len(image)), np.full(len(image), 2.0)], axis=1
+    )
     return SonarSample(t, image, directions, np.linspace(1, reach, image.shape[1]))
 
 
 def test_sonar_pings_of_another_range_are_left_out_and_counted():
     remarks = []
     pixels = np.zeros((2, 3), np.uint8)
-    found = streams.sonar_pings([sonar(0, pixels), sonar(1, pixels, 5.0), sonar(2, pixels)], remarks)
+    found = streams.sonar_pings(
+        [sonar(0, pixels), sonar(1, pixels, 5.0), sonar(2, pixels)], remarks
+    )
     assert found.t_ns.tolist() == [0, 2]
     assert found.directions[0] == pytest.approx([0, 0, 1])
     assert "1 of 3 pings" in remarks[0]
@@ -177,20 +207,26 @@ def test_few_saturated_sonar_pixels_leave_the_others_their_brightness(dtype):
     found = streams.sonar_pings([sonar(0, pixels), sonar(1, saturated)], [])
     assert found.image[0, 0, -1] == 255
     assert found.image[0, 0, 200] == pytest.approx(128, abs=1)
-    np.testing.assert_array_equal(found.image[1][saturated < 3000], found.image[0][saturated < 3000])
+    np.testing.assert_array_equal(
+        found.image[1][saturated < 3000], found.image[0][saturated < 3000]
+    )
     assert (found.image[1][saturated > 3000] == 255).all()
 
 
 def test_few_pings_that_are_too_bright_leave_the_others_their_brightness():
     pixels = np.tile(np.linspace(0, 2000, 20).astype(np.uint16), (10, 1))
-    found = streams.sonar_pings([sonar(t, pixels + (60000 if t == 50 else 0)) for t in range(200)], [])
+    found = streams.sonar_pings(
+        [sonar(t, pixels + (60000 if t == 50 else 0)) for t in range(200)], []
+    )
     assert found.image[0].max() == 255
     assert found.image[50].min() == 255
 
 
 def test_pixels_that_are_no_finite_numbers_set_no_scale():
     pixels = np.array([[np.nan, 500, np.inf], [1000, 250, 0]], np.float32)
-    assert streams.sonar_pings([sonar(0, pixels)], []).image.tolist() == [[[0, 128, 255], [255, 64, 0]]]
+    assert streams.sonar_pings([sonar(0, pixels)], []).image.tolist() == [
+        [[0, 128, 255], [255, 64, 0]]
+    ]
 
 
 def test_a_few_echoes_in_black_are_not_black():

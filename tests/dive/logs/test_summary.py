@@ -11,13 +11,23 @@ from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import printable
-from hullrecon.dive.logs.summary import LogSummary, TopicNote, guess_topics, missing, summarise_log, summarise_logs
+from hullrecon.dive.logs.summary import (
+    LogSummary,
+    TopicNote,
+    guess_topics,
+    missing,
+    summarise_log,
+    summarise_logs,
+)
 
 IMAGE = "sensor_msgs/msg/CompressedImage"
 
 
 def notes(**kinds: str) -> list[TopicNote]:
-    return [TopicNote(channel=Channel("/" + topic.replace("__", "/"), kind, "cdr"), count=1) for topic, kind in kinds.items()]
+    return [
+        TopicNote(channel=Channel("/" + topic.replace("__", "/"), kind, "cdr"), count=1)
+        for topic, kind in kinds.items()
+    ]
 
 
 def test_a_log_is_told_topic_by_topic(kit, tmp_path):
@@ -51,7 +61,11 @@ def test_a_damaged_log_is_told_with_its_loss(kit, tmp_path):
         ({"left": IMAGE, "right": IMAGE}, "/left", "/right"),
         ({"bottom_camera": IMAGE}, "/bottom_camera", None),
         ({"a": IMAGE, "b": IMAGE}, "/a", "/b"),
-        ({"a__image": "sensor_msgs/msg/Image", "a__image__compressed": IMAGE}, "/a/image/compressed", None),
+        (
+            {"a__image": "sensor_msgs/msg/Image", "a__image__compressed": IMAGE},
+            "/a/image/compressed",
+            None,
+        ),
         ({"depth": IMAGE, "color": IMAGE}, "/color", None),
     ],
 )
@@ -80,7 +94,10 @@ def test_a_depth_under_the_name_of_its_instrument_is_the_pressure_sensor(topic, 
 
 
 def test_of_several_imus_the_one_that_is_called_so_is_taken():
-    assert guess_topics(notes(other="sensor_msgs/msg/Imu", my_imu="sensor_msgs/msg/Imu"))["imu"] == "/my_imu"
+    assert (
+        guess_topics(notes(other="sensor_msgs/msg/Imu", my_imu="sensor_msgs/msg/Imu"))["imu"]
+        == "/my_imu"
+    )
 
 
 @pytest.mark.parametrize(("count", "quaternions", "can_be"), [
@@ -88,10 +105,15 @@ def test_of_several_imus_the_one_that_is_called_so_is_taken():
     (60, [(0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.6, 0.8)], True),
     (20, [(0.0, 0.0, 0.0, 1.0)], True),
 ])  # fmt: skip
-def test_an_imu_whose_orientation_is_never_filled_in_is_passed_over(kit, tmp_path, count, quaternions, can_be):
+def test_an_imu_whose_orientation_is_never_filled_in_is_passed_over(
+    kit, tmp_path, count, quaternions, can_be
+):
     kind, t = "sensor_msgs/msg/Imu", kit.start_ns
     each = [quaternions[min(k, len(quaternions) - 1)] for k in range(count)]
-    entries = [Entry("/imu", kind, t + k * 10**7, kit.imu(t + k * 10**7, quaternion=q)) for k, q in enumerate(each)]
+    entries = [
+        Entry("/imu", kind, t + k * 10**7, kit.imu(t + k * 10**7, quaternion=q))
+        for k, q in enumerate(each)
+    ]
     path = kit.mcap(tmp_path / "x.mcap", entries)
     assert ("imu" in guess_topics(summarise_log(open_log(path)).topics)) == can_be
 
@@ -109,28 +131,44 @@ def test_what_is_missing_depends_on_what_else_there_is():
 
 def test_a_dvl_without_an_imu_can_not_be_run_even_with_stereo():
     stereo = {"dvl", "camera_top", "camera_bottom"}
-    assert any(line.startswith("no imu: ") and "no run is possible" in line for line in missing(stereo))
+    assert any(
+        line.startswith("no imu: ") and "no run is possible" in line for line in missing(stereo)
+    )
     assert "no imu: attitude comes from stereo images and drifts" in missing(stereo - {"dvl"})
     assert "no imu: there is no attitude: no run is possible" in missing({"camera_top"})
 
 
 def test_scale_is_said_to_come_from_a_dvl_only_where_there_is_one():
-    assert "no camera_bottom: one camera: scale and depth come from the DVL" in missing({"camera_top", "dvl"})
+    assert "no camera_bottom: one camera: scale and depth come from the DVL" in missing(
+        {"camera_top", "dvl"}
+    )
     assert "no camera_bottom: one camera: no scale without a DVL" in missing({"camera_top", "imu"})
 
 
 def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_read(kit, tmp_path):
     entries = kit.dive()
     entry = type(entries[0])
-    second = [entry("/second_imu", "sensor_msgs/msg/Imu", e.t_ns, e.message) for e in entries if e.topic == "/imu"]
+    second = [
+        entry("/second_imu", "sensor_msgs/msg/Imu", e.t_ns, e.message)
+        for e in entries
+        if e.topic == "/imu"
+    ]
     text = kit.make("std_msgs/msg/String", data="hello")
-    log = kit.mcap(tmp_path / "x.mcap", [*entries, *second, entry("/talk", "std_msgs/msg/String", entries[0].t_ns, text)])
+    log = kit.mcap(
+        tmp_path / "x.mcap",
+        [*entries, *second, entry("/talk", "std_msgs/msg/String", entries[0].t_ns, text)],
+    )
     lines = summarise_log(open_log(log)).lines()
-    assert "not chosen, though of a type that is read: /second_imu (could be imu); name it in [topics] to use it" in lines
+    assert (
+        "not chosen, though of a type that is read: /second_imu (could be imu); name it in [topics] to use it"
+        in lines
+    )
     assert "a run would not use /talk: of other types than it reads" in lines
 
 
-def test_the_first_configuration_loads_and_names_the_log_topics_joints_cad_model_and_calibration(kit, tmp_path, calibration):
+def test_the_first_configuration_loads_and_names_the_log_topics_joints_cad_model_and_calibration(
+    kit, tmp_path, calibration
+):
     path = kit.mcap(tmp_path / "logs" / "x.mcap", kit.dive())
     (tmp_path / "ship.stl").write_bytes(b"")
     calibration(tmp_path / "cal" / "my_top.yaml")
@@ -160,26 +198,40 @@ def test_the_first_configuration_of_plain_files_has_no_topics(tmp_path):
 
 def test_a_sonar_in_the_log_gives_a_sonar_section(kit, tmp_path):
     entry = type(kit.dive()[0])
-    ping = entry("/sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", 5, kit.sonar(5, np.zeros((3, 2), np.uint8)))
+    ping = entry(
+        "/sonar",
+        "marine_acoustic_msgs/msg/ProjectedSonarImage",
+        5,
+        kit.sonar(5, np.zeros((3, 2), np.uint8)),
+    )
     path = kit.mcap(tmp_path / "x.mcap", [*kit.dive(), ping])
-    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
+    (tmp_path / "dive.toml").write_text(
+        fill_template(summarise_log(open_log(path)), [path], tmp_path)
+    )
     assert load_config(tmp_path).sections["sonar"].elevation_deg == 14.0
 
 
-@pytest.mark.parametrize("evil", ['/imu"\n[dive]\nname = "x\x7f', "/" + "a" * 70_000], ids=["quotes", "long"])
+@pytest.mark.parametrize(
+    "evil", ['/imu"\n[dive]\nname = "x\x7f', "/" + "a" * 70_000], ids=["quotes", "long"]
+)
 def test_what_a_log_names_can_not_break_out_of_the_configuration(kit, tmp_path, evil):
     entries = kit.dive()
     entry = type(entries[0])
     path = kit.mcap(
-        tmp_path / "x.mcap", [entry(evil if e.topic == "/imu" else e.topic, e.kind, e.t_ns, e.message) for e in entries]
+        tmp_path / "x.mcap",
+        [entry(evil if e.topic == "/imu" else e.topic, e.kind, e.t_ns, e.message) for e in entries],
     )
-    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
+    (tmp_path / "dive.toml").write_text(
+        fill_template(summarise_log(open_log(path)), [path], tmp_path)
+    )
     assert load_config(tmp_path).config.topics.imu == printable(evil)
 
 
 def test_cameras_without_a_calibration_stand_in_comments(kit, tmp_path):
     path = kit.mcap(tmp_path / "x.mcap", kit.dive())
-    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
+    (tmp_path / "dive.toml").write_text(
+        fill_template(summarise_log(open_log(path)), [path], tmp_path)
+    )
     loaded = load_config(tmp_path)
     assert loaded.config.camera.top is None
     assert "# [camera.top]" in (tmp_path / "dive.toml").read_text()
@@ -189,7 +241,9 @@ def test_cameras_without_a_calibration_stand_in_comments(kit, tmp_path):
 def test_what_no_log_tells_is_asked_for_and_not_written(kit, tmp_path, calibration):
     path = kit.mcap(tmp_path / "x.mcap", kit.dive())
     calibration(tmp_path / "top.yaml")
-    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
+    (tmp_path / "dive.toml").write_text(
+        fill_template(summarise_log(open_log(path)), [path], tmp_path)
+    )
     lines = to_fill_in(load_config(tmp_path), {"dvl", "imu", "pressure", "camera_top"})
     keys = [line.split(": ")[1] for line in lines]
     assert keys == ["tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"]
@@ -197,12 +251,18 @@ def test_what_no_log_tells_is_asked_for_and_not_written(kit, tmp_path, calibrati
 
 
 def test_what_is_given_or_not_carried_is_not_asked_for(package):
-    assert to_fill_in(load_config(package, {}, ["pressure.origin=[0, 0, 1]"]), {"pressure", "imu"}) == []
+    assert (
+        to_fill_in(load_config(package, {}, ["pressure.origin=[0, 0, 1]"]), {"pressure", "imu"})
+        == []
+    )
 
 
 def test_several_logs_are_told_as_one(kit, tmp_path):
     entries = kit.dive()
-    logs = [kit.mcap(tmp_path / "a.mcap", entries[:50]), kit.mcap(tmp_path / "b.mcap", entries[50:])]
+    logs = [
+        kit.mcap(tmp_path / "a.mcap", entries[:50]),
+        kit.mcap(tmp_path / "b.mcap", entries[50:]),
+    ]
     both = summarise_logs([open_log(log) for log in logs])
     whole = summarise_log(open_log(kit.mcap(tmp_path / "c.mcap", entries)))
     assert both.lines() == whole.lines()
@@ -220,12 +280,16 @@ def test_what_readers_say_of_several_files_is_told_with_the_file(tmp_path):
     for name in ("a.ad2cp", "b.ad2cp"):
         (tmp_path / name).write_bytes(block(TEXT, b"x" * 20))
     logs = [open_log(path) for path in find_logs(tmp_path)]
-    assert [line.split(": ")[0] for line in summarise_logs(logs).remarks if "bottom-track" in line] == ["a.ad2cp", "b.ad2cp"]
+    assert [
+        line.split(": ")[0] for line in summarise_logs(logs).remarks if "bottom-track" in line
+    ] == ["a.ad2cp", "b.ad2cp"]
     assert not any(line.startswith("a.ad2cp") for line in summarise_logs(logs[:1]).remarks)
 
 
 def test_a_log_without_a_dvl_that_is_read_names_the_one_that_is_not():
-    note = TopicNote(channel=Channel("/teledyne/ensemble", "teledyne_navigator/Ensemble", "ros1"), count=3)
+    note = TopicNote(
+        channel=Channel("/teledyne/ensemble", "teledyne_navigator/Ensemble", "ros1"), count=3
+    )
     (line,) = LogSummary(kind="ROS 1 bag", topics=[note]).needs()
     assert line.startswith(
         "missing: a DVL with an IMU, or two cameras; /teledyne/ensemble (teledyne_navigator/Ensemble) is a DVL's"

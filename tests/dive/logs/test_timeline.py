@@ -63,7 +63,9 @@ def test_a_clock_that_was_set_back_goes_on_where_no_logger_has_a_clock():
     assert "150 stamps were put right as if it had been set back" in line.remarks[0]
 
 
-@pytest.mark.parametrize("second", [np.arange(0, 15, 0.1), np.arange(5, 30, 0.1)], ids=["logged later", "logged twice"])
+@pytest.mark.parametrize(
+    "second", [np.arange(0, 15, 0.1), np.arange(5, 30, 0.1)], ids=["logged later", "logged twice"]
+)
 def test_parts_logged_in_another_order_or_twice_are_sorted_and_not_moved(second):
     first = np.arange(15, 30, 0.1) if second[0] == 0 else np.arange(0, 20, 0.1)
     stamps = ns(*np.concatenate([first, second]))
@@ -78,7 +80,8 @@ def test_two_recordings_that_overlap_are_sorted_and_not_moved():
     np.testing.assert_array_equal(line.t_ns, np.sort(stamps))
     (words,) = line.remarks
     assert (
-        "logs were read in another order than they were recorded, or overlap: 29.9 s back to 1970-01-01T00:05:00.020Z" in words
+        "logs were read in another order than they were recorded, or overlap: 29.9 s back to 1970-01-01T00:05:00.020Z"
+        in words
     )
 
 
@@ -105,7 +108,9 @@ def test_a_computer_s_clock_that_was_set_back_mixes_no_two_times(delay_ms):
 def test_a_computer_s_clock_set_back_by_whole_periods_drops_no_reading():
     true = np.arange(0, 600, 0.1)
     stamps = ns(*np.where(true >= 300, true - 30, true))
-    line = put_in_order("dvl", stamps, stamps + np.random.default_rng(1).integers(1_000_000, 4_000_000, len(true)))
+    line = put_in_order(
+        "dvl", stamps, stamps + np.random.default_rng(1).integers(1_000_000, 4_000_000, len(true))
+    )
     np.testing.assert_allclose(line.t_ns / NS, true, atol=1e-6)
 
 
@@ -146,7 +151,9 @@ def test_several_jumps_are_counted():
 def test_a_dropout_is_a_gap_not_a_jump():
     stamps = ns(0, 1, 2, 60, 61)
     assert put_in_order("dvl", stamps, stamps).remarks == []
-    assert describe_gaps("dvl", stamps) == ["dvl: nothing for 58.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:01:00.000Z"]
+    assert describe_gaps("dvl", stamps) == [
+        "dvl: nothing for 58.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:01:00.000Z"
+    ]
 
 
 def test_a_missing_message_or_two_is_no_gap():
@@ -201,7 +208,9 @@ def test_what_is_kept_is_strictly_increasing_and_complete(stamps):
 
 
 def test_a_clock_that_stands_still_is_refused():
-    with pytest.raises(InputError, match="imu: all 3 stamps are the same, 1970-01-01T00:00:05") as caught:
+    with pytest.raises(
+        InputError, match="imu: all 3 stamps are the same, 1970-01-01T00:00:05"
+    ) as caught:
         put_in_order("imu", [5_000_000_000] * 3, [1, 2, 3])
     assert "clock that runs" in caught.value.remedy
 
@@ -215,7 +224,9 @@ def test_two_readings_of_one_stamp_are_duplicates():
 def clock(count=200, jump_s=2.0, at=100, rate_s=0.04, delay_s=0.003):
     """Stamps of a clock that jumps, when they were logged, and when they were measured."""
     true = np.round(1e9 * (1000 + rate_s * np.arange(count))).astype(np.int64)
-    late = np.round(1e9 * delay_s * np.random.default_rng(3).exponential(1.0, count)).astype(np.int64)
+    late = np.round(1e9 * delay_s * np.random.default_rng(3).exponential(1.0, count)).astype(
+        np.int64
+    )
     return true + (np.arange(count) >= at) * round(jump_s * NS), true + late, true
 
 
@@ -251,7 +262,8 @@ def test_of_clocks_of_their_own_the_longest_stretch_is_right():
 
 def test_what_the_logger_wrote_late_keeps_its_stamps():
     true = clock(count=400, jump_s=0.0)[0]
-    logged = np.maximum(true, true[100] + 3 * NS) * (true >= true[100]) + true * (true < true[100])  # a stall of 3 s, caught up
+    # a stall of 3 s, caught up
+    logged = np.maximum(true, true[100] + 3 * NS) * (true >= true[100]) + true * (true < true[100])
     assert (put_in_order("imu", true, logged).t_ns == true).all()
     one = true.copy()
     one[50] += 5 * NS
@@ -263,7 +275,11 @@ def test_without_a_loggers_clock_stamps_stay_as_they_are():
     assert (put_in_order("imu", stamps, stamps).t_ns == stamps).all()
 
 
-@given(st.lists(st.integers(0, 10**12), min_size=1, max_size=80), st.integers(0, 10**12), st.integers(1, 79))
+@given(
+    st.lists(st.integers(0, 10**12), min_size=1, max_size=80),
+    st.integers(0, 10**12),
+    st.integers(1, 79),
+)
 def test_whatever_clocks_do_the_stamps_kept_grow_and_belong_to_rows(stamps, jump, at):
     assume(len(stamps) <= 2 or len(set(stamps)) > 1)
     moved = [t + (jump if i >= at else 0) for i, t in enumerate(sorted(stamps))]

@@ -3,7 +3,16 @@
 import pytest
 
 from hullrecon.dive.logs.readers.protocol import Channel
-from hullrecon.dive.logs.unused_topics import CLOUDS, COMMANDS, DEPTHS, ECHOES, POSITIONS, RANGES, describe_unused, unread_dvls
+from hullrecon.dive.logs.unused_topics import (
+    CLOUDS,
+    COMMANDS,
+    DEPTHS,
+    ECHOES,
+    POSITIONS,
+    RANGES,
+    describe_unused,
+    unread_dvls,
+)
 
 POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 
@@ -30,7 +39,9 @@ def channel(topic, kind, encoding="cdr"):
     ],
 )
 def test_a_topic_of_no_use_is_named_with_its_type_and_the_reason(topic, kind, reason):
-    assert describe_unused([channel(topic, kind)], set()) == [f"a run would not use {topic} ({kind}): {reason}"]
+    assert describe_unused([channel(topic, kind)], set()) == [
+        f"a run would not use {topic} ({kind}): {reason}"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -43,18 +54,29 @@ def test_a_topic_of_no_use_is_named_with_its_type_and_the_reason(topic, kind, re
         ("/usbl/pose", POSE, "position"),
         ("/usbl_point", "geometry_msgs/msg/PointStamped", "position"),
         ("/twist", "geometry_msgs/msg/TwistWithCovarianceStamped", "dvl"),
-        ("/gps/imu", "sensor_msgs/msg/Imu", "imu"),  # an instrument's own type says more than its name
+        # an instrument's own type says more than its name
+        ("/gps/imu", "sensor_msgs/msg/Imu", "imu"),
         ("/fixed_cam", "sensor_msgs/msg/Image", "camera_top or camera_bottom"),
     ],
 )
 def test_a_topic_of_a_type_that_is_read_is_told_as_what(topic, kind, sensors):
     (line,) = describe_unused([channel(topic, kind)], set())
-    assert line == f"not chosen, though of a type that is read: {topic} (could be {sensors}); name it in [topics] to use it"
+    assert (
+        line
+        == f"not chosen, though of a type that is read: {topic} (could be {sensors}); name it in [topics] to use it"
+    )
 
 
 def test_topics_that_are_used_are_not_told_and_others_share_a_line():
-    found = [channel("/usbl", POSE), channel("/rosout", "rcl_interfaces/msg/Log"), channel("/a", "x/msg/Y"), channel("/b", "")]
-    assert describe_unused(found, {"/usbl", "/b"}) == ["a run would not use /a, /rosout: of other types than it reads"]
+    found = [
+        channel("/usbl", POSE),
+        channel("/rosout", "rcl_interfaces/msg/Log"),
+        channel("/a", "x/msg/Y"),
+        channel("/b", ""),
+    ]
+    assert describe_unused(found, {"/usbl", "/b"}) == [
+        "a run would not use /a, /rosout: of other types than it reads"
+    ]
 
 
 def test_messages_in_an_encoding_that_is_not_read_are_of_no_type_that_is():
@@ -71,4 +93,7 @@ def test_topics_that_are_a_dvl_s_by_name_or_maker_are_told_apart_from_those_that
         channel("/dvl/gps", "sensor_msgs/msg/NavSatFix"),
         channel("/rosout", "rosgraph_msgs/Log"),
     ]
-    assert unread_dvls(found) == ["/teledyne_navigator/ensemble (teledyne_navigator/Ensemble)", "/vel (cirs/LinkquestDvl)"]
+    assert unread_dvls(found) == [
+        "/teledyne_navigator/ensemble (teledyne_navigator/Ensemble)",
+        "/vel (cirs/LinkquestDvl)",
+    ]

@@ -34,7 +34,12 @@ from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.errors import InputError
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 DEG = np.pi / 180
 SIN, COS = np.sin(25 * DEG), np.cos(25 * DEG)
 ENU, XYZ, BEAM = 0, 1, 2
@@ -54,7 +59,9 @@ def signature(**more) -> bytes:
 
 
 def test_a_dvl_s_record_reads_back_in_the_instruments_own_axes(tmp_path):
-    (ping,), attitudes, log = read(tmp_path / "x.ad2cp", configuration((45, -45, -135, 135)), block(DF21, dvl_record(7)))
+    (ping,), attitudes, log = read(
+        tmp_path / "x.ad2cp", configuration((45, -45, -135, 135)), block(DF21, dvl_record(7))
+    )
     assert ping.t_ns == 1_777_887_007_250_000_000  # 2026-05-04T09:30:07.25Z
     assert ping.velocity == pytest.approx([0.1, -0.2, 0.06])  # z is the mean of the two
     assert ping.ranges == pytest.approx([3.0, 3.1, 3.2, 3.3])
@@ -63,12 +70,16 @@ def test_a_dvl_s_record_reads_back_in_the_instruments_own_axes(tmp_path):
     assert ping.beams[0] == pytest.approx([SIN * np.sqrt(0.5), SIN * np.sqrt(0.5), COS])
     assert ping.beams[1] == pytest.approx([SIN * np.sqrt(0.5), -SIN * np.sqrt(0.5), COS])
     assert (attitudes, log.losses()) == ([], [])
-    assert any("pressure was left aside" in r and "clock was taken as UTC" in r for r in log.remarks)
+    assert any(
+        "pressure was left aside" in r and "clock was taken as UTC" in r for r in log.remarks
+    )
 
 
 def test_distances_along_z_become_ranges_along_the_beams(tmp_path):
     pings, _, _ = read(tmp_path / "x.ad2cp", dvl_file())
-    assert streams.dvl_pings(pings, None, 0.003, []).ranges[0] == pytest.approx(np.array([3.0, 3.1, 3.2, 3.3]) / COS)
+    assert streams.dvl_pings(pings, None, 0.003, []).ranges[0] == pytest.approx(
+        np.array([3.0, 3.1, 3.2, 3.3]) / COS
+    )
 
 
 def test_beams_that_the_file_does_not_describe_are_asked_for_and_taken_from_dive_toml(tmp_path):
@@ -78,7 +89,8 @@ def test_beams_that_the_file_does_not_describe_are_asked_for_and_taken_from_dive
         streams.dvl_pings(pings, None, 0.003, [])
     tilted = np.array([[0.6, 0, 0.8], [0, -0.6, 0.8], [-0.6, 0, 0.8], [0, 1.0, 0.0]])
     ranges = streams.dvl_pings(pings, tilted, 0.003, []).ranges[0]
-    np.testing.assert_allclose(ranges, [3.0 / 0.8, 3.1 / 0.8, 3.2 / 0.8, np.nan], rtol=1e-6)  # the fourth never comes down
+    # the fourth never comes down
+    np.testing.assert_allclose(ranges, [3.0 / 0.8, 3.1 / 0.8, 3.2 / 0.8, np.nan], rtol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +99,11 @@ def test_beams_that_the_file_does_not_describe_are_asked_for_and_taken_from_dive
         (dvl_record(velocity=(0.1, 0.2, -32.768, 0.4)), (0.1, 0.2, 0.4), (3.0, 3.1, 3.2, 3.3)),
         (dvl_record(status=0xFFFFF & ~(1 << 12)), (np.nan, -0.2, 0.06), (3.0, 3.1, 3.2, 3.3)),
         (dvl_record(velocity=(-32.768,) * 4), (np.nan,) * 3, (3.0, 3.1, 3.2, 3.3)),
-        (dvl_record(distance=(0, np.nan, 1, np.inf)), (0.1, -0.2, 0.06), (np.nan, np.nan, 1, np.nan)),
+        (
+            dvl_record(distance=(0, np.nan, 1, np.inf)),
+            (0.1, -0.2, 0.06),
+            (np.nan, np.nan, 1, np.nan),
+        ),
         (dvl_record(status=0xFFFFF & ~(1 << 5)), (0.1, -0.2, 0.06), (3.0, np.nan, 3.2, 3.3)),
         (dvl_record(status=0), (np.nan,) * 3, (np.nan,) * 4),
     ],
@@ -98,35 +114,58 @@ def test_what_a_dvl_marks_as_not_valid_is_nan(record, velocity, ranges):
     np.testing.assert_allclose(ping.distance_m, ranges, rtol=1e-6)
 
 
-@pytest.mark.parametrize("merit", [(10.0, 0.01, 0.01, 0.01), (0.01, 0.01, 10.0, 10.0), (np.nan, 0.01, 0.01, 0.01)])
+@pytest.mark.parametrize(
+    "merit", [(10.0, 0.01, 0.01, 0.01), (0.01, 0.01, 10.0, 10.0), (np.nan, 0.01, 0.01, 0.01)]
+)
 def test_a_velocity_without_a_valid_figure_of_merit_has_no_sigma(merit):
     assert np.isnan(parse(DF21, dvl_record(merit=merit)).sigma)
 
 
 def test_velocities_along_the_beams_become_those_of_the_instrument(tmp_path):
-    """It moves with (0.3, -0.2, 0.1) m/s: beam 1 leans to x, beam 2 to -y, beam 3 to -x, beam 4 to y."""
-    closing = [SIN * 0.3 + COS * 0.1, SIN * 0.2 + COS * 0.1, -SIN * 0.3 + COS * 0.1, -SIN * 0.2 + COS * 0.1]
+    """It moves with (0.3, -0.2, 0.1) m/s: beam 1 leans to x, beam 2 to -y, beam 3 to -x, beam 4 to
+    y.
+    """
+    closing = [
+        SIN * 0.3 + COS * 0.1,
+        SIN * 0.2 + COS * 0.1,
+        -SIN * 0.3 + COS * 0.1,
+        -SIN * 0.2 + COS * 0.1,
+    ]
     fine = [round(1e6 * c) for c in closing]
     (ping,), _, _ = read(tmp_path / "x.ad2cp", signature(code=BEAM, velocity=fine, scale=-6))
     assert ping.velocity == pytest.approx([0.3, -0.2, 0.1], abs=1e-6)
-    (ping,), _, _ = read(tmp_path / "x.ad2cp", signature(code=BEAM, velocity=fine, scale=-6, merit=(12, -1, 12, 12)))
+    (ping,), _, _ = read(
+        tmp_path / "x.ad2cp", signature(code=BEAM, velocity=fine, scale=-6, merit=(12, -1, 12, 12))
+    )
     assert ping.velocity == pytest.approx([0.3, -0.2, 0.1], abs=1e-6)
-    (ping,), _, _ = read(tmp_path / "x.ad2cp", signature(code=BEAM, velocity=fine, scale=-6, distance=(9, -1, -1, 9)))
+    (ping,), _, _ = read(
+        tmp_path / "x.ad2cp", signature(code=BEAM, velocity=fine, scale=-6, distance=(9, -1, -1, 9))
+    )
     assert np.isnan(ping.velocity).all()
 
 
 def test_values_belong_to_the_beams_that_the_record_names(tmp_path):
     """The same velocities in the order of beams 4, 3, 2, 1."""
-    closing = [SIN * 0.3 + COS * 0.1, SIN * 0.2 + COS * 0.1, -SIN * 0.3 + COS * 0.1, -SIN * 0.2 + COS * 0.1]
+    closing = [
+        SIN * 0.3 + COS * 0.1,
+        SIN * 0.2 + COS * 0.1,
+        -SIN * 0.3 + COS * 0.1,
+        -SIN * 0.2 + COS * 0.1,
+    ]
     fine = [round(1e6 * c) for c in closing[::-1]]
-    (ping,), _, _ = read(tmp_path / "x.ad2cp", signature(code=BEAM, velocity=fine, scale=-6, physical=0x1234))
+    (ping,), _, _ = read(
+        tmp_path / "x.ad2cp", signature(code=BEAM, velocity=fine, scale=-6, physical=0x1234)
+    )
     assert ping.velocity == pytest.approx([0.3, -0.2, 0.1], abs=1e-6)
 
 
 def test_velocities_along_beams_that_nothing_describes_are_lost_and_that_is_said(tmp_path):
     (ping,), _, log = read(tmp_path / "x.ad2cp", block(DF20, signature_record(code=BEAM)))
     assert np.isnan(ping.velocity).all()
-    assert any("1 velocities along the beams were lost" in r and "have the instrument write XYZ" in r for r in log.remarks)
+    assert any(
+        "1 velocities along the beams were lost" in r and "have the instrument write XYZ" in r
+        for r in log.remarks
+    )
 
 
 def test_beams_in_one_plane_give_no_velocity():
@@ -151,22 +190,36 @@ def test_one_lost_beam_spoils_a_velocity_that_was_made_of_all(tmp_path):
 
 
 @pytest.mark.parametrize("orientation", [4, 5, 7])
-def test_a_velocity_along_the_earths_axes_comes_back_by_the_attitude_that_the_reader_gives(tmp_path, orientation):
+def test_a_velocity_along_the_earths_axes_comes_back_by_the_attitude_that_the_reader_gives(
+    tmp_path, orientation
+):
     turned = {"heading": 4500, "pitch": -200, "roll": 300, "orientation": orientation}
-    (ping,), (attitude,), _ = read(tmp_path / "x.ad2cp", signature(code=ENU, velocity=(300, 400, -100, -100), **turned))
+    (ping,), (attitude,), _ = read(
+        tmp_path / "x.ad2cp", signature(code=ENU, velocity=(300, 400, -100, -100), **turned)
+    )
     ned = Rotation.from_quat(attitude.quaternion).apply(ping.velocity)
     assert ned == pytest.approx([0.4, 0.3, 0.1])  # east 0.3, north 0.4, up -0.1
     assert attitude.of_dvl
 
 
 def test_heading_pitch_and_roll_are_those_of_nortek_s_transformation(tmp_path):
-    """Looking up and level, x is where the heading says; pitch lifts x; roll of 90 degrees lays z to where y was, reversed."""
+    """Looking up and level, x is where the heading says; pitch lifts x; roll of 90 degrees lays z
+    to where y was, reversed.
+    """
     looks = {}
-    for name, angles in (("level", {}), ("pitched", {"pitch": 1000}), ("rolled", {"roll": 9000}), ("down", {"orientation": 5})):
+    for name, angles in (
+        ("level", {}),
+        ("pitched", {"pitch": 1000}),
+        ("rolled", {"roll": 9000}),
+        ("down", {"orientation": 5}),
+    ):
         _, (attitude,), _ = read(tmp_path / "x.ad2cp", signature(heading=9000, **angles))
-        looks[name] = Rotation.from_quat(attitude.quaternion).as_matrix()  # north, east, down of x, y, z
+        # north, east, down of x, y, z
+        looks[name] = Rotation.from_quat(attitude.quaternion).as_matrix()
     np.testing.assert_allclose(looks["level"], [[0, 1, 0], [1, 0, 0], [0, 0, -1]], atol=1e-12)
-    np.testing.assert_allclose(looks["pitched"][:, 0], [0, np.cos(10 * DEG), -np.sin(10 * DEG)], atol=1e-12)
+    np.testing.assert_allclose(
+        looks["pitched"][:, 0], [0, np.cos(10 * DEG), -np.sin(10 * DEG)], atol=1e-12
+    )
     np.testing.assert_allclose(looks["rolled"][:, 2], [-1, 0, 0], atol=1e-12)
     np.testing.assert_allclose(looks["down"], [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-12)
 
@@ -192,7 +245,11 @@ def test_angles_of_another_axis_or_without_compass_or_tilt_are_no_attitude(tmp_p
         (DF20, signature_record(config=0x02F), "that tell the lost ones"),
         (DF20, signature_record(month=12), "its clock shows no time"),
         (DF21, dvl_record(month=12), "its clock shows no time"),
-        (DF21, dvl_record()[:12] + struct.pack("<H", 10_000) + dvl_record()[14:], "its clock shows no time"),
+        (
+            DF21,
+            dvl_record()[:12] + struct.pack("<H", 10_000) + dvl_record()[14:],
+            "its clock shows no time",
+        ),
         (DF20, signature_record()[:-1], "it ends too early"),
         (DF21, dvl_record()[:-1], "it ends too early"),
         (DF20, b"\1", "it ends too early"),
@@ -209,17 +266,23 @@ def test_a_record_that_is_not_what_its_kind_has_is_a_named_loss(tmp_path, kind, 
 
 @pytest.mark.parametrize("kind", [0x15, WATER_TRACK])
 def test_a_kind_that_nobody_entered_is_not_parsed_as_another(tmp_path, kind):
-    with pytest.raises(DamagedError, match=f"blocks of kind {kind:#04x} are not read as bottom tracks"):
+    with pytest.raises(
+        DamagedError, match=f"blocks of kind {kind:#04x} are not read as bottom tracks"
+    ):
         parse(kind, dvl_record())
     pings, _, log = read(tmp_path / "x.ad2cp", block(kind, dvl_record()), block(DF21, dvl_record()))
     assert len(pings) == 1
     assert any(r.startswith("1 blocks of other kinds were passed over") for r in log.remarks)
 
 
-def test_a_kind_that_is_entered_goes_to_its_own_parser_and_counts_under_its_own_name(tmp_path, monkeypatch):
+def test_a_kind_that_is_entered_goes_to_its_own_parser_and_counts_under_its_own_name(
+    tmp_path, monkeypatch
+):
     """A third kind, whose parser gives a velocity of its own."""
     other = replace(parse(DF21, dvl_record()), velocity=np.array([7.0, 8, 9]))
-    monkeypatch.setitem(bottom_track.KINDS, 0x15, bottom_track.Kind("DF99", lambda data, start: other))
+    monkeypatch.setitem(
+        bottom_track.KINDS, 0x15, bottom_track.Kind("DF99", lambda data, start: other)
+    )
     pings, _, log = read(tmp_path / "x.ad2cp", block(0x15, dvl_record()), block(DF21, dvl_record()))
     assert [p.velocity[0] for p in pings] == pytest.approx([7.0, 0.1])
     assert not any("no bottom-track record" in r or "passed over" in r for r in log.remarks)
@@ -231,7 +294,10 @@ def test_a_wrong_checksum_loses_that_block_alone_and_says_where(tmp_path):
     pings, _, log = read(tmp_path / "x.ad2cp", *content)
     assert [p.t_ns // 10**9 % 60 for p in pings] == [0, 1, 3, 4]
     (loss,) = log.losses()
-    assert loss.why == f"{len(content[0])} bytes from byte {2 * len(content[0])} on hold no whole block: a checksum is wrong"
+    assert (
+        loss.why
+        == f"{len(content[0])} bytes from byte {2 * len(content[0])} on hold no whole block: a checksum is wrong"
+    )
     assert (loss.start_ns, loss.end_ns) == (pings[1].t_ns, pings[2].t_ns)
 
 
@@ -245,16 +311,27 @@ def test_a_wrong_checksum_loses_that_block_alone_and_says_where(tmp_path):
     ],
 )
 def test_what_is_no_block_is_named_and_stepped_over(tmp_path, odd, why):
-    pings, _, log = read(tmp_path / "x.ad2cp", block(DF21, dvl_record(1)), odd, block(DF21, dvl_record(2)))
+    pings, _, log = read(
+        tmp_path / "x.ad2cp", block(DF21, dvl_record(1)), odd, block(DF21, dvl_record(2))
+    )
     assert len(pings) == 2
-    assert [loss.why for loss in log.losses()] == [f"{len(odd)} bytes from byte 222 on hold no whole block: {why}"]
+    assert [loss.why for loss in log.losses()] == [
+        f"{len(odd)} bytes from byte 222 on hold no whole block: {why}"
+    ]
 
 
 @pytest.mark.parametrize("left", [5, 11, 100])
 def test_a_cut_end_is_named(tmp_path, left):
-    pings, _, log = read(tmp_path / "x.ad2cp", block(DF21, dvl_record(1)), block(DF21, dvl_record(2), is_long=True)[:left])
+    pings, _, log = read(
+        tmp_path / "x.ad2cp",
+        block(DF21, dvl_record(1)),
+        block(DF21, dvl_record(2), is_long=True)[:left],
+    )
     assert len(pings) == 1
-    assert log.losses()[0].why == f"{left} bytes from byte 222 on hold no whole block: the last block is cut off"
+    assert (
+        log.losses()[0].why
+        == f"{left} bytes from byte 222 on hold no whole block: the last block is cut off"
+    )
 
 
 def test_a_block_that_claims_gigabytes_costs_itself(tmp_path):
@@ -273,19 +350,27 @@ def test_the_checksum_takes_a_last_odd_byte_as_the_high_half_of_a_word():
         assert checksum(data) == word_sum(data)
 
 
-def test_blocks_of_either_header_and_parity_are_found_across_the_edge_of_what_is_read_at_a_time(monkeypatch):
+def test_blocks_of_either_header_and_parity_are_found_across_the_edge_of_what_is_read_at_a_time(
+    monkeypatch,
+):
     monkeypatch.setattr(ad2cp_blocks, "WINDOW", 300)
     parts = [block(kind, bytes(range(kind)), is_long=kind % 3 == 0) for kind in range(1, 60)]
     found = list(blocks(io.BytesIO(b"".join(parts[:30]) + b"rubbish" + b"".join(parts[30:]))))
     assert [b.kind for *_, b in found if isinstance(b, Block)] == list(range(1, 60))
     assert all(b.data == bytes(range(b.kind)) for *_, b in found if isinstance(b, Block))
-    assert [(end - start, b) for start, end, b in found if isinstance(b, str)] == [(7, "no block starts there")]
+    assert [(end - start, b) for start, end, b in found if isinstance(b, str)] == [
+        (7, "no block starts there")
+    ]
 
 
 def test_headers_that_all_claim_the_same_bytes_cost_one_sum_over_the_file(monkeypatch):
-    """Each stands in the data of the one before and claims 60 kB; their own checksums hold, those of their data do not."""
+    """Each stands in the data of the one before and claims 60 kB; their own checksums hold, those
+    of their data do not.
+    """
     tried = []
-    monkeypatch.setattr(ad2cp_blocks, "checksum", lambda data: tried.append(len(data)) or checksum(data))
+    monkeypatch.setattr(
+        ad2cp_blocks, "checksum", lambda data: tried.append(len(data)) or checksum(data)
+    )
     head = struct.pack("<BBBBHH", 0xA5, 10, DF21, 0x10, 60_000, 1)
     head += struct.pack("<H", word_sum(head))
     content = head * 20_000 + block(DF21, dvl_record(1))

@@ -10,10 +10,20 @@ from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.sound_metrics import aris_frames
 from hullrecon.dive.logs.readers.sound_metrics.aris import ArisLog
 from hullrecon.dive.logs.readers.sound_metrics.aris_frames import parse_header
-from hullrecon.dive.logs.readers.sound_metrics.beam_angles import ARIS_1200, ARIS_1800, ARIS_3000, beam_azimuths
+from hullrecon.dive.logs.readers.sound_metrics.beam_angles import (
+    ARIS_1200,
+    ARIS_1800,
+    ARIS_3000,
+    beam_azimuths,
+)
 from hullrecon.dive.logs.readers.unpack import DamagedError
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 START_NS = 1_777_887_000_000_000_000
 SIZE = 1024 + 64 * 8  # bytes of a frame
 
@@ -29,8 +39,10 @@ def test_a_frame_reads_back_with_its_stamp_ranges_and_beams(tmp_path):
     pings, log = read(tmp_path / "x.aris", aris_file(2))
     assert [p.t_ns - START_NS for p in pings] == [0, 200_000_000]
     assert log.losses() == []
-    assert pings[0].range_m[:2] == pytest.approx([750 * 2005e-6, 750 * 2015e-6])  # middles of samples of 10 us
-    np.testing.assert_array_equal(pings[0].image[0], pixels[:, -1])  # beam 0 of the file is the one farthest to starboard
+    # middles of samples of 10 us
+    assert pings[0].range_m[:2] == pytest.approx([750 * 2005e-6, 750 * 2015e-6])
+    # beam 0 of the file is the one farthest to starboard
+    np.testing.assert_array_equal(pings[0].image[0], pixels[:, -1])
     x, y, z = pings[0].directions.T
     assert not x.any()
     assert np.degrees(np.arctan2(y, z)[[0, -1]]) == pytest.approx([-14.887, 14.887], abs=0.005)
@@ -89,7 +101,9 @@ def test_a_rotator_that_turns_is_named(tmp_path):
     assert not any("rotator" in remark for remark in still.remarks)
 
 
-@pytest.mark.parametrize("kept", [0, 3, 1024, 1030, 1024 + 1023, 1024 + SIZE - 1, 1024 + SIZE, 1024 + SIZE + 900])
+@pytest.mark.parametrize(
+    "kept", [0, 3, 1024, 1030, 1024 + 1023, 1024 + SIZE - 1, 1024 + SIZE, 1024 + SIZE + 900]
+)
 def test_a_file_that_is_cut_gives_its_whole_frames_and_names_the_rest(tmp_path, kept):
     pings, log = read(tmp_path / "x.aris", aris_file(3)[:kept])
     assert len(pings) == max(0, kept - 1024) // SIZE
@@ -104,15 +118,22 @@ def test_damage_costs_the_frame_that_it_hits(tmp_path):
     pings, log = read(tmp_path / "x.aris", bytes(content))
     assert [(p.t_ns - START_NS) // 200_000_000 for p in pings] == [0, 1, 3, 4]
     (loss,) = log.losses()
-    assert loss.why == f"{SIZE} bytes from byte {1024 + 2 * SIZE} on hold no whole frame: no frame begins there"
+    assert (
+        loss.why
+        == f"{SIZE} bytes from byte {1024 + 2 * SIZE} on hold no whole frame: no frame begins there"
+    )
     assert (loss.start_ns, loss.end_ns) == (pings[1].t_ns, pings[2].t_ns)
 
 
 @pytest.mark.parametrize("claimed", [7, 9])
 def test_a_frame_whose_size_is_wrong_is_not_taken_for_whole(tmp_path, claimed):
-    pings, log = read(tmp_path / "x.aris", file_header(), frame(0, claimed=claimed), frame(1), frame(2))
+    pings, log = read(
+        tmp_path / "x.aris", file_header(), frame(0, claimed=claimed), frame(1), frame(2)
+    )
     assert [p.t_ns - START_NS for p in pings] == [200_000_000, 400_000_000]
-    assert [loss.why.rpartition(": ")[2] for loss in log.losses()] == ["no other frame follows where its frame ends"]
+    assert [loss.why.rpartition(": ")[2] for loss in log.losses()] == [
+        "no other frame follows where its frame ends"
+    ]
 
 
 def test_bytes_that_are_missing_or_too_many_cost_what_stands_around_them(tmp_path):
@@ -120,14 +141,20 @@ def test_bytes_that_are_missing_or_too_many_cost_what_stands_around_them(tmp_pat
     cut = content[: 1024 + SIZE + 1100] + content[1024 + SIZE + 1200 :]
     pings, _ = read(tmp_path / "cut.aris", cut)
     assert {(p.t_ns - START_NS) // 200_000_000 for p in pings} >= {0, 3, 4}
-    pings, log = read(tmp_path / "more.aris", content[: 1024 + 2 * SIZE], bytes(3000), content[1024 + 2 * SIZE :])
+    pings, log = read(
+        tmp_path / "more.aris", content[: 1024 + 2 * SIZE], bytes(3000), content[1024 + 2 * SIZE :]
+    )
     assert len(pings) == 5
-    assert [loss.why.split(" on ")[0] for loss in log.losses()] == [f"3000 bytes from byte {1024 + 2 * SIZE}"]
+    assert [loss.why.split(" on ")[0] for loss in log.losses()] == [
+        f"3000 bytes from byte {1024 + 2 * SIZE}"
+    ]
 
 
 def test_a_search_behind_damage_goes_on_over_its_windows(tmp_path, monkeypatch):
     monkeypatch.setattr(aris_frames, "WINDOW", 700)
-    pings, log = read(tmp_path / "x.aris", aris_file(1), b"DDF\x05" * 1500, *(frame(n) for n in (1, 2)))
+    pings, log = read(
+        tmp_path / "x.aris", aris_file(1), b"DDF\x05" * 1500, *(frame(n) for n in (1, 2))
+    )
     assert len(pings) == 3
     assert len(log.losses()) == 1
 
@@ -139,7 +166,9 @@ def test_a_changed_byte_ends_in_pings_and_losses_twice_the_same(tmp_path, at, ch
     content[at] ^= change
     first, log = read(tmp_path / "x.aris", bytes(content))
     second = [message.data for message in log.messages()]
-    assert [(p.t_ns, p.image.tobytes()) for p in first] == [(p.t_ns, p.image.tobytes()) for p in second]
+    assert [(p.t_ns, p.image.tobytes()) for p in first] == [
+        (p.t_ns, p.image.tobytes()) for p in second
+    ]
     assert len(first) == 3 or log.losses() or any("transmitter was off" in r for r in log.remarks)
 
 

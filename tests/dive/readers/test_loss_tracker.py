@@ -59,7 +59,10 @@ def test_two_gaps_end_at_the_same_next_message():
     tracker.open_gap("second")
     tracker.record(Message(A, 9, b""))
     tracker.finish()
-    assert [(loss.why, loss.start_ns, loss.end_ns) for loss in tracker.losses] == [("first", 7, 9), ("second", 7, 9)]
+    assert [(loss.why, loss.start_ns, loss.end_ns) for loss in tracker.losses] == [
+        ("first", 7, 9),
+        ("second", 7, 9),
+    ]
 
 
 def test_messages_that_a_log_counts_and_nobody_saw_are_a_loss_of_their_own():
@@ -70,7 +73,9 @@ def test_messages_that_a_log_counts_and_nobody_saw_are_a_loss_of_their_own():
     assert "holds more of them than could be read" in loss.why
 
 
-@given(st.lists(st.tuples(st.sampled_from([A, B]), st.integers(0, 100), st.booleans()), max_size=30))
+@given(
+    st.lists(st.tuples(st.sampled_from([A, B]), st.integers(0, 100), st.booleans()), max_size=30)
+)
 def test_whatever_comes_in_each_gap_starts_no_later_than_the_last_message_before_it(entries):
     tracker = LossTracker()
     latest = 0

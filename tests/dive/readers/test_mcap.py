@@ -20,7 +20,12 @@ from hullrecon.dive.logs.readers import mcap as mcap_module
 from hullrecon.dive.logs.readers.mcap import McapLog, find_chunk, read_chunk
 from hullrecon.errors import InputError
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +71,11 @@ def test_a_file_without_chunks_is_read(kit, tmp_path):
 
 
 def test_damage_in_a_file_without_chunks_is_told_by_the_checksum_over_all(kit, tmp_path):
-    data = bytearray(kit.mcap(tmp_path / "x.mcap", kit.dive(), use_chunking=False, enable_data_crcs=True).read_bytes())
+    data = bytearray(
+        kit.mcap(
+            tmp_path / "x.mcap", kit.dive(), use_chunking=False, enable_data_crcs=True
+        ).read_bytes()
+    )
     data[data.find(b"\x00\x01\x00\x00", 5000) + 30] ^= 1
     _, log = read(broken(tmp_path, bytes(data)))
     assert any("checksum" in loss.why or "damaged" in loss.why for loss in log.losses())
@@ -74,14 +83,20 @@ def test_damage_in_a_file_without_chunks_is_told_by_the_checksum_over_all(kit, t
 
 def test_a_file_without_a_summary_is_read_from_its_start_without_loss_of_messages(kit, tmp_path):
     path = kit.mcap(
-        tmp_path / "x.mcap", kit.dive(), index_types=IndexType.NONE, use_statistics=False, use_summary_offsets=False
+        tmp_path / "x.mcap",
+        kit.dive(),
+        index_types=IndexType.NONE,
+        use_statistics=False,
+        use_summary_offsets=False,
     )
     messages, _ = read(path)
     assert len(messages) == len(kit.dive())
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
-def test_a_cut_file_gives_its_whole_chunks_and_says_from_when_on_each_topic_is_lost(kit, tmp_path, whole, share):
+def test_a_cut_file_gives_its_whole_chunks_and_says_from_when_on_each_topic_is_lost(
+    kit, tmp_path, whole, share
+):
     data = whole.read_bytes()
     messages, log = read(broken(tmp_path, data[: int(share * len(data))]))
     everything = [(e.topic, e.t_ns) for e in kit.dive()]
@@ -101,7 +116,9 @@ def test_a_cut_simulated_dive_gives_all_that_its_whole_chunks_hold(data, tmp_pat
     assert len(log.losses()) == 7
 
 
-def test_a_flipped_bit_in_a_chunk_loses_that_chunk_alone_and_names_its_span_and_counts(kit, tmp_path, whole):
+def test_a_flipped_bit_in_a_chunk_loses_that_chunk_alone_and_names_its_span_and_counts(
+    kit, tmp_path, whole
+):
     data = bytearray(whole.read_bytes())
     data[len(data) // 2] ^= 0x10
     messages, log = read(broken(tmp_path, bytes(data)))
@@ -129,7 +146,11 @@ def test_a_damaged_summary_is_done_without(kit, tmp_path, whole):
     messages, log = read(broken(tmp_path, bytes(data)))
     assert len(messages) == len(kit.dive())
     assert log.losses() == []
-    assert [remark for remark in log.remarks if "summary is damaged or does not fit its records" in remark]
+    assert [
+        remark
+        for remark in log.remarks
+        if "summary is damaged or does not fit its records" in remark
+    ]
 
 
 def test_a_chunk_that_was_cut_out_whole_is_no_silence(kit, tmp_path, whole):
@@ -153,7 +174,9 @@ def test_reading_twice_gives_the_same(whole):
 @QUICK
 @given(st.data())
 def test_any_flipped_bit_is_survived_and_loses_nothing_unsaid(kit, whole, tmp_path, data):
-    """What comes out is a subset of what was written, byte for byte; what is missing is in the losses."""
+    """What comes out is a subset of what was written, byte for byte; what is missing is in the
+    losses.
+    """
     content = bytearray(whole.read_bytes())
     content[data.draw(st.integers(0, len(content) - 1))] ^= 1 << data.draw(st.integers(0, 7))
     messages, log = read(broken(tmp_path, bytes(content)))
@@ -197,8 +220,12 @@ def boundaries(path: Path) -> list[int]:
 
 
 @pytest.mark.parametrize("opcode", [0x02, 0x0F, 0x01, 0x04, 0x07, 0x86])
-def test_a_cut_file_whose_record_is_taken_for_another_kind_loses_nothing_unsaid(kit, whole, tmp_path, opcode):
-    """An opcode of an end, of an index or of a private record where a chunk stands: its bytes say that it is a chunk."""
+def test_a_cut_file_whose_record_is_taken_for_another_kind_loses_nothing_unsaid(
+    kit, whole, tmp_path, opcode
+):
+    """An opcode of an end, of an index or of a private record where a chunk stands: its bytes say
+    that it is a chunk.
+    """
     content = whole.read_bytes()
     chunks = [at for at in boundaries(whole) if content[at] == 0x06]
     cut = content[: chunks[-1]]
@@ -211,7 +238,9 @@ def test_a_cut_file_whose_record_is_taken_for_another_kind_loses_nothing_unsaid(
         assert any(f"byte {at}" in remark for remark in log.remarks)
 
 
-def test_an_end_of_data_inside_a_cut_file_is_a_gap_and_what_follows_comes_through(kit, whole, tmp_path):
+def test_an_end_of_data_inside_a_cut_file_is_a_gap_and_what_follows_comes_through(
+    kit, whole, tmp_path
+):
     content = whole.read_bytes()
     starts = boundaries(whole)
     middle = starts[len(starts) // 2]
@@ -246,7 +275,11 @@ def test_a_closing_part_spliced_into_the_middle_hides_nothing(kit, whole, tmp_pa
 
 def test_a_summary_that_names_a_part_of_the_chunks_is_not_trusted(kit, tmp_path):
     path = kit.mcap(
-        tmp_path / "x.mcap", kit.dive(), use_statistics=False, index_types=IndexType.CHUNK, use_summary_offsets=False
+        tmp_path / "x.mcap",
+        kit.dive(),
+        use_statistics=False,
+        index_types=IndexType.CHUNK,
+        use_summary_offsets=False,
     )
     data = bytearray(path.read_bytes())
     starts = boundaries(path)
@@ -260,7 +293,13 @@ def test_a_summary_that_names_a_part_of_the_chunks_is_not_trusted(kit, tmp_path)
 
 
 def test_messages_of_a_topic_whose_definition_was_lost_are_counted(kit, tmp_path):
-    path = kit.mcap(tmp_path / "x.mcap", kit.dive(), use_chunking=False, repeat_channels=False, use_statistics=False)
+    path = kit.mcap(
+        tmp_path / "x.mcap",
+        kit.dive(),
+        use_chunking=False,
+        repeat_channels=False,
+        use_statistics=False,
+    )
     data = bytearray(path.read_bytes())
     at = next(at for at in boundaries(path) if data[at] == 0x04)
     data[at] = 0x0C  # metadata
@@ -284,7 +323,9 @@ class CountedBytes(io.BytesIO):
 def test_heads_that_look_like_chunks_are_looked_at_without_reading_what_they_claim():
     """Each claims the rest of the file: reading them would take the square of it."""
     size = 1 << 20
-    heads = b"".join(b"\x06" + (size - at - 9).to_bytes(8, "little") for at in range(0, size - 9, 9))
+    heads = b"".join(
+        b"\x06" + (size - at - 9).to_bytes(8, "little") for at in range(0, size - 9, 9)
+    )
     stream = CountedBytes(heads)
     assert find_chunk(stream, 8, size) == size
     assert stream.count < 2 * size
@@ -296,11 +337,21 @@ def test_chunks_that_turn_out_damaged_are_read_a_few_times_the_file_at_most(tmp_
     while len(data) < size - 100:
         length = size - len(data) - 9
         packed = length - 40
-        data += b"\x06" + length.to_bytes(8, "little") + bytes(16) + packed.to_bytes(8, "little") + b"\x01\x00\x00\x00"
+        data += (
+            b"\x06"
+            + length.to_bytes(8, "little")
+            + bytes(16)
+            + packed.to_bytes(8, "little")
+            + b"\x01\x00\x00\x00"
+        )
         data += bytes(4) + packed.to_bytes(8, "little")
     data += bytes(size - len(data))
     opened = []
-    monkeypatch.setattr(mcap_module, "read_chunk", lambda s, at, end: opened.append(end - at) or read_chunk(s, at, end))
+    monkeypatch.setattr(
+        mcap_module,
+        "read_chunk",
+        lambda s, at, end: opened.append(end - at) or read_chunk(s, at, end),
+    )
     messages, log = read(broken(tmp_path, bytes(data)))
     assert messages == []
     assert log.losses()
@@ -324,17 +375,29 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path):
 
 
 def test_names_that_a_terminal_would_obey_are_escaped(kit, tmp_path):
-    entries = [dataclasses.replace(e, topic="/imu\x1b[2J\n\u202e") for e in kit.dive() if e.topic == "/imu"]
+    entries = [
+        dataclasses.replace(e, topic="/imu\x1b[2J\n\u202e") for e in kit.dive() if e.topic == "/imu"
+    ]
     messages, _ = read(kit.mcap(tmp_path / "x.mcap", entries))
     assert messages[0].channel.topic == "/imu\\x1b[2J\\n\\u202e"
 
 
 def test_a_topic_whose_type_was_lost_costs_its_messages_and_not_the_dive(kit, tmp_path):
-    path = kit.mcap(tmp_path / "x.mcap", kit.dive(), use_chunking=False, repeat_schemas=False, use_statistics=False)
+    path = kit.mcap(
+        tmp_path / "x.mcap",
+        kit.dive(),
+        use_chunking=False,
+        repeat_schemas=False,
+        use_statistics=False,
+    )
     data = bytearray(path.read_bytes())
     at = next(at for at in boundaries(path) if data[at] == 0x03)
     data[at] = 0x0C  # the schema of /imu becomes metadata
-    found = read_streams([McapLog(broken(tmp_path, bytes(data)))], {"/imu": ("imu",), "/dvl": ("dvl",)}, lambda *_: None)
+    found = read_streams(
+        [McapLog(broken(tmp_path, bytes(data)))],
+        {"/imu": ("imu",), "/dvl": ("dvl",)},
+        lambda *_: None,
+    )
     assert not found.samples["imu"]
     assert len(found.samples["dvl"]) == 8
     assert [loss.messages for _, loss in found.losses] == [40]

@@ -17,7 +17,12 @@ from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.errors import InputError
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 SETTINGS = len(item(b"settings"))
 SIZE = len(item(oculus_ping()))  # bytes of an item with a ping
 FIRST = 48 + SETTINGS  # byte at which the first ping's item begins
@@ -48,7 +53,12 @@ def test_a_ping_reads_back_with_its_stamp_ranges_and_beams(tmp_path, compression
 
 
 def test_a_header_says_itself_where_its_payload_begins(tmp_path):
-    pings, log = read(tmp_path / "x.oculus", file_header(), item(oculus_ping(), 0, size=64), item(oculus_ping(), 1))
+    pings, log = read(
+        tmp_path / "x.oculus",
+        file_header(),
+        item(oculus_ping(), 0, size=64),
+        item(oculus_ping(), 1),
+    )
     assert numbers(pings) == [0, 1]
     assert log.losses() == []
 
@@ -81,15 +91,22 @@ def test_an_encrypted_log_is_refused_with_what_to_do(tmp_path):
 def test_a_log_whose_own_header_is_damaged_gives_its_pings(tmp_path):
     pings, log = read(tmp_path / "x.oculus", b"????", oculus_file(2)[4:])
     assert numbers(pings) == [0, 1]
-    assert [loss.why for loss in log.losses()] == ["the header of the file: no log of ViewPoint begins there"]
+    assert [loss.why for loss in log.losses()] == [
+        "the header of the file: no log of ViewPoint begins there"
+    ]
 
 
 def test_what_is_no_ping_is_counted_and_a_log_without_any_says_so(tmp_path):
     other = bytearray(oculus_ping())
     struct.pack_into("<H", other, 6, 0x15)  # the message that asks for a ping
-    pings, log = read(tmp_path / "x.oculus", file_header(), item(bytes(other)), item(b"\0" * 30, 1, kind=500))
+    pings, log = read(
+        tmp_path / "x.oculus", file_header(), item(bytes(other)), item(b"\0" * 30, 1, kind=500)
+    )
     assert pings == []
-    assert log.remarks == ["2 items were passed over: they hold no ping with an image", "no ping of it could be read"]
+    assert log.remarks == [
+        "2 items were passed over: they hold no ping with an image",
+        "no ping of it could be read",
+    ]
 
 
 @pytest.mark.parametrize("kept", [0, 3, 30, SIZE - 1, SIZE, SIZE + 20, 2 * SIZE + 45])
@@ -110,16 +127,23 @@ def test_damage_costs_the_item_that_it_hits(tmp_path, compression):
     pings, log = read(tmp_path / "x.oculus", bytes(content))
     assert numbers(pings) == [0, 1, 3, 4]
     (loss,) = log.losses()
-    assert loss.why == f"{size} bytes from byte {FIRST + 2 * size} on hold no whole item: no item begins there"
+    assert (
+        loss.why
+        == f"{size} bytes from byte {FIRST + 2 * size} on hold no whole item: no item begins there"
+    )
     assert (loss.start_ns, loss.end_ns) == (pings[1].t_ns, pings[2].t_ns)
 
 
 @pytest.mark.parametrize("claimed", [-1, 1])
 def test_an_item_whose_length_is_wrong_is_not_taken_for_whole(tmp_path, claimed):
     wrong = item(oculus_ping(), 0, claimed=len(oculus_ping()) + claimed)
-    pings, log = read(tmp_path / "x.oculus", file_header(), wrong, item(oculus_ping(), 1), item(oculus_ping(), 2))
+    pings, log = read(
+        tmp_path / "x.oculus", file_header(), wrong, item(oculus_ping(), 1), item(oculus_ping(), 2)
+    )
     assert numbers(pings) == [1, 2]
-    assert [loss.why.rpartition(": ")[2] for loss in log.losses()] == ["no other item follows where it ends"]
+    assert [loss.why.rpartition(": ")[2] for loss in log.losses()] == [
+        "no other item follows where it ends"
+    ]
 
 
 def test_damage_within_a_ping_costs_that_ping(tmp_path):
@@ -134,10 +158,16 @@ def test_damage_within_a_ping_costs_that_ping(tmp_path):
 
 @pytest.mark.parametrize(("original", "held"), [(0, 1), (100, 101), (1 << 20, len(oculus_ping()))])
 def test_an_item_that_does_not_unpack_to_its_length_is_damage(tmp_path, original, held):
-    content = file_header() + item(oculus_ping(), 0, compression=1, original=original) + item(oculus_ping(), 1, compression=1)
+    content = (
+        file_header()
+        + item(oculus_ping(), 0, compression=1, original=original)
+        + item(oculus_ping(), 1, compression=1)
+    )
     pings, log = read(tmp_path / "x.oculus", content)
     assert numbers(pings) == [1]
-    assert [loss.why for loss in log.losses()] == [f"the item at byte 48: it holds {held} bytes instead of {original}"]
+    assert [loss.why for loss in log.losses()] == [
+        f"the item at byte 48: it holds {held} bytes instead of {original}"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -145,7 +175,9 @@ def test_an_item_that_does_not_unpack_to_its_length_is_damage(tmp_path, original
     [(b"", 2, "more than 256 times its size"), (b"?", 1, "no other item follows where it ends")],
 )
 def test_a_log_unpacks_to_a_multiple_of_its_size_and_no_further(tmp_path, behind, whole, why):
-    """Three pings with 6 MiB of zeros behind each; one that no item follows is unpacked twice, to see whether it is whole."""
+    """Three pings with 6 MiB of zeros behind each; one that no item follows is unpacked twice, to
+    see whether it is whole.
+    """
     ping = oculus_ping()
     long = ping[:10] + struct.pack("<I", len(ping) - 16 + (6 << 20)) + ping[14:] + bytes(6 << 20)
     content = file_header() + b"".join(item(long, n, compression=1) + behind for n in range(3))
@@ -157,7 +189,10 @@ def test_a_log_unpacks_to_a_multiple_of_its_size_and_no_further(tmp_path, behind
 def test_a_search_behind_damage_goes_on_over_its_windows(tmp_path, monkeypatch):
     monkeypatch.setattr(log_items, "WINDOW", 700)
     pings, log = read(
-        tmp_path / "x.oculus", oculus_file(2), log_items.ITEM_MAGIC * 1500, *(item(oculus_ping(), n) for n in (2, 3))
+        tmp_path / "x.oculus",
+        oculus_file(2),
+        log_items.ITEM_MAGIC * 1500,
+        *(item(oculus_ping(), n) for n in (2, 3)),
     )
     assert numbers(pings) == [0, 1, 2, 3]
     assert len(log.losses()) == 1
@@ -174,7 +209,9 @@ def test_a_changed_byte_ends_in_pings_and_losses_twice_the_same(tmp_path, at, ch
         return
     first, log = read(tmp_path / "x.oculus", bytes(content))
     second = [message.data for message in log.messages()]
-    assert [(p.t_ns, p.image.tobytes()) for p in first] == [(p.t_ns, p.image.tobytes()) for p in second]
+    assert [(p.t_ns, p.image.tobytes()) for p in first] == [
+        (p.t_ns, p.image.tobytes()) for p in second
+    ]
     assert len(first) == 3 or log.losses() or log.remarks[0].startswith("2 items were passed over")
 
 
@@ -188,7 +225,9 @@ def test_a_log_is_known_by_its_first_bytes_or_its_name(tmp_path):
 
 def test_the_pings_of_a_real_oculus_read_back_from_a_log(data, tmp_path):
     sent = (data / "oculus-pings" / "one_ping_8bit.raw").read_bytes()
-    pings, log = read(tmp_path / "x.oculus", file_header(), item(sent, 0), item(sent, 1, compression=1))
+    pings, log = read(
+        tmp_path / "x.oculus", file_header(), item(sent, 0), item(sent, 1, compression=1)
+    )
     assert log.losses() == []
     assert numbers(pings) == [0, 1]
     for ping in pings:

@@ -92,7 +92,9 @@ def test_pipes_sockets_and_devices_are_refused_in_one_line_and_not_waited_for(tm
         open_log(tmp_path / f"zero{suffix}")
 
 
-@pytest.mark.parametrize("name", ["a" * 5000 + ".mcap", "a\0b.mcap", "x.mcap/y.mcap", "\x1b[31m.mcap"])
+@pytest.mark.parametrize(
+    "name", ["a" * 5000 + ".mcap", "a\0b.mcap", "x.mcap/y.mcap", "\x1b[31m.mcap"]
+)
 def test_a_name_that_no_file_has_is_one_line(tmp_path, name):
     (tmp_path / "x.mcap").write_bytes(b"x")
     with pytest.raises(InputError) as caught:
@@ -100,7 +102,9 @@ def test_a_name_that_no_file_has_is_one_line(tmp_path, name):
     assert caught.value.line().isprintable()
 
 
-def test_a_file_that_cannot_be_read_to_its_end_gives_what_it_gave_and_says_so(kit, tmp_path, monkeypatch):
+def test_a_file_that_cannot_be_read_to_its_end_gives_what_it_gave_and_says_so(
+    kit, tmp_path, monkeypatch
+):
     log = open_log(kit.mcap(tmp_path / "a.mcap", kit.dive()))
     whole = type(log)._read
 
@@ -112,7 +116,9 @@ def test_a_file_that_cannot_be_read_to_its_end_gives_what_it_gave_and_says_so(ki
 
     monkeypatch.setattr(type(log), "_read", fail_halfway)
     assert len(list(log.messages())) == 50
-    assert {loss.why for loss in log.losses()} == {"the file cannot be read further: Input/output error"}
+    assert {loss.why for loss in log.losses()} == {
+        "the file cannot be read further: Input/output error"
+    }
 
 
 def test_a_file_that_vanishes_before_it_is_read_is_one_line(kit, tmp_path):
@@ -124,7 +130,8 @@ def test_a_file_that_vanishes_before_it_is_read_is_one_line(kit, tmp_path):
 
 @pytest.mark.parametrize("name", ["ADCP_20.000", "track.ENR", "x"])
 def test_a_log_is_found_in_a_folder_by_its_first_bytes_whatever_its_name(kit, tmp_path, name):
-    (tmp_path / name).write_bytes(b"\x7f\x7f" + bytes([20, 0, 0, 1, 8, 0]) + bytes(40))  # the head of a PD0 ensemble
+    # the head of a PD0 ensemble
+    (tmp_path / name).write_bytes(b"\x7f\x7f" + bytes([20, 0, 0, 1, 8, 0]) + bytes(40))
     (tmp_path / "grey.raw").write_bytes(b"\x7f" * 4096)
     (tmp_path / "library.sqlite").write_bytes(b"SQLite format 3\0" + bytes(84))
     assert find_logs(tmp_path) == [tmp_path / name]

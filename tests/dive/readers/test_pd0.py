@@ -16,13 +16,21 @@ from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles, parse
 from hullrecon.dive.logs.readers.pd0 import Pd0Log, earth_from_instrument, from_beams, to_sample
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 
-QUICK = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=80,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 DEG = np.pi / 180
 
 
-def ensemble_bytes(number: int = 1, ranges=(10_00, 10_00, 10_00, 10_00), velocity=(100, 200, -300, 0), **more) -> bytes:
-    """A PD0 ensemble written by hand: leaders and bottom track, with its checksum. more: transform, heading, pitch, roll
-    (0.01 degrees), system."""
+def ensemble_bytes(
+    number: int = 1, ranges=(10_00, 10_00, 10_00, 10_00), velocity=(100, 200, -300, 0), **more
+) -> bytes:
+    """A PD0 ensemble written by hand: leaders and bottom track, with its checksum. more: transform,
+    heading, pitch, roll (0.01 degrees), system.
+    """
     fixed = bytearray(59)
     struct.pack_into("<H", fixed, 4, more.get("system", 0x0200))  # 30 degrees, faces down
     fixed[8:10] = bytes([4, 2])
@@ -32,14 +40,18 @@ def ensemble_bytes(number: int = 1, ranges=(10_00, 10_00, 10_00, 10_00), velocit
     variable = bytearray(65)
     struct.pack_into("<HH", variable, 0, 0x80, number)
     variable[4:11] = bytes([26, 5, 4, 9, 30, number % 60, 25])
-    struct.pack_into("<HHhh", variable, 16, 25, more.get("heading", 0), more.get("pitch", 0), more.get("roll", 0))
+    struct.pack_into(
+        "<HHhh", variable, 16, 25, more.get("heading", 0), more.get("pitch", 0), more.get("roll", 0)
+    )
     bottom = bytearray(81)
     struct.pack_into("<H", bottom, 0, 0x0600)
     struct.pack_into("<4H", bottom, 16, *ranges)
     struct.pack_into("<4h", bottom, 24, *velocity)
     parts = [bytes(fixed), bytes(variable), bytes(bottom)]
     offsets = np.cumsum([6 + 2 * len(parts), *map(len, parts)])
-    body = b"\x7f\x7f" + struct.pack("<HBB3H", int(offsets[-1]), 0, 3, *offsets[:-1]) + b"".join(parts)
+    body = (
+        b"\x7f\x7f" + struct.pack("<HBB3H", int(offsets[-1]), 0, 3, *offsets[:-1]) + b"".join(parts)
+    )
     return body + struct.pack("<H", sum(body) % 65536)
 
 
@@ -54,7 +66,9 @@ def test_an_ensemble_written_by_hand_reads_back():
     assert ping.frame == "instrument"
     assert ping.t_ns == 1_777_887_007_250_000_000  # 2026-05-04T09:30:07.25Z
     assert ping.depth_m == 2.5
-    assert (ping.heading_rad, ping.pitch_rad, ping.roll_rad) == pytest.approx((90 * DEG, -2.5 * DEG, 1 * DEG))
+    assert (ping.heading_rad, ping.pitch_rad, ping.roll_rad) == pytest.approx(
+        (90 * DEG, -2.5 * DEG, 1 * DEG)
+    )
     assert ping.range_m == pytest.approx([10.0] * 4)
     assert ping.bottom == pytest.approx([0.1, 0.2, -0.3, 0.0])
     assert ping.cell_m == pytest.approx([1.0, 1.5])
@@ -69,8 +83,9 @@ def test_lost_ranges_and_velocities_are_nan():
 
 
 def test_the_instrument_moves_against_the_bottom_and_its_z_axis_points_into_the_housing():
-    """Bottom at (0.1, 0.2, -0.3) in the instrument's axes (to beam 2, to beam 3, up): the instrument moves the other way;
-    dvl's axes are to beam 3, to beam 2, down."""
+    """Bottom at (0.1, 0.2, -0.3) in the instrument's axes (to beam 2, to beam 3, up): the
+    instrument moves the other way; dvl's axes are to beam 3, to beam 2, down.
+    """
     sample = to_sample(parse(ensemble_bytes()))
     assert sample.velocity == pytest.approx([-0.2, -0.1, -0.3])
 
@@ -84,14 +99,22 @@ def test_ranges_along_the_axis_become_ranges_along_the_beams():
 
 
 def test_earth_coordinates_are_turned_back_by_the_instruments_own_attitude():
-    """Heading east and level: the bottom passing to the west means moving east, which is forward (beam 3)."""
-    sample = to_sample(parse(ensemble_bytes(velocity=(-500, 0, 0, 0), transform=0b11100, heading=9000)))
+    """Heading east and level: the bottom passing to the west means moving east, which is forward
+    (beam 3).
+    """
+    sample = to_sample(
+        parse(ensemble_bytes(velocity=(-500, 0, 0, 0), transform=0b11100, heading=9000))
+    )
     assert sample.velocity == pytest.approx([0.5, 0, 0], abs=1e-9)
 
 
 def test_an_upward_instrument_is_turned_over():
-    """Facing up, rising at 0.3 m/s: the bottom sinks in earth coordinates; the instrument moves along its own z axis out."""
-    sample = to_sample(parse(ensemble_bytes(velocity=(0, 0, -300, 0), transform=0b11100, system=0x0280)))
+    """Facing up, rising at 0.3 m/s: the bottom sinks in earth coordinates; the instrument moves
+    along its own z axis out.
+    """
+    sample = to_sample(
+        parse(ensemble_bytes(velocity=(0, 0, -300, 0), transform=0b11100, system=0x0280))
+    )
     assert sample.velocity == pytest.approx([0, 0, 0.3], abs=1e-9)
 
 
@@ -106,7 +129,12 @@ def test_beam_velocities_give_the_velocity_that_made_them_with_one_beam_lost_too
     truth = np.array([0.3, -0.2, 0.1])
     s, c = np.sin(angle), np.cos(angle)
     beams = np.array(
-        [s * truth[0] + c * truth[2], -s * truth[0] + c * truth[2], -s * truth[1] + c * truth[2], s * truth[1] + c * truth[2]]
+        [
+            s * truth[0] + c * truth[2],
+            -s * truth[0] + c * truth[2],
+            -s * truth[1] + c * truth[2],
+            s * truth[1] + c * truth[2],
+        ]
     )
     assert from_beams(beams, angle) == pytest.approx(truth)
     for lost in range(4):
@@ -128,9 +156,14 @@ def test_its_own_heading_tilts_and_depth_are_those_of_the_frame_dvl(tmp_path):
     found = own_sensors(tmp_path / "x.pd0", ensemble_bytes(1, heading=9000, pitch=-1000, roll=0))
     (attitude,), (depth,) = found["imu"], found["pressure"]
     ned_from_dvl = Rotation.from_quat(attitude.quaternion).as_matrix()
-    # Beam 3, x of dvl, looks east and 10 degrees down (its pitch is negative); the transducers look down and back.
-    np.testing.assert_allclose(ned_from_dvl[:, 0], [0, np.cos(10 * DEG), np.sin(10 * DEG)], atol=1e-12)
-    np.testing.assert_allclose(ned_from_dvl[:, 2], [0, -np.sin(10 * DEG), np.cos(10 * DEG)], atol=1e-12)
+    # Beam 3, x of dvl, looks east and 10 degrees down (its pitch is negative); the transducers look
+    # down and back.
+    np.testing.assert_allclose(
+        ned_from_dvl[:, 0], [0, np.cos(10 * DEG), np.sin(10 * DEG)], atol=1e-12
+    )
+    np.testing.assert_allclose(
+        ned_from_dvl[:, 2], [0, -np.sin(10 * DEG), np.cos(10 * DEG)], atol=1e-12
+    )
     assert attitude.of_dvl
     assert (depth.height, depth.is_up, depth.of_dvl) == (2.5, False, True)
 
@@ -140,7 +173,9 @@ def test_an_instrument_whose_angles_are_all_zero_has_no_compass(tmp_path):
 
 
 def test_velocity_over_ground_and_attitude_of_a_glider_agree(data):
-    """A velocity that was logged along the earth's axes comes back by the attitude that the reader gives."""
+    """A velocity that was logged along the earth's axes comes back by the attitude that the reader
+    gives.
+    """
     for message in Pd0Log(data / "dvl-pd0-slocum" / "LA100204.PD0").messages():
         if message.channel.topic == "dvl":
             velocity = message.data.velocity
@@ -148,7 +183,11 @@ def test_velocity_over_ground_and_attitude_of_a_glider_agree(data):
             north_east_down = Rotation.from_quat(message.data.quaternion).apply(velocity)
             break
     with (data / "dvl-pd0-slocum" / "LA100204.PD0").open("rb") as stream:
-        ping = next(e for *_, e in ensembles(stream) if isinstance(e, Ensemble) and np.isfinite(e.bottom[:3]).all())
+        ping = next(
+            e
+            for *_, e in ensembles(stream)
+            if isinstance(e, Ensemble) and np.isfinite(e.bottom[:3]).all()
+        )
     east, north, up = -ping.bottom[:3]
     np.testing.assert_allclose(north_east_down, [north, east, -up], atol=1e-9)
 
@@ -174,7 +213,13 @@ def test_a_wrong_checksum_loses_that_ensemble_alone_and_says_where(tmp_path):
 
 def test_rubbish_between_ensembles_and_a_cut_end_are_stepped_over(tmp_path):
     path = tmp_path / "x.pd0"
-    path.write_bytes(b"rubbish\x7f\x7f" + ensemble_bytes(1) + b"\x7f" * 50 + ensemble_bytes(2) + ensemble_bytes(3)[:-20])
+    path.write_bytes(
+        b"rubbish\x7f\x7f"
+        + ensemble_bytes(1)
+        + b"\x7f" * 50
+        + ensemble_bytes(2)
+        + ensemble_bytes(3)[:-20]
+    )
     samples, log = read(path)
     assert len(samples) == 2
     assert len(log.losses()) == 3
@@ -205,7 +250,11 @@ def test_any_bytes_around_an_ensemble_do_not_hide_it(tmp_path, before, after):
 def reference(text: str, key: str) -> list[np.ndarray]:
     """Every value of a key in the independent decode."""
     lines = [line.strip() for line in text.splitlines()]
-    return [np.array(eval(line.partition(":")[2]), float) for line in lines if line.startswith(f"{key}:")]
+    return [
+        np.array(eval(line.partition(":")[2]), float)
+        for line in lines
+        if line.startswith(f"{key}:")
+    ]
 
 
 def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
@@ -217,11 +266,15 @@ def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
     names = ("water_velocity_east", "water_velocity_north", "water_velocity_up", "error_velocity")
     for column, name in enumerate(names):
         for ping, row in zip(found, reference(text, name), strict=True):
-            np.testing.assert_array_equal(ping.water[:, column], np.where(row == -32768, np.nan, row / 1000))
+            np.testing.assert_array_equal(
+                ping.water[:, column], np.where(row == -32768, np.nan, row / 1000)
+            )
     for name, field in (("heading", "heading_rad"), ("pitch", "pitch_rad"), ("roll", "roll_rad")):
         measured = np.degrees([getattr(e, field) for e in found]) * 100
         np.testing.assert_allclose(measured, reference(text, name), atol=1e-9)
-    np.testing.assert_allclose([e.depth_m * 10 for e in found], reference(text, "transducer_depth"), atol=1e-9)
+    np.testing.assert_allclose(
+        [e.depth_m * 10 for e in found], reference(text, "transducer_depth"), atol=1e-9
+    )
     np.testing.assert_array_equal([e.number for e in found], reference(text, "ensemble_number"))
     first = np.array(reference(text, "bin_1_distance")) / 100
     np.testing.assert_allclose([e.cell_m[0] for e in found], first)
@@ -233,21 +286,37 @@ def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
 
 
 def test_a_bottom_track_of_a_glider_is_read_as_its_source_prints_it(data):
-    found = [e for _, _, e in ensembles(io.BytesIO((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes()))]
+    found = [
+        e
+        for _, _, e in ensembles(
+            io.BytesIO((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes())
+        )
+    ]
     assert len(found) == 107
     assert sum(np.isfinite(e.bottom[:3]).all() for e in found) == 51
     ping = next(e for e in found if e.number == 58)
     assert ping.range_m == pytest.approx([62.91, 64.32, 54.90, 74.19])
     assert ping.bottom == pytest.approx([0.416, -0.238, -0.002, 0.010])
-    assert np.degrees([ping.heading_rad, ping.pitch_rad, ping.roll_rad]) == pytest.approx([284.39, -29.00, -2.39])
+    assert np.degrees([ping.heading_rad, ping.pitch_rad, ping.roll_rad]) == pytest.approx(
+        [284.39, -29.00, -2.39]
+    )
 
 
 def test_a_diving_glider_sinks_and_moves_ahead(data):
-    """Signs against physics: over the first bottom track depth grows, and a glider flies nose first."""
-    found = [e for _, _, e in ensembles(io.BytesIO((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes()))]
+    """Signs against physics: over the first bottom track depth grows, and a glider flies nose
+    first.
+    """
+    found = [
+        e
+        for _, _, e in ensembles(
+            io.BytesIO((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes())
+        )
+    ]
     tracked = [e for e in found if np.isfinite(e.bottom[:3]).all()]
     climbing = -np.mean([e.bottom[2] for e in tracked[:20]])  # of the vehicle, upward
-    sinking = (tracked[19].depth_m - tracked[0].depth_m) / (tracked[19].t_ns - tracked[0].t_ns) * 1e9
+    sinking = (
+        (tracked[19].depth_m - tracked[0].depth_m) / (tracked[19].t_ns - tracked[0].t_ns) * 1e9
+    )
     assert -climbing == pytest.approx(sinking, abs=0.08)
     assert np.median([to_sample(e).velocity[0] for e in tracked]) > 0.2
 
@@ -257,7 +326,9 @@ def test_the_corrupted_file_gives_its_whole_ensembles_and_says_what_was_lost(dat
     shutil.copy(data / "dvl-pd0-slocum" / "LB180210_3_corrupted.PD0", path)
     samples, log = read(path)
     assert len(samples) == 2
-    assert [loss.why for loss in log.losses()] == ["446 bytes from byte 446 on hold no whole ensemble: a checksum is wrong"]
+    assert [loss.why for loss in log.losses()] == [
+        "446 bytes from byte 446 on hold no whole ensemble: a checksum is wrong"
+    ]
 
 
 def test_a_current_profiler_without_bottom_track_gives_pings_that_are_all_lost(data):
@@ -267,9 +338,15 @@ def test_a_current_profiler_without_bottom_track_gives_pings_that_are_all_lost(d
 
 
 def test_heads_that_look_like_ensembles_cost_one_sum_over_the_file(monkeypatch):
-    """Every byte of it may start an ensemble that claims half of 64 KiB, whose checksum is another sum each time."""
+    """Every byte of it may start an ensemble that claims half of 64 KiB, whose checksum is another
+    sum each time.
+    """
     tried = []
-    monkeypatch.setattr(pd0_ensemble, "fields", lambda layout, data, at=0: tried.append(at) or fields(layout, data, at))
+    monkeypatch.setattr(
+        pd0_ensemble,
+        "fields",
+        lambda layout, data, at=0: tried.append(at) or fields(layout, data, at),
+    )
     content = b"\x7f" * (3 << 20) + ensemble_bytes(1)
     found = list(ensembles(io.BytesIO(content)))
     assert [(start, end) for start, end, _ in found] == [(0, 3 << 20), (3 << 20, len(content))]
@@ -281,7 +358,9 @@ def test_ensembles_across_the_edge_of_what_is_read_at_a_time_are_found(monkeypat
     content = b"".join(ensemble_bytes(n) for n in range(20)) + b"rubbish" + ensemble_bytes(20)
     found = list(ensembles(io.BytesIO(content)))
     assert [e.number for _, _, e in found if isinstance(e, Ensemble)] == list(range(21))
-    assert [(e - s, why) for s, e, why in found if isinstance(why, str)] == [(7, "no ensemble starts there")]
+    assert [(e - s, why) for s, e, why in found if isinstance(why, str)] == [
+        (7, "no ensemble starts there")
+    ]
 
 
 @pytest.mark.parametrize("angle", [0, 90, 255])

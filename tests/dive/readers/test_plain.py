@@ -13,7 +13,12 @@ from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 
 
 def read(folder, package=None):
@@ -22,7 +27,9 @@ def read(folder, package=None):
 
 
 def test_a_dvl_row_has_its_velocity_and_ranges_with_empty_cells_lost(tmp_path):
-    (tmp_path / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3,range_4\n1.5,0.1,,0.3,1,2,,4\n")
+    (tmp_path / "dvl.csv").write_text(
+        "t,vx,vy,vz,range_1,range_2,range_3,range_4\n1.5,0.1,,0.3,1,2,,4\n"
+    )
     (ping,), _ = read(tmp_path)
     assert ping.t_ns == 1_500_000_000
     np.testing.assert_array_equal(ping.velocity, [0.1, np.nan, 0.3])
@@ -37,7 +44,9 @@ def test_ranges_are_taken_in_the_order_of_their_numbers(tmp_path):
 
 
 def test_stamps_keep_every_nanosecond_that_is_written(tmp_path):
-    (tmp_path / "pressure.csv").write_text("t,pascal\n1777887000.123456789,101325\n1.777887e9,1e5\n")
+    (tmp_path / "pressure.csv").write_text(
+        "t,pascal\n1777887000.123456789,101325\n1.777887e9,1e5\n"
+    )
     samples, _ = read(tmp_path)
     assert [s.t_ns for s in samples] == [1_777_887_000_123_456_789, 1_777_887_000_000_000_000]
 
@@ -75,7 +84,12 @@ def test_images_are_found_beside_the_csv_or_below_the_package(tmp_path):
 
 def test_a_sonar_ping_has_its_beams_in_the_fan_plane(tmp_path):
     azimuth = np.array([-0.5, 0.0, 0.5])
-    np.savez(tmp_path / "p.npz", image=np.arange(6, dtype=np.uint8).reshape(3, 2), azimuth=azimuth, range=[1.0, 2.0])
+    np.savez(
+        tmp_path / "p.npz",
+        image=np.arange(6, dtype=np.uint8).reshape(3, 2),
+        azimuth=azimuth,
+        range=[1.0, 2.0],
+    )
     (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n")
     (ping,), _ = read(tmp_path)
     assert ping.directions[1] == pytest.approx([0, 0, 1])
@@ -87,7 +101,9 @@ def test_a_sonar_ping_has_its_beams_in_the_fan_plane(tmp_path):
 def test_a_sonar_file_that_is_damaged_or_gone_is_a_named_loss(tmp_path, content):
     if content is not None:
         (tmp_path / "p.npz").write_bytes(content)
-    np.savez(tmp_path / "good.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0])
+    np.savez(
+        tmp_path / "good.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0]
+    )
     (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n1,good.npz\n")
     samples, log = read(tmp_path)
     assert [s.t_ns for s in samples] == [1_000_000_000]
@@ -133,10 +149,14 @@ def test_any_bytes_below_the_header_are_survived(tmp_path, tail):
 @pytest.mark.parametrize(
     ("scale", "unit"), [(10**3, "milliseconds"), (10**6, "microseconds"), (10**9, "nanoseconds")]
 )  # fmt: skip
-def test_stamps_in_another_unit_than_seconds_are_refused_with_the_unit_that_they_look_like(tmp_path, scale, unit):
+def test_stamps_in_another_unit_than_seconds_are_refused_with_the_unit_that_they_look_like(
+    tmp_path, scale, unit
+):
     rows = "".join(f"{1_777_887_000 * scale + i},{101_325 + i}\n" for i in range(3))
     (tmp_path / "pressure.csv").write_text("t,pascal\n" + rows)
-    with pytest.raises(InputError, match=f"pressure.csv has stamps such as .* look like {unit}") as caught:
+    with pytest.raises(
+        InputError, match=f"pressure.csv has stamps such as .* look like {unit}"
+    ) as caught:
         list(PlainLog(tmp_path).messages())
     assert "seconds since 1970" in caught.value.remedy
 
@@ -183,11 +203,17 @@ def test_a_relative_folder_names_the_same_files_as_an_absolute_one(tmp_path, mon
     ("sensor", "text", "reason"),
     [
         ("pressure", "t,pascal\n0,deep\n", "line 2: could not convert string to float: 'deep'"),
-        ("dvl", "t,vx,vy,vz,range_a\n0,1,1,1,1\n", "line 2: column range_a is none of range_1, range_2"),
+        (
+            "dvl",
+            "t,vx,vy,vz,range_a\n0,1,1,1,1\n",
+            "line 2: column range_a is none of range_1, range_2",
+        ),
         ("sonar", "t,file\n0,gone.npz\n", "line 2: gone.npz: "),
     ],
 )
-def test_a_table_without_any_readable_row_is_refused_with_the_first_reason(tmp_path, sensor, text, reason):
+def test_a_table_without_any_readable_row_is_refused_with_the_first_reason(
+    tmp_path, sensor, text, reason
+):
     (tmp_path / f"{sensor}.csv").write_text(text)
     with pytest.raises(InputError, match=f"{sensor}.csv has no row that can be read: {reason}"):
         read(tmp_path)
@@ -275,7 +301,9 @@ def test_a_table_that_is_no_file_is_refused(tmp_path, kind):
 
 def test_a_ping_that_stands_in_two_rows_is_read_once(tmp_path):
     """Some kilobytes of rows would else fill the memory with copies of one file."""
-    np.savez(tmp_path / "p.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0])
+    np.savez(
+        tmp_path / "p.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0]
+    )
     (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n1,p.npz\n")
     samples, log = read(tmp_path)
     assert len(samples) == 1
@@ -304,7 +332,9 @@ def test_pings_together_unpack_to_a_multiple_of_their_files_and_no_further(tmp_p
 
 
 def test_links_in_a_circle_cost_their_row_alone(tmp_path):
-    np.savez(tmp_path / "p.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0])
+    np.savez(
+        tmp_path / "p.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0]
+    )
     (tmp_path / "a.npz").symlink_to("b.npz")
     (tmp_path / "b.npz").symlink_to("a.npz")
     for sensor in ("sonar", "camera_top"):
@@ -317,7 +347,9 @@ def test_links_in_a_circle_cost_their_row_alone(tmp_path):
 
 def test_pings_that_an_oculus_sent_are_named_by_file_and_number(data, tmp_path):
     (tmp_path / "p.raw").write_bytes((data / "oculus-pings" / "three_pings_8bit.raw").read_bytes())
-    (tmp_path / "sonar.csv").write_text("t,file,ping\n1,p.raw,0\n2,p.raw,2\n3,p.raw,2\n4,p.raw,9\n5,p.raw,x\n")
+    (tmp_path / "sonar.csv").write_text(
+        "t,file,ping\n1,p.raw,0\n2,p.raw,2\n3,p.raw,2\n4,p.raw,9\n5,p.raw,x\n"
+    )
     log = PlainLog(tmp_path)
     samples = [m.data for m in log.messages()]
     assert [s.t_ns for s in samples] == [10**9, 2 * 10**9]
@@ -330,7 +362,12 @@ def test_pings_that_an_oculus_sent_are_named_by_file_and_number(data, tmp_path):
     ("table", "place", "sigma", "geographic"),
     [
         ("t,latitude,longitude\n1,54.3,10.1\n2,,\n", [54.3, 10.1, np.nan], np.nan, True),
-        ("t,latitude,longitude,altitude,sigma_m\n1,54.3,10.1,2,0.5\n2,,,,\n", [54.3, 10.1, 2], 0.5, True),
+        (
+            "t,latitude,longitude,altitude,sigma_m\n1,54.3,10.1,2,0.5\n2,,,,\n",
+            [54.3, 10.1, 2],
+            0.5,
+            True,
+        ),
         ("t,x,y\n1,3,4\n2,,\n", [3, 4, np.nan], np.nan, False),
         ("t,x,y,z,sigma_m\n1,3,4,-5,0.2\n2,,4,,\n", [3, 4, -5], 0.2, False),
     ],

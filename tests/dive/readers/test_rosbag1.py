@@ -13,7 +13,12 @@ from hullrecon.dive.logs.messages.decode import decode
 from hullrecon.dive.logs.readers import rosbag1
 from hullrecon.dive.logs.readers.rosbag1 import NO_CHECKSUM, Rosbag1Log, find_chunk
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 
 
 @pytest.fixture(scope="module")
@@ -53,13 +58,17 @@ def test_compressed_chunks_are_read(kit, tmp_path, compression):
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.9])
-def test_a_cut_bag_gives_its_whole_chunks_and_says_from_when_on_each_topic_is_lost(kit, tmp_path, whole, share):
+def test_a_cut_bag_gives_its_whole_chunks_and_says_from_when_on_each_topic_is_lost(
+    kit, tmp_path, whole, share
+):
     data = whole.read_bytes()
     messages, log = read(broken(tmp_path, data[: int(share * len(data))]))
     everything = [(e.topic, e.t_ns) for e in kit.dive()]
     assert [(m.channel.topic, m.t_ns) for m in messages] == everything[: len(messages)]
     assert 0 < len(messages) < len(everything)
-    assert {loss.topic: loss.start_ns for loss in log.losses()} == {m.channel.topic: m.t_ns for m in messages}
+    assert {loss.topic: loss.start_ns for loss in log.losses()} == {
+        m.channel.topic: m.t_ns for m in messages
+    }
     assert any("cut short" in remark for remark in log.remarks)
 
 
@@ -111,7 +120,11 @@ def test_any_cut_is_survived_and_loses_nothing_unsaid(whole, tmp_path, data):
     messages, log = read(broken(tmp_path, content[: data.draw(st.integers(1, len(content) - 1))]))
     original = [m.t_ns for m in Rosbag1Log(whole).messages()]
     assert [m.t_ns for m in messages] == original[: len(messages)]
-    assert len(messages) == len(original) or log.losses() or any("cut short" in remark for remark in log.remarks)
+    assert (
+        len(messages) == len(original)
+        or log.losses()
+        or any("cut short" in remark for remark in log.remarks)
+    )
 
 
 @QUICK
@@ -172,7 +185,9 @@ def test_chunks_that_turn_out_damaged_are_read_a_few_times_the_file_at_most(tmp_
         data += head_of_chunk(size - len(data) - width)
     data += b"\xff" * (size - len(data))
     opened = []
-    monkeypatch.setattr(rosbag1, "record", lambda s, at, end: opened.append(end - at) or record(s, at, end))
+    monkeypatch.setattr(
+        rosbag1, "record", lambda s, at, end: opened.append(end - at) or record(s, at, end)
+    )
     messages, log = read(broken(tmp_path, bytes(data)))
     assert messages == []
     assert log.losses()

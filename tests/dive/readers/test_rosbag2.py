@@ -17,13 +17,21 @@ from hullrecon.dive.logs.readers.rosbag2 import Rosbag2Log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.errors import HullreconError, InputError
 
-QUICK = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=40,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 
 
 @pytest.fixture(scope="module")
 def folders(kit, tmp_path_factory) -> dict[str, Path]:
     base = tmp_path_factory.mktemp("ros2")
-    return {storage: kit.ros2(base / storage.lower(), kit.dive(), storage) for storage in ("SQLITE3", "MCAP")}
+    return {
+        storage: kit.ros2(base / storage.lower(), kit.dive(), storage)
+        for storage in ("SQLITE3", "MCAP")
+    }
 
 
 @pytest.fixture
@@ -42,7 +50,9 @@ def read(log):
 @pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
 def test_a_whole_folder_gives_every_message(kit, folders, storage):
     messages, log = read(Rosbag2Log(folders[storage]))
-    assert sorted((m.channel.topic, m.t_ns) for m in messages) == sorted((e.topic, e.t_ns) for e in kit.dive())
+    assert sorted((m.channel.topic, m.t_ns) for m in messages) == sorted(
+        (e.topic, e.t_ns) for e in kit.dive()
+    )
     assert log.losses() == []
     ping = next(m for m in messages if m.channel.topic == "/dvl")
     assert decode(ping.channel, ping.data).range[3] == 4.0
@@ -76,21 +86,33 @@ def test_a_file_that_is_no_database_is_a_loss_of_the_folder(folder):
 
 
 def test_files_that_were_compressed_whole_are_refused_with_the_remedy(folder):
-    text = (folder / "metadata.yaml").read_text().replace("compression_mode: ''", "compression_mode: FILE")
+    text = (
+        (folder / "metadata.yaml")
+        .read_text()
+        .replace("compression_mode: ''", "compression_mode: FILE")
+    )
     (folder / "metadata.yaml").write_text(text)
     with pytest.raises(InputError, match="zstd -d"):
         read(Rosbag2Log(folder))
 
 
 def test_messages_that_were_compressed_one_by_one_are_unpacked(kit, folder):
-    text = (folder / "metadata.yaml").read_text().replace("compression_mode: ''", "compression_mode: MESSAGE")
+    text = (
+        (folder / "metadata.yaml")
+        .read_text()
+        .replace("compression_mode: ''", "compression_mode: MESSAGE")
+    )
     (folder / "metadata.yaml").write_text(text)
     with sqlite3.connect(database(folder)) as connection:
         rows = connection.execute("SELECT id, data FROM messages").fetchall()
         pack = zstandard.ZstdCompressor().compress
-        connection.executemany("UPDATE messages SET data = ? WHERE id = ?", [(pack(data), n) for n, data in rows])
+        connection.executemany(
+            "UPDATE messages SET data = ? WHERE id = ?", [(pack(data), n) for n, data in rows]
+        )
     messages, _ = read(Rosbag2Log(folder))
-    pressures = [decode(m.channel, m.data).fluid_pressure for m in messages if m.channel.topic == "/pressure"]
+    pressures = [
+        decode(m.channel, m.data).fluid_pressure for m in messages if m.channel.topic == "/pressure"
+    ]
     assert pressures == [e.message.fluid_pressure for e in kit.dive() if e.topic == "/pressure"]
 
 
@@ -163,13 +185,19 @@ def test_metadata_that_is_half_written_or_of_other_shape_is_done_without(kit, fo
 
 
 def test_aliases_that_would_blow_up_are_not_followed(kit, folder):
-    merges = "a0: &a0 {k: 1}\n" + "".join(f"a{i}: &a{i}\n  <<: [*a{i - 1}, *a{i - 1}]\n" for i in range(1, 60))
+    merges = "a0: &a0 {k: 1}\n" + "".join(
+        f"a{i}: &a{i}\n  <<: [*a{i - 1}, *a{i - 1}]\n" for i in range(1, 60)
+    )
     (folder / "metadata.yaml").write_text(merges)
     messages, log = read(Rosbag2Log(folder))
     assert len(messages) == len(kit.dive())
     assert "metadata.yaml merges aliases; the folder's files were read by name" in log.remarks
-    lists = "a0: &a0 [x, x]\n" + "".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 12))
-    (folder / "metadata.yaml").write_text(f"{lists}rosbag2_bagfile_information:\n  relative_file_paths: [*a11]\n")
+    lists = "a0: &a0 [x, x]\n" + "".join(
+        f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 12)
+    )
+    (folder / "metadata.yaml").write_text(
+        f"{lists}rosbag2_bagfile_information:\n  relative_file_paths: [*a11]\n"
+    )
     assert len(read(Rosbag2Log(folder))[0]) == len(kit.dive())
 
 
@@ -191,18 +219,25 @@ def test_messages_that_the_metadata_counts_and_no_file_holds_are_a_loss(kit, fol
     with sqlite3.connect(database(folder)) as connection:
         connection.execute("DELETE FROM messages WHERE id % 2")
     messages, log = read(Rosbag2Log(folder))
-    assert {loss.why for loss in log.losses()} == {"metadata.yaml counts more of them than could be read"}
+    assert {loss.why for loss in log.losses()} == {
+        "metadata.yaml counts more of them than could be read"
+    }
     assert sum(loss.messages for loss in log.losses()) == len(kit.dive()) - len(messages)
 
 
 def test_a_count_of_thousands_of_digits_is_a_loss_of_an_unknown_number(folder):
     path = folder / "metadata.yaml"
-    path.write_text(re.sub(r"message_count: \d+\n", f"message_count: 0x{'F' * 5000}\n", path.read_text()))
+    path.write_text(
+        re.sub(r"message_count: \d+\n", f"message_count: 0x{'F' * 5000}\n", path.read_text())
+    )
     log = read(Rosbag2Log(folder))[1]
     losses = [loss for loss in log.losses() if loss.why.startswith("metadata.yaml counts more")]
     assert losses
     assert {loss.messages for loss in losses} == {None}
-    assert all("an unknown part is lost: metadata.yaml" in line for line in describe_losses([("log", loss) for loss in losses]))
+    assert all(
+        "an unknown part is lost: metadata.yaml" in line
+        for line in describe_losses([("log", loss) for loss in losses])
+    )
 
 
 @pytest.mark.parametrize("name", ["metadata.yaml", "more.mcap", "more.db3"])
@@ -211,11 +246,17 @@ def test_a_pipe_in_the_folder_is_named_and_not_waited_for(kit, folder, name):
     os.mkfifo(folder / name)
     messages, log = read(Rosbag2Log(folder))
     assert len(messages) == len(kit.dive())
-    assert any(f"{name} is a pipe" in text for text in [*log.remarks, *(loss.why for loss in log.losses())])
+    assert any(
+        f"{name} is a pipe" in text for text in [*log.remarks, *(loss.why for loss in log.losses())]
+    )
 
 
 def test_a_message_that_claims_gigabytes_is_not_unpacked(folder):
-    text = (folder / "metadata.yaml").read_text().replace("compression_mode: ''", "compression_mode: MESSAGE")
+    text = (
+        (folder / "metadata.yaml")
+        .read_text()
+        .replace("compression_mode: ''", "compression_mode: MESSAGE")
+    )
     (folder / "metadata.yaml").write_text(text)
     bomb = zstandard.ZstdCompressor().compress(bytes(1 << 28))
     with sqlite3.connect(database(folder)) as connection:

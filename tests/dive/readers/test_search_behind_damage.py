@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is read of a file stays in proportion to its size, however many headers in it claim the rest of it."""
+"""What is read of a file stays in proportion to its size, however many headers in it claim the rest
+of it.
+"""
 
 import io
 
@@ -30,7 +32,9 @@ def oculus_headers(count):
 
 
 def aris_headers(count):
-    """A file of headers of 1024 bytes, each with an image of 500,000 bytes, behind which no other begins."""
+    """A file of headers of 1024 bytes, each with an image of 500,000 bytes, behind which no other
+    begins.
+    """
     false = seed_aris.frame(0, samples=0, claimed=500_000 // 64)
     return seed_aris.file_header() + count * false + bytes(500_000)
 
@@ -38,7 +42,11 @@ def aris_headers(count):
 @pytest.mark.parametrize(
     ("make", "walk", "few"),
     [
-        (oculus_headers, lambda stream: items(stream, 48, UnpackBudget(stream.getbuffer().nbytes)), 2000),
+        (
+            oculus_headers,
+            lambda stream: items(stream, 48, UnpackBudget(stream.getbuffer().nbytes)),
+            2000,
+        ),
         (aris_headers, frames, 200),
     ],
     ids=["oculus", "aris"],

@@ -28,7 +28,9 @@ def database(whole, tmp_path) -> Path:
 
 @pytest.fixture
 def unmerged(whole, tmp_path) -> Path:
-    """A database of a recorder that was killed: the newer half of its rows stands in the write-ahead log alone."""
+    """A database of a recorder that was killed: the newer half of its rows stands in the
+    write-ahead log alone.
+    """
     work, out = tmp_path / "work.db3", tmp_path / "killed" / "dive.db3"
     shutil.copy(whole, work)
     with closing(sqlite3.connect(work)) as connection:
@@ -103,7 +105,9 @@ def test_what_a_damaged_write_ahead_log_loses_is_named(kit, unmerged, damage):
     log.write_bytes(content)
     messages, found = read(unmerged)
     assert 48 <= len(messages) < len(kit.dive())
-    assert any("write-ahead log beside the database is not whole" in loss.why for loss in found.losses())
+    assert any(
+        "write-ahead log beside the database is not whole" in loss.why for loss in found.losses()
+    )
 
 
 def test_a_write_ahead_log_that_was_merged_long_ago_is_no_loss(unmerged, kit):
@@ -112,7 +116,9 @@ def test_a_write_ahead_log_that_was_merged_long_ago_is_no_loss(unmerged, kit):
         connection.execute("PRAGMA wal_checkpoint(RESTART)")
         connection.execute("UPDATE topics SET name = '/other' WHERE name = '/imu'")
         connection.commit()
-        kept = {name: unmerged.with_name(name).read_bytes() for name in ("dive.db3", "dive.db3-wal")}
+        kept = {
+            name: unmerged.with_name(name).read_bytes() for name in ("dive.db3", "dive.db3-wal")
+        }
     for name, content in kept.items():
         unmerged.with_name(name).write_bytes(content)
     messages, log = read(unmerged)
@@ -143,7 +149,9 @@ def test_damage_in_front_of_a_row_far_away_is_stepped_over(kit, database):
     change(database, "UPDATE messages SET id = 4611686018427387904 WHERE id = 96")
     content = bytearray(database.read_bytes())
     pages = range(0, len(content), 4096)
-    leaves = [at for at in pages if content[at] == 13 and b"\x00\x01\x00\x00" in content[at : at + 4096]]
+    leaves = [
+        at for at in pages if content[at] == 13 and b"\x00\x01\x00\x00" in content[at : at + 4096]
+    ]
     content[leaves[-1] : leaves[-1] + 8] = b"\xff" * 8
     database.write_bytes(content)
     messages, log = read(database)
@@ -154,17 +162,34 @@ def test_damage_in_front_of_a_row_far_away_is_stepped_over(kit, database):
 @pytest.mark.parametrize(
     ("statement", "lost", "why"),
     [
-        ("UPDATE messages SET data = 'text' WHERE id = 5", 1, "other things than a topic, a time and bytes"),
-        ("UPDATE messages SET timestamp = 'noon' WHERE id < 4", 3, "other things than a topic, a time and bytes"),
-        ("UPDATE messages SET topic_id = x'ff' WHERE id = 7", 1, "other things than a topic, a time and bytes"),
+        (
+            "UPDATE messages SET data = 'text' WHERE id = 5",
+            1,
+            "other things than a topic, a time and bytes",
+        ),
+        (
+            "UPDATE messages SET timestamp = 'noon' WHERE id < 4",
+            3,
+            "other things than a topic, a time and bytes",
+        ),
+        (
+            "UPDATE messages SET topic_id = x'ff' WHERE id = 7",
+            1,
+            "other things than a topic, a time and bytes",
+        ),
         ("UPDATE messages SET topic_id = 99 WHERE id = 7", 1, "no topic of the database"),
         ("UPDATE topics SET name = x'ff' WHERE name = '/imu'", 40, "no topic of the database"),
         ("UPDATE topics SET type = 3.5 WHERE name = '/imu'", 40, "no topic of the database"),
     ],
 )
-def test_values_in_the_wrong_columns_cost_their_rows_and_are_counted(kit, database, statement, lost, why):
-    affinity = "PRAGMA writable_schema = 1"  # the columns' types convert what they can; a damaged page asks nobody
-    drop = "UPDATE sqlite_master SET sql = replace(replace(sql, ' TEXT', ''), ' INTEGER NOT NULL', '')"
+def test_values_in_the_wrong_columns_cost_their_rows_and_are_counted(
+    kit, database, statement, lost, why
+):
+    # the columns' types convert what they can; a damaged page asks nobody
+    affinity = "PRAGMA writable_schema = 1"
+    drop = (
+        "UPDATE sqlite_master SET sql = replace(replace(sql, ' TEXT', ''), ' INTEGER NOT NULL', '')"
+    )
     change(database, affinity, drop)
     change(database, statement)
     messages, log = read(database)
@@ -203,7 +228,10 @@ def test_a_database_without_its_first_page_is_one_line(database):
 
 
 def test_a_damaged_definition_costs_its_topic_alone(database):
-    change(database, "UPDATE message_definitions SET encoded_message_definition = x'ff00' WHERE topic_type LIKE '%Imu'")
+    change(
+        database,
+        "UPDATE message_definitions SET encoded_message_definition = x'ff00' WHERE topic_type LIKE '%Imu'",
+    )
     log = open_log(database)
     found = read_streams([log], {"/imu": ("imu",), "/pressure": ("pressure",)}, lambda *_: None)
     assert len(found.samples["pressure"]) == 20

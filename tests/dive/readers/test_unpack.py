@@ -99,7 +99,10 @@ def test_a_stream_that_stops_before_its_checksum_is_damaged(how):
 def test_a_frame_unpacks_with_and_without_its_size():
     budget = UnpackBudget(1000)
     assert unpack_frame(zstandard.ZstdCompressor().compress(b"x" * 99), budget) == b"x" * 99
-    assert unpack_frame(zstandard.ZstdCompressor(write_content_size=False).compress(b"x" * 99), budget) == b"x" * 99
+    assert (
+        unpack_frame(zstandard.ZstdCompressor(write_content_size=False).compress(b"x" * 99), budget)
+        == b"x" * 99
+    )
     with pytest.raises(DamagedError):
         unpack_frame(zstandard.ZstdCompressor().compress(bytes(1 << 28)), budget)
     with pytest.raises(DamagedError):

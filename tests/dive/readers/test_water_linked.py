@@ -19,30 +19,66 @@ from hullrecon.dive.logs.readers.water_linked import WaterLinkedLog
 from hullrecon.dive.logs.samples import DvlSample, ImuSample
 from hullrecon.errors import InputError
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+QUICK = settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 START_US = 1_638_191_471_563_017
 
 
 def velocity(number=0, **more):
     distances = (0.5568, 0.5664, 0.5376, 0.5472)
     return {
-        "time": 106.4, "vx": 0.1, "vy": -0.2, "vz": 0.03, "fom": 0.002, "covariance": [[0.0] * 3] * 3, "altitude": 0.51,
+        "time": 106.4,
+        "vx": 0.1,
+        "vy": -0.2,
+        "vz": 0.03,
+        "fom": 0.002,
+        "covariance": [[0.0] * 3] * 3,
+        "altitude": 0.51,
         "transducers": [
-            {"id": i, "velocity": 0.0, "distance": d, "rssi": -30.5, "nsd": -88.7, "beam_valid": True}
+            {
+                "id": i,
+                "velocity": 0.0,
+                "distance": d,
+                "rssi": -30.5,
+                "nsd": -88.7,
+                "beam_valid": True,
+            }
             for i, d in enumerate(distances)
         ],
-        "velocity_valid": True, "status": 0, "tracking_mode": "bottom", "format": "json_v3.2", "type": "velocity",
-        "time_of_validity": START_US + 100_000 * number, "time_of_transmission": START_US + 100_000 * number + 5000, **more,
-    }  # fmt: skip
+        "velocity_valid": True,
+        "status": 0,
+        "tracking_mode": "bottom",
+        "format": "json_v3.2",
+        "type": "velocity",
+        "time_of_validity": START_US + 100_000 * number,
+        "time_of_transmission": START_US + 100_000 * number + 5000,
+        **more,
+    }
 
 
 POSITION = {
-    "ts": 1638191471.809, "x": 12.4, "y": 64.6, "z": 1.8, "std": 0.002, "roll": 5.0, "pitch": 10.0, "yaw": 30.0,
-    "type": "position_local", "status": 0, "format": "json_v3.1",
-}  # fmt: skip
+    "ts": 1638191471.809,
+    "x": 12.4,
+    "y": 64.6,
+    "z": 1.8,
+    "std": 0.002,
+    "roll": 5.0,
+    "pitch": 10.0,
+    "yaw": 30.0,
+    "type": "position_local",
+    "status": 0,
+    "format": "json_v3.1",
+}
 CONFIGURATION = {
-    "response_to": "get_config", "success": True, "result": {"mounting_rotation_offset": 20.0}, "type": "response",
-}  # fmt: skip
+    "response_to": "get_config",
+    "success": True,
+    "result": {"mounting_rotation_offset": 20.0},
+    "type": "response",
+}
 
 
 def read(path, *reports):
@@ -79,7 +115,9 @@ def test_the_dead_reckoning_report_gives_the_attitude_of_the_dvl(tmp_path):
     assert isinstance(attitude, ImuSample)
     assert attitude.of_dvl
     assert attitude.t_ns == pytest.approx(1638191471.809e9, abs=1000)
-    np.testing.assert_allclose(Rotation.from_quat(attitude.quaternion).as_euler("ZYX", degrees=True), [30, 10, 5])
+    np.testing.assert_allclose(
+        Rotation.from_quat(attitude.quaternion).as_euler("ZYX", degrees=True), [30, 10, 5]
+    )
 
 
 def test_the_mounting_rotation_offset_is_told(tmp_path):
@@ -115,7 +153,11 @@ def test_a_bad_line_costs_itself_and_is_named(tmp_path, line):
 
 
 def test_a_file_of_reports_without_any_time_is_refused_with_what_to_do(tmp_path):
-    first_protocol = {k: v for k, v in velocity().items() if k not in ("type", "time_of_validity", "time_of_transmission")}
+    first_protocol = {
+        k: v
+        for k, v in velocity().items()
+        if k not in ("type", "time_of_validity", "time_of_transmission")
+    }
     with pytest.raises(InputError, match="its 2 reports carry no time_of_validity") as caught:
         read(tmp_path / "x.json", first_protocol, first_protocol)
     assert "update the DVL's software" in caught.value.remedy

@@ -16,17 +16,29 @@ T_NS = 1_780_000_000_000_000_000
 SQUARE = np.array([[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]])
 
 
-def object_change(status, first, second, along, before, after, *, outline=True, change=None) -> ObjectChange:
+def object_change(
+    status, first, second, along, before, after, *, outline=True, change=None
+) -> ObjectChange:
     known = change is None or np.isfinite(change)
     at = np.array([along, 5.0])
     return ObjectChange(
-        status=status, first_id=first, second_id=second, center=np.array([along, 4.5, 2.0]), along_girth=at,
-        outline=at + SQUARE if outline else np.zeros((0, 2)), height_before=before, height_after=after,
-        height_before_sigma=0.003, height_after_sigma=0.004 if np.isfinite(after) else np.nan,
-        change=after - before if change is None else change, change_sigma=0.004 if known else np.nan,
-        p_value=1e-9 if known else np.nan, area=0.04 if known else np.nan, sigma=np.array([0.2, 0.05, 0.02]),
+        status=status,
+        first_id=first,
+        second_id=second,
+        center=np.array([along, 4.5, 2.0]),
+        along_girth=at,
+        outline=at + SQUARE if outline else np.zeros((0, 2)),
+        height_before=before,
+        height_after=after,
+        height_before_sigma=0.003,
+        height_after_sigma=0.004 if np.isfinite(after) else np.nan,
+        change=after - before if change is None else change,
+        change_sigma=0.004 if known else np.nan,
+        p_value=1e-9 if known else np.nan,
+        area=0.04 if known else np.nan,
+        sigma=np.array([0.2, 0.05, 0.02]),
         address=f"frame {along / 0.6:.0f}, port",
-    )  # fmt: skip
+    )
 
 
 def hull_change(objects=(), moves=()) -> HullChange:
@@ -34,9 +46,13 @@ def hull_change(objects=(), moves=()) -> HullChange:
     value = np.full(lattice.shape, 0.002)
     value[:4] = np.nan
     offset = SurveyOffset(
-        first_from_second=exp(np.array([[0.05, 0, -0.01, 0, 0.001, 0]])), covariance=np.diag([1e-6] * 6),
-        prior_covariance=np.diag([0.04] * 3 + [1e-4] * 3), center=np.zeros(3), chi_square=2.5, p_value=0.87,
-    )  # fmt: skip
+        first_from_second=exp(np.array([[0.05, 0, -0.01, 0, 0.001, 0]])),
+        covariance=np.diag([1e-6] * 6),
+        prior_covariance=np.diag([0.04] * 3 + [1e-4] * 3),
+        center=np.zeros(3),
+        chi_square=2.5,
+        p_value=0.87,
+    )
     return HullChange(
         first="may", second="june", offset=offset, objects=tuple(objects), moves=tuple(moves),
         map=ChangeMap(lattice=lattice, change=value, sigma=np.full(lattice.shape, 0.003),
@@ -46,9 +62,14 @@ def hull_change(objects=(), moves=()) -> HullChange:
 
 
 MOVE = SurfaceMove(
-    along_girth=np.array([32.0, 5.5]), outline=np.array([32.0, 5.5]) + 3 * SQUARE, move=-0.012, move_sigma=0.003, p_value=2e-4,
-    area=0.36, address="frame 53, port",
-)  # fmt: skip
+    along_girth=np.array([32.0, 5.5]),
+    outline=np.array([32.0, 5.5]) + 3 * SQUARE,
+    move=-0.012,
+    move_sigma=0.003,
+    p_value=2e-4,
+    area=0.36,
+    address="frame 53, port",
+)
 
 
 @pytest.fixture

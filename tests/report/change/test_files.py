@@ -40,21 +40,41 @@ def described() -> list[str]:
     text = (DOCS / "deliverables.md").read_text()
     section = re.search(r"^### change\.csv\n(.*?)(?=^##|\Z)", text, re.MULTILINE | re.DOTALL)
     assert section
-    return [row.split("|")[1].strip().strip("`") for row in re.findall(r"^\|.*\|$", section[1], re.MULTILINE)[2:]]
+    return [
+        row.split("|")[1].strip().strip("`")
+        for row in re.findall(r"^\|.*\|$", section[1], re.MULTILINE)[2:]
+    ]
 
 
 def test_all_files_are_there(files: dict[str, bytes]) -> None:
-    assert sorted(files) == ["change.csv", "change.geojson", "change.gpkg", "change.json", "change.png"]
+    assert sorted(files) == [
+        "change.csv",
+        "change.geojson",
+        "change.gpkg",
+        "change.json",
+        "change.png",
+    ]
     assert all(files.values())
 
 
-def test_a_comparison_by_itself_has_a_page_too_and_the_document_is_last(change: HullChange, outside: OutsideMap, files) -> None:
+def test_a_comparison_by_itself_has_a_page_too_and_the_document_is_last(
+    change: HullChange, outside: OutsideMap, files
+) -> None:
     alone = comparison_files(change, outside, T_NS)
-    assert list(alone) == ["change.csv", "change.geojson", "change.gpkg", "change.png", "change.html", "change.json"]
+    assert list(alone) == [
+        "change.csv",
+        "change.geojson",
+        "change.gpkg",
+        "change.png",
+        "change.html",
+        "change.json",
+    ]
     assert {name: data for name, data in alone.items() if name != "change.html"} == files
 
 
-def test_the_same_comparison_gives_the_same_bytes(files: dict[str, bytes], change: HullChange, outside: OutsideMap) -> None:
+def test_the_same_comparison_gives_the_same_bytes(
+    files: dict[str, bytes], change: HullChange, outside: OutsideMap
+) -> None:
     assert change_files(change, outside, T_NS) == files
 
 
@@ -62,19 +82,28 @@ def test_the_document_keeps_to_its_schema(document) -> None:
     schema = json.loads((SCHEMAS / "change.schema.json").read_text())
     assert violations(document, schema) == []
     assert violations({**document, "frame": "g"}, schema)
-    assert violations({**document, "objects": [{**document["objects"][0], "status": "odd"}]}, schema)
+    assert violations(
+        {**document, "objects": [{**document["objects"][0], "status": "odd"}]}, schema
+    )
 
 
 def test_a_comparison_without_a_change_keeps_to_the_schema_too(outside: OutsideMap) -> None:
     schema = json.loads((SCHEMAS / "change.schema.json").read_text())
-    assert violations(json.loads(change_files(hull_change(), outside, T_NS)["change.json"]), schema) == []
+    assert (
+        violations(json.loads(change_files(hull_change(), outside, T_NS)["change.json"]), schema)
+        == []
+    )
 
 
 def test_the_document_has_objects_of_both_dives_by_their_numbers(document) -> None:
     assert [(row["status"], row["first_id"], row["second_id"]) for row in document["objects"]] == [
-        ("gone", 4, None), ("new", None, 5), ("new", None, None), ("grown", 1, 1), ("not seen again", 7, None),
+        ("gone", 4, None),
+        ("new", None, 5),
+        ("new", None, None),
+        ("grown", 1, 1),
+        ("not seen again", 7, None),
         ("unchanged", 2, 3),
-    ]  # fmt: skip
+    ]
 
 
 def test_what_is_not_known_is_null_and_not_nan(files: dict[str, bytes], document) -> None:
@@ -87,7 +116,9 @@ def test_the_offset_is_given_with_its_covariances(document) -> None:
     offset = document["offset"]
     assert offset["translation_m"] == [0.05, 0.0, -0.01]
     assert offset["rotation_rad"] == [0.0, 0.001, 0.0]
-    assert np.array(offset["covariance"]).shape == np.array(offset["prior_covariance"]).shape == (6, 6)
+    assert (
+        np.array(offset["covariance"]).shape == np.array(offset["prior_covariance"]).shape == (6, 6)
+    )
 
 
 def test_the_table_has_a_line_for_each_and_units_in_its_headings(files: dict[str, bytes]) -> None:
@@ -114,7 +145,9 @@ def test_a_place_without_an_outline_is_a_square(change: HullChange, outside: Out
     assert np.ptp(layer.shapes[2], axis=0) == pytest.approx([0.1, 0.1])
 
 
-def test_the_geopackage_holds_the_layer_with_its_fields(files: dict[str, bytes], tmp_path: Path) -> None:
+def test_the_geopackage_holds_the_layer_with_its_fields(
+    files: dict[str, bytes], tmp_path: Path
+) -> None:
     (tmp_path / "change.gpkg").write_bytes(files["change.gpkg"])
     with sqlite3.connect(tmp_path / "change.gpkg") as database:
         rows = database.execute("SELECT status, first_id, change FROM changes").fetchall()

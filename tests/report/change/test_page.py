@@ -56,7 +56,10 @@ def test_each_object_has_a_row_with_its_numbers_in_both_dives(page: str) -> None
     rows = re.findall(r"<tr><th scope=\"row\">(.*?)</tr>", page)
     assert len(rows) == 6
     assert "<strong>gone</strong>" in rows[0]
-    assert '<td class="number">110 ± 3</td><td class="number">141 ± 4</td><td class="number">31 ± 4</td>' in rows[3]
+    assert (
+        '<td class="number">110 ± 3</td><td class="number">141 ± 4</td><td class="number">31 ± 4</td>'
+        in rows[3]
+    )
     assert rows[4].count("–") >= 3
     assert "<strong>" not in rows[5]
 
@@ -68,7 +71,10 @@ def test_bare_hull_that_moved_has_its_own_section(page: str) -> None:
 def test_without_changes_the_page_says_so() -> None:
     page = change_page(hull_change(), PNG)
     assert "Neither dive found an object." in page
-    assert "No stretch of bare hull was found that moved by more than the errors of both dives explain." in page
+    assert (
+        "No stretch of bare hull was found that moved by more than the errors of both dives explain."
+        in page
+    )
 
 
 def test_names_of_dives_are_no_markup() -> None:

@@ -31,7 +31,9 @@ def test_dive_toml_is_strictly_valid_and_nominal(package: Path) -> None:
     assert config.hull is not None
 
 
-def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_survey(dive: Dive) -> None:
+def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_survey(
+    dive: Dive,
+) -> None:
     config = decode(dive_toml(dive))
     assert config.hull is not None
     slip = dive.motion.T_g_M.inverse() @ from_mount(config.hull.pose)
@@ -44,12 +46,18 @@ def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_surve
 
 def test_a_perfect_guess_is_the_truth(dive: Dive) -> None:
     spec = with_options(dive.spec, guess_along_m=0.0, guess_across_m=0.0, guess_turn_deg=0.0)
-    np.testing.assert_allclose(initial_guess(replace(dive, spec=spec)).matrix(), dive.motion.T_g_M.matrix(), atol=1e-9)
+    np.testing.assert_allclose(
+        initial_guess(replace(dive, spec=spec)).matrix(), dive.motion.T_g_M.matrix(), atol=1e-9
+    )
 
 
 def test_positions_are_told_with_their_lever_arm_and_sigma(dive: Dive) -> None:
     assert "[position]" not in dive_toml(dive)
-    config = decode(dive_toml(replace(dive, spec=with_options(dive.spec, position_every_s=5.0, position_sigma_m=0.4))))
+    config = decode(
+        dive_toml(
+            replace(dive, spec=with_options(dive.spec, position_every_s=5.0, position_sigma_m=0.4))
+        )
+    )
     assert config.topics.position == "/usbl"
     assert config.position.origin == TRANSPONDER
     assert (config.position.sigma_m, config.position.frame) == (0.4, "enu")
@@ -57,7 +65,9 @@ def test_positions_are_told_with_their_lever_arm_and_sigma(dive: Dive) -> None:
 
 @pytest.mark.parametrize(("cameras", "kept"), [("mono", {"top"}), ("none", set())])
 def test_a_rig_with_fewer_cameras_says_so(cameras: str, kept: set[str]) -> None:
-    spec = spec_from(legs=1, leg_length_m=1.0, structures=0, marks=0, barnacles=0, cameras=cameras, sonar=False)
+    spec = spec_from(
+        legs=1, leg_length_m=1.0, structures=0, marks=0, barnacles=0, cameras=cameras, sonar=False
+    )
     config = decode(dive_toml(simulate_dive(spec)))
     assert {name for name in ("top", "bottom") if getattr(config.camera, name) is not None} == kept
     assert (config.topics.camera_top is not None) == ("top" in kept)
@@ -85,6 +95,16 @@ def test_dive_toml_tells_a_sigma_as_large_as_the_backlash(dive: Dive) -> None:
 
 
 def test_dive_toml_tells_an_instruments_class_where_its_errors_are_smaller(dive: Dive) -> None:
-    config = told(dive, heading_drift_deg_per_hour=0.0, dvl_scale_error=0.0, backlash_deg=0.0, servo_sigma_deg=0.0)
+    config = told(
+        dive,
+        heading_drift_deg_per_hour=0.0,
+        dvl_scale_error=0.0,
+        backlash_deg=0.0,
+        servo_sigma_deg=0.0,
+    )
     assert config == decode(dive_toml(dive))
-    assert (config.imu.heading_drift_deg_per_hour, config.dvl.scale_sigma, config.tray.sigma_deg) == (1.0, 0.005, 0.8)
+    assert (
+        config.imu.heading_drift_deg_per_hour,
+        config.dvl.scale_sigma,
+        config.tray.sigma_deg,
+    ) == (1.0, 0.005, 0.8)

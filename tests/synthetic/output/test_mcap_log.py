@@ -24,7 +24,9 @@ def messages(package: Path) -> Messages:
     found: Messages = {}
     with AnyReader([package / "logs" / "dive.mcap"]) as reader:
         for connection, _, raw in reader.messages():
-            found.setdefault(connection.topic, []).append(reader.deserialize(raw, connection.msgtype))
+            found.setdefault(connection.topic, []).append(
+                reader.deserialize(raw, connection.msgtype)
+            )
     return found
 
 
@@ -33,18 +35,24 @@ def stamps(rows: list[Any]) -> np.ndarray:
 
 
 def test_every_topic_is_there(messages: Messages) -> None:
-    assert set(messages) == {topic for name, (topic, _) in TOPICS.items() if name != "position"}  # not asked for
+    # not asked for
+    assert set(messages) == {topic for name, (topic, _) in TOPICS.items() if name != "position"}
 
 
 def test_checksums_hold(package: Path) -> None:
     with (package / "logs" / "dive.mcap").open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
-        assert sum(1 for _ in reader.iter_messages()) == reader.get_summary().statistics.message_count
+        assert (
+            sum(1 for _ in reader.iter_messages()) == reader.get_summary().statistics.message_count
+        )
 
 
 def test_messages_are_logged_after_they_were_stamped_and_in_order(package: Path) -> None:
     with (package / "logs" / "dive.mcap").open("rb") as file:
-        rows = [(m.log_time, m.publish_time) for _, _, m in make_reader(file).iter_messages(log_time_order=False)]
+        rows = [
+            (m.log_time, m.publish_time)
+            for _, _, m in make_reader(file).iter_messages(log_time_order=False)
+        ]
     logged, stamped = np.array(rows, np.int64).T
     assert (np.diff(logged) >= 0).all()
     assert (logged > stamped).all()
@@ -54,12 +62,16 @@ def test_the_dvl_reads_back(messages: Messages, dive: Dive) -> None:
     true = instruments.dvl(dive.spec, dive.motion, dive.rig, dive.hull)
     rows = messages["/dvl"]
     np.testing.assert_array_equal(stamps(rows), stamp_ns(true.t_s))
-    np.testing.assert_allclose([[m.velocity.x, m.velocity.y, m.velocity.z] for m in rows], true.velocity)
+    np.testing.assert_allclose(
+        [[m.velocity.x, m.velocity.y, m.velocity.z] for m in rows], true.velocity
+    )
     ranges = np.array([m.range for m in rows])
     np.testing.assert_allclose(ranges, np.where(np.isfinite(true.ranges), true.ranges, 0))
 
 
-def test_a_lost_beam_is_a_range_of_nothing_with_a_covariance_of_minus_one(messages: Messages) -> None:
+def test_a_lost_beam_is_a_range_of_nothing_with_a_covariance_of_minus_one(
+    messages: Messages,
+) -> None:
     rows = [m for m in messages["/dvl"] if m.num_good_beams < 4]
     assert rows
     for m in rows:
@@ -71,12 +83,17 @@ def test_a_lost_beam_is_a_range_of_nothing_with_a_covariance_of_minus_one(messag
 def test_the_imu_reads_back(messages: Messages, dive: Dive) -> None:
     true = instruments.imu(dive.spec, dive.motion)
     rows = messages["/imu"]
-    np.testing.assert_allclose([[getattr(m.orientation, k) for k in "xyzw"] for m in rows], true.quaternion)
+    np.testing.assert_allclose(
+        [[getattr(m.orientation, k) for k in "xyzw"] for m in rows], true.quaternion
+    )
     np.testing.assert_allclose([m.linear_acceleration.z for m in rows], true.force[:, 2])
 
 
 def test_joints_are_named(messages: Messages) -> None:
-    assert all(list(m.name) == ["tray", "sonar_tray"] and len(m.position) == 2 for m in messages["/joint_states"])
+    assert all(
+        list(m.name) == ["tray", "sonar_tray"] and len(m.position) == 2
+        for m in messages["/joint_states"]
+    )
 
 
 def test_pressure_is_absolute(messages: Messages) -> None:
@@ -90,7 +107,9 @@ def test_images_pair_by_stamp(messages: Messages, dive: Dive) -> None:
     assert all(bytes(m.data[:2]) == b"\xff\xd8" for m in (*top, *bottom))
 
 
-def test_the_sonar_pixel_of_a_bin_and_a_beam_lies_at_bin_times_beams_plus_beam(messages: Messages, dive: Dive) -> None:
+def test_the_sonar_pixel_of_a_bin_and_a_beam_lies_at_bin_times_beams_plus_beam(
+    messages: Messages, dive: Dive
+) -> None:
     _, images = pings(dive)
     first = next(images)
     message = messages["/sonar"][0]

@@ -20,7 +20,15 @@ from hullrecon.synthetic.spec import DiveSpec
 
 def test_the_package_holds_what_the_format_names(package: Path) -> None:
     found = {p.relative_to(package).as_posix() for p in package.rglob("*") if p.is_file()}
-    truth = {"poses.csv", "alignment.json", "servo.csv", "sonar_servo.csv", "as_built.ply", "objects.json", "extrinsics.json"}
+    truth = {
+        "poses.csv",
+        "alignment.json",
+        "servo.csv",
+        "sonar_servo.csv",
+        "as_built.ply",
+        "objects.json",
+        "extrinsics.json",
+    }
     assert found == {
         "dive.toml",
         "hull.stl",
@@ -32,9 +40,13 @@ def test_the_package_holds_what_the_format_names(package: Path) -> None:
 
 
 def test_a_plain_package_names_its_folder_and_its_beams(tmp_path: Path) -> None:
-    spec = spec_from(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", form="plain")
+    spec = spec_from(
+        legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", form="plain"
+    )
     write_package(tmp_path / "plain", spec)
-    config = msgspec.convert(tomllib.loads((tmp_path / "plain" / "dive.toml").read_text()), DiveConfig)
+    config = msgspec.convert(
+        tomllib.loads((tmp_path / "plain" / "dive.toml").read_text()), DiveConfig
+    )
     assert config.logs.files == ("logs",)
     assert config.dvl.beams is not None
     np.testing.assert_allclose(np.linalg.norm(config.dvl.beams, axis=1), 1)
@@ -43,12 +55,27 @@ def test_a_plain_package_names_its_folder_and_its_beams(tmp_path: Path) -> None:
 
 
 def test_same_seed_same_bytes_another_seed_others(tmp_path: Path) -> None:
-    spec = spec_from(legs=1, leg_length_m=0.7, structures=1, marks=0, barnacles=0, image_width=160, image_height=128, views=1.0)
+    spec = spec_from(
+        legs=1,
+        leg_length_m=0.7,
+        structures=1,
+        marks=0,
+        barnacles=0,
+        image_width=160,
+        image_height=128,
+        views=1.0,
+    )
     for name, seed in (("a", 1), ("b", 1), ("c", 2)):
         write_package(tmp_path / name, with_options(spec, seed=seed))
     files = [p.relative_to(tmp_path / "a") for p in (tmp_path / "a").rglob("*") if p.is_file()]
-    assert all((tmp_path / "a" / f).read_bytes() == (tmp_path / "b" / f).read_bytes() for f in files)
-    differ = {f.as_posix() for f in files if (tmp_path / "a" / f).read_bytes() != (tmp_path / "c" / f).read_bytes()}
+    assert all(
+        (tmp_path / "a" / f).read_bytes() == (tmp_path / "b" / f).read_bytes() for f in files
+    )
+    differ = {
+        f.as_posix()
+        for f in files
+        if (tmp_path / "a" / f).read_bytes() != (tmp_path / "c" / f).read_bytes()
+    }
     assert {"logs/dive.mcap", "truth/poses.csv", "truth/as_built.ply", "dive.toml"} <= differ
 
 
@@ -65,7 +92,10 @@ def test_a_file_in_the_way_is_named(tmp_path: Path) -> None:
         write_package(tmp_path / "taken" / "dive", DiveSpec())
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, StorageError("the disk is full"), OSError(28, "No space left on device")])
+@pytest.mark.parametrize(
+    "error",
+    [KeyboardInterrupt, StorageError("the disk is full"), OSError(28, "No space left on device")],
+)
 def test_a_simulation_that_fails_or_is_interrupted_leaves_nothing_behind(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException
 ) -> None:
@@ -73,7 +103,9 @@ def test_a_simulation_that_fails_or_is_interrupted_leaves_nothing_behind(
         raise error
 
     monkeypatch.setattr(package_module, "write_truth", fail)
-    spec = spec_from(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False)
+    spec = spec_from(
+        legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False
+    )
     with pytest.raises((KeyboardInterrupt, StorageError)):
         write_package(tmp_path / "dive", spec)
     assert list(tmp_path.iterdir()) == []
@@ -84,7 +116,9 @@ def test_a_simulation_that_fails_or_is_interrupted_leaves_nothing_behind(
 
 def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
     (tmp_path / "dive").mkdir()
-    spec = spec_from(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False)
+    spec = spec_from(
+        legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False
+    )
     write_package(tmp_path / "dive", spec)
     assert (tmp_path / "dive" / "dive.toml").exists()
 
@@ -98,7 +132,15 @@ def test_progress_counts_every_image_while_it_is_written(tmp_path: Path) -> None
             yield item
 
     spec = spec_from(
-        legs=1, leg_length_m=0.7, structures=0, marks=0, barnacles=0, image_width=160, image_height=128, views=1.0, sonar=False
+        legs=1,
+        leg_length_m=0.7,
+        structures=0,
+        marks=0,
+        barnacles=0,
+        image_width=160,
+        image_height=128,
+        views=1.0,
+        sonar=False,
     )
     dive = write_package(tmp_path / "dive", spec, track)
     images = 2 * len(dive.frame_s)

@@ -61,7 +61,9 @@ def test_positions_are_written_where_there_are_some(streams: Streams, tmp_path: 
     assert not (tmp_path / "position.csv").exists()
     place = Series(np.array([0.5]), np.array([[12.34567, -8.0, -1.5]]))
     write_plain(tmp_path, replace(made(), positions=place))
-    assert rows(tmp_path / "position.csv") == [{"t": "1777887000.500000000", "x": "12.3457", "y": "-8.0000", "z": "-1.5000"}]
+    assert rows(tmp_path / "position.csv") == [
+        {"t": "1777887000.500000000", "x": "12.3457", "y": "-8.0000", "z": "-1.5000"}
+    ]
 
 
 def test_times_keep_their_nanoseconds(streams: Streams, tmp_path: Path) -> None:
@@ -97,13 +99,29 @@ def test_a_ping_is_an_npz_with_image_azimuth_and_range(streams: Streams, tmp_pat
 
 def test_the_imu_has_the_columns_of_the_format(streams: Streams, tmp_path: Path) -> None:
     write_plain(tmp_path, streams)
-    assert list(rows(tmp_path / "imu.csv")[0]) == ["t", "qx", "qy", "qz", "qw", "wx", "wy", "wz", "ax", "ay", "az"]
+    assert list(rows(tmp_path / "imu.csv")[0]) == [
+        "t",
+        "qx",
+        "qy",
+        "qz",
+        "qw",
+        "wx",
+        "wy",
+        "wz",
+        "ax",
+        "ay",
+        "az",
+    ]
 
 
 def test_same_streams_same_bytes(tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         write_plain(tmp_path / name, made())
-    files = sorted(p.relative_to(tmp_path / "one") for p in (tmp_path / "one").rglob("*") if p.is_file())
+    files = sorted(
+        p.relative_to(tmp_path / "one") for p in (tmp_path / "one").rglob("*") if p.is_file()
+    )
     assert len(files) == 9
-    assert all((tmp_path / "one" / f).read_bytes() == (tmp_path / "two" / f).read_bytes() for f in files)
+    assert all(
+        (tmp_path / "one" / f).read_bytes() == (tmp_path / "two" / f).read_bytes() for f in files
+    )

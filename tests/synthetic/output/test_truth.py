@@ -40,7 +40,9 @@ def as_built(package: Path) -> Scene:
     return Scene(Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int32)))
 
 
-def test_poses_are_those_of_the_vehicle_in_the_hull_at_every_frame(package: Path, dive: Dive) -> None:
+def test_poses_are_those_of_the_vehicle_in_the_hull_at_every_frame(
+    package: Path, dive: Dive
+) -> None:
     rows = table(package, "poses.csv")
     at = dive.motion.in_hull(dive.motion.vehicle(dive.frame_s))
     np.testing.assert_allclose(rows[:, 1:4], at.translation, atol=1e-8)
@@ -49,13 +51,17 @@ def test_poses_are_those_of_the_vehicle_in_the_hull_at_every_frame(package: Path
 
 
 def test_the_alignment_takes_the_hull_into_g(package: Path, dive: Dive) -> None:
-    np.testing.assert_allclose(place(load(package, "alignment.json")["T_g_M"]).matrix(), dive.motion.T_g_M.matrix())
+    np.testing.assert_allclose(
+        place(load(package, "alignment.json")["T_g_M"]).matrix(), dive.motion.T_g_M.matrix()
+    )
 
 
 def test_the_servo_is_the_true_one_with_its_play(package: Path, dive: Dive) -> None:
     rows = table(package, "servo.csv")
     np.testing.assert_allclose(
-        rows[:, 1], np.interp(rows[:, 0] - START_NS * 1e-9, dive.motion.t_s, dive.motion.tray), atol=1e-6
+        rows[:, 1],
+        np.interp(rows[:, 0] - START_NS * 1e-9, dive.motion.t_s, dive.motion.tray),
+        atol=1e-6,
     )
 
 
@@ -63,7 +69,9 @@ def test_true_mounts_are_off_the_nominal_ones_by_millimetres(package: Path) -> N
     from hullrecon.geometry.poses import from_mount
     from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT
 
-    off = (from_mount(CAMERA_MOUNT).inverse() @ place(load(package, "extrinsics.json")["T_s_ct"])).log()[0]
+    off = (
+        from_mount(CAMERA_MOUNT).inverse() @ place(load(package, "extrinsics.json")["T_s_ct"])
+    ).log()[0]
     assert 1e-4 < np.linalg.norm(off[:3]) < 0.02
     assert 0.01 < np.degrees(np.linalg.norm(off[3:])) < 1.5
 
@@ -80,7 +88,9 @@ def test_objects_stand_on_the_surface_that_is_written(package: Path, as_built: S
 
 
 @pytest.mark.parametrize("standoff_m", [2.4, 3.0])
-def test_objects_are_seen_from_farther_off_too(dive: Dive, standoff_m: float, tmp_path: Path) -> None:
+def test_objects_are_seen_from_farther_off_too(
+    dive: Dive, standoff_m: float, tmp_path: Path
+) -> None:
     """In 3 images a leg, as `views` asks for, and in some of the other leg's."""
     write_truth(tmp_path, simulate_dive(with_options(dive.spec, standoff_m=standoff_m)))
     objects = json.loads((tmp_path / "objects.json").read_text())["objects"]
@@ -91,9 +101,13 @@ def test_the_surface_covers_what_the_cameras_see(package: Path, as_built: Scene)
     poses, servo = table(package, "poses.csv"), table(package, "servo.csv")
     angle = np.interp(poses[:, 0], servo[:, 0], servo[:, 1])
     vehicle = Poses(poses[:, 4:8], poses[:, 1:4])
-    camera = vehicle @ tray_poses(TRAY_ORIGIN, angle) @ place(load(package, "extrinsics.json")["T_s_ct"])
+    camera = (
+        vehicle @ tray_poses(TRAY_ORIGIN, angle) @ place(load(package, "extrinsics.json")["T_s_ct"])
+    )
     for corner in ([-0.5, -0.4, 1], [0.5, 0.4, 1], [0, 0, 1]):
-        way = as_built.cast(camera.translation, camera.rotation.apply(np.array(corner) / np.linalg.norm(corner)))
+        way = as_built.cast(
+            camera.translation, camera.rotation.apply(np.array(corner) / np.linalg.norm(corner))
+        )
         assert np.isfinite(way).all()
 
 
@@ -109,10 +123,16 @@ def test_stereo_points_triangulated_with_the_true_poses_lie_on_the_true_surface(
     top = vehicle @ tray_poses(TRAY_ORIGIN, [angle]) @ place(mounts["T_s_ct"])
     bottom = top @ place(mounts["T_ct_cb"])
     first, second = (_features(_image(package, name, k)) for name in ("top", "bottom"))
-    pairs = [m for m, n in cv2.BFMatcher().knnMatch(first[1], second[1], k=2) if m.distance < 0.75 * n.distance]
+    pairs = [
+        m
+        for m, n in cv2.BFMatcher().knnMatch(first[1], second[1], k=2)
+        if m.distance < 0.75 * n.distance
+    ]
     assert dive.rig.camera_bottom is not None
     a = top.rotation.apply(dive.rig.camera_top.rays([first[0][m.queryIdx].pt for m in pairs]))
-    b = bottom.rotation.apply(dive.rig.camera_bottom.rays([second[0][m.trainIdx].pt for m in pairs]))
+    b = bottom.rotation.apply(
+        dive.rig.camera_bottom.rays([second[0][m.trainIdx].pt for m in pairs])
+    )
     points, gap = _meet(top.translation[0], a, bottom.translation[0], b)
     good = gap < 0.003
     assert good.sum() > 60
@@ -121,15 +141,24 @@ def test_stereo_points_triangulated_with_the_true_poses_lie_on_the_true_surface(
 
 def _image(package: Path, camera: str, k: int) -> np.ndarray:
     with (package / "logs" / "dive.mcap").open("rb") as file:
-        rows = [m.data for _, _, m in make_reader(file).iter_messages(topics=[f"/camera/{camera}/image_raw/compressed"])]
-    return cv2.imdecode(np.frombuffer(rows[k][rows[k].index(b"\xff\xd8") :], np.uint8), cv2.IMREAD_GRAYSCALE)
+        rows = [
+            m.data
+            for _, _, m in make_reader(file).iter_messages(
+                topics=[f"/camera/{camera}/image_raw/compressed"]
+            )
+        ]
+    return cv2.imdecode(
+        np.frombuffer(rows[k][rows[k].index(b"\xff\xd8") :], np.uint8), cv2.IMREAD_GRAYSCALE
+    )
 
 
 def _features(image: np.ndarray) -> tuple:
     return cv2.SIFT_create().detectAndCompute(cv2.createCLAHE(3, (8, 8)).apply(image), None)
 
 
-def _meet(p: np.ndarray, a: np.ndarray, q: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _meet(
+    p: np.ndarray, a: np.ndarray, q: np.ndarray, b: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Midpoints of the shortest lines between rays, and their lengths."""
     w, ab = p - q, (a * b).sum(1)
     s = (ab * (b @ w) - a @ w) / (1 - ab**2)

@@ -82,7 +82,9 @@ def test_without_a_time_between_them_no_positions_are_measured(dive: Dive) -> No
 
 
 def test_positions_are_those_of_the_transponder_in_a_frame_that_lies_any_way(dive: Dive) -> None:
-    """Distances between them are those of the true path; z is up, and a mirrored path would not fit."""
+    """Distances between them are those of the true path; z is up, and a mirrored path would not
+    fit.
+    """
     spec = with_options(dive.spec, position_every_s=0.5, position_sigma_m=0.0)
     found = instruments.positions(spec, dive.motion)
     true = dive.motion.vehicle(found.t_s).apply(np.array(TRANSPONDER))
@@ -90,10 +92,13 @@ def test_positions_are_those_of_the_transponder_in_a_frame_that_lies_any_way(div
     np.testing.assert_allclose(up, -true[:, 2])
     there, here = np.column_stack([north, east]), true[:, :2]
     turn, _ = Rotation.align_vectors(
-        *(np.pad(xy - xy.mean(axis=0), ((0, 0), (0, 1))) for xy in (there, here))  # level, so the turn is a heading
+        # level, so the turn is a heading
+        *(np.pad(xy - xy.mean(axis=0), ((0, 0), (0, 1))) for xy in (there, here))
     )
     np.testing.assert_allclose(
-        turn.apply(np.pad(here - here.mean(0), ((0, 0), (0, 1))))[:, :2], there - there.mean(0), atol=1e-9
+        turn.apply(np.pad(here - here.mean(0), ((0, 0), (0, 1))))[:, :2],
+        there - there.mean(0),
+        atol=1e-9,
     )
     assert np.abs(turn.as_rotvec()[:2]).max() < 1e-6
     assert np.diff(found.t_s) == pytest.approx(0.5, abs=0.05)
@@ -132,34 +137,52 @@ def test_rates_of_the_sensors_are_as_promised(hovering: Motion) -> None:
 
 def test_joints_report_the_encoder_not_the_tray(dive: Dive) -> None:
     reported = instruments.joints(with_options(dive.spec, servo_sigma_deg=0.0), dive.motion)
-    np.testing.assert_allclose(reported.value[:, 0], dive.motion.angle(dive.motion.encoder, reported.t_s))
-    np.testing.assert_allclose(reported.value[:, 1], dive.motion.angle(dive.motion.sonar_tray, reported.t_s))
+    np.testing.assert_allclose(
+        reported.value[:, 0], dive.motion.angle(dive.motion.encoder, reported.t_s)
+    )
+    np.testing.assert_allclose(
+        reported.value[:, 1], dive.motion.angle(dive.motion.sonar_tray, reported.t_s)
+    )
 
 
 @pytest.mark.parametrize("drift", [0.0, 90.0, -360.0])
 def test_the_heading_drifts_by_what_was_asked_for(hovering: Motion, drift: float) -> None:
     imu = instruments.imu(spec_from(heading_drift_deg_per_hour=drift), hovering)
     heading = np.degrees(roll_pitch_yaw(Rotation.from_quat(imu.quaternion))[:, 2])
-    assert 3600 * np.polyfit(imu.t_s, heading, 1)[0] == pytest.approx(drift, abs=6.0)  # the walk is not noiseless
+    # the walk is not noiseless
+    assert 3600 * np.polyfit(imu.t_s, heading, 1)[0] == pytest.approx(drift, abs=6.0)
 
 
 def test_drift_alone_changes_nothing_but_the_heading(hovering: Motion) -> None:
-    calm, drifting = (instruments.imu(spec_from(heading_drift_deg_per_hour=d), hovering) for d in (0.0, 90.0))
+    calm, drifting = (
+        instruments.imu(spec_from(heading_drift_deg_per_hour=d), hovering) for d in (0.0, 90.0)
+    )
     np.testing.assert_array_equal(calm.rates, drifting.rates)
     np.testing.assert_array_equal(calm.force, drifting.force)
-    turned = roll_pitch_yaw(Rotation.from_quat(drifting.quaternion)) - roll_pitch_yaw(Rotation.from_quat(calm.quaternion))
-    np.testing.assert_allclose(turned, np.radians(90.0) / 3600 * calm.t_s[:, None] * [0, 0, 1], atol=1e-9)
+    turned = roll_pitch_yaw(Rotation.from_quat(drifting.quaternion)) - roll_pitch_yaw(
+        Rotation.from_quat(calm.quaternion)
+    )
+    np.testing.assert_allclose(
+        turned, np.radians(90.0) / 3600 * calm.t_s[:, None] * [0, 0, 1], atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("error", [0.0, 0.05, -0.02])
 def test_velocities_are_too_long_by_the_scale_error(dive: Dive, error: float) -> None:
-    plain = instruments.dvl(with_options(dive.spec, dvl_scale_error=0.0), dive.motion, dive.rig, dive.hull)
-    scaled = instruments.dvl(with_options(dive.spec, dvl_scale_error=error), dive.motion, dive.rig, dive.hull)
+    plain = instruments.dvl(
+        with_options(dive.spec, dvl_scale_error=0.0), dive.motion, dive.rig, dive.hull
+    )
+    scaled = instruments.dvl(
+        with_options(dive.spec, dvl_scale_error=error), dive.motion, dive.rig, dive.hull
+    )
     slope = ((scaled.velocity - plain.velocity) * plain.velocity).sum() / (plain.velocity**2).sum()
     assert slope == pytest.approx(error, rel=0.02, abs=1e-12)
     np.testing.assert_array_equal(plain.ranges, scaled.ranges)
 
 
 def test_the_encoder_is_as_noisy_as_asked(dive: Dive) -> None:
-    quiet, noisy = (instruments.joints(with_options(dive.spec, servo_sigma_deg=s), dive.motion).value for s in (0.0, 0.3))
+    quiet, noisy = (
+        instruments.joints(with_options(dive.spec, servo_sigma_deg=s), dive.motion).value
+        for s in (0.0, 0.3)
+    )
     assert np.degrees(noisy - quiet).std() == pytest.approx(0.3, rel=0.15)

@@ -31,7 +31,9 @@ def test_a_mono_rig_gives_one(dive: Dive) -> None:
     assert bottom is None
 
 
-def test_a_large_hull_is_painted_plate_by_plate_and_looks_as_a_small_one(dive: Dive, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_large_hull_is_painted_plate_by_plate_and_looks_as_a_small_one(
+    dive: Dive, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The threshold saves memory; it must not show in the statistics of an image."""
     whole = next(photographs(dive))[0].astype(float)
     assert isinstance(photographs_module._atlas(dive), Atlas)
@@ -47,7 +49,9 @@ def test_images_depend_on_the_frame_and_the_seed_alone(dive: Dive) -> None:
     first, again = photographs(dive), photographs(dive)
     for _ in range(2):
         np.testing.assert_array_equal(next(first)[0], next(again)[0])
-    reseeded = next(photographs(replace(dive, spec=with_options(dive.spec, seed=dive.spec.seed + 1))))[0]
+    reseeded = next(
+        photographs(replace(dive, spec=with_options(dive.spec, seed=dive.spec.seed + 1)))
+    )[0]
     assert (reseeded != next(photographs(dive))[0]).any()
 
 
@@ -56,7 +60,9 @@ def test_there_are_as_many_frames_as_times(dive: Dive) -> None:
     assert sum(1 for _ in photographs(short)) == 3
 
 
-def test_no_image_is_made_before_it_is_asked_for(dive: Dive, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_image_is_made_before_it_is_asked_for(
+    dive: Dive, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fail(*_: object) -> None:
         raise AssertionError("an image was made")
 
@@ -67,11 +73,17 @@ def test_no_image_is_made_before_it_is_asked_for(dive: Dive, monkeypatch: pytest
 
 
 def contrast_amidships(dive: Dive) -> float:
-    """Return the contrast of what is millimetres large, in the image nearest to the middle of the legs."""
+    """Return the contrast of what is millimetres large, in the image nearest to the middle of the
+    legs.
+    """
     camera = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, dive.rig.T_s_ct, TRAY_ORIGIN))
     k = int(np.argmin(np.abs(camera.translation[:, 0] - np.mean(dive.seen_along))))
     image = next(photographs(replace(dive, frame_s=dive.frame_s[k : k + 1])))[0]
-    return float(np.std(cv2.GaussianBlur(image, (0, 0), 1.5).astype(float) - cv2.GaussianBlur(image, (0, 0), 6)))
+    return float(
+        np.std(
+            cv2.GaussianBlur(image, (0, 0), 1.5).astype(float) - cv2.GaussianBlur(image, (0, 0), 6)
+        )
+    )
 
 
 def test_images_of_bare_paint_show_nothing_but_light_and_particles(dive: Dive) -> None:
@@ -85,7 +97,9 @@ def test_half_the_legs_can_be_bare(dive: Dive) -> None:
     middle = np.float32(np.mean(dive.seen_along))
     along = middle + np.tile(np.linspace(-0.7, 0.7, 71, dtype=np.float32), (5, 1))
     seen = paint.look_up(
-        along, np.tile(np.linspace(-0.4, 0.0, 5, dtype=np.float32)[:, None], (1, 71)), np.ones(along.shape, bool)
+        along,
+        np.tile(np.linspace(-0.4, 0.0, 5, dtype=np.float32)[:, None], (1, 71)),
+        np.ones(along.shape, bool),
     )
     assert (seen[along < middle] == PAINT).all()
     assert (seen[along > middle] != PAINT).any(axis=1).mean() > 0.9

@@ -10,11 +10,20 @@ import pytest
 
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import with_options
-from hullrecon.synthetic.sensors.recorder import START_NS, InTurn, in_order, record, stamp_ns, without_progress
+from hullrecon.synthetic.sensors.recorder import (
+    START_NS,
+    InTurn,
+    in_order,
+    record,
+    stamp_ns,
+    without_progress,
+)
 
 
 def test_stamps_are_nanoseconds_since_the_start() -> None:
-    np.testing.assert_array_equal(stamp_ns(np.array([0.0, 1.5])), [START_NS, START_NS + 1_500_000_000])
+    np.testing.assert_array_equal(
+        stamp_ns(np.array([0.0, 1.5])), [START_NS, START_NS + 1_500_000_000]
+    )
 
 
 def test_readings_come_in_the_order_of_time(dive: Dive) -> None:
@@ -53,9 +62,12 @@ def test_what_is_not_tracked_passes_unchanged() -> None:
 
 
 @pytest.mark.parametrize(
-    ("cameras", "names"), [("stereo", ("camera_top", "camera_bottom")), ("mono", ("camera_top",)), ("none", ())]
+    ("cameras", "names"),
+    [("stereo", ("camera_top", "camera_bottom")), ("mono", ("camera_top",)), ("none", ())],
 )
-def test_the_streams_name_the_cameras_that_are_carried(dive: Dive, cameras: str, names: tuple[str, ...]) -> None:
+def test_the_streams_name_the_cameras_that_are_carried(
+    dive: Dive, cameras: str, names: tuple[str, ...]
+) -> None:
     spec = with_options(dive.spec, cameras=cameras, sonar=False)
     streams = record(replace(dive, spec=spec))
     assert streams.cameras == names

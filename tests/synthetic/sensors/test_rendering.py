@@ -25,14 +25,22 @@ CAMERA = CameraModel(240, 192, 250, 250, 120, 96, -0.06, 0.03)
 GRID = np.arange(-1.5, 1.5001, 0.03)
 
 
-def scene(items: tuple[Item, ...] = (), absorption: float = 0.3, spots: tuple[tuple[int, int], ...] = ()) -> Scene:
+def scene(
+    items: tuple[Item, ...] = (), absorption: float = 0.3, spots: tuple[tuple[int, int], ...] = ()
+) -> Scene:
     a, g = np.meshgrid(GRID, GRID, indexing="ij")
-    patch = HullPatch(GRID, GRID, np.stack([a, 0 * a, g], -1), np.tile([0.0, 1.0, 0.0], (*a.shape, 1)))
+    patch = HullPatch(
+        GRID, GRID, np.stack([a, 0 * a, g], -1), np.tile([0.0, 1.0, 0.0], (*a.shape, 1))
+    )
     built = build(spec_from(deviation_mean_m=0.0, deviation_sigma_m=0.0), patch, items)
     image = np.full((1500, 1500, 3), 90, np.uint8)
     for row, column in spots:
         image[row - 4 : row + 5, column - 4 : column + 5] = 150
-    return Scene(Block(patch=patch, built=built, rays=Rays(built.mesh)), Atlas(image, (-1.5, -1.5), 0.002), absorption)
+    return Scene(
+        Block(patch=patch, built=built, rays=Rays(built.mesh)),
+        Atlas(image, (-1.5, -1.5), 0.002),
+        absorption,
+    )
 
 
 def shoot(world: Scene, distance: float = 1.0, view: Lens | None = None) -> np.ndarray:
@@ -85,7 +93,10 @@ def test_where_there_is_no_hull_there_is_only_the_veil() -> None:
 
 
 def test_a_structure_casts_a_shadow_away_from_the_lamp() -> None:
-    plain, blocked = shoot(scene()).astype(float), shoot(scene((Item("cylinder", 0.0, 0.0, 0.15, (0.2, 0.2)),))).astype(float)
+    plain, blocked = (
+        shoot(scene()).astype(float),
+        shoot(scene((Item("cylinder", 0.0, 0.0, 0.15, (0.2, 0.2)),))).astype(float),
+    )
     darker = (plain - blocked).mean(2) > 25
     rows, columns = np.nonzero(darker)
     assert darker.sum() > 60
@@ -106,8 +117,15 @@ def test_images_of_a_dive_are_rich_in_features(package: object) -> None:
 
     assert isinstance(package, Path)
     with (package / "logs" / "dive.mcap").open("rb") as file:
-        raw = [m.data for _, c, m in make_reader(file).iter_messages(topics=["/camera/top/image_raw/compressed"])]
-    image = cv2.imdecode(np.frombuffer(raw[2][raw[2].index(b"\xff\xd8") :], np.uint8), cv2.IMREAD_GRAYSCALE)
+        raw = [
+            m.data
+            for _, c, m in make_reader(file).iter_messages(
+                topics=["/camera/top/image_raw/compressed"]
+            )
+        ]
+    image = cv2.imdecode(
+        np.frombuffer(raw[2][raw[2].index(b"\xff\xd8") :], np.uint8), cv2.IMREAD_GRAYSCALE
+    )
     assert image.shape == (192, 240)
     found = cv2.SIFT_create().detect(cv2.createCLAHE(3, (8, 8)).apply(image))
     assert len(found) > 250  # a quarter of the pixels of 480 x 384, where 1,500 are found

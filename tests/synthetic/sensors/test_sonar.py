@@ -15,13 +15,16 @@ from hullrecon.synthetic.world.hull_patch import HullPatch
 from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.ray_casting import Rays
 
-# a wall in the x-z plane, seen from y > 0; the sonar's z looks down at it at 45 degrees, its fan spreads along x
+# a wall in the x-z plane, seen from y > 0; the sonar's z looks down at it at 45 degrees, its fan
+# spreads along x
 WALL = np.arange(-1.5, 1.5001, 0.03)
 
 
 def wall(items: tuple[Item, ...] = ()) -> Block:
     a, g = np.meshgrid(WALL, WALL, indexing="ij")
-    patch = HullPatch(WALL, WALL, np.stack([a, 0 * a, g], -1), np.tile([0.0, 1.0, 0.0], (*a.shape, 1)))
+    patch = HullPatch(
+        WALL, WALL, np.stack([a, 0 * a, g], -1), np.tile([0.0, 1.0, 0.0], (*a.shape, 1))
+    )
     built = build(spec_from(deviation_mean_m=0.0, deviation_sigma_m=0.0), patch, items)
     return Block(patch=patch, built=built, rays=Rays(built.mesh))
 

@@ -28,7 +28,9 @@ def turning() -> Motion:
 
 def test_the_load_stands_still_while_the_gear_crosses_its_backlash() -> None:
     command = np.array([0.0, 0.5, 1.0, 2.0, 1.5, 1.0, 0.5, -1.0])
-    np.testing.assert_allclose(with_backlash(command, 0.5), [0.0, 0.0, 0.5, 1.5, 1.5, 1.5, 1.0, -0.5])
+    np.testing.assert_allclose(
+        with_backlash(command, 0.5), [0.0, 0.0, 0.5, 1.5, 1.5, 1.5, 1.0, -0.5]
+    )
 
 
 def test_without_backlash_the_load_follows() -> None:

@@ -33,4 +33,6 @@ def test_true_mounts_are_within_millimetres_and_a_degree_of_the_nominal_ones(see
 
 
 def test_the_stereo_pair_is_as_calibrated() -> None:
-    np.testing.assert_array_equal(true_rig(spec_from()).T_ct_cb.matrix(), from_mount(BOTTOM_IN_TOP).matrix())
+    np.testing.assert_array_equal(
+        true_rig(spec_from()).T_ct_cb.matrix(), from_mount(BOTTOM_IN_TOP).matrix()
+    )

@@ -33,7 +33,9 @@ def test_the_tray_looks_at_the_steel_squarely(dive: Dive) -> None:
     tray = dive.motion.in_hull(dive.motion.on_tray(t, identity(), TRAY_ORIGIN))
     forward = tray.rotation.apply([1.0, 0, 0])
     hits = dive.hull.near(0.0).rays.cast(tray.translation, forward)
-    normal = dive.hull.near(0.0).built.normal[dive.hull.near(0.0).built.mesh.faces[hits.face]].mean(1)
+    normal = (
+        dive.hull.near(0.0).built.normal[dive.hull.near(0.0).built.mesh.faces[hits.face]].mean(1)
+    )
     incidence = np.degrees(np.arccos(-(normal * forward).sum(1) / np.linalg.norm(normal, axis=1)))
     assert hits.hit.all()
     assert np.median(incidence) < 4
@@ -48,7 +50,9 @@ def test_g_starts_under_the_first_pose_with_its_heading_and_the_water_surface(di
 
 
 def test_speed_along_a_leg_is_as_asked(dive: Dive) -> None:
-    t = np.arange(2.2, 1.0 + dive.spec.survey.leg_length_m / dive.spec.survey.speed_m_per_s - 1.2, 0.1)
+    t = np.arange(
+        2.2, 1.0 + dive.spec.survey.leg_length_m / dive.spec.survey.speed_m_per_s - 1.2, 0.1
+    )
     place = dive.motion.in_hull(dive.motion.vehicle(t)).translation[:, 0]
     assert abs(np.ptp(place) / np.ptp(t)) == pytest.approx(dive.spec.survey.speed_m_per_s, rel=0.2)
 

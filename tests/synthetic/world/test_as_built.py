@@ -37,11 +37,15 @@ def test_structures_stand_their_height_over_the_steel(built: AsBuilt, patch: Hul
         assert 0.5 - way[0] == pytest.approx(item.height_m, abs=2e-4)
 
 
-def test_away_from_structures_the_steel_is_the_deviation_off_the_cad_model(built: AsBuilt, patch: HullPatch) -> None:
+def test_away_from_structures_the_steel_is_the_deviation_off_the_cad_model(
+    built: AsBuilt, patch: HullPatch
+) -> None:
     flat = build(spec_from(deviation_mean_m=-0.013, deviation_sigma_m=0.0), patch, ())
     offset = ((flat.steel - patch.point) * patch.normal).sum(2)
     np.testing.assert_allclose(offset, -0.013, atol=1e-9)
-    np.testing.assert_allclose(Scene(flat.mesh).closest(flat.steel.reshape(-1, 3)).distance, 0, atol=1e-5)
+    np.testing.assert_allclose(
+        Scene(flat.mesh).closest(flat.steel.reshape(-1, 3)).distance, 0, atol=1e-5
+    )
 
 
 def test_the_grid_is_six_millimetres_at_structures_and_thirty_elsewhere(built: AsBuilt) -> None:
@@ -78,7 +82,10 @@ def test_busy_nodes_are_those_near_structures(built: AsBuilt, patch: HullPatch) 
 
 
 def test_paint_does_not_refine_the_grid(patch: HullPatch) -> None:
-    plain, painted = (build(DiveSpec(), patch, items) for items in ((), (replace(CYLINDER, kind="ring", height_m=0.0),)))
+    plain, painted = (
+        build(DiveSpec(), patch, items)
+        for items in ((), (replace(CYLINDER, kind="ring", height_m=0.0),))
+    )
     assert len(plain.mesh.vertices) == len(painted.mesh.vertices)
 
 

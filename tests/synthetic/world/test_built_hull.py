@@ -22,7 +22,9 @@ DOME, BOX = Item("dome", 30.6, -0.3, 0.12, (0.3, 0.3)), Item("box", 37.5, -0.6, 
 
 
 def skin(block_cells: float) -> HullSkin:
-    return HullSkin(ship_form(Ship()), SPAN_M, zero_z_m=2.0, top_z_m=3.0, down_m=1.5, block_cells=block_cells)
+    return HullSkin(
+        ship_form(Ship()), SPAN_M, zero_z_m=2.0, top_z_m=3.0, down_m=1.5, block_cells=block_cells
+    )
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +37,9 @@ def parted() -> BuiltHull:
     return BuiltHull(spec_from(), skin(2e4), (DOME, BOX))
 
 
-def test_a_large_hull_has_blocks_of_about_the_size_asked_for(whole: BuiltHull, parted: BuiltHull) -> None:
+def test_a_large_hull_has_blocks_of_about_the_size_asked_for(
+    whole: BuiltHull, parted: BuiltHull
+) -> None:
     assert len(whole.skin) == 1
     assert len(parted.skin) == 3
     cores = [parted.skin.core_m(k) for k in range(3)]
@@ -59,19 +63,27 @@ def test_a_patch_reaches_beyond_its_core_by_the_margin(parted: BuiltHull) -> Non
 
 def test_the_path_follows_the_same_surface(whole: BuiltHull, parted: BuiltHull) -> None:
     along, girth = np.linspace(25, 43, 400), np.linspace(-1.0, 0.5, 400)
-    for one, several in zip(whole.skin.follow(along, girth, 0.5), parted.skin.follow(along, girth, 0.5), strict=True):
+    for one, several in zip(
+        whole.skin.follow(along, girth, 0.5), parted.skin.follow(along, girth, 0.5), strict=True
+    ):
         np.testing.assert_allclose(several, one, atol=1e-9)
 
 
 def test_the_middle_is_the_same(whole: BuiltHull, parted: BuiltHull) -> None:
     np.testing.assert_allclose(parted.skin.middle(), whole.skin.middle(), atol=1e-9)
-    np.testing.assert_allclose(whole.skin.middle(), whole.skin.patch(0).point.reshape(-1, 3).mean(0), atol=1e-12)
+    np.testing.assert_allclose(
+        whole.skin.middle(), whole.skin.patch(0).point.reshape(-1, 3).mean(0), atol=1e-12
+    )
 
 
-def test_ranges_are_the_same_and_empty_where_there_is_no_hull(whole: BuiltHull, parted: BuiltHull) -> None:
+def test_ranges_are_the_same_and_empty_where_there_is_no_hull(
+    whole: BuiltHull, parted: BuiltHull
+) -> None:
     along = np.linspace(25, 43, 60)
     patch = whole.near(0.0).patch
-    point, normal = (patch.sample(grid, along, np.full(60, -0.3)) for grid in (patch.point, patch.normal))
+    point, normal = (
+        patch.sample(grid, along, np.full(60, -0.3)) for grid in (patch.point, patch.normal)
+    )
     away = np.tile([0.0, 1.0, 0.0], (60, 1))
     directions = np.stack([-normal, away], axis=1)
     one, several = (hull.ranges(point + 1.2 * normal, directions) for hull in (whole, parted))
@@ -90,11 +102,15 @@ def test_items_stand_in_whichever_block_is_asked(whole: BuiltHull, parted: Built
         assert ranges[0] < 1 - 0.5 * item.height_m
 
 
-def test_pieces_of_a_window_join_without_gap_or_overlap(whole: BuiltHull, parted: BuiltHull) -> None:
+def test_pieces_of_a_window_join_without_gap_or_overlap(
+    whole: BuiltHull, parted: BuiltHull
+) -> None:
     window = (25.0, 43.0), (-1.0, 0.6)
     (one,), several = list(whole.window(*window)), list(parted.window(*window))
     assert len(several) == 3
-    assert sum(face_areas(piece).sum() for piece in several) == pytest.approx(face_areas(one).sum(), rel=1e-9)
+    assert sum(face_areas(piece).sum() for piece in several) == pytest.approx(
+        face_areas(one).sum(), rel=1e-9
+    )
     assert sum(len(piece.faces) for piece in several) == len(one.faces)
     joined = np.unique(np.round(np.vstack([piece.vertices for piece in several]), 7), axis=0)
     np.testing.assert_allclose(joined, np.unique(np.round(one.vertices, 7), axis=0), atol=2e-7)

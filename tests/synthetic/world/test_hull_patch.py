@@ -85,7 +85,8 @@ def test_sampling_outside_holds_the_edge(patch: HullPatch) -> None:
 
 def test_smoothing_turns_facets_into_a_slow_turn_of_the_normal(patch: HullPatch) -> None:
     jump = lambda s: np.linalg.norm(np.diff(s.normal, axis=1), axis=2).max()  # noqa: E731
-    assert jump(patch.smooth(0.5)) <= 0.03 / 1.3 < 0.9 * jump(patch)  # a step over the bilge's radius
+    # a step over the bilge's radius
+    assert jump(patch.smooth(0.5)) <= 0.03 / 1.3 < 0.9 * jump(patch)
     np.testing.assert_allclose(np.linalg.norm(patch.smooth(0.5).normal, axis=2), 1)
 
 

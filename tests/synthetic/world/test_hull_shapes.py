@@ -30,7 +30,11 @@ def test_the_form_is_closed_and_faces_outwards(form: Mesh) -> None:
 def test_the_form_has_the_asked_length_beam_and_depth(form: Mesh) -> None:
     spec = DiveSpec()
     np.testing.assert_allclose(form.vertices.min(0), [0, -spec.ship.beam_m / 2, 0], atol=1e-9)
-    np.testing.assert_allclose(form.vertices.max(0), [spec.ship.length_m, spec.ship.beam_m / 2, spec.ship.depth_m], atol=1e-9)
+    np.testing.assert_allclose(
+        form.vertices.max(0),
+        [spec.ship.length_m, spec.ship.beam_m / 2, spec.ship.depth_m],
+        atol=1e-9,
+    )
 
 
 def test_both_sides_are_mirror_images(form: Mesh) -> None:
@@ -46,11 +50,15 @@ def test_the_bilge_amidships_has_the_asked_radius() -> None:
     y, z = middle[middle[:, 1] > 0][:, 1:].T
     arc = (y > spec.ship.beam_m / 2 - 1.5) & (z < 1.5) & (z > 0)
     assert arc.sum() > 10
-    np.testing.assert_allclose(np.hypot(y[arc] - (spec.ship.beam_m / 2 - 1.5), z[arc] - 1.5), 1.5, atol=1e-9)
+    np.testing.assert_allclose(
+        np.hypot(y[arc] - (spec.ship.beam_m / 2 - 1.5), z[arc] - 1.5), 1.5, atol=1e-9
+    )
 
 
 def test_the_bow_curves_along_the_hull(form: Mesh) -> None:
-    breadth = [np.ptp(form.vertices[np.abs(form.vertices[:, 0] - x) < 0.6][:, 1]) for x in (30, 38, 44, 49)]
+    breadth = [
+        np.ptp(form.vertices[np.abs(form.vertices[:, 0] - x) < 0.6][:, 1]) for x in (30, 38, 44, 49)
+    ]
     assert breadth[0] == pytest.approx(9.0)
     assert breadth == sorted(breadth, reverse=True)
     assert breadth[3] < 2
@@ -98,7 +106,9 @@ FLAT = "OFF\n3 1 0\n0 0 0\n0 1 0\n0 0 1\n3 0 1 2\n"
         ("hull.off", FLAT, "no length along x"),
     ],
 )
-def test_a_file_that_is_no_hull_is_one_line(tmp_path: Path, name: str, content: str | None, message: str) -> None:
+def test_a_file_that_is_no_hull_is_one_line(
+    tmp_path: Path, name: str, content: str | None, message: str
+) -> None:
     if content is not None:
         (tmp_path / name).write_text(content)
     with pytest.raises(InputError, match=message) as refused:

@@ -48,4 +48,6 @@ def test_digits_read_from_outside_on_the_port_side() -> None:
 
 
 def test_an_item_outside_the_window_changes_nothing() -> None:
-    np.testing.assert_array_equal(atlas((Item("ring", 30.0, 4.5, 0.0, (0.3, 0.3)),)).image, atlas().image)
+    np.testing.assert_array_equal(
+        atlas((Item("ring", 30.0, 4.5, 0.0, (0.3, 0.3)),)).image, atlas().image
+    )

@@ -28,7 +28,9 @@ def test_items_keep_clear_of_each_other_and_inside() -> None:
         assert ROOM[0][0] <= a.along_m <= ROOM[0][1]
         assert ROOM[1][0] <= a.girth_m <= ROOM[1][1]
         for b in items[:k]:
-            assert np.hypot(a.along_m - b.along_m, a.girth_m - b.girth_m) > a.reach_m() + b.reach_m()
+            assert (
+                np.hypot(a.along_m - b.along_m, a.girth_m - b.girth_m) > a.reach_m() + b.reach_m()
+            )
 
 
 def test_paint_has_no_height_and_recesses_go_in() -> None:
@@ -38,7 +40,11 @@ def test_paint_has_no_height_and_recesses_go_in() -> None:
 
 
 def test_the_second_of_a_kind_has_another_size() -> None:
-    items = [i for i in place_items(spec_from(structures=6, marks=0, barnacles=0), *ROOM) if i.kind == "cylinder"]
+    items = [
+        i
+        for i in place_items(spec_from(structures=6, marks=0, barnacles=0), *ROOM)
+        if i.kind == "cylinder"
+    ]
     assert len({item.height_m for item in items}) == 2
 
 
@@ -58,12 +64,16 @@ def test_the_seed_decides_where() -> None:
 
 
 def test_a_second_dive_of_the_hull_has_the_same_items() -> None:
-    assert place_items(spec_from(seed=9, hull_seed=5), *ROOM) == place_items(spec_from(seed=5), *ROOM)
+    assert place_items(spec_from(seed=9, hull_seed=5), *ROOM) == place_items(
+        spec_from(seed=5), *ROOM
+    )
 
 
 def test_what_changed_since_is_what_was_asked_for() -> None:
     before = place_items(spec_from(seed=5, structures=4), *ROOM)
-    after = place_items(spec_from(seed=9, hull_seed=5, structures=4, added=3, removed=1, grown_m=0.03), *ROOM)
+    after = place_items(
+        spec_from(seed=9, hull_seed=5, structures=4, added=3, removed=1, grown_m=0.03), *ROOM
+    )
     assert after[0].height_m == pytest.approx(before[0].height_m + 0.03)
     assert [i for i in before if i not in after] == [before[0], before[3]]
     assert len([i for i in after if i not in before]) == 4
@@ -71,13 +81,20 @@ def test_what_changed_since_is_what_was_asked_for() -> None:
 
 def test_what_is_added_keeps_clear_of_what_went() -> None:
     before = place_items(spec_from(seed=5, structures=4), *ROOM)
-    added = place_items(spec_from(seed=9, hull_seed=5, structures=4, added=3, removed=1), *ROOM)[-3:]
+    added = place_items(spec_from(seed=9, hull_seed=5, structures=4, added=3, removed=1), *ROOM)[
+        -3:
+    ]
     for item in added:
-        assert np.hypot(item.along_m - before[3].along_m, item.girth_m - before[3].girth_m) > item.reach_m()
+        assert (
+            np.hypot(item.along_m - before[3].along_m, item.girth_m - before[3].girth_m)
+            > item.reach_m()
+        )
 
 
 def test_what_is_to_grow_grows_by_so_much() -> None:
-    assert place_items(spec_from(seed=5, structures=1, grown_m=0.02), *ROOM)[0].height_m == pytest.approx(0.13)
+    assert place_items(spec_from(seed=5, structures=1, grown_m=0.02), *ROOM)[
+        0
+    ].height_m == pytest.approx(0.13)
 
 
 def test_more_changes_than_structures_are_refused() -> None:

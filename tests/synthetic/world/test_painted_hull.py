@@ -17,7 +17,10 @@ START_M = 3.1
 
 def hull(bare_to_m: float | None = None, repeats_m: float | None = None) -> PaintedHull:
     return PaintedHull(
-        albedo=PlateAtlas(spec_from(seed=1), (), 0.004), start_m=START_M, bare_to_m=bare_to_m, repeats_m=repeats_m
+        albedo=PlateAtlas(spec_from(seed=1), (), 0.004),
+        start_m=START_M,
+        bare_to_m=bare_to_m,
+        repeats_m=repeats_m,
     )
 
 

@@ -66,7 +66,9 @@ def test_a_mark_across_a_weld_is_painted_on_both_plates() -> None:
     girth = np.arange(0.55, 0.65, 0.01)
     for side in (-0.1, 0.1):
         at = PLATE_M[0] + side + np.arange(-0.02, 0.02, 0.01)
-        assert (colours(atlas((stripe,)), at, girth) - colours(atlas(), at, girth)).max(axis=2).mean() > 0.2
+        assert (colours(atlas((stripe,)), at, girth) - colours(atlas(), at, girth)).max(
+            axis=2
+        ).mean() > 0.2
 
 
 def test_a_structure_has_one_tone_on_both_plates() -> None:
@@ -89,7 +91,9 @@ def test_nothing_seen_is_nothing_painted() -> None:
     assert len(made._plates) == 0
 
 
-@pytest.mark.parametrize("corner", [(0.0, 0.0), (-PLATE_M[0], -2 * PLATE_M[1]), (40 * PLATE_M[0], -9 * PLATE_M[1])])
+@pytest.mark.parametrize(
+    "corner", [(0.0, 0.0), (-PLATE_M[0], -2 * PLATE_M[1]), (40 * PLATE_M[0], -9 * PLATE_M[1])]
+)
 def test_a_view_across_plates_is_each_plates_own(corner: tuple[float, float]) -> None:
     """Also aft of the stern's zero and below the line of no girth."""
     made, eps = atlas(), 0.2
@@ -97,6 +101,8 @@ def test_a_view_across_plates_is_each_plates_own(corner: tuple[float, float]) ->
     together = colours(made, along, girth)
     for i in range(2):
         for j in range(2):
-            np.testing.assert_array_equal(together[j : j + 1, i : i + 1], colours(made, along[i : i + 1], girth[j : j + 1]))
+            np.testing.assert_array_equal(
+                together[j : j + 1, i : i + 1], colours(made, along[i : i + 1], girth[j : j + 1])
+            )
             column, row = np.floor(along[i] / PLATE_M[0]), np.floor(girth[j] / PLATE_M[1])
             assert (int(column), int(row)) in made._plates

@@ -8,7 +8,10 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.world.ray_casting import Rays
 
 FAR = np.array([1000.0, -2000.0, 50.0])
-SQUARE = Mesh(np.add(FAR, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+SQUARE = Mesh(
+    np.add(FAR, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]),
+    np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+)
 
 
 def test_a_ray_far_from_the_origin_hits_to_a_tenth_of_a_millimetre() -> None:
@@ -38,5 +41,7 @@ def test_each_ray_may_have_its_own_origin() -> None:
 
 def test_blocked_within_reach_and_not_beyond() -> None:
     origins = FAR + np.array([[0.5, 0.5, 1.0], [0.5, 0.5, 1.0]])
-    blocked = Rays(SQUARE).is_blocked(origins, np.tile([0.0, 0.0, -1.0], (2, 1)), np.array([1.5, 0.5]))
+    blocked = Rays(SQUARE).is_blocked(
+        origins, np.tile([0.0, 0.0, -1.0], (2, 1)), np.array([1.5, 0.5])
+    )
     assert blocked.tolist() == [True, False]

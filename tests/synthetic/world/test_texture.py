@@ -37,8 +37,12 @@ def test_looking_up_a_texel_gives_its_colour() -> None:
 
 
 def test_looking_up_between_texels_is_linear() -> None:
-    made = Atlas(np.tile(np.arange(0, 200, 10, np.uint8)[:, None, None], (1, 20, 3)), (0.0, 0.0), 0.1)
-    value = made.look_up(np.full((1, 1), 0.55, np.float32), np.full((1, 1), 0.75, np.float32), np.ones((1, 1), bool))
+    made = Atlas(
+        np.tile(np.arange(0, 200, 10, np.uint8)[:, None, None], (1, 20, 3)), (0.0, 0.0), 0.1
+    )
+    value = made.look_up(
+        np.full((1, 1), 0.55, np.float32), np.full((1, 1), 0.75, np.float32), np.ones((1, 1), bool)
+    )
     np.testing.assert_allclose(value[0, 0] * 255, 75, atol=1)
 
 
@@ -51,13 +55,17 @@ def test_there_is_detail_at_every_scale() -> None:
     grey = atlas().image.mean(2)
     for width in (2, 8, 32):
         blocks = (
-            grey[: 500 // width * width, : 750 // width * width].reshape(500 // width, width, 750 // width, width).mean((1, 3))
+            grey[: 500 // width * width, : 750 // width * width]
+            .reshape(500 // width, width, 750 // width, width)
+            .mean((1, 3))
         )
         assert np.abs(np.diff(blocks, axis=0)).mean() > 2.5
 
 
 def test_what_is_not_seen_does_not_widen_the_look_up() -> None:
-    """A ray that misses the hull has no chart coordinates; OpenCV takes no image wider than 32,767 pixels."""
+    """A ray that misses the hull has no chart coordinates; OpenCV takes no image wider than 32,767
+    pixels.
+    """
     wide = Atlas(np.full((8, 40_000, 3), 51, np.uint8), (0.0, 0.0), 0.001)
     along = np.array([[39.9, 0.0]], np.float32)
     value = wide.look_up(along, np.full((1, 2), 0.004, np.float32), np.array([[True, False]]))

@@ -8,7 +8,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, exp
-from hullrecon.vision.appearance.consistency import agreement, compose, extent_m, independent_links, largest_group
+from hullrecon.vision.appearance.consistency import (
+    agreement,
+    compose,
+    extent_m,
+    independent_links,
+    largest_group,
+)
 from hullrecon.vision.pair_match import PairMatch, Reason
 from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.gating import Motion
@@ -19,7 +25,9 @@ ROWS = np.arange(20)
 
 @dataclass(frozen=True)
 class Pieces:
-    """Errors of a path of two pieces: a step of 1 mm and 0.02 degrees a node within one, metres between them."""
+    """Errors of a path of two pieces: a step of 1 mm and 0.02 degrees a node within one, metres
+    between them.
+    """
 
     between_m: float = 4.0
 
@@ -40,7 +48,9 @@ def path():
 
 
 def matched(track, first, second, shift=(0.0, 0.0, 0.0), seed=1):
-    """What the images of true pairs give, with noise; of a second piece that lies elsewhere by the shift."""
+    """What the images of true pairs give, with noise; of a second piece that lies elsewhere by the
+    shift.
+    """
     rng = np.random.default_rng(seed)
     at = track.global_from_camera
     moved = Poses(at.quaternion[second], at.translation[second] + shift)
@@ -49,11 +59,15 @@ def matched(track, first, second, shift=(0.0, 0.0, 0.0), seed=1):
     covariance = np.diag(np.repeat(LINK_SIGMA**2, 6))
     return [
         PairMatch(
-            first=ROWS, second=ROWS, distance=ROWS.astype(np.float32), putative=40, reason=Reason.MATCHED,
+            first=ROWS,
+            second=ROWS,
+            distance=ROWS.astype(np.float32),
+            putative=40,
+            reason=Reason.MATCHED,
             motion=Motion(t @ n, covariance),
         )
         for t, n in zip(truth, noise, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 FIRST = np.array([0, 1, 2, 4, 5, 6])
@@ -62,7 +76,9 @@ SECOND = 2 * EACH - 1 - FIRST
 
 def test_links_of_one_true_place_confirm_each_other_whatever_the_path_says_between():
     track = path()
-    found = agreement(track, FIRST, SECOND, matched(track, FIRST, SECOND, shift=[2.5, -1.0, 0.3]), 0.2)
+    found = agreement(
+        track, FIRST, SECOND, matched(track, FIRST, SECOND, shift=[2.5, -1.0, 0.3]), 0.2
+    )
     np.testing.assert_array_equal(found.agree, ~np.eye(6, dtype=bool))
     assert not found.contradict.any()
 
@@ -78,7 +94,8 @@ def test_a_link_to_another_place_is_contradicted_by_all_others():
 
 def test_links_say_nothing_of_each_other_where_the_path_between_them_is_not_known():
     track = path()
-    first, second = np.array([0, 1]), np.array([14, 2])  # the second link stays within the first piece
+    # the second link stays within the first piece
+    first, second = np.array([0, 1]), np.array([14, 2])
     found = agreement(track, first, second, matched(track, first, second), 0.2)
     assert not found.agree.any()
     assert not found.contradict.any()
@@ -86,7 +103,10 @@ def test_links_say_nothing_of_each_other_where_the_path_between_them_is_not_know
 
 def test_composed_motions_have_the_covariance_of_drawn_ones():
     rng = np.random.default_rng(7)
-    outer, inner = exp([[0.4, -0.2, 0.9, 0.3, 0.1, -0.4]]).matrix()[0], exp([[-0.3, 0.8, 0.2, -0.2, 0.5, 0.1]]).matrix()[0]
+    outer, inner = (
+        exp([[0.4, -0.2, 0.9, 0.3, 0.1, -0.4]]).matrix()[0],
+        exp([[-0.3, 0.8, 0.2, -0.2, 0.5, 0.1]]).matrix()[0],
+    )
     roots = [1e-3 * rng.standard_normal((6, 6)) for _ in range(2)]
     motion = compose(Motion(outer, roots[0] @ roots[0].T), Motion(inner, roots[1] @ roots[1].T))
     np.testing.assert_allclose(motion.second_from_first, outer @ inner)
@@ -100,7 +120,9 @@ def test_composed_motions_have_the_covariance_of_drawn_ones():
 
     both = drawn(outer, roots[0]) @ drawn(inner, roots[1])
     turn = np.linalg.inv((outer @ inner)[:3, :3]) @ both[:, :3, :3]
-    gap = np.hstack([both[:, :3, 3] - (outer @ inner)[:3, 3], Rotation.from_matrix(turn).as_rotvec()])
+    gap = np.hstack(
+        [both[:, :3, 3] - (outer @ inner)[:3, 3], Rotation.from_matrix(turn).as_rotvec()]
+    )
     found = np.cov(gap.T)
     np.testing.assert_allclose(motion.covariance, found, atol=0.05 * np.abs(found).max())
 

@@ -36,14 +36,21 @@ class TwoPieces:
 
     def relative_covariance(self, first, second):
         apart = (first < EACH) != (second < EACH)
-        return np.where(apart, self.between_m**2, 1e-6)[:, None, None] * np.diag([1.0, 0.01, 0.01, 0, 0, 0])
+        return np.where(apart, self.between_m**2, 1e-6)[:, None, None] * np.diag(
+            [1.0, 0.01, 0.01, 0, 0, 0]
+        )
 
 
 def path(between_m=3.0, off_m=0.0):
-    """Cameras that look along z; the second piece begins where the first ended, off_m aside, and goes back."""
+    """Cameras that look along z; the second piece begins where the first ended, off_m aside, and
+    goes back.
+    """
     out = np.arange(EACH) * STEP_M
     at = np.column_stack([np.r_[out, off_m + out[::-1]], np.zeros(2 * EACH), np.zeros(2 * EACH)])
-    return CameraTrack(global_from_camera=Poses(np.tile([0, 0, 0, 1.0], (2 * EACH, 1)), at), errors=TwoPieces(between_m))
+    return CameraTrack(
+        global_from_camera=Poses(np.tile([0, 0, 0, 1.0], (2 * EACH, 1)), at),
+        errors=TwoPieces(between_m),
+    )
 
 
 def words(truth):
@@ -52,7 +59,9 @@ def words(truth):
 
 
 def test_a_footprint_is_the_smaller_side_of_the_image():
-    assert footprint_m(np.array([1.0, 1.25, np.nan, 2.0]), CAMERA) == pytest.approx(1.25 * 512 / 640)
+    assert footprint_m(np.array([1.0, 1.25, np.nan, 2.0]), CAMERA) == pytest.approx(
+        1.25 * 512 / 640
+    )
 
 
 def test_the_offset_of_scenes_is_that_of_their_middles_with_the_covariance_of_both():
@@ -126,8 +135,9 @@ LONG, SHORT = 400, 12
 
 @dataclass(frozen=True)
 class ShortPart:
-    """Three parts, known well within and to 3 m between them: the second is SHORT and shows what the middle of the first
-    does."""
+    """Three parts, known well within and to 3 m between them: the second is SHORT and shows what
+    the middle of the first does.
+    """
 
     edges: tuple[int, ...] = (0, LONG, LONG + SHORT, 2 * LONG)
 
@@ -142,7 +152,9 @@ def test_each_part_is_asked_however_short_it_is():
     truth[LONG : LONG + SHORT] = (LONG // 2 + np.arange(SHORT)) * STEP_M
     at = np.column_stack([truth, np.zeros((2 * LONG, 2))])
     at[LONG : LONG + SHORT, 0] += 1.5
-    track = CameraTrack(global_from_camera=Poses(np.tile([0, 0, 0, 1.0], (2 * LONG, 1)), at), errors=errors)
+    track = CameraTrack(
+        global_from_camera=Poses(np.tile([0, 0, 0, 1.0], (2 * LONG, 1)), at), errors=errors
+    )
     depths, keyframes = np.full(2 * LONG, DEPTH_M), np.arange(2 * LONG)
     found = open_places(track, keyframes, depths, CAMERA)
     assert found.edges.tolist() == list(errors.edges)
@@ -163,11 +175,15 @@ def test_one_part_is_asked_evenly():
 
     n = 1000
     at = np.column_stack([0.01 * np.arange(n), np.zeros((n, 2))])
-    track = CameraTrack(global_from_camera=Poses(np.tile([0, 0, 0, 1.0], (n, 1)), at), errors=Walk())
+    track = CameraTrack(
+        global_from_camera=Poses(np.tile([0, 0, 0, 1.0], (n, 1)), at), errors=Walk()
+    )
     found = open_places(track, np.arange(n), np.full(n, DEPTH_M), CAMERA)
     assert found.edges.tolist() == [0, n]
     stations = np.linspace(0, n - 1, STATIONS).round()
-    np.testing.assert_array_equal(found.station, np.abs(np.arange(n)[:, None] - stations).argmin(axis=1))
+    np.testing.assert_array_equal(
+        found.station, np.abs(np.arange(n)[:, None] - stations).argmin(axis=1)
+    )
 
 
 def test_pairs_are_bounded_and_take_each_image_s_best_place_first(monkeypatch):

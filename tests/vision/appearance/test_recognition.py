@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two legs with an outage of metres between them, and a hull whose paint is known cell by cell: it may come again."""
+"""Two legs with an outage of metres between them, and a hull whose paint is known cell by cell: it
+may come again.
+"""
 
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
@@ -31,13 +33,16 @@ from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.selection import Proposal
 
 CELL_M, OUTAGE_SIGMA_M, OFF_M = 0.2, 3.0, np.array([0.3, 5.0, 0.2])
-BLANK = range(14, 40)  # of 60 nodes: the second leg begins 3 m beyond where the first ended, and goes back over it
+# of 60 nodes: the second leg begins 3 m beyond where the first ended, and goes back over it
+BLANK = range(14, 40)
 ATTITUDE_FIELDS = ("depth", "roll", "pitch", "sigma", "tray_direction", "tray_sigma")
 NONE = Reason.FEW_INLIERS
 
 
 def dive_with_outage(off_m=OFF_M, blank=BLANK):
-    """The simulated legs without the nodes of the blank; the step across it is wrong by off_m and says so."""
+    """The simulated legs without the nodes of the blank; the step across it is wrong by off_m and
+    says so.
+    """
     rng = np.random.default_rng(3)
     whole = simulate(11, 30, drift=1e-4)
     keep = np.setdiff1d(np.arange(60), blank)
@@ -58,7 +63,9 @@ def dive_with_outage(off_m=OFF_M, blank=BLANK):
 
 
 def paint(dive, repeats_m):
-    """By node: features of the cells of hull before the camera, alike after each repetition along the hull."""
+    """By node: features of the cells of hull before the camera, alike after each repetition along
+    the hull.
+    """
     rng = np.random.default_rng(8)
     cells = root_sift(rng.gamma(0.3, 1.0, (4000, 128)).astype(np.float32))
     across, down = (x.ravel() for x in np.meshgrid(np.arange(-3, 4), np.arange(-2, 3)))
@@ -66,7 +73,9 @@ def paint(dive, repeats_m):
     for camera in dive.cameras():
         along, depth = camera[1, 3] + CELL_M * across, camera[2, 3] + CELL_M * down
         along = along if repeats_m is None else np.mod(along, repeats_m)
-        number = (np.floor(along / CELL_M).astype(int) * 61 + np.floor(depth / CELL_M).astype(int)) % len(cells)
+        number = (
+            np.floor(along / CELL_M).astype(int) * 61 + np.floor(depth / CELL_M).astype(int)
+        ) % len(cells)
         table = np.ones((len(number), 4), np.float32)
         out.append(Features(table, cells[number], np.zeros((len(number), 3), np.uint8)))
     return out
@@ -99,7 +108,9 @@ class TrustingMatcher(LookingMatcher):
 
 
 class ShiftedMatcher(LookingMatcher):
-    """Links far images alike anywhere, all as if the second leg lay 2 m along, and nothing where these links have it."""
+    """Links far images alike anywhere, all as if the second leg lay 2 m along, and nothing where
+    these links have it.
+    """
 
     def match(self, pair):
         if pair.second - pair.first <= 4:
@@ -113,7 +124,12 @@ class ShiftedMatcher(LookingMatcher):
 
 
 def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatcher):
-    rig = camera_rig(CAMERA, *((CAMERA, TOP_FROM_BOTTOM) if rig_of == 2 else (None, None)), TRAY_ORIGIN_M, TRAY_FROM_TOP)
+    rig = camera_rig(
+        CAMERA,
+        *((CAMERA, TOP_FROM_BOTTOM) if rig_of == 2 else (None, None)),
+        TRAY_ORIGIN_M,
+        TRAY_FROM_TOP,
+    )
     features, asked = paint(dive, repeats_m), []
 
     def read(image, stereo):
@@ -130,8 +146,15 @@ def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatc
     errors = error_model(dive, 1e-4)
     walk = errors.walk.copy()
     walk[BLANK.start :, :3, :3] += OUTAGE_SIGMA_M**2 * np.eye(3)
-    navigated = NavigatedDive(trajectory=dive.trajectory, errors=replace(errors, walk=walk), returns=None, tray_sigma_rad=1e-3)
-    graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
+    navigated = NavigatedDive(
+        trajectory=dive.trajectory,
+        errors=replace(errors, walk=walk),
+        returns=None,
+        tray_sigma_rad=1e-3,
+    )
+    graph = PoseGraph(
+        trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig
+    )
     matcher = looking(dive, repeats_m=repeats_m)
     found, _ = link_images(worker, navigated, graph.solve, matcher, 12, appearance)
     return SimpleNamespace(found=found, error_m=path_error_m(found, dive), asked=asked)
@@ -160,7 +183,13 @@ def test_legs_that_the_rounds_cannot_tie_are_tied_by_how_they_look(dive, closed)
 
 def test_the_rounds_go_on_from_the_straightened_path(closed):
     pairs, asked = closed.found.pairs, closed.found.appearance[0]
-    number = int(pairs.round[np.isin(pairs.first * 99 + pairs.second, asked.proposal.first * 99 + asked.proposal.second)][0])
+    number = int(
+        pairs.round[
+            np.isin(
+                pairs.first * 99 + pairs.second, asked.proposal.first * 99 + asked.proposal.second
+            )
+        ][0]
+    )
     assert (pairs.joined & (pairs.round > number)).any()
     rows = np.column_stack([pairs.first, pairs.second])
     np.testing.assert_array_equal(rows, np.unique(rows, axis=0))
@@ -191,7 +220,9 @@ def test_on_paint_that_comes_again_nothing_is_taken(dive):
     assert not (found.found.pairs.joined & found.found.pairs.across).any()
 
 
-def test_places_that_confirm_more_than_one_path_are_refused_where_no_control_sees_it(dive, monkeypatch):
+def test_places_that_confirm_more_than_one_path_are_refused_where_no_control_sees_it(
+    dive, monkeypatch
+):
     monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.CONTROLS", 0)
     (asked,) = link(dive, repeats_m=3.0).found.appearance
     assert asked.refusal == "images that look alike confirm more than one path"
@@ -221,14 +252,20 @@ def test_one_thing_that_looks_like_another_is_not_enough(dive, monkeypatch):
     assert asked.refusal == "too few images that look alike confirm each other"
 
 
-def test_links_that_agree_but_put_images_beside_each_other_that_do_not_match_are_undone(dive, monkeypatch):
-    """One thing seen from several sides that looks like another: all links agree, and what lies around it does not match."""
+def test_links_that_agree_but_put_images_beside_each_other_that_do_not_match_are_undone(
+    dive, monkeypatch
+):
+    """One thing seen from several sides that looks like another: all links agree, and what lies
+    around it does not match.
+    """
     monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.CONTROLS", 0)
     found, before = link(dive, looking=ShiftedMatcher), link(dive, appearance=False)
     (asked,) = found.found.appearance
     assert asked.counts["within_gate"] > 10
     assert asked.refusal == "the images that it puts beside each other do not match"
-    assert not found.found.links.second[found.found.links.second - found.found.links.first > 4].any()
+    assert not found.found.links.second[
+        found.found.links.second - found.found.links.first > 4
+    ].any()
     np.testing.assert_array_equal(found.found.path.pose, before.found.path.pose)
 
 
@@ -245,7 +282,9 @@ def across_outage(found):
 
 @pytest.mark.parametrize("rig_of", [1, 2])
 def test_neighbours_across_an_outage_are_not_believed_where_paint_comes_again(dive, rig_of):
-    """The second leg begins one repetition beyond where the first ended: neighbours match and are 3 m apart."""
+    """The second leg begins one repetition beyond where the first ended: neighbours match and are 3
+    m apart.
+    """
     tied = link(dive, repeats_m=3.0, looking=TrustingMatcher, appearance=False, rig_of=rig_of)
     assert tied.found.path.part.max() == 0
     assert tied.error_m > 1.0
@@ -268,7 +307,9 @@ def test_neighbours_across_an_outage_tie_the_path_where_no_paint_comes_again(rig
     assert found.found.appearance == ()
 
 
-def test_one_stretch_of_paint_that_comes_again_speaks_against_neighbours_that_no_long_part_bears_out(dive, monkeypatch):
+def test_one_stretch_of_paint_that_comes_again_speaks_against_neighbours_that_no_long_part_bears_out(
+    dive, monkeypatch
+):
     monkeypatch.setattr("hullrecon.vision.appearance.recognition.MAX_ALIKE", 1000)
     assert link(dive, repeats_m=3.0, looking=TrustingMatcher).found.path.part.max() == 0
     monkeypatch.setattr("hullrecon.vision.appearance.recognition.LEAST_REACH", 10.0)
@@ -286,16 +327,28 @@ def motion():
 def compared_pairs(matched, rounds):
     rows = np.arange(3)
     found = tuple(
-        PairMatch(first=rows, second=rows, distance=np.zeros(3, np.float32), putative=9, reason=Reason.MATCHED, motion=motion())
+        PairMatch(
+            first=rows,
+            second=rows,
+            distance=np.zeros(3, np.float32),
+            putative=9,
+            reason=Reason.MATCHED,
+            motion=motion(),
+        )
         if good
         else failed_match(3, NONE)
         for good in matched
     )
     count = len(found)
     proposal = Proposal(
-        first=np.arange(count), second=np.arange(count) + 20, across=np.ones(count, bool), overlap=np.full(count, 0.5)
+        first=np.arange(count),
+        second=np.arange(count) + 20,
+        across=np.ones(count, bool),
+        overlap=np.full(count, 0.5),
     )
-    return ComparedPairs(proposal=proposal, found=found, round=np.array(rounds), rejected=np.zeros(count, bool))
+    return ComparedPairs(
+        proposal=proposal, found=found, round=np.array(rounds), rejected=np.zeros(count, bool)
+    )
 
 
 def test_of_the_last_pairs_those_that_are_not_accepted_are_rejected():
@@ -307,7 +360,13 @@ def test_of_the_last_pairs_those_that_are_not_accepted_are_rejected():
 
 @pytest.mark.parametrize(
     ("taken", "after", "right"),
-    [(3, [True] * 5, True), (2, [True] * 5, False), (3, [False] * 5, False), (3, [False] * 4, True), (3, [], True)],
+    [
+        (3, [True] * 5, True),
+        (2, [True] * 5, False),
+        (3, [False] * 5, False),
+        (3, [False] * 4, True),
+        (3, [], True),
+    ],
 )
 def test_links_are_borne_out_by_what_they_put_beside_each_other(taken, after, right):
     pairs = compared_pairs([True] * taken + after, [4] * taken + [5] * len(after))
@@ -315,7 +374,15 @@ def test_links_are_borne_out_by_what_they_put_beside_each_other(taken, after, ri
 
 
 def test_a_refusal_keeps_the_first_reason():
-    nothing = Proposal(first=np.zeros(1, int), second=np.ones(1, int), across=np.ones(1, bool), overlap=np.ones(1))
-    found = Recognition(proposal=nothing, found=(failed_match(0, NONE),), accepted=np.ones(1, bool), counts={}, refusal=None)
+    nothing = Proposal(
+        first=np.zeros(1, int), second=np.ones(1, int), across=np.ones(1, bool), overlap=np.ones(1)
+    )
+    found = Recognition(
+        proposal=nothing,
+        found=(failed_match(0, NONE),),
+        accepted=np.ones(1, bool),
+        counts={},
+        refusal=None,
+    )
     refused = found.refused("one").refused("two")
     assert refused.facts() == {"accepted": 0, "refusal": "one"}

@@ -21,7 +21,9 @@ def heaps(count, each, seed=3):
 def test_descriptors_of_one_heap_are_one_word_and_those_of_two_are_two():
     descriptors, heap = heaps(6, 50)
     vocabulary = learn_vocabulary(descriptors, seed=1, branches=24)
-    coarse_of = np.abs(vocabulary.coarse[:, None].astype(int) - descriptors.astype(int)).sum(2).argmin(0)
+    coarse_of = (
+        np.abs(vocabulary.coarse[:, None].astype(int) - descriptors.astype(int)).sum(2).argmin(0)
+    )
     words = vocabulary.words(descriptors)
     assert all(len(set(heap[words == w])) == 1 for w in np.unique(words))
     assert len(set(coarse_of)) >= 6

@@ -9,14 +9,25 @@ from dataclasses import dataclass
 from typing import BinaryIO
 
 from hullrecon.dive.logs.readers.protocol import Channel, Message
-from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, decompress, fields, text
+from hullrecon.dive.logs.readers.unpack import (
+    LARGEST_CHUNK,
+    DamagedError,
+    UnpackBudget,
+    decompress,
+    fields,
+    text,
+)
 
 MAGIC = b"#ROSBAG V2.0\n"
 MESSAGE, BAG, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
 NEEDED = {  # the fields without which a record is none of its kind
-    MESSAGE: {"conn", "time"}, BAG: {"index_pos"}, INDEX: {"conn", "count"}, CHUNK: {"compression", "size"},
-    CHUNK_INFO: {"chunk_pos", "count"}, CONNECTION: {"conn", "topic"},
-}  # fmt: skip
+    MESSAGE: {"conn", "time"},
+    BAG: {"index_pos"},
+    INDEX: {"conn", "count"},
+    CHUNK: {"compression", "size"},
+    CHUNK_INFO: {"chunk_pos", "count"},
+    CONNECTION: {"conn", "topic"},
+}
 LARGEST_HEAD = 1 << 20  # bytes; a connection's head holds its topic, never more
 
 Head = dict[str, bytes]
@@ -24,7 +35,9 @@ Head = dict[str, bytes]
 
 @dataclass(frozen=True, kw_only=True)
 class BagChunk:
-    """What the index says about one chunk: where it is, its span in log time, messages by connection."""
+    """What the index says about one chunk: where it is, its span in log time, messages by
+    connection.
+    """
 
     offset: int
     start_ns: int
@@ -33,8 +46,9 @@ class BagChunk:
 
 
 class Connections(dict[int, Channel]):
-    """The connections met so far; unknown: messages of those whose definition was lost; unchecked: whether a chunk without a
-    checksum was met."""
+    """The connections met so far; unknown: messages of those whose definition was lost; unchecked:
+    whether a chunk without a checksum was met.
+    """
 
     unknown = 0
     unchecked = False
@@ -60,14 +74,20 @@ def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
     return head, stream.read(count), end
 
 
-def messages_of(head: Head, data: bytes, connections: Connections, budget: UnpackBudget | None = None) -> list[Message]:
-    """Return the messages of a chunk, or of a message record that stands alone; connections met on the way are learnt."""
+def messages_of(
+    head: Head, data: bytes, connections: Connections, budget: UnpackBudget | None = None
+) -> list[Message]:
+    """Return the messages of a chunk, or of a message record that stands alone; connections met on
+    the way are learnt.
+    """
     op = op_of(head)
     if op == CHUNK:
         how = text(head.get("compression", b""))
         connections.unchecked |= how in ("", "none")
         data = decompress(data, how, fields("<I", head.get("size", b""))[0], budget)
-        return [m for h, d in records(data) for m in messages_of(h, d, connections) if op_of(h) != CHUNK]
+        return [
+            m for h, d in records(data) for m in messages_of(h, d, connections) if op_of(h) != CHUNK
+        ]
     if op == CONNECTION:
         number, channel = _connection(head, data)
         connections.setdefault(number, channel)
@@ -97,8 +117,9 @@ def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
 
 
 def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[BagChunk] | None:
-    """Return the chunks that the index at the end of the bag names, in the order of the file; None when there is none to
-    trust."""
+    """Return the chunks that the index at the end of the bag names, in the order of the file; None
+    when there is none to trust.
+    """
     try:
         head, _, _ = record(stream, len(MAGIC), size)
         (at,) = fields("<Q", head.get("index_pos", b""))
@@ -140,7 +161,8 @@ def op_of(head: Head) -> int:
 def _connection(head: Head, data: bytes) -> tuple[int, Channel]:
     inner = parse_head(data)
     kind, topic = text(inner.get("type", b"")), text(head.get("topic", b""))
-    definition = inner.get("message_definition", b"").decode(errors="replace")  # comments may be in any code page
+    # comments may be in any code page
+    definition = inner.get("message_definition", b"").decode(errors="replace")
     return fields("<I", head.get("conn", b""))[0], Channel(topic, kind, "ros1", definition)
 
 

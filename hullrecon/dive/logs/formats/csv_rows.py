@@ -22,9 +22,11 @@ Row = Mapping[str, str]  # cells by column; those that a short line lacks are em
 
 
 def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | None]]:
-    """Yield line numbers and rows; None for a line that is too long or no CSV. Blank lines are passed over.
+    """Yield line numbers and rows; None for a line that is too long or no CSV. Blank lines are
+    passed over.
 
-    Raises InputError when the file cannot be read or a column that every row needs is not in the header.
+    Raises InputError when the file cannot be read or a column that every row needs is not in the
+    header.
     """
     try:
         require_regular_file(path)
@@ -34,7 +36,9 @@ def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | No
             _check_header(path, header, needed)
             for number, line in enumerate(lines, 2):
                 cells = _cells(line)
-                if cells is None or (line is not None and 0 < len(cells) < len(header) and not line.endswith(ENDS)):
+                if cells is None or (
+                    line is not None and 0 < len(cells) < len(header) and not line.endswith(ENDS)
+                ):
                     yield number, None  # too long, no CSV, or the last one and cut off
                 elif cells:
                     yield number, dict(zip_longest(header, cells[: len(header)], fillvalue=""))
@@ -47,14 +51,22 @@ def _check_header(path: Path, header: Sequence[str], needed: Sequence[str]) -> N
     missing = [name for name in needed if name not in header]
     if missing:
         raise InputError(
-            f"{path.name} has no column {', '.join(missing)}", where=where, remedy=f"its header row needs {', '.join(needed)}"
+            f"{path.name} has no column {', '.join(missing)}",
+            where=where,
+            remedy=f"its header row needs {', '.join(needed)}",
         )
     if len(header) > MOST_COLUMNS:
-        raise InputError(f"{path.name} has {len(header)} columns", where=where, remedy=f"keep {', '.join(needed)} and few more")
+        raise InputError(
+            f"{path.name} has {len(header)} columns",
+            where=where,
+            remedy=f"keep {', '.join(needed)} and few more",
+        )
 
 
 def _lines(stream: TextIO) -> Iterator[str | None]:
-    """Yield lines without zero bytes; None for one that is too long, whose rest is passed over piece by piece."""
+    """Yield lines without zero bytes; None for one that is too long, whose rest is passed over
+    piece by piece.
+    """
     while line := stream.readline(LONGEST_LINE):
         if len(line) < LONGEST_LINE or line.endswith(ENDS):
             yield line.replace("\0", "")
@@ -65,7 +77,9 @@ def _lines(stream: TextIO) -> Iterator[str | None]:
 
 
 def _cells(line: str | None) -> list[str] | None:
-    """Return the cells of one line; None where there are none to be had. A quote that is not closed ends with its line."""
+    """Return the cells of one line; None where there are none to be had. A quote that is not closed
+    ends with its line.
+    """
     if line is None:
         return None
     try:

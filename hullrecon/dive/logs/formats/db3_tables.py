@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a rosbag2 database: its topics, and its rows one by one, past damaged pages as far as SQLite reaches."""
+"""The tables of a rosbag2 database: its topics, and its rows one by one, past damaged pages as far
+as SQLite reaches.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +16,24 @@ ROWS = "SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid >= ? O
 HIGHEST = (1 << 63) - 1
 NEIGHBOURS = 512  # rows behind a damaged one that are asked for one by one; then the step doubles
 ROWS_A_PAGE = 64  # of damaged pages: so many failures a page are followed
-FREE_STEPS, STEPS_A_BYTE = 4_000_000, 20  # of SQLite's machine; a sound row takes some ten steps and has at least 20 bytes
+# of SQLite's machine; a sound row takes some ten steps and has at least 20 bytes
+FREE_STEPS, STEPS_A_BYTE = 4_000_000, 20
 HANDLER_STEPS = 1000
-READ_ERRORS = (sqlite3.Error, UnicodeDecodeError, OverflowError, DamagedError)  # sqlite3 decodes its own messages strictly
+# sqlite3 decodes its own messages strictly
+READ_ERRORS = (sqlite3.Error, UnicodeDecodeError, OverflowError, DamagedError)
 
 Row = tuple[object, object, object]  # topic, time, data
 
 
 class Database:
-    """A connection that takes no code from the file and gives up on statements that a file of that size cannot need."""
+    """A connection that takes no code from the file and gives up on statements that a file of that
+    size cannot need.
+    """
 
     def __init__(self, address: str, size: int) -> None:
         self.connection = sqlite3.connect(address, uri=True)
-        self.skipped = 0  # numbers between those of the rows that were read; recorders leave none out
+        # numbers between those of the rows that were read; recorders leave none out
+        self.skipped = 0
         self._size, self._steps = size, 0
         self.connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_CHUNK)
         self.connection.text_factory = lambda data: data.decode(errors="replace")
@@ -35,24 +42,36 @@ class Database:
             self.connection.execute(f"PRAGMA {pragma}")
 
     def channels(self) -> dict[int, Channel]:
-        """Return the topics by their number. Raises DamagedError for a database that is none of rosbag2."""
+        """Return the topics by their number. Raises DamagedError for a database that is none of
+        rosbag2.
+        """
         tables = {name: kind for _, name, kind, *_ in self.connection.execute("PRAGMA table_list")}
         for name in ("topics", "messages"):
             if tables.get(name) != "table" or self._is_computed(name):
                 raise DamagedError("it is no rosbag2 database")
         definitions: dict[object, tuple[object, object]] = {}
-        if tables.get("message_definitions") == "table" and not self._is_computed("message_definitions"):
-            rows = self.connection.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
+        if tables.get("message_definitions") == "table" and not self._is_computed(
+            "message_definitions"
+        ):
+            rows = self.connection.execute(
+                "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+            )
             definitions = {kind: (form, definition) for kind, form, definition in rows}
         out = {}
-        for number, name, kind, encoding in self.connection.execute("SELECT id, name, type, serialization_format FROM topics"):
+        for number, name, kind, encoding in self.connection.execute(
+            "SELECT id, name, type, serialization_format FROM topics"
+        ):
             form, definition = definitions.get(kind, ("ros2msg", ""))
-            if isinstance(number, int) and all(isinstance(part, str) for part in (name, kind, encoding)):
+            if isinstance(number, int) and all(
+                isinstance(part, str) for part in (name, kind, encoding)
+            ):
                 out[number] = Channel(name, kind, encoding, _text(definition), _text(form))
         return out
 
     def rows(self, open_gap: Callable[[str], None]) -> Iterator[Row]:
-        """Yield the rows in the order of their numbers; behind one that cannot be read the next that can is looked for."""
+        """Yield the rows in the order of their numbers; behind one that cannot be read the next
+        that can is looked for.
+        """
         at = bad = self._first()
         self.skipped = max(0, at - 1) if at < HIGHEST else 0
         patience, misses, left = NEIGHBOURS + ROWS_A_PAGE * self._pages(), 0, 2 * self._size
@@ -84,7 +103,9 @@ class Database:
         self.connection.execute(f"{ROWS} LIMIT 1", (at,)).fetchall()
 
     def _first_readable(self, bad: int, good: int) -> int:
-        """Return the first number from which rows can be read, between one from which they cannot and one where they can."""
+        """Return the first number from which rows can be read, between one from which they cannot
+        and one where they can.
+        """
         while good - bad > 1:
             middle = (good + bad) // 2
             try:
@@ -109,7 +130,9 @@ class Database:
             return 0
 
     def _is_computed(self, table: str) -> bool:
-        """Tell whether a table has columns that are computed, by code in the file, instead of stored."""
+        """Tell whether a table has columns that are computed, by code in the file, instead of
+        stored.
+        """
         return any(hidden for *_, hidden in self.connection.execute(f"PRAGMA table_xinfo({table})"))
 
     def _step(self) -> bool:

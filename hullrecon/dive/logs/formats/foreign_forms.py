@@ -20,29 +20,47 @@ TO_MCAP = f"convert it to MCAP, or {TO_TABLES}"
 PACKED = "packed by gzip"
 MESHES = (".stl", ".ply", ".obj", ".off", ".glb")
 BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
-    (b"SO", "pings of an Oculus sonar without the time of day", "name file and ping in sonar.csv, with columns t, file, ping"),
-    (b"RIP", "a recording of a 3-D sonar (Water Linked Sonar 3D-15)", "3-D sonars are not read; give DVL and IMU, or cameras"),
+    (
+        b"SO",
+        "pings of an Oculus sonar without the time of day",
+        "name file and ping in sonar.csv, with columns t, file, ping",
+    ),
+    (
+        b"RIP",
+        "a recording of a 3-D sonar (Water Linked Sonar 3D-15)",
+        "3-D sonars are not read; give DVL and IMU, or cameras",
+    ),
     (
         b"DDF",
         "a recording of a DIDSON, which states neither ranges in metres nor where its beams point",
         "name file and frame in sonar.csv, with columns t, file, ping, range_from, range_to, and give sonar.beam_azimuth_deg",
     ),
     (b"\xa3\x95", "a data-flash log of ArduPilot", TO_MCAP),
-    (b"\xa5\x0a", "a file of another instrument of Nortek", f"have its DVL write PD0, log it as nortek_dvl/Dvl or {TO_TABLES}"),
+    (
+        b"\xa5\x0a",
+        "a file of another instrument of Nortek",
+        f"have its DVL write PD0, log it as nortek_dvl/Dvl or {TO_TABLES}",
+    ),
     (b"\x1f\x8b", PACKED, "where it is the log, unpack it first (gunzip)"),
     (b"7z\xbc\xaf", "a packed archive", "unpack it first"),
     (b"\x89HDF", "an HDF5 or NetCDF file", f"write its sensors as {TABLES}"),
 )
 BY_SUFFIX = {
-    ".tlog": ("a telemetry log of ArduPilot", TO_MCAP), ".svlog": ("a log of SonarView", TO_MCAP),
-    ".npz": ("an archive of NumPy arrays", f"write its sensors as {TABLES}"), ".mat": ("a file of MATLAB", f"write {TABLES}"),
-    ".zip": ("a packed archive", "unpack it first"), ".csv": ("one table", f"give its folder, with {TABLES}"),
-    ".xtf": ("a side-scan recording", "side scans are not read"), ".jsf": ("a side-scan recording", "side scans are not read"),
-}  # fmt: skip
+    ".tlog": ("a telemetry log of ArduPilot", TO_MCAP),
+    ".svlog": ("a log of SonarView", TO_MCAP),
+    ".npz": ("an archive of NumPy arrays", f"write its sensors as {TABLES}"),
+    ".mat": ("a file of MATLAB", f"write {TABLES}"),
+    ".zip": ("a packed archive", "unpack it first"),
+    ".csv": ("one table", f"give its folder, with {TABLES}"),
+    ".xtf": ("a side-scan recording", "side scans are not read"),
+    ".jsf": ("a side-scan recording", "side scans are not read"),
+}
 
 
 def describe_file(path: Path, start: bytes) -> tuple[str, str]:
-    """Return what a file is and what to do with it, by its first bytes and its name; two empty texts where nobody knows."""
+    """Return what a file is and what to do with it, by its first bytes and its name; two empty
+    texts where nobody knows.
+    """
     suffix = path.suffix.lower()
     if suffix in IMAGE_SUFFIXES or suffix in VIDEOS:
         kind = "a photo" if suffix in IMAGE_SUFFIXES else "a video"
@@ -59,12 +77,17 @@ def describe_file(path: Path, start: bytes) -> tuple[str, str]:
 
 
 def describe_folder(names: Iterable[str]) -> tuple[str, str]:
-    """Return what lies in a folder without a log, and what to do with it; two empty texts where nobody knows."""
+    """Return what lies in a folder without a log, and what to do with it; two empty texts where
+    nobody knows.
+    """
     names = sorted(names)
     suffixes = Counter(Path(name.lower().removesuffix(".gz")).suffix for name in names)
     photos = sum(suffixes[suffix] for suffix in IMAGE_SUFFIXES)
     if any(suffixes[suffix] for suffix in VIDEOS):
-        return "videos without times", f"put beside them {TO_PHOTOS} (a row names the video and, in a column frame, its frame)"
+        return (
+            "videos without times",
+            f"put beside them {TO_PHOTOS} (a row names the video and, in a column frame, its frame)",
+        )
     if photos > 1:
         return f"{photos} photos without times", f"put beside them {TO_PHOTOS}"
     tables = [name for name in names if name.lower().endswith((".csv", ".csv.gz"))]
@@ -75,5 +98,8 @@ def describe_folder(names: Iterable[str]) -> tuple[str, str]:
     meshes = [name for name in names if Path(name.lower().removesuffix(".gz")).suffix in MESHES]
     if meshes and not found:
         shown = printable(", ".join(meshes[:3])) + (", ..." if len(meshes) > 3 else "")
-        return f"CAD models alone ({shown})", "give the folder of a dive: its log, and the CAD model beside it"
+        return (
+            f"CAD models alone ({shown})",
+            "give the folder of a dive: its log, and the CAD model beside it",
+        )
     return found[0] if found else ("", "")

@@ -16,7 +16,9 @@ Report = Mapping[str, object]
 
 
 def read_reports(stream: BinaryIO) -> Iterator[tuple[int, Report | None]]:
-    """Yield line numbers and objects; None for a line that is too long or holds none. Blank lines are passed over."""
+    """Yield line numbers and objects; None for a line that is too long or holds none. Blank lines
+    are passed over.
+    """
     number = 0
     while line := stream.readline(LONGEST_LINE):
         number += 1
@@ -33,7 +35,11 @@ def read_reports(stream: BinaryIO) -> Iterator[tuple[int, Report | None]]:
 def number_of(report: Report, key: str) -> float:
     """Return a finite number of a report. Raises DamagedError where there is none."""
     value = report.get(key)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not -LARGEST <= value <= LARGEST:
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | float)
+        or not -LARGEST <= value <= LARGEST
+    ):
         raise DamagedError(f"{key} is no number")
     return float(value)
 

@@ -10,14 +10,31 @@ from dataclasses import dataclass
 from typing import BinaryIO
 
 from hullrecon.dive.logs.readers.protocol import Channel, Message
-from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, decompress, fields, text
+from hullrecon.dive.logs.readers.unpack import (
+    LARGEST_CHUNK,
+    DamagedError,
+    UnpackBudget,
+    decompress,
+    fields,
+    text,
+)
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(0x01, 0x09)
-ATTACHMENT, ATTACHMENT_INDEX, STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = range(0x09, 0x10)
+ATTACHMENT, ATTACHMENT_INDEX, STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = (
+    range(0x09, 0x10)
+)
 PRIVATE = 0x80  # and above: records of somebody's own
 IN_DATA = {HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, ATTACHMENT, METADATA, DATA_END}
-IN_SUMMARY = {SCHEMA, CHANNEL, STATISTICS, CHUNK_INDEX, ATTACHMENT_INDEX, METADATA_INDEX, SUMMARY_OFFSET}
+IN_SUMMARY = {
+    SCHEMA,
+    CHANNEL,
+    STATISTICS,
+    CHUNK_INDEX,
+    ATTACHMENT_INDEX,
+    METADATA_INDEX,
+    SUMMARY_OFFSET,
+}
 HEAD = 9  # bytes: opcode, length
 FOOTER_SIZE, DATA_END_SIZE = HEAD + 20, HEAD + 4
 COMPRESSIONS = {b"", b"none", b"zstd", b"lz4"}
@@ -46,14 +63,20 @@ class Definitions:
         self.unknown = 0  # messages of channels whose definition was lost
 
     def take(self, opcode: int, body: bytes) -> Message | None:
-        """Learn a schema or a channel, or return a message. Raises DamagedError when the record does not hold together."""
+        """Learn a schema or a channel, or return a message. Raises DamagedError when the record
+        does not hold together.
+        """
         if opcode == SCHEMA:
             name, at = _string(body, 2)
             form, at = _string(body, at)
             (length,) = fields("<I", body, at)
             if length > min(len(body) - at - 4, LONGEST_DEFINITION):
                 raise DamagedError(f"a definition claims {length} bytes")
-            self._schemas[fields("<H", body)[0]] = (name, form, text(body[at + 4 : at + 4 + length]))
+            self._schemas[fields("<H", body)[0]] = (
+                name,
+                form,
+                text(body[at + 4 : at + 4 + length]),
+            )
         elif opcode == CHANNEL:
             number, schema = fields("<HH", body)
             topic, at = _string(body, 4)
@@ -71,7 +94,9 @@ class Definitions:
 
 
 def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
-    """Return opcode and length of the record at byte `at`. Raises DamagedError when it is none or reaches beyond `end`."""
+    """Return opcode and length of the record at byte `at`. Raises DamagedError when it is none or
+    reaches beyond `end`.
+    """
     stream.seek(at)
     opcode, length = fields("<BQ", stream.read(HEAD))
     if not (HEADER <= opcode <= DATA_END or opcode >= PRIVATE):
@@ -82,21 +107,29 @@ def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
 
 
 def packed_at(body: bytes, length: int) -> int | None:
-    """Return where the packed records of a chunk's body of that length start; None when the body is none of a chunk.
+    """Return where the packed records of a chunk's body of that length start; None when the body is
+    none of a chunk.
 
-    body: its first bytes suffice. A chunk's lengths agree with each other, which no other record's bytes do by chance.
+    body: its first bytes suffice. A chunk's lengths agree with each other, which no other record's
+    bytes do by chance.
     """
     if len(body) < 40:
         return None
     named = int.from_bytes(body[28:32], "little")
     at = 32 + named
-    if named > 4 or body[32:at] not in COMPRESSIONS or int.from_bytes(body[at : at + 8], "little") != length - at - 8:
+    if (
+        named > 4
+        or body[32:at] not in COMPRESSIONS
+        or int.from_bytes(body[at : at + 8], "little") != length - at - 8
+    ):
         return None
     return at + 8
 
 
 def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
-    """Return the chunk at byte `at`, whatever its opcode says; its lengths must agree with each other."""
+    """Return the chunk at byte `at`, whatever its opcode says; its lengths must agree with each
+    other.
+    """
     _, length = head(stream, at, end)
     start = packed_at(stream.read(min(length, CHUNK_HEAD)), length)
     if start is None:
@@ -107,11 +140,18 @@ def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
     body = stream.read(length)
     start_ns, end_ns, size, crc = fields("<QQQI", body)
     return Chunk(
-        start_ns=start_ns, end_ns=end_ns, size=size, crc=crc, compression=body[32 : start - 8].decode(), packed=body[start:]
+        start_ns=start_ns,
+        end_ns=end_ns,
+        size=size,
+        crc=crc,
+        compression=body[32 : start - 8].decode(),
+        packed=body[start:],
     )
 
 
-def messages_of(chunk: Chunk, definitions: Definitions, budget: UnpackBudget | None = None) -> list[Message]:
+def messages_of(
+    chunk: Chunk, definitions: Definitions, budget: UnpackBudget | None = None
+) -> list[Message]:
     """Return all messages of a whole chunk. Raises DamagedError."""
     data = decompress(chunk.packed, chunk.compression, chunk.size, budget)
     if chunk.crc and zlib.crc32(data) != chunk.crc:

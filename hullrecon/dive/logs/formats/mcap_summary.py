@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The closing records of an MCAP file: where its data ends, and what its summary says about the chunks."""
+"""The closing records of an MCAP file: where its data ends, and what its summary says about the
+chunks.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +33,9 @@ from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, fiel
 
 @dataclass(frozen=True, kw_only=True)
 class ChunkNote:
-    """What the summary says about one chunk. end: the byte behind it and its indices. topics: those it holds, empty when the
-    writer did not say."""
+    """What the summary says about one chunk. end: the byte behind it and its indices. topics: those
+    it holds, empty when the writer did not say.
+    """
 
     offset: int
     end: int
@@ -43,7 +46,9 @@ class ChunkNote:
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
-    """chunks in the order of the file; counts of messages by topic (empty without statistics); start: its first byte."""
+    """chunks in the order of the file; counts of messages by topic (empty without statistics);
+    start: its first byte.
+    """
 
     chunks: tuple[ChunkNote, ...]
     counts: dict[str, int]
@@ -52,8 +57,9 @@ class Summary:
 
 
 def read_summary(stream: BinaryIO, size: int) -> Summary | None:
-    """Return the summary; None when there is none that can be trusted (its checksum, where it has one, must hold, and no
-    message may stand where it names no chunk)."""
+    """Return the summary; None when there is none that can be trusted (its checksum, where it has
+    one, must hold, and no message may stand where it names no chunk).
+    """
     try:
         start, section = _section(stream, size)
         summary = _parse(section, start)
@@ -63,8 +69,10 @@ def read_summary(stream: BinaryIO, size: int) -> Summary | None:
 
 
 def is_end_of_data(stream: BinaryIO, opcode: int, length: int, at: int, size: int) -> bool:
-    """Return whether the record at byte `at` ends the data: a DATA_END of four bytes, behind it the summary if any, the footer
-    and the magic. Anything else that looks like an end is damage: data may follow."""
+    """Return whether the record at byte `at` ends the data: a DATA_END of four bytes, behind it the
+    summary if any, the footer and the magic. Anything else that looks like an end is damage: data
+    may follow.
+    """
     footer = _footer(stream, size)
     if footer is None:
         return False
@@ -84,7 +92,9 @@ def claims_summary(stream: BinaryIO, size: int) -> bool:
 
 
 def _footer(stream: BinaryIO, size: int) -> tuple[int, int] | None:
-    """Return the start of the summary as the footer has it, and the footer's own byte; None where none ends the file."""
+    """Return the start of the summary as the footer has it, and the footer's own byte; None where
+    none ends the file.
+    """
     at = size - FOOTER_SIZE - len(MAGIC)
     try:
         if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
@@ -104,7 +114,9 @@ def _is_summary(stream: BinaryIO, at: int, foot: int) -> bool:
 
 
 def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]]:
-    """Yield opcode, byte and length of the records from `at` to `end`; DamagedError where they do not end there."""
+    """Yield opcode, byte and length of the records from `at` to `end`; DamagedError where they do
+    not end there.
+    """
     while at < end:
         opcode, length = head(stream, at, end)
         yield opcode, at, length
@@ -112,12 +124,22 @@ def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]
 
 
 def _names_all(stream: BinaryIO, summary: Summary) -> bool:
-    """Tell whether no chunk and no message lies where the summary names none; an index of another kind may be damaged there."""
-    edges = [len(MAGIC), *(edge for note in summary.chunks for edge in (note.offset, note.end)), summary.start]
+    """Tell whether no chunk and no message lies where the summary names none; an index of another
+    kind may be damaged there.
+    """
+    edges = [
+        len(MAGIC),
+        *(edge for note in summary.chunks for edge in (note.offset, note.end)),
+        summary.start,
+    ]
     if not summary.chunks:
         return True
     try:
-        found = {op for start, end in list(pairwise(edges))[::2] for op, _, _ in _heads(stream, start, end)}
+        found = {
+            op
+            for start, end in list(pairwise(edges))[::2]
+            for op, _, _ in _heads(stream, start, end)
+        }
     except DamagedError:
         return False
     return not found & {CHUNK, MESSAGE}
@@ -166,7 +188,13 @@ def _parse(section: bytes, start: int) -> Summary:
         if number in names:
             counts[names[number]] = counts.get(names[number], 0) + count
     named = (
-        ChunkNote(offset=o, end=e, start_ns=first, end_ns=last, topics=tuple(sorted({names[c] for c in held if c in names})))
+        ChunkNote(
+            offset=o,
+            end=e,
+            start_ns=first,
+            end_ns=last,
+            topics=tuple(sorted({names[c] for c in held if c in names})),
+        )
         for o, e, first, last, held in notes
     )
     return Summary(chunks=tuple(named), counts=counts, definitions=definitions, start=start)

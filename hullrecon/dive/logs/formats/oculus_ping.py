@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The simple ping result that an Oculus sonar sends, versions 1 and 2: its image, bearings and ranges.
+"""The simple ping result that an Oculus sonar sends, versions 1 and 2: its image, bearings and
+ranges.
 
-Layout: Blueprint Subsea's Oculus.h, as liboculus (University of Washington) publishes it, packed, little-endian. A
-message has no time of day: its clock counts from power-up.
+Layout: Blueprint Subsea's Oculus.h, as liboculus (University of Washington) publishes it, packed,
+little-endian. A message has no time of day: its clock counts from power-up.
 """
 
 from __future__ import annotations
@@ -18,10 +19,13 @@ from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 from hullrecon.typing import Array
 
 MAGIC = b"SO"  # 0x4f53
-HEADER, SIMPLE_PING = "<HHHHHIH", 0x23  # check, source, destination, kind, version, payload bytes, spare
+# check, source, destination, kind, version, payload bytes, spare
+HEADER, SIMPLE_PING = "<HHHHHIH", 0x23
 HEADER_BYTES = struct.calcsize(HEADER)
-FLAGS_AT, GAIN_IS_SENT = 20, 0x04  # of the fire message; with a gain each row begins with four bytes of it
-HEADS = {1: ("<BdHH", 93 + 4, 110, 122), 2: ("<BdHH", 161, 190, 202)}  # size, resolution, ranges, beams; image; end, by version
+# of the fire message; with a gain each row begins with four bytes of it
+FLAGS_AT, GAIN_IS_SENT = 20, 0x04
+# size, resolution, ranges, beams; image; end, by version
+HEADS = {1: ("<BdHH", 93 + 4, 110, 122), 2: ("<BdHH", 161, 190, 202)}
 SAMPLES = {0: "<u1", 1: "<u2", 2: "<u4", 3: "<u4"}  # DataSizeType; 24 bits are not read
 NOT_READ = 2
 MOST_BEAMS, MOST_RANGES = 1024, 20_000
@@ -30,7 +34,9 @@ FARTHEST_M, WIDEST_DEG = 500.0, 90.0
 
 @dataclass(frozen=True, kw_only=True)
 class OculusPing:
-    """image (beams, ranges); azimuth_rad (beams,) as sent, growing from left to right; range_m (ranges,) of bin centres."""
+    """image (beams, ranges); azimuth_rad (beams,) as sent, growing from left to right; range_m
+    (ranges,) of bin centres.
+    """
 
     image: NDArray[np.unsignedinteger]
     azimuth_rad: Array
@@ -38,7 +44,9 @@ class OculusPing:
 
 
 def message_bytes(data: bytes) -> int:
-    """Return the length of the message that starts there, header included. Raises DamagedError where none does."""
+    """Return the length of the message that starts there, header included. Raises DamagedError
+    where none does.
+    """
     check, *_, payload, _ = fields(HEADER, data)
     if check != int.from_bytes(MAGIC, "little"):
         raise DamagedError("no Oculus message starts there")
@@ -51,7 +59,9 @@ def is_ping(data: bytes) -> bool:
 
 
 def parse_ping(data: bytes) -> OculusPing:
-    """Return the ping of one whole message. Raises DamagedError for any other message and where sizes do not fit."""
+    """Return the ping of one whole message. Raises DamagedError for any other message and where
+    sizes do not fit.
+    """
     length = message_bytes(data)
     if not is_ping(data) or length > len(data):
         raise DamagedError("it is no whole ping of an Oculus")
@@ -60,7 +70,11 @@ def parse_ping(data: bytes) -> OculusPing:
     offset, size = fields("<II", data, image_at)
     if kind not in SAMPLES or kind == NOT_READ:
         raise DamagedError(f"pixels of kind {kind} are not read")
-    if not (0 < beams <= MOST_BEAMS and 0 < ranges <= MOST_RANGES and 0 < resolution * ranges <= FARTHEST_M):
+    if not (
+        0 < beams <= MOST_BEAMS
+        and 0 < ranges <= MOST_RANGES
+        and 0 < resolution * ranges <= FARTHEST_M
+    ):
         raise DamagedError(f"a ping of {beams} beams and {ranges} ranges of {resolution:g} m")
     dtype = np.dtype(SAMPLES[kind])
     gain = 4 if data[FLAGS_AT] & GAIN_IS_SENT else 0

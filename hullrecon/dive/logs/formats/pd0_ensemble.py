@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Teledyne PD0 ensembles: where they lie in a file, and what stands in each.
 
-Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format [TeledynePD0]; the Explorer DVL writes the same.
+Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format [TeledynePD0]; the
+Explorer DVL writes the same.
 """
 
 from __future__ import annotations
@@ -29,11 +30,13 @@ BLOCK, REACH = 1 << 20, 65535 + 2  # bytes read at a time; of the longest ensemb
 
 @dataclass(frozen=True, kw_only=True)
 class Ensemble:
-    """One ping as the instrument wrote it, in SI units; NaN where it is marked lost or was not measured.
+    """One ping as the instrument wrote it, in SI units; NaN where it is marked lost or was not
+    measured.
 
-    frame: of every velocity, one of FRAMES. range_m (4,): to the bottom along the instrument's axis (not along the beam).
-    bottom (4,) m/s: of the bottom relative to the instrument (fourth: error velocity; of four beams in frame "beam").
-    water (cells, 4) m/s, likewise, at cell_m (cells,) along the axis.
+    frame: of every velocity, one of FRAMES. range_m (4,): to the bottom along the instrument's axis
+    (not along the beam). bottom (4,) m/s: of the bottom relative to the instrument (fourth: error
+    velocity; of four beams in frame "beam"). water (cells, 4) m/s, likewise, at cell_m (cells,)
+    along the axis.
     """
 
     number: int
@@ -54,17 +57,27 @@ class Ensemble:
 
     @property
     def has_attitude(self) -> bool:
-        """Tell whether heading or a tilt is other than zero: where an instrument lacks the sensors, all three are zero."""
+        """Tell whether heading or a tilt is other than zero: where an instrument lacks the sensors,
+        all three are zero.
+        """
         return any((self.heading_rad, self.pitch_rad, self.roll_rad))
 
 
 def is_pd0(start: bytes) -> bool:
-    """Return whether a file that begins so starts with an ensemble: its first data type lies right behind its list of them."""
-    return len(start) >= 8 and start.startswith(MAGIC) and int.from_bytes(start[6:8], "little") == 6 + 2 * start[5] > 6
+    """Return whether a file that begins so starts with an ensemble: its first data type lies right
+    behind its list of them.
+    """
+    return (
+        len(start) >= 8
+        and start.startswith(MAGIC)
+        and int.from_bytes(start[6:8], "little") == 6 + 2 * start[5] > 6
+    )
 
 
 def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
-    """Yield (start, end, ensemble) where a checksum holds, between them (start, end, why) of bytes of no ensemble."""
+    """Yield (start, end, ensemble) where a checksum holds, between them (start, end, why) of bytes
+    of no ensemble.
+    """
     at = bad = 0
     why = ""
     while True:
@@ -95,7 +108,8 @@ def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
 def _checked_starts(data: bytes) -> NDArray[np.intp]:
     """Return the bytes where something starts that has an ensemble's magic, length and checksum.
 
-    Sums of stretches are differences of one running sum: each byte is added once, however many heads claim it.
+    Sums of stretches are differences of one running sum: each byte is added once, however many
+    heads claim it.
     """
     values = np.frombuffer(data, np.uint8).astype(np.uint32)
     running = np.concatenate([np.zeros(1, np.uint32), np.cumsum(values, dtype=np.uint32)])
@@ -117,7 +131,9 @@ def _ensemble_at(data: bytes, at: int) -> tuple[Ensemble | None, str]:
 
 
 def parse(data: bytes) -> Ensemble:
-    """Parse one whole ensemble without its checksum. Raises DamagedError when a part that every ensemble has is missing."""
+    """Parse one whole ensemble without its checksum. Raises DamagedError when a part that every
+    ensemble has is missing.
+    """
     parts = _parts(data)
     if FIXED not in parts or VARIABLE not in parts:
         raise DamagedError("its leaders are missing")
@@ -141,7 +157,9 @@ def parse(data: bytes) -> Ensemble:
         depth_m=fields("<H", variable, 16)[0] / 10,
         range_m=_ranges(bottom),
         bottom=np.full(4, np.nan) if bottom is None else _velocities(bottom, 24, 1)[0],
-        water=_velocities(parts[VELOCITY], 2, cells) if VELOCITY in parts and beams == 4 else np.zeros((0, 4)),
+        water=_velocities(parts[VELOCITY], 2, cells)
+        if VELOCITY in parts and beams == 4
+        else np.zeros((0, 4)),
         cell_m=(fields("<H", fixed, 32)[0] + fields("<H", fixed, 12)[0] * np.arange(cells)) / 100,
     )
 
@@ -158,7 +176,10 @@ def _end_of(data: bytes, at: int) -> int:
     end = at + _size(data, at)
     if end > len(data):
         raise DamagedError("the last ensemble is cut off")
-    if int(np.frombuffer(data[at : end - 2], np.uint8).sum(dtype=np.int64)) % 65536 != fields("<H", data, end - 2)[0]:
+    if (
+        int(np.frombuffer(data[at : end - 2], np.uint8).sum(dtype=np.int64)) % 65536
+        != fields("<H", data, end - 2)[0]
+    ):
         raise DamagedError("a checksum is wrong")
     return end
 
@@ -199,7 +220,9 @@ def _beam_angle(system: int, fixed: bytes) -> float:
 
 
 def _ranges(bottom: bytes | None) -> Array:
-    """Return the ranges (4,) m; a range of 0 is lost. Their high bytes stand at the end, where the record is long enough."""
+    """Return the ranges (4,) m; a range of 0 is lost. Their high bytes stand at the end, where the
+    record is long enough.
+    """
     if bottom is None:
         return np.full(4, np.nan)
     high = fields("<4B", bottom, 77) if len(bottom) >= 81 else (0, 0, 0, 0)

@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sonar ping of plain files: an .npz with `image`, `azimuth` and `range`, whose sizes are looked at before it is unpacked, or
-one of those that an Oculus sent and a file keeps as they came, or a frame of a DIDSON."""
+"""A sonar ping of plain files: an .npz with `image`, `azimuth` and `range`, whose sizes are looked
+at before it is unpacked, or one of those that an Oculus sent and a file keeps as they came, or a
+frame of a DIDSON.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,8 @@ from hullrecon.typing import Array
 
 KEYS = ("image", "azimuth", "range")
 LARGEST_FILE = 1 << 26  # bytes; 1024 beams of 8192 ranges as float64 have as many
-FREE_BYTES, RATIO = 1 << 22, 256  # an array unpacks to at most so many bytes and so many times its packed size
+# an array unpacks to at most so many bytes and so many times its packed size
+FREE_BYTES, RATIO = 1 << 22, 256
 NUMBERS = "biuf"  # kinds of dtypes
 FARTHEST_M = 200.0  # of a DIDSON
 
@@ -31,23 +34,32 @@ Ping = tuple[NDArray[np.generic], Array | None, Array]
 
 
 def read_ping(path: Path, number: int = 0, window_m: tuple[float, float] | None = None) -> Ping:
-    """Return the image [beams, ranges], azimuth (beams,) rad and range (ranges,) m of a ping; no azimuth of a DIDSON's.
+    """Return the image [beams, ranges], azimuth (beams,) rad and range (ranges,) m of a ping; no
+    azimuth of a DIDSON's.
 
-    number: which ping, from 0, of a file of what an Oculus sent or a DIDSON recorded; window_m: where the samples of a DIDSON
-    begin and end. Raises ValueError that says what is wrong with the file.
+    number: which ping, from 0, of a file of what an Oculus sent or a DIDSON recorded; window_m:
+    where the samples of a DIDSON begin and end. Raises ValueError that says what is wrong with the
+    file.
     """
     try:
         require_regular_file(path)
         if _begins_with(path, didson_frames.MAGIC):
             return _didson(path, number, window_m)
         if window_m is not None:
-            raise ValueError("range_from and range_to are for files of a DIDSON; this one has ranges of its own")
+            raise ValueError(
+                "range_from and range_to are for files of a DIDSON; this one has ranges of its own"
+            )
         with warnings.catch_warnings(action="ignore"):
             is_oculus = _begins_with(path, oculus_ping.MAGIC)
             image, azimuth, range_m = _oculus(path, number) if is_oculus else _arrays(path)
     except Exception as error:  # numpy and zipfile raise a dozen kinds over a damaged .npz
         raise ValueError(printable(str(error), LONGEST_REASON)) from None
-    if azimuth.ndim != 1 or range_m.ndim != 1 or image.shape != (len(azimuth), len(range_m)) or not image.size:
+    if (
+        azimuth.ndim != 1
+        or range_m.ndim != 1
+        or image.shape != (len(azimuth), len(range_m))
+        or not image.size
+    ):
         raise ValueError("the sonar image's shape is not [beams, ranges]")
     if not (np.isfinite(azimuth).all() and np.isfinite(range_m).all()):
         raise ValueError("azimuth and range are not all numbers")
@@ -87,7 +99,9 @@ def _oculus(path: Path, number: int) -> tuple[NDArray[np.generic], Array, Array]
 
 @lru_cache(maxsize=4)
 def _ping_offsets(path: Path, size: int, mtime_ns: int) -> list[int]:
-    """Return where the pings begin: heads are passed by the lengths that they tell. A file that has changed is read anew."""
+    """Return where the pings begin: heads are passed by the lengths that they tell. A file that has
+    changed is read anew.
+    """
     offsets, at = [], 0
     with path.open("rb") as stream:
         while len(head := stream.read(oculus_ping.HEADER_BYTES)) == oculus_ping.HEADER_BYTES:
@@ -108,22 +122,30 @@ def _arrays(path: Path) -> list[NDArray[np.generic]]:
         if absent:
             raise ValueError(f"it has no {' and no '.join(absent)}")
         before = min(info.header_offset for info in archive.infolist())
-        if before > 0:  # a ZIP may have anything before it; a ping that has was overwritten by another
+        # a ZIP may have anything before it; a ping that has was overwritten by another
+        if before > 0:
             raise ValueError(f"{before} bytes of something else stand before its arrays")
         return [_array(archive, members[name]) for name in KEYS]
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[np.generic]:
-    """Return one array of numbers. What its head says of its size must be what the archive says, before either is believed."""
+    """Return one array of numbers. What its head says of its size must be what the archive says,
+    before either is believed.
+    """
     if member.file_size > min(LARGEST_FILE, FREE_BYTES + RATIO * member.compress_size):
         raise ValueError(f"{member.filename} would unpack to {member.file_size} bytes")
     with archive.open(member) as stream:
         is_first = np.lib.format.read_magic(stream) == (1, 0)
-        read_head = np.lib.format.read_array_header_1_0 if is_first else np.lib.format.read_array_header_2_0
+        read_head = (
+            np.lib.format.read_array_header_1_0 if is_first else np.lib.format.read_array_header_2_0
+        )
         shape, _, dtype = read_head(stream)
         if dtype.kind not in NUMBERS or dtype.itemsize > 8:
             raise ValueError(f"{member.filename} holds no numbers")
-        if min(shape, default=0) < 0 or stream.tell() + math.prod(shape) * dtype.itemsize != member.file_size:
+        if (
+            min(shape, default=0) < 0
+            or stream.tell() + math.prod(shape) * dtype.itemsize != member.file_size
+        ):
             raise ValueError(f"{member.filename} is not as long as its head says")
     with archive.open(member) as stream:
         return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))

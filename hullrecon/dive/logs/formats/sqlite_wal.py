@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The write-ahead log beside an SQLite database. SQLite stops at its first damaged frame without a word: it is looked at first.
+"""The write-ahead log beside an SQLite database. SQLite stops at its first damaged frame without a
+word: it is looked at first.
 
 Layout and checksum: sqlite.org/fileformat2.html, section 4.
 """
@@ -18,9 +19,11 @@ BLOCK = 1 << 20
 
 
 def describe_damage(path: Path) -> str:
-    """Return what of a write-ahead log SQLite will leave aside, though it was written: "" for nothing.
+    """Return what of a write-ahead log SQLite will leave aside, though it was written: "" for
+    nothing.
 
-    Frames of an older generation (another salt) behind those of the last one are sound, and belong to nobody.
+    Frames of an older generation (another salt) behind those of the last one are sound, and belong
+    to nobody.
     """
     with path.open("rb") as stream:
         header = stream.read(HEADER)
@@ -29,7 +32,11 @@ def describe_damage(path: Path) -> str:
             return "its header is damaged"
         page = int.from_bytes(header[8:12], "big")
         sums = _checksum(header[:24], order, (0, 0))
-        if sums != struct.unpack(">II", header[24:]) or not 512 <= page <= 65536 or page & (page - 1):
+        if (
+            sums != struct.unpack(">II", header[24:])
+            or not 512 <= page <= 65536
+            or page & (page - 1)
+        ):
             return "its header is damaged"
         count = finished = 0
         while len(frame := stream.read(FRAME_HEAD + page)) == FRAME_HEAD + page:
@@ -46,7 +53,9 @@ def describe_damage(path: Path) -> str:
 
 
 def _holds(stream: BinaryIO, start: bytes, salt: bytes) -> bool:
-    """Tell whether the salt stands anywhere in what is left: there, frames of the last generation follow, in whatever place."""
+    """Tell whether the salt stands anywhere in what is left: there, frames of the last generation
+    follow, in whatever place.
+    """
     while start:
         if salt in start:
             return True

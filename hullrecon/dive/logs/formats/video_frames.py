@@ -18,7 +18,9 @@ QUALITY = 95  # of the JPEG: the video's own losses are larger
 
 
 class VideoFrames:
-    """A video that is read forward. Raises ValueError that says what is wrong, in the constructor and in `jpeg`."""
+    """A video that is read forward. Raises ValueError that says what is wrong, in the constructor
+    and in `jpeg`.
+    """
 
     def __init__(self, path: Path) -> None:
         import cv2
@@ -32,7 +34,10 @@ class VideoFrames:
         self._capture = cv2.VideoCapture(str(path.absolute()), cv2.CAP_FFMPEG)
         if not self._capture.isOpened():
             raise ValueError("it cannot be decoded")
-        size = int(self._capture.get(cv2.CAP_PROP_FRAME_WIDTH)), int(self._capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
+        size = (
+            int(self._capture.get(cv2.CAP_PROP_FRAME_WIDTH)),
+            int(self._capture.get(cv2.CAP_PROP_FRAME_HEIGHT)),
+        )
         if not fits(size):
             raise ValueError(f"its frames have {size[0]} x {size[1]} pixels")
         self._next = 0

@@ -18,9 +18,14 @@ def imu(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read sensor_msgs/Imu. A covariance of -1 says that the IMU does not measure that quantity."""
     q = message.orientation
     quaternion = np.array([q.x, q.y, q.z, q.w], float)
-    given = [np.asarray(c)[0] != -1 for c in (
-        message.orientation_covariance, message.angular_velocity_covariance, message.linear_acceleration_covariance
-    )]  # fmt: skip
+    given = [
+        np.asarray(c)[0] != -1
+        for c in (
+            message.orientation_covariance,
+            message.angular_velocity_covariance,
+            message.linear_acceleration_covariance,
+        )
+    ]
     return [
         ImuSample(
             t_ns,
@@ -55,7 +60,9 @@ def depth_of_pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def depth_of_pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read z of geometry_msgs/PoseWithCovarianceStamped and of nav_msgs/Odometry, up as REP 103 has it."""
+    """Read z of geometry_msgs/PoseWithCovarianceStamped and of nav_msgs/Odometry, up as REP 103 has
+    it.
+    """
     return [DepthSample(t_ns, float(message.pose.pose.position.z), is_up=True)]
 
 
@@ -70,7 +77,9 @@ def depth_of_head_up_display(message: Fields, t_ns: int, role: str) -> list[Samp
 
 
 def deep_submergence_depth(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read ds_sensor_msgs/DepthPressure: its depth, which has the latitude in it already; -9999 is no data."""
+    """Read ds_sensor_msgs/DepthPressure: its depth, which has the latitude in it already; -9999 is
+    no data.
+    """
     if message.depth <= NO_DATA:
         raise DamagedError("a DepthPressure without a depth")
     return [DepthSample(t_ns, float(message.depth), is_up=False)]

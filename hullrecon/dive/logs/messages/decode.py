@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decode serialised messages by the definition that the log carries, else by a bundled or a standard one."""
+"""Decode serialised messages by the definition that the log carries, else by a bundled or a
+standard one.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def type_name(channel: Channel) -> str:
 
 
 def decode(channel: Channel, data: bytes) -> Fields:
-    """Return the message's fields. Raises DamagedError for bytes that are no such message or a type without a definition."""
+    """Return the message's fields. Raises DamagedError for bytes that are no such message or a type
+    without a definition.
+    """
     store = _store(channel)
     if isinstance(store, str):
         raise DamagedError(store)
@@ -34,7 +38,8 @@ def decode(channel: Channel, data: bytes) -> Fields:
         if channel.encoding == "ros1":
             return store.deserialize_ros1(data, type_name(channel))
         return store.deserialize_cdr(data, type_name(channel))
-    except Exception as error:  # bytes of any content: rosbags' generated code raises whatever they lead it to
+    # bytes of any content: rosbags' generated code raises whatever they lead it to
+    except Exception as error:
         raise DamagedError(f"a {channel.type} cannot be decoded: {describe(error)}") from None
 
 
@@ -46,11 +51,15 @@ def describe(error: Exception) -> str:
 
 @lru_cache(maxsize=64)
 def _store(channel: Channel) -> Typestore | str:
-    """Return the types by which a channel's messages are decoded, or why there are none, found out once for all messages."""
+    """Return the types by which a channel's messages are decoded, or why there are none, found out
+    once for all messages.
+    """
     if channel.encoding not in ENCODINGS:
         return f"messages in the encoding {channel.encoding!r} are not read"
     try:
-        return _from_definition(channel) if channel.definition.strip() else _standard(channel.encoding)
+        return (
+            _from_definition(channel) if channel.definition.strip() else _standard(channel.encoding)
+        )
     except Exception as error:  # the grammar of a damaged definition may fail anywhere
         return f"the definition of {channel.type} cannot be read: {describe(error)}"
 
@@ -67,7 +76,8 @@ def _from_definition(channel: Channel) -> Typestore:
         types = get_types_from_msg(channel.definition, type_name(channel))
     check_types(types, type_name(channel))
     store.register(types)
-    store.get_msgdef(type_name(channel))  # compiles it: where that fails it would fail anew for each message
+    # compiles it: where that fails it would fail anew for each message
+    store.get_msgdef(type_name(channel))
     return store
 
 

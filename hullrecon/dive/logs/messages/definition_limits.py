@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Refuse definitions of message types that would take hours or gigabytes to parse, to compile or to decode by.
+"""Refuse definitions of message types that would take hours or gigabytes to parse, to compile or to
+decode by.
 
-A log carries its types' definitions as text, and rosbags compiles them: each element of an array of messages becomes lines of
-code, each nested type a call for each message. Real definitions stay far below these limits.
+A log carries its types' definitions as text, and rosbags compiles them: each element of an array of
+messages becomes lines of code, each nested type a call for each message. Real definitions stay far
+below these limits.
 """
 
 from __future__ import annotations
@@ -17,17 +19,21 @@ from hullrecon.dive.logs.readers.unpack import DamagedError
 LONGEST_TEXT = 1 << 17  # characters; those of the types that are read here have up to 10,000
 MOST_TYPES, MOST_FIELDS = 200, 2000
 MOST_ELEMENTS = 1000  # of fixed arrays of messages or strings, which are compiled one by one
-LARGEST_ARRAY = 1 << 27  # elements of a fixed array of numbers: none that a chunk could hold is larger
+# elements of a fixed array of numbers: none that a chunk could hold is larger
+LARGEST_ARRAY = 1 << 27
 DEEPEST = 32  # types within types
 LONGEST_IDL = 1 << 16
-MOST_PARENTHESES = 1  # within each other: each more multiplies the time of the IDL parser by sixty; annotations have one
+# within each other: each more multiplies the time of the IDL parser by sixty; annotations have one
+MOST_PARENTHESES = 1
 MOST_ANGLES = 2  # likewise, by two
 
-TEXT = re.compile(r'"(?:\\.|[^"\\])*(?:"|\\?\Z)|//[^\n]*|/\*(?:.*?\*/|.*)', re.DOTALL)  # with those that do not end
+# with those that do not end
+TEXT = re.compile(r'"(?:\\.|[^"\\])*(?:"|\\?\Z)|//[^\n]*|/\*(?:.*?\*/|.*)', re.DOTALL)
 BASE, NAME, ARRAY, SEQUENCE = 1, 2, 3, 4  # rosbags' kinds of fields
 WIDTHS = {"string": 4, "wstring": 4}  # bytes that are there at least; one for every other base type
 
-FieldKind = tuple[int, Any]  # of rosbags: its kind; then a name, (base type, bound) or (element, count)
+# of rosbags: its kind; then a name, (base type, bound) or (element, count)
+FieldKind = tuple[int, Any]
 Types = Mapping[str, tuple[Sequence[object], Sequence[tuple[str, FieldKind]]]]
 
 
@@ -38,8 +44,9 @@ def check_text(text: str) -> None:
 
 
 def check_idl(text: str) -> None:
-    """Raise DamagedError for IDL that the parser would take for ever over: what nests or does not end, or shifts into the
-    millions."""
+    """Raise DamagedError for IDL that the parser would take for ever over: what nests or does not
+    end, or shifts into the millions.
+    """
     if len(text) > LONGEST_IDL:
         raise DamagedError(f"it has {len(text)} characters")
     code = TEXT.sub(_blank, text)
@@ -54,7 +61,9 @@ def check_idl(text: str) -> None:
 
 
 def _blank(match: re.Match[str]) -> str:
-    """Return what stands for a string or a comment where only the code matters. Raises DamagedError for one without an end."""
+    """Return what stands for a string or a comment where only the code matters. Raises DamagedError
+    for one without an end.
+    """
     found = match.group()
     if found.startswith("//"):
         return " "
@@ -65,7 +74,9 @@ def _blank(match: re.Match[str]) -> str:
 
 
 def check_types(types: Types, name: str) -> None:
-    """Raise DamagedError for types that cannot be compiled or decoded by in reasonable time. name: of the message itself."""
+    """Raise DamagedError for types that cannot be compiled or decoded by in reasonable time. name:
+    of the message itself.
+    """
     fields = [kind for _, members in types.values() for _, kind in members]
     if len(types) > MOST_TYPES or len(fields) > MOST_FIELDS:
         raise DamagedError(f"it has {len(types)} types with {len(fields)} fields")
@@ -85,8 +96,9 @@ def check_types(types: Types, name: str) -> None:
 
 
 def _check_bounds(kind: int, inner: Any) -> None:
-    """Raise DamagedError for a bound that is no number: constants of IDL may be text, and rosbags before 0.11.9 wrote bounds
-    into the code that it runs as they were."""
+    """Raise DamagedError for a bound that is no number: constants of IDL may be text, and rosbags
+    before 0.11.9 wrote bounds into the code that it runs as they were.
+    """
     bound = 0 if kind == NAME else inner[1]
     if not isinstance(bound, int | None):
         raise DamagedError("it has a bound that is no number")
@@ -95,7 +107,9 @@ def _check_bounds(kind: int, inner: Any) -> None:
 
 
 class _Sizes:
-    """The least bytes of each type, and the calls that one of it takes; calls that no byte pays for are refused."""
+    """The least bytes of each type, and the calls that one of it takes; calls that no byte pays for
+    are refused.
+    """
 
     def __init__(self, types: Types) -> None:
         self._types = types

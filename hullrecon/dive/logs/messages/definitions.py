@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Definitions of the message types that logs may use without carrying their text, as their packages publish them."""
+"""Definitions of the message types that logs may use without carrying their text, as their packages
+publish them.
+"""
 
 from __future__ import annotations
 
@@ -138,7 +140,9 @@ BUNDLED: dict[str, str] = {
     "marine_acoustic_msgs/msg/SonarImageData": SONAR_IMAGE_DATA,
     "marine_acoustic_msgs/msg/ProjectedSonarImage": PROJECTED_SONAR_IMAGE,
     "waterlinked_a50_ros_driver/msg/DVLBeam": DVL_BEAM,
-    "waterlinked_a50_ros_driver/msg/DVL": WATERLINKED_DVL.format(package="waterlinked_a50_ros_driver"),
+    "waterlinked_a50_ros_driver/msg/DVL": WATERLINKED_DVL.format(
+        package="waterlinked_a50_ros_driver"
+    ),
     "dvl_msgs/msg/DVLBeam": DVL_BEAM,
     "dvl_msgs/msg/DVL": DVL_MSGS_DVL,
     "mavros_msgs/msg/VfrHud": HEAD_UP_DISPLAY,

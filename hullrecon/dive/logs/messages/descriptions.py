@@ -14,7 +14,10 @@ from hullrecon.dive.logs.messages.decode import Fields
 from hullrecon.dive.logs.messages.vectors import vector
 from hullrecon.geometry.poses import Poses, identity
 
-CAMERA_INFO, TRANSFORMS = "sensor_msgs/msg/CameraInfo", ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+CAMERA_INFO, TRANSFORMS = (
+    "sensor_msgs/msg/CameraInfo",
+    ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"),
+)
 COMPRESSED = "/compressed"  # what image_transport adds to a topic's name
 BASE_FRAMES = ("base_link", "base_footprint")  # REP 105: on the vehicle, x forward, y to port, z up
 FRD_FROM_FLU = Poses(Rotation.from_euler("x", 180, degrees=True).as_quat()[None], np.zeros((1, 3)))
@@ -24,25 +27,37 @@ Tree = Mapping[str, tuple[str, Poses]]  # child frame: its parent, and T_parent_
 
 
 def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
-    """Return the fixed frames of tf_static messages, by child. Frames of lengths that are no rotation are left out, and so are
-    those that the log's own definition of the type leaves parts of out."""
+    """Return the fixed frames of tf_static messages, by child. Frames of lengths that are no
+    rotation are left out, and so are those that the log's own definition of the type leaves parts
+    of out.
+    """
     tree: dict[str, tuple[str, Poses]] = {}
     for transform in (t for message in messages for t in getattr(message, "transforms", ())):
         try:
-            r, child, parent = transform.transform.rotation, transform.child_frame_id, transform.header.frame_id
+            r, child, parent = (
+                transform.transform.rotation,
+                transform.child_frame_id,
+                transform.header.frame_id,
+            )
             quaternion = np.array([r.x, r.y, r.z, r.w], float)
             shift = vector(transform.transform.translation)
         except AttributeError:
             continue
-        if abs(np.linalg.norm(quaternion) - 1) < 0.05 and np.isfinite(shift).all() and len(tree) < MOST_FRAMES:
+        if (
+            abs(np.linalg.norm(quaternion) - 1) < 0.05
+            and np.isfinite(shift).all()
+            and len(tree) < MOST_FRAMES
+        ):
             tree[_frame(child)] = (_frame(parent), Poses(quaternion[None], shift[None]))
     return tree
 
 
 @dataclass(frozen=True, kw_only=True)
 class WayUp:
-    """Where a frame is. vehicle: T_v_frame, None where no way leads there; servo: its pose in the first frame of a servo on the
-    way, None without one; vehicle_from_servo: that of the servo's frame."""
+    """Where a frame is. vehicle: T_v_frame, None where no way leads there; servo: its pose in the
+    first frame of a servo on the way, None without one; vehicle_from_servo: that of the servo's
+    frame.
+    """
 
     vehicle: Poses | None
     servo: Poses | None = None
@@ -50,8 +65,9 @@ class WayUp:
 
 
 def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
-    """Return where a frame is by the way up to base_link; the vehicle's axes are forward, starboard, down. servos: names of
-    frames that a servo turns."""
+    """Return where a frame is by the way up to base_link; the vehicle's axes are forward,
+    starboard, down. servos: names of frames that a servo turns.
+    """
     pose, at = identity(), _frame(frame)
     servo = above = None
     for _ in range(DEEPEST):
@@ -76,7 +92,8 @@ def mount_of(pose: Poses) -> list[float]:
     """Return x, y, z in m, roll, pitch, yaw in degrees, as dive.toml has them."""
     matrix = pose.rotation.as_matrix()[0]
     pitch = np.arcsin(np.clip(-matrix[2, 0], -1, 1))
-    if np.hypot(matrix[2, 1], matrix[2, 2]) < 1e-6:  # at 90 degrees roll and yaw are one: all of it is roll, yaw is 0
+    # at 90 degrees roll and yaw are one: all of it is roll, yaw is 0
+    if np.hypot(matrix[2, 1], matrix[2, 2]) < 1e-6:
         roll, yaw = np.arctan2(-np.sign(matrix[2, 0]) * matrix[0, 1], matrix[1, 1]), 0.0
     else:
         roll, yaw = np.arctan2(matrix[2, 1], matrix[2, 2]), np.arctan2(matrix[1, 0], matrix[0, 0])
@@ -85,7 +102,9 @@ def mount_of(pose: Poses) -> list[float]:
 
 
 def lies_beside(topic: str, images: str) -> bool:
-    """Return whether a topic of CameraInfo is in the namespace of that topic of images, as image_transport puts it."""
+    """Return whether a topic of CameraInfo is in the namespace of that topic of images, as
+    image_transport puts it.
+    """
     return topic.rpartition("/")[0] == images.removesuffix(COMPRESSED).rpartition("/")[0]
 
 
@@ -102,10 +121,18 @@ def calibration_keys(info: Fields) -> dict[str, object]:
 
 
 def calibration_yaml(info: Fields, topic: str) -> str | None:
-    """Return the YAML of ROS's camera_calibration for a CameraInfo; None where that is not filled in."""
+    """Return the YAML of ROS's camera_calibration for a CameraInfo; None where that is not filled
+    in.
+    """
     keys = calibration_keys(info)
     matrix, distortion = np.array(keys["camera_matrix"]), np.array(keys["distortion_coefficients"])
-    if not (info.width and info.height and np.isfinite([*matrix, *distortion]).all() and matrix[0] > 0 and matrix[4] > 0):
+    if not (
+        info.width
+        and info.height
+        and np.isfinite([*matrix, *distortion]).all()
+        and matrix[0] > 0
+        and matrix[4] > 0
+    ):
         return None
     return "\n".join(
         [

@@ -11,18 +11,38 @@ from hullrecon.dive.logs.messages.decode import Fields
 from hullrecon.dive.logs.readers.unpack import DamagedError
 
 CHANNELS = {
-    "mono8": 1, "8uc1": 1, "bgr8": 3, "8uc3": 3, "rgb8": 3, "bgra8": 4, "8uc4": 4, "rgba8": 4, "mono16": 1, "16uc1": 1,
-    "bayer_rggb8": 1, "bayer_bggr8": 1, "bayer_gbrg8": 1, "bayer_grbg8": 1, "yuv422": 2, "uyvy": 2, "yuv422_yuy2": 2, "yuyv": 2,
-}  # fmt: skip
+    "mono8": 1,
+    "8uc1": 1,
+    "bgr8": 3,
+    "8uc3": 3,
+    "rgb8": 3,
+    "bgra8": 4,
+    "8uc4": 4,
+    "rgba8": 4,
+    "mono16": 1,
+    "16uc1": 1,
+    "bayer_rggb8": 1,
+    "bayer_bggr8": 1,
+    "bayer_gbrg8": 1,
+    "bayer_grbg8": 1,
+    "yuv422": 2,
+    "uyvy": 2,
+    "yuv422_yuy2": 2,
+    "yuyv": 2,
+}
 QUICK = 1  # PNG's compression level: images are written once, and read a few times
 
 
 def encode_raw(message: Fields) -> bytes:
-    """Return PNG bytes. Raises DamagedError when the pixels are not all there or the encoding is not known."""
+    """Return PNG bytes. Raises DamagedError when the pixels are not all there or the encoding is
+    not known.
+    """
     import cv2
 
     pixels = _pixels(message)
-    ok, png = cv2.imencode(".png", _to_bgr(pixels, message.encoding.lower()), [cv2.IMWRITE_PNG_COMPRESSION, QUICK])
+    ok, png = cv2.imencode(
+        ".png", _to_bgr(pixels, message.encoding.lower()), [cv2.IMWRITE_PNG_COMPRESSION, QUICK]
+    )
     if not ok:
         raise DamagedError("an image cannot be encoded")
     return bytes(png)
@@ -36,9 +56,18 @@ def _pixels(message: Fields) -> NDArray[np.integer]:
     width = 2 if "16" in encoding and not encoding.startswith("yuv") else 1
     row = int(message.width) * CHANNELS[encoding] * width
     data = np.frombuffer(bytes(message.data), np.uint8)
-    if not row or row > message.step or data.size < int(message.step) * int(message.height) or not message.height:
-        raise DamagedError(f"an image of {data.size} bytes for {message.width} x {message.height} pixels")
-    rows = np.ascontiguousarray(data[: int(message.step) * int(message.height)].reshape(int(message.height), -1)[:, :row])
+    if (
+        not row
+        or row > message.step
+        or data.size < int(message.step) * int(message.height)
+        or not message.height
+    ):
+        raise DamagedError(
+            f"an image of {data.size} bytes for {message.width} x {message.height} pixels"
+        )
+    rows = np.ascontiguousarray(
+        data[: int(message.step) * int(message.height)].reshape(int(message.height), -1)[:, :row]
+    )
     if width == 2:
         rows = rows.view(">u2" if message.is_bigendian else "<u2")
     return (
@@ -49,15 +78,27 @@ def _pixels(message: Fields) -> NDArray[np.integer]:
 
 
 def _to_bgr(pixels: NDArray[np.integer], encoding: str) -> NDArray[np.integer]:
-    """Return it as OpenCV writes it: gray, or blue, green, red. How many of 16 bits a camera uses only all its images tell."""
+    """Return it as OpenCV writes it: gray, or blue, green, red. How many of 16 bits a camera uses
+    only all its images tell.
+    """
     import cv2
 
     if pixels.dtype.itemsize == 2:
         return np.asarray(pixels, np.uint16)
     codes = {
-        "rgb8": cv2.COLOR_RGB2BGR, "rgba8": cv2.COLOR_RGBA2BGR, "bgra8": cv2.COLOR_BGRA2BGR, "8uc4": cv2.COLOR_BGRA2BGR,
-        "bayer_rggb8": cv2.COLOR_BayerRGGB2BGR, "bayer_bggr8": cv2.COLOR_BayerBGGR2BGR, "bayer_gbrg8": cv2.COLOR_BayerGBRG2BGR,
-        "bayer_grbg8": cv2.COLOR_BayerGRBG2BGR, "yuv422": cv2.COLOR_YUV2BGR_UYVY, "uyvy": cv2.COLOR_YUV2BGR_UYVY,
-        "yuv422_yuy2": cv2.COLOR_YUV2BGR_YUY2, "yuyv": cv2.COLOR_YUV2BGR_YUY2,
-    }  # fmt: skip
-    return np.asarray(cv2.cvtColor(pixels, codes[encoding]) if encoding in codes else pixels, np.uint8)
+        "rgb8": cv2.COLOR_RGB2BGR,
+        "rgba8": cv2.COLOR_RGBA2BGR,
+        "bgra8": cv2.COLOR_BGRA2BGR,
+        "8uc4": cv2.COLOR_BGRA2BGR,
+        "bayer_rggb8": cv2.COLOR_BayerRGGB2BGR,
+        "bayer_bggr8": cv2.COLOR_BayerBGGR2BGR,
+        "bayer_gbrg8": cv2.COLOR_BayerGBRG2BGR,
+        "bayer_grbg8": cv2.COLOR_BayerGRBG2BGR,
+        "yuv422": cv2.COLOR_YUV2BGR_UYVY,
+        "uyvy": cv2.COLOR_YUV2BGR_UYVY,
+        "yuv422_yuy2": cv2.COLOR_YUV2BGR_YUY2,
+        "yuyv": cv2.COLOR_YUV2BGR_YUY2,
+    }
+    return np.asarray(
+        cv2.cvtColor(pixels, codes[encoding]) if encoding in codes else pixels, np.uint8
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages of positions from outside, GPS and USBL, to samples: one small function a type."""
+"""Translate messages of positions from outside, GPS and USBL, to samples: one small function a
+type.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,11 @@ def satellite_fix(message: Fields, t_ns: int, role: str) -> list[Sample]:
     place = np.array([message.latitude, message.longitude, message.altitude], float)
     known = message.position_covariance_type != UNKNOWN_COVARIANCE
     sigma = _sigma(np.asarray(message.position_covariance, float).reshape(3, 3)) if known else NAN
-    return [PositionSample(t_ns, place if message.status.status != NO_FIX else LOST, sigma, True, by_satellite=True)]
+    return [
+        PositionSample(
+            t_ns, place if message.status.status != NO_FIX else LOST, sigma, True, by_satellite=True
+        )
+    ]
 
 
 def geographic_point(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -34,7 +40,9 @@ def geographic_pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 def geographic_pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read geographic_msgs/GeoPoseWithCovarianceStamped, whose covariance is in metres."""
-    return [_geographic(message.pose.pose.position, t_ns, _sigma(_six_by_six(message.pose.covariance)))]
+    return [
+        _geographic(message.pose.pose.position, t_ns, _sigma(_six_by_six(message.pose.covariance)))
+    ]
 
 
 def point(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -50,11 +58,17 @@ def pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
 def pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read the position of geometry_msgs/PoseWithCovarianceStamped in a local frame, metres."""
     found = message.pose
-    return [PositionSample(t_ns, vector(found.pose.position), _sigma(_six_by_six(found.covariance)), False)]
+    return [
+        PositionSample(
+            t_ns, vector(found.pose.position), _sigma(_six_by_six(found.covariance)), False
+        )
+    ]
 
 
 def _geographic(point: Fields, t_ns: int, sigma_m: float) -> PositionSample:
-    return PositionSample(t_ns, np.array([point.latitude, point.longitude, point.altitude], float), sigma_m, True)
+    return PositionSample(
+        t_ns, np.array([point.latitude, point.longitude, point.altitude], float), sigma_m, True
+    )
 
 
 def _six_by_six(covariance: object) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
@@ -62,6 +76,12 @@ def _six_by_six(covariance: object) -> np.ndarray[tuple[int, int], np.dtype[np.f
 
 
 def _sigma(covariance: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> float:
-    """Return the sigma of one horizontal axis, the mean of both in square; NaN where the covariance says nothing."""
+    """Return the sigma of one horizontal axis, the mean of both in square; NaN where the covariance
+    says nothing.
+    """
     variance = 0.5 * (covariance[0, 0] + covariance[1, 1])
-    return float(np.sqrt(variance)) if covariance[0, 0] > 0 and covariance[1, 1] > 0 and np.isfinite(variance) else NAN
+    return (
+        float(np.sqrt(variance))
+        if covariance[0, 0] > 0 and covariance[1, 1] > 0 and np.isfinite(variance)
+        else NAN
+    )

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages to samples, one small function a type; the tables at the end say which topics take which types."""
+"""Translate messages to samples, one small function a type; the tables at the end say which topics
+take which types.
+"""
 
 from __future__ import annotations
 
@@ -81,7 +83,10 @@ POSITION_TYPES: dict[str, Translate] = {
     "geometry_msgs/msg/PoseStamped": position.pose,
     "geometry_msgs/msg/PoseWithCovarianceStamped": position.pose_with_covariance,
 }
-IMAGE_TYPES: dict[str, Translate] = {"sensor_msgs/msg/CompressedImage": compressed_image, "sensor_msgs/msg/Image": raw_image}
+IMAGE_TYPES: dict[str, Translate] = {
+    "sensor_msgs/msg/CompressedImage": compressed_image,
+    "sensor_msgs/msg/Image": raw_image,
+}
 TYPES: dict[str, dict[str, Translate]] = {
     "dvl": DVL_TYPES,
     "imu": IMU_TYPES,
@@ -97,8 +102,15 @@ WITHOUT_HEADER = frozenset(  # they take the time of logging
 )
 COMMON_TYPES = frozenset(  # of so many uses that only a topic's name can tell which
     {
-        "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped", "nav_msgs/msg/Odometry",
-        "geometry_msgs/msg/TwistWithCovarianceStamped", "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/PointStamped",
-        "mavros_msgs/msg/VfrHud", "mavros_msgs/msg/VFR_HUD", "std_msgs/msg/Float64", "std_msgs/msg/Float32",
+        "geometry_msgs/msg/PoseStamped",
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        "nav_msgs/msg/Odometry",
+        "geometry_msgs/msg/TwistWithCovarianceStamped",
+        "geometry_msgs/msg/TwistStamped",
+        "geometry_msgs/msg/PointStamped",
+        "mavros_msgs/msg/VfrHud",
+        "mavros_msgs/msg/VFR_HUD",
+        "std_msgs/msg/Float64",
+        "std_msgs/msg/Float32",
     }
-)  # fmt: skip
+)

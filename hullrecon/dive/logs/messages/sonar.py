@@ -13,7 +13,8 @@ from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import Sample, SonarSample
 from hullrecon.typing import Array
 
-DTYPES = {0: "u1", 1: "i1", 2: "u2", 3: "i2", 4: "u4", 5: "i4", 6: "u8", 7: "i8", 8: "f4", 9: "f8"}  # of SonarImageData
+# of SonarImageData
+DTYPES = {0: "u1", 1: "i1", 2: "u2", 3: "i2", 4: "u4", 5: "i4", 6: "u8", 7: "i8", 8: "f4", 9: "f8"}
 WIDTHS = {1: "u1", 2: "u2", 4: "u4"}  # bytes a pixel, of messages that name no type
 
 
@@ -27,43 +28,66 @@ def projected_sonar(message: Fields, t_ns: int, role: str) -> list[Sample]:
     pixels = np.frombuffer(bytes(message.image.data), order + DTYPES[int(message.image.dtype)])
     beams = int(message.image.beam_count)
     if beams != len(directions) or pixels.size != beams * len(range_m) or not pixels.size:
-        raise DamagedError(f"a sonar image of {pixels.size} pixels for {beams} beams and {len(range_m)} ranges")
-    return [SonarSample(t_ns, np.ascontiguousarray(pixels.reshape(len(range_m), beams).T), directions, range_m)]
+        raise DamagedError(
+            f"a sonar image of {pixels.size} pixels for {beams} beams and {len(range_m)} ranges"
+        )
+    return [
+        SonarSample(
+            t_ns, np.ascontiguousarray(pixels.reshape(len(range_m), beams).T), directions, range_m
+        )
+    ]
 
 
 def sonar_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read acoustic_msgs/SonarImage, the forerunner of ProjectedSonarImage: pixel (r, b) lies at r * beams + b, azimuth grows
-    from z towards y."""
+    """Read acoustic_msgs/SonarImage, the forerunner of ProjectedSonarImage: pixel (r, b) lies at r
+    * beams + b, azimuth grows from z towards y.
+    """
     if int(message.data_size) not in WIDTHS:
         raise DamagedError(f"a sonar image of {message.data_size} bytes a pixel")
     azimuth, range_m = np.asarray(message.azimuth_angles, float), np.asarray(message.ranges, float)
     order = ">" if message.is_bigendian else "<"
     pixels = np.frombuffer(bytes(message.intensities), order + WIDTHS[int(message.data_size)])
     if pixels.size != len(azimuth) * len(range_m) or not pixels.size:
-        raise DamagedError(f"a sonar image of {pixels.size} pixels for {len(azimuth)} beams and {len(range_m)} ranges")
+        raise DamagedError(
+            f"a sonar image of {pixels.size} pixels for {len(azimuth)} beams and {len(range_m)} ranges"
+        )
     image = np.ascontiguousarray(pixels.reshape(len(range_m), len(azimuth)).T)
     return [SonarSample(t_ns, image, in_fan(azimuth), range_m)]
 
 
 def oculus_raw(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read a message that holds what an Oculus sent, byte by byte; bearings grow from port to starboard."""
+    """Read a message that holds what an Oculus sent, byte by byte; bearings grow from port to
+    starboard.
+    """
     ping = parse_ping(bytes(message.data))
     return [SonarSample(t_ns, ping.image, in_fan(ping.azimuth_rad), ping.range_m)]
 
 
 def oculus_ping(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read oculus_interfaces/Ping: rows of ranges, each behind four bytes of its gain where it has gains."""
-    beams, ranges, row, width = (int(v) for v in (message.n_beams, message.n_ranges, message.step, message.sample_size))
+    """Read oculus_interfaces/Ping: rows of ranges, each behind four bytes of its gain where it has
+    gains.
+    """
+    beams, ranges, row, width = (
+        int(v) for v in (message.n_beams, message.n_ranges, message.step, message.sample_size)
+    )
     gain = 4 if message.has_gains else 0
     if width not in WIDTHS or not beams or not ranges or row < gain + beams * width:
         raise DamagedError(f"an Oculus ping of {beams} beams in rows of {row} bytes")
     data = np.frombuffer(bytes(message.ping_data), np.uint8)
     if data.size < ranges * row or len(message.bearings) != beams:
-        raise DamagedError(f"an Oculus ping of {data.size} bytes for {beams} beams and {ranges} ranges")
-    rows = np.ascontiguousarray(data[: ranges * row].reshape(ranges, row)[:, gain : gain + beams * width])
+        raise DamagedError(
+            f"an Oculus ping of {data.size} bytes for {beams} beams and {ranges} ranges"
+        )
+    rows = np.ascontiguousarray(
+        data[: ranges * row].reshape(ranges, row)[:, gain : gain + beams * width]
+    )
     image = np.ascontiguousarray(rows.view("<" + WIDTHS[width]).T)
     range_m = np.asarray((np.arange(ranges) + 0.5) * float(message.range_resolution), float)
-    return [SonarSample(t_ns, image, in_fan(np.radians(np.asarray(message.bearings, float) / 100)), range_m)]
+    return [
+        SonarSample(
+            t_ns, image, in_fan(np.radians(np.asarray(message.bearings, float) / 100)), range_m
+        )
+    ]
 
 
 def in_fan(azimuth_rad: Array) -> Array:

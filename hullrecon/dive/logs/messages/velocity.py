@@ -13,16 +13,19 @@ from hullrecon.dive.logs.samples import DvlSample, Sample
 from hullrecon.typing import Array
 
 NO_RANGES = np.zeros(0)
-FIGURE_OF_MERIT_LIMIT = 0.4  # m/s; Water Linked: velocities with a larger figure of merit are not valid
-NORTEK_LOST, NORTEK_BAD_MERIT = -32.0, 10.0  # m/s; Nortek: velocities of -32.768 and figures of merit of 10 are invalid
-OF_THE_WATER, IN_EARTH = 2, 3  # marine_acoustic_msgs and ds_sensor_msgs: velocity_mode; ds_sensor_msgs: coordinate_mode
+# m/s; Water Linked: velocities with a larger figure of merit are not valid
+FIGURE_OF_MERIT_LIMIT = 0.4
+# m/s; Nortek: velocities of -32.768 and figures of merit of 10 are invalid
+NORTEK_LOST, NORTEK_BAD_MERIT = -32.0, 10.0
+# marine_acoustic_msgs and ds_sensor_msgs: velocity_mode; ds_sensor_msgs: coordinate_mode
+OF_THE_WATER, IN_EARTH = 2, 3
 
 
 def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read marine_acoustic_msgs/Dvl.
 
-    A lost velocity has a covariance of -1, or comes from the water; a lost beam a range of 0, negative or NaN, or a covariance
-    of -1.
+    A lost velocity has a covariance of -1, or comes from the water; a lost beam a range of 0,
+    negative or NaN, or a covariance of -1.
     """
     covariance = np.asarray(message.velocity_covar, float)
     ranges = np.asarray(message.range, float).copy()
@@ -35,18 +38,36 @@ def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     velocity = LOST if covariance[0] == -1 or of_the_water else vector(message.velocity)
     altitude = _positive(message.altitude)
     known = beams if _are_unit(beams) else None
-    return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), ranges, known, altitude=altitude)]
+    return [
+        DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), ranges, known, altitude=altitude)
+    ]
 
 
 def deep_submergence_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read ds_sensor_msgs/Dvl, whose altitude is the mean of the ranges. A velocity along the earth's axes is lost."""
+    """Read ds_sensor_msgs/Dvl, whose altitude is the mean of the ranges. A velocity along the
+    earth's axes is lost.
+    """
     covariance = np.asarray(message.velocity_covar, float)
     ranges = np.asarray(message.range, float)
-    lost = covariance[0] == -1 or message.velocity_mode == OF_THE_WATER or message.coordinate_mode == IN_EARTH
-    ranges = np.where((np.asarray(message.range_covar, float) == -1) | ~(ranges > 0), np.nan, ranges)
+    lost = (
+        covariance[0] == -1
+        or message.velocity_mode == OF_THE_WATER
+        or message.coordinate_mode == IN_EARTH
+    )
+    ranges = np.where(
+        (np.asarray(message.range_covar, float) == -1) | ~(ranges > 0), np.nan, ranges
+    )
     beams = np.array([vector(b) for b in message.beam_unit_vec])
     velocity = LOST if lost else vector(message.velocity)
-    return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), ranges, beams if _are_unit(beams) else None)]
+    return [
+        DvlSample(
+            t_ns,
+            velocity,
+            _sigma(covariance[[0, 4, 8]]),
+            ranges,
+            beams if _are_unit(beams) else None,
+        )
+    ]
 
 
 def twist_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -65,7 +86,9 @@ def water_linked(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
     Its beams are those of the A50: the message has none.
     """
-    ranges = [b.distance if b.valid else np.nan for b in sorted(message.beams, key=lambda b: int(b.id))]
+    ranges = [
+        b.distance if b.valid else np.nan for b in sorted(message.beams, key=lambda b: int(b.id))
+    ]
     return [_water_linked(message, vector(message.velocity), ranges, t_ns, A50)]
 
 
@@ -75,18 +98,28 @@ def transducer_report(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def unnamed_transducer_report(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read waterlinked_dvl/TransducerReportStamped, of any DVL of Water Linked: dive.toml has to say where its beams point."""
+    """Read waterlinked_dvl/TransducerReportStamped, of any DVL of Water Linked: dive.toml has to
+    say where its beams point.
+    """
     return [_transducers(message.report, t_ns, "")]
 
 
 def _transducers(report: Fields, t_ns: int, instrument: str) -> DvlSample:
-    ranges = [b.distance if b.beam_valid else np.nan for b in sorted(report.transducers, key=lambda b: int(b.id))]
-    return _water_linked(report, np.array([report.vx, report.vy, report.vz], float), ranges, t_ns, instrument)
+    ranges = [
+        b.distance if b.beam_valid else np.nan
+        for b in sorted(report.transducers, key=lambda b: int(b.id))
+    ]
+    return _water_linked(
+        report, np.array([report.vx, report.vy, report.vz], float), ranges, t_ns, instrument
+    )
 
 
-def _water_linked(report: Fields, velocity: Array, distances: list[float], t_ns: int, instrument: str) -> DvlSample:
-    """Return what the reports of all of Water Linked's drivers have: x forward, y right, z out of the transducers. A velocity
-    whose figure of merit is too large is lost."""
+def _water_linked(
+    report: Fields, velocity: Array, distances: list[float], t_ns: int, instrument: str
+) -> DvlSample:
+    """Return what the reports of all of Water Linked's drivers have: x forward, y right, z out of
+    the transducers. A velocity whose figure of merit is too large is lost.
+    """
     ranges = np.array(distances, float)
     ranges[~(ranges > 0)] = np.nan
     merit = float(report.fom)
@@ -111,10 +144,14 @@ def girona_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read DVLs of UUV Simulator and Stonefish: as Girona's, with one message a beam; a covariance of -1 marks a lost one."""
+    """Read DVLs of UUV Simulator and Stonefish: as Girona's, with one message a beam; a covariance
+    of -1 marks a lost one.
+    """
     covariance = np.asarray(message.velocity_covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.velocity)
-    ranges = [b.range if b.range > 0 and b.range_covariance != -1 else np.nan for b in message.beams]
+    ranges = [
+        b.range if b.range > 0 and b.range_covariance != -1 else np.nan for b in message.beams
+    ]
     return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), np.array(ranges, float), None)]
 
 
@@ -124,11 +161,17 @@ def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     lost = bool(np.any(velocity <= NORTEK_LOST)) or merit >= NORTEK_BAD_MERIT
     ranges = np.asarray(message.beamDistance, float)
     sigma = merit if merit > 0 and not lost else np.nan
-    return [DvlSample(t_ns, LOST if lost else velocity, sigma, np.where(ranges > 0, ranges, np.nan), None)]
+    return [
+        DvlSample(
+            t_ns, LOST if lost else velocity, sigma, np.where(ranges > 0, ranges, np.nan), None
+        )
+    ]
 
 
 def _sigma(variances: Array) -> float:
-    """Return one sigma of a velocity from the diagonal of its covariance; NaN where that is zero or senseless."""
+    """Return one sigma of a velocity from the diagonal of its covariance; NaN where that is zero or
+    senseless.
+    """
     mean = float(np.mean(variances))
     return float(np.sqrt(mean)) if np.isfinite(mean) and mean > 0 else float("nan")
 

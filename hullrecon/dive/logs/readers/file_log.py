@@ -15,7 +15,9 @@ from hullrecon.errors import InputError
 
 
 class FileLog:
-    """A file that is opened anew for each pass. Its readers fill `remarks` and `_tracker` in `_read`."""
+    """A file that is opened anew for each pass. Its readers fill `remarks` and `_tracker` in
+    `_read`.
+    """
 
     kind: str
     gives_samples = False
@@ -26,7 +28,9 @@ class FileLog:
         self._tracker = LossTracker()
 
     def messages(self) -> Iterator[Message]:
-        """Yield every whole message, in the order of the file. Raises InputError when nothing can be read."""
+        """Yield every whole message, in the order of the file. Raises InputError when nothing can
+        be read.
+        """
         self.remarks, self._tracker = [], LossTracker()
         try:
             require_regular_file(self.path)
@@ -47,14 +51,23 @@ class FileLog:
 
 def unreadable(path: Path, error: OSError) -> InputError:
     """Return the error that says why the system does not give a file."""
-    return InputError(f"{printable(path.name)} cannot be read: {error.strerror or error}", where=printable(str(path.parent)))
+    return InputError(
+        f"{printable(path.name)} cannot be read: {error.strerror or error}",
+        where=printable(str(path.parent)),
+    )
 
 
 def require_regular_file(path: Path) -> None:
-    """Raise InputError for a pipe, a socket or a device, which would be waited for, and OSError for what is not there."""
+    """Raise InputError for a pipe, a socket or a device, which would be waited for, and OSError for
+    what is not there.
+    """
     mode = path.stat().st_mode
     if not stat.S_ISREG(mode):
         kinds = {stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket"}
         kind = kinds.get(stat.S_IFMT(mode), "a device")
         where = printable(str(path.parent))
-        raise InputError(f"{printable(path.name)} is {kind}, not a file", where=where, remedy="copy the log into a file")
+        raise InputError(
+            f"{printable(path.name)} is {kind}, not a file",
+            where=where,
+            remedy="copy the log into a file",
+        )

@@ -15,7 +15,9 @@ MOST_REASONS = 16  # for one and the same gap
 
 
 class LossTracker:
-    """One pass over one log. `gap` opens a loss whose end is known only once the next message comes."""
+    """One pass over one log. `gap` opens a loss whose end is known only once the next message
+    comes.
+    """
 
     def __init__(self) -> None:
         self.losses: list[Loss] = []
@@ -40,18 +42,23 @@ class LossTracker:
         self._add(why, dict.fromkeys(topics or self._last, start_ns), end_ns, start_ns)
 
     def open_gap(self, why: str) -> None:
-        """Open the loss of a part of unknown content: of each topic what lies between its last message and the next message
-        of the log."""
+        """Open the loss of a part of unknown content: of each topic what lies between its last
+        message and the next message of the log.
+        """
         if len(self._open) < MOST_REASONS and not self._is_full():
             self._open.append((why, dict(self._last)))
 
     def count_lost(self, why: str, count: int) -> None:
-        """Add the loss of so many messages of which nothing else is known; of none when the count is 0."""
+        """Add the loss of so many messages of which nothing else is known; of none when the count
+        is 0.
+        """
         if count:
             self.losses.append(Loss(why, messages=count))
 
     def finish(self, expected: Mapping[str, int] | None = None) -> None:
-        """Close what is open; `expected` counts by topic, where the log tells them, turn into numbers of lost messages."""
+        """Close what is open; `expected` counts by topic, where the log tells them, turn into
+        numbers of lost messages.
+        """
         self._close(None)
         rows: dict[str, list[int]] = {}
         for row, loss in enumerate(self.losses):
@@ -63,7 +70,13 @@ class LossTracker:
                 loss = self.losses[mine[0]]
                 self.losses[mine[0]] = Loss(loss.why, topic, loss.start_ns, loss.end_ns, missing)
             elif missing > 0:
-                self.losses.append(Loss("the log says that it holds more of them than could be read", topic, messages=missing))
+                self.losses.append(
+                    Loss(
+                        "the log says that it holds more of them than could be read",
+                        topic,
+                        messages=missing,
+                    )
+                )
         if self._more:
             self.losses.append(Loss(f"{self._more} more parts could not be read"))
             self._more = 0
@@ -79,7 +92,13 @@ class LossTracker:
             self._add(why, last, end_ns, min(last.values(), default=None))
         self._open = []
 
-    def _add(self, why: str, starts: Mapping[str, int], end_ns: int | None, start_ns: int | None) -> None:
-        """Add a loss of each topic from its start on; one of all topics where there are none, or too many to be told apart."""
+    def _add(
+        self, why: str, starts: Mapping[str, int], end_ns: int | None, start_ns: int | None
+    ) -> None:
+        """Add a loss of each topic from its start on; one of all topics where there are none, or
+        too many to be told apart.
+        """
         named = sorted(starts.items()) if len(starts) <= MOST_TOPICS else []
-        self.losses += [Loss(why, topic, start, end_ns) for topic, start in named] or [Loss(why, "", start_ns, end_ns)]
+        self.losses += [Loss(why, topic, start, end_ns) for topic, start in named] or [
+            Loss(why, "", start_ns, end_ns)
+        ]

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""MCAP, chunk by chunk with the CRC of each: what whole chunks hold comes through, whatever lies between them."""
+"""MCAP, chunk by chunk with the CRC of each: what whole chunks hold comes through, whatever lies
+between them.
+"""
 
 from __future__ import annotations
 
@@ -31,20 +33,31 @@ from hullrecon.dive.logs.formats.mcap_records import (
     packed_at,
     read_chunk,
 )  # fmt: skip
-from hullrecon.dive.logs.formats.mcap_summary import Summary, claims_summary, is_end_of_data, read_summary
+from hullrecon.dive.logs.formats.mcap_summary import (
+    Summary,
+    claims_summary,
+    is_end_of_data,
+    read_summary,
+)
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Message
 from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, fields
 
 BLOCK = 1 << 20
-LIKE_A_CHUNK = re.compile(rb"\x06(?=.{5}\x00\x00\x00)", re.DOTALL)  # no chunk is longer than 2^40 bytes
-PATIENCE = 4  # times the file's size: so much of chunks that turn out damaged is read before the rest is given up
-UNFIT_SUMMARY = "the MCAP's summary is damaged or does not fit its records: whole chunks may be missing"
+# no chunk is longer than 2^40 bytes
+LIKE_A_CHUNK = re.compile(rb"\x06(?=.{5}\x00\x00\x00)", re.DOTALL)
+# times the file's size: so much of chunks that turn out damaged is read before the rest is given up
+PATIENCE = 4
+UNFIT_SUMMARY = (
+    "the MCAP's summary is damaged or does not fit its records: whole chunks may be missing"
+)
 NO_CHECKSUM = "chunks of the MCAP carry no checksum: damage inside them may go unseen"
 
 
 class McapLog(FileLog):
-    """Walks the chunks that the summary names; without a usable summary, the file from its start, past every damage."""
+    """Walks the chunks that the summary names; without a usable summary, the file from its start,
+    past every damage.
+    """
 
     kind = "MCAP"
 
@@ -67,7 +80,9 @@ class McapLog(FileLog):
                 yield from self._from_start(stream, size)
                 if summary is None and claims_summary(stream, size):
                     self.remarks.append(UNFIT_SUMMARY)
-        self._tracker.count_lost("they belong to topics whose definition was lost", self._definitions.unknown)
+        self._tracker.count_lost(
+            "they belong to topics whose definition was lost", self._definitions.unknown
+        )
         if self._seen.private:
             self.remarks.append(f"{self._seen.private} records of a private kind were left aside")
         self._tracker.finish(summary.counts if summary is not None else None)
@@ -79,7 +94,9 @@ class McapLog(FileLog):
             except DamagedError as error:
                 self._seen.damaged = True
                 why = f"the chunk at byte {note.offset} is damaged: {error}"
-                self._tracker.add_loss(why, note.start_ns, note.end_ns, note.topics or tuple(summary.counts))
+                self._tracker.add_loss(
+                    why, note.start_ns, note.end_ns, note.topics or tuple(summary.counts)
+                )
                 continue
             yield from map(self._tracker.record, found)
         self._check_data(stream, summary.start - DATA_END_SIZE)
@@ -107,15 +124,23 @@ class McapLog(FileLog):
             at += HEAD + length
         else:
             self._tracker.open_gap(f"the file ends at byte {size} without its closing records")
-        self.remarks.append("the MCAP has no closing records: its recording or its copy was cut short")
+        self.remarks.append(
+            "the MCAP has no closing records: its recording or its copy was cut short"
+        )
         self._check_data(stream, size)
 
-    def _messages_at(self, stream: BinaryIO, opcode: int, length: int, at: int, size: int) -> list[Message]:
-        """Return the messages of the record at byte `at`. Raises DamagedError for a record that cannot stand there."""
+    def _messages_at(
+        self, stream: BinaryIO, opcode: int, length: int, at: int, size: int
+    ) -> list[Message]:
+        """Return the messages of the record at byte `at`. Raises DamagedError for a record that
+        cannot stand there.
+        """
         stream.seek(at + HEAD)
         if opcode == CHUNK or packed_at(stream.read(min(length, CHUNK_HEAD)), length) is not None:
             if opcode != CHUNK:
-                self.remarks.append(f"the record at byte {at} is a chunk whose kind is damaged; it was read all the same")
+                self.remarks.append(
+                    f"the record at byte {at} is a chunk whose kind is damaged; it was read all the same"
+                )
             return self._open(read_chunk(stream, at, size))
         if opcode >= PRIVATE:
             self._seen.private += 1
@@ -139,21 +164,31 @@ class McapLog(FileLog):
         return messages_of(chunk, self._definitions, self._budget)
 
     def _check_data(self, stream: BinaryIO, at: int) -> None:
-        """Compare what no chunk's checksum covers with the one checksum over all data, and say where there is none."""
+        """Compare what no chunk's checksum covers with the one checksum over all data, and say
+        where there is none.
+        """
         stream.seek(at)
         closing = stream.read(DATA_END_SIZE)
-        crc = int.from_bytes(closing[HEAD:], "little") if closing[:HEAD] == bytes([DATA_END, 4, *bytes(7)]) else 0
+        crc = (
+            int.from_bytes(closing[HEAD:], "little")
+            if closing[:HEAD] == bytes([DATA_END, 4, *bytes(7)])
+            else 0
+        )
         if not (self._seen.loose or self._seen.chunks):
             return
         if crc and not self._seen.damaged and crc != checksum(stream, at):
-            self._tracker.add_loss("the checksum over all messages is wrong: some may be damaged", 0, 0)
+            self._tracker.add_loss(
+                "the checksum over all messages is wrong: some may be damaged", 0, 0
+            )
         elif not crc and self._seen.chunks:
             self.remarks.append(NO_CHECKSUM)
 
 
 @dataclass(kw_only=True)
 class _Unchecked:
-    """What was met on the way: definitions or messages outside chunks, chunks without a checksum, damage, private records."""
+    """What was met on the way: definitions or messages outside chunks, chunks without a checksum,
+    damage, private records.
+    """
 
     loose: bool = False
     chunks: bool = False
@@ -174,9 +209,11 @@ def checksum(stream: BinaryIO, end: int) -> int:
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Return the first byte at or after `start` where a chunk lies whose lengths agree; `size` when there is none.
+    """Return the first byte at or after `start` where a chunk lies whose lengths agree; `size` when
+    there is none.
 
-    Only heads are looked at: bodies that are read for each head that looks like one would take the square of the file.
+    Only heads are looked at: bodies that are read for each head that looks like one would take the
+    square of the file.
     """
     at = start
     while at < size:
@@ -185,7 +222,10 @@ def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
         for match in LIKE_A_CHUNK.finditer(block, 0, min(len(block), BLOCK + HEAD)):
             begin = match.start() + HEAD
             length = int.from_bytes(block[match.start() + 1 : begin], "little")
-            if at + begin + length <= size and packed_at(block[begin : begin + CHUNK_HEAD], length) is not None:
+            if (
+                at + begin + length <= size
+                and packed_at(block[begin : begin + CHUNK_HEAD], length) is not None
+            ):
                 return at + match.start()
         at += BLOCK
     return size

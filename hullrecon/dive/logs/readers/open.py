@@ -25,19 +25,29 @@ from hullrecon.dive.logs.readers.sound_metrics import aris_frames
 from hullrecon.dive.logs.readers.sound_metrics.aris import ArisLog
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.dive.logs.readers.unpack import printable
-from hullrecon.dive.logs.readers.water_linked import START_BYTES, SUFFIXES, WaterLinkedLog, is_water_linked
+from hullrecon.dive.logs.readers.water_linked import (
+    START_BYTES,
+    SUFFIXES,
+    WaterLinkedLog,
+    is_water_linked,
+)
 from hullrecon.errors import InputError
 
 BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
-    mcap_records.MAGIC: McapLog, bag_records.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
-    aris_frames.MAGIC: ArisLog, log_items.MAGIC: OculusLog,
-}  # fmt: skip
+    mcap_records.MAGIC: McapLog,
+    bag_records.MAGIC: Rosbag1Log,
+    sqlite.MAGIC: SqliteLog,
+    pd0_ensemble.MAGIC: Pd0Log,
+    aris_frames.MAGIC: ArisLog,
+    log_items.MAGIC: OculusLog,
+}
 BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
     ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log, ".ad2cp": Ad2cpLog,
     ".aris": ArisLog, ".oculus": OculusLog,
 }  # fmt: skip
 SONAR_SUFFIXES = (".aris", ".oculus")
-TELLING = (mcap_records.MAGIC, bag_records.MAGIC, aris_frames.MAGIC, log_items.MAGIC)  # not sqlite's: others use it too
+# not sqlite's: others use it too
+TELLING = (mcap_records.MAGIC, bag_records.MAGIC, aris_frames.MAGIC, log_items.MAGIC)
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
 FORMS = (
     "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP, ARIS or ViewPoint file, the JSON lines of a Water Linked DVL or a"
@@ -46,7 +56,8 @@ FORMS = (
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:
-    """Return the log's reader. Raises InputError when nothing lies there, or nothing that any reader knows.
+    """Return the log's reader. Raises InputError when nothing lies there, or nothing that any
+    reader knows.
 
     package: the folder that paths in plain files may be relative to.
     """
@@ -56,7 +67,9 @@ def open_log(path: Path, package: Path | None = None) -> Log:
             return _open_folder(path, package)
         start = _start(path)
     except FileNotFoundError:
-        raise InputError(f"the log {name} is missing{_beside(path)}", where=where, remedy="correct logs.files") from None
+        raise InputError(
+            f"the log {name} is missing{_beside(path)}", where=where, remedy="correct logs.files"
+        ) from None
     except OSError as error:
         raise InputError(f"the log {name} cannot be read: {error.strerror}", where=where) from None
     except ValueError as error:  # a name with a zero byte
@@ -80,18 +93,28 @@ def _open_folder(path: Path, package: Path | None) -> Log:
         return Rosbag2Log(path)
     if any(f"{sensor}.csv" in names for sensor in COLUMNS):
         return PlainLog(path, package)
-    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *_describe(sorted(path.iterdir())))
+    raise _not_read(
+        f"the folder {printable(path.name)}",
+        printable(str(path.parent)),
+        *_describe(sorted(path.iterdir())),
+    )
 
 
 def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
-    """Return the error for what no reader knows, with what it is and what to do where that is known."""
+    """Return the error for what no reader knows, with what it is and what to do where that is
+    known.
+    """
     state = "holds no log" if name.startswith("the folder ") else "is no log"
     kind = f": {what}" if what else ""
-    return InputError(f"{name} {state} that is read here{kind}", where=where, remedy=remedy or f"give {FORMS}")
+    return InputError(
+        f"{name} {state} that is read here{kind}", where=where, remedy=remedy or f"give {FORMS}"
+    )
 
 
 def find_logs(path: Path) -> list[Path]:
-    """Return the log that a path is, or those that lie in a folder or in its folder `logs`. InputError when there is none."""
+    """Return the log that a path is, or those that lie in a folder or in its folder `logs`.
+    InputError when there is none.
+    """
     try:
         return _find_logs(path)
     except OSError as error:
@@ -108,8 +131,12 @@ def _find_logs(path: Path) -> list[Path]:
         found = [p for p in inside if _is_log(p)]
         if found:
             return found
-    inside = [p for folder in (path, path / "logs") if folder.is_dir() for p in sorted(folder.iterdir())]
-    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *_describe(inside))
+    inside = [
+        p for folder in (path, path / "logs") if folder.is_dir() for p in sorted(folder.iterdir())
+    ]
+    raise _not_read(
+        f"the folder {printable(path.name)}", printable(str(path.parent)), *_describe(inside)
+    )
 
 
 def _is_log(path: Path) -> bool:
@@ -123,20 +150,31 @@ def _is_log(path: Path) -> bool:
 
 
 def is_log_of_any_name(start: bytes) -> bool:
-    """Return whether the first bytes alone tell a log, whatever its name: a PD0 file is often called .000, .ENR or .bin."""
-    return pd0_ensemble.is_pd0(start) or is_ad2cp(start) or any(start.startswith(magic) for magic in TELLING)
+    """Return whether the first bytes alone tell a log, whatever its name: a PD0 file is often
+    called .000, .ENR or .bin.
+    """
+    return (
+        pd0_ensemble.is_pd0(start)
+        or is_ad2cp(start)
+        or any(start.startswith(magic) for magic in TELLING)
+    )
 
 
 def is_of_sonar(path: Path) -> bool:
-    """Return whether a log holds an imaging sonar without a topic: the file of one, or a folder of CSVs with a table of its
-    pings. A log that is not there holds none."""
+    """Return whether a log holds an imaging sonar without a topic: the file of one, or a folder of
+    CSVs with a table of its pings. A log that is not there holds none.
+    """
     if path.is_dir():
         return (path / "sonar.csv").exists()
-    return path.suffix.lower() in SONAR_SUFFIXES or _peek(path).startswith((aris_frames.MAGIC, log_items.MAGIC))
+    return path.suffix.lower() in SONAR_SUFFIXES or _peek(path).startswith(
+        (aris_frames.MAGIC, log_items.MAGIC)
+    )
 
 
 def _describe(inside: Sequence[Path]) -> tuple[str, str]:
-    """Describe what lies in a folder without a log: by the names, else by the first bytes of a file."""
+    """Describe what lies in a folder without a log: by the names, else by the first bytes of a
+    file.
+    """
     found = describe_folder(p.name for p in inside)
     if found[0]:
         return found
@@ -146,7 +184,11 @@ def _describe(inside: Sequence[Path]) -> tuple[str, str]:
     if not known:
         return "", ""
     path, what, remedy = known[0]
-    return (f"{printable(path.name)} is {what}", f"{remedy}; else give {FORMS}") if what == PACKED else (what, remedy)
+    return (
+        (f"{printable(path.name)} is {what}", f"{remedy}; else give {FORMS}")
+        if what == PACKED
+        else (what, remedy)
+    )
 
 
 def _holds_log(folder: Path) -> bool:
@@ -156,7 +198,9 @@ def _holds_log(folder: Path) -> bool:
 
 
 def _peek(path: Path) -> bytes:
-    """Return the first bytes of a file that lies beside logs; none where it cannot be read, which is no reason to stop."""
+    """Return the first bytes of a file that lies beside logs; none where it cannot be read, which
+    is no reason to stop.
+    """
     try:
         return _start(path)
     except (OSError, InputError):

@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A Teledyne .pd0 file as a DVL: every ensemble's bottom track in the frame `dvl`; heading, tilts, depth of its sensors.
+"""A Teledyne .pd0 file as a DVL: every ensemble's bottom track in the frame `dvl`; heading, tilts,
+depth of its sensors.
 
-`dvl` of a PD0 file: z out of the transducers, x towards beam 3, y towards beam 2. The instrument's own axes are x towards
-beam 2, y towards beam 3, z into the housing (Teledyne RD Instruments, Coordinate Transformation), whichever way it faces.
+`dvl` of a PD0 file: z out of the transducers, x towards beam 3, y towards beam 2. The instrument's
+own axes are x towards beam 2, y towards beam 3, z into the housing (Teledyne RD Instruments,
+Coordinate Transformation), whichever way it faces.
 """
 
 from __future__ import annotations
@@ -19,7 +21,9 @@ from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample
 from hullrecon.typing import Array
 
-CHANNEL, ATTITUDE, DEPTH = (Channel(sensor, "Teledyne PD0", "sample") for sensor in ("dvl", "imu", "pressure"))
+CHANNEL, ATTITUDE, DEPTH = (
+    Channel(sensor, "Teledyne PD0", "sample") for sensor in ("dvl", "imu", "pressure")
+)
 NED_FROM_ENU = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 DVL_FROM_INSTRUMENT = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 LOST = np.full(3, np.nan)
@@ -37,7 +41,9 @@ class Pd0Log(FileLog):
         with self.path.open("rb") as stream:
             for start, end, found in ensembles(stream):
                 if isinstance(found, str):
-                    self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole ensemble: {found}")
+                    self._tracker.open_gap(
+                        f"{end - start} bytes from byte {start} on hold no whole ensemble: {found}"
+                    )
                     continue
                 frames.add(found.frame)
                 has_bottom = has_bottom or bool(np.isfinite(found.range_m).any())
@@ -45,10 +51,16 @@ class Pd0Log(FileLog):
                 if found.has_attitude:
                     yield Message(ATTITUDE, found.t_ns, attitude(found))
                 if found.depth_m > 0:
-                    yield Message(DEPTH, found.t_ns, DepthSample(found.t_ns, found.depth_m, is_up=False, of_dvl=True))
+                    yield Message(
+                        DEPTH,
+                        found.t_ns,
+                        DepthSample(found.t_ns, found.depth_m, is_up=False, of_dvl=True),
+                    )
         self._tracker.finish()
         if frames and not has_bottom:
-            self.remarks.append("no ensemble has a bottom track (a current profiler's file?): it gives no velocity over ground")
+            self.remarks.append(
+                "no ensemble has a bottom track (a current profiler's file?): it gives no velocity over ground"
+            )
         self.remarks.append(
             f"velocities in {' and '.join(sorted(frames)) or 'no'} coordinates were turned into the frame dvl (x to beam 3); "
             "ranges along the axis were divided by the cosine of the beam angle; the instrument's clock was taken as UTC"
@@ -56,18 +68,31 @@ class Pd0Log(FileLog):
 
 
 def to_sample(ping: Ensemble) -> DvlSample:
-    """Return the bottom track: velocity of the instrument (that of the bottom, reversed), ranges along the beams."""
+    """Return the bottom track: velocity of the instrument (that of the bottom, reversed), ranges
+    along the beams.
+    """
     velocity = -DVL_FROM_INSTRUMENT @ instrument_velocity(ping)
     tilt = ping.beam_angle_rad
-    beams = np.stack([np.sin(tilt) * np.cos(AZIMUTH_RAD), np.sin(tilt) * np.sin(AZIMUTH_RAD), np.full(4, np.cos(tilt))], axis=1)
+    beams = np.stack(
+        [
+            np.sin(tilt) * np.cos(AZIMUTH_RAD),
+            np.sin(tilt) * np.sin(AZIMUTH_RAD),
+            np.full(4, np.cos(tilt)),
+        ],
+        axis=1,
+    )
     return DvlSample(ping.t_ns, velocity, float("nan"), ping.range_m / np.cos(tilt), beams)
 
 
 def attitude(ping: Ensemble) -> ImuSample:
-    """Return the attitude of the frame `dvl` in north-east-down, by the instrument's compass and tilt sensors."""
+    """Return the attitude of the frame `dvl` in north-east-down, by the instrument's compass and
+    tilt sensors.
+    """
     enu_from_instrument = earth_from_instrument(ping.heading_rad, *_tilts(ping))
     ned_from_dvl = NED_FROM_ENU @ enu_from_instrument @ DVL_FROM_INSTRUMENT.T
-    return ImuSample(ping.t_ns, Rotation.from_matrix(ned_from_dvl).as_quat(), LOST, LOST, of_dvl=True)
+    return ImuSample(
+        ping.t_ns, Rotation.from_matrix(ned_from_dvl).as_quat(), LOST, LOST, of_dvl=True
+    )
 
 
 def instrument_velocity(ping: Ensemble) -> Array:
@@ -78,12 +103,16 @@ def instrument_velocity(ping: Ensemble) -> Array:
     if ping.frame == "instrument":
         return vector
     heading = ping.heading_rad if ping.frame == "earth" else -ping.alignment_rad
-    return earth_from_instrument(heading, *(_tilts(ping) if ping.tilts_applied else (0.0, 0.0))).T @ vector
+    return (
+        earth_from_instrument(heading, *(_tilts(ping) if ping.tilts_applied else (0.0, 0.0))).T
+        @ vector
+    )
 
 
 def from_beams(beams: Array, angle_rad: float) -> Array:
-    """Return the instrument's velocity from four beam velocities (positive towards the transducer); with one lost, the error
-    velocity that would show it is taken as zero; NaN with more lost."""
+    """Return the instrument's velocity from four beam velocities (positive towards the transducer);
+    with one lost, the error velocity that would show it is taken as zero; NaN with more lost.
+    """
     b = beams.copy()
     lost = np.flatnonzero(np.isnan(b))
     if len(lost) == 1:
@@ -95,8 +124,17 @@ def from_beams(beams: Array, angle_rad: float) -> Array:
 
 
 def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
-    """Return east, north, up of the instrument's x, y, z (3, 3): Teledyne RD Instruments, Coordinate Transformation, 18."""
-    ch, sh, cp, sp, cr, sr = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch), np.cos(roll), np.sin(roll)
+    """Return east, north, up of the instrument's x, y, z (3, 3): Teledyne RD Instruments,
+    Coordinate Transformation, 18.
+    """
+    ch, sh, cp, sp, cr, sr = (
+        np.cos(heading),
+        np.sin(heading),
+        np.cos(pitch),
+        np.sin(pitch),
+        np.cos(roll),
+        np.sin(roll),
+    )
     return np.array(
         [
             [ch * cr + sh * sp * sr, sh * cp, ch * sr - sh * sp * cr],
@@ -107,6 +145,8 @@ def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
 
 
 def _tilts(ping: Ensemble) -> tuple[float, float]:
-    """Return pitch as a rotation (the sensor measures the tilt of an axis) and roll, turned over where it faces up."""
+    """Return pitch as a rotation (the sensor measures the tilt of an axis) and roll, turned over
+    where it faces up.
+    """
     pitch = float(np.arctan(np.tan(ping.pitch_rad) * np.cos(ping.roll_rad)))
     return pitch, ping.roll_rad + (np.pi if ping.faces_up else 0.0)

@@ -41,8 +41,10 @@ COLUMNS = {
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
 LISTED_LINES = 5
-PING_FREE_BYTES, PING_RATIO = 1 << 26, 64  # all pings together unpack to at most so many bytes and so many times their files
-LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000  # characters; file systems take no longer names, and paths of up to 4096 in all
+# all pings together unpack to at most so many bytes and so many times their files
+PING_FREE_BYTES, PING_RATIO = 1 << 26, 64
+# characters; file systems take no longer names, and paths of up to 4096 in all
+LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000
 RATES, ACCELERATION = ("wx", "wy", "wz"), ("ax", "ay", "az")
 WINDOW = ("range_from", "range_to")
 
@@ -63,12 +65,21 @@ class PlainLog:
         self._videos: dict[str, tuple[Path, video_frames.VideoFrames]] = {}
 
     def messages(self) -> Iterator[Message]:
-        """Yield the rows of all tables, table by table. Raises InputError for a table of which nothing can be read."""
-        self.remarks, self._losses, self._pings, self._ping_bytes_left = [], [], set(), PING_FREE_BYTES
+        """Yield the rows of all tables, table by table. Raises InputError for a table of which
+        nothing can be read.
+        """
+        self.remarks, self._losses, self._pings, self._ping_bytes_left = (
+            [],
+            [],
+            set(),
+            PING_FREE_BYTES,
+        )
         self._ping_files, self._videos = set(), {}
         others = sorted(p.name for p in self.path.glob("*.csv") if p.stem not in COLUMNS)
         if others:
-            shown = ", ".join(others[:LISTED_LINES]) + (", ..." if len(others) > LISTED_LINES else "")
+            shown = ", ".join(others[:LISTED_LINES]) + (
+                ", ..." if len(others) > LISTED_LINES else ""
+            )
             self.remarks.append(
                 f"not read: {printable(shown)}; the tables of sensors are {', '.join(f'{s}.csv' for s in COLUMNS)}"
             )
@@ -89,7 +100,9 @@ class PlainLog:
         return [f"{sensor}.csv" for sensor in COLUMNS if (self.path / f"{sensor}.csv").exists()]
 
     def named_files(self) -> list[Path]:
-        """Return the files that a CSV of images or pings names and that exist, relative to the package if they lie in it."""
+        """Return the files that a CSV of images or pings names and that exist, relative to the
+        package if they lie in it.
+        """
         names = {
             row["file"]
             for sensor in ("camera_top", "camera_bottom", "sonar")
@@ -97,7 +110,9 @@ class PlainLog:
             for _, row in self._read(sensor)
             if row is not None and row["file"]
         }
-        return sorted({self._in_package(path) for path in map(self._locate, names) if is_file(path)})
+        return sorted(
+            {self._in_package(path) for path in map(self._locate, names) if is_file(path)}
+        )
 
     def _table(self, sensor: str) -> Iterator[Message]:
         channel, translate = Channel(sensor, f"{sensor}.csv", "sample"), self._samples()[sensor]
@@ -112,20 +127,34 @@ class PlainLog:
                 late.append(error.seconds)
                 bad.add(line)
                 continue
-            except (ValueError, TypeError, KeyError, OverflowError, AttributeError, OSError) as error:
-                first_reason = first_reason or f"line {line}: {printable(str(error), LONGEST_REASON)}"
+            except (
+                ValueError,
+                TypeError,
+                KeyError,
+                OverflowError,
+                AttributeError,
+                OSError,
+            ) as error:
+                first_reason = (
+                    first_reason or f"line {line}: {printable(str(error), LONGEST_REASON)}"
+                )
                 bad.add(line)
                 continue
             yield Message(channel, sample.t_ns, sample)
         if 2 * len(late) > rows:
             raise InputError(
-                f"{sensor}.csv has stamps such as {late[0]:.17g}{unit_of_stamp(late[0])}", where=str(self.path),
+                f"{sensor}.csv has stamps such as {late[0]:.17g}{unit_of_stamp(late[0])}",
+                where=str(self.path),
                 remedy="write column t in seconds since 1970",
-            )  # fmt: skip
+            )
         if rows and bad.count == rows:
-            raise InputError(f"{sensor}.csv has no row that can be read: {first_reason}", where=str(self.path))
+            raise InputError(
+                f"{sensor}.csv has no row that can be read: {first_reason}", where=str(self.path)
+            )
         if bad.count:
-            self._losses.append(Loss(f"{bad.listed()} of {sensor}.csv cannot be read", sensor, messages=bad.count))
+            self._losses.append(
+                Loss(f"{bad.listed()} of {sensor}.csv cannot be read", sensor, messages=bad.count)
+            )
 
     def _read(self, sensor: str) -> Iterator[tuple[int, Row | None]]:
         return read_rows(self.path / f"{sensor}.csv", COLUMNS[sensor])
@@ -135,7 +164,9 @@ class PlainLog:
             "dvl": _dvl,
             "imu": _imu,
             "pressure": lambda row: PressureSample(_ns(row), _number(row["pascal"])),
-            "joints": lambda row: JointSample(_ns(row), printable(row["name"].strip()), _number(row["rad"])),
+            "joints": lambda row: JointSample(
+                _ns(row), printable(row["name"].strip()), _number(row["rad"])
+            ),
             "camera_top": lambda row: self._image("camera_top", row),
             "camera_bottom": lambda row: self._image("camera_bottom", row),
             "sonar": self._sonar,
@@ -167,7 +198,9 @@ class PlainLog:
         return video.jpeg(int(row["frame"]))
 
     def _in_package(self, path: Path) -> Path:
-        return path.relative_to(self.package) if path.is_relative_to(self.package) else path.absolute()
+        return (
+            path.relative_to(self.package) if path.is_relative_to(self.package) else path.absolute()
+        )
 
     def _sonar(self, row: Row) -> SonarSample:
         """Return a ping; beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
@@ -186,7 +219,9 @@ class PlainLog:
         self._pings.add((path, number))
         self._ping_bytes_left -= image.nbytes
         if self._ping_bytes_left < 0:
-            raise ValueError(f"{name}: with it the pings would unpack to more than {PING_RATIO} times their size")
+            raise ValueError(
+                f"{name}: with it the pings would unpack to more than {PING_RATIO} times their size"
+            )
         return SonarSample(_ns(row), image, None if azimuth is None else in_fan(azimuth), range_m)
 
 
@@ -204,7 +239,9 @@ class _BadLines:
 
     def listed(self) -> str:
         noun = "line" if self.count == 1 else "lines"
-        return f"{noun} {', '.join(map(str, self._first))}" + (", ..." if self.count > LISTED_LINES else "")
+        return f"{noun} {', '.join(map(str, self._first))}" + (
+            ", ..." if self.count > LISTED_LINES else ""
+        )
 
 
 def is_there(path: Path) -> bool:
@@ -230,7 +267,9 @@ class _LateStampError(ValueError):
 
 
 def unit_of_stamp(value: float) -> str:
-    """Return the name of the unit in which a stamp that is none in seconds would be one; "" where none fits."""
+    """Return the name of the unit in which a stamp that is none in seconds would be one; "" where
+    none fits.
+    """
     fits = [name for name, size in UNITS.items() if EARLIEST_S <= value / size <= LATEST_S]
     return f", which look like {fits[0]}" if fits else ""
 
@@ -249,13 +288,16 @@ def _dvl(row: Row) -> DvlSample:
 def _imu(row: Row) -> ImuSample:
     quaternion = np.array([_number(row[name]) for name in ("qx", "qy", "qz", "qw")])
     rates, acceleration = (
-        np.array([_number(row.get(name) or "", lost=True) for name in names]) for names in (RATES, ACCELERATION)
+        np.array([_number(row.get(name) or "", lost=True) for name in names])
+        for names in (RATES, ACCELERATION)
     )
     return ImuSample(_ns(row), quaternion, rates, acceleration)
 
 
 def _position(row: Row) -> PositionSample:
-    """Return a place by latitude and longitude, or by x and y east and north; an empty one is no fix."""
+    """Return a place by latitude and longitude, or by x and y east and north; an empty one is no
+    fix.
+    """
     geographic = "latitude" in row
     names = ("latitude", "longitude", "altitude") if geographic else ("x", "y", "z")
     if not geographic and not {"x", "y"} <= row.keys():
@@ -283,6 +325,10 @@ def _ns(row: Row) -> int:
     if seconds < -LATEST_S:
         raise ValueError(f"the stamp {seconds:g} lies before any log")
     whole, _, fraction = row["t"].strip().partition(".")
-    if whole.lstrip("-").isdigit() and (not fraction or fraction.isdigit()) and not whole.startswith("-"):
+    if (
+        whole.lstrip("-").isdigit()
+        and (not fraction or fraction.isdigit())
+        and not whole.startswith("-")
+    ):
         return int(whole) * 1_000_000_000 + int((fraction + "0" * 9)[:9])
     return round(seconds * 1e9)

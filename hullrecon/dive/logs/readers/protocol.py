@@ -15,9 +15,10 @@ from hullrecon.dive.logs.samples import Sample
 
 @dataclass(frozen=True)
 class Channel:
-    """One topic of a log. encoding: "cdr", "ros1", or "sample" where messages hold samples already, as those of every log with
-    `gives_samples` do; any other is listed but not decoded. definition: the type's text as the log carries it, "" where it does
-    not."""
+    """One topic of a log. encoding: "cdr", "ros1", or "sample" where messages hold samples already,
+    as those of every log with `gives_samples` do; any other is listed but not decoded. definition:
+    the type's text as the log carries it, "" where it does not.
+    """
 
     topic: str
     type: str
@@ -33,7 +34,9 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """t_ns: when it was logged. data: the serialised bytes, or the sample itself where the channel's encoding says so."""
+    """t_ns: when it was logged. data: the serialised bytes, or the sample itself where the
+    channel's encoding says so.
+    """
 
     channel: Channel
     t_ns: int
@@ -42,8 +45,10 @@ class Message:
 
 @dataclass(frozen=True)
 class Loss:
-    """A part of a log that could not be read. topic "": every topic may be touched. start_ns, end_ns: its span in log time,
-    None where unknown (the start of the log, its end). messages: how many are gone, None where nobody can tell."""
+    """A part of a log that could not be read. topic "": every topic may be touched. start_ns,
+    end_ns: its span in log time, None where unknown (the start of the log, its end). messages: how
+    many are gone, None where nobody can tell.
+    """
 
     why: str
     topic: str = ""

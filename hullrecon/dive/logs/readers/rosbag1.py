@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""ROS 1 bags, chunk by chunk: by the index at the end, or from the start when the bag was cut short."""
+"""ROS 1 bags, chunk by chunk: by the index at the end, or from the start when the bag was cut
+short.
+"""
 
 from __future__ import annotations
 
@@ -30,12 +32,15 @@ HEAD_REACH = 64  # a chunk's head starts at most so many bytes before its `op` f
 LONGEST_CHUNK_HEAD = 4 * HEAD_REACH
 LIKE_A_LENGTH = re.compile(rb"(?=[\x09-\xff]\x00\x00\x00)", re.DOTALL)  # of a chunk's head
 BLOCK = 1 << 20
-PATIENCE = 4  # times the file's size: so much of chunks that turn out damaged is read before the rest is given up
+# times the file's size: so much of chunks that turn out damaged is read before the rest is given up
+PATIENCE = 4
 NO_CHECKSUM = "chunks of the bag carry no checksum: damage inside them may go unseen"
 
 
 class Rosbag1Log(FileLog):
-    """A bag has no checksums (bz2 and most lz4 chunks apart): damage shows where lengths or types no longer fit."""
+    """A bag has no checksums (bz2 and most lz4 chunks apart): damage shows where lengths or types
+    no longer fit.
+    """
 
     kind = "ROS 1 bag"
 
@@ -45,17 +50,26 @@ class Rosbag1Log(FileLog):
         with self.path.open("rb") as stream:
             notes = read_index(stream, size, connections)
             if notes is None:
-                self.remarks.append("the bag has no usable index (was its recording cut short?): it was read from its start")
+                self.remarks.append(
+                    "the bag has no usable index (was its recording cut short?): it was read from its start"
+                )
                 yield from self._from_start(stream, size, connections, budget)
             else:
                 yield from self._by_index(stream, size, connections, notes, budget)
         if connections.unchecked:
             self.remarks.append(NO_CHECKSUM)
-        self._tracker.count_lost("they belong to topics whose definition was lost", connections.unknown)
+        self._tracker.count_lost(
+            "they belong to topics whose definition was lost", connections.unknown
+        )
         self._tracker.finish(_expected_counts(notes or [], connections))
 
     def _by_index(
-        self, stream: BinaryIO, size: int, connections: Connections, notes: list[BagChunk], budget: UnpackBudget
+        self,
+        stream: BinaryIO,
+        size: int,
+        connections: Connections,
+        notes: list[BagChunk],
+        budget: UnpackBudget,
     ) -> Iterator[Message]:
         behind = 0
         for note in notes:
@@ -65,16 +79,23 @@ class Rosbag1Log(FileLog):
                 head, data, behind = record(stream, note.offset, size)
                 found = messages_of(head, data, connections, budget)
                 if len(found) != sum(note.counts.values()):
-                    raise DamagedError(f"it holds {len(found)} messages instead of {sum(note.counts.values())}")
+                    raise DamagedError(
+                        f"it holds {len(found)} messages instead of {sum(note.counts.values())}"
+                    )
             except DamagedError as error:
                 topics = [connections[c].topic for c in note.counts if c in connections]
                 self._tracker.add_loss(
-                    f"the chunk at byte {note.offset} is damaged: {error}", note.start_ns, note.end_ns, topics
+                    f"the chunk at byte {note.offset} is damaged: {error}",
+                    note.start_ns,
+                    note.end_ns,
+                    topics,
                 )
                 continue
             yield from map(self._tracker.record, found)
 
-    def _from_start(self, stream: BinaryIO, size: int, connections: Connections, budget: UnpackBudget) -> Iterator[Message]:
+    def _from_start(
+        self, stream: BinaryIO, size: int, connections: Connections, budget: UnpackBudget
+    ) -> Iterator[Message]:
         at, patience = len(MAGIC), PATIENCE * size
         closed = False
         while at < size:
@@ -97,10 +118,11 @@ class Rosbag1Log(FileLog):
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Return the first byte at or after `start` where a chunk's head lies whose data fits into the file; `size` when there is
-    none.
+    """Return the first byte at or after `start` where a chunk's head lies whose data fits into the
+    file; `size` when there is none.
 
-    Only heads are looked at: data that is read for each head that looks like one would take the square of the file.
+    Only heads are looked at: data that is read for each head that looks like one would take the
+    square of the file.
     """
     at = start
     while at < size:
@@ -109,8 +131,13 @@ def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
         block = stream.read(BLOCK + HEAD_REACH + LONGEST_CHUNK_HEAD)
         found = block.find(OP_CHUNK)
         while 0 <= found < BLOCK + HEAD_REACH:
-            for match in LIKE_A_LENGTH.finditer(block, max(start - base, found - HEAD_REACH, 0), found):
-                if _is_chunk(block[match.start() : match.start() + 8 + LONGEST_CHUNK_HEAD], size - base - match.start()):
+            for match in LIKE_A_LENGTH.finditer(
+                block, max(start - base, found - HEAD_REACH, 0), found
+            ):
+                if _is_chunk(
+                    block[match.start() : match.start() + 8 + LONGEST_CHUNK_HEAD],
+                    size - base - match.start(),
+                ):
                     return base + match.start()
             found = block.find(OP_CHUNK, found + 1)
         at += BLOCK
@@ -127,7 +154,11 @@ def _is_chunk(data: bytes, room: int) -> bool:
     except DamagedError:
         return False
     count = int.from_bytes(data[4 + length : 8 + length], "little")
-    return op_of(head) == CHUNK and {"compression", "size"} <= head.keys() and 8 + length + count <= room
+    return (
+        op_of(head) == CHUNK
+        and {"compression", "size"} <= head.keys()
+        and 8 + length + count <= room
+    )
 
 
 def _expected_counts(notes: list[BagChunk], connections: Connections) -> dict[str, int]:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A ROS 2 folder: its storage files, MCAP or SQLite, one after the other, with or without metadata.yaml."""
+"""A ROS 2 folder: its storage files, MCAP or SQLite, one after the other, with or without
+metadata.yaml.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ BY_NAME = "the folder's files were read by name"
 
 
 class Rosbag2Log:
-    """Files in the order of the metadata; files that it does not name (a recording that was cut short) follow by name."""
+    """Files in the order of the metadata; files that it does not name (a recording that was cut
+    short) follow by name.
+    """
 
     kind = "ROS 2 folder"
     gives_samples = False
@@ -36,7 +40,9 @@ class Rosbag2Log:
         self._losses: list[Loss] = []
 
     def messages(self) -> Iterator[Message]:
-        """Yield every whole message of the folder's files. Raises InputError for a folder that cannot be read at all."""
+        """Yield every whole message of the folder's files. Raises InputError for a folder that
+        cannot be read at all.
+        """
         self.remarks, self._losses = [], []
         seen: Counter[str] = Counter()
         info = self._metadata()
@@ -51,7 +57,11 @@ class Rosbag2Log:
             self._losses += log.losses()
             self.remarks += [f"{printable(log.path.name)}: {remark}" for remark in log.remarks]
         self._losses += [
-            Loss(f"{METADATA} counts more of them than could be read", topic, messages=_lost_messages(count, seen[topic]))
+            Loss(
+                f"{METADATA} counts more of them than could be read",
+                topic,
+                messages=_lost_messages(count, seen[topic]),
+            )
             for topic, count in sorted(info.counts.items())
             if count > seen[topic]
         ]
@@ -62,7 +72,11 @@ class Rosbag2Log:
 
     def _parts(self, info: _Metadata) -> list[Log]:
         if info.compression == "FILE":
-            raise InputError("the ROS 2 folder's files are compressed", where=str(self.path), remedy="unpack them with zstd -d")
+            raise InputError(
+                "the ROS 2 folder's files are compressed",
+                where=str(self.path),
+                remedy="unpack them with zstd -d",
+            )
         try:
             found = sorted(p for p in self.path.iterdir() if p.suffix in STORAGE)
         except OSError as error:
@@ -104,7 +118,9 @@ class Rosbag2Log:
 
 @dataclass(frozen=True, kw_only=True)
 class _Metadata:
-    """compression: "", "FILE" or "MESSAGE"; files in their order, each once; counts of messages by topic."""
+    """compression: "", "FILE" or "MESSAGE"; files in their order, each once; counts of messages by
+    topic.
+    """
 
     compression: str = ""
     files: tuple[str, ...] = ()
@@ -112,10 +128,19 @@ class _Metadata:
 
 
 def _parse(info: object) -> _Metadata:
-    """Return what is there in the shape that it should have; a half-written file has the rest in none."""
+    """Return what is there in the shape that it should have; a half-written file has the rest in
+    none.
+    """
     table = info if isinstance(info, Mapping) else {}
-    mode, files, topics = (table.get(k) for k in ("compression_mode", "relative_file_paths", "topics_with_message_count"))
-    names = [Path(name).name for name in files if isinstance(name, str)] if isinstance(files, list) else []
+    mode, files, topics = (
+        table.get(k)
+        for k in ("compression_mode", "relative_file_paths", "topics_with_message_count")
+    )
+    names = (
+        [Path(name).name for name in files if isinstance(name, str)]
+        if isinstance(files, list)
+        else []
+    )
     counts: dict[str, int] = {}
     for entry in topics if isinstance(topics, list) else []:
         topic = entry.get("topic_metadata") if isinstance(entry, Mapping) else None
@@ -136,7 +161,9 @@ def _lost_messages(counted: int, read: int) -> int | None:
 
 
 def _refuse_bombs(path: Path) -> None:
-    """Raise InputError for a file that YAML could blow up: too long, or with merges of aliases. Recorders write neither."""
+    """Raise InputError for a file that YAML could blow up: too long, or with merges of aliases.
+    Recorders write neither.
+    """
     size = path.stat().st_size
     if size > LARGEST_METADATA:
         raise InputError(f"{METADATA} has {size} bytes")
@@ -152,7 +179,9 @@ class _MessageUnpacker:
         self._budget = UnpackBudget(path.stat().st_size)
 
     def unpack(self, message: Message) -> Message:
-        """Return the message unpacked; as it is when that fails: the decoder will say that it is damaged."""
+        """Return the message unpacked; as it is when that fails: the decoder will say that it is
+        damaged.
+        """
         if not isinstance(message.data, bytes):
             return message
         try:

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The .db3 files of rosbag2, row by row, with the write-ahead log that a recorder which was cut short leaves beside them."""
+"""The .db3 files of rosbag2, row by row, with the write-ahead log that a recorder which was cut
+short leaves beside them.
+"""
 
 from __future__ import annotations
 
@@ -29,20 +31,32 @@ class SqliteLog(FileLog):
     def _read(self) -> Iterator[Message]:
         with ExitStack() as stack:
             merged = self._merge(stack)
-            address = f"{self.path.absolute().as_uri()}?mode=ro&immutable=1" if merged is None else merged.as_uri()
-            size = self.path.stat().st_size + (write_ahead_log(self.path).stat().st_size if merged else 0)
+            address = (
+                f"{self.path.absolute().as_uri()}?mode=ro&immutable=1"
+                if merged is None
+                else merged.as_uri()
+            )
+            size = self.path.stat().st_size + (
+                write_ahead_log(self.path).stat().st_size if merged else 0
+            )
             try:
                 database = Database(address, size)
                 stack.enter_context(closing(database.connection))
                 yield from self._messages(database)
             except READ_ERRORS as error:
                 name, where = printable(self.path.name), printable(str(self.path.parent))
-                raise InputError(f"{name} cannot be read: {printable(str(error), 200)}", where=where) from None
+                raise InputError(
+                    f"{name} cannot be read: {printable(str(error), 200)}", where=where
+                ) from None
             missing = bytes_missing(self.path) if merged is None else 0
         if missing > 0:
-            self._tracker.open_gap(f"the database is cut off: {missing} bytes of its pages are missing")
+            self._tracker.open_gap(
+                f"the database is cut off: {missing} bytes of its pages are missing"
+            )
         if self.path.with_name(f"{self.path.name}-journal").is_file():
-            self.remarks.append("a journal lies beside the database: its last transaction was not finished")
+            self.remarks.append(
+                "a journal lies beside the database: its last transaction was not finished"
+            )
         self.remarks.append(NO_CHECKSUM)
         self._tracker.finish()
 
@@ -56,15 +70,21 @@ class SqliteLog(FileLog):
                 foreign += 1
             else:
                 yield self._tracker.record(Message(channels[number], t_ns, data))
-        self._tracker.count_lost("their rows hold other things than a topic, a time and bytes", strange)
+        self._tracker.count_lost(
+            "their rows hold other things than a topic, a time and bytes", strange
+        )
         self._tracker.count_lost("they belong to no topic of the database", foreign)
         if database.skipped:
-            self.remarks.append(f"{database.skipped} row numbers are missing: rows were deleted, or lost by damage")
+            self.remarks.append(
+                f"{database.skipped} row numbers are missing: rows were deleted, or lost by damage"
+            )
 
     def _merge(self, stack: ExitStack) -> Path | None:
-        """Return a copy of database and write-ahead log that SQLite may merge; None where there is no such log.
+        """Return a copy of database and write-ahead log that SQLite may merge; None where there is
+        no such log.
 
-        SQLite reads a write-ahead log only where it may write beside it, and the package is not written to.
+        SQLite reads a write-ahead log only where it may write beside it, and the package is not
+        written to.
         """
         log = write_ahead_log(self.path)
         try:
@@ -76,10 +96,14 @@ class SqliteLog(FileLog):
             copy = Path(shutil.copyfile(self.path, folder / "log.db3"))
             shutil.copyfile(log, write_ahead_log(copy))
         except (OSError, InputError) as error:
-            self._tracker.add_loss(f"the write-ahead log beside the database cannot be read: {error}", 0, 0)
+            self._tracker.add_loss(
+                f"the write-ahead log beside the database cannot be read: {error}", 0, 0
+            )
             return None
         if damage:
-            self._tracker.add_loss(f"the write-ahead log beside the database is not whole: {damage}", 0, 0)
+            self._tracker.add_loss(
+                f"the write-ahead log beside the database is not whole: {damage}", 0, 0
+            )
         self.remarks.append("the write-ahead log beside the database was read with it")
         return copy
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decompression, headers and text of damaged files: what is wrong with the bytes comes back as one error, `DamagedError`."""
+"""Decompression, headers and text of damaged files: what is wrong with the bytes comes back as one
+error, `DamagedError`.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +13,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import BinaryIO, Protocol
 
-LARGEST_CHUNK = 1 << 27  # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
-FREE_BYTES, RATIO = 1 << 23, 256  # a log unpacks to at most so many bytes and so many times its own size
-FIRST_STEP = 1 << 14  # bytes in which a search begins: what it reads stays near to how far it goes, however often it begins
+# bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
+LARGEST_CHUNK = 1 << 27
+# a log unpacks to at most so many bytes and so many times its own size
+FREE_BYTES, RATIO = 1 << 23, 256
+# bytes in which a search begins: what it reads stays near to how far it goes, however often it
+# begins
+FIRST_STEP = 1 << 14
 LONGEST_NAME = 400  # characters; ROS allows 255, and a line that names one stays a line
-LONGEST_REASON = 200  # characters of what a library says about damaged bytes: they may quote all of them
+# characters of what a library says about damaged bytes: they may quote all of them
+LONGEST_REASON = 200
 
 
 class DamagedError(ValueError):
@@ -23,7 +30,9 @@ class DamagedError(ValueError):
 
 
 class UnpackBudget:
-    """How many bytes a log of a given size may still unpack to; a few kilobytes must not become hours of work."""
+    """How many bytes a log of a given size may still unpack to; a few kilobytes must not become
+    hours of work.
+    """
 
     def __init__(self, size: int) -> None:
         self._left = FREE_BYTES + RATIO * size
@@ -31,20 +40,26 @@ class UnpackBudget:
     def take(self, size: int) -> None:
         """Count so many bytes. Raises DamagedError when they are more than are left."""
         if size > self._left:
-            raise DamagedError(f"with its {size} bytes the log would unpack to more than {RATIO} times its size")
+            raise DamagedError(
+                f"with its {size} bytes the log would unpack to more than {RATIO} times its size"
+            )
         self._left -= size
 
 
 def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = None) -> bytes:
-    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4", "bz2" or "zlib"; DamagedError when they are not
-    there, or not whole."""
+    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4", "bz2" or "zlib";
+    DamagedError when they are not there, or not whole.
+    """
     if size > LARGEST_CHUNK:
         raise DamagedError(f"it claims {size} bytes")
     unpack = {
-        "": lambda: data, "none": lambda: data, "zstd": lambda: _zstd(data, size), "lz4": lambda: _lz4(data, size),
+        "": lambda: data,
+        "none": lambda: data,
+        "zstd": lambda: _zstd(data, size),
+        "lz4": lambda: _lz4(data, size),
         "bz2": lambda: _to_the_end(bz2.BZ2Decompressor(), data, size),
         "zlib": lambda: _to_the_end(zlib.decompressobj(), data, size),
-    }.get(how)  # fmt: skip
+    }.get(how)
     if unpack is None:
         raise DamagedError(f"its compression {printable(how)!r} is not known")
     if budget is not None and how not in ("", "none"):
@@ -84,8 +99,14 @@ def text(data: bytes) -> str:
 
 
 def printable(name: str, longest: int = LONGEST_NAME) -> str:
-    """Return a name as one line that a terminal shows and does not obey: what is no printable character is escaped."""
-    shown = name if name.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in name[: longest + 1])
+    """Return a name as one line that a terminal shows and does not obey: what is no printable
+    character is escaped.
+    """
+    shown = (
+        name
+        if name.isprintable()
+        else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in name[: longest + 1])
+    )
     return shown if len(shown) <= longest else f"{shown[: longest - 3]}..."
 
 
@@ -123,7 +144,9 @@ class _Decompressor(Protocol):
 
 
 def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
-    """Read to the end, where the stream's own checksum stands: what does not reach it was not checked."""
+    """Read to the end, where the stream's own checksum stands: what does not reach it was not
+    checked.
+    """
     out = bytes(decompressor.decompress(data, size + 1))
     if len(out) == size and not decompressor.eof:
         raise DamagedError("it is cut off before its checksum")
@@ -132,7 +155,9 @@ def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
 
 @dataclass(frozen=True)
 class HeaderMark:
-    """How a header is known. magic: bytes that stand `magic_at` bytes behind its start; parse: raises DamagedError for none."""
+    """How a header is known. magic: bytes that stand `magic_at` bytes behind its start; parse:
+    raises DamagedError for none.
+    """
 
     magic: bytes
     magic_at: int
@@ -141,7 +166,9 @@ class HeaderMark:
 
 
 def find_header(stream: BinaryIO, at: int, end: int, window: int, mark: HeaderMark) -> int:
-    """Return where the next header begins, from a byte on, or `end`. window: bytes to read at a time, at most."""
+    """Return where the next header begins, from a byte on, or `end`. window: bytes to read at a
+    time, at most.
+    """
     step = min(FIRST_STEP, window)
     while at < end:
         stream.seek(at)

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a DVL of Water Linked sends over TCP, kept line by line in a file: velocity with ranges, and the DVL's own attitude.
+"""What a DVL of Water Linked sends over TCP, kept line by line in a file: velocity with ranges, and
+the DVL's own attitude.
 
-Protocol: [WaterLinkedJSON], json_v3 (before it, reports had no time). Axes: x forward, y right, z out of the transducers;
-velocities are turned by the mounting rotation offset, ranges are those of the transducers. position_local has roll, pitch and
-yaw in degrees, z down, heading from wherever the DVL was started: by its gyroscope, not a compass.
+Protocol: [WaterLinkedJSON], json_v3 (before it, reports had no time). Axes: x forward, y right, z
+out of the transducers; velocities are turned by the mounting rotation offset, ranges are those of
+the transducers. position_local has roll, pitch and yaw in degrees, z down, heading from wherever
+the DVL was started: by its gyroscope, not a compass.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from hullrecon.dive.logs.samples import DvlSample, ImuSample
 from hullrecon.errors import InputError
 from hullrecon.typing import Array
 
-MARKS = (b'"transducers"', b'"position_local"', b'"response_to"')  # one of them stands in the first report
+# one of them stands in the first report
+MARKS = (b'"transducers"', b'"position_local"', b'"response_to"')
 START_BYTES = 4096
 SUFFIXES = (".json", ".jsonl", ".txt", ".log")
 VELOCITY, ATTITUDE = (Channel(sensor, "Water Linked JSON", "sample") for sensor in ("dvl", "imu"))
@@ -45,7 +48,8 @@ class WaterLinkedLog(FileLog):
                 try:
                     if report is None:
                         raise DamagedError("it is no JSON object")
-                    kind = report.get("type", "velocity" if "vx" in report else None)  # json_v1 has no types
+                    # json_v1 has no types
+                    kind = report.get("type", "velocity" if "vx" in report else None)
                     if kind == "velocity" and "time_of_validity" not in report:
                         timeless += 1
                     elif kind == "velocity":
@@ -69,36 +73,54 @@ class WaterLinkedLog(FileLog):
 
 
 def is_water_linked(start: bytes) -> bool:
-    """Return whether a file that begins so holds such reports, one a line: other JSON lies in many folders."""
-    return holds_reports(start) and start.lstrip().startswith(b"{") and start.split(maxsplit=1)[0] != b"{"
+    """Return whether a file that begins so holds such reports, one a line: other JSON lies in many
+    folders.
+    """
+    return (
+        holds_reports(start)
+        and start.lstrip().startswith(b"{")
+        and start.split(maxsplit=1)[0] != b"{"
+    )
 
 
 def holds_reports(start: bytes) -> bool:
-    """Return whether a file that begins so holds such reports, one a line or as somebody rewrote them: a list, indented."""
+    """Return whether a file that begins so holds such reports, one a line or as somebody rewrote
+    them: a list, indented.
+    """
     return start.lstrip()[:1] in (b"{", b"[") and any(mark in start for mark in MARKS)
 
 
 def describe(timeless: int, offset_deg: float | None) -> list[str]:
-    """Return a sentence for what the reports of a file lack; offset_deg: None where its configuration was not logged."""
+    """Return a sentence for what the reports of a file lack; offset_deg: None where its
+    configuration was not logged.
+    """
     out = []
     if timeless:
-        out.append(f"{timeless} reports have no time_of_validity (a protocol older than json_v3): they cannot be used")
+        out.append(
+            f"{timeless} reports have no time_of_validity (a protocol older than json_v3): they cannot be used"
+        )
     if offset_deg:
         out.append(
             f"velocities were turned by the DVL's mounting rotation offset of {offset_deg:g} degrees, its ranges were not: "
             "add it to each of dvl.beam_azimuth_deg"
         )
     if offset_deg is None:
-        out.append("its mounting rotation offset is not in the file: where it is not 0, add it to each of dvl.beam_azimuth_deg")
+        out.append(
+            "its mounting rotation offset is not in the file: where it is not 0, add it to each of dvl.beam_azimuth_deg"
+        )
     return out
 
 
 def to_velocity(report: Report) -> DvlSample:
     """Return velocity and ranges of a report of type velocity. Raises DamagedError."""
-    is_valid = report.get("velocity_valid") is True and report.get("tracking_mode", "bottom") == "bottom"
+    is_valid = (
+        report.get("velocity_valid") is True and report.get("tracking_mode", "bottom") == "bottom"
+    )
     merit = number_of(report, "fom") if is_valid else np.nan
     is_valid = is_valid and not merit >= FIGURE_OF_MERIT_LIMIT
-    velocity = np.array([number_of(report, key) for key in ("vx", "vy", "vz")]) if is_valid else LOST
+    velocity = (
+        np.array([number_of(report, key) for key in ("vx", "vy", "vz")]) if is_valid else LOST
+    )
     altitude = number_of(report, "altitude") if is_valid else np.nan
     return DvlSample(
         round(number_of(report, "time_of_validity")) * NS_PER_US,
@@ -123,8 +145,13 @@ def _ranges(transducers: object) -> Array:
         raise DamagedError("it has no list of transducers")
     if not all(isinstance(t, dict) for t in transducers):
         raise DamagedError("a transducer of it is none")
-    found = sorted((number_of(t, "id"), number_of(t, "distance"), t.get("beam_valid") is True) for t in transducers)
-    return np.array([distance if valid and distance > 0 else np.nan for _, distance, valid in found], float)
+    found = sorted(
+        (number_of(t, "id"), number_of(t, "distance"), t.get("beam_valid") is True)
+        for t in transducers
+    )
+    return np.array(
+        [distance if valid and distance > 0 else np.nan for _, distance, valid in found], float
+    )
 
 
 def _mounting_offset(report: Report) -> float | None:

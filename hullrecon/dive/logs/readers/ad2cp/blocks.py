@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Nortek AD2CP blocks: where they lie in a file. Each has a header with a checksum of its own and one of the data behind it.
+"""Nortek AD2CP blocks: where they lie in a file. Each has a header with a checksum of its own and
+one of the data behind it.
 
 Layout: Nortek, Signature Integrator's Guide 6.1 [NortekAD2CP].
 """
@@ -19,25 +20,37 @@ from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 SYNC, FAMILY = 0xA5, 0x10
 SHORT, LONG = 10, 12  # bytes of a header; the long one has 32 bits for the size of its data
 CHECKSUM_START = 0xB58C
-LARGEST_DATA = 1 << 20  # bytes; a block with more is an echo sounder's raw samples, which are not read
+# bytes; a block with more is an echo sounder's raw samples, which are not read
+LARGEST_DATA = 1 << 20
 WINDOW, REACH = 1 << 20, LARGEST_DATA + LONG  # bytes read at a time; of the longest block
 
 
 @dataclass(frozen=True)
 class Block:
-    """One block whose two checksums hold. kind: the number of its data series; data: what lies behind its header."""
+    """One block whose two checksums hold. kind: the number of its data series; data: what lies
+    behind its header.
+    """
 
     kind: int
     data: bytes
 
 
 def is_ad2cp(start: bytes) -> bool:
-    """Return whether a file that begins so starts with a block of this family (Nortek's Nucleus has another)."""
-    return len(start) >= SHORT and start[0] == SYNC and start[1] in (SHORT, LONG) and start[3] == FAMILY
+    """Return whether a file that begins so starts with a block of this family (Nortek's Nucleus has
+    another).
+    """
+    return (
+        len(start) >= SHORT
+        and start[0] == SYNC
+        and start[1] in (SHORT, LONG)
+        and start[3] == FAMILY
+    )
 
 
 def blocks(stream: BinaryIO) -> Iterator[tuple[int, int, Block | str]]:
-    """Yield (start, end, block) where both checksums hold, between them (start, end, why) of bytes of no whole block."""
+    """Yield (start, end, block) where both checksums hold, between them (start, end, why) of bytes
+    of no whole block.
+    """
     at = bad = 0
     why = ""
     while True:
@@ -56,7 +69,11 @@ def blocks(stream: BinaryIO) -> Iterator[tuple[int, int, Block | str]]:
             if at + inside > bad:
                 yield bad, at + inside, why
             bad, why = at + int(ends[row]), ""
-            yield at + inside, bad, Block(data[inside + 2], data[inside + data[inside + 1] : int(ends[row])])
+            yield (
+                at + inside,
+                bad,
+                Block(data[inside + 2], data[inside + data[inside + 1] : int(ends[row])]),
+            )
             inside = int(ends[row])
         at += inside
     if at > bad:
@@ -66,18 +83,29 @@ def blocks(stream: BinaryIO) -> Iterator[tuple[int, int, Block | str]]:
 def checksum(data: bytes) -> int:
     """Return Nortek's sum of 16-bit words; an odd last byte is the high half of a word."""
     values = np.frombuffer(data, np.uint8)
-    return int(CHECKSUM_START + values[0::2].sum(dtype=np.int64) + 256 * values[1::2].sum(dtype=np.int64) + _odd(data)) % 65536
+    return (
+        int(
+            CHECKSUM_START
+            + values[0::2].sum(dtype=np.int64)
+            + 256 * values[1::2].sum(dtype=np.int64)
+            + _odd(data)
+        )
+        % 65536
+    )
 
 
 def _odd(data: bytes) -> int:
-    """Return what the last byte of an odd number of them counts more than as the low half of a word."""
+    """Return what the last byte of an odd number of them counts more than as the low half of a
+    word.
+    """
     return 255 * data[-1] if len(data) % 2 else 0
 
 
 def _whole_blocks(data: bytes) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the starts and ends of all that has a block's header, length and both checksums.
 
-    Sums of stretches are differences of two running sums: each byte is added once, however many headers claim it.
+    Sums of stretches are differences of two running sums: each byte is added once, however many
+    headers claim it.
     """
     sums = _RunningSums(data)
     starts, ends = [], []
@@ -107,12 +135,16 @@ class _RunningSums:
         self.running = np.cumsum(every, axis=1)
 
     def headers(self, size: int) -> NDArray[np.int64]:
-        """Return where sync, header size and family of a header of that size stand, with room for it."""
+        """Return where sync, header size and family of a header of that size stand, with room for
+        it.
+        """
         v = self.values
         if len(v) < size:
             return np.zeros(0, np.int64)
         last = len(v) - size + 1
-        return np.flatnonzero((v[:last] == SYNC) & (v[1 : last + 1] == size) & (v[3 : last + 3] == FAMILY)).astype(np.int64)
+        return np.flatnonzero(
+            (v[:last] == SYNC) & (v[1 : last + 1] == size) & (v[3 : last + 3] == FAMILY)
+        ).astype(np.int64)
 
     def word(self, at: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the 16-bit words at these bytes."""

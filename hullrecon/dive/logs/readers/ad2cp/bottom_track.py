@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bottom-track records of Nortek AD2CP: DF20 of Signature instruments, DF21 of DVLs.
 
-Layouts: Nortek, Signature Integrator's Guide 6.1.3 [NortekAD2CP] and, for DF21, the driver of the Woods Hole Oceanographic
-Institution [NortekDF21]. Axes are Nortek's XYZ, z out of the transducers.
+Layouts: Nortek, Signature Integrator's Guide 6.1.3 [NortekAD2CP] and, for DF21, the driver of the
+Woods Hole Oceanographic Institution [NortekDF21]. Axes are Nortek's XYZ, z out of the transducers.
 """
 
 from __future__ import annotations
@@ -21,14 +21,23 @@ from hullrecon.typing import Array
 DF20, DF21, WATER_TRACK, TEXT = 0x17, 0x1B, 0x1D, 0xA0  # kinds of blocks
 VERSION = 1  # of each record; no other is described publicly
 DF20_HEADER, DF21_HEADER = 78, 36  # bytes before the values
-HAS_COMPASS, HAS_TILT, HAS_VELOCITY, HAS_DISTANCE, HAS_MERIT = 1 << 2, 1 << 3, 1 << 5, 1 << 8, 1 << 9
+HAS_COMPASS, HAS_TILT, HAS_VELOCITY, HAS_DISTANCE, HAS_MERIT = (
+    1 << 2,
+    1 << 3,
+    1 << 5,
+    1 << 8,
+    1 << 9,
+)
 FRAMES = ("enu", "xyz", "beam")  # by the code in the record
-Z_UP, Z_DOWN, AHRS = 4, 5, 7  # codes of the orientation whose angles are those of z out of the transducers
+# codes of the orientation whose angles are those of z out of the transducers
+Z_UP, Z_DOWN, AHRS = 4, 5, 7
 SMALLEST_UNIT = -9  # exponent of ten of the velocities' unit in m/s
 LOST_VELOCITY, LOST_MERIT = -32.0, 10.0  # m/s; DF21 marks what is not valid by -32.768 and 10
 BEAMS = 4
 DVL_VALUES = (
-    "<24f20f"  # of each beam: velocity, distance, merit, three times; then of x, y, z1, z2: velocity, merit, three times
+    # of each beam: velocity, distance, merit, three times; then of x, y, z1, z2: velocity, merit,
+    # three times
+    "<24f20f"
 )
 LOST = np.full(3, np.nan)
 
@@ -37,10 +46,11 @@ LOST = np.full(3, np.nan)
 class BottomTrack:
     """One ping in SI units; NaN where it is lost or was not measured.
 
-    frame: of the velocity of the instrument over ground, one of FRAMES. velocity: m/s, (3,) in "xyz" and "enu", one a beam in
-    "beam", positive where the beam closes in on the ground. beams: number of each, as the instrument numbers them. distance_m
-    (4,): along z to where each beam meets the ground; empty in DF20. sigma: m/s. angles_rad (3,): heading, pitch, roll.
-    orientation: which axis the angles are of (Z_UP ...).
+    frame: of the velocity of the instrument over ground, one of FRAMES. velocity: m/s, (3,) in
+    "xyz" and "enu", one a beam in "beam", positive where the beam closes in on the ground. beams:
+    number of each, as the instrument numbers them. distance_m (4,): along z to where each beam
+    meets the ground; empty in DF20. sigma: m/s. angles_rad (3,): heading, pitch, roll. orientation:
+    which axis the angles are of (Z_UP ...).
     """
 
     t_ns: int
@@ -54,7 +64,9 @@ class BottomTrack:
 
 
 def parse(kind: int, data: bytes) -> BottomTrack:
-    """Parse the data of a block of one of KINDS. Raises DamagedError for any other, and where they are not what it has."""
+    """Parse the data of a block of one of KINDS. Raises DamagedError for any other, and where they
+    are not what it has.
+    """
     if kind not in KINDS:
         raise DamagedError(f"blocks of kind {kind:#04x} are not read as bottom tracks")
     version, start = fields("<BB", data)
@@ -75,7 +87,9 @@ def _parse_df20(data: bytes, start: int) -> BottomTrack:
     if not SMALLEST_UNIT <= exponent <= 0:
         raise DamagedError(f"its velocities are in units of 1e{exponent} m/s")
     if not config & HAS_VELOCITY or not config & (HAS_DISTANCE | HAS_MERIT):
-        raise DamagedError("it lacks velocities, or distances and figures of merit that tell the lost ones")
+        raise DamagedError(
+            "it lacks velocities, or distances and figures of merit that tell the lost ones"
+        )
     raw = np.array(fields(f"<{count}i", data, start), float)
     tracked, at = np.ones(count, bool), start + 4 * count
     if config & HAS_DISTANCE:
@@ -87,11 +101,15 @@ def _parse_df20(data: bytes, start: int) -> BottomTrack:
     return BottomTrack(
         t_ns=_clock(fields("<6BH", data, 8)),
         frame=FRAMES[code],
-        velocity=np.where(tracked, velocity, np.nan) if FRAMES[code] == "beam" else _vector(velocity, tracked),
+        velocity=np.where(tracked, velocity, np.nan)
+        if FRAMES[code] == "beam"
+        else _vector(velocity, tracked),
         beams=tuple(physical >> 4 * row & 15 for row in range(count)),
         distance_m=np.zeros(0),
         sigma=float("nan"),
-        angles_rad=np.radians(np.array([heading, pitch, roll]) / 100) if _has_angles(config) else LOST,
+        angles_rad=np.radians(np.array([heading, pitch, roll]) / 100)
+        if _has_angles(config)
+        else LOST,
         orientation=status >> 25 & 7,
     )
 
@@ -128,7 +146,9 @@ def _has_angles(config: int) -> bool:
 
 
 def _vector(values: Array, tracked: Array) -> Array:
-    """Return (3,) of a velocity that comes with one z, or with two of different beams; a lost beam is in all of them."""
+    """Return (3,) of a velocity that comes with one z, or with two of different beams; a lost beam
+    is in all of them.
+    """
     return np.array([*values[:2], values[2:].mean()]) if tracked.all() else LOST
 
 
@@ -139,7 +159,9 @@ def _mean(values: Array) -> float:
 
 
 def _clock(stamp: tuple[int, ...]) -> int:
-    """Return the instrument's clock as UTC: years since 1900, months from 0, the last in 100 microseconds."""
+    """Return the instrument's clock as UTC: years since 1900, months from 0, the last in 100
+    microseconds.
+    """
     year, month, *rest, ticks = stamp
     try:
         whole = datetime(1900 + year, 1 + month, *rest, tzinfo=UTC)  # type: ignore[arg-type,misc]
@@ -152,10 +174,13 @@ def _clock(stamp: tuple[int, ...]) -> int:
 
 @dataclass(frozen=True)
 class Kind:
-    """How a kind of record is called, and what parses its data from the byte on at which its values start."""
+    """How a kind of record is called, and what parses its data from the byte on at which its values
+    start.
+    """
 
     name: str
     parse: Callable[[bytes, int], BottomTrack]
 
 
-KINDS = {DF20: Kind("DF20", _parse_df20), DF21: Kind("DF21", _parse_df21)}  # of bottom tracks, by the blocks' kind
+# of bottom tracks, by the blocks' kind
+KINDS = {DF20: Kind("DF20", _parse_df20), DF21: Kind("DF21", _parse_df21)}

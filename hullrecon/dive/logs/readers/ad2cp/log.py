@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A Nortek .ad2cp file as a DVL: every bottom track in the frame `dvl`, and the attitude by the instrument's own sensors.
+"""A Nortek .ad2cp file as a DVL: every bottom track in the frame `dvl`, and the attitude by the
+instrument's own sensors.
 
-`dvl` of an AD2CP file are Nortek's axes: z out of the transducers, x and y as marked on the housing.
+`dvl` of an AD2CP file are Nortek's axes: z out of the transducers, x and y as marked on the
+housing.
 """
 
 from __future__ import annotations
@@ -40,7 +42,9 @@ class Ad2cpLog(FileLog):
         with self.path.open("rb") as stream:
             for start, end, found in blocks(stream):
                 if isinstance(found, str):
-                    self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole block: {found}")
+                    self._tracker.open_gap(
+                        f"{end - start} bytes from byte {start} on hold no whole block: {found}"
+                    )
                 elif found.kind == tracks.TEXT:
                     beams |= read_beams(found.data)
                 elif found.kind in tracks.KINDS:
@@ -50,7 +54,9 @@ class Ad2cpLog(FileLog):
         self._tracker.finish()
         self.remarks += describe(seen)
 
-    def _pings(self, block: Block, start: int, beams: dict[int, Array], seen: Counter[str]) -> Iterator[Message]:
+    def _pings(
+        self, block: Block, start: int, beams: dict[int, Array], seen: Counter[str]
+    ) -> Iterator[Message]:
         """Yield the readings of one record, or the loss of it; what was met is counted in `seen`."""
         try:
             ping = tracks.parse(block.kind, block.data)
@@ -72,7 +78,9 @@ class Ad2cpLog(FileLog):
 
 
 def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None) -> DvlSample:
-    """Return velocity and distances along z. units (n, 3): of the beams, None where the file does not describe them."""
+    """Return velocity and distances along z. units (n, 3): of the beams, None where the file does
+    not describe them.
+    """
     velocity = ping.velocity
     if ping.frame == "beam":
         velocity = tracks.LOST if units is None else velocity_from_beams(velocity, units)
@@ -82,8 +90,14 @@ def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None
 
 
 def enu_from_dvl(ping: BottomTrack) -> Array | None:
-    """Return east, north, up of the axes of `dvl` (3, 3), by the angles of the record; None where it has none of z."""
-    if not np.isfinite(ping.angles_rad).all() or ping.orientation not in (tracks.Z_UP, tracks.Z_DOWN, tracks.AHRS):
+    """Return east, north, up of the axes of `dvl` (3, 3), by the angles of the record; None where
+    it has none of z.
+    """
+    if not np.isfinite(ping.angles_rad).all() or ping.orientation not in (
+        tracks.Z_UP,
+        tracks.Z_DOWN,
+        tracks.AHRS,
+    ):
         return None
     heading, pitch, roll = ping.angles_rad
     turn = Rotation.from_euler("ZYX", [np.pi / 2 - heading, -pitch, roll]).as_matrix()
@@ -92,7 +106,13 @@ def enu_from_dvl(ping: BottomTrack) -> Array | None:
 
 def attitude(t_ns: int, turn: Array) -> ImuSample:
     """Return the attitude of the frame `dvl` in north-east-down. turn: that of enu_from_dvl."""
-    return ImuSample(t_ns, Rotation.from_matrix(NED_FROM_ENU @ turn).as_quat(), tracks.LOST, tracks.LOST, of_dvl=True)
+    return ImuSample(
+        t_ns,
+        Rotation.from_matrix(NED_FROM_ENU @ turn).as_quat(),
+        tracks.LOST,
+        tracks.LOST,
+        of_dvl=True,
+    )
 
 
 def describe(seen: Counter[str]) -> list[str]:
@@ -101,7 +121,9 @@ def describe(seen: Counter[str]) -> list[str]:
     if seen["bottom track"] and not seen["tracked"]:
         out.append("no bottom track of it is valid: it gives no velocity over ground")
     if not seen["bottom track"]:
-        out.append("no bottom-track record was read from it (a current profiler's file?): it gives no velocity over ground")
+        out.append(
+            "no bottom-track record was read from it (a current profiler's file?): it gives no velocity over ground"
+        )
     if seen["without beams"]:
         out.append(
             f"{seen['without beams']} velocities along the beams were lost: the file does not say where its beams point "

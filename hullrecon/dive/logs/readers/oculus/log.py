@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""An .oculus file as an imaging sonar: each simple ping is a ping in the frame `sonar` of a sonar that stands upright."""
+"""An .oculus file as an imaging sonar: each simple ping is a ping in the frame `sonar` of a sonar
+that stands upright.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,9 @@ class OculusLog(FileLog):
         with self.path.open("rb") as stream:
             for start, end, found in items(stream, self._first_item(stream), budget):
                 if isinstance(found, str):
-                    self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole item: {found}")
+                    self._tracker.open_gap(
+                        f"{end - start} bytes from byte {start} on hold no whole item: {found}"
+                    )
                     continue
                 try:
                     sample = to_sample(*found, budget)
@@ -76,7 +80,9 @@ class OculusLog(FileLog):
 
 
 def to_sample(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> SonarSample | None:
-    """Return the ping of an item; None where it holds something else. Raises DamagedError for a damaged one."""
+    """Return the ping of an item; None where it holds something else. Raises DamagedError for a
+    damaged one.
+    """
     if header.kind != OCULUS:
         return None
     data = unpacked(header, payload, budget)

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Items of an .oculus file, which ViewPoint records: each a header and a payload; where they lie, also behind damage.
+"""Items of an .oculus file, which ViewPoint records: each a header and a payload; where they lie,
+also behind damage.
 
-Layout: [OculusDriver], little-endian, fields aligned by their size. Each header states its own length. Nothing of it has a
-checksum.
+Layout: [OculusDriver], little-endian, fields aligned by their size. Each header states its own
+length. Nothing of it has a checksum.
 """
 
 from __future__ import annotations
@@ -13,22 +14,35 @@ from dataclasses import dataclass
 from typing import BinaryIO
 
 from hullrecon.dive.logs.formats.oculus_ping import message_bytes
-from hullrecon.dive.logs.readers.unpack import DamagedError, HeaderMark, UnpackBudget, decompress, fields, find_header
+from hullrecon.dive.logs.readers.unpack import (
+    DamagedError,
+    HeaderMark,
+    UnpackBudget,
+    decompress,
+    fields,
+    find_header,
+)
 
 MAGIC, ITEM_MAGIC = b"\x44\x33\x22\x11", b"\xdd\xcc\xbb\xaa"
-FILE_HEADER, ITEM_HEADER = "<II16sHH4xqd", "<IIHH4xdHxxIII"  # the last field of an item fills it up to eight bytes
+# the last field of an item fills it up to eight bytes
+FILE_HEADER, ITEM_HEADER = "<II16sHH4xqd", "<IIHH4xdHxxIII"
 FILE_HEADER_BYTES, ITEM_HEADER_BYTES = 48, 40
 LONGEST_HEADER = 1024
-PLAIN, PACKED = 0, 1  # kinds of compression: none; zlib behind four bytes that tell the length (Qt's qCompress)
+# kinds of compression: none; zlib behind four bytes that tell the length (Qt's qCompress)
+PLAIN, PACKED = 0, 1
 EARLIEST_S, LATEST_S = 1.2e9, 4.1e9  # 2008, before the first Oculus, and 2099
 MOST_BYTES = 1 << 26  # of a payload
 WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
-PATIENCE = 4  # times the file's size: so much of payloads that turn out to be none is read before the rest is given up
+# times the file's size: so much of payloads that turn out to be none is read before the rest is
+# given up
+PATIENCE = 4
 
 
 @dataclass(frozen=True, kw_only=True)
 class ItemHeader:
-    """What stands before a payload. size: bytes of the header itself; t_ns: by the clock of the computer that recorded it."""
+    """What stands before a payload. size: bytes of the header itself; t_ns: by the clock of the
+    computer that recorded it.
+    """
 
     size: int
     kind: int
@@ -39,7 +53,9 @@ class ItemHeader:
 
 
 def parse_file_header(data: bytes) -> tuple[int, bool]:
-    """Return how long the file's header is, and whether what follows is encrypted. Raises DamagedError where it is none."""
+    """Return how long the file's header is, and whether what follows is encrypted. Raises
+    DamagedError where it is none.
+    """
     if data[: len(MAGIC)] != MAGIC:
         raise DamagedError("no log of ViewPoint begins there")
     _, size, _, _, encryption, _, _ = fields(FILE_HEADER, data)
@@ -49,7 +65,9 @@ def parse_file_header(data: bytes) -> tuple[int, bool]:
 
 
 def parse_item_header(data: bytes) -> ItemHeader:
-    """Return what an item's header says. Raises DamagedError where it is none, or says what ViewPoint does not write."""
+    """Return what an item's header says. Raises DamagedError where it is none, or says what
+    ViewPoint does not write.
+    """
     if data[: len(ITEM_MAGIC)] != ITEM_MAGIC:
         raise DamagedError("no item begins there")
     _, size, kind, _, time_s, compression, original, payload, _ = fields(ITEM_HEADER, data)
@@ -71,12 +89,15 @@ def parse_item_header(data: bytes) -> ItemHeader:
     )
 
 
-def items(stream: BinaryIO, at: int, budget: UnpackBudget) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
-    """Yield (start, end, header and payload as stored) from a byte on, between them (start, end, why) of bytes that hold no
-    whole item.
+def items(
+    stream: BinaryIO, at: int, budget: UnpackBudget
+) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
+    """Yield (start, end, header and payload as stored) from a byte on, between them (start, end,
+    why) of bytes that hold no whole item.
 
-    An item counts whose bytes end where another begins or the file does, or that holds one whole message of an Oculus. False
-    headers may each claim the rest of the file; PATIENCE bounds what is read of payloads that turn out to be none.
+    An item counts whose bytes end where another begins or the file does, or that holds one whole
+    message of an Oculus. False headers may each claim the rest of the file; PATIENCE bounds what is
+    read of payloads that turn out to be none.
     """
     mark = HeaderMark(ITEM_MAGIC, 0, ITEM_HEADER_BYTES, parse_item_header)
     end = stream.seek(0, 2)
@@ -99,9 +120,14 @@ def items(stream: BinaryIO, at: int, budget: UnpackBudget) -> Iterator[tuple[int
 
 
 def unpacked(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bytes:
-    """Return the payload as it was before it was packed. Raises DamagedError where it does not unpack to what is stated, and
-    beyond the log's budget."""
-    return decompress(payload[4:], "zlib", header.original_bytes, budget) if header.is_packed else payload
+    """Return the payload as it was before it was packed. Raises DamagedError where it does not
+    unpack to what is stated, and beyond the log's budget.
+    """
+    return (
+        decompress(payload[4:], "zlib", header.original_bytes, budget)
+        if header.is_packed
+        else payload
+    )
 
 
 def _header_at(stream: BinaryIO, at: int, end: int) -> ItemHeader:

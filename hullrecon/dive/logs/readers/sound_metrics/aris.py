@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""An .aris file as an imaging sonar: every frame is a ping in the frame `sonar` of a sonar that stands upright."""
+"""An .aris file as an imaging sonar: every frame is a ping in the frame `sonar` of a sonar that
+stands upright.
+"""
 
 from __future__ import annotations
 
@@ -36,20 +38,28 @@ class ArisLog(FileLog):
         with self.path.open("rb") as stream:
             for start, end, found in frames(stream):
                 if isinstance(found, str):
-                    self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole frame: {found}")
+                    self._tracker.open_gap(
+                        f"{end - start} bytes from byte {start} on hold no whole frame: {found}"
+                    )
                     continue
                 seen.add(found.header)
                 if found.header.is_sounding:
-                    yield self._tracker.record(Message(CHANNEL, found.header.t_ns, to_sample(found)))
+                    yield self._tracker.record(
+                        Message(CHANNEL, found.header.t_ns, to_sample(found))
+                    )
         self._tracker.finish()
         self.remarks += seen.remarks()
 
 
 def to_sample(frame: ArisFrame) -> SonarSample:
-    """Return the ping; its directions are None where nothing is published for that model, lens and number of beams."""
+    """Return the ping; its directions are None where nothing is published for that model, lens and
+    number of beams.
+    """
     header = frame.header
     azimuth = beam_azimuths(header.model, header.beams, is_telephoto=header.is_telephoto)
-    return SonarSample(header.t_ns, frame.image, None if azimuth is None else in_fan(azimuth), header.range_m)
+    return SonarSample(
+        header.t_ns, frame.image, None if azimuth is None else in_fan(azimuth), header.range_m
+    )
 
 
 class _Seen:
@@ -77,11 +87,19 @@ class _Seen:
         ]
         out = ["; ".join(kinds[:4])]
         if any(is_telephoto for *_, is_telephoto in self._kinds):
-            out.append("a telephoto lens narrows the aperture out of the fan: sonar.elevation_deg has to be that lens's")
+            out.append(
+                "a telephoto lens narrows the aperture out of the fan: sonar.elevation_deg has to be that lens's"
+            )
         if self._silent:
             out.append(f"{self._silent} frames were left out: the transmitter was off")
-        turned = dict(zip(("pan", "tilt", "roll"), self._rotator[1] - self._rotator[0], strict=True))
-        moved = [f"{name} by {degrees:.0f} degrees" for name, degrees in turned.items() if degrees > TURNED_DEG]
+        turned = dict(
+            zip(("pan", "tilt", "roll"), self._rotator[1] - self._rotator[0], strict=True)
+        )
+        moved = [
+            f"{name} by {degrees:.0f} degrees"
+            for name, degrees in turned.items()
+            if degrees > TURNED_DEG
+        ]
         if moved:
             out.append(
                 f"its rotator turned ({', '.join(moved)}), which is not read: log it as the joint that sonar.joint names"

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Frames of an .aris file (DDF_05): each a header of 1024 bytes and an image; where they lie, also behind damage.
+"""Frames of an .aris file (DDF_05): each a header of 1024 bytes and an image; where they lie, also
+behind damage.
 
 Layout: Sound Metrics, ARIS File SDK [ArisFileSDK]. Nothing of it has a checksum.
 """
@@ -20,9 +21,11 @@ from hullrecon.typing import Array
 MAGIC = b"DDF\x05"
 HEADER = 1024  # bytes, of the file's header and of each frame's
 MAGIC_AT = 12  # in a frame's header
-BEAMS = {1: 48, 2: 48, 3: 96, 4: 96, 5: 96, 6: 64, 7: 64, 8: 64, 9: 128, 10: 128, 11: 128, 12: 128}  # by ping mode
+# by ping mode
+BEAMS = {1: 48, 2: 48, 3: 96, 4: 96, 5: 96, 6: 64, 7: 64, 8: 64, 9: 128, 10: 128, 11: 128, 12: 128}
 MOST_SAMPLES = 20_000  # of a beam
-EARLIEST_US, LATEST_US = 1_200_000_000_000_000, 4_100_000_000_000_000  # 2008, before the first ARIS, and 2099
+# 2008, before the first ARIS, and 2099
+EARLIEST_US, LATEST_US = 1_200_000_000_000_000, 4_100_000_000_000_000
 SLOWEST, FASTEST = 1300.0, 1700.0  # m/s, of sound in any water
 LONGEST_US = 200_000  # from the ping to the first sample: 150 m
 FARTHEST_M = 200.0
@@ -31,8 +34,10 @@ WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
 
 @dataclass(frozen=True, kw_only=True)
 class FrameHeader:
-    """What is read of a frame's header. t_ns: by the clock of the computer that recorded it; range_m (samples,): of the middles
-    of the samples; rotator_deg (3,): pan, tilt and roll of a rotator, 0 without one; is_sounding: its transmitter was on."""
+    """What is read of a frame's header. t_ns: by the clock of the computer that recorded it;
+    range_m (samples,): of the middles of the samples; rotator_deg (3,): pan, tilt and roll of a
+    rotator, 0 without one; is_sounding: its transmitter was on.
+    """
 
     t_ns: int
     model: int
@@ -49,14 +54,18 @@ class FrameHeader:
 
 @dataclass(frozen=True, kw_only=True)
 class ArisFrame:
-    """image (beams, samples): beams from port to starboard of an upright sonar (files have them from starboard to port)."""
+    """image (beams, samples): beams from port to starboard of an upright sonar (files have them
+    from starboard to port).
+    """
 
     header: FrameHeader
     image: NDArray[np.uint8]
 
 
 def parse_header(data: bytes) -> FrameHeader:
-    """Return what a frame's header says. Raises DamagedError where it is none, or says what no ARIS does."""
+    """Return what a frame's header says. Raises DamagedError where it is none, or says what no ARIS
+    does.
+    """
     if data[MAGIC_AT : MAGIC_AT + len(MAGIC)] != MAGIC:
         raise DamagedError("no frame begins there")
     (time_us,) = fields("<Q", data, 4)
@@ -68,7 +77,9 @@ def parse_header(data: bytes) -> FrameHeader:
     if ping_mode not in BEAMS or not 0 < samples <= MOST_SAMPLES:
         raise DamagedError(f"a frame of ping mode {ping_mode} with {samples} samples a beam")
     if not (SLOWEST < speed < FASTEST and 0 < period_us <= 1000 and 0 <= delay_us <= LONGEST_US):
-        raise DamagedError(f"samples every {period_us} us from {delay_us} us on, in water of {speed:g} m/s")
+        raise DamagedError(
+            f"samples every {period_us} us from {delay_us} us on, in water of {speed:g} m/s"
+        )
     if not fields("<I", data, 516)[0]:
         raise DamagedError("its samples are in the order of the instrument's channels")
     range_m = speed / 2 * 1e-6 * (delay_us + period_us * (np.arange(samples) + 0.5))
@@ -88,7 +99,8 @@ def parse_header(data: bytes) -> FrameHeader:
 def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
     """Yield (start, end, frame), between them (start, end, why) of bytes that hold no whole frame.
 
-    A frame counts whose bytes end where another begins, where the file does, or where those of the last frame would.
+    A frame counts whose bytes end where another begins, where the file does, or where those of the
+    last frame would.
     """
     at, last, mark = HEADER, 0, HeaderMark(MAGIC, MAGIC_AT, HEADER, parse_header)
     end = stream.seek(0, 2)
@@ -106,7 +118,9 @@ def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
 
 
 def _frame_at(stream: BinaryIO, at: int, end: int, last: int) -> ArisFrame:
-    """Return the frame at a byte of the file. last: bytes of the image of the one before, 0 for none."""
+    """Return the frame at a byte of the file. last: bytes of the image of the one before, 0 for
+    none.
+    """
     stream.seek(at)
     header = parse_header(stream.read(HEADER))
     size = header.image_bytes

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames of a DIDSON's .ddf file, versions 3 and 4: the images alone.
 
-The layout's sizes are those of Sound Metrics' ARIS File SDK [ArisFileSDK]. A frame states its window by codes, whose meaning in
-metres changed with the instrument, its time by a clock without a zone, and nothing of where its beams point: who names the file
-gives these. Nothing of it has a checksum.
+The layout's sizes are those of Sound Metrics' ARIS File SDK [ArisFileSDK]. A frame states its
+window by codes, whose meaning in metres changed with the instrument, its time by a clock without a
+zone, and nothing of where its beams point: who names the file gives these. Nothing of it has a
+checksum.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from numpy.typing import NDArray
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 
 MAGIC = b"DDF"
-HEADERS = {3: (512, 256), 4: (1024, 1024)}  # bytes of the file's header and of each frame's, by version
+# bytes of the file's header and of each frame's, by version
+HEADERS = {3: (512, 256), 4: (1024, 1024)}
 ARIS = 5
 MAGIC_AT = 12  # in a frame's header
 SAMPLES = 512  # of each beam
@@ -25,17 +27,23 @@ BEAMS = (48, 96)
 
 
 def read_frame(path: Path, number: int) -> NDArray[np.uint8]:
-    """Return the image (beams, samples) of a frame by its number from 0, beams from port to starboard of an upright sonar.
+    """Return the image (beams, samples) of a frame by its number from 0, beams from port to
+    starboard of an upright sonar.
 
-    Raises DamagedError for a file of another version, a frame that is not there, and one that is damaged.
+    Raises DamagedError for a file of another version, a frame that is not there, and one that is
+    damaged.
     """
     with path.open("rb") as stream:
         head = stream.read(20)
         version, beams = fields("<3xB12xI", head)
         if version == ARIS:
-            raise DamagedError("it is a file of an ARIS, which has stamps of its own: name it in logs.files")
+            raise DamagedError(
+                "it is a file of an ARIS, which has stamps of its own: name it in logs.files"
+            )
         if version not in HEADERS or beams not in BEAMS:
-            raise DamagedError(f"a file of a DIDSON of version {version} with {beams} beams is not read")
+            raise DamagedError(
+                f"a file of a DIDSON of version {version} with {beams} beams is not read"
+            )
         before, header = HEADERS[version]
         stream.seek(before + number * (header + SAMPLES * beams))
         start = stream.read(header)
