@@ -30,7 +30,7 @@ class Bundle:
     pose: Array
     point: Array
     camera: Array
-    T_ct_cb: Array
+    top_from_bottom: Array
     seen_from: Ints32
     seen: Ints32
     pixel: Array
@@ -76,7 +76,7 @@ def residuals(bundle: Bundle, pose: Array, point: Array) -> Array:
     in_top = np.einsum("nji,nj->ni", rotation(at[:, 3:]), point[bundle.seen] - at[:, :3])
     views = [in_top]
     if bundle.stereo:
-        views.append((in_top - bundle.T_ct_cb[:3]) @ rotation(bundle.T_ct_cb[3:]))
+        views.append((in_top - bundle.top_from_bottom[:3]) @ rotation(bundle.top_from_bottom[3:]))
     return np.hstack([_project(bundle.camera, view) for view in views]) - bundle.pixel
 
 

@@ -67,7 +67,7 @@ def _bundle(
         pose=np.hstack([g_from_camera.translation, g_from_camera.quaternion]),
         point=points["xyz"].astype(float),
         camera=np.array([f, f, cx, cy, k1, k2, p1, p2, k3]),
-        T_ct_cb=np.r_[0, 0, 0, 0, 0, 0, 1.0],
+        top_from_bottom=np.r_[0, 0, 0, 0, 0, 0, 1.0],
         seen_from=_places(cameras["image"], markers["image"]),
         seen=_places(points["track"], markers["track"]),
         pixel=markers["pixel"].astype(float),

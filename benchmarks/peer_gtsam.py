@@ -49,7 +49,7 @@ def graph_of(bundle: Bundle, stereo_factor: bool) -> Any:
         )
     if k3:
         raise ValueError("GTSAM's Cal3DS2 has no k3")
-    bottom, noise = _pose3(bundle.T_ct_cb), gtsam.noiseModel.Isotropic.Sigma(2, 1.0)
+    bottom, noise = _pose3(bundle.top_from_bottom), gtsam.noiseModel.Isotropic.Sigma(2, 1.0)
     for pixel, pose, point in zip(
         bundle.pixel, bundle.seen_from.tolist(), bundle.seen.tolist(), strict=True
     ):
@@ -79,7 +79,7 @@ _TURNED = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)])
 
 def _add_pairs(graph: Any, bundle: Bundle) -> None:
     fx, fy, cx, cy = bundle.camera[:4]
-    camera = gtsam.Cal3_S2Stereo(fy, fx, 0.0, cy, -cx, float(bundle.T_ct_cb[1]))
+    camera = gtsam.Cal3_S2Stereo(fy, fx, 0.0, cy, -cx, float(bundle.top_from_bottom[1]))
     noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([1.0, 1.0, np.sqrt(0.5)]))
     turned = _pose3(_TURNED)
     for pixel, pose, point in zip(

@@ -37,7 +37,7 @@ def reconstruction_of(bundle: Bundle) -> Any:
         if number == 1:
             rig.add_ref_sensor(camera.sensor_id)
         else:
-            rig.add_sensor(camera.sensor_id, _rigid(bundle.T_ct_cb).inverse())
+            rig.add_sensor(camera.sensor_id, _rigid(bundle.top_from_bottom).inverse())
     model.add_rig(rig)
     _add_frames(model, bundle, cameras)
     _add_points(model, bundle, cameras)

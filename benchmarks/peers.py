@@ -37,7 +37,7 @@ def bundle_of(problem: Any) -> Bundle:
     """Of a field problem: top cameras of the poses that carry images, from dead reckoning, the tray
     as measured.
     """
-    from benchmarks.survey import T_CT_CB, TRAY_ORIGIN
+    from benchmarks.survey import TOP_FROM_BOTTOM, TRAY_ORIGIN
     from hullrecon.geometry import poses
     from hullrecon.geometry.poses import Poses
 
@@ -51,7 +51,7 @@ def bundle_of(problem: Any) -> Bundle:
         pose=np.hstack([top.translation, top.quaternion]),
         point=np.ascontiguousarray(problem.unknowns.landmark),
         camera=problem.unknowns.intrinsics_top,
-        T_ct_cb=np.r_[T_CT_CB.translation[0], T_CT_CB.quaternion[0]],
+        top_from_bottom=np.r_[TOP_FROM_BOTTOM.translation[0], TOP_FROM_BOTTOM.quaternion[0]],
         seen_from=seen_from.astype(np.int32),
         seen=problem.stereo.landmark if stereo else problem.mono.landmark,
         pixel=problem.stereo.pixel if stereo else problem.mono.pixel,

@@ -29,9 +29,9 @@ from benchmarks.survey import (
     BEAMS,
     CAMERA,
     SIZES,
-    T_CT_CB,
-    T_S_CT,
-    T_S_D,
+    TOP_FROM_BOTTOM,
+    TRAY_FROM_TOP,
+    TRAY_FROM_DVL,
     TRAY_ORIGIN,
     Size,
     fly,
@@ -73,8 +73,8 @@ class Truth:
 
     nodes: Poses
     tray: Array
-    T_g_M: Poses
-    T_s_ct: Poses
+    global_from_hull: Poses
+    tray_from_top: Poses
     landmark: Array
     off_hull: Mask
 
@@ -90,13 +90,13 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
     vertices, faces = hull_mesh()
     hull = MeshIndex(vertices, faces, threads=1)
     in_hull, tray = fly(size)
-    T_g_M = poses.from_rpy([3.0, 20.0, 13.0], np.radians([180.0, 0.3, 40.0]))
-    nodes = T_g_M @ in_hull
+    global_from_hull = poses.from_rpy([3.0, 20.0, 13.0], np.radians([180.0, 0.3, 40.0]))
+    nodes = global_from_hull @ in_hull
     first, second = _pairs(size, rng)
     in_cad_model, off = _landmarks(size, hull, in_hull, tray, first, second, rng)
-    landmark = T_g_M.apply(in_cad_model)
-    truth = Truth(nodes, tray, T_g_M, T_S_CT, landmark, off)
-    unknowns, priors = _mounts(T_g_M, rng)
+    landmark = global_from_hull.apply(in_cad_model)
+    truth = Truth(nodes, tray, global_from_hull, TRAY_FROM_TOP, landmark, off)
+    unknowns, priors = _mounts(global_from_hull, rng)
     attitude = _attitude(nodes, rng)
     tray_table = _tray(tray, rng)
     measured = measure(nodes, rng)
@@ -130,20 +130,22 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
     return problem, truth
 
 
-def _mounts(T_g_M: Poses, rng: np.random.Generator) -> tuple[Unknowns, Priors]:
+def _mounts(global_from_hull: Poses, rng: np.random.Generator) -> tuple[Unknowns, Priors]:
     """T_g_M starts where a registration left it (0.3 m along the hull), T_s_ct at the rig's CAD
     model; both priors say so.
     """
-    guess = poses.pose_vector(T_g_M @ poses.exp(np.r_[0.3, 0.1, 0.05, 0.002, 0.002, 0.005]))
+    guess = poses.pose_vector(
+        global_from_hull @ poses.exp(np.r_[0.3, 0.1, 0.05, 0.002, 0.002, 0.005])
+    )
     guess_rows = np.diag(1 / np.r_[0.5, 0.2, 0.1, 0.005, 0.005, 0.01])
-    camera = poses.pose_vector(T_S_CT @ mount_error(rng, 0.003, 0.004))
+    camera = poses.pose_vector(TRAY_FROM_TOP @ mount_error(rng, 0.003, 0.004))
     camera_rows = np.diag(1 / np.r_[np.full(3, 0.003), np.full(3, 0.004)])
     unknowns = Unknowns(
         pose=np.zeros((0, 8)),
         T_g_M=guess,
         T_s_ct=camera,
-        T_ct_cb=poses.pose_vector(T_CT_CB),
-        T_s_d=poses.pose_vector(T_S_D),
+        T_ct_cb=poses.pose_vector(TOP_FROM_BOTTOM),
+        T_s_d=poses.pose_vector(TRAY_FROM_DVL),
         intrinsics_top=CAMERA.parameters(),
         intrinsics_bottom=CAMERA.parameters(),
     )
@@ -186,7 +188,7 @@ def _odometry(measured: Poses) -> OdometryTable:
         by_mount=np.zeros((m, 6, 3)),
         by_tray=np.zeros((m, 6)),
         tray=np.zeros(m),
-        mount=poses.pose_vector(T_S_D),
+        mount=poses.pose_vector(TRAY_FROM_DVL),
     )
 
 
@@ -198,7 +200,7 @@ def _gauge(pose: Array) -> PosePriors:
 
 def _ranges(hull: MeshIndex, in_hull: Poses, tray: Array, rng: np.random.Generator) -> RangeTable:
     n = len(in_hull)
-    dvl = in_hull @ poses.tray_poses(TRAY_ORIGIN, tray) @ T_S_D
+    dvl = in_hull @ poses.tray_poses(TRAY_ORIGIN, tray) @ TRAY_FROM_DVL
     node, beam = np.repeat(np.arange(n, dtype=np.int32), 4), np.tile(BEAMS, (n, 1))
     hits = hull.cast(dvl.translation[node], dvl.rotation[node].apply(beam))
     if not np.isfinite(hits.range).all():
@@ -274,18 +276,18 @@ def _landmarks(
 
 
 def _seen(in_hull: Poses, tray: Array, node: Ints, points: Array, stereo: bool) -> Mask:
-    pixels = _project(in_hull[node], tray[node], points, T_S_CT, stereo)
+    pixels = _project(in_hull[node], tray[node], points, TRAY_FROM_TOP, stereo)
     within = (pixels > 5) & (pixels < np.tile([CAMERA.width - 5, CAMERA.height - 5], 1 + stereo))
     return np.asarray(within.all(1))
 
 
-def _project(nodes: Poses, tray: Array, points: Array, T_s_ct: Poses, stereo: bool) -> Array:
+def _project(nodes: Poses, tray: Array, points: Array, tray_from_top: Poses, stereo: bool) -> Array:
     """(m, 2) or (m, 4) pixels of points (m, 3), each from its own node."""
-    top = nodes @ poses.tray_poses(TRAY_ORIGIN, tray) @ T_s_ct
+    top = nodes @ poses.tray_poses(TRAY_ORIGIN, tray) @ tray_from_top
     in_top = top.inverse().apply(points)
     pixels = [CAMERA.project(in_top)]
     if stereo:
-        pixels.append(CAMERA.project(T_CT_CB.inverse().apply(in_top)))
+        pixels.append(CAMERA.project(TOP_FROM_BOTTOM.inverse().apply(in_top)))
     return np.hstack(pixels)
 
 
@@ -297,7 +299,7 @@ def _images(
         np.repeat(np.arange(size.landmarks).astype(np.int32), 2),
     )
     pixels = _project(
-        truth.nodes[node], truth.tray[node], truth.landmark[landmark], T_S_CT, size.stereo
+        truth.nodes[node], truth.tray[node], truth.landmark[landmark], TRAY_FROM_TOP, size.stereo
     )
     pixels += NOISE_PX * rng.standard_normal(pixels.shape)
     seen_from = node.astype(np.int32)
@@ -324,7 +326,7 @@ def _start_landmarks(
     for k in range(2):
         at = node[:, 0 if size.stereo else k]
         camera = start[at] @ poses.tray_poses(TRAY_ORIGIN, tray[at]) @ mount
-        camera = camera @ T_CT_CB if size.stereo and k == 1 else camera
+        camera = camera @ TOP_FROM_BOTTOM if size.stereo and k == 1 else camera
         origins[:, k], rays[:, k] = (
             camera.translation,
             camera.rotation.apply(CAMERA.rays(pixel[:, k])),

@@ -17,9 +17,9 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, Ints, Ints32
 
 CAMERA = CameraModel(1360, 1024, 1400.0, 1400.0, 680.0, 512.0)
-T_S_CT = poses.from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])
-T_CT_CB = poses.from_mount([0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
-T_S_D = poses.from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])
+TRAY_FROM_TOP = poses.from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])
+TOP_FROM_BOTTOM = poses.from_mount([0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
+TRAY_FROM_DVL = poses.from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])
 TRAY_ORIGIN = np.array([0.45, 0.0, 0.10])
 _TILT, _AZIMUTH = np.pi / 6, np.radians([180, 0, 90, -90])
 BEAMS = np.stack(

@@ -49,31 +49,29 @@ class SensorRig:
     tray_origin: Array
     pressure_origin: Array
     tray_from_dvl: Poses
-    tray_from_camera: Poses | None = None
+    tray_from_top: Poses | None = None
     top_from_bottom: Poses | None = None
     sonar_origin: Array | None = None
-    sonar_joint_from_sonar: Poses | None = None
+    servo_from_sonar: Poses | None = None
     camera_models: Mapping[Camera, CameraModel] = field(default_factory=dict)
 
     @property
     def cameras(self) -> tuple[Camera, ...]:
         """Return the cameras that have a mount and a model, top first."""
-        mounted = {Camera.TOP: self.tray_from_camera, Camera.BOTTOM: self.top_from_bottom}
+        mounted = {Camera.TOP: self.tray_from_top, Camera.BOTTOM: self.top_from_bottom}
         return tuple(c for c in Camera if mounted[c] is not None and c in self.camera_models)
 
     def tray_from(self, camera: Camera) -> Poses:
         """Return T_s_ct or T_s_cb. Raises InputError for a camera without a mount."""
-        if self.tray_from_camera is None or (
-            camera is Camera.BOTTOM and self.top_from_bottom is None
-        ):
+        if self.tray_from_top is None or (camera is Camera.BOTTOM and self.top_from_bottom is None):
             raise InputError(
                 f"the {camera} camera has no mount",
                 where=camera.section,
                 remedy="give its mount in dive.toml",
             )
         if camera is Camera.BOTTOM and self.top_from_bottom is not None:
-            return self.tray_from_camera @ self.top_from_bottom
-        return self.tray_from_camera
+            return self.tray_from_top @ self.top_from_bottom
+        return self.tray_from_top
 
     def tray_poses(self, path: VehiclePath) -> Poses:
         """Return T_x_s (n) along a path of the vehicle in frame x."""
@@ -110,18 +108,18 @@ class SensorRig:
 
         Raises InputError where no sonar was described.
         """
-        if self.sonar_origin is None or self.sonar_joint_from_sonar is None:
+        if self.sonar_origin is None or self.servo_from_sonar is None:
             raise InputError(
                 "the sonar has no mount", where="sonar", remedy="describe the sonar in dive.toml"
             )
-        return vehicle @ tray_poses(self.sonar_origin, joint_rad) @ self.sonar_joint_from_sonar
+        return vehicle @ tray_poses(self.sonar_origin, joint_rad) @ self.servo_from_sonar
 
     def with_mounts(self, mounts: Mounts) -> SensorRig:
         """Return the rig with its mounts as adjusted; those that were not adjusted stay."""
         return replace(
             self,
             tray_from_dvl=mounts.tray_from_dvl,
-            tray_from_camera=mounts.tray_from_camera or self.tray_from_camera,
+            tray_from_top=mounts.tray_from_top or self.tray_from_top,
             top_from_bottom=mounts.top_from_bottom or self.top_from_bottom,
         )
 
@@ -147,9 +145,9 @@ def rig_from_settings(
         tray_origin=or_zero(origin("tray.origin")),
         pressure_origin=or_zero(origin("pressure.origin")),
         tray_from_dvl=from_mount(np.zeros(6)) if tray_from_dvl is None else tray_from_dvl,
-        tray_from_camera=mount("camera.top.mount"),
+        tray_from_top=mount("camera.top.mount"),
         top_from_bottom=mount("camera.bottom.pose_in_top"),
         sonar_origin=origin("sonar.origin"),
-        sonar_joint_from_sonar=mount("sonar.mount"),
+        servo_from_sonar=mount("sonar.mount"),
         camera_models=camera_models or {},
     )

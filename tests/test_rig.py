@@ -120,11 +120,9 @@ def test_a_fixed_tray_stands_at_zero_in_the_vehicle(rig: SensorRig) -> None:
 
 def test_adjusted_mounts_replace_those_of_the_package(rig: SensorRig) -> None:
     dvl, camera = exp(RNG.normal(size=(1, 6))), exp(RNG.normal(size=(1, 6)))
-    moved = rig.with_mounts(
-        Mounts(tray_from_dvl=dvl, tray_from_camera=camera, top_from_bottom=None)
-    )
+    moved = rig.with_mounts(Mounts(tray_from_dvl=dvl, tray_from_top=camera, top_from_bottom=None))
     assert moved.tray_from_dvl is dvl
-    assert moved.tray_from_camera is camera
+    assert moved.tray_from_top is camera
     assert moved.top_from_bottom is rig.top_from_bottom
 
 

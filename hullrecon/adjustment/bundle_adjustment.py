@@ -207,9 +207,9 @@ def _start(measured: Measurements, options: AdjustOptions) -> Estimate:
         nodes=path.poses,
         tray=path.tray.copy(),
         landmark=np.full((selection.landmark_count(measured), 3), np.nan),
-        T_s_ct=rig.T_s_ct.nominal if rig.T_s_ct and seen else None,
-        T_ct_cb=rig.T_ct_cb.nominal if rig.T_ct_cb and seen else None,
-        T_s_d=rig.T_s_d.nominal,
+        tray_from_top=rig.tray_from_top.nominal if rig.tray_from_top and seen else None,
+        top_from_bottom=rig.top_from_bottom.nominal if rig.top_from_bottom and seen else None,
+        tray_from_dvl=rig.tray_from_dvl.nominal,
         navigation=np.zeros(6),
         hull=None,
     )

@@ -34,6 +34,8 @@ LEAST_GAINED = 0.25
 ROTATION = slice(3, 6)  # rows of a mount's prior
 # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
 CONSTANT_ERRORS = 5
+# blocks of the native problem by the priors that may be widened
+BLOCKS = {"navigation": "navigation", "tray_from_top": "T_s_ct", "tray_from_dvl": "T_s_d"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,7 +97,9 @@ def widen_exceeded_priors(
         )
     except StageError:
         return None  # something is not determined at all; the last round says what
-    widening = {name: prior.widening(getattr(covariance, name)) for name, prior in priors.items()}
+    widening = {
+        name: prior.widening(getattr(covariance, BLOCKS[name])) for name, prior in priors.items()
+    }
     if all((factor == 1).all() for factor in widening.values()):
         return None
     solver.report(f"priors that the dive contradicts are widened: {_describe(widening)}")
@@ -116,8 +120,8 @@ def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
     rows = np.diag(1 / rig.navigation_sigma)[:CONSTANT_ERRORS]
     out = {"navigation": _Prior(deviation=rows @ state.navigation, to_sigmas=rows)}
     for name, mount, found in (
-        ("T_s_ct", rig.T_s_ct, state.T_s_ct),
-        ("T_s_d", rig.T_s_d, state.T_s_d),
+        ("tray_from_top", rig.tray_from_top, state.tray_from_top),
+        ("tray_from_dvl", rig.tray_from_dvl, state.tray_from_dvl),
     ):
         if mount is not None and mount.sqrt_information is not None and found is not None:
             out[name] = _prior_of_mount(mount, found)
@@ -147,7 +151,7 @@ def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
     navigation = rig.navigation_sigma.copy()
     navigation[:CONSTANT_ERRORS] *= widening["navigation"]
     mounts = {}
-    for name in ("T_s_ct", "T_s_d"):
+    for name in ("tray_from_top", "tray_from_dvl"):
         mount = getattr(rig, name)
         if name in widening:
             factor = np.r_[np.ones(3), widening[name]]

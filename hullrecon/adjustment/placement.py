@@ -269,7 +269,9 @@ def _points_to_register(measured: Measurements, state: State) -> Array:
 
 def _returns_in_global(returns: Returns, measured: Measurements, state: State) -> Array:
     """Return the DVL's returns that are not flagged, in g."""
-    points, _ = beam_ends(returns, state.nodes, state.tray, measured.rig.tray_origin, state.T_s_d)
+    points, _ = beam_ends(
+        returns, state.nodes, state.tray, measured.rig.tray_origin, state.tray_from_dvl
+    )
     return points[~returns.flagged]
 
 

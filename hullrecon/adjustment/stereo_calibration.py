@@ -71,7 +71,7 @@ def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | N
     calibration by more than the package says that may be off; None where it does not, or without a
     second camera.
     """
-    mount = solved.measured.rig.T_ct_cb
+    mount = solved.measured.rig.top_from_bottom
     if mount is None or solved.measured.rig.bottom is None:
         return None
     length_m = float(np.linalg.norm(mount.nominal.translation))
@@ -81,9 +81,9 @@ def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | N
     )
     quiet = replace(solver, options=fewer, report=lambda _: None, history=[])
     trial = quiet.solve_round(
-        _with_rig(solved, replace(solved.measured.rig, T_ct_cb=_unknown(mount, loose)))
+        _with_rig(solved, replace(solved.measured.rig, top_from_bottom=_unknown(mount, loose)))
     )
-    found = trial.after.state.T_ct_cb
+    found = trial.after.state.top_from_bottom
     if found is None or not len(trial.problem.stereo.node):
         return None
     try:
@@ -241,7 +241,7 @@ def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Esti
     A baseline whose direction is off may be off along it as much. Where lengths disagree and the
     images do not say that the calibration is at fault, the DVL may be wrong as the rig may.
     """
-    mount = calibrated.T_ct_cb
+    mount = calibrated.top_from_bottom
     assert mount is not None
     length_m, least = (
         float(np.linalg.norm(mount.nominal.translation)),
@@ -253,14 +253,14 @@ def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Esti
             length_sigma * length_m, np.full(2, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)
         ]
         return _with_rig(
-            after, replace(calibrated, T_ct_cb=_unknown(mount, np.maximum(loose, least)))
+            after, replace(calibrated, top_from_bottom=_unknown(mount, np.maximum(loose, least)))
         )
     length_sigma = abs(found.length)
     navigation_sigma = calibrated.navigation_sigma.copy()
     navigation_sigma[DVL_SCALE] = max(navigation_sigma[DVL_SCALE], length_sigma)
     only_length = _unknown(mount, np.maximum(np.r_[length_sigma * length_m, np.zeros(5)], least))
     widened = _with_rig(
-        after, replace(calibrated, T_ct_cb=only_length, navigation_sigma=navigation_sigma)
+        after, replace(calibrated, top_from_bottom=only_length, navigation_sigma=navigation_sigma)
     )
     return replace(widened, weights=widen_ranges(after, length_sigma))
 

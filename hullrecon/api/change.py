@@ -26,7 +26,9 @@ class RunComparison:
 
 
 def diff(
-    first: Path | str, second: Path | str, options: ChangeOptions = ChangeOptions()  # noqa: B008
+    first: Path | str,
+    second: Path | str,
+    options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> RunComparison:
     """Return what changed on a hull from one run (RUNS/<dive>) to another.
 

@@ -133,7 +133,10 @@ def region_facts(
     if views is not None:
         seen["camera"] = lambda off: (
             find_visibility(
-                replace(views, T_x_c=off.poses(views.T_x_c)), cells.middle, cells.normal, scene
+                replace(views, result_from_camera=off.poses(views.result_from_camera)),
+                cells.middle,
+                cells.normal,
+                scene,
             ).views
             > 0
         )
@@ -210,14 +213,14 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
 
     z of the sonar looks along the middle of the fan, x out of its plane (docs/conventions.md).
     """
-    around, pings, T_x_o = Around(hull.mesh.vertices), sonar.pings, sonar.poses
+    around, pings, result_from_sonar = Around(hull.mesh.vertices), sonar.pings, sonar.poses
     bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])
     seen = np.zeros(len(hull.area), bool)
-    for ping in range(len(T_x_o)):
-        center = T_x_o.translation[ping]
+    for ping in range(len(result_from_sonar)):
+        center = result_from_sonar.translation[ping]
         rows = around(center, float(pings.range_m[-1]))
         rows = rows[~seen[rows]]
-        local = T_x_o[ping].inverse().apply(hull.mesh.vertices[rows])
+        local = result_from_sonar[ping].inverse().apply(hull.mesh.vertices[rows])
         distance = np.maximum(np.linalg.norm(local, axis=1), 1e-9)
         at = np.arctan2(local[:, 1], local[:, 2])
         fits = (distance >= pings.range_m[0]) & (

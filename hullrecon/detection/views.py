@@ -28,7 +28,7 @@ class CameraViews:
     image; farthest m, how far away surfaces were seen.
     """
 
-    T_x_c: Poses
+    result_from_camera: Poses
     node: Ints
     name: tuple[str, ...]
     camera: CameraModel
@@ -67,7 +67,9 @@ def views_of_top_camera(
         f"{camera.key}/{t}.jpg" for t in image_t_ns[track.image[node, camera.column]].tolist()
     )
     farthest_m = _farthest(poses.translation, landmarks, model)
-    return CameraViews(T_x_c=poses, node=node, name=names, camera=model, farthest_m=farthest_m)
+    return CameraViews(
+        result_from_camera=poses, node=node, name=names, camera=model, farthest_m=farthest_m
+    )
 
 
 def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
@@ -82,8 +84,8 @@ def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
 
 def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> Ints:
     """Return those of the rows `near` of points that project into that view's image."""
-    T_c_x = views.T_x_c[view].inverse()
-    pixel = views.camera.project(T_c_x.apply(points[near]))
+    camera_from_result = views.result_from_camera[view].inverse()
+    pixel = views.camera.project(camera_from_result.apply(points[near]))
     size = np.array([views.camera.width, views.camera.height]) - 0.5
     return np.asarray(near[((pixel > -0.5) & (pixel < size)).all(axis=1)])
 
@@ -94,7 +96,7 @@ def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints
     """
     around = Around(points)
     for view in range(len(views)):
-        center = views.T_x_c.translation[view]
+        center = views.result_from_camera.translation[view]
         near = around(center, views.farthest_m)
         if len(near):
             yield view, rows_in_image(views, view, points, near)
@@ -108,7 +110,7 @@ def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Sc
     best, cosine = np.full(len(points), np.inf), np.full(len(points), np.nan)
     for view, rows in iterate_views(views, points):
         rows, distance, facing = visible_rows(
-            views.T_x_c.translation[view], rows, points, normals, scene
+            views.result_from_camera.translation[view], rows, points, normals, scene
         )
         count[rows] += 1
         closer = distance < best[rows]

@@ -50,10 +50,10 @@ class Rig:
     tray_origin: Array
     tray_sigma: float
     pressure_origin: Array
-    T_s_d: Mount
+    tray_from_dvl: Mount
     dvl_position_sigma: Array
-    T_s_ct: Mount | None
-    T_ct_cb: Mount | None
+    tray_from_top: Mount | None
+    top_from_bottom: Mount | None
     top: CameraModel | None
     bottom: CameraModel | None
     sigma_px: float
@@ -111,10 +111,10 @@ def rig_priors_from_settings(
         tray_origin=np.array(numbers_of(tray.origin)),
         tray_sigma=tray.sigma_deg * degree,
         pressure_origin=np.array(numbers_of(pressure.origin)),
-        T_s_d=mount_prior(numbers_of(dvl.mount), dvl_sigma),
+        tray_from_dvl=mount_prior(numbers_of(dvl.mount), dvl_sigma),
         dvl_position_sigma=held,
-        T_s_ct=mount_prior(numbers_of(top.mount), top.mount_sigma) if top else None,
-        T_ct_cb=mount_prior(numbers_of(bottom.pose_in_top), bottom.pose_sigma)
+        tray_from_top=mount_prior(numbers_of(top.mount), top.mount_sigma) if top else None,
+        top_from_bottom=mount_prior(numbers_of(bottom.pose_in_top), bottom.pose_sigma)
         if bottom and top
         else None,
         top=cameras.get(Camera.TOP),

@@ -59,7 +59,7 @@ class Mounts:
     """
 
     tray_from_dvl: Poses
-    tray_from_camera: Poses | None
+    tray_from_top: Poses | None
     top_from_bottom: Poses | None
 
 

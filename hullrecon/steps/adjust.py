@@ -107,17 +107,17 @@ def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
 
 
 def _write_colmap(context: Context[AdjustOptions], m: Measurements, adjusted: Adjusted) -> None:
-    state, mount = adjusted.state, adjusted.state.T_s_ct
+    state, mount = adjusted.state, adjusted.state.tray_from_top
     if m.tracks is None or m.rig.top is None or mount is None:
         return
-    top, _ = camera_poses(state.nodes, state.tray, m.rig, mount, state.T_ct_cb)
+    top, _ = camera_poses(state.nodes, state.tray, m.rig, mount, state.top_from_bottom)
     to_hull = state.hull.global_from_hull.inverse() if state.hull is not None else poses.identity()
     model = SparseModel(
         tracks=m.tracks,
         top=adjusted.chosen.top,
         bottom=adjusted.chosen.bottom,
         hull_from_top=to_hull @ top,
-        T_ct_cb=state.T_ct_cb,
+        top_from_bottom=state.top_from_bottom,
         cameras=(m.rig.top, m.rig.bottom),
         stamps=_stamps(InputArtifacts(context.inputs).ingest, m.trajectory.image),
         position=to_hull.apply(state.landmark),

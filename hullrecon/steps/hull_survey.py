@@ -98,7 +98,9 @@ def read_survey(
 
 
 def compare_runs(
-    before: FinishedRun, after: FinishedRun, options: ChangeOptions = ChangeOptions()  # noqa: B008
+    before: FinishedRun,
+    after: FinishedRun,
+    options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> HullChange:
     """Return what changed on a hull from one run to another.
 

@@ -267,7 +267,7 @@ def _missing(
     mosaics: dict[str, Mosaic | None],
 ) -> dict[str, str]:  # fmt: skip
     carried = Carried(
-        camera=rig.tray_from_camera is not None,
+        camera=rig.tray_from_top is not None,
         sonar=context.settings["sonar.mount"] is not None and artifacts.ingest.sonar is not None,
         cad_model=context.settings["hull"] is not None,
         earlier_dive=context.settings["change.earlier"] is not None,

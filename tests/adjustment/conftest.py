@@ -37,7 +37,7 @@ def scene():
     points = np.c_[
         rng.uniform(-0.3, 2.2, count), rng.uniform(-0.3, 0.3, count), rng.uniform(0.95, 1.1, count)
     ]
-    T_s_ct, T_ct_cb = (
+    tray_from_top, top_from_bottom = (
         poses.from_mount([0.01, 0, 0, 0, 0, 0]),
         poses.from_mount([0.001, 0.1, 0, 0.1, -0.2, 0.1]),
     )
@@ -45,10 +45,10 @@ def scene():
         tray_origin=np.array([0.4, 0.0, 0.1]),
         tray_sigma=0.01,
         pressure_origin=np.zeros(3),
-        T_s_d=Mount(poses.identity(), np.eye(6)),
+        tray_from_dvl=Mount(poses.identity(), np.eye(6)),
         dvl_position_sigma=np.zeros(3),
-        T_s_ct=Mount(T_s_ct, np.eye(6)),
-        T_ct_cb=Mount(T_ct_cb, None),
+        tray_from_top=Mount(tray_from_top, np.eye(6)),
+        top_from_bottom=Mount(top_from_bottom, None),
         top=CAMERA,
         bottom=CAMERA,
         sigma_px=1.0,
@@ -57,8 +57,8 @@ def scene():
         navigation_sigma=np.ones(6),
     )
     tray = np.full(n, 0.05)
-    top = nodes @ poses.tray_poses(rig.tray_origin, tray) @ T_s_ct
-    bottom = top @ T_ct_cb
+    top = nodes @ poses.tray_poses(rig.tray_origin, tray) @ tray_from_top
+    bottom = top @ top_from_bottom
     landmark, node = np.repeat(np.arange(count), n), np.tile(np.arange(n), count)
     pixels = [observe(CAMERA, pose, points, node, landmark) for pose in (top, bottom)]
     seen = np.isfinite(pixels[0][:, 0]) | np.isfinite(pixels[1][:, 0])
@@ -87,7 +87,7 @@ def sparse_model(scene):
         top=top,
         bottom=bottom,
         hull_from_top=scene.top,
-        T_ct_cb=scene.rig.T_ct_cb.nominal,
+        top_from_bottom=scene.rig.top_from_bottom.nominal,
         cameras=(scene.rig.top, scene.rig.bottom),
         stamps=np.stack([np.arange(n) * 10**9, np.arange(n) * 10**9 + 5], axis=1),
         position=scene.points,

@@ -51,9 +51,9 @@ def some_state(rng, measured, stereo, cad, camera):
         nodes=some_poses(rng, n),
         tray=rng.normal(0, 1, n),
         landmark=rng.normal(0, 5, (count, 3)),
-        T_s_ct=some_poses(rng) if camera else None,
-        T_ct_cb=some_poses(rng) if camera and stereo else None,
-        T_s_d=some_poses(rng),
+        tray_from_top=some_poses(rng) if camera else None,
+        top_from_bottom=some_poses(rng) if camera and stereo else None,
+        tray_from_dvl=some_poses(rng),
         navigation=rng.normal(0, 1, 6),
         hull=some_hull(rng, measured.cad_model) if cad else None,
     )
@@ -129,7 +129,7 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
     weights = weighting.initial_weights(measured, AdjustOptions())
     problem = assemble(measured, state, weights, chosen, as_published=False)
     back = state_from_unknowns(state, problem.unknowns, chosen)
-    for name in ("nodes", "T_s_ct", "T_ct_cb", "T_s_d"):
+    for name in ("nodes", "tray_from_top", "top_from_bottom", "tray_from_dvl"):
         assert_same_motion(getattr(back, name), getattr(state, name))
     for name in ("tray", "navigation"):
         np.testing.assert_array_equal(getattr(back, name), getattr(state, name))
@@ -147,7 +147,7 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
 @pytest.mark.parametrize("factor", ["odometry", "attitude", "tray"])
 def test_truth_leaves_residuals_of_one_sigma(factor):
     dive = simulate()
-    state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
+    state = replace(true_state(dive), tray_from_dvl=records_poses(TRAY_FROM_DVL))
     chosen = selection.select_measurements(dive.measured, state, 40.0)
     weights = replace(
         weighting.initial_weights(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD
@@ -183,7 +183,7 @@ def test_every_observation_chosen_stands_in_one_table_once():
 
 def test_a_mono_rig_has_no_stereo_rows_and_holds_the_second_camera():
     dive = simulate(stereo=False)
-    state = replace(true_state(dive), T_ct_cb=None)
+    state = replace(true_state(dive), top_from_bottom=None)
     problem, _, _ = problem_at(dive, state)
     assert len(problem.stereo.node) == 0
     assert not problem.mono.camera.any()
@@ -220,7 +220,7 @@ def test_the_beams_meet_the_field_where_they_meet_the_cad_model():
     on the ellipsoid.
     """
     dive = simulate()
-    state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
+    state = replace(true_state(dive), tray_from_dvl=records_poses(TRAY_FROM_DVL))
     problem, chosen, _ = problem_at(dive, state)
     returns = dive.measured.returns
     assert chosen.returns.all()

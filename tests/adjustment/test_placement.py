@@ -51,9 +51,9 @@ def true_path(seed=1, **scene):
         nodes=records_poses(dive.global_from_vehicle),
         tray=dive.tray,
         landmark=np.full((selection.landmark_count(m), 3), np.nan),
-        T_s_ct=records_poses(TRAY_FROM_TOP) if m.tracks is not None else None,
-        T_ct_cb=records_poses(TOP_FROM_BOTTOM) if m.tracks is not None else None,
-        T_s_d=records_poses(TRAY_FROM_DVL),
+        tray_from_top=records_poses(TRAY_FROM_TOP) if m.tracks is not None else None,
+        top_from_bottom=records_poses(TOP_FROM_BOTTOM) if m.tracks is not None else None,
+        tray_from_dvl=records_poses(TRAY_FROM_DVL),
         navigation=np.zeros(6),
         hull=None,
     )

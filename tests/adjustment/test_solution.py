@@ -90,7 +90,7 @@ def test_what_there_is_not_is_none():
     assert bare.deviation_field is None
     assert solved(stereo=False).outcome.solution.mounts.top_from_bottom is None
     blind = solved(camera=False).outcome.solution
-    assert blind.mounts.tray_from_camera is None
+    assert blind.mounts.tray_from_top is None
     assert np.isfinite(blind.mounts.tray_from_dvl.matrix()).all()
 
 

@@ -48,7 +48,11 @@ def test_two_rays_spread_by_the_angle_between_them(scene):
 
 def test_the_camera_hangs_on_the_tray(scene):
     top, bottom = camera_poses(
-        scene.nodes, scene.tray, scene.rig, scene.rig.T_s_ct.nominal, scene.rig.T_ct_cb.nominal
+        scene.nodes,
+        scene.tray,
+        scene.rig,
+        scene.rig.tray_from_top.nominal,
+        scene.rig.top_from_bottom.nominal,
     )
     np.testing.assert_allclose(top.matrix(), scene.top.matrix(), atol=1e-12)
     np.testing.assert_allclose(bottom.matrix(), scene.bottom.matrix(), atol=1e-12)

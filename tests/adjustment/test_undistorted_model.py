@@ -80,7 +80,7 @@ def test_a_mono_model_has_one_camera(sparse_model: SparseModel, tmp_path: Path) 
     mono = replace(
         sparse_model,
         cameras=(sparse_model.cameras[0], None),
-        T_ct_cb=None,
+        top_from_bottom=None,
         stamps=stamps,
         bottom=np.zeros_like(sparse_model.bottom),
     )

@@ -133,7 +133,7 @@ def _turned_camera(cad):
     top = Mount(
         records_poses(off), np.diag(1 / np.r_[np.full(3, 0.01), np.radians(np.full(3, 0.2))])
     )
-    measured = replace(dive.measured, rig=replace(dive.measured.rig, T_s_ct=top))
+    measured = replace(dive.measured, rig=replace(dive.measured.rig, tray_from_top=top))
     adjusted = adjust(measured, OPTIONS, lambda _: None)
     return adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
 
@@ -141,7 +141,9 @@ def _turned_camera(cad):
 @pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
 def test_a_mount_that_the_dive_contradicts_comes_out_as_it_is_and_is_said(cad):
     adjusted, outcome = _turned_camera(cad)
-    found = adjusted.state.T_s_ct.rotation.inv() * Rotation.from_matrix(TRAY_FROM_TOP[:3, :3])
+    found = adjusted.state.tray_from_top.rotation.inv() * Rotation.from_matrix(
+        TRAY_FROM_TOP[:3, :3]
+    )
     assert np.degrees(found.magnitude()[0]) < 0.15
     (mount,) = [w for w in outcome.warnings if "from where dive.toml has it" in w]
     assert "camera.top.mount turned by 1.5 ± 0.1 degrees from" in mount
@@ -178,7 +180,7 @@ def _fast_sound(stereo, turned_deg=0.0):
     )
     if stereo:
         calibrated = Mount(records_poses(TOP_FROM_BOTTOM @ motion(0, 0, 0, turned_deg, 0, 0)), None)
-        measured = replace(measured, rig=replace(measured.rig, T_ct_cb=calibrated))
+        measured = replace(measured, rig=replace(measured.rig, top_from_bottom=calibrated))
     adjusted = adjust(measured, OPTIONS, lambda _: None)
     return dive, adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
 

@@ -87,8 +87,8 @@ def seen_with(scene):
         state = SimpleNamespace(
             nodes=scene.nodes,
             tray=scene.tray,
-            T_s_ct=rig.T_s_ct.nominal,
-            T_ct_cb=rig.T_ct_cb.nominal,
+            tray_from_top=rig.tray_from_top.nominal,
+            top_from_bottom=rig.top_from_bottom.nominal,
             landmark=scene.points,
         )
         every = [np.isfinite(pixels[:, 0]) for pixels in (t.top, t.bottom)]

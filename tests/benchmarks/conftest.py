@@ -36,7 +36,7 @@ def at_truth(small: tuple[Problem, Truth]) -> Problem:
         problem.unknowns,
         pose=np.c_[truth.nodes.translation, truth.nodes.quaternion, truth.tray],
         landmark=truth.landmark,
-        T_g_M=seven(truth.T_g_M),
-        T_s_ct=seven(truth.T_s_ct),
+        T_g_M=seven(truth.global_from_hull),
+        T_s_ct=seven(truth.tray_from_top),
     )
     return problem.started_from(unknowns)

@@ -12,7 +12,7 @@ from benchmarks.survey import (
     LEG_SPACING_M,
     SIZES,
     STEP_M,
-    T_S_CT,
+    TRAY_FROM_TOP,
     TRAY_ORIGIN,
     fly,
     hull_mesh,
@@ -51,7 +51,7 @@ def test_at_the_truth_the_tray_is_off_by_its_backlash_and_the_mounts_by_their_pr
 
 def test_at_the_truth_a_landmark_is_5_mm_off_the_cad_model_or_stands_well_off_it(small):
     problem, truth = small
-    in_hull = truth.T_g_M.inverse().apply(truth.landmark)
+    in_hull = truth.global_from_hull.inverse().apply(truth.landmark)
     distance = (
         MeshIndex(problem.cad_mesh.vertices, problem.cad_mesh.faces, threads=1)
         .closest(in_hull)
@@ -140,7 +140,7 @@ def test_the_camera_looks_down_the_normal_from_a_metre():
     size = SIZES["stereo"]
     hull_from_vehicle, tray = fly(size)
     x, z = tracks(size)
-    camera = hull_from_vehicle @ poses.tray_poses(TRAY_ORIGIN, tray) @ T_S_CT
+    camera = hull_from_vehicle @ poses.tray_poses(TRAY_ORIGIN, tray) @ TRAY_FROM_TOP
     ahead = camera.rotation.apply([0.0, 0.0, 1.0])
     assert (np.einsum("ij,ij->i", ahead, normals(x, z)) < np.cos(np.radians(174))).all()
     hits = MeshIndex(*hull_mesh(), threads=1).cast(camera.translation, ahead)

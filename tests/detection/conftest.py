@@ -42,7 +42,7 @@ def views_along(x: np.ndarray, z: float = 1.0, standoff: float = 1.3) -> CameraV
     centers = np.stack([x, np.full(len(x), 2 + standoff), np.full(len(x), z)], axis=1)
     poses = Poses(np.tile(TOWARD_WALL.as_quat(), (len(x), 1)), centers)
     return CameraViews(
-        T_x_c=poses,
+        result_from_camera=poses,
         node=np.arange(len(x)),
         name=tuple(f"camera_top/{k}.jpg" for k in range(len(x))),
         camera=CAMERA,

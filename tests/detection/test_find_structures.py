@@ -119,7 +119,7 @@ def test_the_top_cameras_images_are_named_by_their_stamps() -> None:
     assert views is not None
     assert views.name == ("camera_top/70.jpg", "camera_top/90.jpg")
     assert views.node.tolist() == [0, 2]
-    np.testing.assert_allclose(views.T_x_c.translation[:, 0], [0.5, 2.5])
+    np.testing.assert_allclose(views.result_from_camera.translation[:, 0], [0.5, 2.5])
     assert 1.25 < views.farthest_m < 1.7  # landmarks 1 m away, seen in the image's corner
     assert views_of_top_camera(rig, _track([-1, -1]), stamps, marks) is None
     assert views_of_top_camera(rig, _track([0, 1]), stamps, marks[:0]) is None

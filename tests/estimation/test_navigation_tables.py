@@ -54,7 +54,7 @@ def test_a_tray_that_was_not_read_is_known_as_badly_as_it_may_have_turned():
 
 def test_odometry_is_whitened_by_its_covariance(dive):
     table = odometry_table(
-        dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal, dive.trajectory.poses()
+        dive.odometry, np.zeros(12), dive.rig.tray_from_dvl.nominal, dive.trajectory.poses()
     )
     np.testing.assert_allclose(table.sqrt_information[4], np.diag(1 / STEP_SIGMA))
     np.testing.assert_array_equal(table.measured[:, :3], dive.odometry.translation)
@@ -73,9 +73,9 @@ def test_a_step_was_reckoned_with_the_mean_of_its_two_angles(dive):
 def test_a_wrong_scale_stretches_the_motion_as_the_path_has_it(dive):
     longer = Poses(dive.trajectory.quaternion, 2 * dive.trajectory.translation)
     once, twice = (
-        odometry_table(dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal, path).by_navigation[
-            :, :3, 0
-        ]
+        odometry_table(
+            dive.odometry, np.zeros(12), dive.rig.tray_from_dvl.nominal, path
+        ).by_navigation[:, :3, 0]
         for path in (dive.trajectory.poses(), longer)
     )
     np.testing.assert_allclose(twice - once, dive.odometry.translation, atol=1e-9)

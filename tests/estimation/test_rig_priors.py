@@ -90,7 +90,7 @@ def test_a_mounts_sigma_whitens_small_motions_in_the_parents_axes():
 
 def test_a_mount_without_any_sigma_is_held():
     assert mount_prior(MOUNT, (0.0,) * 6).sqrt_information is None
-    assert rig_of().T_ct_cb.sqrt_information is None
+    assert rig_of().top_from_bottom.sqrt_information is None
 
 
 def test_a_single_sigma_of_zero_is_all_but_held():
@@ -102,16 +102,16 @@ def test_a_single_sigma_of_zero_is_all_but_held():
 def test_the_dvls_position_is_held_and_its_sigma_kept_for_the_poses():
     held = rig_of()
     np.testing.assert_array_equal(held.dvl_position_sigma, [0.01, 0.01, 0.02])
-    assert np.linalg.norm(held.T_s_d.sqrt_information[0, :3]) == pytest.approx(1e6)
+    assert np.linalg.norm(held.tray_from_dvl.sqrt_information[0, :3]) == pytest.approx(1e6)
     free = rig_of(free_dvl_position=True)
     np.testing.assert_array_equal(free.dvl_position_sigma, 0)
-    assert np.linalg.norm(free.T_s_d.sqrt_information[0, :3]) == pytest.approx(100)
+    assert np.linalg.norm(free.tray_from_dvl.sqrt_information[0, :3]) == pytest.approx(100)
 
 
 def test_both_cameras_stand_where_dive_toml_has_them():
     rig = rig_of()
-    np.testing.assert_allclose(rig.T_s_ct.nominal.matrix(), from_mount(MOUNT).matrix())
-    np.testing.assert_allclose(rig.T_ct_cb.nominal.translation, [[0, 0.1, 0]])
+    np.testing.assert_allclose(rig.tray_from_top.nominal.matrix(), from_mount(MOUNT).matrix())
+    np.testing.assert_allclose(rig.top_from_bottom.nominal.translation, [[0, 0.1, 0]])
     assert rig.top is MODEL
 
 
@@ -121,7 +121,7 @@ def test_both_cameras_stand_where_dive_toml_has_them():
 )
 def test_a_camera_that_was_not_carried_has_no_mount(absent, top, bottom):
     rig = rig_priors_from_settings(sections(**dict.fromkeys(absent)), {})
-    assert (rig.T_s_ct is not None, rig.T_ct_cb is not None) == (top, bottom)
+    assert (rig.tray_from_top is not None, rig.top_from_bottom is not None) == (top, bottom)
     assert rig.top is None
 
 

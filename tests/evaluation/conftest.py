@@ -212,7 +212,7 @@ def make_solution(landmarks: np.ndarray, label: np.ndarray, path: np.ndarray = P
         ),
         mounts=Mounts(
             tray_from_dvl=from_mount([0, 0, 0.08, 0, 90, 0]),
-            tray_from_camera=camera,
+            tray_from_top=camera,
             top_from_bottom=None,
         ),
         navigation_errors=np.zeros(6),

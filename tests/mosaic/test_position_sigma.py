@@ -76,8 +76,8 @@ def test_sigma_equals_the_spread_of_drawn_poses_and_mounts() -> None:
     drawn = []
     for _ in range(6000):
         pose, mount = root @ rng.normal(size=6), mount_sigma * rng.normal(size=6)
-        T_j_o = servo_from_sonar.rotation * Rotation.from_rotvec(mount[3:])
-        in_servo = T_j_o.apply(inside) + servo_from_sonar.translation + mount[:3]
+        turned = servo_from_sonar.rotation * Rotation.from_rotvec(mount[3:])
+        in_servo = turned.apply(inside) + servo_from_sonar.translation + mount[:3]
         turn = hull_from_vehicle.rotation * Rotation.from_rotvec(pose[3:])
         drawn.append(
             turn.apply(vehicle_from_servo.apply(in_servo))

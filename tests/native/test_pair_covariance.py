@@ -32,7 +32,10 @@ def all_pairs(n: int) -> np.ndarray:
 
 
 def assert_equals_dense(
-    p: Draft, got: PairCovariance, pairs: np.ndarray, options: Options = Options()  # noqa: B008
+    p: Draft,
+    got: PairCovariance,
+    pairs: np.ndarray,
+    options: Options = Options(),  # noqa: B008
 ) -> None:
     dense, columns = dense_covariance(p, options)
 

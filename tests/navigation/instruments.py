@@ -12,7 +12,7 @@ RIG = SensorRig(
     tray_origin=np.array([0.45, 0.0, 0.1]),
     pressure_origin=np.array([-0.3, 0.1, 0.05]),
     tray_from_dvl=from_mount([0.02, -0.01, 0.08, 0.5, 89.0, 1.0]),
-    tray_from_camera=from_mount([0.05, 0.0, -0.02, 90.0, 0.0, 90.0]),
+    tray_from_top=from_mount([0.05, 0.0, -0.02, 90.0, 0.0, 90.0]),
 )
 SIGMAS = NavigationSigmas(
     mount=np.array([0.01, 0.01, 0.01, 0.0087, 0.0087, 0.0087]),

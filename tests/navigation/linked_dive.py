@@ -103,10 +103,12 @@ def rig() -> Rig:
         tray_origin=TRAY_ORIGIN_M,
         tray_sigma=1e-3,
         pressure_origin=np.zeros(3),
-        T_s_d=Mount(identity(1), np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, DVL_TURN_SIGMA)])),
+        tray_from_dvl=Mount(
+            identity(1), np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, DVL_TURN_SIGMA)])
+        ),
         dvl_position_sigma=np.zeros(3),
-        T_s_ct=Mount(TRAY_FROM_TOP, None),
-        T_ct_cb=Mount(TOP_FROM_BOTTOM, None),
+        tray_from_top=Mount(TRAY_FROM_TOP, None),
+        top_from_bottom=Mount(TOP_FROM_BOTTOM, None),
         top=None,
         bottom=None,
         sigma_px=1.0,

@@ -207,10 +207,10 @@ def navigated(rig, aids: Aids, blind: tuple[int, ...] = (), count: int = 6) -> N
 
 
 def true_path(rig) -> Poses:
-    T_v_ct = poses.tray_poses(rig.tray_origin, np.zeros(1)) @ rig.tray_from(Camera.TOP)
+    vehicle_from_top = poses.tray_poses(rig.tray_origin, np.zeros(1)) @ rig.tray_from(Camera.TOP)
     world = (
         Poses(np.vstack([p.quaternion for p in PATH]), np.vstack([p.translation for p in PATH]))
-        @ T_v_ct.inverse()
+        @ vehicle_from_top.inverse()
     )
     return world[[0]].inverse() @ world
 

@@ -44,7 +44,7 @@ class AlongWall(SimulatedPath):
 
     def cameras(self, t):
         mounted = self.poses(t) @ poses.tray_poses(self.rig.tray_origin, self.tray(t))
-        return mounted @ self.rig.tray_from_camera
+        return mounted @ self.rig.tray_from_top
 
 
 def logs_along_wall(swum: AlongWall) -> NavigationLogs:

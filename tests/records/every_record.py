@@ -167,7 +167,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
     HullPose: {"global_from_hull": {"p": "1"}, "covariance": "6 6", "survey_center": "3"},
     Mounts: {
         "tray_from_dvl": {"p": "1"},
-        "tray_from_camera": {"p": "1"},
+        "tray_from_top": {"p": "1"},
         "top_from_bottom": {"p": "1"},
     },
     DeviationField: {"origin": "2", "step": "2", "value": "b r", "sigma": "b r"},

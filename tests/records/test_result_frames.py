@@ -48,7 +48,7 @@ def solution(pose: HullPose | None) -> Solution:
         ),
         mounts=Mounts(
             tray_from_dvl=Poses(still[:1], np.zeros((1, 3))),
-            tray_from_camera=None,
+            tray_from_top=None,
             top_from_bottom=None,
         ),
         navigation_errors=np.zeros(6),

@@ -34,7 +34,7 @@ def solution(with_cad_model: bool = True) -> Solution:
         ),
         mounts=Mounts(
             tray_from_dvl=exp(rng.normal(size=(1, 6))),
-            tray_from_camera=exp(rng.normal(size=(1, 6))),
+            tray_from_top=exp(rng.normal(size=(1, 6))),
             top_from_bottom=None,
         ),
         navigation_errors=rng.normal(size=6),

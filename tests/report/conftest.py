@@ -98,7 +98,7 @@ def solution(trajectory: Trajectory) -> Solution:
             views=np.array([4, 6, 2]),
             color=np.array([[10, 20, 30], [40, 50, 60], [70, 80, 90]], np.uint8),
         ),
-        mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=identity(), top_from_bottom=None),
+        mounts=Mounts(tray_from_dvl=identity(), tray_from_top=identity(), top_from_bottom=None),
         navigation_errors=np.zeros(6),
         hull_pose=HullPose(
             global_from_hull=TURNED,
@@ -216,7 +216,7 @@ def rig() -> SensorRig:
         tray_origin=np.zeros(3),
         pressure_origin=np.zeros(3),
         tray_from_dvl=identity(),
-        tray_from_camera=identity(),
+        tray_from_top=identity(),
         camera_models={Camera.TOP: CAMERA},
     )
 

@@ -54,7 +54,7 @@ def whole(survey: Survey, returns: Returns) -> Survey:
         survey.facts.rig,
         tray_origin=np.array([0.4, 0.1, 0.2]),
         tray_from_dvl=from_mount([0.1, -0.2, 0.05, 4, -3, 30]),
-        tray_from_camera=from_mount([0.2, 0.0, 0.1, 1, 2, 90]),
+        tray_from_top=from_mount([0.2, 0.0, 0.1, 1, 2, 90]),
     )
     facts = replace(survey.facts, rig=rig, returns=returns)
     return replace(survey, facts=facts, surfaces=replace(survey.surfaces, cad_model=CAD_MODEL))

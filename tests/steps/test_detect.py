@@ -35,7 +35,7 @@ SCHEMA = (
     / "schemas"
     / "coverage.schema.json"
 )
-T_g_M = from_mount([5, 7, 3, 180, 0, 0])
+global_from_hull = from_mount([5, 7, 3, 180, 0, 0])
 CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
 
 
@@ -57,26 +57,28 @@ def _solution(landmarks: np.ndarray) -> Solution:
     hull_from_vehicle = Poses(
         np.tile(toward.as_quat(), (n, 1)), np.column_stack([x, np.full(n, 3.3), np.ones(n)])
     )
-    T_g_v = T_g_M[np.zeros(n, int)] @ hull_from_vehicle
+    global_from_vehicle = global_from_hull[np.zeros(n, int)] @ hull_from_vehicle
     grid = np.full((9, 5), OFF)
     return Solution(
         t_ns=1000 + np.arange(n),
         image=np.column_stack([np.arange(n), np.full(n, -1)]),
-        global_from_vehicle=T_g_v,
+        global_from_vehicle=global_from_vehicle,
         tray=np.zeros(n),
         tray_sigma=np.zeros(n),
         pose_covariance=np.zeros((n, 6, 6)),
         landmarks=Landmarks(
-            position=T_g_M.apply(landmarks),
+            position=global_from_hull.apply(landmarks),
             covariance=np.tile(np.diag([0.1, 0.01, 0.01]) ** 2, (m, 1, 1)),
             label=np.ones(m, np.int64),
             deviation=landmarks[:, 1] - 2,
             views=np.full(m, 6),
             color=np.zeros((m, 3), np.uint8),
         ),
-        mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=identity(), top_from_bottom=None),
+        mounts=Mounts(tray_from_dvl=identity(), tray_from_top=identity(), top_from_bottom=None),
         navigation_errors=np.zeros(6),
-        hull_pose=HullPose(global_from_hull=T_g_M, covariance=np.eye(6), survey_center=np.zeros(3)),
+        hull_pose=HullPose(
+            global_from_hull=global_from_hull, covariance=np.eye(6), survey_center=np.zeros(3)
+        ),
         deviation_field=DeviationField(
             origin=np.zeros(2), step=np.full(2, 0.5), value=grid, sigma=np.abs(grid)
         ),
@@ -119,7 +121,7 @@ class EarlierSteps:
         self.hull = False
         unknown = np.full(len(self.surface.sigma), np.nan)
         self.surface = replace(
-            self.surface, vertices=T_g_M.apply(self.surface.vertices), deviation=unknown
+            self.surface, vertices=global_from_hull.apply(self.surface.vertices), deviation=unknown
         )
         self.solution = replace(self.solution, hull_pose=None, deviation_field=None)
 
@@ -127,7 +129,7 @@ class EarlierSteps:
         self.camera = False
         s = self.solution
         none = Landmarks(**{f.name: getattr(s.landmarks, f.name)[:0] for f in fields(Landmarks)})
-        mounts = replace(s.mounts, tray_from_camera=None)
+        mounts = replace(s.mounts, tray_from_top=None)
         self.solution = replace(s, image=np.full_like(s.image, -1), landmarks=none, mounts=mounts)
 
     def run(self, **options: object) -> Path:
@@ -166,7 +168,10 @@ class EarlierSteps:
         origin, axes = (
             (CHART.origin, CHART.axes)
             if self.hull
-            else (T_g_M.apply(CHART.origin)[0], CHART.axes @ T_g_M.rotation.as_matrix()[0].T)
+            else (
+                global_from_hull.apply(CHART.origin)[0],
+                CHART.axes @ global_from_hull.rotation.as_matrix()[0].T,
+            )
         )
         np.savez(surface / "chart.npz", **PlaneChart(origin, axes).to_arrays())
         inputs = {"ingest": ingest, "adjust": adjust, "surface": surface}
@@ -289,7 +294,9 @@ def test_without_a_cad_model_structures_are_told_from_the_own_surface(
     (item,) = _json(out, "objects.json")["objects"]
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
     assert item["deviation"] is None
-    assert np.allclose(item["center"], T_g_M.apply([[2.0, 2 + OFF + HEIGHT, 1.0]])[0], atol=0.02)
+    assert np.allclose(
+        item["center"], global_from_hull.apply([[2.0, 2 + OFF + HEIGHT, 1.0]])[0], atol=0.02
+    )
     assert _json(out, "coverage.json")["frame"] == "g"
     assert "own surface" in _json(out, "detect.json")["reference"]
 

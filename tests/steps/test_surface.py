@@ -68,7 +68,7 @@ def _dive(rng: np.random.Generator) -> tuple[Poses, Returns]:
     grown = RADIUS + OFF
     b, a = (start * direction)[:, 1:].sum(1), (direction[:, 1:] ** 2).sum(1)
     reach = (-b - np.sqrt(b**2 - a * ((start[:, 1:] ** 2).sum(1) - grown**2))) / a
-    T_g_M = from_mount(TURN)
+    global_from_hull = from_mount(TURN)
     zero = np.zeros(len(node))
     returns = Returns(
         t_ns=node.astype(np.int64),
@@ -80,15 +80,15 @@ def _dive(rng: np.random.Generator) -> tuple[Poses, Returns]:
         range_m=reach + rng.normal(0, 0.005, len(node)),
         flagged=zero > 0,
     )
-    return T_g_M[np.zeros(n, int)] @ hull_from_vehicle, returns
+    return global_from_hull[np.zeros(n, int)] @ hull_from_vehicle, returns
 
 
-def _solution(T_g_v: Poses, landmarks: np.ndarray) -> Solution:
-    n, m = len(T_g_v), len(landmarks)
+def _solution(global_from_vehicle: Poses, landmarks: np.ndarray) -> Solution:
+    n, m = len(global_from_vehicle), len(landmarks)
     return Solution(
         t_ns=np.arange(n),
         image=np.full((n, 2), -1),
-        global_from_vehicle=T_g_v,
+        global_from_vehicle=global_from_vehicle,
         tray=np.zeros(n),
         tray_sigma=np.zeros(n),
         pose_covariance=np.tile(1e-6 * np.eye(6), (n, 1, 1)),
@@ -101,7 +101,7 @@ def _solution(T_g_v: Poses, landmarks: np.ndarray) -> Solution:
             color=np.zeros((m, 3), np.uint8),
         ),
         mounts=Mounts(
-            tray_from_dvl=from_mount(DVL_MOUNT), tray_from_camera=None, top_from_bottom=None
+            tray_from_dvl=from_mount(DVL_MOUNT), tray_from_top=None, top_from_bottom=None
         ),
         navigation_errors=np.zeros(6),
         hull_pose=HullPose(
@@ -119,11 +119,11 @@ class EarlierSteps:
     def __init__(self, root: Path) -> None:
         rng = np.random.default_rng(8)
         self.root, self.hull = root, _hull()
-        self.T_g_v, self.returns = _dive(rng)
+        self.global_from_vehicle, self.returns = _dive(rng)
         angle, x = np.radians(rng.uniform(75, 105, 600)), rng.uniform(3, 7, 600)
         grown = RADIUS + OFF
         marks = np.column_stack([x, grown * np.sin(angle), 3 - grown * np.cos(angle)])
-        self.solution = _solution(self.T_g_v, from_mount(TURN).apply(marks))
+        self.solution = _solution(self.global_from_vehicle, from_mount(TURN).apply(marks))
         self.sections = {
             "tray": schema.Tray(),
             "dvl": schema.Dvl(mount=DVL_MOUNT),
@@ -141,9 +141,9 @@ class EarlierSteps:
             np.savez(adjust / "chart.npz", **chart_for_hull(self.hull).to_arrays())
         if dvl:
             np.savez(navigate / "returns.npz", **to_arrays(self.returns))
-        n = len(self.T_g_v)
+        n = len(self.global_from_vehicle)
         track = Trajectory(
-            t_ns=np.arange(n), quaternion=self.T_g_v.quaternion, translation=self.T_g_v.translation,
+            t_ns=np.arange(n), quaternion=self.global_from_vehicle.quaternion, translation=self.global_from_vehicle.translation,
             covariance=np.tile(1e-4 * np.eye(6), (n, 1, 1)), tray=np.zeros(n),
             image=np.full((n, 2), -1),
         )  # fmt: skip
@@ -313,7 +313,8 @@ def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(
 
 def _ends(earlier: EarlierSteps) -> np.ndarray:
     hull_from_vehicle = (
-        from_mount(TURN).inverse()[np.zeros(240, int)] @ earlier.T_g_v[earlier.returns.node]
+        from_mount(TURN).inverse()[np.zeros(240, int)]
+        @ earlier.global_from_vehicle[earlier.returns.node]
     )
     beam = hull_from_vehicle @ from_mount(DVL_MOUNT)
     return beam.apply(earlier.returns.beam * earlier.returns.range_m[:, None])
@@ -324,6 +325,6 @@ def test_a_hull_that_bends_around_is_no_plane(earlier: EarlierSteps) -> None:
     angle = np.radians(np.linspace(-100, 100, 400))
     x = np.tile(np.linspace(3, 7, 20), 20)
     marks = np.column_stack([x, RADIUS * np.sin(angle), 3 - RADIUS * np.cos(angle)])
-    earlier.solution = _solution(earlier.T_g_v, from_mount(TURN).apply(marks))
+    earlier.solution = _solution(earlier.global_from_vehicle, from_mount(TURN).apply(marks))
     with pytest.raises(StageError, match="bends too far"):
         earlier.run(dvl=False, reference="plane")

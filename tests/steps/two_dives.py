@@ -73,7 +73,7 @@ def survey_files(found: HullSurvey, *, fits: bool = True) -> Files:
         tray_sigma=zero(1),
         pose_covariance=zero((1, 6, 6)),
         landmarks=landmarks,
-        mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=None, top_from_bottom=None),
+        mounts=Mounts(tray_from_dvl=identity(), tray_from_top=None, top_from_bottom=None),
         navigation_errors=zero(6),
         hull_pose=found.hull_pose if fits else None,
         deviation_field=None,

@@ -85,7 +85,7 @@ def solution(marks: np.ndarray, views: int = 5) -> Solution:
         tray_sigma=at.tray,
         pose_covariance=at.covariance,
         landmarks=landmarks,
-        mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=None, top_from_bottom=None),
+        mounts=Mounts(tray_from_dvl=identity(), tray_from_top=None, top_from_bottom=None),
         navigation_errors=np.zeros(6),
         hull_pose=None,
         deviation_field=None,

@@ -14,7 +14,7 @@ from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
 def camera_rig(
-    top, bottom=None, top_from_bottom=None, tray_origin=(0.0, 0.0, 0.0), tray_from_camera=None
+    top, bottom=None, top_from_bottom=None, tray_origin=(0.0, 0.0, 0.0), tray_from_top=None
 ):
     """A rig of one camera or two."""
     models = {Camera.TOP: top} | ({} if bottom is None else {Camera.BOTTOM: bottom})
@@ -23,7 +23,7 @@ def camera_rig(
             tray_origin=np.array(tray_origin),
             pressure_origin=np.zeros(3),
             tray_from_dvl=identity(),
-            tray_from_camera=tray_from_camera or identity(),
+            tray_from_top=tray_from_top or identity(),
             top_from_bottom=top_from_bottom,
             camera_models=models,
         )

@@ -23,7 +23,7 @@ RIG = SensorRig(
     tray_origin=np.zeros(3),
     pressure_origin=np.zeros(3),
     tray_from_dvl=identity(1),
-    tray_from_camera=identity(1),
+    tray_from_top=identity(1),
     camera_models={Camera.TOP: MODEL},
 )
 

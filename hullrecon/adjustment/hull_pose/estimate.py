@@ -105,7 +105,9 @@ def collect_hull_points(
     )
     parts = [state.landmark[on_hull]]
     if m.returns is not None:
-        ends, _ = beam_ends(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
+        ends, _ = beam_ends(
+            m.returns, state.nodes, state.tray, m.rig.tray_origin, state.tray_from_dvl
+        )
         parts.append(ends[chosen.returns])
     points, stretches = np.vstack(parts), hull.stretches
     if stretches is None:

@@ -71,7 +71,7 @@ def assemble(
         ),
         velocities=velocity_table(m.odometry, m.trajectory.t_ns),
         odometry=odometry_table(
-            _unseen_motions(m, chosen), m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes
+            _unseen_motions(m, chosen), m.trajectory.tray, m.rig.tray_from_dvl.nominal, state.nodes
         ),
     )
     problem = with_positions(problem, m.positions)
@@ -121,9 +121,13 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
         ),
         tray=pose[:, 7].copy(),
         landmark=landmark,
-        T_s_ct=pose_from_vector(unknowns.T_s_ct) if state.T_s_ct is not None else None,
-        T_ct_cb=pose_from_vector(unknowns.T_ct_cb) if state.T_ct_cb is not None else None,
-        T_s_d=pose_from_vector(unknowns.T_s_d),
+        tray_from_top=pose_from_vector(unknowns.T_s_ct)
+        if state.tray_from_top is not None
+        else None,
+        top_from_bottom=pose_from_vector(unknowns.T_ct_cb)
+        if state.top_from_bottom is not None
+        else None,
+        tray_from_dvl=pose_from_vector(unknowns.T_s_d),
         navigation=unknowns.navigation.copy(),
         hull=hull,
     )
@@ -132,7 +136,7 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
 def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknowns:
     unknowns = native.Unknowns(
         pose=np.hstack([state.nodes.vectors(), state.tray[:, None]]),
-        T_s_d=pose_vector(state.T_s_d),
+        T_s_d=pose_vector(state.tray_from_dvl),
         navigation=state.navigation.copy(),
     )
     if state.hull is not None:
@@ -141,17 +145,17 @@ def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknow
             T_g_M=pose_vector(_centred_pose(state.hull)),
             deviation=state.hull.field.copy(),
         )
-    if m.tracks is not None and m.rig.top is not None and state.T_s_ct is not None:
+    if m.tracks is not None and m.rig.top is not None and state.tray_from_top is not None:
         unknowns = replace(
             unknowns,
             landmark=state.landmark[chosen.landmarks],
-            T_s_ct=pose_vector(state.T_s_ct),
+            T_s_ct=pose_vector(state.tray_from_top),
             intrinsics_top=m.rig.top.parameters(),
         )
-    if m.rig.bottom is not None and state.T_ct_cb is not None:
+    if m.rig.bottom is not None and state.top_from_bottom is not None:
         unknowns = replace(
             unknowns,
-            T_ct_cb=pose_vector(state.T_ct_cb),
+            T_ct_cb=pose_vector(state.top_from_bottom),
             intrinsics_bottom=m.rig.bottom.parameters(),
         )
     return unknowns
@@ -178,10 +182,10 @@ def _priors(m: Measurements, state: State) -> native.Priors:
     g by the first pose.
     """
     priors = native.Priors(
-        T_s_d=mount_prior_table(m.rig.T_s_d, state.T_s_d),
-        T_s_ct=mount_prior_table(m.rig.T_s_ct, state.T_s_ct),
+        T_s_d=mount_prior_table(m.rig.tray_from_dvl, state.tray_from_dvl),
+        T_s_ct=mount_prior_table(m.rig.tray_from_top, state.tray_from_top),
         T_ct_cb=mount_prior_table(
-            m.rig.T_ct_cb, state.T_ct_cb if m.rig.bottom is not None else None
+            m.rig.top_from_bottom, state.top_from_bottom if m.rig.bottom is not None else None
         ),
         pose=gauge_prior(state.nodes, m.attitude),
         navigation_sigma=m.rig.navigation_sigma,
@@ -293,7 +297,9 @@ def _hits(
     end where they miss.
     """
     used = from_arrays(Returns, {k: v[chosen.returns] for k, v in to_arrays(returns).items()})
-    points, direction = beam_ends(used, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
+    points, direction = beam_ends(
+        used, state.nodes, state.tray, m.rig.tray_origin, state.tray_from_dvl
+    )
     to_hull = pose_from_vector(pose_vector(_centred_pose(hull))).inverse()
     points, direction = to_hull.apply(points), to_hull.rotation.apply(direction)
     origin = points - direction * used.range_m[:, None]

@@ -64,9 +64,11 @@ class Measurements:
 
 
 def beam_ends(
-    returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses
+    returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, tray_from_dvl: Poses
 ) -> tuple[Array, Array]:
     """Return the ends of the DVL's beams in g, (m, 3), and their unit directions in g, (m, 3)."""
-    rig = SensorRig(tray_origin=tray_origin, pressure_origin=np.zeros(3), tray_from_dvl=T_s_d)
+    rig = SensorRig(
+        tray_origin=tray_origin, pressure_origin=np.zeros(3), tray_from_dvl=tray_from_dvl
+    )
     ends = rig.dvl_points(returns, VehiclePath(poses=nodes, tray=tray_angle))
     return ends.points, ends.directions

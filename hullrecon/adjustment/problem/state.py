@@ -67,9 +67,9 @@ class State:
     nodes: Poses
     tray: Array
     landmark: Array
-    T_s_ct: Poses | None
-    T_ct_cb: Poses | None
-    T_s_d: Poses
+    tray_from_top: Poses | None
+    top_from_bottom: Poses | None
+    tray_from_dvl: Poses
     navigation: Array
     hull: HullState | None
 

@@ -19,18 +19,18 @@ OBSERVATIONS = 1_000_000  # whose rays are laid at a time
 
 
 def camera_poses(
-    nodes: Poses, tray_angle: Array, rig: Rig, T_s_ct: Poses, T_ct_cb: Poses | None
+    nodes: Poses, tray_angle: Array, rig: Rig, tray_from_top: Poses, top_from_bottom: Poses | None
 ) -> tuple[Poses, Poses | None]:
     """Return T_g_ct and T_g_cb at the nodes; None for a camera without a mount."""
     sensors = SensorRig(
         tray_origin=rig.tray_origin,
         pressure_origin=rig.pressure_origin,
-        tray_from_dvl=rig.T_s_d.nominal,
-        tray_from_camera=T_s_ct,
-        top_from_bottom=T_ct_cb,
+        tray_from_dvl=rig.tray_from_dvl.nominal,
+        tray_from_top=tray_from_top,
+        top_from_bottom=top_from_bottom,
     )
     path = VehiclePath(poses=nodes, tray=tray_angle)
-    bottom = None if T_ct_cb is None else sensors.camera_poses(path, Camera.BOTTOM)
+    bottom = None if top_from_bottom is None else sensors.camera_poses(path, Camera.BOTTOM)
     return sensors.camera_poses(path, Camera.TOP), bottom
 
 

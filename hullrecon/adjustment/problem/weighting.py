@@ -85,9 +85,9 @@ def estimate_pixel_sigmas(
     extremum of a flat bump farther (docs/methods.md 6). Residuals in groups of like response tell
     how much, one group the corners, which have none.
     """
-    if m.tracks is None or state.T_s_ct is None:
+    if m.tracks is None or state.tray_from_top is None:
         return least, weights.pixel_ratio
-    poses = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
+    poses = camera_poses(state.nodes, state.tray, m.rig, state.tray_from_top, state.top_from_bottom)
     errors = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
     count, landmark = selection.landmark_count(m), m.tracks.landmark
     seen = chosen.top.astype(float) + chosen.bottom

@@ -36,7 +36,7 @@ class SparseModel:
     top: Mask
     bottom: Mask
     hull_from_top: Poses
-    T_ct_cb: Poses | None
+    top_from_bottom: Poses | None
     cameras: tuple[CameraModel, CameraModel | None]
     stamps: Ints
     position: Array
@@ -72,15 +72,15 @@ def _add_rig(reconstruction: Any, model: SparseModel) -> None:
 
     rig = pycolmap.Rig(rig_id=1)
     for number, camera in zip((TOP, BOTTOM), model.cameras, strict=True):
-        if camera is None or (number == BOTTOM and model.T_ct_cb is None):
+        if camera is None or (number == BOTTOM and model.top_from_bottom is None):
             continue
         reconstruction.add_camera(_camera(number, camera))
         sensor = pycolmap.sensor_t(pycolmap.SensorType.CAMERA, number)
         if number == TOP:
             rig.add_ref_sensor(sensor)
         else:
-            assert model.T_ct_cb is not None
-            rig.add_sensor(sensor, _rigid(model.T_ct_cb.inverse()))
+            assert model.top_from_bottom is not None
+            rig.add_sensor(sensor, _rigid(model.top_from_bottom.inverse()))
     reconstruction.add_rig(rig)
 
 

@@ -18,7 +18,7 @@ from hullrecon.typing import Array
 
 
 def poses_in_hull(
-    pose: Array, pose_hull: Array, hull: Array, nodes: Poses, T_g_M: Poses, center: Array
+    pose: Array, pose_hull: Array, hull: Array, nodes: Poses, global_from_hull: Poses, center: Array
 ) -> Array:
     """Return the covariance (n, 6, 6) of T_M_v (translation in M, rotation right-perturb_pose in
     v).
@@ -26,8 +26,8 @@ def poses_in_hull(
     pose (n, 6, 6) of T_g_v, pose_hull (n, 6, 6) with T_g_M, hull (6, 6) of T_g_M about `center`
     (3,) in M.
     """
-    in_hull = T_g_M.inverse() @ nodes
-    to_hull = T_g_M.rotation.as_matrix()[0].T
+    in_hull = global_from_hull.inverse() @ nodes
+    to_hull = global_from_hull.rotation.as_matrix()[0].T
     n = len(nodes)
     by_pose, by_hull = np.zeros((n, 6, 6)), np.zeros((n, 6, 6))
     by_pose[:, :3, :3], by_pose[:, 3:, 3:] = to_hull, np.eye(3)
@@ -38,17 +38,22 @@ def poses_in_hull(
 
 
 def points_in_hull(
-    point: Array, point_hull: Array, hull: Array, position: Array, T_g_M: Poses, center: Array
+    point: Array,
+    point_hull: Array,
+    hull: Array,
+    position: Array,
+    global_from_hull: Poses,
+    center: Array,
 ) -> Array:
     """Return the covariance (n, 3, 3) in M of points (n, 3) in g: point (n, 3, 3), point_hull (n,
     3, 6) with T_g_M, hull (6, 6).
     """
-    to_hull = T_g_M.rotation.as_matrix()[0].T
+    to_hull = global_from_hull.rotation.as_matrix()[0].T
     n = len(position)
     by_point = np.broadcast_to(to_hull, (n, 3, 3))
     by_hull = np.zeros((n, 3, 6))
     by_hull[:, :, :3] = -to_hull
-    by_hull[:, :, 3:] = cross_matrix(T_g_M.inverse().apply(position) - center)
+    by_hull[:, :, 3:] = cross_matrix(global_from_hull.inverse().apply(position) - center)
     return _propagate(by_point, by_hull, point, point_hull, hull)
 
 
@@ -66,8 +71,8 @@ def _propagate(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: Ar
     return np.asarray(0.5 * (total + total.transpose(0, 2, 1)))
 
 
-def hull_axes(hull: Array, T_g_M: Poses) -> Array:
+def hull_axes(hull: Array, global_from_hull: Poses) -> Array:
     """Return the covariance (6, 6) of T_g_M with its translation turned into M's axes."""
     turn = np.eye(6)
-    turn[:3, :3] = T_g_M.rotation.as_matrix()[0].T
+    turn[:3, :3] = global_from_hull.rotation.as_matrix()[0].T
     return np.asarray(turn @ hull @ turn.T)

@@ -84,7 +84,9 @@ def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covari
             color=m.tracks.color[used] if m.tracks is not None else np.zeros((0, 3), np.uint8),
         ),
         mounts=Mounts(
-            tray_from_dvl=state.T_s_d, tray_from_camera=state.T_s_ct, top_from_bottom=state.T_ct_cb
+            tray_from_dvl=state.tray_from_dvl,
+            tray_from_top=state.tray_from_top,
+            top_from_bottom=state.top_from_bottom,
         ),
         navigation_errors=state.navigation,
         hull_pose=_hull_pose(state.hull, marginals),

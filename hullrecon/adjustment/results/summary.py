@@ -120,10 +120,17 @@ def _stereo_sentence(
     """Return what contradicts the stereo rig's calibration; None where nothing does. m: its rig as
     calibrated.
     """
-    if adjusted.stereo is None or adjusted.state.T_ct_cb is None or m.rig.T_ct_cb is None:
+    if (
+        adjusted.stereo is None
+        or adjusted.state.top_from_bottom is None
+        or m.rig.top_from_bottom is None
+    ):
         return None
     return stereo_warning(
-        adjusted.stereo, m.rig.T_ct_cb.nominal, adjusted.state.T_ct_cb, marginals.T_ct_cb
+        adjusted.stereo,
+        m.rig.top_from_bottom.nominal,
+        adjusted.state.top_from_bottom,
+        marginals.T_ct_cb,
     )
 
 
@@ -142,8 +149,8 @@ def _unexpected_errors(
         else [length_warning(adjusted.length_conflict, marginals.navigation)]
     )
     mounts = {
-        "dvl.mount": (m.rig.T_s_d, state.T_s_d, marginals.T_s_d),
-        "camera.top.mount": (m.rig.T_s_ct, state.T_s_ct, marginals.T_s_ct),
+        "dvl.mount": (m.rig.tray_from_dvl, state.tray_from_dvl, marginals.T_s_d),
+        "camera.top.mount": (m.rig.tray_from_top, state.tray_from_top, marginals.T_s_ct),
     }
     return [
         *lengths,
@@ -211,9 +218,9 @@ def _mounts(state: State) -> dict[str, list[float]]:
     """Return motions by name as x y z qx qy qz qw, those that there are."""
     hull = None if state.hull is None else state.hull.global_from_hull
     present = {
-        "T_s_ct": state.T_s_ct,
-        "T_ct_cb": state.T_ct_cb,
-        "T_s_d": state.T_s_d,
+        "T_s_ct": state.tray_from_top,
+        "T_ct_cb": state.top_from_bottom,
+        "T_s_d": state.tray_from_dvl,
         "T_g_M": hull,
     }
     return {name: pose_vector(pose).tolist() for name, pose in present.items() if pose is not None}

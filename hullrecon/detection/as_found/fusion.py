@@ -43,9 +43,9 @@ def fuse_shapes(
     for view, rows in iterate_views(views, features[off]) if nearby else ():
         if view not in nearby:
             continue
-        T_c_x = views.T_x_c[view].inverse()
+        camera_from_result = views.result_from_camera[view].inverse()
         shapes = detect_shapes(
-            T_c_x.apply(features[off[rows]]),
+            camera_from_result.apply(features[off[rows]]),
             deviation[off[rows]],
             options.min_offset_m,
             options.cluster_reach_m,
@@ -53,9 +53,9 @@ def fuse_shapes(
             options.alpha_radius_m,
         )
         seen = near[nearby[view]]
-        met = _intersections(shapes, T_c_x.apply(vertices[seen]))
+        met = _intersections(shapes, camera_from_result.apply(vertices[seen]))
         hit = np.isfinite(met).all(axis=1)
-        total[seen[hit]] += views.T_x_c[view].apply(met[hit])
+        total[seen[hit]] += views.result_from_camera[view].apply(met[hit])
         count[seen[hit]] += 1
     vertex = np.where(count[:, None] > 0, total / np.maximum(count, 1)[:, None], vertices)
     return FusedShapes(vertex=vertex, count=count)

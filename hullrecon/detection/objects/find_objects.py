@@ -295,14 +295,18 @@ def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scen
     middle) first.
     """
     top = _top_rows(found, region)
-    middle = views.T_x_c.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
+    middle = views.result_from_camera.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
     offset = np.hypot(middle[:, 0], middle[:, 1]) / np.maximum(middle[:, 2], 1e-6)
     near = np.linalg.norm(middle, axis=1) < views.farthest_m + 0.5
     share = np.zeros(len(views))
     for view in np.flatnonzero(near).tolist():
         rows = rows_in_image(views, view, found.mesh.vertices, top)
         clear, _, _ = visible_rows(
-            views.T_x_c.translation[view], rows, found.mesh.vertices, found.normal, scene
+            views.result_from_camera.translation[view],
+            rows,
+            found.mesh.vertices,
+            found.normal,
+            scene,
         )
         share[view] = len(clear) / len(top)
     seen = np.flatnonzero(share > 0.5)

@@ -54,7 +54,7 @@ def method_figures(
     if len(solution.landmarks) == 0:
         return figures
     landmarks = landmarks_in_hull(solution, global_from_hull)
-    if solution.mounts.tray_from_camera is not None:
+    if solution.mounts.tray_from_top is not None:
         figures["cameras"] = _score_cameras(solution, hull_poses, rig, truth)
     figures["landmarks"] = score_landmarks(
         PointCloud(points=landmarks, fields={"label": solution.landmarks.label}), truth, motion

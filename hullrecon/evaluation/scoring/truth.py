@@ -46,7 +46,7 @@ class TrueMounts(msgspec.Struct, frozen=True, kw_only=True):
     """truth/extrinsics.json: the tray's origin in the vehicle, camera and DVL in the tray."""
 
     tray_origin: Point
-    tray_from_camera: MotionEntry | None = msgspec.field(default=None, name="T_s_ct")
+    tray_from_top: MotionEntry | None = msgspec.field(default=None, name="T_s_ct")
     tray_from_dvl: MotionEntry | None = msgspec.field(default=None, name="T_s_d")
 
 
@@ -134,13 +134,13 @@ class Truth:
 
     def cameras_at(self, rows: Ints) -> Poses:
         """Return T_M_ct at frames by row. Raises InputError where truth/ states no camera."""
-        if self.mounts.tray_from_camera is None:
+        if self.mounts.tray_from_top is None:
             raise InputError("the truth states no mount of a camera", where="truth/extrinsics.json")
         angle = np.interp(self.t_s[rows], self.servo_t_s, self.servo_rad)
         return (
             self.poses[rows]
             @ tray_poses(self.mounts.tray_origin, angle)
-            @ self.mounts.tray_from_camera.pose()
+            @ self.mounts.tray_from_top.pose()
         )
 
     def structures(self) -> list[TrueStructure]:

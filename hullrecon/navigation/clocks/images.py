@@ -58,8 +58,8 @@ def imu_beside_images(
     """
     if not len(motions):
         return None
-    tray_from_camera = rig.tray_from(Camera.TOP).rotation
-    axis = tray_from_camera.inv().apply(TRAY_AXIS)
+    tray_from_top = rig.tray_from(Camera.TOP).rotation
+    axis = tray_from_top.inv().apply(TRAY_AXIS)
     seen = motions.second_from_first.rotation
     sigma = np.hypot(motions.sigma_rad[:, :1], TURN_SIGMA_RAD)
 
@@ -67,7 +67,7 @@ def imu_beside_images(
         return (
             attitude.rotation(t_ns)
             * tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation
-            * tray_from_camera
+            * tray_from_top
         )
 
     def residuals(shift_s: float) -> Array:

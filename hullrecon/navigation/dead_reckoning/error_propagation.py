@@ -149,11 +149,11 @@ def twist_by_pose_error(poses: Poses) -> Array:
 
     omega = R w, rho = t + p x omega.
     """
-    R = poses.rotation.as_matrix()
-    out = np.zeros((len(R), 6, 6))
+    rotation = poses.rotation.as_matrix()
+    out = np.zeros((len(rotation), 6, 6))
     out[:, :3, :3] = np.eye(3)
-    out[:, :3, 3:] = cross_matrix(poses.translation) @ R
-    out[:, 3:, 3:] = R
+    out[:, :3, 3:] = cross_matrix(poses.translation) @ rotation
+    out[:, 3:, 3:] = rotation
     return out
 
 
@@ -166,9 +166,9 @@ def pose_by_error(at: Instant) -> Array:
     A drift c turns the velocity at the time s by c s: the path moves by c z x (integral of s v ds),
     the lever arm by c t z x (-R r).
     """
-    R = at.rotation.as_matrix()
+    rotation = at.rotation.as_matrix()
     turned_lever = at.rotation.apply(at.lever)
-    lever_by_turn = R @ cross_matrix(at.lever)  # of -R r
+    lever_by_turn = rotation @ cross_matrix(at.lever)  # of -R r
     backlash = at.sums[:, :, BACKLASH][:, :, 0] - at.direction[:, None] * at.rotation.apply(
         at.lever_by_tray
     )
@@ -181,9 +181,9 @@ def pose_by_error(at: Instant) -> Array:
     out[:, :3, TRAY_BACKLASH] = backlash
     out[:, :3, ROLL_PITCH] = (at.sums[:, :, TILT] + lever_by_turn)[:, :, :2]
     out[:, :3, HEADING] = np.cross(UP_DOWN, at.poses().translation)
-    out[:, 3:, DRIFT] = R[:, 2] * at.t_s[:, None]
+    out[:, 3:, DRIFT] = rotation[:, 2] * at.t_s[:, None]
     out[:, 3:5, ROLL_PITCH] = np.eye(2)
-    out[:, 3:, HEADING] = R[:, 2]
+    out[:, 3:, HEADING] = rotation[:, 2]
     return out
 
 

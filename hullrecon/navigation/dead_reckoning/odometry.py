@@ -29,8 +29,8 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
     first, second = np.arange(n - 1), np.arange(1, n)
     poses = at.poses()
     step = poses[first].inverse() @ poses[second]
-    R_i_g = np.swapaxes(at.rotation.as_matrix()[:-1], 1, 2)
-    R_j_g = np.swapaxes(at.rotation.as_matrix()[1:], 1, 2)
+    first_from_global = np.swapaxes(at.rotation.as_matrix()[:-1], 1, 2)
+    second_from_global = np.swapaxes(at.rotation.as_matrix()[1:], 1, 2)
     moved = at.sums[1:] - at.sums[:-1]
     turned_lever = at.rotation.apply(at.lever)
     duration = np.diff(at.t_s)[:, None]
@@ -38,14 +38,14 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
         UP_DOWN, moved[:, :, 1] - at.t_s[:-1, None] * moved[:, :, 0] - duration * turned_lever[1:]
     )
     by_navigation = np.zeros((n - 1, 6, 2))
-    by_navigation[:, :3, 0] = _into(R_i_g, moved[:, :, 0])
-    by_navigation[:, :3, 1] = _into(R_i_g, turned_path)
-    by_navigation[:, 3:, 1] = R_j_g[:, :, 2] * duration
+    by_navigation[:, :3, 0] = _into(first_from_global, moved[:, :, 0])
+    by_navigation[:, :3, 1] = _into(first_from_global, turned_path)
+    by_navigation[:, 3:, 1] = second_from_global[:, :, 2] * duration
     by_mount = np.zeros((n - 1, 6, 3))
-    by_mount[:, :3] = R_i_g @ moved[:, :, MOUNT]
+    by_mount[:, :3] = first_from_global @ moved[:, :, MOUNT]
     by_tray = np.zeros((n - 1, 6))
     swing = np.diff(at.rotation.apply(at.lever_by_tray), axis=0)
-    by_tray[:, :3] = _into(R_i_g, moved[:, :, TRAY][:, :, 0] - swing)
+    by_tray[:, :3] = _into(first_from_global, moved[:, :, TRAY][:, :, 0] - swing)
     covariance = white_covariance(path, at, step)
     return Odometry(
         first=first,

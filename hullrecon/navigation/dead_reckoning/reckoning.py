@@ -109,15 +109,15 @@ def reckon(
     t_ns = velocities.t_ns
     start = int(t_ns[0]) if start_ns is None else start_ns
     t = seconds(t_ns, start)
-    R_g_v = attitude.rotation(t_ns).as_matrix()
-    R_v_s = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation.as_matrix()
-    R_v_d = R_v_s @ rig.tray_from_dvl.rotation.as_matrix()[0]
-    v_v = np.einsum("nij,nj->ni", R_v_d, velocities.velocity)
-    v_g = np.einsum("nij,nj->ni", R_g_v, v_v)
-    by_mount = -R_g_v @ R_v_d @ cross_matrix(velocities.velocity)
-    by_tray = np.einsum("nij,nj->ni", R_g_v, np.cross(TILT_AXIS, v_v))
+    global_from_vehicle = attitude.rotation(t_ns).as_matrix()
+    vehicle_from_tray = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation.as_matrix()
+    vehicle_from_dvl = vehicle_from_tray @ rig.tray_from_dvl.rotation.as_matrix()[0]
+    v_v = np.einsum("nij,nj->ni", vehicle_from_dvl, velocities.velocity)
+    v_g = np.einsum("nij,nj->ni", global_from_vehicle, v_v)
+    by_mount = -global_from_vehicle @ vehicle_from_dvl @ cross_matrix(velocities.velocity)
+    by_tray = np.einsum("nij,nj->ni", global_from_vehicle, np.cross(TILT_AXIS, v_v))
     by_backlash = by_tray * servo.direction_at(t_ns)[:, None]
-    by_tilt = -R_g_v @ cross_matrix(v_v)
+    by_tilt = -global_from_vehicle @ cross_matrix(v_v)
     columns = [
         v_g[..., None],
         (v_g * t[:, None])[..., None],

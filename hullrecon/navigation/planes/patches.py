@@ -112,7 +112,7 @@ def _seen_from(
     sensors = SensorRig(
         tray_origin=rig.tray_origin,
         pressure_origin=rig.pressure_origin,
-        tray_from_dvl=rig.T_s_d.nominal,
+        tray_from_dvl=rig.tray_from_dvl.nominal,
     )
     rows = np.concatenate(windows)
     beams = sensors.dvl_points(

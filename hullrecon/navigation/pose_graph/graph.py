@@ -128,7 +128,11 @@ class PoseGraph:
         """Return the problem, started from dead reckoning. path: T_g_v as it is known by now."""
         rig, t, start = self.rig, self.trajectory, self.trajectory.track().path
         switches = len(links) if kernel == native.LinkKernel.SWITCH else 0
-        mounts = {"T_s_d": rig.T_s_d, "T_s_ct": rig.T_s_ct, "T_ct_cb": rig.T_ct_cb}
+        mounts = {
+            "T_s_d": rig.tray_from_dvl,
+            "T_s_ct": rig.tray_from_top,
+            "T_ct_cb": rig.top_from_bottom,
+        }
         nominal = {name: None if mount is None else mount.nominal for name, mount in mounts.items()}
         priors = {name: mount_prior_table(mount, nominal[name]) for name, mount in mounts.items()}
         linked = {"T_s_ct": len(links) > 0, "T_ct_cb": bool(links.bottom.any()), "T_s_d": True}
@@ -153,7 +157,7 @@ class PoseGraph:
             ),
             velocities=velocity_table(self.odometry, t.t_ns),
             odometry=odometry_table(
-                _unlinked_motions(self.odometry, links), t.tray, rig.T_s_d.nominal, path
+                _unlinked_motions(self.odometry, links), t.tray, rig.tray_from_dvl.nominal, path
             ),
             links=link_table(links, len(t.t_ns), kernel),
         )

@@ -30,7 +30,7 @@ def path_along_links(
     """
     reckoned = trajectory.poses()
     bearings = np.flatnonzero(~links.scaled)
-    if rig.T_s_ct is None or not len(bearings):
+    if rig.tray_from_top is None or not len(bearings):
         return reckoned
     ends = [
         (links.first[bearings], links.bottom[bearings, 0]),
@@ -71,8 +71,8 @@ def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
 
 def _vehicle_from_camera(trajectory: Trajectory, rig: Rig, node: Ints, is_bottom: Mask) -> Poses:
     """Return T_v_c (m) of the leading cameras at nodes (m,), the bottom one where is_bottom (m,)."""
-    assert rig.T_s_ct is not None
-    mount = np.repeat(rig.T_s_ct.nominal.matrix(), len(node), axis=0)
-    if rig.T_ct_cb is not None:
-        mount[is_bottom] = (rig.T_s_ct.nominal @ rig.T_ct_cb.nominal).matrix()[0]
+    assert rig.tray_from_top is not None
+    mount = np.repeat(rig.tray_from_top.nominal.matrix(), len(node), axis=0)
+    if rig.top_from_bottom is not None:
+        mount[is_bottom] = (rig.tray_from_top.nominal @ rig.top_from_bottom.nominal).matrix()[0]
     return tray_poses(rig.tray_origin, trajectory.tray[node]) @ from_matrix(mount)

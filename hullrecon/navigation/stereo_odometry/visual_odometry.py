@@ -166,18 +166,25 @@ def _stack_effects(steps: Sequence[StereoMotion]) -> Array:
     return np.stack([s.calibration.by_error if s.inliers else np.zeros((6, count)) for s in steps])
 
 
-def in_vehicle(chain: StereoChain, T_v_ct: Poses) -> tuple[Poses, Array, Array]:
+def in_vehicle(chain: StereoChain, vehicle_from_top: Poses) -> tuple[Poses, Array, Array]:
     """Return the steps T_i_j of the vehicle (n - 1), the covariance of their white part and their
     derivatives by the errors of the calibration, from those of the camera; T_v_ct (n) at each pair.
     """
-    before, after = T_v_ct[np.arange(len(chain.step))], T_v_ct[np.arange(1, len(chain.step) + 1)]
+    before, after = (
+        vehicle_from_top[np.arange(len(chain.step))],
+        vehicle_from_top[np.arange(1, len(chain.step) + 1)],
+    )
     step = before @ chain.step @ after.inverse()
-    J = np.zeros((len(step), 6, 6))
+    jacobian = np.zeros((len(step), 6, 6))
     lever = after.inverse().translation
-    J[:, :3, :3] = before.rotation.as_matrix()
-    J[:, :3, 3:] = -(before.rotation * chain.step.rotation).as_matrix() @ cross_matrix(lever)
-    J[:, 3:, 3:] = after.rotation.as_matrix()
-    return step, J @ chain.covariance @ np.swapaxes(J, 1, 2), J @ chain.by_calibration
+    jacobian[:, :3, :3] = before.rotation.as_matrix()
+    jacobian[:, :3, 3:] = -(before.rotation * chain.step.rotation).as_matrix() @ cross_matrix(lever)
+    jacobian[:, 3:, 3:] = after.rotation.as_matrix()
+    return (
+        step,
+        jacobian @ chain.covariance @ np.swapaxes(jacobian, 1, 2),
+        jacobian @ chain.by_calibration,
+    )
 
 
 def compose(start: Poses, step: Poses) -> Poses:
@@ -200,11 +207,11 @@ def chain_errors(
     Written as twists about the origin of g the steps' errors simply add: omega = R_j w, rho = R_i t
     + p_j x omega.
     """
-    R, p = path.rotation.as_matrix(), path.translation
-    to_twist = np.zeros((len(R) - 1, 6, 6))
-    to_twist[:, 3:, 3:] = R[1:]
-    to_twist[:, :3, :3] = R[:-1]
-    to_twist[:, :3, 3:] = cross_matrix(p[1:]) @ R[1:]
+    rotation, p = path.rotation.as_matrix(), path.translation
+    to_twist = np.zeros((len(rotation) - 1, 6, 6))
+    to_twist[:, 3:, 3:] = rotation[1:]
+    to_twist[:, :3, :3] = rotation[:-1]
+    to_twist[:, :3, 3:] = cross_matrix(p[1:]) @ rotation[1:]
     steps = to_twist @ covariance @ np.swapaxes(to_twist, 1, 2)
     at_node = twist_by_pose_error(path)
     # The derivative is that of the measured motion: what the calibration adds is taken off.

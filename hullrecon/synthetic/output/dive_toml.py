@@ -50,7 +50,7 @@ def initial_guess(dive: Dive) -> Poses:
     turn = np.radians(spec.guess.turn_deg) * np.array([0.3, 0.2, sign[3]])
     slip = Poses(Rotation.from_rotvec(turn).as_quat()[None], np.zeros((1, 3)))
     about = Poses(slip.quaternion, middle + shift - slip.apply(middle[None]))
-    return dive.motion.T_g_M @ about
+    return dive.motion.global_from_hull @ about
 
 
 def dive_toml(dive: Dive) -> str:

@@ -38,7 +38,7 @@ def write_truth(folder: Path, dive: Dive) -> None:
     write_table(
         folder / "sonar_servo.csv", ["rad"], often, motion.angle(motion.sonar_tray, often)[:, None]
     )
-    _json(folder / "alignment.json", {"T_g_M": _place(motion.T_g_M)})
+    _json(folder / "alignment.json", {"T_g_M": _place(motion.global_from_hull)})
     _json(folder / "extrinsics.json", _extrinsics(dive))
     _json(folder / "objects.json", _objects(dive))
     write_ply(folder / "as_built.ply", dive.hull.window(dive.seen_along, dive.seen_girth))
@@ -83,10 +83,10 @@ end_header
 def _extrinsics(dive: Dive) -> dict[str, Any]:
     rig = dive.rig
     mounts = {
-        "T_s_d": rig.T_s_d,
-        "T_s_ct": rig.T_s_ct,
-        "T_ct_cb": rig.T_ct_cb,
-        "T_sonarservo_o": rig.T_u_o,
+        "T_s_d": rig.tray_from_dvl,
+        "T_s_ct": rig.tray_from_top,
+        "T_ct_cb": rig.top_from_bottom,
+        "T_sonarservo_o": rig.servo_from_sonar,
     }
     if dive.spec.cameras.carried == "none":
         mounts = {name: mounts[name] for name in ("T_s_d", "T_sonarservo_o")}
@@ -131,7 +131,7 @@ def _views(dive: Dive, point: Array) -> int:
     if dive.spec.cameras.carried == "none":
         return 0
     camera = dive.rig.camera_top
-    at = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, dive.rig.T_s_ct, TRAY_ORIGIN))
+    at = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, dive.rig.tray_from_top, TRAY_ORIGIN))
     inside = at.inverse().apply(np.tile(point, (len(at), 1)))
     pixel = camera.project(inside)
     with np.errstate(invalid="ignore"):

@@ -64,9 +64,9 @@ def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: BuiltHull) -> Dvl:
     """
     random = spec.random("dvl")
     t = ticks(motion, 5.0, random)
-    at = motion.on_tray(t, rig.T_s_d, TRAY_ORIGIN)
+    at = motion.on_tray(t, rig.tray_from_dvl, TRAY_ORIGIN)
     ahead, behind = (
-        motion.on_tray(t + dt, rig.T_s_d, TRAY_ORIGIN).translation for dt in (0.04, -0.04)
+        motion.on_tray(t + dt, rig.tray_from_dvl, TRAY_ORIGIN).translation for dt in (0.04, -0.04)
     )
     true = at.rotation.inv().apply((ahead - behind) / 0.08)
     velocity = true * (1 + spec.errors.dvl_scale_error) + VELOCITY_SIGMA * random.standard_normal(
@@ -143,10 +143,12 @@ def joints(spec: DiveSpec, motion: Motion) -> Series:
     )
 
 
-def _ranges(random: np.random.Generator, T_M_d: Poses, hull: BuiltHull) -> Array:
-    n, b = len(T_M_d), len(BEAMS)
-    direction = np.stack([T_M_d.rotation.apply(np.tile(beam, (n, 1))) for beam in BEAMS], axis=1)
-    ranges = hull.ranges(T_M_d.translation, direction)
+def _ranges(random: np.random.Generator, hull_from_dvl: Poses, hull: BuiltHull) -> Array:
+    n, b = len(hull_from_dvl), len(BEAMS)
+    direction = np.stack(
+        [hull_from_dvl.rotation.apply(np.tile(beam, (n, 1))) for beam in BEAMS], axis=1
+    )
+    ranges = hull.ranges(hull_from_dvl.translation, direction)
     ranges += RANGE_SIGMA * random.standard_normal((n, b))
     wild, lost = random.random((n, b)) < WILD_SHARE, random.random((n, b)) < LOST_SHARE
     ranges = np.where(wild, ranges * random.uniform(0.3, 2.5, (n, b)), ranges)

@@ -26,13 +26,20 @@ def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
     paint, absorption = _paint(dive), 2.0 / dive.spec.visibility_m
     top = lens(rig.camera_top)
     bottom = lens(rig.camera_bottom) if rig.camera_bottom is not None else None
-    T_M_ct = motion.in_hull(motion.on_tray(dive.frame_s, rig.T_s_ct, TRAY_ORIGIN))
-    T_M_cb = motion.in_hull(motion.on_tray(dive.frame_s, rig.T_s_ct @ rig.T_ct_cb, TRAY_ORIGIN))
+    hull_from_top = motion.in_hull(motion.on_tray(dive.frame_s, rig.tray_from_top, TRAY_ORIGIN))
+    hull_from_bottom = motion.in_hull(
+        motion.on_tray(dive.frame_s, rig.tray_from_top @ rig.top_from_bottom, TRAY_ORIGIN)
+    )
     for k in range(len(dive.frame_s)):
-        scene = Scene(dive.hull.near(T_M_ct.translation[k, 0]), paint, absorption)
-        lamp = T_M_ct[k].apply(LAMP_IN_TOP[None])[0]
-        first = photograph(scene, top, T_M_ct[k], lamp, random)
-        yield first, None if bottom is None else photograph(scene, bottom, T_M_cb[k], lamp, random)
+        scene = Scene(dive.hull.near(hull_from_top.translation[k, 0]), paint, absorption)
+        lamp = hull_from_top[k].apply(LAMP_IN_TOP[None])[0]
+        first = photograph(scene, top, hull_from_top[k], lamp, random)
+        yield (
+            first,
+            None
+            if bottom is None
+            else photograph(scene, bottom, hull_from_bottom[k], lamp, random),
+        )
 
 
 def _paint(dive: Dive) -> Albedo:

@@ -47,12 +47,12 @@ def lens(camera: CameraModel) -> Lens:
 
 
 def photograph(
-    scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.random.Generator
+    scene: Scene, view: Lens, hull_from_camera: Poses, lamp: Array, random: np.random.Generator
 ) -> NDArray[np.uint8]:
     """Return one image (h, w, 3) RGB from a pose (a batch of one) with the lamp at that point of M."""
     shape = view.vignetting.shape
-    direction = view.ray @ T_M_c.rotation.as_matrix()[0].T.astype(np.float32)
-    hits = scene.block.rays.cast(T_M_c.translation, direction)
+    direction = view.ray @ hull_from_camera.rotation.as_matrix()[0].T.astype(np.float32)
+    hits = scene.block.rays.cast(hull_from_camera.translation, direction)
     range_m = np.where(hits.hit, hits.range_m, np.float32(8.0))
     corner = scene.block.built.mesh.faces[hits.face]
     chart = np.einsum("nk,nkd->nd", hits.weight, scene.block.built.chart[corner])
@@ -64,7 +64,9 @@ def photograph(
     )
     albedo = scene.atlas.look_up(along_m, girth_m, seen).reshape(-1, 3)
     point = direction * range_m[:, None]
-    light, lamp_way = _lamp(scene, hits.hit, point, normal, chart, T_M_c.translation[0], lamp)
+    light, lamp_way = _lamp(
+        scene, hits.hit, point, normal, chart, hull_from_camera.translation[0], lamp
+    )
     water = np.exp(-scene.absorption * ABSORPTION * (range_m + lamp_way)[:, None])
     veil = VEIL * (1 - np.exp(-scene.absorption * ABSORPTION * 1.3 * range_m[:, None]))
     radiance = albedo * light[:, None] * water * hits.hit[:, None] + veil

@@ -45,10 +45,10 @@ def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
     """
     random = dive.spec.random("sonar")
     t_s = ticks(dive.motion, RATE_HZ, random, 0.3)
-    at = dive.motion.on_tray(t_s, dive.rig.T_u_o, SONAR_ORIGIN, dive.motion.sonar_tray)
-    T_M_o, rays = dive.motion.in_hull(at), fan()
+    at = dive.motion.on_tray(t_s, dive.rig.servo_from_sonar, SONAR_ORIGIN, dive.motion.sonar_tray)
+    hull_from_sonar, rays = dive.motion.in_hull(at), fan()
     return t_s, (
-        ping(T_M_o[k], dive.hull.near(T_M_o.translation[k, 0]), rays, random)
+        ping(hull_from_sonar[k], dive.hull.near(hull_from_sonar.translation[k, 0]), rays, random)
         for k in range(len(t_s))
     )
 
@@ -73,12 +73,14 @@ def fan() -> Fan:
     return Fan(direction, b.ravel().astype(np.int64), np.exp(-1.2 * (e / half) ** 2))
 
 
-def ping(T_M_o: Poses, block: Block, rays: Fan, random: np.random.Generator) -> NDArray[np.uint8]:
+def ping(
+    hull_from_sonar: Poses, block: Block, rays: Fan, random: np.random.Generator
+) -> NDArray[np.uint8]:
     """Return one image (beams, ranges): Lambert's echo of every ray that hits, summed by range bin,
     with speckle and a noise floor.
     """
-    direction = T_M_o.rotation.apply(rays.direction)
-    hits = block.rays.cast(T_M_o.translation, direction)
+    direction = hull_from_sonar.rotation.apply(rays.direction)
+    hits = block.rays.cast(hull_from_sonar.translation, direction)
     corner = block.built.mesh.faces[hits.face]
     normal = np.einsum("nk,nkd->nd", hits.weight, block.built.normal[corner])
     facing = np.clip(-np.einsum("nd,nd->n", normal, direction), 0, 1)

@@ -29,7 +29,7 @@ class Motion:
     encoder: Array
     tray: Array
     sonar_tray: Array
-    T_g_M: Poses
+    global_from_hull: Poses
 
     def vehicle(self, t_s: Array) -> Poses:
         """Return T_g_v at times (n,)."""
@@ -65,7 +65,7 @@ class Motion:
 
     def in_hull(self, frames: Poses) -> Poses:
         """Return T_M_x of frames given in g."""
-        return self.T_g_M.inverse() @ frames
+        return self.global_from_hull.inverse() @ frames
 
     def _spline(self, values: Array) -> Callable[..., Array]:
         from scipy.interpolate import CubicSpline

@@ -32,10 +32,10 @@ BEAMS = np.array(
 class Rig:
     """Hold the true mounts (batches of one) and cameras; camera_bottom is None on a mono rig."""
 
-    T_s_d: Poses
-    T_s_ct: Poses
-    T_ct_cb: Poses
-    T_u_o: Poses  # u: the frame of the sonar's servo
+    tray_from_dvl: Poses
+    tray_from_top: Poses
+    top_from_bottom: Poses
+    servo_from_sonar: Poses  # u: the frame of the sonar's servo
     camera_top: CameraModel
     camera_bottom: CameraModel | None
 
@@ -61,10 +61,10 @@ def true_rig(spec: DiveSpec) -> Rig:
         0.0005,
     )
     return Rig(
-        T_s_d=from_mount(DVL_MOUNT) @ _slip(random, 0.002, 0.2),
-        T_s_ct=from_mount(CAMERA_MOUNT) @ _slip(random, 0.003, 0.25),
-        T_ct_cb=from_mount(BOTTOM_IN_TOP),
-        T_u_o=from_mount(SONAR_MOUNT),
+        tray_from_dvl=from_mount(DVL_MOUNT) @ _slip(random, 0.002, 0.2),
+        tray_from_top=from_mount(CAMERA_MOUNT) @ _slip(random, 0.003, 0.25),
+        top_from_bottom=from_mount(BOTTOM_IN_TOP),
+        servo_from_sonar=from_mount(SONAR_MOUNT),
         camera_top=top,
         camera_bottom=bottom if spec.cameras.carried == "stereo" else None,
     )

@@ -53,20 +53,20 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     sensor = out + spec.survey.standoff_m * facing + wobble[:, :3]
     position = sensor - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
     smooth = gaussian_filter1d(position, 0.5 / STEP_S, axis=0, mode="nearest")
-    T_g_level = _start_of(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)
+    global_from_level = _start_of(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)
     encoder = elevation + wobble[:, 6]
     attitude[:, 2] -= attitude[0, 2]
-    hull = T_g_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
+    hull = global_from_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
     tray = with_backlash(encoder, np.radians(spec.errors.backlash_deg))
     sonar = encoder - SONAR_BELOW[0] + SONAR_BELOW[1] * elevation
     return Motion(
         t_s=t,
-        position=T_g_level.apply(smooth),
+        position=global_from_level.apply(smooth),
         roll_pitch_yaw=attitude,
         encoder=encoder,
         tray=tray,
         sonar_tray=sonar,
-        T_g_M=hull,
+        global_from_hull=hull,
     )
 
 

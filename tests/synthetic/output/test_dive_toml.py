@@ -36,7 +36,7 @@ def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_surve
 ) -> None:
     config = decode(dive_toml(dive))
     assert config.hull is not None
-    slip = dive.motion.T_g_M.inverse() @ from_mount(config.hull.pose)
+    slip = dive.motion.global_from_hull.inverse() @ from_mount(config.hull.pose)
     middle = dive.hull.near(0.0).patch.point.reshape(-1, 3).mean(0)
     off = slip.apply(middle[None])[0] - middle
     assert abs(off[0]) == pytest.approx(dive.spec.guess.along_m, abs=1e-4)
@@ -47,7 +47,9 @@ def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_surve
 def test_a_perfect_guess_is_the_truth(dive: Dive) -> None:
     spec = with_options(dive.spec, guess_along_m=0.0, guess_across_m=0.0, guess_turn_deg=0.0)
     np.testing.assert_allclose(
-        initial_guess(replace(dive, spec=spec)).matrix(), dive.motion.T_g_M.matrix(), atol=1e-9
+        initial_guess(replace(dive, spec=spec)).matrix(),
+        dive.motion.global_from_hull.matrix(),
+        atol=1e-9,
     )
 
 

@@ -52,7 +52,8 @@ def test_poses_are_those_of_the_vehicle_in_the_hull_at_every_frame(
 
 def test_the_alignment_takes_the_hull_into_g(package: Path, dive: Dive) -> None:
     np.testing.assert_allclose(
-        place(load(package, "alignment.json")["T_g_M"]).matrix(), dive.motion.T_g_M.matrix()
+        place(load(package, "alignment.json")["T_g_M"]).matrix(),
+        dive.motion.global_from_hull.matrix(),
     )
 
 

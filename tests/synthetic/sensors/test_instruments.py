@@ -29,7 +29,7 @@ def hovering() -> Motion:
         encoder=zero,
         tray=zero,
         sonar_tray=zero,
-        T_g_M=identity(),
+        global_from_hull=identity(),
     )
 
 
@@ -41,7 +41,7 @@ def test_beams_are_unit_vectors_thirty_degrees_off_the_axis() -> None:
 def test_velocity_is_that_of_the_instrument_in_its_own_frame(dive: Dive) -> None:
     dvl = instruments.dvl(dive.spec, dive.motion, dive.rig, dive.hull)
     step = 0.02
-    place = lambda t: dive.motion.on_tray(t, dive.rig.T_s_d, TRAY_ORIGIN)  # noqa: E731
+    place = lambda t: dive.motion.on_tray(t, dive.rig.tray_from_dvl, TRAY_ORIGIN)  # noqa: E731
     moved = (place(dvl.t_s + step).translation - place(dvl.t_s - step).translation) / (2 * step)
     true = place(dvl.t_s).rotation.inv().apply(moved)
     error = dvl.velocity - (1 + dive.spec.errors.dvl_scale_error) * true
@@ -51,14 +51,16 @@ def test_velocity_is_that_of_the_instrument_in_its_own_frame(dive: Dive) -> None
 
 def test_ranges_end_on_the_hull_as_built(dive: Dive) -> None:
     dvl = instruments.dvl(dive.spec, dive.motion, dive.rig, dive.hull)
-    at = dive.motion.in_hull(dive.motion.on_tray(dvl.t_s, dive.rig.T_s_d, TRAY_ORIGIN))
+    at = dive.motion.in_hull(dive.motion.on_tray(dvl.t_s, dive.rig.tray_from_dvl, TRAY_ORIGIN))
     hits = dive.hull.near(0.0).rays.cast(at.translation, at.rotation.apply(BEAMS[2]))
     error = dvl.ranges[:, 2] - hits.range_m
     assert np.nanmedian(np.abs(error)) < 1.5 * instruments.RANGE_SIGMA
 
 
 def test_some_beams_are_lost_and_some_are_wild(dive: Dive) -> None:
-    at = dive.motion.in_hull(dive.motion.on_tray(np.full(4000, 5.0), dive.rig.T_s_d, TRAY_ORIGIN))
+    at = dive.motion.in_hull(
+        dive.motion.on_tray(np.full(4000, 5.0), dive.rig.tray_from_dvl, TRAY_ORIGIN)
+    )
     ranges = instruments._ranges(np.random.default_rng(1), at, dive.hull)
     assert np.isnan(ranges).mean() == pytest.approx(instruments.LOST_SHARE, rel=0.2)
     wild = np.abs(ranges - np.nanmedian(ranges, axis=0)) > 0.1

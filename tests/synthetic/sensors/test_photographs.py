@@ -76,7 +76,9 @@ def contrast_amidships(dive: Dive) -> float:
     """Return the contrast of what is millimetres large, in the image nearest to the middle of the
     legs.
     """
-    camera = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, dive.rig.T_s_ct, TRAY_ORIGIN))
+    camera = dive.motion.in_hull(
+        dive.motion.on_tray(dive.frame_s, dive.rig.tray_from_top, TRAY_ORIGIN)
+    )
     k = int(np.argmin(np.abs(camera.translation[:, 0] - np.mean(dive.seen_along))))
     image = next(photographs(replace(dive, frame_s=dive.frame_s[k : k + 1])))[0]
     return float(

@@ -22,7 +22,7 @@ def turning() -> Motion:
         encoder=zero + 0.1,
         tray=zero + 0.1,
         sonar_tray=zero - 0.6,
-        T_g_M=identity(),
+        global_from_hull=identity(),
     )
 
 

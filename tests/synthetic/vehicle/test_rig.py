@@ -12,8 +12,8 @@ from hullrecon.synthetic.vehicle.rig import BOTTOM_IN_TOP, CAMERA_MOUNT, DVL_MOU
 
 def test_the_rig_is_off_nominal_by_little_and_by_its_seed_alone() -> None:
     a, b = true_rig(spec_from(seed=1)), true_rig(spec_from(seed=1, legs=9))
-    np.testing.assert_array_equal(a.T_s_ct.matrix(), b.T_s_ct.matrix())
-    assert (true_rig(spec_from(seed=2)).T_s_ct.matrix() != a.T_s_ct.matrix()).any()
+    np.testing.assert_array_equal(a.tray_from_top.matrix(), b.tray_from_top.matrix())
+    assert (true_rig(spec_from(seed=2)).tray_from_top.matrix() != a.tray_from_top.matrix()).any()
 
 
 def test_the_camera_looks_through_pixels_as_wide_as_asked() -> None:
@@ -26,7 +26,7 @@ def test_the_camera_looks_through_pixels_as_wide_as_asked() -> None:
 @pytest.mark.parametrize("seed", range(5))
 def test_true_mounts_are_within_millimetres_and_a_degree_of_the_nominal_ones(seed: int) -> None:
     rig = true_rig(spec_from(seed=seed))
-    for nominal, true in ((DVL_MOUNT, rig.T_s_d), (CAMERA_MOUNT, rig.T_s_ct)):
+    for nominal, true in ((DVL_MOUNT, rig.tray_from_dvl), (CAMERA_MOUNT, rig.tray_from_top)):
         off = (from_mount(nominal).inverse() @ true).log()[0]
         assert 0 < np.linalg.norm(off[:3]) < 0.015
         assert 0 < np.degrees(np.linalg.norm(off[3:])) < 1.3
@@ -34,5 +34,5 @@ def test_true_mounts_are_within_millimetres_and_a_degree_of_the_nominal_ones(see
 
 def test_the_stereo_pair_is_as_calibrated() -> None:
     np.testing.assert_array_equal(
-        true_rig(spec_from()).T_ct_cb.matrix(), from_mount(BOTTOM_IN_TOP).matrix()
+        true_rig(spec_from()).top_from_bottom.matrix(), from_mount(BOTTOM_IN_TOP).matrix()
     )

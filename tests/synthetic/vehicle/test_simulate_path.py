@@ -45,7 +45,7 @@ def test_g_starts_under_the_first_pose_with_its_heading_and_the_water_surface(di
     first = dive.motion.vehicle(np.array([0.0]))
     np.testing.assert_allclose(first.translation[0, :2], 0, atol=0.02)
     assert abs(roll_pitch_yaw(first.rotation)[0, 2]) < 0.01
-    surface = dive.motion.T_g_M.apply(np.array([[30.0, 0.0, dive.spec.ship.draught_m]]))
+    surface = dive.motion.global_from_hull.apply(np.array([[30.0, 0.0, dive.spec.ship.draught_m]]))
     assert abs(surface[0, 2]) < 0.4  # the ship has a little trim
 
 
