@@ -35,12 +35,13 @@ from hullrecon.dive.logs.samples import (
     Sample,
 )
 from hullrecon.dive.logs.time_window import Instant, TimeWindow, time_window
-from hullrecon.dive.logs.timeline import NS, format_time, put_in_order
+from hullrecon.dive.logs.timeline import put_in_order
 from hullrecon.dive.logs.unused_topics import describe_unused, unread_dvls
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.clock import NS, format_time
 from hullrecon.records.sensors import (
     DvlPings,
     ImageIndex,

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hullrecon.navigation.dead_reckoning.integral import integral
-from hullrecon.navigation.dead_reckoning.nodes import choose_nodes, nearest, pair_frames
+from hullrecon.navigation.dead_reckoning.nodes import choose_nodes, pair_frames
 from hullrecon.navigation.dead_reckoning.returns import flag_ranges
-from hullrecon.navigation.sensors.clock import gaps, in_order
+from hullrecon.navigation.sensors.clock import in_order
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
 from hullrecon.records.sensors import DvlPings, JointSamples, PressureSamples
@@ -134,11 +134,6 @@ def test_the_beams_of_a_dvl_are_not_pings() -> None:
     assert np.array_equal(record.beams, shuffled.beams)
 
 
-def test_gaps_are_intervals_longer_than_allowed() -> None:
-    assert gaps(stamps(0, 0.2, 1.5, 1.7), 0.6).tolist() == [stamps(0.2, 1.5).tolist()]
-    assert gaps(stamps(0, 0.2), 0.6).shape == (0, 2)
-
-
 # servo
 
 
@@ -199,14 +194,6 @@ def test_without_cameras_nodes_are_thinned_pings() -> None:
     nodes = choose_nodes(NONE, NONE, stamps(*np.arange(0, 10, 0.2)), (0, 99 * SECOND), 0.4)
     assert 24 <= len(nodes.t_ns) <= 29
     assert (nodes.image == -1).all()
-
-
-@QUICK
-@given(st.lists(st.integers(0, 1000), min_size=1, max_size=20, unique=True), st.integers(-50, 1050))
-def test_nearest_is_the_nearest(values: list[int], wanted: int) -> None:
-    table = np.sort(np.array(values, np.int64))
-    found = nearest(table, np.array([wanted], np.int64))[0]
-    assert abs(table[found] - wanted) == np.abs(table - wanted).min()
 
 
 # returns

@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
-from hullrecon.dive.logs.timeline import NS
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
+from hullrecon.records.clock import NS, nearest
 from hullrecon.records.sensors import (
     DvlPings,
     ImageIndex,
@@ -242,7 +242,7 @@ def _global_from_dvl(
     config: DiveConfig, dvl: DvlPings, imu: ImuSamples, tray: JointSamples | None
 ) -> Rotation:
     """Return R_g_d of each ping by the nearest attitude and the tray's angle."""
-    nearest = _nearest(imu.t_ns, dvl.t_ns)
+    row = nearest(imu.t_ns, dvl.t_ns)
     angle = (
         np.interp(dvl.t_ns, tray.t_ns, tray.angle)
         if tray is not None and len(tray.t_ns)
@@ -250,18 +250,7 @@ def _global_from_dvl(
     )
     vehicle_from_tray = Rotation.from_euler("y", angle[:, None])
     return (
-        Rotation.from_quat(imu.quaternion[nearest])
+        Rotation.from_quat(imu.quaternion[row])
         * vehicle_from_tray
         * from_mount(numbers_of(config.dvl.mount)).rotation
     )
-
-
-def _nearest(t_ns: Ints, wanted_ns: Ints) -> Ints:
-    """Return for each wanted time the row of the nearest stamp."""
-    right = (
-        np.clip(np.searchsorted(t_ns, wanted_ns), 1, max(1, len(t_ns) - 1))
-        if len(t_ns) > 1
-        else np.zeros(len(wanted_ns), int)
-    )
-    left = np.maximum(right - 1, 0)
-    return np.where(np.abs(t_ns[left] - wanted_ns) <= np.abs(t_ns[right] - wanted_ns), left, right)

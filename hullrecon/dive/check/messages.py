@@ -10,8 +10,9 @@ from typing import Protocol
 import numpy as np
 
 from hullrecon.dive.logs.readers.protocol import Loss
-from hullrecon.dive.logs.timeline import NS, describe_ends, describe_gaps, format_time, rate_hz
+from hullrecon.dive.logs.timeline import describe_ends, describe_gaps
 from hullrecon.geometry.frames import Camera
+from hullrecon.records.clock import NS, format_time, rate_hz
 from hullrecon.records.sensors import (
     DvlPings,
     ImageIndex,

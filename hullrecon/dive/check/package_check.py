@@ -37,11 +37,11 @@ from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
 from hullrecon.dive.logs.summary import WITHOUT_CAMERAS, missing, needs
-from hullrecon.dive.logs.timeline import rate_hz
 from hullrecon.dive.package_files import earlier_dive_of, logo_of
 from hullrecon.dive.problems import Problems
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.clock import rate_hz
 from hullrecon.records.sensors import DvlPings, ImageIndex
 
 VEHICLE_SECTIONS = (

@@ -21,7 +21,7 @@ from hullrecon.dive.config.log_proposals import (
 from hullrecon.dive.hull.load import FORMATS
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.summary import LogSummary, guess_topics
-from hullrecon.dive.logs.timeline import format_time
+from hullrecon.records.clock import format_time
 
 HEAD = """\
 # What was dived, with which sensors, and how they are mounted. Written by `hullrecon init`; read through it once:

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from hullrecon.dive.logs.samples import PositionSample
-from hullrecon.dive.logs.timeline import NS
 from hullrecon.geometry.geodesy import north_east
+from hullrecon.records.clock import seconds_to_nearest
 from hullrecon.records.sensors import PositionFixes, PressureSamples
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Mask
 
 # of a satellite's signal; centimetres of sea water end it, the rest is for waves and the sensor
 DEEPEST_RECEPTION_M = 1.0
@@ -82,18 +82,8 @@ def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | 
     if pressure is None or not len(pressure.t_ns) or not len(samples):
         return np.zeros(len(samples), bool)
     depth = np.interp(t_ns, pressure.t_ns, pressure.depth)
-    known = _seconds_to_nearest(t_ns, pressure.t_ns) <= NEAR_DEPTH_S
+    known = seconds_to_nearest(pressure.t_ns, t_ns) <= NEAR_DEPTH_S
     return np.asarray(by_satellite & known & (depth > DEEPEST_RECEPTION_M))
-
-
-def _seconds_to_nearest(t_ns: Ints, stamps: Ints) -> Array:
-    right = (
-        np.searchsorted(stamps, t_ns).clip(1, max(1, len(stamps) - 1))
-        if len(stamps) > 1
-        else np.zeros(len(t_ns), int)
-    )
-    left = np.maximum(right - 1, 0)
-    return np.asarray(np.minimum(np.abs(stamps[left] - t_ns), np.abs(stamps[right] - t_ns)) / NS)
 
 
 def _in_metres(place: Array, geographic: bool, frame: str) -> Array:

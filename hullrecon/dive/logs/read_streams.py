@@ -17,9 +17,10 @@ from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import ImageSample, JointSample, Sample, SonarSample
 from hullrecon.dive.logs.time_window import TimeWindow
-from hullrecon.dive.logs.timeline import GAP_S, NS, format_time
+from hullrecon.dive.logs.timeline import GAP_S
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
+from hullrecon.records.clock import NS, format_time
 
 # the sample, when it was logged, ns, and the number of its log
 TakeImage = Callable[[ImageSample, int, int], None]

@@ -18,9 +18,9 @@ from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import DepthSample, ImuSample
 from hullrecon.dive.logs.streams import LEAST_ATTITUDES, UNFILLED
-from hullrecon.dive.logs.timeline import NS, format_time
 from hullrecon.dive.logs.unused_topics import describe_unused, unread_dvls
 from hullrecon.geometry.frames import Camera
+from hullrecon.records.clock import NS, format_time
 
 NAMED = {
     "dvl": ("dvl",),

@@ -11,8 +11,8 @@ from datetime import UTC, datetime, timedelta
 
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.logs.readers.protocol import Log, Message
-from hullrecon.dive.logs.timeline import NS, format_time
 from hullrecon.errors import InputError
+from hullrecon.records.clock import NS, format_time
 
 Instant = datetime | float | None  # an hour of a day, or s from the log's start; None: no limit
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)

@@ -6,15 +6,14 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from datetime import UTC, datetime
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hullrecon.errors import InputError
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.records.clock import NS, format_time
+from hullrecon.typing import Ints, Mask
 
-NS = 1_000_000_000
 # a clock that moves that much against the logger's has jumped; logging delays stay below
 JUMP_S = 1.0
 GAP_PERIODS = 5.0  # and at least GAP_S: a silence that is named
@@ -29,11 +28,6 @@ LASTING = 20
 # from the stamps of the dive: a clock that was not set yet, or a stamp that is damaged
 FAR_S = 86400.0
 FAR_SHARE = 0.05  # of a sensor's readings; more are another dive, which is not ours to leave out
-HOLE_PERIODS = 5.0  # between two readings: beyond, some are missing
-BURST_S = 0.05  # and this: USB's serial adapters hand readings on every 16 ms, several at once
-# readings, over which the time between them is a first guess of their period, bursts or not
-BURST = 20
-ROUNDS = 3
 FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
 
 
@@ -271,39 +265,3 @@ def describe_ends(name: str, t_ns: Ints, start_ns: int, stop_ns: int) -> list[st
     return out + (
         [f"{name}: ends {early_s:.1f} s before the log does"] if early_s >= LATE_S else []
     )
-
-
-def rate_hz(t_ns: Ints) -> float:
-    """Return how many readings come in a second outside of holes, Hz; 0 for fewer than two
-    readings.
-    """
-    return 1 / period((t_ns - t_ns[0]) / NS) if len(t_ns) > 1 else 0.0
-
-
-def period(t_s: Array) -> float:
-    """Return the usual time between readings at t_s (n,), n > 1, in order: the whole time by their
-    number, without the holes.
-
-    The median would be far too short where a serial adapter hands readings on in bursts.
-    """
-    step, few = np.diff(t_s), min(BURST, max(1, len(t_s) // 4))
-    usual = step <= longest_step(float(np.median(t_s[few:] - t_s[:-few])) / few)
-    for _ in range(ROUNDS):
-        usual = step <= longest_step(float(step[usual].mean()))
-    return float(step[usual].mean())
-
-
-def longest_step(period_s: float) -> float:
-    """Return the time between two readings of an instrument beyond which some are missing."""
-    return max(HOLE_PERIODS * period_s, BURST_S)
-
-
-def format_time(t_ns: int) -> str:
-    """Return a stamp as UTC to the millisecond, or as seconds where it lies outside the calendar."""
-    try:
-        return (
-            datetime.fromtimestamp(t_ns // NS, UTC).strftime("%Y-%m-%dT%H:%M:%S")
-            + f".{t_ns % NS // 1_000_000:03d}Z"
-        )
-    except (ValueError, OverflowError, OSError):
-        return f"{t_ns / NS:.3f} s"

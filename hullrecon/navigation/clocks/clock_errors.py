@@ -11,8 +11,8 @@ from itertools import groupby
 
 import numpy as np
 
-from hullrecon.dive.logs.timeline import format_time
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
+from hullrecon.records.clock import format_time
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.typing import Ints
 

@@ -17,9 +17,9 @@ from hullrecon.navigation.clocks.time_shift import Disagreement
 from hullrecon.navigation.dead_reckoning.integral import integral
 from hullrecon.navigation.dead_reckoning.returns import mark_lost
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
-from hullrecon.navigation.sensors.clock import seconds
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
+from hullrecon.records.clock import seconds
 from hullrecon.records.sensors import DvlPings, PressureSamples
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints

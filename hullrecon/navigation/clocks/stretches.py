@@ -12,8 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from hullrecon.dive.logs.timeline import JUMP_S, NS
+from hullrecon.dive.logs.timeline import JUMP_S
 from hullrecon.navigation.clocks.clock_errors import ClockError
+from hullrecon.records.clock import NS
 from hullrecon.typing import Ints
 
 MOST_PAUSES = 4  # of a stream, the longest; one with more loses readings all the time

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hullrecon.navigation.sensors.silence import longest_pause_s
+from hullrecon.records.clock import longest_pause_s
 from hullrecon.typing import Ints
 
 # between images that are compared when they are followed: closer ones overlap as well

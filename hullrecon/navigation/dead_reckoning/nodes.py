@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.records.clock import nearest, seconds_to_nearest
+from hullrecon.typing import Ints, Mask
 
 FAR_FROM_FRAME_S = 1.0
 
@@ -68,7 +69,7 @@ def choose_nodes(
     for begin, end in lost_ns:
         inside &= (frame_ns < begin) | (frame_ns > end)
     frame_ns, image = frame_ns[inside], image[inside]
-    far = pings_ns[_distance(pings_ns, np.sort(frame_ns)) > FAR_FROM_FRAME_S * 1e9]
+    far = pings_ns[seconds_to_nearest(np.sort(frame_ns), pings_ns) > FAR_FROM_FRAME_S]
     extra = far[_thin(far, spacing_s)]
     t_ns = np.concatenate([frame_ns, extra])
     order = np.argsort(t_ns, kind="stable")
@@ -77,20 +78,6 @@ def choose_nodes(
     return Nodes(
         t_ns[order], table, len(unpaired) if len(top[0]) else 0, int((~inside).sum()), lone
     )
-
-
-def nearest(sorted_ns: Ints, wanted_ns: Ints) -> Ints:
-    """Return row (m,) of the nearest stamp."""
-    right = np.clip(np.searchsorted(sorted_ns, wanted_ns), 1, max(1, len(sorted_ns) - 1))
-    left = right - 1
-    right = np.minimum(right, len(sorted_ns) - 1)
-    return np.where(wanted_ns - sorted_ns[left] <= sorted_ns[right] - wanted_ns, left, right)
-
-
-def _distance(at_ns: Ints, sorted_ns: Ints) -> Array:
-    if not len(sorted_ns):
-        return np.full(len(at_ns), np.inf)
-    return np.asarray(np.abs(at_ns - sorted_ns[nearest(sorted_ns, at_ns)]), float)
 
 
 def _thin(t_ns: Ints, spacing_s: float) -> Mask:

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
 from hullrecon.geometry.poses import interpolate
+from hullrecon.records.clock import nearest
 from hullrecon.records.sensors import PositionFixes
 from hullrecon.records.trajectory import PositionTies, Trajectory
 from hullrecon.typing import Array
@@ -55,10 +56,7 @@ def attach_positions(
 ) -> AttachedPositions:
     """Return the fixes at the nodes; origin (3,): where they were measured, in the vehicle's frame."""
     t = trajectory.t_ns
-    right = np.searchsorted(t, fixes.t_ns).clip(1, max(len(t) - 1, 1))
-    left = np.minimum(right - 1, len(t) - 1)
-    right = np.minimum(right, len(t) - 1)
-    node = np.where(np.abs(t[left] - fixes.t_ns) <= np.abs(t[right] - fixes.t_ns), left, right)
+    node = nearest(t, fixes.t_ns)
     near = np.abs(t[node] - fixes.t_ns) <= FARTHEST_S * 1e9
     near &= (fixes.t_ns >= t[0]) & (fixes.t_ns <= t[-1])
     poses = trajectory.poses()

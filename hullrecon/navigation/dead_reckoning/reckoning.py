@@ -20,9 +20,9 @@ from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
-from hullrecon.navigation.sensors.clock import seconds
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.velocity import Velocities
+from hullrecon.records.clock import seconds
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints
 

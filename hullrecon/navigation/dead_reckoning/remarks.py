@@ -6,13 +6,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.dive.logs.timeline import format_time
 from hullrecon.navigation.dead_reckoning.nodes import Nodes
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.depth import Depth
-from hullrecon.navigation.sensors.silence import SILENT_S, longest_pause_s
 from hullrecon.navigation.sensors.velocity import Velocities
+from hullrecon.records.clock import SILENT_S, format_time, longest_pause_s
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array, Ints
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.robust import NORMAL_MAD
-from hullrecon.navigation.dead_reckoning.nodes import nearest
 from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning
 from hullrecon.navigation.sensors.smoothing import running_median
+from hullrecon.records.clock import nearest
 from hullrecon.records.sensors import DvlPings
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array, Mask

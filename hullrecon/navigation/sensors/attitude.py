@@ -15,10 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.timeline import longest_step, period
 from hullrecon.geometry.poses import Poses, interpolate
 from hullrecon.geometry.robust import NORMAL_MAD
-from hullrecon.navigation.sensors.clock import gaps, seconds
 from hullrecon.navigation.sensors.heading_steps import (
     BESIDE_S,
     NO_STEPS,
@@ -27,6 +25,7 @@ from hullrecon.navigation.sensors.heading_steps import (
     find_jumps,
 )
 from hullrecon.navigation.sensors.smoothing import local_line
+from hullrecon.records.clock import gaps, longest_step, period, seconds
 from hullrecon.records.sensors import ImuSamples
 from hullrecon.typing import Array, Ints
 

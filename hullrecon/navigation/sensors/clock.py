@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stamps that can be trusted: sorted, each once; and the holes between them."""
+"""Stamps that can be trusted: sorted, each once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Ints
 
 Stream = TypeVar("Stream")
 
@@ -38,16 +38,3 @@ def _by_row(value: NDArray[np.generic], n: int, name: str) -> bool:
     do not.
     """
     return name not in ("beams", "directions", "range_m") and value.shape[:1] == (n,)
-
-
-def gaps(t_ns: Ints, longest_s: float) -> Ints:
-    """Return start and end (m, 2) of the intervals between stamps that are longer than that."""
-    long = np.flatnonzero(np.diff(t_ns) > longest_s * 1e9)
-    return (
-        np.stack([t_ns[long], t_ns[long + 1]], axis=1) if len(long) else np.zeros((0, 2), np.int64)
-    )
-
-
-def seconds(t_ns: Ints, start_ns: int) -> Array:
-    """Return seconds since a start, exact to the nanosecond over a year."""
-    return np.asarray((t_ns - start_ns) * 1e-9)

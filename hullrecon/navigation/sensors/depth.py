@@ -18,8 +18,8 @@ import numpy as np
 
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
-from hullrecon.navigation.sensors.silence import describe_silence, silent_spans, unread_s
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
+from hullrecon.records.clock import describe_silence, silent_spans, unread_s
 from hullrecon.records.sensors import PressureSamples
 from hullrecon.typing import Array, Ints, Mask
 

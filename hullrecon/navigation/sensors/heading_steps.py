@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.timeline import period
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.sensors.smoothing import running_median
+from hullrecon.records.clock import period
 from hullrecon.typing import Array, Ints
 
 BESIDE_S = 1.0  # of readings on either side that tell a step's size

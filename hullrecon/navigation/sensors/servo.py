@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.navigation.sensors.silence import describe_silence, unread_s
+from hullrecon.records.clock import describe_silence, unread_s
 from hullrecon.records.sensors import JointSamples
 from hullrecon.typing import Array, Ints
 

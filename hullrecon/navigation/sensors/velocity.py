@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.robust import NORMAL_MAD
-from hullrecon.navigation.sensors.clock import gaps
 from hullrecon.navigation.sensors.smoothing import running_median
+from hullrecon.records.clock import gaps
 from hullrecon.records.sensors import DvlPings
 from hullrecon.typing import Array, Ints, Mask
 

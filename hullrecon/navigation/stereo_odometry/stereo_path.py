@@ -18,10 +18,9 @@ from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_cov
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
-from hullrecon.navigation.sensors.clock import in_order, seconds
+from hullrecon.navigation.sensors.clock import in_order
 from hullrecon.navigation.sensors.depth import depth_at_nodes_sigma, nodes_per_reading
 from hullrecon.navigation.sensors.servo import Servo, servo
-from hullrecon.navigation.sensors.silence import describe_silence, unread_s
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.navigation.stereo_odometry.calibration_errors import calibration_moment
 from hullrecon.navigation.stereo_odometry.pair_motion import Frame, PairMotion
@@ -33,6 +32,7 @@ from hullrecon.navigation.stereo_odometry.visual_odometry import (
     follow,
     in_vehicle,
 )
+from hullrecon.records.clock import describe_silence, seconds, unread_s
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 from hullrecon.rig import SensorRig

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from hullrecon.dive.logs.timeline import NS, format_time
+from hullrecon.records.clock import NS, format_time
 from hullrecon.records.deliverables import RejectedRegion
 from hullrecon.report.content.phrases import count, with_sigma
 from hullrecon.report.step_documents import AdjustSummary, Interval, NavigationFacts

@@ -7,16 +7,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from hullrecon.dive.logs.timeline import (
-    NS,
-    describe_ends,
-    describe_gaps,
-    format_time,
-    period,
-    put_in_order,
-    rate_hz,
-)
+from hullrecon.dive.logs.timeline import describe_ends, describe_gaps, put_in_order
 from hullrecon.errors import InputError
+from hullrecon.records.clock import NS
 
 
 def ns(*seconds):
@@ -165,37 +158,6 @@ def test_many_gaps_are_summed_up():
     words = describe_gaps("imu", stamps)
     assert len(words) == 6
     assert words[-1] == "imu: 4 more gaps, shorter"
-
-
-def bursts(t_s, latency_s=0.016):
-    """Return the stamps of readings that an adapter hands on every 16 ms, 50 us apart."""
-    handed_on = np.ceil(t_s / latency_s)
-    first = np.searchsorted(handed_on, handed_on)
-    return handed_on * latency_s + 50e-6 * (np.arange(len(t_s)) - first)
-
-
-def test_the_rate_is_the_number_of_readings_by_their_time_without_holes():
-    assert rate_hz(ns(0, 0.1, 0.2, 5)) == pytest.approx(10.0, rel=1e-9)
-    assert rate_hz(ns(0, 0.1, 0.3, 0.4)) == pytest.approx(7.5, rel=1e-9)
-    assert rate_hz(ns(1)) == 0.0
-    even = np.arange(2000) / 200
-    assert rate_hz(ns(*bursts(even))) == pytest.approx(200, rel=0.01)
-    assert rate_hz(ns(*bursts(np.arange(300) / 30, latency_s=0.1))) == pytest.approx(30, rel=0.01)
-
-
-def test_the_period_of_readings_in_bursts_is_that_of_their_number():
-    even = np.arange(2000) / 200
-    assert period(even) == pytest.approx(0.005)
-    assert period(bursts(even)) == pytest.approx(0.005, rel=0.01)
-    with_hole = np.where(even > 5, even + 100, even)
-    assert period(with_hole) == pytest.approx(0.005)
-    assert period(bursts(with_hole)) == pytest.approx(0.005, rel=0.02)
-    assert period(np.array([0.0, 3.0])) == 3.0
-
-
-def test_a_stamp_beyond_every_calendar_is_shown_in_seconds():
-    assert format_time(2**62) == "4611686018.427 s" or format_time(2**62).startswith("2116-")
-    assert format_time(-(2**62)).startswith(("-", "18"))
 
 
 @given(st.lists(st.integers(0, 10**12), min_size=1, max_size=50))
