@@ -28,8 +28,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from benchmarks.lasting_bytes import different_files, flip_bit
-from hullrecon.artifacts.storage.checking import check_workspace
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.checking import check_workspace
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.steps.chain import NAMES
 
 DIVE = "--legs 2 --leg-length-m 2 --marks 0 --structures 2 --barnacles 1 --image-width 320 --image-height 256"

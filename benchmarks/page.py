@@ -28,7 +28,7 @@ def crowded_report(run: Path, package: Path, out: Path, count: int) -> Path:
     """Write the report of a run as if it had found `count` objects, copies of its own; return its
     page.
     """
-    from hullrecon.artifacts.execution.runner import run_stage
+    from hullrecon.artifacts.runner import run_stage
     from hullrecon.dive.config.load import load_config
     from hullrecon.steps.chain import stages
     from hullrecon.steps.report import STAGE

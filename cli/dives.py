@@ -16,7 +16,7 @@ import msgspec
 from msgspec import inspect as types
 
 from hullrecon.api.dive_run import DiveRun
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import UsageError
 
 from .state import state_of

@@ -9,7 +9,7 @@ import os
 
 import click
 
-from hullrecon.artifacts.execution.interruption import is_requested
+from hullrecon.artifacts.progress import is_requested
 from hullrecon.errors import HullreconError, InputError, StageError, StorageError, UsageError
 
 from .fault_file import write_fault_file
@@ -68,7 +68,7 @@ def _as_known(error: BaseException) -> HullreconError | None:
     """Return the error that a user can act on: as raised, or what a full disk, a missing permission
     or a lack of memory means wherever it was met; None for a fault of ours.
     """
-    from hullrecon.artifacts.execution.memory_limit import is_lack_of_memory
+    from hullrecon.artifacts.machine import is_lack_of_memory
 
     if isinstance(error, HullreconError):
         return error

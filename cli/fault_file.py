@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import os
 import re
+import secrets
 import sys
+import time
 import traceback
 from pathlib import Path
 
 import hullrecon
-from hullrecon.artifacts.storage.private_file import write_private_file
 
+KEPT = 5  # files of tracebacks in one folder
 _HOMES = re.compile(r"/(?:home|Users)/[^/\s\"']+|/root(?=[/\"'])")
 
 
@@ -60,3 +62,32 @@ def _without_places(text: str) -> str:
         if len(place) > 1:
             text = text.replace(f"{place}/", f"{places[place]}/")
     return _HOMES.sub("~", text)
+
+
+def write_private_file(folder: Path, kind: str, text: str) -> Path:
+    """Write `<kind>-<time>-<random>.txt` for its owner alone, remove all but the last of that kind,
+    and return its path.
+
+    Raises OSError where the folder is a link or cannot be written.
+    """
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    name = f"{kind}-{time.strftime('%Y%m%dT%H%M%S')}-{secrets.token_hex(8)}.txt"
+    place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    try:
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
+        with open(
+            os.open(name, flags, 0o600, dir_fd=place),
+            "w",
+            encoding="utf-8",
+            errors="backslashreplace",
+        ) as file:
+            file.write(text)
+        for old in sorted(entry for entry in os.listdir(place) if _is_of_kind(entry, kind))[:-KEPT]:
+            os.unlink(old, dir_fd=place)
+    finally:
+        os.close(place)
+    return folder / name
+
+
+def _is_of_kind(name: str, kind: str) -> bool:
+    return name.startswith(f"{kind}-") and name.endswith(".txt")

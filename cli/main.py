@@ -12,7 +12,7 @@ from importlib import import_module
 import click
 
 from hullrecon import __version__
-from hullrecon.artifacts.execution.interruption import listen
+from hullrecon.artifacts.progress import listen
 
 from .command_table import COMMANDS, SECTIONS
 from .error_reporting import exit_code_of

@@ -41,7 +41,7 @@ class CallState:
         """
         self.is_emitted = True
         if self.json:
-            from hullrecon.artifacts.storage.documents import encode
+            from hullrecon.artifacts.documents import encode
 
             click.echo(printable(encode(document).decode()), nl=False)
         elif not self.quiet:

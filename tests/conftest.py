@@ -34,13 +34,13 @@ def _signals_end_with_their_test() -> Iterator[None]:
     """Give SIGINT and SIGTERM back after a test that calls the program in this process, and forget
     those that came: the next test's steps would end as interrupted.
     """
-    from hullrecon.artifacts.execution import interruption
+    from hullrecon.artifacts import progress
 
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
-    interruption._requested.clear()
+    progress._requested.clear()
 
 
 @pytest.fixture(scope="session")

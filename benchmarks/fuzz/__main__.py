@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from benchmarks.fuzz.campaign import Campaign, read_campaign, run_campaign
     from benchmarks.fuzz.corpus import add_findings
     from benchmarks.fuzz.formats import seeds
-    from hullrecon.artifacts.storage.disk import write_file
+    from hullrecon.artifacts.disk import write_file
 
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.fuzz", description=__doc__.splitlines()[0] if __doc__ else ""

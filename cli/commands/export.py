@@ -36,7 +36,7 @@ def colmap(run: Path, folder: Path, jobs: int) -> None:
     new or empty; it appears when all of it is written.
     """
     from hullrecon.api.export import export_colmap
-    from hullrecon.artifacts.execution.progress import choose_progress
+    from hullrecon.artifacts.progress import choose_progress
 
     made = export_colmap(run, folder, jobs=jobs, progress=choose_progress(quiet=state_of().quiet))
     lost = (

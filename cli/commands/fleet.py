@@ -11,7 +11,7 @@ import click
 
 from hullrecon.api.fleet import FleetDive, FleetResult, preview_fleet, run_fleet
 from hullrecon.api.fleet.text import one_line
-from hullrecon.artifacts.execution.progress import choose_progress
+from hullrecon.artifacts.progress import choose_progress
 
 from ..dives import FOLDER, allow_outside_option, runs_option
 from ..state import state_of

@@ -30,7 +30,7 @@ from ..state import state_of
 @allow_outside_option
 def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
     """Write a commented dive.toml by looking into LOG, a file or a folder with one."""
-    from hullrecon.artifacts.storage.disk import storage_errors, write_file
+    from hullrecon.artifacts.disk import storage_errors, write_file
     from hullrecon.dive.check.to_fill_in import to_fill_in
     from hullrecon.dive.config.config_template import fill_template
     from hullrecon.dive.config.load import load_config
@@ -107,8 +107,8 @@ def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: b
     if package.is_file() or (package.is_dir() and not (package / CONFIGURATION).exists()):
         _check_logs(package, allow_outside)
         return
-    from hullrecon.artifacts.execution.progress import choose_progress
-    from hullrecon.artifacts.graph.stage_settings import StageSettings
+    from hullrecon.artifacts.progress import choose_progress
+    from hullrecon.artifacts.stage import StageSettings
     from hullrecon.dive.check.package_check import check_package
     from hullrecon.dive.config.load import load_config
     from hullrecon.dive.package_files import check_files
@@ -192,7 +192,7 @@ class _Check(click.Command):
 @click.pass_context
 def check(context: click.Context, target: Path, read_data: bool) -> None:
     """Check TARGET, a dive package or the folder of a run, and name what is wrong."""
-    from hullrecon.artifacts.storage.workspace import Workspace
+    from hullrecon.artifacts.workspace import Workspace
 
     if Workspace(target).exists() and not (target / CONFIGURATION).exists():
         if context.args:
@@ -226,8 +226,8 @@ def _verdict_in_any_case() -> Iterator[None]:
 
 
 def _check_run(folder: Path, read_data: bool) -> None:
-    from hullrecon.artifacts.storage.checking import check_workspace
-    from hullrecon.artifacts.storage.workspace import Workspace
+    from hullrecon.artifacts.checking import check_workspace
+    from hullrecon.artifacts.workspace import Workspace
     from hullrecon.steps.chain import NAMES
 
     found = check_workspace(Workspace(folder), NAMES, read_data=read_data)

@@ -15,13 +15,11 @@ import click
 
 from hullrecon.api.dive_run import DiveRun
 from hullrecon.api.preflight import refuse_wrong_bow
-from hullrecon.artifacts.execution.chain_runner import StepOutcome, first_failure, run_chain
-from hullrecon.artifacts.execution.executor import choose_executor
-from hullrecon.artifacts.execution.progress import choose_progress
-from hullrecon.artifacts.execution.runner import RunContext
-from hullrecon.artifacts.graph.chain import unknown_step
-from hullrecon.artifacts.graph.plan import StepStatus, assess_chain
-from hullrecon.artifacts.storage.delivery import PUBLISHED, delivered_records
+from hullrecon.artifacts.chain import StepStatus, assess_chain, unknown_step
+from hullrecon.artifacts.delivery import PUBLISHED, delivered_records
+from hullrecon.artifacts.executor import choose_executor
+from hullrecon.artifacts.progress import choose_progress
+from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
 from hullrecon.errors import HullreconError, StorageError
 
 from ..dives import FOLDER, Command, allow_outside_option, open_dive, runs_option, set_option

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from hullrecon.artifacts.execution.progress import choose_progress
+from hullrecon.artifacts.progress import choose_progress
 
 from ..dives import FOLDER, allow_outside_option, open_dive, runs_option, set_option
 from ..state import state_of

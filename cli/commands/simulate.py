@@ -53,7 +53,7 @@ def simulate(folder: Path, **values: object) -> None:
     --hull-seed; --added,
     --removed and --grown-m say what has changed since.
     """
-    from hullrecon.artifacts.execution.progress import choose_progress
+    from hullrecon.artifacts.progress import choose_progress
     from hullrecon.synthetic.output.package import write_package
 
     state = state_of()

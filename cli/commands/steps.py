@@ -10,7 +10,7 @@ import click
 import msgspec
 from msgspec import inspect as types
 
-from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.stage import Stage
 from hullrecon.steps.chain import stage as find_stage
 
 from ..dives import FOLDER, open_dive

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from hullrecon.artifacts.storage.writer import ArtifactWriter
+from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.change.options import ChangeOptions
 from hullrecon.errors import StorageError
 from hullrecon.records.change import HullChange

@@ -21,12 +21,11 @@ from hullrecon.api.method_variants import (
     solve_all,
 )
 from hullrecon.api.preflight import refuse_wrong_bow
-from hullrecon.artifacts.execution.chain_runner import first_failure, run_chain
-from hullrecon.artifacts.execution.executor import choose_executor
-from hullrecon.artifacts.execution.progress import Progress, Silent
-from hullrecon.artifacts.execution.runner import RunContext
-from hullrecon.artifacts.storage.claim import COMPARE_FOLDER
-from hullrecon.artifacts.storage.writer import ArtifactWriter
+from hullrecon.artifacts.executor import choose_executor
+from hullrecon.artifacts.progress import Progress, Silent
+from hullrecon.artifacts.runner import RunContext, first_failure, run_chain
+from hullrecon.artifacts.workspace import COMPARE_FOLDER
+from hullrecon.artifacts.writer import ArtifactWriter
 
 if TYPE_CHECKING:
     from hullrecon.api.change import RunComparison

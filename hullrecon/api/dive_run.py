@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from hullrecon.artifacts.graph.chain import Chain
-from hullrecon.artifacts.storage.hashing import hash_file
-from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace
+from hullrecon.artifacts.chain import Chain
+from hullrecon.artifacts.manifest import hash_file
+from hullrecon.artifacts.workspace import PUBLISHED, Workspace
 from hullrecon.errors import InputError
 
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hullrecon.artifacts.execution.executor import choose_executor
-from hullrecon.artifacts.execution.progress import Progress, Silent
+from hullrecon.artifacts.executor import choose_executor
+from hullrecon.artifacts.progress import Progress, Silent
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera

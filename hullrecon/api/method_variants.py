@@ -13,13 +13,10 @@ from typing import TYPE_CHECKING, cast
 import msgspec
 
 from hullrecon.api.dive_run import DiveRun
-from hullrecon.artifacts.execution.chain_runner import run_chain
-from hullrecon.artifacts.execution.runner import RunContext, build
-from hullrecon.artifacts.graph.chain import Chain, inputs_of
-from hullrecon.artifacts.graph.job import make_job
-from hullrecon.artifacts.graph.plan import assess_step
-from hullrecon.artifacts.storage.claim import COMPARE_FOLDER
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.chain import Chain, assess_step, inputs_of
+from hullrecon.artifacts.recipe import make_job
+from hullrecon.artifacts.runner import RunContext, build, run_chain
+from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
 from hullrecon.errors import InputError
 
 if TYPE_CHECKING:
@@ -154,7 +151,7 @@ def read_dead_reckoning(dive: DiveRun) -> DeadReckoning:
     """Return the dead-reckoned dive, the rig as configured or logged. Raises InputError where
     navigate left nothing.
     """
-    from hullrecon.artifacts.graph.stage_settings import StageSettings
+    from hullrecon.artifacts.stage import StageSettings
     from hullrecon.evaluation.comparison.comparison import DeadReckoning
     from hullrecon.rig import RIG_KEYS, rig_from_settings
     from hullrecon.steps.artifacts import InputArtifacts

@@ -17,11 +17,10 @@ from hullrecon.adjustment.hull_pose.registration import register
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.api.dive_run import DiveRun
 from hullrecon.api.method_variants import build_step
-from hullrecon.artifacts.execution.runner import RunContext
-from hullrecon.artifacts.graph.chain import inputs_of
-from hullrecon.artifacts.graph.settings import settings_for
-from hullrecon.artifacts.storage.claim import COMPARE_FOLDER
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.chain import inputs_of
+from hullrecon.artifacts.runner import RunContext
+from hullrecon.artifacts.stage import settings_for
+from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
 from hullrecon.evaluation.comparison.comparison import DeadReckoning
 from hullrecon.evaluation.figures.distance_to_cad import ReturnsOnHull, distance_to_cad_model
 from hullrecon.evaluation.figures.figure_style import PublishedFigure

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hullrecon.api.dive_run import DiveRun
-from hullrecon.artifacts.graph.plan import StepStatus
+from hullrecon.artifacts.chain import StepStatus
 
 ASKS_FOR_BOW = frozenset({"hull", "hull.bow"})  # among what a step uses
 

@@ -20,8 +20,8 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
-from hullrecon.artifacts.execution.memory_limit import refuse_small_address_space
-from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.machine import refuse_small_address_space
+from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.dive.config import schema
 from hullrecon.dive.hull.pose_guess import guess_sigma
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings

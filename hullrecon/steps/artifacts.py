@@ -19,8 +19,7 @@ from typing import TypeVar
 import msgspec
 import numpy as np
 
-from hullrecon.artifacts.graph.stage import load_arrays
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import StageSettings, load_arrays
 from hullrecon.dive.config.mounts import (
     DEFAULTS,
     ChosenMount,

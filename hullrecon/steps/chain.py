@@ -7,7 +7,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import cast
 
-from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.stage import Stage
 
 NAMES = (
     "ingest", "navigate", "features", "links", "matches", "adjust", "surface", "detect",

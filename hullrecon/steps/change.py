@@ -11,10 +11,9 @@ from typing import Annotated
 
 import msgspec
 
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.graph.stage_settings import StageSettings
-from hullrecon.artifacts.storage.manifest import FILE_NAME
-from hullrecon.artifacts.storage.workspace import PUBLISHED
+from hullrecon.artifacts.manifest import FILE_NAME
+from hullrecon.artifacts.stage import Context, Stage, StageSettings
+from hullrecon.artifacts.workspace import PUBLISHED
 from hullrecon.dive.config.schema import FileName
 from hullrecon.errors import InputError, StageError
 from hullrecon.records.change import HullChange

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.coverage import SonarSurvey, summarise_coverage
 from hullrecon.detection.find_structures import find_structures

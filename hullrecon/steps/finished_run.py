@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from hullrecon.artifacts.storage.documents import DamagedArtifactError
-from hullrecon.artifacts.storage.manifest import Manifest
-from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace
+from hullrecon.artifacts.documents import DamagedArtifactError
+from hullrecon.artifacts.manifest import Manifest
+from hullrecon.artifacts.workspace import PUBLISHED, Workspace
 from hullrecon.errors import InputError
 
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-from hullrecon.artifacts.storage.hashing import hash_file
-from hullrecon.artifacts.storage.manifest import Manifest
+from hullrecon.artifacts.manifest import Manifest, hash_file
 from hullrecon.change.compare_surveys import compare_surveys
 from hullrecon.change.options import ChangeOptions
 from hullrecon.change.same_hull import SAME_CAD_M, cad_model_gap

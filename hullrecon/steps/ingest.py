@@ -16,8 +16,7 @@ from typing import BinaryIO
 import msgspec
 import numpy as np
 
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.dive.config.schema import Logs, Topics
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, offset_ns
 from hullrecon.dive.logs.dvl_beams import tilted_beams

@@ -10,8 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.dive.config.schema import Tray
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.errors import InputError
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.errors import StageError
 from hullrecon.mosaic.imagery.camera_views import CameraImages, images_of_camera
 from hullrecon.mosaic.optical import optical_mosaic

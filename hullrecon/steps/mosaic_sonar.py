@@ -10,8 +10,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.dive.config.schema import Logs, Topics
 from hullrecon.dive.logs.readers.open import is_of_sonar
 from hullrecon.errors import StageError

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hullrecon.artifacts.graph.stage import Context
+from hullrecon.artifacts.stage import Context
 from hullrecon.geometry.charts.outside_map import OutsideMap, outside_map
 from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface

@@ -14,8 +14,7 @@ from typing import TypeVar
 import msgspec
 import numpy as np
 
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.config.mounts import describe_mounts
 from hullrecon.dive.config.schema import Logs

@@ -10,8 +10,7 @@ from typing import Annotated
 
 import msgspec
 
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.dive.config.config_errors import ONE_LINE
 from hullrecon.dive.config.schema import Dive, FileName, Hull
 from hullrecon.geometry.charts.outside_map import outside_map

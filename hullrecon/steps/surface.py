@@ -6,8 +6,7 @@ reckoned else; where no DVL was carried, from the landmarks.
 
 from __future__ import annotations
 
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.dive.hull.pose_guess import guess_sigma
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_mount, up_in

@@ -18,9 +18,9 @@ from msgspec import Struct
 from hullrecon.api import commands as api_commands
 from hullrecon.api.dive_run import DiveRun
 from hullrecon.api.method_variants import read_dead_reckoning, read_objects, read_solutions
-from hullrecon.artifacts.graph.chain import Chain
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.chain import Chain
+from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.dive.config.schema import Dvl, Tray
 from hullrecon.errors import InputError
 from hullrecon.records.serialisation import to_arrays

@@ -14,9 +14,9 @@ from hullrecon_cli.main import main
 
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.api.export import export_colmap
-from hullrecon.artifacts.storage.documents import seal
-from hullrecon.artifacts.storage.manifest import Manifest, Recipe, write_manifest
-from hullrecon.artifacts.storage.writer import ArtifactWriter
+from hullrecon.artifacts.documents import seal
+from hullrecon.artifacts.manifest import Manifest, Recipe, write_manifest
+from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.errors import InputError, StorageError
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel

@@ -19,7 +19,7 @@ import pytest
 
 from hullrecon.api.fleet import FleetResult, preview_fleet, processes, records, run_fleet
 from hullrecon.api.fleet.records import FOLDER
-from hullrecon.artifacts.storage.lock import hold_lock
+from hullrecon.artifacts.workspace import hold_lock
 from hullrecon.errors import InputError, LockedError, UsageError
 
 PROGRAM = (sys.executable, "-P", str(Path(__file__).with_name("fleet_program.py")))

@@ -22,7 +22,7 @@ from hullrecon.api.fleet.outcome import FleetDive, FleetResult
 from hullrecon.api.fleet.packages import MAX_BYTES, Skipped, find_packages, read_name
 from hullrecon.api.fleet.processes import run_each
 from hullrecon.api.fleet.text import as_utf8, one_line
-from hullrecon.artifacts.storage.documents import encode
+from hullrecon.artifacts.documents import encode
 from hullrecon.errors import HullreconError, InputError, UsageError
 
 SCHEMA = json.loads(

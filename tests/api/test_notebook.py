@@ -12,7 +12,7 @@ import pytest
 
 import hullrecon
 from hullrecon.api.dive_run import package_of
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import InputError, UsageError
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -12,8 +12,8 @@ import pytest
 
 from hullrecon.api.dive_run import DiveRun
 from hullrecon.api.path_figures import draw_path_figures, lay_onto_cad_model, linked_track
-from hullrecon.artifacts.graph.chain import Chain
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.chain import Chain
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.evaluation.comparison.comparison import DeadReckoning
 from hullrecon.evaluation.scoring.truth import read_mesh, read_truth
 from hullrecon.geometry.frames import Frame

@@ -11,7 +11,7 @@ from types import ModuleType
 
 import pytest
 
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.workspace import Workspace
 
 TOY = Path(__file__).with_name("toy_chain.py")
 

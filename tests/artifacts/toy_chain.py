@@ -13,12 +13,11 @@ from pathlib import Path
 import numpy as np
 from msgspec import Struct
 
-from hullrecon.artifacts.execution.chain_runner import StepOutcome, run_chain
-from hullrecon.artifacts.execution.executor import Serial
-from hullrecon.artifacts.execution.runner import RunContext
-from hullrecon.artifacts.graph.chain import Chain
-from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.chain import Chain
+from hullrecon.artifacts.executor import Serial
+from hullrecon.artifacts.runner import RunContext, StepOutcome, run_chain
+from hullrecon.artifacts.stage import Context, Stage, load_arrays
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import StageError
 
 

@@ -14,7 +14,7 @@ import pytest
 from hullrecon_cli.main import main
 from msgspec import Meta, Struct
 
-from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.errors import StageError
 
 Program = Callable[..., "Answer"]

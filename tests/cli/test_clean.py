@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.workspace import Workspace
 
 
 def artifacts(runs: Path) -> set[str]:

@@ -15,12 +15,11 @@ from pathlib import Path
 
 import pytest
 from hullrecon_cli.error_reporting import exit_code_of
-from hullrecon_cli.fault_file import write_fault_file
+from hullrecon_cli.fault_file import KEPT, write_fault_file, write_private_file
 from hullrecon_cli.state import CallState
 
-from hullrecon.artifacts.execution import interruption
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.storage.private_file import KEPT, write_private_file
+from hullrecon.artifacts import progress
+from hullrecon.artifacts.stage import Context, Stage
 
 NEVER = "import sys; from hullrecon_cli.start import start; sys.argv = ['hullrecon', *sys.argv[1:]]; start()"
 
@@ -66,7 +65,7 @@ def test_a_lack_of_memory_is_no_internal_error(
 def test_an_error_after_ctrl_c_is_the_interruption(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(interruption, "_requested", [signal.SIGINT])
+    monkeypatch.setattr(progress, "_requested", [signal.SIGINT])
     assert exit_code_of(ImportError("initialization failed"), CallState()) == 130
     assert (
         capfd.readouterr().err
@@ -106,7 +105,7 @@ def test_a_ctrl_c_that_a_library_swallows_ends_the_step(
     toy_stages: tuple[Stage, ...],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(interruption, "_requested", [])
+    monkeypatch.setattr(progress, "_requested", [])
 
     def swallow(context: Context) -> None:
         try:

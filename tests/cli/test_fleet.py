@@ -15,7 +15,7 @@ from end_to_end.json_schema import violations
 
 from hullrecon.api.fleet import processes
 from hullrecon.api.fleet.records import FOLDER
-from hullrecon.artifacts.storage.lock import hold_lock
+from hullrecon.artifacts.workspace import hold_lock
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = json.loads((ROOT / "hullrecon/report/schemas/fleet.schema.json").read_text())

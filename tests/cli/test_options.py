@@ -13,9 +13,9 @@ from typing import Any
 import msgspec
 import pytest
 
-from hullrecon.artifacts.graph.settings import resolve_settings, settings_for
-from hullrecon.artifacts.graph.staleness import differences
-from hullrecon.artifacts.storage.manifest import Recipe
+from hullrecon.artifacts.manifest import Recipe
+from hullrecon.artifacts.recipe import differences
+from hullrecon.artifacts.stage import resolve_settings, settings_for
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.schema import CameraBottom, CameraTop, Hull, Sonar
 from hullrecon.steps.chain import stages

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.workspace import Workspace
 
 
 def states(answer) -> dict[str, str]:
@@ -133,7 +133,7 @@ def test_a_log_file_has_everything_with_the_time(
         handler.close()
     text = (tmp_path / "run.log").read_text()
     assert text.startswith("20")
-    assert "INFO hullrecon.artifacts.execution.chain_runner: navigate: started: first run" in text
+    assert "INFO hullrecon.artifacts.runner: navigate: started: first run" in text
 
 
 def test_status_says_where_each_step_stands_and_changes_nothing(
@@ -374,7 +374,7 @@ def test_a_value_out_of_bounds_given_by_set_is_said_to_come_from_there(
 def test_a_scheduler_that_is_not_there_is_one_line(
     program, package: Path, runs: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hullrecon.artifacts.execution.cluster._CONNECT_S", 0.1)
+    monkeypatch.setattr("hullrecon.artifacts.executor._CONNECT_S", 0.1)
     for address in (
         "nonsense",
         "tcp://nonsense.invalid:8786",

@@ -101,7 +101,7 @@ def test_an_interrupted_simulation_leaves_nothing_and_can_be_repeated(
 def test_images_are_counted_on_standard_error_while_they_are_written(
     capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from hullrecon.artifacts.execution import progress
+    from hullrecon.artifacts import progress
 
     monkeypatch.setattr(
         progress, "choose_progress", lambda *, quiet=False: progress.LogLines(seconds=0.0)

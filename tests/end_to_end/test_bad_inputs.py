@@ -10,7 +10,7 @@ import shutil
 import pytest
 from end_to_end.shell import SAMPLE, TINY, edit
 
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.workspace import Workspace
 
 
 def assert_one_line(done, *words):

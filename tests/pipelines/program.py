@@ -19,7 +19,7 @@ from msgspec import Struct
 
 import hullrecon.steps.chain as chain
 from hullrecon.api.fleet import processes
-from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.errors import StageError
 
 

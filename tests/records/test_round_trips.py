@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from records.every_record import SHAPES, random_record
 
-from hullrecon.artifacts.graph.stage import load_arrays
-from hullrecon.artifacts.storage.writer import ArtifactWriter
+from hullrecon.artifacts.stage import load_arrays
+from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.geometry.poses import Poses
 from hullrecon.records import planes, sensors, solution, surface, tracks, trajectory
 from hullrecon.records.sensors import PressureSamples, SensorRecords

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import cv2
 import numpy as np
 
-from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.runner import run_stage
 from hullrecon.dive.config.schema import CameraBottom, Cameras, CameraTop, Dvl, Imu, Pressure, Tray
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import exp, from_mount

@@ -26,8 +26,8 @@ from adjustment.simulated_dive import (
 from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.artifacts.graph.stage import load_arrays
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import load_arrays
 from hullrecon.dive.config import schema
 from hullrecon.geometry.charts.chart import chart_from_arrays
 from hullrecon.records.sensors import ImageIndex

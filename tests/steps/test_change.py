@@ -17,8 +17,8 @@ import msgspec
 import pytest
 from steps.two_dives import SimulatedDive, june, may
 
-from hullrecon.artifacts.graph.plan import assess_chain
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.chain import assess_chain
+from hullrecon.artifacts.stage import StageSettings
 from hullrecon.report.change.chapter import ChangeChapter
 from hullrecon.steps.change import EarlierDive, files_of_earlier_dive, why_not
 

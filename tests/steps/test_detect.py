@@ -12,8 +12,8 @@ import pytest
 from end_to_end.json_schema import violations
 from scipy.spatial.transform import Rotation
 
-from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.artifacts.graph.stage import load_arrays
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import load_arrays
 from hullrecon.detection.options import DetectOptions
 from hullrecon.dive.config import schema
 from hullrecon.geometry.cameras import CameraModel

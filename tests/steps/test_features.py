@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, Logs
 from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera

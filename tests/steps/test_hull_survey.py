@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from steps.two_dives import write_run
 
-from hullrecon.artifacts.storage.manifest import Manifest, Recipe, write_manifest
+from hullrecon.artifacts.manifest import Manifest, Recipe, write_manifest
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.steps import hull_survey

@@ -8,11 +8,10 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.artifacts.graph.job import make_job
-from hullrecon.artifacts.graph.stage import load_arrays
-from hullrecon.artifacts.graph.stage_settings import StageSettings
-from hullrecon.artifacts.storage.hashing import HashCache
+from hullrecon.artifacts.manifest import HashCache
+from hullrecon.artifacts.recipe import make_job
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import StageSettings, load_arrays
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.schema import FROM_LOG, Dvl
 from hullrecon.dive.images.store import ImageStore

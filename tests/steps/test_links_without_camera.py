@@ -13,7 +13,7 @@ import pytest
 from navigation.planar_dive import aligned, simulate
 
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.runner import run_stage
 from hullrecon.dive.config import schema
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import PositionTies

@@ -17,7 +17,7 @@ import rasterio
 import tifffile
 from numpy.typing import NDArray
 
-from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.runner import run_stage
 from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, DiveConfig, Logs, Sonar, Topics
 from hullrecon.dive.logs.readers.sound_metrics import aris_frames
 from hullrecon.errors import StageError

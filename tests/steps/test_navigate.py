@@ -13,9 +13,8 @@ from navigation.instruments import RIG
 from navigation.wall_dive import AlongWall, late, logs_along_wall
 from scipy.spatial.transform import Rotation
 
-from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.artifacts.graph.settings import settings_for
-from hullrecon.artifacts.graph.stage import load_arrays
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import load_arrays, settings_for
 from hullrecon.dive.config import schema
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import CameraModel

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.config.schema import Dive, DiveConfig, Logs
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory

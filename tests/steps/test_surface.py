@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.artifacts.graph.stage import load_arrays
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import load_arrays
 from hullrecon.dive.config import schema
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import chart_for_hull, chart_from_arrays

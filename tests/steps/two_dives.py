@@ -15,14 +15,12 @@ import numpy as np
 from change.conftest import ADDED, GROWN
 from change.simulated_surveys import BEFORE, cad_model, chart, drawn, survey
 
-from hullrecon.artifacts.execution.chain_runner import StepOutcome, run_chain
-from hullrecon.artifacts.execution.executor import Serial
-from hullrecon.artifacts.execution.runner import RunContext
-from hullrecon.artifacts.graph.chain import Chain
-from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.artifacts.storage.hashing import hash_file
-from hullrecon.artifacts.storage.manifest import Manifest, Recipe, write_manifest
-from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.artifacts.chain import Chain
+from hullrecon.artifacts.executor import Serial
+from hullrecon.artifacts.manifest import Manifest, Recipe, hash_file, write_manifest
+from hullrecon.artifacts.runner import RunContext, StepOutcome, run_chain
+from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.workspace import Workspace
 from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.poses import identity
 from hullrecon.records.change import HullSurvey

@@ -27,11 +27,10 @@ from hullrecon.api.fleet.plan import (
 from hullrecon.api.fleet.processes import Ended, run_each
 from hullrecon.api.fleet.records import FOLDER, DiveRecord, FleetRecords
 from hullrecon.api.fleet.text import as_utf8
-from hullrecon.artifacts.execution.executor import choose_executor
-from hullrecon.artifacts.execution.progress import Progress, Silent
-from hullrecon.artifacts.storage.disk import make_folder
-from hullrecon.artifacts.storage.lock import hold_lock
-from hullrecon.artifacts.storage.workspace import PUBLISHED
+from hullrecon.artifacts.disk import make_folder
+from hullrecon.artifacts.executor import choose_executor
+from hullrecon.artifacts.progress import Progress, Silent
+from hullrecon.artifacts.workspace import PUBLISHED, hold_lock
 from hullrecon.errors import LockedError, StageError, UsageError
 
 log = logging.getLogger(__name__)

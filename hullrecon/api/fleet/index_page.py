@@ -16,8 +16,8 @@ from urllib.parse import quote
 from hullrecon.api.fleet.findings import DiveFindings, read_findings
 from hullrecon.api.fleet.outcome import FleetDive
 from hullrecon.api.fleet.text import as_utf8, one_line
-from hullrecon.artifacts.storage.disk import write_file
-from hullrecon.artifacts.storage.workspace import PUBLISHED
+from hullrecon.artifacts.disk import write_file
+from hullrecon.artifacts.workspace import PUBLISHED
 
 FILE = "index.html"
 REPORT = Path(PUBLISHED) / "report" / "index.html"

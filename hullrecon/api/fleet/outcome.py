@@ -14,7 +14,7 @@ from typing import Literal
 from hullrecon.api.fleet.listing import list_folder
 from hullrecon.api.fleet.packages import Skipped
 from hullrecon.api.fleet.text import as_utf8, one_line
-from hullrecon.artifacts.storage.workspace import PUBLISHED
+from hullrecon.artifacts.workspace import PUBLISHED
 from hullrecon.errors import StageError
 
 State = Literal["delivered", "up to date", "failed", "to do"]

@@ -13,8 +13,8 @@ from pathlib import Path
 import msgspec
 
 from hullrecon.api.fleet.text import as_utf8
-from hullrecon.artifacts.storage.disk import write_file
-from hullrecon.artifacts.storage.documents import DamagedArtifactError, seal, unseal
+from hullrecon.artifacts.disk import write_file
+from hullrecon.artifacts.documents import DamagedArtifactError, seal, unseal
 
 FOLDER = ".fleet"  # in RUNS; no dive can have this name
 # Failures that the package or the program decides; a full disk, a lock or a kill may be over by the

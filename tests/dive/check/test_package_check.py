@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.fuzz.seed_aris import aris_file
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.check.package_check import check_package, defaults_of
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.summary import missing, needs

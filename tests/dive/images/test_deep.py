@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from hullrecon.artifacts.storage.writer import ArtifactWriter
+from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.dive.images import deep as deep_images
 from hullrecon.dive.images.deep import decode_deep, is_deep
 from hullrecon.dive.images.sink import ImageSink

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hullrecon.artifacts.storage.writer import ArtifactWriter
+from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.dive.images.header import IMAGE_SUFFIXES
 from hullrecon.dive.images.integrity import jpeg_is_whole, size_of
 from hullrecon.dive.images.sink import ImageSink

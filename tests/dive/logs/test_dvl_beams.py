@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.dvl_beams import (
     A50,

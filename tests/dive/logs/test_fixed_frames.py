@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.check.package_check import check_package
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.fixed_frames import FixedSensor, fixed_sensors

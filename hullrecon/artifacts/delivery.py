@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""deliver/ at a workspace's top: copies of what a step delivers, the record of them, and what
+others did to them since.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import msgspec
+
+from hullrecon.artifacts.disk import (
+    commit_folder,
+    copy_file,
+    make_folder,
+    recover,
+    remove,
+    set_aside,
+    storage_errors,
+    sync_tree,
+    write_file,
+)
+from hullrecon.artifacts.documents import DamagedArtifactError, seal, unseal
+from hullrecon.artifacts.manifest import FileRecord, HashCache, Manifest, files_below
+
+PUBLISHED = "deliver"  # a folder of that name in an artifact is copied to the workspace's top
+RECORD = "deliver.json"
+Records = Mapping[str, FileRecord]
+
+
+def delivered_records(manifest: Manifest) -> dict[str, FileRecord]:
+    """Return size and hash of each file that an artifact delivers, by its name below deliver/;
+    empty where it delivers none.
+    """
+    prefix = f"{PUBLISHED}/"
+    return {
+        name.removeprefix(prefix): record
+        for name, record in manifest.outputs.items()
+        if name.startswith(prefix)
+    }
+
+
+def unlike_files(folder: Path, records: Records, hashes: HashCache) -> dict[str, str]:
+    """Return what is wrong with each file below the folder that is not as recorded, or not
+    recorded: `is missing`, by name.
+    """
+    found = dict.fromkeys(sorted(set(files_below(folder)) - set(records)), "does not belong there")
+    for name, record in records.items():
+        wrong = _difference(folder / name, record, hashes)
+        if wrong:
+            found[name] = wrong
+    return dict(sorted(found.items()))
+
+
+def _difference(path: Path, record: FileRecord, hashes: HashCache) -> str:
+    if path.is_symlink():
+        return "is a symbolic link"
+    try:
+        now = hashes.record(path)
+    except FileNotFoundError:
+        return "is missing"
+    except OSError as error:
+        return f"cannot be read: {error.strerror}"
+    if now.size != record.size:
+        return f"has {now.size} bytes, not {record.size}"
+    return "" if now == record else "is altered"
+
+
+class Delivery:
+    """The folder deliver/ of one workspace. Every method that changes something is for the holder
+    of the lock.
+
+    private: the folder of the workspace's own files. building: where a folder is made before it is
+    put in place. apart: gives a new folder for what others changed.
+    """
+
+    def __init__(self, folder: Path, private: Path, building: Path) -> None:
+        self.folder, self._record, self._building = folder, private / RECORD, building
+        self.withdrawn = folder.with_name(f"{folder.name}-out-of-date")
+
+    def read_record(self) -> dict[str, FileRecord] | None:
+        """Return what was copied last; None where nothing was, or the record is damaged."""
+        try:
+            return msgspec.convert(
+                unseal(self._record.read_bytes())["files"], dict[str, FileRecord]
+            )
+        except (OSError, DamagedArtifactError, KeyError, msgspec.ValidationError):
+            return None
+
+    def unlike(self, original: Path, records: Records, hashes: HashCache) -> dict[str, str]:
+        """Return what is wrong with each file that is not a copy of the artifact's, by name.
+
+        Hard links to the artifact's files, as older versions made them, are no copies.
+        """
+        found = unlike_files(self.folder, records, hashes)
+        for name in records:
+            if name not in found and os.path.samefile(original / name, self.folder / name):
+                found[name] = "is no copy"
+        return found
+
+    def changed_since(self, hashes: HashCache) -> dict[str, str]:
+        """Return what others did to the files since they were copied, by name; nothing where that
+        is not known.
+        """
+        recorded = self.read_record()
+        return (
+            unlike_files(self.folder, recorded, hashes) if recorded and self.folder.is_dir() else {}
+        )
+
+    def replace(self, original: Path, records: Records, hashes: HashCache) -> None:
+        """Put copies of the artifact's files in place, in one step, and note them."""
+        with storage_errors(self.folder.parent):
+            remove(self._building)
+            make_folder(self._building)
+            for name in records:
+                make_folder((self._building / name).parent)
+                copy_file(original / name, self._building / name)
+            sync_tree(self._building)
+        commit_folder(self._building, self.folder)
+        for name, record in records.items():
+            hashes.learn(self.folder / name, record)
+        self.note(records)
+
+    def note(self, records: Records) -> None:
+        """Write down what lies in the folder, where that is not written yet."""
+        if self.read_record() != dict(records):
+            write_file(self._record, seal({"files": msgspec.to_builtins(dict(records))}))
+
+    def save_changed(self, names: Mapping[str, str], apart: Path) -> None:
+        """Copy the named files, those that are there, to a folder where nothing replaces them."""
+        with storage_errors(apart.parent):
+            for name in names:
+                if (self.folder / name).is_file() and not (self.folder / name).is_symlink():
+                    make_folder((apart / name).parent)
+                    copy_file(self.folder / name, apart / name)
+
+    def remove(self) -> None:
+        """Remove the folder and its record."""
+        remove(self.folder)
+        remove(set_aside(self.folder))
+        remove(self.withdrawn)
+        remove(self._record)
+
+    def withdraw(self) -> bool:
+        """Rename the folder, so that what an earlier run delivered does not look like today's;
+        False where there is none.
+        """
+        if not self.folder.is_dir():
+            return False
+        with storage_errors(self.folder.parent):
+            remove(self.withdrawn)
+            os.rename(self.folder, self.withdrawn)
+        return True
+
+    def restore(self) -> None:
+        """Rename a withdrawn folder back, where nothing else was delivered since."""
+        if self.withdrawn.is_dir() and not self.folder.exists():
+            with storage_errors(self.folder.parent):
+                os.rename(self.withdrawn, self.folder)
+
+    def recover(self) -> None:
+        """End what a killed run left half done."""
+        recover(self.folder)

@@ -1,0 +1,257 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Run `context.map` here, in worker processes, or on a Dask cluster: same results, same order."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import os
+import signal
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing.connection import wait
+from types import TracebackType
+from typing import Any, Protocol, Self, TypeVar
+from urllib.parse import urlsplit
+
+from hullrecon.errors import StageError, UsageError
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+# A worker has one core: libraries that count the machine's cores would start that many threads in
+# each.
+THREAD_VARIABLES = (
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMEXPR_NUM_THREADS",
+    "OPENCV_FOR_THREADS_NUM",
+)
+_CHUNKS_PER_WORKER = 8
+
+
+class Executor(Protocol):
+    def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        """Yield results in the order of the items. Raises StageError when a worker dies; a
+        function's error passes.
+        """
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None: ...
+
+
+class Serial:
+    def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        return map(function, items)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        return None
+
+
+class Processes:
+    """`jobs` worker processes, started at the first map and kept until the end of the run."""
+
+    def __init__(self, jobs: int) -> None:
+        self._jobs = jobs
+        self._pool: ProcessPoolExecutor | None = None
+
+    def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        if len(items) < 2:
+            yield from map(function, items)
+            return
+        pool = self._start_pool()
+        chunk = max(1, len(items) // (self._jobs * _CHUNKS_PER_WORKER))
+        try:
+            with one_thread_each():
+                results = pool.map(function, items, chunksize=chunk)
+            yield from results
+        except BrokenProcessPool as error:
+            self._pool = None
+            raise worker_killed_error() from error
+
+    def _start_pool(self) -> ProcessPoolExecutor:
+        if self._pool is None:
+            # fork would copy the lock and the threads of libraries
+            context = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(
+                self._jobs, mp_context=context, initializer=_prepare_worker
+            )
+        return self._pool
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+
+
+def worker_killed_error() -> StageError:
+    remedy = (
+        "most likely the memory ran out: run again with a smaller --jobs, what is finished is kept"
+    )
+    return StageError("a worker process was killed", remedy=remedy)
+
+
+@contextmanager
+def one_thread_each() -> Iterator[None]:
+    """Let processes started inside take the parent's number of threads where it is set, else one."""
+    added = [name for name in THREAD_VARIABLES if name not in os.environ]
+    os.environ.update(dict.fromkeys(added, "1"))
+    try:
+        yield
+    finally:
+        for name in added:
+            del os.environ[name]
+
+
+def _prepare_worker() -> None:
+    """Leave Ctrl-C to the parent, and end a worker whose parent was killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+
+def choose_executor(jobs: int = 1, scheduler: str | None = None) -> Executor:
+    if scheduler is not None:
+        from hullrecon.artifacts.executor import Cluster
+
+        return Cluster(scheduler)
+    return Processes(jobs) if jobs > 1 else Serial()
+
+
+log = logging.getLogger(__name__)
+_CERTIFICATES = ("distributed.comm.tls.ca-file", "distributed.comm.tls.client.cert")
+_CONNECT_S = 10
+_RETRY_S = 0.1
+
+
+class Cluster:
+    def __init__(self, address: str) -> None:
+        self._client: Any = _connect(address)
+
+    def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        from distributed import KilledWorker
+
+        futures = self._client.map(function, items, pure=False)
+        try:
+            for future in futures:
+                yield future.result()
+        except KilledWorker as error:
+            raise StageError(
+                "a Dask worker was killed",
+                remedy="look at the worker's log: most likely its memory ran out",
+            ) from error
+        finally:
+            self._client.cancel(futures)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._client.close()
+
+
+def _connect(address: str) -> Any:
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise UsageError("--scheduler needs Dask", remedy="install hullrecon[cluster]") from error
+    _refuse_unreachable(address)
+    if urlsplit(address).scheme == "tls":
+        _refuse_without_certificates(address)
+    else:
+        log.warning(
+            "%s is plain TCP: whoever reaches its port runs programs here; give tls:// where others can",
+            address,
+        )
+    try:
+        return Client(address, timeout=_CONNECT_S, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise _no_scheduler(address) from error
+
+
+def _refuse_without_certificates(address: str) -> None:
+    """Raise UsageError where Dask's configuration names no certificates."""
+    import dask
+
+    missing = [key for key in _CERTIFICATES if not dask.config.get(key, None)]
+    if missing:
+        remedy = "set them in ~/.config/dask, or as DASK_DISTRIBUTED__COMM__TLS__CA_FILE and so on"
+        raise UsageError(
+            f"Dask's configuration lacks {' and '.join(missing)}", where=address, remedy=remedy
+        )
+
+
+def _refuse_unreachable(address: str) -> None:
+    """Raise UsageError unless something listens at `tcp://HOST:PORT` or `tls://HOST:PORT`.
+
+    A Client that finds nobody keeps trying in a thread of its own, which ends long after the error,
+    with a traceback.
+    """
+    try:
+        parts = urlsplit(address)
+        host, port = parts.hostname, parts.port
+        if parts.scheme not in ("tcp", "tls") or host is None or port is None:
+            raise ValueError(address)
+    except ValueError:
+        raise UsageError(
+            "not an address of a Dask scheduler",
+            where=address,
+            remedy="give tcp://HOST:PORT or tls://HOST:PORT",
+        ) from None
+    until = time.monotonic() + _CONNECT_S
+    while True:
+        try:
+            socket.create_connection((host, port), timeout=_CONNECT_S).close()
+            return
+        except socket.gaierror:
+            raise _no_scheduler(address) from None
+        except OSError:  # it may be starting
+            if time.monotonic() >= until:
+                raise _no_scheduler(address) from None
+            time.sleep(_RETRY_S)
+
+
+def _no_scheduler(address: str) -> UsageError:
+    return UsageError(
+        "no Dask scheduler answers", where=address, remedy="start one with pipelines/dask-launch"
+    )

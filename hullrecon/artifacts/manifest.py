@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""manifest.json of an artifact, and the hashes of files that it records."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import stat
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import msgspec
+from msgspec import Struct
+
+from hullrecon.artifacts.disk import write_file
+from hullrecon.artifacts.documents import DamagedArtifactError, digest, seal, unseal
+
+FILE_NAME = "manifest.json"
+SCHEMA = 1
+JsonTable: TypeAlias = dict[str, Any]  # msgspec decodes no recursive type
+
+
+class FileRecord(Struct, frozen=True):
+    sha256: str
+    size: int
+
+
+class Recipe(Struct, frozen=True, kw_only=True):
+    """What decides an artifact's content: equal recipe, equal bytes.
+
+    settings: resolved options by section, None for an absent section. inputs: content hash of each
+    input artifact. external: files of the package by their path relative to it. failures: why
+    optional inputs left no artifact, by stage name.
+    """
+
+    stage: str
+    version: int
+    settings: JsonTable
+    inputs: dict[str, str] = {}
+    external: dict[str, FileRecord] = {}
+    failures: dict[str, str] = {}
+
+    @property
+    def key(self) -> str:
+        return digest(self.content)
+
+    @property
+    def content(self) -> JsonTable:
+        """Return what the key is the hash of; `failures` only where there are some, as older
+        versions had none.
+        """
+        content: JsonTable = msgspec.to_builtins(self)
+        if not self.failures:
+            del content["failures"]
+        return content
+
+
+class Manifest(Struct, frozen=True, kw_only=True):
+    """recipe: what it was made from; outputs: every file by relative path; run: host, seconds,
+    memory, versions, source.
+    """
+
+    recipe: Recipe
+    key: str
+    outputs: dict[str, FileRecord]
+    warnings: list[str] = []
+    run: JsonTable = {}
+    schema: int = SCHEMA
+
+    @property
+    def content_hash(self) -> str:
+        """Return the hash of all but the `run` block: what a step that takes this artifact depends
+        on.
+        """
+        content = msgspec.to_builtins(self) | {"recipe": self.recipe.content}
+        del content["run"]
+        return digest(content)
+
+
+def write_manifest(folder: Path, manifest: Manifest) -> None:
+    write_file(folder / FILE_NAME, seal(msgspec.to_builtins(manifest)))
+
+
+def read_manifest(folder: Path) -> Manifest | None:
+    """Return the manifest of an artifact; None when there is no artifact.
+
+    Raises DamagedArtifactError when it is missing in one, cut short or altered.
+    """
+    if not folder.is_dir():
+        return None
+    try:
+        data = (folder / FILE_NAME).read_bytes()
+    except FileNotFoundError as error:
+        raise DamagedArtifactError("its manifest is missing") from error
+    try:
+        return msgspec.convert(unseal(data), Manifest)
+    except msgspec.ValidationError as error:
+        raise DamagedArtifactError(f"its manifest is of another kind: {error}") from error
+
+
+def hash_file(path: Path) -> FileRecord:
+    """Return size and hash of a file, read whole."""
+    with path.open("rb") as file:
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+        return FileRecord(sha256, file.tell())
+
+
+def files_below(folder: Path) -> list[str]:
+    """Return the relative paths of all files, sorted."""
+    return sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if not p.is_dir())
+
+
+class HashCache:
+    """Hashes of files as last read. `trusting` False reads every file once again; a lost cache file
+    costs only time.
+    """
+
+    def __init__(self, store: Path | None = None, *, trusting: bool = True) -> None:
+        self._store, self._trusting, self._changed = store, trusting, False
+        self._known: dict[str, object] = {}
+        # time of the last change of inode or bytes, ns, of what this process has seen
+        self._read_here: dict[str, int] = {}
+        if store is not None and store.is_file():
+            try:
+                self._known = unseal(store.read_bytes())
+            except DamagedArtifactError:
+                self._changed = True
+
+    def record(self, path: Path) -> FileRecord:
+        """Return size and hash of a file. Raises OSError when it is not there, or is a device, FIFO
+        or socket.
+        """
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            raise OSError(errno.EINVAL, "not a regular file", str(path))
+        known = self._known.get(str(path))
+        if (
+            isinstance(known, list)
+            and known[:3] == _mark(status)
+            and self._is_trusted(path, status)
+        ):
+            self._read_here.setdefault(str(path), status.st_ctime_ns)
+            return FileRecord(str(known[3]), status.st_size)
+        record = hash_file(path)
+        self._note(path, status, record)
+        return record
+
+    def _is_trusted(self, path: Path, status: os.stat_result) -> bool:
+        """Return whether a file of known size, time and inode need not be read.
+
+        What this process has seen must also have kept its ctime, which no program can set back.
+        """
+        seen_ns = self._read_here.get(str(path))
+        return self._trusting if seen_ns is None else seen_ns == status.st_ctime_ns
+
+    def learn(self, path: Path, record: FileRecord) -> None:
+        """Note the hash of a file that was just written."""
+        self._note(path, path.stat(), record)
+
+    def save(self) -> None:
+        """Write the cache when it changed; only the holder of the lock may."""
+        if self._changed and self._store is not None:
+            write_file(self._store, seal(self._known))
+            self._changed = False
+
+    def _note(self, path: Path, status: os.stat_result, record: FileRecord) -> None:
+        self._read_here[str(path)] = status.st_ctime_ns
+        entry = [*_mark(status), record.sha256]
+        if self._known.get(str(path)) != entry:
+            self._known[str(path)] = entry
+            self._changed = True
+
+
+def _mark(status: os.stat_result) -> list[int]:
+    """Return what changes with a file's bytes: size, time of modification and inode."""
+    return [status.st_size, status.st_mtime_ns, status.st_ino]

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Write the files of one artifact into a folder under construction."""
+
+from __future__ import annotations
+
+import tempfile
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path, PurePosixPath
+from typing import BinaryIO, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.artifacts.disk import (
+    durable_file,
+    durable_path,
+    make_folder,
+    storage_errors,
+    write_file,
+)
+from hullrecon.artifacts.documents import encode
+from hullrecon.artifacts.manifest import FILE_NAME
+
+# the earliest date that zip can say: the clock must not show in an artifact
+_ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
+_UNIX = 3
+
+
+class ArtifactWriter:
+    """Implements `stage.Writer` over one folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def arrays(self, name: str, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+        """Write an uncompressed .npz, members sorted by name, in C order, without dates.
+
+        Raises ValueError for arrays of objects.
+        """
+        with durable_file(self._place(name)) as file:
+            _write_npz(file, arrays)
+
+    def json(self, name: str, value: object) -> None:
+        try:
+            data = encode(value)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from error
+        write_file(self._place(name), data)
+
+    def text(self, name: str, value: str) -> None:
+        write_file(self._place(name), value.encode())
+
+    def bytes(self, name: str, value: bytes) -> None:
+        write_file(self._place(name), value)
+
+    def path(self, name: str) -> AbstractContextManager[Path]:
+        return durable_path(self._place(name))
+
+    @contextmanager
+    def scratch(self) -> Iterator[BinaryIO]:
+        with storage_errors(self._folder):
+            make_folder(self._folder)
+            with tempfile.TemporaryFile(dir=self._folder) as file:
+                yield cast(BinaryIO, file)
+
+    def _place(self, name: str) -> Path:
+        parts = PurePosixPath(name).parts
+        if not parts or parts[0] == "/" or ".." in parts or name == FILE_NAME:
+            raise ValueError(f"{name!r} is no name for a file of an artifact")
+        return self._folder.joinpath(*parts)
+
+
+def _write_npz(file: BinaryIO, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
+        for name, array in sorted(arrays.items()):
+            member = zipfile.ZipInfo(f"{name}.npy", _ZIP_EPOCH)
+            member.create_system = _UNIX
+            member.external_attr = 0o644 << 16
+            with archive.open(member, "w", force_zip64=True) as stream:
+                np.lib.format.write_array(
+                    cast(BinaryIO, stream), np.asarray(array, order="C"), allow_pickle=False
+                )
