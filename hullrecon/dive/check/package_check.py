@@ -39,6 +39,7 @@ from hullrecon.dive.logs.read_streams import Watch
 from hullrecon.dive.logs.summary import WITHOUT_CAMERAS, missing, needs
 from hullrecon.dive.package_files import earlier_dive_of, logo_of
 from hullrecon.dive.problems import Problems
+from hullrecon.findings.finding import sentences
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.clock import rate_hz
@@ -213,8 +214,8 @@ def check_package(
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
         to_fill_in=to_fill_in(loaded, logged, taken.keys()),
         warnings=[
-            *check_consistency(loaded.config, found.records, found.images),
-            *(
+            *sentences(check_consistency(loaded.config, found.records, found.images)),
+            *sentences(
                 check_mount_of_attitude(loaded.config, found.records.tray)
                 if found.attitude_is_dvls
                 else []

@@ -158,9 +158,8 @@ def filled_in(loaded: LoadedConfig, mounts: Mapping[str, ChosenMount]) -> Loaded
         loaded.config.camera, top=sections["camera.top"], bottom=sections["camera.bottom"]
     )
     named = {name: sections[name] for name in DiveConfig.__struct_fields__ if name != "camera"}
-    return replace(
-        loaded, config=DiveConfig(**named, camera=camera), sections=MappingProxyType(sections)
-    )  # type: ignore[arg-type]
+    config = DiveConfig(**named, camera=camera)  # type: ignore[arg-type]
+    return replace(loaded, config=config, sections=MappingProxyType(sections))
 
 
 def with_value(section: object, name: str, value: Numbers) -> object:

@@ -18,6 +18,7 @@ from hullrecon.dive.config.schema import (
     Logs,
 )
 from hullrecon.dive.logs.dvl_beams import tilted_beams
+from hullrecon.findings.finding import sentences
 from hullrecon.records.sensors import (
     DvlPings,
     ImageIndex,
@@ -31,6 +32,10 @@ NS = 1_000_000_000
 T = np.arange(100, dtype=np.int64) * NS // 5
 
 JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
+
+
+def told(*dive) -> list[str]:
+    return sentences(check_consistency(*dive))
 
 
 def config(**more) -> DiveConfig:
@@ -84,24 +89,20 @@ def index(t_ns) -> ImageIndex:
 
 
 def test_a_dive_that_fits_together_raises_no_suspicion():
-    assert check_consistency(config(), SensorRecords(**dive()), {"camera_top": index(T)}) == []
+    assert told(config(), SensorRecords(**dive()), {"camera_top": index(T)}) == []
 
 
 def test_returns_above_the_water_raise_suspicion_of_the_mount():
     """At 0.4 m depth with the DVL looking up, ranges of 1 m end in the air."""
     records = dive(depth=0.4, mount_pitch_deg=180.0)
-    (line,) = check_consistency(
-        config(dvl=Dvl(mount=(0, 0, 0, 0, 180, 0))), SensorRecords(**records), {}
-    )
+    (line,) = told(config(dvl=Dvl(mount=(0, 0, 0, 0, 180, 0))), SensorRecords(**records), {})
     assert "% of the DVL's returns would lie above the water" in line
 
 
 def test_a_dvl_that_is_mounted_upside_down_runs_against_the_pressure():
     """It looks down, the file says up."""
     records = dive(depth=9.0, mount_pitch_deg=0.0)
-    (line,) = check_consistency(
-        config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {}
-    )
+    (line,) = told(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {})
     assert "runs against that of the pressure sensor" in line
 
 
@@ -115,25 +116,20 @@ def test_a_dvl_whose_axes_are_mixed_up_does_not_follow_the_pressure():
         ranges=np.ones((len(T), 4)),
         beams=JANUS,
     )
-    (line,) = check_consistency(
-        config(dvl=Dvl(mount=(0, 0, 0, 0, 90, 0))), SensorRecords(**records), {}
-    )
+    (line,) = told(config(dvl=Dvl(mount=(0, 0, 0, 0, 90, 0))), SensorRecords(**records), {})
     assert "does not follow" in line
 
 
 def test_a_vehicle_that_keeps_its_depth_says_nothing_about_the_dvl():
     records = dive(depth=9.0)
     records["pressure"] = PressureSamples(t_ns=T, depth=np.full(len(T), 9.0))
-    assert (
-        check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {})
-        == []
-    )
+    assert told(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {}) == []
 
 
 @pytest.mark.parametrize(("frame", "other"), [("ned", "enu"), ("enu", "ned")])
 def test_gravity_the_wrong_way_round_raises_suspicion_of_the_convention(frame, other):
     records = {"imu": dive(acceleration=(0, 0, 9.81))["imu"]}
-    assert check_consistency(config(imu=Imu(frame=frame)), SensorRecords(**records), {}) == [
+    assert told(config(imu=Imu(frame=frame)), SensorRecords(**records), {}) == [
         f'imu: gravity pulls upward with imu.frame = "{frame}"; is it "{other}"?'
     ]
 
@@ -141,20 +137,16 @@ def test_gravity_the_wrong_way_round_raises_suspicion_of_the_convention(frame, o
 def test_gravity_aslant_is_told_in_degrees():
     records = {"imu": dive(acceleration=(9.81, 0, -9.81))["imu"]}
     assert (
-        "gravity is 45 degrees off the vertical"
-        in check_consistency(config(), SensorRecords(**records), {})[0]
+        "gravity is 45 degrees off the vertical" in told(config(), SensorRecords(**records), {})[0]
     )
 
 
 def test_an_imu_without_accelerations_raises_none():
-    assert (
-        check_consistency(config(), SensorRecords(imu=dive(acceleration=(np.nan,) * 3)["imu"]), {})
-        == []
-    )
+    assert told(config(), SensorRecords(imu=dive(acceleration=(np.nan,) * 3)["imu"]), {}) == []
 
 
 def test_clocks_that_do_not_overlap_are_named_with_how_far_they_are_apart():
-    found = check_consistency(
+    found = told(
         config(), SensorRecords(pressure=dive()["pressure"]), {"camera_top": index(T + 100 * NS)}
     )
     assert found == [
@@ -167,27 +159,25 @@ def test_a_joint_that_was_read_once_says_nothing_about_clocks():
     in it.
     """
     once = JointSamples(t_ns=T[:1] - NS, angle=np.zeros(1))
-    assert check_consistency(config(), SensorRecords(**{**dive(), "tray": once}), {}) == []
+    assert told(config(), SensorRecords(**{**dive(), "tray": once}), {}) == []
 
 
 def test_an_imu_that_was_read_once_is_named():
     imu = dive()["imu"]
     single = ImuSamples(**{f.name: getattr(imu, f.name)[:1] for f in fields(imu)})
-    found = check_consistency(config(), SensorRecords(pressure=dive()["pressure"], imu=single), {})
+    found = told(config(), SensorRecords(pressure=dive()["pressure"], imu=single), {})
     assert found == ["the IMU gave a single reading, which tells no attitude"]
 
 
 def test_a_camera_that_looks_away_from_the_dvl_is_named():
     cameras = Cameras(top=CameraTop(calibration="c", mount=(0, 0, 0, 0, 0, 0)))
-    assert (
-        "looks 90 degrees away" in check_consistency(config(camera=cameras), SensorRecords(), {})[0]
-    )
+    assert "looks 90 degrees away" in told(config(camera=cameras), SensorRecords(), {})[0]
 
 
-@pytest.mark.parametrize(("metres", "told"), [(100.0, "100.000"), (0.0, "0.000")])
-def test_a_baseline_in_millimetres_or_of_nothing_is_named(metres, told):
+@pytest.mark.parametrize(("metres", "shown"), [(100.0, "100.000"), (0.0, "0.000")])
+def test_a_baseline_in_millimetres_or_of_nothing_is_named(metres, shown):
     bottom = CameraBottom(calibration="c", pose_in_top=(0, metres, 0, 0, 0, 0))
-    found = check_consistency(
+    found = told(
         config(
             camera=Cameras(
                 top=CameraTop(calibration="c", mount=(0, 0, 0, 90, 0, 90)), bottom=bottom
@@ -196,7 +186,7 @@ def test_a_baseline_in_millimetres_or_of_nothing_is_named(metres, told):
         SensorRecords(),
         {},
     )
-    assert f"the cameras are {told} m apart" in found[0]
+    assert f"the cameras are {shown} m apart" in found[0]
 
 
 def test_the_first_image_is_told_against_the_first_ping():
@@ -215,24 +205,22 @@ def test_an_imu_that_ended_midway_is_a_warning_where_no_image_carries_on():
     imu = records["imu"]
     half = ImuSamples(**{f.name: getattr(imu, f.name)[:50] for f in fields(imu)})
     records["imu"] = half
-    (words,) = check_consistency(config(), SensorRecords(**records), {})
+    (words,) = told(config(), SensorRecords(**records), {})
     assert (
         words
         == "45 % of the DVL's velocities lie where no attitude was read: a run cannot use them"
     )
-    assert check_consistency(config(), SensorRecords(**records), {"camera_top": index(T)}) == []
+    assert told(config(), SensorRecords(**records), {"camera_top": index(T)}) == []
 
 
 def test_a_dvl_that_ended_midway_is_a_warning_but_for_a_logger_on_deck():
     records = dive()
     records["dvl"].velocity[30:] = np.nan
-    (words,) = check_consistency(config(), SensorRecords(**records), {})
+    (words,) = told(config(), SensorRecords(**records), {})
     assert words.startswith(
         "the IMU was read for 14.0 s under water before the first or after the last velocity of the DVL"
     )
     records["pressure"].depth[30:] = 0.1
     assert not [
-        words
-        for words in check_consistency(config(), SensorRecords(**records), {})
-        if "IMU was read" in words
+        words for words in told(config(), SensorRecords(**records), {}) if "IMU was read" in words
     ]

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import ast
+from pathlib import Path
+
+import pytest
+
+import hullrecon
+from hullrecon.findings.finding import TABLES, WORDS, Finding, sentences
+
+SOURCES = sorted(Path(hullrecon.__file__).parent.rglob("*.py"))
+
+
+def codes_made() -> set[str]:
+    """Codes of the findings that the library makes."""
+    calls = (
+        node
+        for path in SOURCES
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Finding"
+    )
+    return {
+        constant.value
+        for call in calls
+        if call.args
+        for constant in ast.walk(call.args[0])
+        if isinstance(constant, ast.Constant)
+    }
+
+
+def test_each_code_is_made_and_has_words():
+    assert codes_made() == WORDS.keys()
+
+
+def test_each_code_has_one_severity():
+    assert len(WORDS) == sum(len(table) for _, table in TABLES)
+
+
+def test_sentence_has_values_and_place():
+    found = Finding("clocks-apart", {"stream": "imu", "other": "dvl", "seconds": 2.0})
+    assert found.severity == "warning"
+    assert found.sentence.startswith("imu and dvl do not overlap in time")
+    assert sentences([found.inside("a.mcap")])[0].startswith("a.mcap: imu and dvl")
+    assert found.inside("a.mcap").inside("bag").where == "bag: a.mcap"
+
+
+def test_document_has_code_severity_values_sentence():
+    found = Finding("imu-single-reading", where="imu")
+    assert found.document() == {
+        "code": "imu-single-reading",
+        "severity": "warning",
+        "where": "imu",
+        "values": {},
+        "sentence": f"imu: {WORDS['imu-single-reading']}",
+    }
+
+
+def test_unknown_code_is_refused():
+    with pytest.raises(KeyError, match="no-such-code"):
+        Finding("no-such-code")
