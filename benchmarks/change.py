@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from hullrecon.api.change import RunComparison, diff
-from hullrecon.api.commands import run_dive
+from hullrecon.api.dive_run import run
 from hullrecon.geometry.poses import Poses, from_matrix
 from hullrecon.records.change import HullChange, HullSurvey
 from hullrecon.synthetic.options import spec_from
@@ -132,8 +132,7 @@ def run_both(folder: Path, seed: int, options: dict[str, Any]) -> RunComparison:
     """Return what changed between one hull's two dives, run where they have not been."""
     packages = simulate(folder, seed, options)
     first, second = (
-        run_dive(package, folder / "runs", last_step="detect").workspace.root
-        for package in packages
+        run(package, folder / "runs", last_step="detect").workspace.root for package in packages
     )
     return diff(first, second)
 

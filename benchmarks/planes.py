@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hullrecon.api.commands import run_dive
+from hullrecon.api.dive_run import run
 from hullrecon.api.method_variants import read_dead_reckoning
 from hullrecon.api.path_figures import lay_onto_cad_model
 from hullrecon.evaluation.comparison.comparison import DeadReckoning
@@ -71,7 +71,7 @@ def without_cad_model(package: Path) -> Path:
 def solve(package: Path, runs: Path, planes: bool) -> tuple[LinkedPath, DeadReckoning]:
     """Return the path of the step links, and what it started from."""
     name = "with" if planes else "without"
-    dive = run_dive(
+    dive = run(
         package, runs / name, last_step="links", overrides=[f"links.planes={str(planes).lower()}"]
     )
     return LinksArtifact(dive.workspace.artifact("links")).path, read_dead_reckoning(dive)
@@ -116,9 +116,9 @@ def main() -> int:
             path, start = solve(bare, chosen.folder / "runs", planes)
             rows[package.name][name] = score(path, start.trajectory.t_ns, truth)
             if number == chosen.dives:
-                ingest = run_dive(
-                    package, chosen.folder / "cad", last_step="ingest"
-                ).workspace.artifact("ingest")
+                ingest = run(package, chosen.folder / "cad", last_step="ingest").workspace.artifact(
+                    "ingest"
+                )
                 mesh = IngestArtifact(ingest).hull
                 assert mesh is not None
                 on_hull[name] = lay_onto_cad_model(path.path(), start, mesh, truth.global_from_hull)

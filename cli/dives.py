@@ -15,7 +15,7 @@ import click
 import msgspec
 from msgspec import inspect as types
 
-from hullrecon.api.dive_run import DiveRun
+from hullrecon.api import dive_run
 from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import UsageError
 
@@ -39,6 +39,15 @@ def runs_option(command: Command) -> Command:
     )(command)
 
 
+def jobs_option(what: str) -> Callable[[Command], Command]:
+    """Return --jobs for a command. what: of which there are so many."""
+    return click.option(
+        "--jobs",
+        type=click.IntRange(min=1),
+        help=f"{what}  [default: HULLRECON_JOBS, else as many as there are cores]",
+    )
+
+
 def set_option(command: Command) -> Command:
     """Add --set to a command."""
     text = "use this value instead of that of dive.toml; may be repeated"
@@ -57,18 +66,17 @@ def allow_outside_option(command: Command) -> Command:
 
 def open_dive(
     target: Path, runs: Path, overrides: Sequence[str] = (), *, allow_outside: bool = False
-) -> DiveRun:
+) -> dive_run.DiveRun:
     """Return the dive of a target: a package, or the folder of a run, whose package is the one that
     it last read.
 
     Raises InputError when it is neither, or names files outside its folder that are not allowed;
     UsageError for a wrong configuration.
     """
-    from hullrecon.api.dive_run import open_dive as open_dive_run
     from hullrecon.steps.chain import stages
 
     with name_overrides({stage.name: stage.parameters for stage in stages()}, overrides):
-        dive = open_dive_run(target, runs, overrides, allow_outside=allow_outside)
+        dive = dive_run.open_dive(target, runs, overrides, allow_outside=allow_outside)
     state_of().workspace = dive.workspace.root
     return dive
 

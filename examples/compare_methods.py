@@ -19,8 +19,8 @@ DEMO = Path(__file__).resolve().parents[1] / "sample_data" / "demo"
 
 def run_and_score(package: Path, runs: Path) -> dict[str, float]:
     """Run the chain and return three figures of the score, in metres."""
-    dive = hullrecon.run_dive(package, runs)
-    score = hullrecon.evaluate(dive.workspace.root, package)
+    result = hullrecon.run(package, runs)
+    score = hullrecon.evaluate(result.workspace.root, package)
     return {
         "path, after rigid alignment": score["trajectory"]["rigid_rmse_m"],
         "hull as found, after alignment": score["as_found"]["aligned_rmse_m"],

@@ -2,28 +2,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """Underwater hull inspection: from a vehicle's logs and the ship's CAD model to the hull as found.
 
-In a notebook: `hullrecon.run_dive`, `evaluate`, `diff`, `compare_methods`, `draw_figures`,
-`export_colmap` (hullrecon.api; examples/). They are loaded when they are first used, so that
-importing the package costs nothing.
+In a notebook, `hullrecon.run`, `evaluate`, `diff` and the others below do what the commands of the
+same name do (examples/). Each is loaded when it is first used, so that importing hullrecon is free.
 """
 
-import importlib
+from importlib import import_module
 
 __version__ = "0.1.0"
-_API = (
-    "compare_methods",
-    "diff",
-    "draw_figures",
-    "evaluate",
-    "export_colmap",
-    "open_dive",
-    "run_dive",
-)
-__all__ = ["__version__", *_API]
+_FUNCTIONS = {  # name: the module that defines it
+    "compare_methods": "hullrecon.api.commands",
+    "diff": "hullrecon.api.change",
+    "draw_figures": "hullrecon.api.commands",
+    "evaluate": "hullrecon.api.dive_run",
+    "export_colmap": "hullrecon.api.export",
+    "open_dive": "hullrecon.api.dive_run",
+    "run": "hullrecon.api.dive_run",
+}
+__all__ = ["__version__", *_FUNCTIONS]
 
 
 def __getattr__(name: str) -> object:
-    """Return a function of hullrecon.api. Raises AttributeError for another name."""
-    if name not in _API:
+    """Load a function when it is first asked for."""
+    if name not in _FUNCTIONS:
         raise AttributeError(f"module 'hullrecon' has no attribute {name!r}")
-    return getattr(importlib.import_module("hullrecon.api"), name)
+    return getattr(import_module(_FUNCTIONS[name]), name)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("HULLRECON_JOBS", "1")  # tests run beside each other
 
 import pytest
 

@@ -24,13 +24,12 @@ def diff(first: Path, second: Path, out: Path | None) -> None:
     change. What only one dive looked at is said to be so. Leaves change.json, change.csv, layers
     for QGIS, a map and a page.
     """
-    from hullrecon.api.change import diff as diff_runs
-    from hullrecon.api.change import write_change
+    from hullrecon.api import change
     from hullrecon.report.change.verdict import move_sentence, object_sentence, verdict
 
-    found = diff_runs(first, second)
+    found = change.diff(first, second)
     folder = out or Path(f"change-{found.change.first}-{found.change.second}")
-    names = write_change(folder, found)
+    names = change.write_change(folder, found)
     lines = [verdict(found.change), *(object_sentence(row) for row in found.change.changed())]
     lines += [move_sentence(row) for row in found.change.moves]
     document = {

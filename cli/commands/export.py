@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from ..dives import FOLDER
+from ..dives import FOLDER, jobs_option
 from ..state import add_common_options, state_of
 
 
@@ -24,10 +24,8 @@ def export(context: click.Context) -> None:
 @export.command()
 @click.argument("run", type=FOLDER, metavar="RUN")
 @click.argument("folder", type=FOLDER, metavar="OUT")
-@click.option(
-    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="worker processes"
-)
-def colmap(run: Path, folder: Path, jobs: int) -> None:
+@jobs_option("worker processes")
+def colmap(run: Path, folder: Path, jobs: int | None) -> None:
     """Write the undistorted images of RUN (RUNS/<dive>) to OUT, with their COLMAP model of pinhole
     cameras.
 

@@ -5,71 +5,48 @@
 from __future__ import annotations
 
 import json
-import logging
-import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 
-from hullrecon.api.dive_run import DiveRun
-from hullrecon.api.preflight import refuse_wrong_bow
+from hullrecon.api import dive_run
 from hullrecon.artifacts.chain import StepStatus, assess_chain, unknown_step
-from hullrecon.artifacts.delivery import PUBLISHED, delivered_records
-from hullrecon.artifacts.executor import choose_executor
 from hullrecon.artifacts.progress import choose_progress
-from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
-from hullrecon.errors import HullreconError, StorageError
+from hullrecon.artifacts.runner import StepOutcome
+from hullrecon.errors import HullreconError
 
-from ..dives import FOLDER, Command, allow_outside_option, open_dive, runs_option, set_option
+from ..dives import (
+    FOLDER,
+    Command,
+    allow_outside_option,
+    jobs_option,
+    open_dive,
+    runs_option,
+    set_option,
+)
 from ..state import state_of
 
-log = logging.getLogger("hullrecon.cli")
 SCHEDULER_HELP = (
-    "a Dask scheduler instead of worker processes. tcp://HOST:PORT is plain TCP with pickle: whoever reaches the port runs"
-    " programs on all machines of the cluster. tls://HOST:PORT takes its certificates from Dask's configuration"
-    " (distributed.comm.tls)"
+    "a Dask scheduler instead of worker processes. tcp://HOST:PORT is plain TCP with pickle:"
+    " whoever reaches the port runs programs on all machines of the cluster. tls://HOST:PORT takes"
+    " its certificates from Dask's configuration (distributed.comm.tls)"
 )
-
-
-@dataclass(frozen=True, kw_only=True)
-class RunOptions:
-    """How a chain is run, whatever it computes. jobs: worker processes; scheduler: address of a
-    Dask scheduler instead; wait_s: s to wait for another run on this dive.
-    """
-
-    from_scratch: bool
-    read_data: bool
-    jobs: int
-    scheduler: str | None
-    wait_s: float
+FROM_SCRATCH_HELP = "rerun every step, up to date or not"
+READ_DATA_HELP = "read every byte that a step depends on instead of trusting times and sizes"
+WAIT_HELP = "seconds to wait for another run on this dive"
 
 
 def run_options(command: Command) -> Command:
-    """Add the options that `run` and the single steps share."""
+    """Add the options that `run` and the single steps share, named as `hullrecon.run` has them."""
+    wait = click.FloatRange(min=0)
     for option in (
-        click.option("--from-scratch", is_flag=True, help="rerun every step, up to date or not"),
-        click.option(
-            "--read-data",
-            is_flag=True,
-            help="read every byte that a step depends on instead of trusting times and sizes",
-        ),
-        click.option(
-            "--jobs",
-            type=click.IntRange(min=1),
-            default=1,
-            show_default=True,
-            help="worker processes inside a step",
-        ),
+        click.option("--from-scratch", is_flag=True, help=FROM_SCRATCH_HELP),
+        click.option("--read-data", is_flag=True, help=READ_DATA_HELP),
+        jobs_option("worker processes inside a step"),
         click.option("--scheduler", metavar="ADDRESS", help=SCHEDULER_HELP),
-        click.option(
-            "--wait",
-            "wait_s",
-            type=click.FloatRange(min=0),
-            default=0.0,
-            help="seconds to wait for another run on this dive",
-        ),
+        click.option("--wait", "wait_s", type=wait, default=0.0, help=WAIT_HELP),
         allow_outside_option,
         set_option,
         runs_option,
@@ -82,93 +59,34 @@ def run_options(command: Command) -> Command:
 @click.argument("package", type=FOLDER)
 @run_options
 @click.option(
-    "--to", "last", metavar="STEP", help="stop after this step, running only what it needs"
+    "--to", "last_step", metavar="STEP", help="stop after this step, running only what it needs"
 )
-def run(
-    package: Path, runs: Path, last: str | None, overrides: tuple[str, ...], from_scratch: bool, read_data: bool, jobs: int,
-    scheduler: str | None, wait_s: float, allow_outside: bool,
-) -> None:  # fmt: skip
+def run(package: Path, **options: Any) -> None:
     """Run the chain on a dive PACKAGE; steps that are up to date are left as they are."""
+    run_and_print(package, **options)
+
+
+def run_and_print(
+    package: Path, *, runs: Path, overrides: Sequence[str], allow_outside: bool, **options: Any
+) -> None:
+    """Run the chain and print what each step did, the warnings and the findings.
+
+    options: as for `hullrecon.run`.
+    """
     dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
-    _warn_of_defaults(dive, overrides)
-    options = RunOptions(
-        from_scratch=from_scratch,
-        read_data=read_data,
-        jobs=jobs,
-        scheduler=scheduler,
-        wait_s=wait_s,
-    )
-    execute(dive, last, options)
-
-
-def _warn_of_defaults(dive: DiveRun, overrides: Sequence[str]) -> None:
-    """Log a warning for each lever arm, mount and calibration that dive.toml leaves open."""
-    from hullrecon.dive.check.to_fill_in import configured_sensors, to_fill_in
-    from hullrecon.dive.config.load import load_config
-
-    config = load_config(
-        dive.chain.package, {stage.name: stage.parameters for stage in dive.chain.stages}, overrides
-    )
-    for line in to_fill_in(config, configured_sensors(config)):
-        log.warning("%s", line)
-
-
-def execute(dive: DiveRun, last: str | None, options: RunOptions) -> None:
-    """Run the chain up to `last` and print what each step did, the warnings and the findings."""
-    state = state_of()
-    chain = dive.chain if last is None else dive.chain.up_to(last)
-    hashes = dive.workspace.hashes(trusting=not options.read_data)
-    with choose_executor(options.jobs, options.scheduler) as executor:
-        run_context = RunContext(hashes, executor, choose_progress(quiet=state.quiet))
-        outcomes = run_chain(
-            chain,
-            dive.workspace,
-            run_context,
-            from_scratch=options.from_scratch,
-            wait_s=options.wait_s,
-            preflight=lambda plan: _preflight(dive, plan),
-            keep_going=True,
-        )
-    shown = dive.workspace.root / PUBLISHED
-    # by this run, not before it
-    is_delivered = any(o.manifest is not None and delivered_records(o.manifest) for o in outcomes)
-    delivered = str(shown) if is_delivered else None
+    progress = choose_progress(quiet=state_of().quiet)
+    result = dive_run.run(dive, progress=progress, raise_failure=False, **options)
     document = {
         "dive": dive.name,
         "workspace": str(dive.workspace.root),
-        "deliver": delivered,
-        "steps": [_outcome(o) for o in outcomes],
+        "deliver": str(result.deliver) if result.is_delivered else None,
+        "steps": [_outcome(o) for o in result.outcomes],
     }
-    findings = delivery_lines(shown) if is_delivered else []
-    state.emit(document, [*(_line(o) for o in outcomes), *_warning_lines(outcomes), *findings])
-    failure = first_failure(outcomes)
-    if failure is not None:
-        raise failure
-
-
-def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
-    """Log what is to be done. Raises InputError for a bow that the CAD model does not have,
-    StorageError where the disk is too full.
-
-    A step is built beside its old artifact, so about that much space must be free.
-    """
-    to_do = [step.stage.name for step in plan if step.to_do]
-    log.info(
-        "%s: %s", dive.name, f"to do: {', '.join(to_do)}" if to_do else "everything is up to date"
-    )
-    refuse_wrong_bow(dive, plan)
-    needed = sum(
-        r.size
-        for s in plan
-        if s.to_do and s.manifest is not None
-        for r in s.manifest.outputs.values()
-    )
-    free = shutil.disk_usage(dive.workspace.root).free
-    if needed > free:
-        remedy = f"the last run's artifacts took {needed / 1e6:.0f} MB: free some space, or choose another folder with --runs"
-        raise StorageError(
-            f"only {free / 1e6:.0f} MB are free", where=str(dive.workspace.root), remedy=remedy
-        )
+    findings = delivery_lines(result.deliver) if result.is_delivered else []
+    steps = [_line(outcome) for outcome in result.outcomes]
+    state_of().emit(document, [*steps, *_warning_lines(result.outcomes), *findings])
+    if result.failure is not None:
+        raise result.failure
 
 
 def _outcome(outcome: StepOutcome) -> dict[str, object]:
@@ -266,7 +184,7 @@ def explain(
     state_of().emit(_document(dive, plan), lines)
 
 
-def _document(dive: DiveRun, plan: Sequence[StepStatus]) -> dict[str, object]:
+def _document(dive: dive_run.DiveRun, plan: Sequence[StepStatus]) -> dict[str, object]:
     steps = [{"name": s.stage.name, "state": s.state, "reasons": s.reasons} for s in plan]
     return {"dive": dive.name, "workspace": str(dive.workspace.root), "steps": steps}
 

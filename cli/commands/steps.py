@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 import msgspec
@@ -13,9 +14,18 @@ from msgspec import inspect as types
 from hullrecon.artifacts.stage import Stage
 from hullrecon.steps.chain import stage as find_stage
 
-from ..dives import FOLDER, open_dive
-from .run import RunOptions, execute, run_options
+from ..dives import FOLDER
+from .run import run_and_print, run_options
 
+_COMMON = (
+    "runs",
+    "allow_outside",
+    "from_scratch",
+    "read_data",
+    "jobs",
+    "scheduler",
+    "wait_s",
+)  # as run_options adds them
 _BOUNDS = {
     "ge": "at least",
     "gt": "above",
@@ -32,25 +42,14 @@ def command(name: str) -> click.Command:
     @click.command(name, help=_help(stage))
     @click.argument("package", type=FOLDER)
     @run_options
-    def step(
-        package: Path, runs: Path, overrides: tuple[str, ...], from_scratch: bool, read_data: bool, jobs: int,
-        scheduler: str | None, wait_s: float, allow_outside: bool, **own: object,
-    ) -> None:  # fmt: skip
+    def step(package: Path, overrides: tuple[str, ...], **options: Any) -> None:
+        common = {name: options.pop(name) for name in _COMMON}
         given = [
-            f"{name}.{option}={_toml(value)}" for option, value in own.items() if value is not None
+            f"{name}.{option}={_toml(value)}"
+            for option, value in options.items()
+            if value is not None
         ]
-        options = RunOptions(
-            from_scratch=from_scratch,
-            read_data=read_data,
-            jobs=jobs,
-            scheduler=scheduler,
-            wait_s=wait_s,
-        )
-        execute(
-            open_dive(package, runs, [*overrides, *given], allow_outside=allow_outside),
-            name,
-            options,
-        )
+        run_and_print(package, overrides=[*overrides, *given], last_step=name, **common)
 
     step.params = [*step.params, *(_option(f) for f in fields(stage))]
     return step

@@ -1,18 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""run, evaluate, diff, export, compare-methods and figures as functions that return what the
-commands print.
-"""
+"""compare-methods and figures as functions that return what the commands print."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hullrecon.api.dive_run import DiveRun, open_dive
+from hullrecon.api.dive_run import DiveRun
 from hullrecon.api.method_variants import (
     find_objects,
     read_dead_reckoning,
@@ -20,19 +18,15 @@ from hullrecon.api.method_variants import (
     read_solutions,
     solve_all,
 )
-from hullrecon.api.preflight import refuse_wrong_bow
 from hullrecon.artifacts.executor import choose_executor
 from hullrecon.artifacts.progress import Progress, Silent
-from hullrecon.artifacts.runner import RunContext, first_failure, run_chain
+from hullrecon.artifacts.runner import RunContext
 from hullrecon.artifacts.workspace import COMPARE_FOLDER
 from hullrecon.artifacts.writer import ArtifactWriter
 
 if TYPE_CHECKING:
-    from hullrecon.api.change import RunComparison
-    from hullrecon.api.export import ExportedModel
     from hullrecon.evaluation.comparison.method_comparison import MethodFigures
     from hullrecon.evaluation.figures.figure_style import PublishedFigure
-    from hullrecon.evaluation.scoring.score import Score
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,69 +36,6 @@ class MethodComparison:
     figures: dict[str, MethodFigures]
     heads: list[str]
     rows: list[list[str]]
-
-
-def run_dive(
-    package: Path | str, runs: Path | str = "runs", *, last_step: str | None = None, overrides: Sequence[str] = (),
-    jobs: int = 1, progress: Progress | None = None, allow_outside: bool = False,
-) -> DiveRun:  # fmt: skip
-    """Run the chain on a dive package, as `hullrecon run` does, and return the dive; its `deliver`
-    folder holds the results.
-
-    last_step: stop after this step. overrides: `section.key=value`. jobs: worker processes inside a
-    step. allow_outside: the package may name files outside its folder. Raises the errors of
-    hullrecon.errors, all HullreconError; that of a step that fails alone, such as a mosaic, when
-    all else is delivered.
-    """
-    dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
-    chain = dive.chain if last_step is None else dive.chain.up_to(last_step)
-    with _run_context(dive, jobs, progress) as run_context:
-        outcomes = run_chain(
-            chain,
-            dive.workspace,
-            run_context,
-            preflight=lambda plan: refuse_wrong_bow(dive, plan),
-            keep_going=True,
-        )
-    failure = first_failure(outcomes)
-    if failure is not None:
-        raise failure
-    return dive
-
-
-def evaluate(run: Path | str, package: Path | str) -> Score:
-    """Return the figures of a run (RUNS/<dive> or its deliver/) against the truth in a simulated
-    dive's package.
-    """
-    from hullrecon.evaluation.scoring.score import score_run
-
-    return score_run(Path(run), Path(package))
-
-
-def diff(first: Path | str, second: Path | str) -> RunComparison:
-    """Return what changed on a hull from one run (RUNS/<dive>) to another; hullrecon.api.change
-    writes its files.
-
-    Raises InputError when one of them is no finished run with a CAD model or when the CAD models
-    are of different hulls, StageError when they saw too little of the same hull.
-    """
-    from hullrecon.api.change import diff as diff_runs
-
-    return diff_runs(first, second)
-
-
-def export_colmap(
-    run: Path | str, folder: Path | str, *, jobs: int = 1, progress: Progress | None = None
-) -> ExportedModel:
-    """Write the undistorted images of a finished run (RUNS/<dive>) with their COLMAP model into a
-    new folder.
-
-    Raises InputError when the run is not finished, has no camera, or its images are gone;
-    StorageError when the folder is not empty or cannot be written.
-    """
-    from hullrecon.api.export import export_colmap as export_undistorted
-
-    return export_undistorted(Path(run), Path(folder), jobs=jobs, progress=progress or Silent())
 
 
 def compare_methods(

@@ -1,31 +1,74 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A dive package with its chain of steps and the folder of its run."""
+"""Open a dive package, run its chain of steps, and score what came out."""
 
 from __future__ import annotations
 
+import logging
+import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from hullrecon.artifacts.chain import Chain
+from hullrecon.artifacts.chain import Chain, StepStatus
+from hullrecon.artifacts.executor import choose_executor
+from hullrecon.artifacts.machine import usable_cores
 from hullrecon.artifacts.manifest import hash_file
+from hullrecon.artifacts.progress import Progress, Silent
+from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
 from hullrecon.artifacts.workspace import PUBLISHED, Workspace
-from hullrecon.errors import InputError
+from hullrecon.errors import InputError, StorageError
+
+if TYPE_CHECKING:
+    from hullrecon.dive.config.load import LoadedConfig
+    from hullrecon.evaluation.scoring.score import Score
+
+log = logging.getLogger(__name__)
+ASKS_FOR_BOW = frozenset({"hull", "hull.bow"})  # among what a step uses
 
 
 @dataclass(frozen=True)
 class DiveRun:
     """A dive package, read, with the folder of its artifacts."""
 
-    name: str
-    chain: Chain
-    workspace: Workspace
+    name: str  # dive.name of dive.toml
+    chain: Chain  # its steps with their settings
+    workspace: Workspace  # RUNS/<name>
+    config: LoadedConfig | None = None  # dive.toml with the overrides
 
     @property
     def deliver(self) -> Path:
         """Return the folder of the deliverables, whether it is there yet or not."""
         return self.workspace.root / PUBLISHED
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunResult:
+    """A dive with what its run did, step by step."""
+
+    dive: DiveRun
+    outcomes: tuple[StepOutcome, ...]
+
+    @property
+    def deliver(self) -> Path:
+        """Return the folder of the deliverables."""
+        return self.dive.deliver
+
+    @property
+    def workspace(self) -> Workspace:
+        """Return the folder of the run, RUNS/<dive>, with its artifacts."""
+        return self.dive.workspace
+
+    @property
+    def is_delivered(self) -> bool:
+        """Whether the deliverables are of this run, not of an earlier one."""
+        return any(outcome.delivers for outcome in self.outcomes)
+
+    @property
+    def failure(self) -> Exception | None:
+        """Why the first step that failed alone did, such as a mosaic. None if none failed."""
+        return first_failure(self.outcomes)
 
 
 def open_dive(
@@ -35,12 +78,25 @@ def open_dive(
     *,
     allow_outside: bool = False,
 ) -> DiveRun:
-    """Return a dive, given its package, or the folder of a run, whose package is the one that it
-    last read.
+    """Read the configuration of a dive package, or of the package that a run read last.
 
-    runs: folder of all runs. overrides: `section.key=value` in place of those of dive.toml.
-    allow_outside: the package may name files outside its folder. Raises InputError when the target
-    is neither package nor run and for such files, UsageError for a wrong configuration.
+    Parameters
+    ----------
+    target
+        Folder of the package, or of a run (RUNS/<dive>).
+    runs
+        Folder of all runs.
+    overrides
+        `section.key=value` in place of what dive.toml says.
+    allow_outside
+        Let the package name files outside its folder.
+
+    Raises
+    ------
+    InputError
+        The target is neither package nor run, or names files outside that are not allowed.
+    UsageError
+        The configuration is wrong.
     """
     from hullrecon.dive.config.load import FILE, load_config
     from hullrecon.dive.package_files import check_files
@@ -62,6 +118,7 @@ def open_dive(
         name,
         Chain(steps, config.sections, package, read_before),
         workspace or Workspace(Path(runs) / name),
+        config,
     )
 
 
@@ -75,3 +132,120 @@ def package_of(workspace: Workspace) -> Path:
             remedy="give the package's folder",
         )
     return package
+
+
+def run(
+    package: Path | str | DiveRun,
+    runs: Path | str = "runs",
+    *,
+    last_step: str | None = None,
+    overrides: Sequence[str] = (),
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    from_scratch: bool = False,
+    read_data: bool = False,
+    wait_s: float = 0.0,
+    allow_outside: bool = False,
+    progress: Progress | None = None,
+    raise_failure: bool = True,
+) -> RunResult:
+    """Run every step of a dive that is out of date; the results are in `RunResult.deliver`.
+
+    Parameters
+    ----------
+    package, runs, overrides, allow_outside
+        As for `open_dive`; a dive that is open is taken as it is.
+    last_step
+        Stop after this step, and run only what it needs.
+    jobs
+        Worker processes inside a step, all usable cores if None. The results do not depend on it.
+    scheduler
+        Address of a Dask scheduler in place of worker processes.
+    from_scratch
+        Run every step, up to date or not.
+    read_data
+        Read every byte that a step depends on instead of trusting sizes and times.
+    wait_s
+        How long to wait for another run on this dive.
+    raise_failure
+        Raise the error of a step that fails alone once all else is delivered; else it is in
+        `RunResult.failure`.
+
+    Raises
+    ------
+    HullreconError
+        The errors of hullrecon.errors: what is wrong, where and what to do.
+    """
+    dive = package
+    if not isinstance(dive, DiveRun):
+        dive = open_dive(dive, runs, overrides, allow_outside=allow_outside)
+    _warn_of_defaults(dive)
+    if scheduler is None and jobs is None:
+        jobs = usable_cores()
+    with choose_executor(jobs or 1, scheduler) as executor:
+        hashes = dive.workspace.hashes(trusting=not read_data)
+        outcomes = run_chain(
+            dive.chain if last_step is None else dive.chain.up_to(last_step),
+            dive.workspace,
+            RunContext(hashes, executor, progress or Silent()),
+            from_scratch=from_scratch,
+            wait_s=wait_s,
+            preflight=lambda plan: _check_before_run(dive, plan, jobs),
+            keep_going=True,
+        )
+    result = RunResult(dive=dive, outcomes=tuple(outcomes))
+    if raise_failure and result.failure is not None:
+        raise result.failure
+    return result
+
+
+def evaluate(run: Path | str, package: Path | str) -> Score:
+    """Score a run (RUNS/<dive> or its deliver/) against the truth of a simulated dive's package."""
+    from hullrecon.evaluation.scoring.score import score_run
+
+    return score_run(Path(run), Path(package))
+
+
+def _warn_of_defaults(dive: DiveRun) -> None:
+    """Log a warning for each lever arm, mount and calibration that dive.toml leaves open."""
+    from hullrecon.dive.check.to_fill_in import configured_sensors, to_fill_in
+
+    if dive.config is not None:
+        for line in to_fill_in(dive.config, configured_sensors(dive.config)):
+            log.warning("%s", line)
+
+
+def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | None) -> None:
+    """Log what is to be done, and refuse what can be known to end the run later.
+
+    Raises InputError for a `hull.bow` that the CAD model does not have, which steps ask for after
+    images were compared for hours; StorageError where the disk is too full: a step is built beside
+    its old artifact, so about that much space must be free.
+    """
+    to_do = [step for step in plan if step.to_do]
+    names = ", ".join(step.stage.name for step in to_do)
+    log.info("%s: %s", dive.name, f"to do: {names}" if to_do else "everything is up to date")
+    if to_do and jobs is not None:
+        log.info("%s: %d worker process%s (--jobs)", dive.name, jobs, "" if jobs == 1 else "es")
+    if any(ASKS_FOR_BOW & set(step.stage.uses) for step in to_do):
+        _refuse_wrong_bow(dive)
+    manifests = [step.manifest for step in to_do if step.manifest is not None]
+    needed = sum(file.size for manifest in manifests for file in manifest.outputs.values())
+    free = shutil.disk_usage(dive.workspace.root).free
+    if needed > free:
+        raise StorageError(
+            f"only {free / 1e6:.0f} MB are free",
+            where=str(dive.workspace.root),
+            remedy=f"the last run's artifacts took {needed / 1e6:.0f} MB: free some space, or"
+            " choose another folder with --runs",
+        )
+
+
+def _refuse_wrong_bow(dive: DiveRun) -> None:
+    from hullrecon.dive.check.bow import describe_bow
+    from hullrecon.dive.config.schema import Hull
+    from hullrecon.dive.hull.load import read_hull
+
+    hull = dive.chain.sections.get("hull")
+    if isinstance(hull, Hull) and hull.bow:
+        describe_bow(hull, read_hull(dive.chain.package / hull.mesh, hull.units, []))

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hullrecon.artifacts.executor import choose_executor
+from hullrecon.artifacts.machine import usable_cores
 from hullrecon.artifacts.progress import Progress, Silent
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import InputError
@@ -75,11 +76,15 @@ class ImageWork:
 
 
 def export_colmap(
-    run: Path | str, folder: Path | str, *, jobs: int = 1, progress: Progress | None = None
+    run: Path | str,
+    folder: Path | str,
+    *,
+    jobs: int | None = None,
+    progress: Progress | None = None,
 ) -> ExportedModel:
     """Write a COLMAP workspace of a finished run (RUNS/<dive>): undistorted images, the model with
     pinhole cameras, and what COLMAP's stereo asks for. The folder must be new or empty and appears
-    when all of it is written. jobs: worker processes.
+    when all of it is written. jobs: worker processes, all cores for None.
 
     Raises InputError when the run is not finished, has no camera, or its images are gone;
     StorageError when the folder is not empty or cannot be written.
@@ -97,7 +102,7 @@ def export_colmap(
         model = undistort_model(delivered)
         work = _image_work(IngestArtifact(workspace.artifact("ingest")), workspace.package, model)
         (partial / "images").mkdir()
-        with choose_executor(jobs) as executor:
+        with choose_executor(jobs or usable_cores()) as executor:
             encoded = executor.map(ImageWork.encoded, work)
             for item, data in zip(
                 work, (progress or Silent()).track(encoded, "images", len(work)), strict=True

@@ -33,6 +33,12 @@ _RESET_PEAK = "5"  # proc(5), clear_refs
 _KIB = 1024
 
 
+def usable_cores() -> int:
+    """Return how many worker processes a run starts unless told: HULLRECON_JOBS, else one a core."""
+    given = os.environ.get("HULLRECON_JOBS", "")
+    return int(given) if given.isdecimal() and int(given) else len(os.sched_getaffinity(0))
+
+
 @cache
 def versions() -> dict[str, str]:
     """Return the versions of Python and of the libraries that are installed."""

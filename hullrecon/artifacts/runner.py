@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from hullrecon.artifacts.chain import Chain, StepStatus, assess_chain, assess_step, inputs_of
+from hullrecon.artifacts.delivery import delivered_records
 from hullrecon.artifacts.disk import commit_folder, make_folder, remove, storage_errors
 from hullrecon.artifacts.executor import Executor, choose_executor
 from hullrecon.artifacts.machine import (
@@ -234,6 +235,11 @@ class StepOutcome:
     made: bool
     manifest: Manifest | None
     failure: Exception | None = None
+
+    @property
+    def delivers(self) -> bool:
+        """Whether the step's artifact holds files that are copied to deliver/."""
+        return self.manifest is not None and bool(delivered_records(self.manifest))
 
 
 def run_chain(

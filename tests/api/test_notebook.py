@@ -21,7 +21,7 @@ DEMO = ROOT / "sample_data" / "demo"
 
 def test_the_functions_of_the_commands_are_found_in_the_package() -> None:
     for name in (
-        "run_dive",
+        "run",
         "evaluate",
         "diff",
         "compare_methods",
@@ -66,7 +66,7 @@ def test_a_run_that_does_not_name_its_package_is_refused(tmp_path: Path) -> None
 
 
 def test_a_dive_is_run_up_to_a_step_and_opened_again_by_its_run(tmp_path: Path) -> None:
-    dive = hullrecon.run_dive(DEMO, tmp_path, last_step="navigate")
+    dive = hullrecon.run(DEMO, tmp_path, last_step="navigate")
     assert (dive.workspace.artifact("navigate") / "trajectory.npz").exists()
     assert not dive.deliver.exists()
     again = hullrecon.open_dive(dive.workspace.root)
@@ -89,10 +89,10 @@ def test_the_example_runs_scores_and_prints_the_comparison(
         "as_found": {"aligned_rmse_m": 0.004},
         "objects": {"height_error_worst_m": 0.01},
     }
-    monkeypatch.setattr("hullrecon.api.run_dive", hullrecon.open_dive)
-    monkeypatch.setattr("hullrecon.api.evaluate", lambda run, package: figures)
+    monkeypatch.setattr("hullrecon.api.dive_run.run", hullrecon.open_dive)
+    monkeypatch.setattr("hullrecon.api.dive_run.evaluate", lambda run, package: figures)
     comparison = MethodComparison(figures={}, heads=["method"], rows=[["maxmix as published"]])
-    monkeypatch.setattr("hullrecon.api.compare_methods", lambda dive: comparison)
+    monkeypatch.setattr("hullrecon.api.commands.compare_methods", lambda dive: comparison)
     example = runpy.run_path(str(ROOT / "examples" / "compare_methods.py"))
     example["main"]([str(DEMO), str(tmp_path)])
     printed = capsys.readouterr().out

@@ -14,7 +14,7 @@ import pytest
 from datasets import dataset
 from hullrecon_cli.main import main
 
-from hullrecon.api.commands import run_dive
+from hullrecon.api.dive_run import run
 from hullrecon.errors import InputError
 
 TOML = """[dive]
@@ -345,7 +345,7 @@ def test_a_run_refuses_a_bow_across_the_ship_before_it_reads_a_log(capsys, packa
     assert "the bow cannot lie at +y" in line
     assert not list((tmp_path / "runs").glob("*/ingest"))
     with pytest.raises(InputError, match="the bow cannot lie at"):
-        run_dive(package, tmp_path / "runs")
+        run(package, tmp_path / "runs")
     assert not list((tmp_path / "runs").glob("*/ingest"))
     # which does not ask for it
     code, out, _ = call(capsys, "run", package, "--runs", tmp_path / "runs", "--to", "ingest")

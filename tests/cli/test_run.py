@@ -444,3 +444,13 @@ def test_what_an_earlier_run_delivered_is_not_shown_as_this_runs(
     assert failed.code == 4
     assert not (runs / "toy" / "deliver").exists()
     assert (runs / "toy" / "deliver-out-of-date" / "report.txt").exists()
+
+
+def test_run_without_jobs_uses_all_cores_and_says_so(
+    program, package: Path, runs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("HULLRECON_JOBS", raising=False)
+    monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 1, 2})
+    assert "toy: 3 worker processes (--jobs)\n" in program("run", package, "--runs", runs).err
+    given = program("run", package, "--runs", runs, "--jobs", 1, "--from-scratch")
+    assert "toy: 1 worker process (--jobs)\n" in given.err

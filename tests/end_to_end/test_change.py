@@ -32,7 +32,7 @@ from benchmarks.change import (
     true_changes,
 )
 from hullrecon.api.change import RunComparison
-from hullrecon.api.commands import run_dive
+from hullrecon.api.dive_run import run
 from hullrecon.errors import StageError
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.frames import Camera
@@ -77,7 +77,7 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> Compared:
     folder = tmp_path_factory.mktemp("change")
     by_diff = run_both(folder, SEED, SMALLEST)
     first, second = simulate(folder, SEED, SMALLEST)
-    dive = run_dive(
+    dive = run(
         second, folder / "runs", overrides=[f"change.earlier={folder / 'runs' / first.name}"]
     )
     return Compared(first=first, second=second, by_diff=by_diff, deliver=dive.deliver)
@@ -275,7 +275,7 @@ def test_where_the_first_run_is_not_there_all_else_is_delivered_and_the_reason_s
 ) -> None:
     """The last test: it runs the second dive again."""
     with pytest.raises(StageError, match="no comparison with an earlier dive: this is no run"):
-        run_dive(
+        run(
             compared.second,
             compared.deliver.parents[1],
             overrides=[f"change.earlier={tmp_path / 'gone'}"],
