@@ -63,7 +63,7 @@ def photo_jpeg(crop: Crop, min_width: int = 800) -> bytes:
     """Return an object's picture as a file: enlarged, with its outline drawn in."""
     import cv2
 
-    factor = max(1.0, min_width / crop.width)
+    factor = _enlargement(crop.width, crop.height, min_width)
     size = (round(factor * crop.width), round(factor * crop.height))
     picture = np.ascontiguousarray(cv2.resize(crop.picture, size, interpolation=cv2.INTER_CUBIC))
     # in sixteenths of a pixel
@@ -198,7 +198,7 @@ def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
     """Return a data URI; small cuts are enlarged so that a browser's smoothing does not blur them."""
     import cv2
 
-    factor = max(1.0, min_width / picture.shape[1])
+    factor = _enlargement(picture.shape[1], picture.shape[0], min_width)
     if factor > 1:
         picture = np.asarray(
             cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC), np.uint8
@@ -207,6 +207,13 @@ def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
         "data:image/jpeg;base64,"
         + b64encode(_jpeg(np.asarray(picture, np.uint8), quality)).decode()
     )
+
+
+def _enlargement(width: int, height: int, min_width: int) -> float:
+    """Factor, at least 1, that widens a picture to min_width and keeps its height below four times
+    that: an object at an image's border leaves a sliver.
+    """
+    return max(1.0, min(min_width / width, 4 * min_width / height))
 
 
 def _jpeg(picture: Pixels, quality: int) -> bytes:

@@ -264,14 +264,15 @@ def describe_position(survey: Survey) -> str:
 
 
 def mosaic_context(name: str, mosaic: Mosaic) -> PageContext:
-    """Return the preview, at most 1800 pixels wide, as JPEG, with what mosaic.json says."""
+    """Return the preview, at most 1800 pixels wide and 3600 tall, as JPEG, with mosaic.json's words."""
     import cv2
 
     picture: Pixels = np.asarray(
         cv2.imdecode(np.frombuffer(mosaic.preview, np.uint8), cv2.IMREAD_COLOR_RGB), np.uint8
     )
-    if picture.shape[1] > 1800:
-        factor = 1800 / picture.shape[1]
+    shrink = max(picture.shape[1] / 1800, picture.shape[0] / 3600)
+    if shrink > 1:
+        factor = 1 / shrink
         picture = np.asarray(
             cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA), np.uint8
         )

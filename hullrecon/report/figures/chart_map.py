@@ -13,10 +13,13 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.report.figures.style import new_figure, png_bytes
+from hullrecon.report.format_limits import reduction
 from hullrecon.typing import Array, Ints32
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+MOST_NARROW = 12.0  # sides of a map of the form, as drawn
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,14 +93,19 @@ def weighted_percentiles(values: Array, weights: Array, percent: tuple[float, ..
 
 
 def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> bytes:
-    """Return a picture of the seen faces, tinted by views, transparent elsewhere; it fills the
-    extent without a frame.
+    """Return a picture of the seen faces, tinted by views, transparent elsewhere.
+
+    It fills the extent without a frame; a tall one is at most twice width_px high.
     """
     from matplotlib.figure import Figure
 
     width, height = extent.size
+    height_px = width_px * height / width
+    shrink = 100 * reduction(width_px, height_px, 2 * width_px)
     figure = Figure(
-        figsize=(width_px / 100, width_px / 100 * height / width), dpi=100, frameon=False
+        figsize=(max(0.01, width_px / shrink), max(0.01, height_px / shrink)),
+        dpi=100,
+        frameon=False,
     )
     axis = figure.add_axes((0, 0, 1, 1))
     axis.set(xlim=extent.limits[0], ylim=extent.limits[1])
@@ -149,21 +157,28 @@ def form_png(
     extent: Extent,
     marks: list[tuple[str, float, float]],
 ) -> bytes:
-    """Return maps of the form of the seen faces in millimetres, blue inward, red outward, and below
-    it of its sigma; marks: labels at along, girth.
+    """Draw maps of the form (blue inward, red outward) and of its sigma, of the seen faces, in mm.
+
+    They lie below each other, those of a tall hull beside each other. marks: labels at along and
+    girth.
     """
     width, height = extent.size
-    figure, axes = new_figure(7.6, 2 * min(5.0, max(1.8, 6.0 * height / width + 0.6)), rows=2)
+    if height > 1.5 * width:
+        figure, axes = new_figure(7.6, min(9.0, max(4.0, 3.0 * height / width)), columns=2)
+    else:
+        figure, axes = new_figure(7.6, 2 * min(5.0, max(1.8, 6.0 * height / width + 0.6)), rows=2)
     fields = (1000 * np.nan_to_num(split.form), 1000 * np.nan_to_num(split.form_sigma))
     for axis, values, shading in zip(axes, fields, form_shadings(found, split) or (), strict=False):
         _draw_field(axis, found, values, shading)
+    # a strip is drawn wider than it is: of 330 m by 2 m nothing would be seen
+    stretch = max(1.0, width / height / MOST_NARROW) / max(1.0, height / width / MOST_NARROW)
     for axis in axes:
         axis.set(
             xlim=extent.limits[0],
             ylim=extent.limits[1],
-            aspect="equal",
-            xlabel="along (m)",
-            ylabel="girth (m)",
+            aspect="equal" if stretch == 1 else stretch,
+            xlabel="along (m)" + (f", {1 / stretch:.0f} times as large" if stretch < 1 else ""),
+            ylabel="girth (m)" + (f",\n{stretch:.0f} times as large" if stretch > 1 else ""),
         )
     for text, along, girth in marks:
         axes[0].annotate(

@@ -14,37 +14,40 @@ import numpy as np
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.report.figures.chart_map import ChartedSurface, Extent, Shading, seen_faces
+from hullrecon.report.format_limits import WEBP_SIDE_PX, reduction
 from hullrecon.typing import Array, Mask, Pixels
 
 Bounds = tuple[float, float, float, float]  # left, bottom, right, top in map coordinates, m
 # of a mosaic: 10 m2 at 1 mm a pixel in some 4 MB; the GeoTIFF beside has all of them
 MOST_PIXELS = 12e6
-FIELD_STEP_M, MOST_FIELD_PIXELS = 0.005, 1600
+FIELD_STEP_M = 0.005  # a pixel of a field, which is smooth over centimetres
+MOST_FIELD_PIXELS = 2.5e6  # 10 m by 6 m at that; far below CANVAS_PIXELS, through which it is read
 
 
 @dataclass(frozen=True, kw_only=True)
 class MapLayer:
-    """A picture on the map: name (a stem for ids), title, WebP, its bounds, what its colours mean
-    (None for a photograph), and a sentence of what a reader has to know.
-    """
+    """A picture on the map."""
 
-    name: str
+    name: str  # stem of ids in the page
     title: str
     webp: bytes
     bounds: Bounds
-    legend: Shading | None = None
-    note: str = ""
+    step_m: float  # side of a pixel
+    legend: Shading | None = None  # None for a photograph
+    note: str = ""  # sentences that a reader of the map needs
 
 
 def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer:
-    """Return an ortho as a layer, at most MOST_PIXELS large, its contrast stretched, transparent
-    where nothing was seen; ortho: its GeoTIFF.
+    """Return an ortho (GeoTIFF) as a layer of at most MOST_PIXELS, its contrast stretched.
+
+    It is transparent where nothing was seen.
     """
     import rasterio
     from rasterio.enums import Resampling
 
     with rasterio.open(ortho) as source:
-        shrink = max(1.0, (source.width * source.height / MOST_PIXELS) ** 0.5)
+        shrink = reduction(source.width, source.height, WEBP_SIDE_PX, MOST_PIXELS)
+        step_m = float(source.res[0])
         shape = (max(1, round(source.height / shrink)), max(1, round(source.width / shrink)))
         bands = (1, 2, 3) if source.count >= 3 else (1, 1, 1)
         picture = source.read(bands, out_shape=(3, *shape), resampling=Resampling.average)
@@ -52,7 +55,12 @@ def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer
         left, bottom, right, top = (float(v) for v in source.bounds)
     rgba = np.dstack([*_stretched(np.asarray(picture, np.uint8), seen > 0), seen])
     return MapLayer(
-        name=name, title=title, webp=webp_bytes(rgba), bounds=(left, bottom, right, top), note=note
+        name=name,
+        title=title,
+        webp=webp_bytes(rgba),
+        bounds=(left, bottom, right, top),
+        step_m=step_m * shrink,
+        note=note,
     )
 
 
@@ -84,16 +92,24 @@ def field_layer(
     """Return values at the vertices (n,) as a layer over what was seen. Pixels have the colours of
     the legend and no others, so that a page reads a value from its pixel.
     """
-    level, seen = _levels(found, values, shading, extent)
+    step_m = field_step_m(extent)
+    level, seen = _levels(found, values, shading, extent, step_m)
     rgba = np.dstack([palette(shading.colours)[level], np.where(seen, 255, 0).astype(np.uint8)])
     return MapLayer(
         name=name,
         title=title,
         webp=webp_bytes(rgba, lossless=True),
         bounds=bounds_of(extent),
+        step_m=step_m,
         legend=shading,
         note=note,
     )
+
+
+def field_step_m(extent: Extent) -> float:
+    """Return the side of a pixel of a field's picture, m."""
+    width, height = (span / FIELD_STEP_M for span in extent.size)
+    return FIELD_STEP_M * reduction(width, height, WEBP_SIDE_PX, MOST_FIELD_PIXELS)
 
 
 def bounds_of(extent: Extent) -> Bounds:
@@ -114,19 +130,17 @@ def palette(name: str) -> Pixels:
 
 
 def _levels(
-    found: ChartedSurface, values: Array, shading: Shading, extent: Extent
+    found: ChartedSurface, values: Array, shading: Shading, extent: Extent, step_m: float
 ) -> tuple[Pixels, Mask]:
-    """Return values as levels 0 to 255 of the shading, and where there are any: both (h, w), drawn
-    in grey by matplotlib.
+    """Return values as levels 0 to 255 of the shading, and where there are any: both (h, w).
+
+    matplotlib draws them in grey, in square pixels of step_m.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    width_m, height_m = extent.size
-    width = min(MOST_FIELD_PIXELS, width_m / FIELD_STEP_M)
-    figure = Figure(
-        figsize=(width / 100, max(2.0, width * height_m / width_m) / 100), dpi=100, frameon=False
-    )
+    width, height = (max(1.0, span / step_m) for span in extent.size)
+    figure = Figure(figsize=(width / 100, height / 100), dpi=100, frameon=False)
     canvas = FigureCanvasAgg(figure)
     axis = figure.add_axes((0, 0, 1, 1))
     axis.set(xlim=extent.limits[0], ylim=extent.limits[1])

@@ -18,6 +18,7 @@ from hullrecon.report.figures.chart_map import Extent
 from hullrecon.typing import Array
 
 LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 92.0
+TALLEST = 2 * WIDTH  # of a hull seen in a narrow strip from keel to waterline
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,11 +68,11 @@ class Plan:
 
 
 def plan_svg(plan: Plan, title: str) -> str:
-    """Return one SVG, 960 wide inside its frame; colours have text and shape beside them."""
+    """Return one SVG, at most WIDTH by TALLEST inside its frame."""
     width_m, height_m = plan.extent.size
-    scale = WIDTH / width_m
+    scale = min(WIDTH / width_m, TALLEST / height_m)
     height = height_m * scale
-    body = [_ground(plan, height), *_ticks(plan, scale, height), _path(plan, scale, height)]
+    body = [_ground(plan, scale, height), *_ticks(plan, scale, height), _path(plan, scale, height)]
     body += [_mark(mark, plan, scale, height) for mark in plan.marks]
     body += [_scale_bar(scale, height), _sigma_bar(plan, scale, height)]
     box = f"0 0 {LEFT + WIDTH + 46:.0f} {TOP + height + FOOT:.0f}"
@@ -91,12 +92,13 @@ def _y(girth: float, plan: Plan, scale: float, height: float) -> float:
     return TOP + (share if plan.extent.flips[1] else height - share)
 
 
-def _ground(plan: Plan, height: float) -> str:
-    frame = f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{height:.1f}" class="sea"/>'
+def _ground(plan: Plan, scale: float, height: float) -> str:
+    width = plan.extent.size[0] * scale
+    box = f'x="{LEFT}" y="{TOP}" width="{width:.1f}" height="{height:.1f}"'
+    frame = f'<rect {box} class="sea"/>'
     if plan.ground is None:
         return frame
     data = b64encode(plan.ground).decode()
-    box = f'x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{height:.1f}"'
     return f'{frame}<image {box} preserveAspectRatio="none" href="data:image/png;base64,{data}"/>'
 
 
@@ -131,11 +133,10 @@ def _ticks(plan: Plan, scale: float, height: float) -> list[str]:
             parts.append(
                 f'<text x="{x:.1f}" y="{TOP + height + 33:.1f}" class="tick mid">{frame}</text>'
             )
+    right = LEFT + plan.extent.size[0] * scale
     for value in _multiples(plan.extent.girth, step):
         y = _y(value, plan, scale, height)
-        parts.append(
-            f'<line x1="{LEFT}" x2="{LEFT + WIDTH}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>'
-        )
+        parts.append(f'<line x1="{LEFT}" x2="{right:.1f}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>')
         parts.append(f'<text x="{LEFT - 7}" y="{y + 4:.1f}" class="tick end">{value:g} m</text>')
     return parts
 

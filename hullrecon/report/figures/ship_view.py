@@ -16,9 +16,11 @@ import numpy as np
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas, face_normals
 from hullrecon.report.figures.plan_view import nice_below
 from hullrecon.report.figures.style import png_bytes
+from hullrecon.report.format_limits import reduction
 from hullrecon.typing import Array
 
 WIDTH, MARGIN, FOOT = 1000.0, 26.0, 26.0
+TALLEST = 1000.0  # of a picture of what is taller than long
 # of the rectangle around the patch: a small one on a long ship is found all the same
 LEAST_FRAME = 26.0
 STEEL, PATCH = np.array([0.50, 0.58, 0.66]), np.array([0.88, 0.42, 0.10])
@@ -73,14 +75,15 @@ def ship_svg(ship: Mesh, patch: Mesh) -> tuple[str, str]:
     side = facing_side(patch)
     at = side.project(ship.vertices)
     low, high = at.min(axis=0), at.max(axis=0)
-    scale = (WIDTH - 2 * MARGIN) / (high[0] - low[0])
-    height = scale * (high[1] - low[1])
+    wide, tall = np.maximum(high - low, 1e-3)
+    scale = min((WIDTH - 2 * MARGIN) / wide, TALLEST / tall)
+    width, height = scale * wide, scale * tall
     text = (
         f"The ship from its CAD model, {side.words}; the surveyed patch is in colour. "
         f"The bow is on the {'left' if side.bow_is_left else 'right'}."
     )
     picture = b64encode(_render(ship, patch, side, (low, high))).decode()
-    box = f'x="{MARGIN}" y="{MARGIN}" width="{WIDTH - 2 * MARGIN:.1f}" height="{height:.1f}"'
+    box = f'x="{MARGIN}" y="{MARGIN}" width="{width:.1f}" height="{height:.1f}"'
     svg = (
         f'<svg class="ship" viewBox="0 0 {WIDTH:.0f} {height + 2 * MARGIN + FOOT:.0f}" role="img" '
         f'aria-label="{escape(text, quote=True)}" xmlns="http://www.w3.org/2000/svg"><title>{escape(text)}</title>'
@@ -120,8 +123,11 @@ def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) ->
     from matplotlib.figure import Figure
 
     low, high = bounds
-    wide, tall = high - low
-    figure = Figure(figsize=(16, max(16 * tall / wide, 0.4)), dpi=200, frameon=False)
+    wide, tall = np.maximum(high - low, 1e-3)
+    shrink = reduction(1.0, tall / wide, 1.0)
+    figure = Figure(
+        figsize=(max(16 / shrink, 0.4), max(16 * tall / wide / shrink, 0.4)), dpi=200, frameon=False
+    )
     axis = figure.add_axes((0, 0, 1, 1))
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axis.axis("off")

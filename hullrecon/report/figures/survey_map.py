@@ -7,7 +7,8 @@ the layers of the map.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -32,6 +33,14 @@ from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
 MOSAIC_TITLES = {"optical": "Camera mosaic", "sonar": "Sonar mosaic"}
+RASTERS = {  # the delivered raster of a layer
+    "optical": "ortho_optical.tif",
+    "sonar": "ortho_sonar.tif",
+    "form": "form.tif",
+    "form_sigma": "form_sigma.tif",
+    "sigma": "",
+    "coverage": "support.tif",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +101,32 @@ def survey_layers(survey: Survey, view: ChartView) -> list[MapLayer]:
     """Return the layers that this dive gives, the one that is shown first in front: mosaics,
     deviation, sigma, coverage.
     """
+    rasters = survey.provenance.copies
+    return [
+        replace(layer, note=f"{layer.note} {_resolution(layer, rasters.get(RASTERS[layer.name]))}")
+        for layer in _layers(survey, view)
+    ]
+
+
+def _resolution(layer: MapLayer, raster: Path | None) -> str:
+    """Say at what resolution a layer is shown, and which delivered raster is finer."""
+    shown = f"Shown at {_millimetres(layer.step_m)} a pixel"
+    if raster is None:
+        return f"{shown}."
+    import rasterio
+
+    with rasterio.open(raster) as source:
+        full_m = float(source.res[0])
+    if full_m >= 0.999 * layer.step_m:
+        return f"{shown}."
+    return f"{shown}; {RASTERS[layer.name]} has {_millimetres(full_m)}."
+
+
+def _millimetres(step_m: float) -> str:
+    return f"{1000 * step_m:.1f} mm" if step_m < 0.01 else f"{1000 * step_m:.0f} mm"
+
+
+def _layers(survey: Survey, view: ChartView) -> list[MapLayer]:
     mosaics, copies = survey.mosaics.named(), survey.provenance.copies
     layers = [
         mosaic_layer(
