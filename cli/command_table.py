@@ -58,13 +58,11 @@ AROUND = {
     "export": Entry(
         "export", "export", "results in forms for other programs: undistorted images for COLMAP"
     ),
-    "compare-methods": Entry(
-        "score", "compare_methods", "naive, geva and maxmix on a simulated dive, in one table"
-    ),
-    "figures": Entry(
-        "score", "figures", "the sources' figures on a simulated dive, as pictures and tables"
+    "study": Entry(
+        "study", "study", "the published methods in one table, the published figures as pictures"
     ),
     "completion": Entry("completion", "completion", "the shell's completion script"),
 }
 SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}
+RENAMED = {"compare-methods": "study methods", "figures": "study figures"}  # since 0.2.0
 COMMANDS = {**ON_A_DIVE, **STEPS, **AROUND}

@@ -14,7 +14,7 @@ import click
 from hullrecon import __version__
 from hullrecon.artifacts.progress import listen
 
-from .command_table import COMMANDS, SECTIONS
+from .command_table import COMMANDS, RENAMED, SECTIONS
 from .error_reporting import exit_code_of
 from .printing import write_out_what_cannot_be_encoded
 from .state import CallState, add_common_options, common_options, configure_logging
@@ -45,7 +45,11 @@ class LazyGroup(click.Group):
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             from difflib import get_close_matches
 
-            near = get_close_matches(args[0], COMMANDS, 1)
+            near = (
+                [RENAMED[args[0]]]
+                if args[0] in RENAMED
+                else get_close_matches(args[0], COMMANDS, 1)
+            )
             ctx.fail(
                 f"no command is called {args[0]!r}"
                 + (f"; did you mean {near[0]!r}?" if near else "")

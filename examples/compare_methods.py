@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import hullrecon
+from hullrecon import studies
 
 DEMO = Path(__file__).resolve().parents[1] / "sample_data" / "demo"
 
@@ -30,7 +31,7 @@ def run_and_score(package: Path, runs: Path) -> dict[str, float]:
 
 def print_comparison(package: Path, runs: Path) -> None:
     """Print naive, geva and maxmix side by side."""
-    comparison = hullrecon.compare_methods(hullrecon.open_dive(package, runs))
+    comparison = studies.compare_methods(hullrecon.open_dive(package, runs))
     for line in (comparison.heads, *comparison.rows):
         print("  ".join(f"{cell:>18}" for cell in line))
 

@@ -4,15 +4,14 @@
 
 In a notebook, `hullrecon.run`, `evaluate`, `diff` and the others below do what the commands of the
 same name do (examples/). Each is loaded when it is first used, so that importing hullrecon is free.
+What reproduces the sources is in hullrecon.studies.
 """
 
 from importlib import import_module
 
 __version__ = "0.1.0"
 _FUNCTIONS = {  # name: the module that defines it
-    "compare_methods": "hullrecon.api.commands",
     "diff": "hullrecon.api.change",
-    "draw_figures": "hullrecon.api.commands",
     "evaluate": "hullrecon.api.dive_run",
     "export_colmap": "hullrecon.api.export",
     "open_dive": "hullrecon.api.dive_run",

@@ -24,8 +24,6 @@ def test_the_functions_of_the_commands_are_found_in_the_package() -> None:
         "run",
         "evaluate",
         "diff",
-        "compare_methods",
-        "draw_figures",
         "export_colmap",
         "open_dive",
     ):
@@ -82,7 +80,7 @@ def test_the_example_runs_scores_and_prints_the_comparison(
     """
     import runpy
 
-    from hullrecon.api.commands import MethodComparison
+    from hullrecon.studies import MethodComparison
 
     figures = {
         "trajectory": {"rigid_rmse_m": 0.002},
@@ -92,7 +90,7 @@ def test_the_example_runs_scores_and_prints_the_comparison(
     monkeypatch.setattr("hullrecon.api.dive_run.run", hullrecon.open_dive)
     monkeypatch.setattr("hullrecon.api.dive_run.evaluate", lambda run, package: figures)
     comparison = MethodComparison(figures={}, heads=["method"], rows=[["maxmix as published"]])
-    monkeypatch.setattr("hullrecon.api.commands.compare_methods", lambda dive: comparison)
+    monkeypatch.setattr("hullrecon.studies.compare_methods", lambda dive: comparison)
     example = runpy.run_path(str(ROOT / "examples" / "compare_methods.py"))
     example["main"]([str(DEMO), str(tmp_path)])
     printed = capsys.readouterr().out

@@ -81,6 +81,8 @@ def test_the_version_is_printed(program) -> None:
     [
         (["rnu"], "no command is called 'rnu'; did you mean 'run'?"),
         (["xyzzy"], "no command is called 'xyzzy'"),
+        (["compare-methods", "dive"], "did you mean 'study methods'?"),
+        (["figures", "dive"], "did you mean 'study figures'?"),
         (["run"], "Missing argument 'PACKAGE'"),
         (["run", "somewhere", "--job", "2"], "No such option '--job'"),
         (["run", "somewhere", "--jobs", "0"], "Invalid value for '--jobs'"),

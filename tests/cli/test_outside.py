@@ -37,11 +37,12 @@ def package(tmp_path) -> Path:
 
 
 @pytest.mark.parametrize(
-    "command", ["check", "run", "ingest", "status", "explain", "compare-methods", "figures"]
+    "command",
+    ["check", "run", "ingest", "status", "explain", "study methods", "study figures"],
 )
 def test_a_command_that_reads_packages_refuses_a_file_outside_in_one_line(capsys, package, command):
     runs = [] if command == "check" else ["--runs", str(package.parent / "runs")]
-    assert main([command, str(package), *runs]) == 3
+    assert main([*command.split(), str(package), *runs]) == 3
     line = capsys.readouterr().err.strip()
     assert line.startswith("error: hull.mesh names a file outside the package: ../hull.off")
     assert "--allow-outside" in line

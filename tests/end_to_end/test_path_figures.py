@@ -9,14 +9,14 @@ import pytest
 from end_to_end.shell import Shell
 
 from hullrecon.api.dive_run import open_dive
-from hullrecon.api.method_variants import read_dead_reckoning
-from hullrecon.api.path_figures import draw_path_figures
 from hullrecon.artifacts.executor import choose_executor
 from hullrecon.artifacts.progress import Silent
 from hullrecon.artifacts.runner import RunContext
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.steps.artifacts import LinksArtifact
+from hullrecon.studies.methods.variants import read_dead_reckoning
+from hullrecon.studies.paths.path_figures import draw_path_figures
 
 pytestmark = pytest.mark.slow
 DIVE = (

@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Thin slices across the hull at a structure, for [Ozog2016 Figs 4.10, 4.11]."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon.evaluation.scoring.truth import TrueStructure, Truth
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.studies.methods.plots import CrossSection, WholeSection
+from hullrecon.typing import Array, Mask
+
+
+def cut_section(
+    solve: tuple[str, str], structure: TrueStructure, landmarks: Array, on_surface: Mask, dvl: Array,
+    truth: Truth, reach_m: float = 0.55, half_m: float = 0.08,
+) -> CrossSection:  # fmt: skip
+    """Return the slice through the structure's middle, half_m to either side along the hull; points
+    in M, aligned.
+
+    solve: method and weighting. The DVL's few returns are taken from a slice five times as thick.
+    """
+    axes = _axes(structure)
+    foot = np.array(structure.center) - structure.height * axes[2]
+    local, beams = (landmarks - foot) @ axes.T, (dvl - foot) @ axes.T
+    seen, hit = _inside(local, half_m, reach_m), _inside(beams, 5 * half_m, reach_m)
+    line = np.linspace(-reach_m, reach_m, 200)
+    return CrossSection(
+        method=solve[0],
+        weighting=solve[1],
+        dvl=beams[hit, 1:],
+        on=local[seen & on_surface, 1:],
+        off=local[seen & ~on_surface, 1:],
+        steel=_profile(truth.built, foot, axes, line),
+        cad_model=_profile(truth.cad_model, foot, axes, line)
+        if truth.cad_model is not None
+        else np.zeros((0, 2)),
+    )
+
+
+def cut_whole_hull(
+    structure: TrueStructure,
+    landmarks: Array,
+    on_surface: Mask,
+    dvl: Array,
+    truth: Truth,
+    half_m: float = 0.08,
+) -> WholeSection:
+    """Return the slice across the whole hull at the structure, in M's y and z (x forward)."""
+    at = np.array(structure.center)
+    near, hit = np.abs(landmarks[:, 0] - at[0]) < half_m, np.abs(dvl[:, 0] - at[0]) < 5 * half_m
+    cad_model = np.zeros((0, 2))
+    if truth.cad_model is not None and near.any():
+        low, high = landmarks[near, 2].min() - 0.8, landmarks[near, 2].max() + 0.8
+        side = np.sign(structure.normal[1]) or 1.0
+        start = np.stack(
+            [np.full(200, at[0]), np.full(200, at[1] + 5 * side), np.linspace(low, high, 200)], 1
+        )
+        way = truth.cad_model.cast(start, np.tile([0.0, -side, 0.0], (200, 1)))
+        met = np.isfinite(way) & (way < 5 + 3.0)
+        cad_model = np.stack([start[met, 1] - side * way[met], start[met, 2]], 1)
+    return WholeSection(
+        on=landmarks[near & on_surface, 1:],
+        off=landmarks[near & ~on_surface, 1:],
+        dvl=dvl[hit, 1:],
+        cad_model=cad_model,
+        at=at[1:],
+    )
+
+
+def _axes(structure: TrueStructure) -> Array:
+    """Return rows: along the hull, over its girth, outward."""
+    normal = np.array(structure.normal)
+    along = np.array([1.0, 0.0, 0.0]) - normal * normal[0]
+    along /= np.linalg.norm(along)
+    return np.stack([along, np.cross(normal, along), normal])
+
+
+def _inside(local: Array, half_m: float, reach_m: float) -> Mask:
+    return (
+        (np.abs(local[:, 0]) < half_m)
+        & (np.abs(local[:, 1]) < reach_m)
+        & (np.abs(local[:, 2]) < 0.4)
+    )
+
+
+def _profile(surface: Scene, foot: Array, axes: Array, line: Array) -> Array:
+    """Return (m, 2) tangent and height where rays from outside meet the surface."""
+    start = foot + line[:, None] * axes[1] + 0.5 * axes[2]
+    way = surface.cast(start, np.tile(-axes[2], (len(line), 1)))
+    met = np.isfinite(way) & (way < 1.2)
+    return np.stack([line[met], 0.5 - way[met]], axis=1)

@@ -1,0 +1,233 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The figures that show what links and planes do to a path, of a run whose chain has come as far as
+it can.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+
+from hullrecon.adjustment.hull_pose.registration import register
+from hullrecon.adjustment.problem.measurements import CadModel
+from hullrecon.api.dive_run import DiveRun
+from hullrecon.artifacts.chain import inputs_of
+from hullrecon.artifacts.runner import RunContext
+from hullrecon.artifacts.stage import settings_for
+from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
+from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.geometry.charts.chart import chart_for_hull
+from hullrecon.geometry.frames import Frame
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rigid_fit import fit_rigid
+from hullrecon.mosaic.options import SonarOptions
+from hullrecon.mosaic.output.tile_store import TileStore
+from hullrecon.navigation.planes.planar_graph import planar_graph
+from hullrecon.records.links import LinkedPath, no_links
+from hullrecon.records.trajectory import Trajectory, VehiclePath, VehicleTrack
+from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts, LinksArtifact
+from hullrecon.steps.links import pose_graph
+from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
+from hullrecon.steps.mosaics import read_mosaic_inputs
+from hullrecon.studies.figure_style import PublishedFigure
+from hullrecon.studies.methods.comparison import DeadReckoning
+from hullrecon.studies.methods.variants import build_step
+from hullrecon.studies.paths.distance_to_cad import ReturnsOnHull, distance_to_cad_model
+from hullrecon.studies.paths.link_plots import (
+    LinkedBy,
+    links_on_hull,
+    sigma_along_path,
+    two_view_models,
+)
+from hullrecon.studies.paths.sonar_variance import VarianceMap, sonar_variance
+from hullrecon.vision.options import MatchOptions, TwoViewModel
+
+# m, rad: how far a path may have drifted
+TRUE_POSE_SIGMA = np.r_[1.0, 1.0, 0.3, np.radians([1.0, 1.0, 5.0])]
+# of a hull and a DVL as packages state them
+DEVIATION_SIGMA_M, DEVIATION_LENGTH_M, RANGE_SIGMA_M = 0.02, (3.0, 1.5), 0.01
+TWO_VIEW_MODELS: Mapping[TwoViewModel, str] = {
+    "essential": "essential matrix alone",
+    "homography": "homography alone",
+    "automatic": "chosen by the criterion",
+}
+
+
+def draw_path_figures(
+    dive: DiveRun, start: DeadReckoning, truth: Truth, run_context: RunContext
+) -> list[PublishedFigure]:
+    """Draw [KimEustice2009 Figs 4, 5; Ozog2016 Figs 2.22, 2.23, 3.11, 3.12]; one without its data
+    is left out.
+
+    With one camera the step `links` runs for each two-view model. Without links there is none of
+    these figures.
+    """
+    if dive.workspace.manifest("links") is None:
+        return []
+    links = LinksArtifact(dive.workspace.artifact("links"))
+    tracks = {"dead reckoned": start.trajectory.track()}
+    planar = _path_by_planes(dive)
+    if planar is not None:
+        tracks["with planes"] = linked_track(start.trajectory, planar)
+    figures, compared = [], links.compared
+    if compared is not None:
+        tracks["with links"] = linked_track(start.trajectory, links.path)
+        figures.append(
+            links_on_hull(tracks["dead reckoned"], tracks["with links"], compared, truth)
+        )
+        if len(IngestArtifact(dive.workspace.artifact("ingest")).camera_models) == 1:
+            figures.append(
+                two_view_models(_by_two_view_model(dive, start.trajectory, run_context), truth)
+            )
+    figures.insert(0, sigma_along_path(tracks))
+    if planar is not None:
+        figures += _distances(dive, start, planar, truth)
+    if (
+        "mosaic-sonar" not in dive.chain.skip_reasons()
+        and dive.workspace.manifest("surface") is not None
+    ):
+        figures.append(sonar_variance(_variances(dive, tracks)))
+    return figures
+
+
+def linked_track(trajectory: Trajectory, path: LinkedPath) -> VehicleTrack:
+    """Return a path that links or planes tie as a track in g."""
+    found = path.path()
+    return VehicleTrack(
+        t_ns=trajectory.t_ns,
+        poses=found.poses,
+        tray=found.tray,
+        covariance=path.covariance,
+        image=trajectory.image,
+        frame=Frame.GLOBAL,
+    )
+
+
+def lay_onto_cad_model(
+    path: VehiclePath, start: DeadReckoning, mesh: Mesh, global_from_hull: Poses
+) -> ReturnsOnHull:
+    """Return the DVL's returns on a path, registered to the CAD model from where it truly lies:
+    T_g_M. start: with returns.
+    """
+    assert start.returns is not None
+    points = start.rig.dvl_points(start.returns, path).points[~start.returns.flagged]
+    model = CadModel(
+        mesh,
+        chart_for_hull(mesh),
+        global_from_hull,
+        TRUE_POSE_SIGMA,
+        DEVIATION_SIGMA_M,
+        DEVIATION_LENGTH_M,
+    )
+    in_hull = register(points, model, RANGE_SIGMA_M).global_from_hull.inverse().apply(points)
+    return ReturnsOnHull(points=in_hull, distance=Scene(mesh).closest(in_hull).distance)
+
+
+def _path_by_planes(dive: DiveRun) -> LinkedPath | None:
+    """Return the path that the hull's planes tie, without images; None where they tie none."""
+    inputs = _inputs(dive, "links")
+    returns = inputs.navigate.returns
+    if returns is None:
+        return None
+    graph = pose_graph(
+        inputs,
+        inputs.mounted(settings_for(dive.chain.stage("links"), dive.chain.sections)),
+        "scaling",
+    )
+    solved = planar_graph(graph, returns, inputs.ingest.hull).solve(no_links())
+    return None if solved.planes is None else solved.record()
+
+
+def _by_two_view_model(
+    dive: DiveRun, trajectory: Trajectory, run_context: RunContext
+) -> dict[str, LinkedBy]:
+    """Return the path with links of each two-view model; the step is run where it is out of date."""
+    found: dict[str, LinkedBy] = {}
+    own = dive.chain.sections["matches"]
+    assert isinstance(own, MatchOptions)
+    for model, words in TWO_VIEW_MODELS.items():
+        options = msgspec.structs.replace(own, two_view_model=model)
+        chain = replace(dive.chain, sections={**dive.chain.sections, "matches": options})
+        workspace = (
+            Workspace(dive.workspace.root / COMPARE_FOLDER / f"links-{model}")
+            if options != own
+            else dive.workspace
+        )
+        with dive.workspace.lock():
+            build_step("links", chain, dive.workspace, workspace, run_context)
+            run_context.hashes.save()
+        links = LinksArtifact(workspace.artifact("links"))
+        found[words] = LinkedBy(
+            track=linked_track(trajectory, links.path), joined=int(links.pairs.joined.sum())
+        )
+    return found
+
+
+def _distances(
+    dive: DiveRun, start: DeadReckoning, planar: LinkedPath, truth: Truth
+) -> list[PublishedFigure]:
+    """Draw how far the returns lie from the CAD model without planes and with them, where there is
+    one.
+    """
+    mesh = IngestArtifact(dive.workspace.artifact("ingest")).hull
+    if mesh is None or start.returns is None:
+        return []
+    paths = {"without planes": start.trajectory.track().path, "with planes": planar.path()}
+    laid = {
+        name: lay_onto_cad_model(path, start, mesh, truth.global_from_hull)
+        for name, path in paths.items()
+    }
+    return [distance_to_cad_model(laid)]
+
+
+def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, VarianceMap]:
+    """Return how the sonar's intensities vary on each path, on one surface; the tracks, in g, are
+    laid onto the delivered path by a rigid motion, so that what differs is their form.
+    """
+    inputs = _inputs(dive, "mosaic-sonar")
+    settings = inputs.mounted(settings_for(dive.chain.stage("mosaic-sonar"), dive.chain.sections))
+    surface = read_mosaic_inputs(inputs, settings.read("mosaic-sonar", SonarOptions).reach_m)
+    pings = inputs.ingest.sonar
+    assert pings is not None
+    delivered = {} if inputs.adjust is None else {"adjusted": surface.track}
+    found: dict[str, VarianceMap] = {}
+    for name, track in {**tracks, **delivered}.items():
+        onto = fit_rigid(track.poses.translation, surface.track.vehicle_at(track.t_ns).translation)
+        poses = ping_poses(
+            inputs, settings, replace(track, poses=onto @ track.poses, frame=surface.track.frame)
+        )
+        with tempfile.TemporaryFile(dir=dive.workspace.root) as scratch:
+            mosaic = blend_pings(
+                surface.surface, pings, poses, settings, lambda tiles, _: tiles, scratch
+            )
+        found[name] = _variance_map(mosaic.store)
+    return found
+
+
+def _variance_map(store: TileStore) -> VarianceMap:
+    """Return the variance of the pixels in which more than one view was blended."""
+    grid = store.grid
+    variance = np.full((grid.height, grid.width), np.nan)
+    for window, tile, views in zip(
+        grid.tiles(store.size), store.variance, store.counts, strict=True
+    ):
+        inside = window.meet(grid.whole)
+        height, width = inside.shape
+        part = np.where(np.asarray(views[:height, :width], int) > 1, tile[:height, :width], np.nan)
+        variance[inside.top : inside.bottom, inside.left : inside.right] = part
+    right, bottom = grid.west + grid.width * grid.step_m, grid.north - grid.height * grid.step_m
+    return VarianceMap(variance=variance, extent=(grid.west, right, bottom, grid.north))
+
+
+def _inputs(dive: DiveRun, name: str) -> InputArtifacts:
+    """Return what a step is handed."""
+    return InputArtifacts(
+        inputs_of(dive.chain.stage(name), dive.chain, dive.workspace, dive.chain.skip_reasons())
+    )

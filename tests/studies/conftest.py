@@ -1,0 +1,7 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The wall of the evaluation's tests, here as the dive that studies are made of."""
+
+from evaluation.conftest import block_points, deliver, package, returns, rig, solution, wall_points
+
+__all__ = ["block_points", "deliver", "package", "returns", "rig", "solution", "wall_points"]
