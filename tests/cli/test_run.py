@@ -452,5 +452,5 @@ def test_run_without_jobs_uses_all_cores_and_says_so(
     monkeypatch.delenv("HULLRECON_JOBS", raising=False)
     monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 1, 2})
     assert "toy: 3 worker processes (--jobs)\n" in program("run", package, "--runs", runs).err
-    given = program("run", package, "--runs", runs, "--jobs", 1, "--from-scratch")
+    given = program("run", package, "--runs", runs / "again", "--jobs", 1)
     assert "toy: 1 worker process (--jobs)\n" in given.err
