@@ -23,24 +23,16 @@ NATIVE := $(shell find native -type f 2>/dev/null)
 export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 
-.PHONY: FORCE setup demo test check lint types imports format sanitize web bench-peers outside-readers clean
+.PHONY: setup demo test check lint types imports format sanitize web bench-peers outside-readers clean
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
-
-FORCE:
 
 $(VENV)/.packages: requirements.lock pipelines/setup.sh
 	@PYTHON=$(PYTHON) bash pipelines/setup.sh packages $(VENV)
 	@touch $@
 
-# The editable installation finds modules by a list of their paths, made when it is installed: it is installed again when a
-# module has come, gone or moved. The list here is rewritten only when it changes.
-$(VENV)/.modules: FORCE | $(VENV)/.packages
-	@find hullrecon cli -name '*.py' | LC_ALL=C sort > $@.new
-	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
-
-$(VENV)/.installed: $(VENV)/.packages $(VENV)/.modules pyproject.toml $(NATIVE)
+$(VENV)/.installed: $(VENV)/.packages pyproject.toml $(NATIVE)
 	@bash pipelines/setup.sh install $(VENV)
 	@touch $@
 

@@ -11,7 +11,6 @@ from importlib import import_module
 
 import click
 
-from hullrecon import __version__
 from hullrecon.artifacts.progress import listen
 
 from .command_table import COMMANDS, RENAMED, SECTIONS
@@ -64,7 +63,9 @@ class LazyGroup(click.Group):
 
 def _version(context: click.Context, parameter: click.Parameter, value: bool) -> None:
     if value and not context.resilient_parsing:
-        click.echo(f"{PROGRAM} {__version__}")
+        from hullrecon.version import describe
+
+        click.echo(f"{PROGRAM} {describe()}")
         context.exit()
 
 
@@ -79,7 +80,7 @@ def _version(context: click.Context, parameter: click.Parameter, value: bool) ->
     is_eager=True,
     expose_value=False,
     callback=_version,
-    help="print the version",
+    help="print the version and the commit",
 )
 @click.pass_context
 def cli(context: click.Context) -> None:

@@ -9,7 +9,6 @@ What reproduces the sources is in hullrecon.studies.
 
 from importlib import import_module
 
-__version__ = "0.1.0"
 _FUNCTIONS = {  # name: the module that defines it
     "diff": "hullrecon.api.change",
     "evaluate": "hullrecon.api.dive_run",
@@ -21,7 +20,11 @@ __all__ = ["__version__", *_FUNCTIONS]
 
 
 def __getattr__(name: str) -> object:
-    """Load a function when it is first asked for."""
+    """Load a function, or the version, when it is first asked for."""
+    if name == "__version__":
+        from hullrecon.version import version
+
+        return version()
     if name not in _FUNCTIONS:
         raise AttributeError(f"module 'hullrecon' has no attribute {name!r}")
     return getattr(import_module(_FUNCTIONS[name]), name)

@@ -15,9 +15,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from hullrecon.errors import StageError
+from hullrecon.version import describe
 
 LIBRARIES = (
-    "hullrecon",
     "numpy",
     "scipy",
     "open3d-cpu",
@@ -42,7 +42,7 @@ def usable_cores() -> int:
 @cache
 def versions() -> dict[str, str]:
     """Return the versions of Python and of the libraries that are installed."""
-    found = {"python": platform.python_version()}
+    found = {"python": platform.python_version(), "hullrecon": describe()}
     for name in LIBRARIES:
         with suppress(PackageNotFoundError):
             found[name] = version(name)

@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,7 @@ from hullrecon_cli.main import cli, main
 
 from hullrecon.steps.chain import NAMES, stages
 
+ROOT = Path(__file__).resolve().parents[2]
 HEAVY = (
     "numpy",
     "scipy",
@@ -70,10 +73,33 @@ def test_every_command_can_be_asked_for_help(name: str, capfd: pytest.CaptureFix
     assert "--json" in out
 
 
-def test_the_version_is_printed(program) -> None:
-    from hullrecon import __version__
+def test_version_names_pyproject_and_commit(program) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    head = subprocess.run(
+        ["git", "rev-parse", "--short=12", "HEAD"], cwd=ROOT, capture_output=True, text=True
+    ).stdout.strip()
+    said = program("--version").out
+    assert said.startswith(f"hullrecon {project['version']} (commit {head}")
 
-    assert program("--version").out == f"hullrecon {__version__}\n"
+
+def test_version_of_a_wheel_comes_from_its_build(tmp_path: Path) -> None:
+    package = tmp_path / "hullrecon"
+    package.mkdir()
+    shutil.copy(ROOT / "hullrecon" / "version.py", package)
+    shutil.copy(ROOT / "hullrecon" / "__init__.py", package)
+    folder = tmp_path / "hullrecon-9.8.7.dist-info"
+    folder.mkdir()
+    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: hullrecon\nVersion: 9.8.7\n")
+    code = "from hullrecon.version import describe; print(describe())"
+
+    def said() -> str:
+        return subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    assert said() == "9.8.7 (commit not known: built without git)"
+    (package / "commit.txt").write_text("0123456789ab")
+    assert said() == "9.8.7 (commit 0123456789ab)"
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from hullrecon import __version__
 from hullrecon.geometry.charts.axis_chart import AxisChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.deliverables import Coverage, CoverageHole, RegionShare, ReportedObject
@@ -42,6 +41,7 @@ from hullrecon.report.figures.survey_map import (
 from hullrecon.report.scene.scene_data import BLOCK, make_scene
 from hullrecon.report.survey import Mosaic, Survey
 from hullrecon.typing import Array, Pixels
+from hullrecon.version import version
 
 PageContext = Mapping[str, object]
 SECTIONS = (
@@ -142,7 +142,7 @@ def page_context(
         "deliverables": deliverables,
         "data": script_json(data),
         "has_scene": data["scene"] is not None,
-        "version": __version__,
+        "version": version(),
     }
 
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hullrecon import __version__
 from hullrecon.records.iterations import count
 from hullrecon.report.content.deviation import deviation_document, deviation_figures
 from hullrecon.report.content.frame_words import frame_in_words
 from hullrecon.report.content.headline import headline, path_length_m
 from hullrecon.report.survey import AdjustedDive, Survey
+from hullrecon.version import commit, version
 
 if TYPE_CHECKING:
     from hullrecon.report.deliver import FileEntry
@@ -30,7 +30,7 @@ def summary_document(survey: Survey, deliverables: Mapping[str, FileEntry]) -> d
     dive, provenance = survey.facts.dive, survey.provenance
     return {
         "schema": SCHEMA,
-        "software": {"name": "hullrecon", "version": __version__},
+        "software": {"name": "hullrecon", "version": version(), "commit": commit()},
         "dive": {
             "name": dive.name,
             "vessel": dive.vessel,
