@@ -45,7 +45,6 @@ from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.native import MeshIndex
 from hullrecon.steps.artifacts import (
     IngestArtifact,
     LinksArtifact,
@@ -107,8 +106,7 @@ def survey_center(measured: Measurements, cad_model: CadModel) -> Array:
     the path.
     """
     middle = cad_model.guess.inverse().apply(measured.trajectory.translation).mean(axis=0)
-    index = MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
-    found = index.closest(middle[None])
+    found = cad_model.mesh.index.closest(middle[None])
     return np.asarray(middle - found.distance[0] * found.gradient[0])
 
 

@@ -9,8 +9,9 @@ ideal coordinates, NaN where a camera did not see the feature.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints, Mask
 
 
@@ -64,7 +65,7 @@ class StereoRows:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReducedFeatures:
+class ReducedFeatures(Rows):
     """Of m features, their points eliminated: information (m, 6, 6), gradient (m, 6); cost (m,),
     the sum of squares at the best points; freedom (m,): rows seen, less three; and what brings the
     points along with a step of the motion: point_inverse (m, 3, 3), point_gradient (m, 3),
@@ -78,9 +79,6 @@ class ReducedFeatures:
     point_inverse: Array
     point_gradient: Array
     point_by_motion: Array
-
-    def __getitem__(self, rows: Mask) -> ReducedFeatures:
-        return ReducedFeatures(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
 
 
 def linearise_stereo(

@@ -15,12 +15,14 @@ m, the number of rows, differs from table to table; a table left out has none.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import ClassVar
 
 import numpy as np
 
 from hullrecon.native.columns import floats, integers, motion, pinhole
 from hullrecon.native.links import LinkTable
 from hullrecon.native.planes import PlanePairTable, PlaneRangeTable, PlaneSightingTable, PlaneTable
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints32
 
 
@@ -120,7 +122,7 @@ class Priors:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AttitudeTable:
+class AttitudeTable(Rows):
     """Depth, roll, pitch [Ozog2016 eq. 4.9]: z of the pressure sensor + depth bias, roll + its
     bias, pitch + its bias, less measured. node (m,); measured (m, 3): depth m, roll, pitch rad;
     sigma (m, 3).
@@ -132,7 +134,7 @@ class AttitudeTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrayTable:
+class TrayTable(Rows):
     """The tray's angle [Ozog2016 eq. 4.10]: (angle + backlash * direction - measured) / sigma. All
     (m,), rad.
     """
@@ -144,7 +146,7 @@ class TrayTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class OdometryTable:
+class OdometryTable(Rows):
     """Relative motion of two poses [Ozog2016 eq. 4.11]: sqrt_information @ (e - by_navigation @
     (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) - by_tray * (mean tray angle - tray)), e =
     (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)), T_ij = T_i^-1 T_j; each by_* is a
@@ -166,9 +168,11 @@ class OdometryTable:
     tray: Array = floats(0)
     mount: Array = motion()
 
+    SHARED: ClassVar = frozenset({"mount"})
+
 
 @dataclass(frozen=True, kw_only=True)
-class VelocityTable:
+class VelocityTable(Rows):
     """Constant velocity over three poses in a row, across a gap of the sensors [KimEustice2009
     II-A]: (mean velocity from the second to the third - that from the first to the second) / sigma,
     translation in the axes of the second vehicle, rotation vector of each step over its time.
@@ -186,7 +190,7 @@ class VelocityTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PositionTable:
+class PositionTable(Rows):
     """Positions from outside (USBL, GPS): (predicted - measured) / sigma, north and east, m, under
     Huber's loss on the norm of both rows (Options.huber_position). Predicted is where
     Unknowns.world has the antenna.
@@ -202,7 +206,7 @@ class PositionTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StereoTable:
+class StereoTable(Rows):
     """Landmarks in both images [Ozog2016 eq. 4.12]. node, landmark (m,); pixel (m, 4) raw: top u v,
     bottom u v. sigma_ratio (m,): sigma of a coordinate in Problem.sigma_px; empty: 1.
 
@@ -217,7 +221,7 @@ class StereoTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MonoTable:
+class MonoTable(Rows):
     """Landmarks in one image [Ozog2016 eq. 4.13]. node, landmark (m,); camera (m,): 0 top, 1
     bottom; pixel (m, 2) raw. Loss and sigma_ratio are as in StereoTable, on 2 rows
     (Options.huber_mono).
@@ -231,7 +235,7 @@ class MonoTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FieldNodes:
+class FieldNodes(Rows):
     """Where rows stand in the deviation field: index (m, 4) of nodes and their weight (m, 4); empty
     without a field.
     """
@@ -241,7 +245,7 @@ class FieldNodes:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RangeTable:
+class RangeTable(Rows):
     """Ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma; predicted is the
     distance to the CAD model moved outward by the field: cast - field / cos(incidence).
 
@@ -259,7 +263,7 @@ class RangeTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurfaceTable:
+class SurfaceTable(Rows):
     """Signed distance of landmarks to the CAD model minus the field [Ozog2016 eqs 4.4, 4.5, 4.7].
     landmark (m,); weight (m,) multiplies the cost of the mixture.
     """

@@ -12,11 +12,12 @@ import numpy as np
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import VehiclePath
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Floats32, Ints, Mask
 
 
 @dataclass(frozen=True, kw_only=True)
-class CameraLinks:
+class CameraLinks(Rows):
     """Relative poses of the leading cameras of pairs of nodes, as images measured them.
 
     first, second (m,): nodes. translation (m, 3) m, in the second camera's axes, and quaternion (m,
@@ -32,9 +33,6 @@ class CameraLinks:
     covariance: Array
     scaled: Mask
     bottom: Mask
-
-    def __len__(self) -> int:
-        return len(self.first)
 
 
 def no_links() -> CameraLinks:
@@ -52,7 +50,7 @@ def no_links() -> CameraLinks:
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodePairs:
+class NodePairs(Rows):
     """All pairs that were compared, sorted by (first, second). first < second (m,): nodes; across
     (m,): of another leg; overlap (m,): of the footprints as predicted, NaN where no depth is known;
     round (m,): 0 of neighbours, 1, 2, ... across; putative (m,): matches before verification;
@@ -69,9 +67,6 @@ class NodePairs:
     putative: Ints
     reason: Ints
     rejected: Mask
-
-    def __len__(self) -> int:
-        return len(self.first)
 
     @property
     def joined(self) -> Mask:

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaneRanges:
+class PlaneRanges(Rows):
     """Returns that measure planes, one row a beam. plane (r,): of the patch that it fell on; node
     (r,), quaternion (r, 4), translation (r, 3), tray_offset (r,), beam (r, 3) as in Returns;
     range_m (r,): the range to the plane, the measured one plus how far the patch stands over its

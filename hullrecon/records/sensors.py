@@ -7,15 +7,17 @@ values.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints, Mask
 
 
 @dataclass(frozen=True, kw_only=True)
-class DvlPings:
+class DvlPings(Rows):
     """velocity (n, 3) m/s of the instrument in `dvl` (NaN when lost), velocity_sigma (n,) m/s,
     ranges (n, b) m along the beams (NaN when lost), beams (b, 3) unit vectors in `dvl`.
     """
@@ -26,9 +28,11 @@ class DvlPings:
     ranges: Array
     beams: Array
 
+    SHARED: ClassVar = frozenset({"beams"})
+
 
 @dataclass(frozen=True, kw_only=True)
-class ImuSamples:
+class ImuSamples(Rows):
     """quaternion (n, 4): rotation of `vehicle` in `global` (NED-like, converted at ingest); rates
     (n, 3) rad/s and acceleration (n, 3) m/s2 in `vehicle`, NaN when not logged.
     """
@@ -40,7 +44,7 @@ class ImuSamples:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PressureSamples:
+class PressureSamples(Rows):
     """depth (n,) m of the sensor below the surface, positive down."""
 
     t_ns: Ints
@@ -48,7 +52,7 @@ class PressureSamples:
 
 
 @dataclass(frozen=True, kw_only=True)
-class JointSamples:
+class JointSamples(Rows):
     """angle (n,) rad of one servo as logged."""
 
     t_ns: Ints
@@ -56,7 +60,7 @@ class JointSamples:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImageIndex:
+class ImageIndex(Rows):
     """Images of one camera in time order. file (n,) str: path relative to the package, or "" when
     the bytes lie in the ingest artifact's images_<camera>.bin at offset (n,), size (n,). usable
     (n,) bool: it decoded. bits (): that values of images of 16 bits take, 8 to 16.
@@ -69,9 +73,11 @@ class ImageIndex:
     usable: Mask
     bits: Ints = field(default_factory=lambda: np.array(16))
 
+    SHARED: ClassVar = frozenset({"bits"})
+
 
 @dataclass(frozen=True, kw_only=True)
-class SonarPings:
+class SonarPings(Rows):
     """image (n, beams, ranges) uint8, directions (beams, 3) unit vectors in `sonar`, range_m
     (ranges,) bin centres.
     """
@@ -81,9 +87,11 @@ class SonarPings:
     directions: Array
     range_m: Array
 
+    SHARED: ClassVar = frozenset({"directions", "range_m"})
+
 
 @dataclass(frozen=True, kw_only=True)
-class PositionFixes:
+class PositionFixes(Rows):
     """Positions from outside, of GPS or USBL. north_east (n, 2) m of the first fix, north as its
     frame has it; sigma (n,) m of either.
     """

@@ -5,15 +5,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tracks:
+class Tracks(Rows):
     """Observations, sorted by (landmark, node): landmark (m,), node (m,), top (m, 2) and bottom (m,
     2) pixels in the raw (distorted) images, NaN where that camera did not see it. response (m,): of
     the feature detector, the mean of both images; NaN for corners, whose detector has another
@@ -26,3 +28,5 @@ class Tracks:
     bottom: Array
     response: Array
     color: NDArray[np.uint8]
+
+    SHARED: ClassVar = frozenset({"color"})

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.tangents import tangents_at
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import Poses, interpolate
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints, Mask
 
 
@@ -133,7 +134,7 @@ class TrajectoryErrorModel:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Odometry:
+class Odometry(Rows):
     """Relative motion between neighbouring nodes, `T_i^-1 T_j`, with its derivatives by the errors
     that persist.
 
@@ -155,9 +156,6 @@ class Odometry:
     by_tray: Array
     from_images: Mask
 
-    def __len__(self) -> int:
-        return len(self.first)
-
     def sigma_between(self, first: Ints, second: Ints) -> Array:
         """Return how well the motions tell the way (m,) m from a node to a later one, of the axis
         that they tell worst.
@@ -168,13 +166,9 @@ class Odometry:
         walked_m2 = np.cumsum(walked_m2)
         return np.asarray(np.sqrt(walked_m2[second] - walked_m2[first]))
 
-    def without(self, rows: Mask) -> Odometry:
-        """Return the motions but for some (m,)."""
-        return Odometry(**{field.name: getattr(self, field.name)[~rows] for field in fields(self)})
-
 
 @dataclass(frozen=True, kw_only=True)
-class Returns:
+class Returns(Rows):
     """DVL returns, one row a beam that came back. node (m,): the nearest node; quaternion (m, 4),
     translation (m, 3): the vehicle at the ping in the vehicle at the node (dead reckoned);
     tray_offset (m,): tray at ping minus tray at node, rad; beam (m, 3) unit vector in `dvl`;
@@ -192,7 +186,7 @@ class Returns:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PositionTies:
+class PositionTies(Rows):
     """Positions from outside at the nodes. node (m,): the nearest; antenna (m, 3) m: where the
     position was measured, in the vehicle at the node, moved since by dead reckoning; north_east (m,
     2) m of the first fix; sigma (m,) m of either; t_ns (m,).
@@ -203,9 +197,6 @@ class PositionTies:
     antenna: Array
     north_east: Array
     sigma: Array
-
-    def __len__(self) -> int:
-        return len(self.node)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,6 @@ import pytest
 from adjustment.scenes import TRUTH, cad_model, lying, side, survey
 from adjustment.solved_dives import solved
 
-from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.hull_pose.registration import (
@@ -166,15 +165,14 @@ def test_a_few_wrong_points_get_no_more_than_their_share():
     local = np.repeat(survey(mesh, rng), 20, axis=0) + 0.05 * rng.standard_normal(
         (20 * len(survey(mesh, rng)), 3)
     ) * [1, 0, 1]
-    index = native.MeshIndex(mesh.vertices, mesh.faces)
-    nearest = index.closest(local)
+    nearest = mesh.index.closest(local)
     wrong = rng.random(len(local)) < 0.03
     off = np.where(
         wrong, 0.045 * rng.choice([-1.0, 1.0], len(local)), 0.002 * rng.standard_normal(len(local))
     )
     points = TRUTH.apply(local + (off - nearest.distance)[:, None] * nearest.gradient)
     kept = estimate.thin_over_surface(points, TRUTH, cad_model(mesh, TRUTH, 0 * GUESS_ERROR))
-    distance, _ = signed_distances(kept, TRUTH, np.zeros(3), index)
+    distance, _ = signed_distances(kept, TRUTH, np.zeros(3), mesh)
     assert 100 < len(kept) <= estimate.MAX_POINTS
     assert np.mean(np.abs(distance) > 0.03) < 0.03
 

@@ -18,7 +18,6 @@ from hullrecon.adjustment.hull_pose.form import CHANCE, WIDENING, Form, compare_
 from hullrecon.adjustment.hull_pose.registration import thin_points
 from hullrecon.adjustment.placement import form_against
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.native import MeshIndex
 
 CURVED = side(0.9)
 PLACE = np.array([7.0, 3.8, 2.5])  # of the survey, in M
@@ -33,7 +32,7 @@ def surveyed(deviation_m=0.0, growth_m=0.0, seed=1, flat=False):
     random = np.random.default_rng(seed)
     at = np.c_[random.uniform(2, 11, 700), np.full(700, 3.8), random.uniform(0.8, 4.2, 700)]
     if not flat:
-        found = MeshIndex(CURVED.vertices, CURVED.faces).closest(at)
+        found = CURVED.index.closest(at)
         at = at - found.distance[:, None] * found.gradient
     field = np.linalg.cholesky(
         matern32(at[:, [0, 2]], 1.0, (3.0, 1.5)) + 1e-9 * np.eye(700)

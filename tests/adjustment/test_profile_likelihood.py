@@ -16,7 +16,6 @@ from hullrecon.adjustment.hull_pose.profile_likelihood import (
     profile,
 )
 from hullrecon.adjustment.hull_pose.registration import HullPoseCost, perturb_pose, thin_points
-from hullrecon.native import MeshIndex
 
 ALONG = np.array([1.0, 0.0, 0.0])
 
@@ -27,12 +26,11 @@ def profiled(fullness, span=(2.0, 11.0), sigma=0.02, start_off_m=0.0):
     model = cad_model(mesh, TRUTH, 0 * ERROR)
     model = model.__class__(**{**model.__dict__, "deviation_sigma": sigma})
     center = TRUTH.inverse().apply(points).mean(0)
-    index = MeshIndex(mesh.vertices, mesh.faces)
     known = cad_error.CadError(sigma=sigma, length=model.deviation_length, noise=0.01, offset=0.0)
     factor = cho_factor(
         cad_error.distance_covariance(known, model, TRUTH.inverse().apply(points)), lower=True
     )
-    cost = HullPoseCost(points=points, cad_model=model, center=center, index=index, factor=factor)
+    cost = HullPoseCost(points=points, cad_model=model, center=center, factor=factor)
     start = perturb_pose(TRUTH, center, np.r_[start_off_m, 0, 0, 0, 0, 0])
     return profile(Valley(cost=cost, direction=ALONG), start, reach=3.0), center
 
@@ -93,8 +91,7 @@ def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
     factor = cho_factor(
         cad_error.distance_covariance(known, model, TRUTH.inverse().apply(points)), lower=True
     )
-    index = MeshIndex(mesh.vertices, mesh.faces)
-    cost = HullPoseCost(points=points, cad_model=model, center=center, index=index, factor=factor)
+    cost = HullPoseCost(points=points, cad_model=model, center=center, factor=factor)
     valley = Valley(cost=cost, direction=ALONG)
     best, _ = minimise_cost(valley, TRUTH)
     along = np.r_[best.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]

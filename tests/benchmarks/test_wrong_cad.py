@@ -16,7 +16,6 @@ from benchmarks import wrong_cad
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.poses import from_rpy
-from hullrecon.native import MeshIndex
 from hullrecon.synthetic.spec import Ship
 from hullrecon.synthetic.world.hull_shapes import ship_form, write_stl
 
@@ -52,10 +51,7 @@ def test_there_are_other_ships_stretched_ones_and_ones_too_large() -> None:
 )
 def test_a_wrong_model_passes_through_the_place_that_the_guess_gives_the_survey(name: str) -> None:
     place, model = wrong_cad.survey_center(MEASURED, MODEL), changed(name)
-    assert (
-        abs(MeshIndex(model.mesh.vertices, model.mesh.faces).closest(place[None]).distance[0])
-        < 0.05
-    )
+    assert abs(model.mesh.index.closest(place[None]).distance[0]) < 0.05
 
 
 def test_a_stretched_model_is_stretched_along_one_axis() -> None:

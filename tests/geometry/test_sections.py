@@ -18,7 +18,6 @@ from hullrecon.geometry.charts.section_casting import (
 )
 from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh, face_normals
-from hullrecon.native import MeshIndex
 
 QUICK = settings(max_examples=40, deadline=None, derandomize=True)
 RADIUS = 3.0  # of the barge of conftest.py, whose centre line lies at z = RADIUS
@@ -26,7 +25,7 @@ BEAM, DEPTH = 4.0, 3.0  # of the box
 
 
 def sections_at(mesh: Mesh, height: float) -> Sections:
-    return cast_sections(mesh, MeshIndex(mesh.vertices, mesh.faces), height)
+    return cast_sections(mesh, height)
 
 
 def box(length: float = 10.0) -> Mesh:
@@ -178,17 +177,15 @@ def test_pieces_that_face_inward_are_turned_and_others_stay(turned: list[int]) -
     faces = apart.faces.copy()
     faces[turned] = faces[turned][:, ::-1]
     found = outward_faces(
-        Mesh(apart.vertices, faces),
-        sections_at(apart, 2.0),
-        MeshIndex(apart.vertices, np.ascontiguousarray(faces)),
+        Mesh(apart.vertices, np.ascontiguousarray(faces)), sections_at(apart, 2.0)
     )
     np.testing.assert_allclose(face_normals(found), face_normals(plain), atol=1e-2)
 
 
 def test_the_axis_is_as_high_as_its_rays_see_nearly_all(steel: Mesh) -> None:
-    height = choose_axis_height(box(), MeshIndex(box().vertices, box().faces))
+    height = choose_axis_height(box())
     assert 0.1 * DEPTH <= height <= 0.9 * DEPTH
-    below_deck = choose_axis_height(steel, MeshIndex(steel.vertices, steel.faces))
+    below_deck = choose_axis_height(steel)
     assert 0.1 * RADIUS <= below_deck <= 0.9 * RADIUS
 
 
@@ -199,7 +196,7 @@ def test_bulkheads_alone_have_no_axis_since_rays_pass_between_them() -> None:
         np.array([[0, 1, 2], [3, 5, 4]], np.int32),
     )
     with pytest.raises(InputError, match="no ray from inside"):
-        choose_axis_height(ends, MeshIndex(ends.vertices, ends.faces))
+        choose_axis_height(ends)
 
 
 @pytest.mark.parametrize("vertical", [0, 1, 2])

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor
 
-from hullrecon import native
 from hullrecon.adjustment.hull_pose import cad_error, profile_likelihood, registration
 from hullrecon.adjustment.hull_pose.cad_error import CadError
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
@@ -67,7 +66,7 @@ class HullPoseEvidence:
     cad_error_model: CadError
     loose: LoosePoints | None = None
 
-    def distances_by_stretches(self, pose: Poses, index: native.MeshIndex) -> Array:
+    def distances_by_stretches(self, pose: Poses) -> Array:
         """Return how the points' distances to the CAD model change (n, k) by one sigma of each way
         in which the path leaves its stretches free; k is 0 where it holds together.
         """
@@ -82,7 +81,7 @@ class HullPoseEvidence:
                 at = self.points[own]
                 middle = pose.inverse().apply(at).mean(axis=0)
                 value, vector = np.linalg.eigh(to_hull @ covariance @ to_hull.T)
-                by_step = registration.signed_distances(at, pose, middle, index)[1]
+                by_step = registration.signed_distances(at, pose, middle, self.cad_model.mesh)[1]
                 out[own, k] = by_step @ (vector * np.sqrt(np.maximum(value, 0)))
         return np.asarray(out.reshape(len(self.points), -1))
 
@@ -149,7 +148,7 @@ def thin_over_surface(
     much weight as all those that are right. Cells of M would hold other points wherever a first
     pose lies along the hull: they are cells of g.
     """
-    nearest = _index(cad_model).closest(pose.inverse().apply(points))
+    nearest = cad_model.mesh.index.closest(pose.inverse().apply(points))
     foot, cell_m = (
         points - nearest.distance[:, None] * pose.rotation.apply(nearest.gradient),
         CELL_M,
@@ -189,11 +188,11 @@ def fit_hull_pose(
     evidence = HullPoseEvidence(
         points=points, cad_model=cad_model, center=center, cad_error_model=expected, loose=loose
     )
-    index, along = _index(cad_model), cad_model.chart.ship_axes[0]
+    along = cad_model.chart.ship_axes[0]
     for _ in range(MAX_PASSES):
-        valley = _valley(evidence, pose, along, index)
+        valley = _valley(evidence, pose, along)
         pose, _ = profile_likelihood.minimise_cost(valley, pose)
-        distance, _ = registration.signed_distances(evidence.points, pose, center, index)
+        distance, _ = registration.signed_distances(evidence.points, pose, center, cad_model.mesh)
         outlier = cad_error.find_outliers(valley.cost.factor, distance)
         if not outlier.any():
             break
@@ -213,10 +212,8 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
     and along its weak directions from their profiles, taken as the posterior's second moment about
     the delivered pose.
     """
-    ship_axes, index = evidence.cad_model.chart.ship_axes, _index(evidence.cad_model)
-    out = profile_likelihood.posterior_covariance(
-        _valley(evidence, pose, ship_axes[0], index), pose
-    )
+    ship_axes = evidence.cad_model.chart.ship_axes
+    out = profile_likelihood.posterior_covariance(_valley(evidence, pose, ship_axes[0]), pose)
     for direction in _directions(hull_axes(out, pose), ship_axes):
         found = _profile(evidence, pose, direction)
         out = profile_likelihood.inflate_covariance(
@@ -240,7 +237,7 @@ def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
 def _profile(
     evidence: HullPoseEvidence, pose: Poses, direction: Array
 ) -> profile_likelihood.Profile:
-    valley = _valley(evidence, pose, direction, _index(evidence.cad_model))
+    valley = _valley(evidence, pose, direction)
     return profile_likelihood.profile(
         valley,
         pose,
@@ -248,30 +245,23 @@ def _profile(
     )
 
 
-def _valley(
-    evidence: HullPoseEvidence, pose: Poses, direction: Array, index: native.MeshIndex
-) -> profile_likelihood.Valley:
+def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array) -> profile_likelihood.Valley:
     cost = registration.HullPoseCost(
         points=evidence.points,
         cad_model=evidence.cad_model,
         center=evidence.center,
-        index=index,
-        factor=_factor(evidence, pose, index),
+        factor=_factor(evidence, pose),
     )
     return profile_likelihood.Valley(cost=cost, direction=direction)
 
 
-def _factor(evidence: HullPoseEvidence, pose: Poses, index: native.MeshIndex) -> CholeskyFactor:
+def _factor(evidence: HullPoseEvidence, pose: Poses) -> CholeskyFactor:
     at, by_stretches = (
         pose.inverse().apply(evidence.points),
-        evidence.distances_by_stretches(pose, index),
+        evidence.distances_by_stretches(pose),
     )
     covariance = cad_error.distance_covariance(evidence.cad_error_model, evidence.cad_model, at)
     return cho_factor(covariance + by_stretches @ by_stretches.T, lower=True)
-
-
-def _index(cad_model: CadModel) -> native.MeshIndex:
-    return native.MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
 
 
 def _directions(hull_in_axes: Array, ship_axes: Array) -> list[Array]:

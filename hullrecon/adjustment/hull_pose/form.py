@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
-from hullrecon import native
 from hullrecon.adjustment.hull_pose import cad_error, registration
 from hullrecon.adjustment.hull_pose.estimate import HullPoseEvidence
 from hullrecon.adjustment.problem.measurements import CadModel
@@ -93,14 +92,13 @@ class Form:
 def compare_form(evidence: HullPoseEvidence, pose: Poses) -> Form:
     """Return how the points that lie on the hull have the form of the CAD model at T_g_M."""
     cad_model, expected = evidence.cad_model, evidence.cad_error_model
-    index = native.MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
     distance, jacobian = registration.signed_distances(
-        evidence.points, pose, evidence.center, index
+        evidence.points, pose, evidence.center, cad_model.mesh
     )
     at = pose.inverse().apply(evidence.points)
     noise = expected.noise**2 + cad_error.facet_variance(cad_model, at, sigmas=1.0)
     plane = _distance_to_plane(at)
-    loose = evidence.distances_by_stretches(pose, index)
+    loose = evidence.distances_by_stretches(pose)
     fitted = np.c_[
         _open_directions(jacobian, cad_model, noise), _beyond_noise(loose, noise), np.ones(len(at))
     ]

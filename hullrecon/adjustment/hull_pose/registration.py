@@ -24,7 +24,6 @@ from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 from hullrecon.geometry.pose_solver import LinearisedCost, minimise_over_pose
 from hullrecon.geometry.poses import Poses
-from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, CholeskyFactor
 
 # share of points within three sigma of the CAD model, from which it is the hull that was surveyed
@@ -60,20 +59,17 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     """
     kept = thin_points(points, 0.10, 2500)
     center = cad_model.guess.inverse().apply(kept).mean(0)
-    index = MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
-    found = _register_from(
-        _starts(cad_model, center), kept, cad_model, center, index, sigma_range, seed
-    )
+    found = _register_from(_starts(cad_model, center), kept, cad_model, center, sigma_range, seed)
     if found.fitness >= GOOD_FITNESS:
-        return _with_wider_guess(found, kept, cad_model, index, sigma_range)
-    starts = _distant_starts(kept, cad_model, center, index)
+        return _with_wider_guess(found, kept, cad_model, sigma_range)
+    starts = _distant_starts(kept, cad_model, center)
     in_hull = np.abs(cad_model.chart.ship_axes.T)
     distant_sigma = np.r_[in_hull @ DISTANT_SIGMA[:3], in_hull @ DISTANT_SIGMA[3:]]
     loose = replace(cad_model, guess_sigma=cad_model.guess_sigma + distant_sigma)
-    distant = _register_from(starts, kept, loose, center, index, sigma_range, seed)
+    distant = _register_from(starts, kept, loose, center, sigma_range, seed)
     if distant.fitness < max(GOOD_FITNESS, found.fitness + 0.1):
         return found
-    return _with_wider_guess(distant, kept, cad_model, index, sigma_range)
+    return _with_wider_guess(distant, kept, cad_model, sigma_range)
 
 
 def _register_from(
@@ -81,7 +77,6 @@ def _register_from(
     points: Array,
     cad_model: CadModel,
     center: Array,
-    index: MeshIndex,
     sigma_range: float,
     seed: int,
 ) -> Registration:
@@ -92,19 +87,16 @@ def _register_from(
     candidates = [_gicp(points, target, start) for start in starts if len(target)]
     candidates.append(starts[0])
     distances = [
-        np.abs(index.closest(pose.inverse().apply(points)).distance) for pose in candidates
+        np.abs(cad_model.mesh.index.closest(pose.inverse().apply(points)).distance)
+        for pose in candidates
     ]
     costs = [
         trimmed_cost(*found, cad_model, center) for found in zip(distances, candidates, strict=True)
     ]
-    return fit_correlated(
-        points, candidates[int(np.argmin(costs))], cad_model, center, index, sigma_range
-    )
+    return fit_correlated(points, candidates[int(np.argmin(costs))], cad_model, center, sigma_range)
 
 
-def _distant_starts(
-    points: Array, cad_model: CadModel, center: Array, index: MeshIndex
-) -> list[Poses]:
+def _distant_starts(points: Array, cad_model: CadModel, center: Array) -> list[Poses]:
     """Return the poses of a coarse grid around the guess, metres and degrees wide, on which points
     lie nearest to the CAD model.
     """
@@ -117,13 +109,13 @@ def _distant_starts(
     ):
         step = np.r_[rotate @ np.array([along, across, 0.0]), hull_from_ship @ [0.0, 0.0, yaw]]
         pose = perturb_pose(cad_model.guess, center, step)
-        distance = np.sort(np.abs(index.closest(pose.inverse().apply(few)).distance))
+        distance = np.sort(np.abs(cad_model.mesh.index.closest(pose.inverse().apply(few)).distance))
         found.append((float(np.mean(distance[: int(0.8 * len(distance))])), len(found), pose))
     return [pose for _, _, pose in sorted(found, key=lambda entry: entry[:2])[:DISTANT_STARTS]]
 
 
 def _with_wider_guess(
-    found: Registration, points: Array, cad_model: CadModel, index: MeshIndex, sigma_range: float
+    found: Registration, points: Array, cad_model: CadModel, sigma_range: float
 ) -> Registration:
     """Return the registration about the guess of `cad_model`, whatever guess it was found with.
     Where it lies farther from it than its sigmas allow, these are scaled so that it lies within
@@ -134,11 +126,9 @@ def _with_wider_guess(
     if off <= GUESS_SIGMAS and found.cad_model is cad_model:
         return found
     if off <= GUESS_SIGMAS:
-        return fit_correlated(
-            points, found.global_from_hull, cad_model, found.center, index, sigma_range
-        )
+        return fit_correlated(points, found.global_from_hull, cad_model, found.center, sigma_range)
     wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off, contradicted=True)
-    again = fit_correlated(points, found.global_from_hull, wider, found.center, index, sigma_range)
+    again = fit_correlated(points, found.global_from_hull, wider, found.center, sigma_range)
     return replace(again, sigmas_off=off)
 
 
@@ -233,8 +223,9 @@ def share_within(points: Array, found: Registration, sigma_range: float) -> floa
     """Return the share of points (n, 3) in g that lie within three sigma of a CAD model as it is
     registered.
     """
-    index = MeshIndex(found.cad_model.mesh.vertices, found.cad_model.mesh.faces)
-    distance = index.closest(found.global_from_hull.inverse().apply(points)).distance
+    distance = found.cad_model.mesh.index.closest(
+        found.global_from_hull.inverse().apply(points)
+    ).distance
     return _share_within(distance, found.cad_model, sigma_range)
 
 
@@ -272,7 +263,6 @@ def fit_correlated(
     start: Poses,
     cad_model: CadModel,
     center: Array,
-    index: MeshIndex,
     sigma_range: float,
     iterations: int = 60,
 ) -> Registration:
@@ -285,19 +275,20 @@ def fit_correlated(
     expected = replace(cad_error.expected_cad_error(cad_model), noise=0.0)
     field = cad_error.distance_covariance(expected, cad_model, start.inverse().apply(points))
     noise = _robust_noise(
-        signed_distances(points, start, center, index)[0], sigma_range, cad_model.deviation_sigma
+        signed_distances(points, start, center, cad_model.mesh)[0],
+        sigma_range,
+        cad_model.deviation_sigma,
     )
     cost = HullPoseCost(
         points=points,
         cad_model=cad_model,
         center=center,
-        index=index,
         factor=cho_factor(field + np.diag(noise**2)),
     )
     found = minimise_over_pose(
         start, cost.linearise, cost.update, max_iterations=iterations, min_relative_decrease=1e-6
     )
-    distance, _ = signed_distances(points, found.pose, center, index)
+    distance, _ = signed_distances(points, found.pose, center, cad_model.mesh)
     return Registration(
         cad_model=cad_model,
         sigmas_off=1.0,
@@ -314,19 +305,18 @@ class HullPoseCost:
     """The generalised least-squares cost of T_g_M: distances of points (n, 3) in g to the CAD model
     and the package's prior.
 
-    center (3,) in M, about which steps turn; index of the CAD model; factor: Cholesky factor of the
+    center (3,) in M, about which steps turn; factor: Cholesky factor of the
     distances' covariance.
     """
 
     points: Array
     cad_model: CadModel
     center: Array
-    index: MeshIndex
     factor: CholeskyFactor
 
     def linearise(self, pose: Poses) -> LinearisedCost:
         """Return the cost at T_g_M with its gradient and information by the step of `perturb_pose`."""
-        distance, jacobian = signed_distances(self.points, pose, self.center, self.index)
+        distance, jacobian = signed_distances(self.points, pose, self.center, self.cad_model.mesh)
         weighted = cho_solve(self.factor, np.c_[jacobian, distance])
         whitened = prior_rows(self.cad_model)
         prior = prior_step(pose, self.cad_model, self.center) / self.cad_model.guess_sigma
@@ -352,11 +342,11 @@ def prior_rows(cad_model: CadModel) -> Array:
 
 
 def signed_distances(
-    points: Array, global_from_hull: Poses, center: Array, index: MeshIndex
+    points: Array, global_from_hull: Poses, center: Array, mesh: Mesh
 ) -> tuple[Array, Array]:
     """Return signed distances (n,) and their derivatives (n, 6) by the step of `perturb_pose`."""
     local = global_from_hull.inverse().apply(points)
-    nearest = index.closest(local)
+    nearest = mesh.index.closest(local)
     rotation = global_from_hull.rotation.as_matrix()[0]
     by_shift = -nearest.gradient @ rotation.T
     by_turn = np.cross(nearest.gradient, local - center)

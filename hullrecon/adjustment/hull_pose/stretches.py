@@ -20,6 +20,7 @@ from hullrecon import native
 from hullrecon.adjustment.hull_pose import registration
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry import poses
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import Odometry
 from hullrecon.typing import Array, Ints, Mask
@@ -202,23 +203,20 @@ def _lay(points: Array, beams: Array, cad_model: CadModel, sigma_range: float) -
     it, within the guess's sigmas; none where they do not fit. beams (n, 3): from the vehicle to the
     points.
     """
-    index = native.MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
     kept = registration.thin_points(points, 0.10, MOST_POINTS)
     center = cad_model.guess.inverse().apply(kept).mean(axis=0)
     few = np.linspace(0, len(points) - 1, min(SEARCH_POINTS, len(points))).astype(int)
-    found = _search(points[few], beams[few], cad_model, center, index)
+    found = _search(points[few], beams[few], cad_model, center)
     for _ in range(2):  # what counts as an outlier is told by distances at the start
-        fitted = registration.fit_correlated(kept, found, cad_model, center, index, sigma_range)
+        fitted = registration.fit_correlated(kept, found, cad_model, center, sigma_range)
         found = fitted.global_from_hull
-    on_outside = ~_from_within(points[few], beams[few], found, index)
+    on_outside = ~_from_within(points[few], beams[few], found, cad_model.mesh)
     if fitted.fitness < registration.GOOD_FITNESS or on_outside.mean() < registration.GOOD_FITNESS:
         return poses.identity()
     return cad_model.guess @ found.inverse()
 
 
-def _search(
-    points: Array, beams: Array, cad_model: CadModel, center: Array, index: native.MeshIndex
-) -> Poses:
+def _search(points: Array, beams: Array, cad_model: CadModel, center: Array) -> Poses:
     """Return the pose of a grid over the ship's horizontal plane at which points lie best on the
     CAD model's outside.
     """
@@ -228,9 +226,11 @@ def _search(
     for along, across in product(_grid(sigma[0]), _grid(sigma[1])):
         step = np.r_[rotate @ (np.array([along, across]) @ level), 0.0, 0.0, 0.0]
         pose = registration.perturb_pose(cad_model.guess, center, step)
-        distance = np.abs(index.closest(pose.inverse().apply(points)).distance)
+        distance = np.abs(cad_model.mesh.index.closest(pose.inverse().apply(points)).distance)
         distance = np.where(
-            _from_within(points, beams, pose, index), np.maximum(distance, WRONG_SIDE_M), distance
+            _from_within(points, beams, pose, cad_model.mesh),
+            np.maximum(distance, WRONG_SIDE_M),
+            distance,
         )
         costs.append(
             (registration.trimmed_cost(distance, pose, cad_model, center), len(costs), pose)
@@ -244,11 +244,9 @@ def _grid(sigma_m: float) -> Array:
     return np.linspace(-SEARCH_SIGMAS * sigma_m, SEARCH_SIGMAS * sigma_m, 2 * steps + 1)
 
 
-def _from_within(
-    points: Array, beams: Array, global_from_hull: Poses, index: native.MeshIndex
-) -> Mask:
+def _from_within(points: Array, beams: Array, global_from_hull: Poses, mesh: Mesh) -> Mask:
     """Return which points (n, 3) in g lie nearest to a face whose inside their beams (n, 3) met."""
-    outward = index.closest(global_from_hull.inverse().apply(points)).gradient
+    outward = mesh.index.closest(global_from_hull.inverse().apply(points)).gradient
     return np.asarray(np.sum(global_from_hull.rotation.apply(outward) * beams, axis=1) > 0)
 
 

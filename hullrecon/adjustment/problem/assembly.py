@@ -28,8 +28,8 @@ from hullrecon.estimation.navigation_tables import (
 )
 from hullrecon.estimation.plane_tables import with_planes
 from hullrecon.estimation.position_tables import with_positions
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
-from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Odometry, Returns
 from hullrecon.typing import Array, Ints, Mask
@@ -80,9 +80,10 @@ def assemble(
         problem = replace(problem, stereo=stereo, mono=mono, sigma_px=weights.pixel)
     if state.hull is None:
         return with_planes(problem, m.planes)  # with a CAD model, the same returns measure that
+    mesh = _centred_mesh(state.hull)
     problem = replace(
         problem,
-        cad_mesh=_cad_mesh(state.hull),
+        cad_mesh=native.CadMesh(vertices=mesh.vertices, faces=mesh.faces),
         surface=_surface_table(state.hull, state, weights, chosen),
     )
     if m.returns is None:
@@ -102,7 +103,7 @@ def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
         (np.ones(rows.sum()), (m.tracks.node[rows], m.tracks.landmark[rows])), shape=shape
     ).tocsr()
     shared = seen[m.odometry.first].multiply(seen[m.odometry.second]).sum(axis=1)
-    return m.odometry.without(m.odometry.from_images & (np.asarray(shared).ravel() >= MIN_SHARED))
+    return m.odometry.take(~(m.odometry.from_images & (np.asarray(shared).ravel() >= MIN_SHARED)))
 
 
 def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection) -> State:
@@ -245,9 +246,9 @@ def _centred_pose(hull: HullState) -> Poses:
     return hull.global_from_hull @ frame_at(hull.survey_center)
 
 
-def _cad_mesh(hull: HullState) -> native.CadMesh:
+def _centred_mesh(hull: HullState) -> Mesh:
     mesh = hull.cad_model.mesh
-    return native.CadMesh(vertices=mesh.vertices - hull.survey_center, faces=mesh.faces)
+    return Mesh(mesh.vertices - hull.survey_center, mesh.faces)
 
 
 def _surface_table(
@@ -296,15 +297,14 @@ def _hits(
     """Return where the beams meet the CAD model, (r, 3) in the problem's hull frame; the measured
     end where they miss.
     """
-    used = from_arrays(Returns, {k: v[chosen.returns] for k, v in to_arrays(returns).items()})
+    used = returns.take(chosen.returns)
     points, direction = beam_ends(
         used, state.nodes, state.tray, m.rig.tray_origin, state.tray_from_dvl
     )
     to_hull = pose_from_vector(pose_vector(_centred_pose(hull))).inverse()
     points, direction = to_hull.apply(points), to_hull.rotation.apply(direction)
     origin = points - direction * used.range_m[:, None]
-    mesh = _cad_mesh(hull)
-    cast = native.MeshIndex(mesh.vertices, mesh.faces).cast(origin, direction)
+    cast = _centred_mesh(hull).index.cast(origin, direction)
     length = np.where(np.isfinite(cast.range), cast.range, used.range_m)
     return np.asarray(origin + direction * length[:, None])
 

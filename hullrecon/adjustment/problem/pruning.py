@@ -11,11 +11,14 @@ not to exist.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
-from hullrecon.native import FieldNodes, MonoTable, Problem, Result, StereoTable, SurfaceTable
+from hullrecon.native import MonoTable, Problem, Result, StereoTable, SurfaceTable
 from hullrecon.typing import Mask
+
+Table = TypeVar("Table", StereoTable, MonoTable, SurfaceTable)
 
 
 def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
@@ -23,42 +26,18 @@ def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
     other factors stay.
     """
     number = (np.cumsum(keep) - 1).astype(np.int32)
-    stereo, mono, surface = problem.stereo, problem.mono, problem.surface
-    kept = {
-        "stereo": keep[stereo.landmark],
-        "mono": keep[mono.landmark],
-        "surface": keep[surface.landmark],
-    }
-    in_field = _rows(len(surface.field.index), kept["surface"])
+
+    def kept(table: Table) -> Table:
+        rows = table.take(keep[table.landmark])
+        return replace(rows, landmark=number[rows.landmark])
+
     return replace(
         problem,
         unknowns=replace(problem.unknowns, landmark=problem.unknowns.landmark[keep]),
-        stereo=StereoTable(
-            node=stereo.node[kept["stereo"]],
-            landmark=number[stereo.landmark[kept["stereo"]]],
-            pixel=stereo.pixel[kept["stereo"]],
-            sigma_ratio=stereo.sigma_ratio[_rows(len(stereo.sigma_ratio), kept["stereo"])],
-        ),
-        mono=MonoTable(
-            node=mono.node[kept["mono"]],
-            landmark=number[mono.landmark[kept["mono"]]],
-            camera=mono.camera[kept["mono"]],
-            pixel=mono.pixel[kept["mono"]],
-            sigma_ratio=mono.sigma_ratio[_rows(len(mono.sigma_ratio), kept["mono"])],
-        ),
-        surface=SurfaceTable(
-            landmark=number[surface.landmark[kept["surface"]]],
-            weight=surface.weight[kept["surface"]],
-            field=FieldNodes(
-                index=surface.field.index[in_field], weight=surface.field.weight[in_field]
-            ),
-        ),
+        stereo=kept(problem.stereo),
+        mono=kept(problem.mono),
+        surface=kept(problem.surface),
     )
-
-
-def _rows(length: int, keep: Mask) -> Mask | slice:
-    """Return which rows to keep of a column of that length, which may be empty."""
-    return keep if length else slice(0)
 
 
 def drop_label_rows(result: Result, surface_rows: Mask) -> Result:

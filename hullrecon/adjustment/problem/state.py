@@ -14,7 +14,6 @@ from hullrecon.adjustment.hull_pose.stretches import Stretches
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
-from hullrecon.native import MeshIndex
 from hullrecon.typing import Array
 
 
@@ -42,8 +41,7 @@ class HullState:
 
     def cad_distance(self, points: Array) -> Array:
         """Return signed distances (n,) m of points (n, 3) in g to the CAD model, positive outside."""
-        index = MeshIndex(self.cad_model.mesh.vertices, self.cad_model.mesh.faces)
-        return index.closest(self.to_hull(points)).distance
+        return self.cad_model.mesh.index.closest(self.to_hull(points)).distance
 
     def deviation(self, points: Array) -> Array:
         """Return signed distances (n,) m of points (n, 3) in g to the hull as it is: the CAD model

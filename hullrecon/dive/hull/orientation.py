@@ -146,14 +146,12 @@ def _share_escaping(whole: Mesh, picked: Ints, way: float) -> Array:
     """Return for each picked face the share of rays from one side (way: 1 front, -1 back) that hit
     nothing of the hull.
     """
-    from hullrecon.native import MeshIndex
-
     normal = way * face_normals(Mesh(whole.vertices, whole.faces[picked]))
     lift = LIFT * float(np.ptp(whole.vertices, axis=0).max())
     origin = np.repeat(
         whole.vertices[whole.faces[picked]].mean(axis=1) + lift * normal, RAYS, axis=0
     )
-    hits = MeshIndex(whole.vertices, whole.faces).cast(origin, _hemisphere(normal))
+    hits = whole.index.cast(origin, _hemisphere(normal))
     return np.asarray((hits.face < 0).reshape(-1, RAYS).mean(axis=1))
 
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +25,6 @@ from hullrecon.geometry.charts.section_casting import (
 )
 from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.native import MeshIndex
 from hullrecon.typing import Array
 
 
@@ -52,17 +50,13 @@ class AxisChart:
         """Return along of the origin of M, m; see `Chart`."""
         return -self.aft_perpendicular
 
-    @cached_property
-    def _index(self) -> MeshIndex:
-        return MeshIndex(self.mesh.vertices, self.mesh.faces)
-
     def to_chart(self, points: Array) -> Array:
         """Return chart coordinates (n, 3) of points (n, 3); see `Chart`."""
         turned = np.atleast_2d(np.asarray(points, float)) @ self.axes.T
         out = np.full(turned.shape, np.nan)
         known = np.isfinite(turned).all(axis=1)
         if known.any():
-            near = self._index.closest(turned[known])
+            near = self.mesh.index.closest(turned[known])
             girth = self.sections.girth_at(near.point)
             along = near.point[:, 0] - self.aft_perpendicular
             out[known] = np.stack(
@@ -85,7 +79,7 @@ class AxisChart:
         closest face's normal.
         """
         origin, inward = self.sections.rays(along, angle)
-        hit = self._index.cast(origin, inward)
+        hit = self.mesh.index.cast(origin, inward)
         point = origin + inward * (self.sections.reach - radius)[:, None]
         on = np.abs(hit.range - (self.sections.reach - radius)) <= self.sections.slack_at(
             along, angle
@@ -93,7 +87,7 @@ class AxisChart:
         point[on] = origin[on] + inward[on] * hit.range[on, None]
         normal = hit.normal.copy()
         if not on.all():
-            normal[~on] = self._index.closest(point[~on]).gradient
+            normal[~on] = self.mesh.index.closest(point[~on]).gradient
         return point, np.where(np.einsum("ni,ni->n", normal, inward)[:, None] > 0, -normal, normal)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
@@ -148,9 +142,7 @@ def build_axis_chart(
     """Return the chart that `chart_for_hull` describes."""
     axes = hull_axes(mesh.vertices, up, bow)
     turned = Mesh(mesh.vertices @ axes.T, mesh.faces)
-    index = MeshIndex(turned.vertices, turned.faces)
-    height = choose_axis_height(turned, index)
-    sections = cast_sections(turned, index, height)
+    sections = cast_sections(turned, choose_axis_height(turned))
     if not sections.whole.any():
         raise InputError(
             "the CAD model has no skin that a chart can follow",
@@ -158,7 +150,7 @@ def build_axis_chart(
         )
     return AxisChart(
         axes,
-        outward_faces(turned, sections, index),
+        outward_faces(turned, sections),
         sections,
         float(axes[0].sum()) * aft_perpendicular_m,
     )

@@ -13,7 +13,6 @@ import numpy as np
 from hullrecon.errors import InputError
 from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Mask
 
 AXES = "xyz"
@@ -59,7 +58,7 @@ def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str)
     )
 
 
-def outward_faces(mesh: Mesh, sections: Sections, index: MeshIndex) -> Mesh:
+def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
     """Return the mesh with each connected piece turned so that the rays meet its outer side; pieces
     that no ray meets stay.
     """
@@ -74,7 +73,7 @@ def outward_faces(mesh: Mesh, sections: Sections, index: MeshIndex) -> Mesh:
     )
     piece = piece[corner[mesh.faces[:, 0]]]
     origin, inward = sections.rays(*_pairs(sections))
-    hit = index.cast(origin, inward)
+    hit = mesh.index.cast(origin, inward)
     met = hit.range < sections.reach
     vote = np.bincount(
         piece[hit.face[met]],
@@ -85,13 +84,13 @@ def outward_faces(mesh: Mesh, sections: Sections, index: MeshIndex) -> Mesh:
     return Mesh(mesh.vertices, np.ascontiguousarray(faces))
 
 
-def choose_axis_height(mesh: Mesh, index: MeshIndex) -> float:
+def choose_axis_height(mesh: Mesh) -> float:
     """Return the height, of nine between bottom and top, from which rays see most of the sides and
     the bottom, metres.
     """
     low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
-    seen = [_seen_area(mesh, index, height) for height in heights]
+    seen = [_seen_area(mesh, height) for height in heights]
     if max(seen) <= 0:
         raise InputError(
             "no ray from inside meets the CAD model", remedy="check the mesh and which way is up"
@@ -100,11 +99,11 @@ def choose_axis_height(mesh: Mesh, index: MeshIndex) -> float:
     return float(heights[good].max())
 
 
-def _seen_area(mesh: Mesh, index: MeshIndex, height: float) -> float:
+def _seen_area(mesh: Mesh, height: float) -> float:
     """Return skin that rays meet well, m2, without decks (their normals point up)."""
     sections = _frame(mesh, height, stations=60, angles=91)
     origin, inward = sections.rays(*_pairs(sections))
-    hit = index.cast(origin, inward)
+    hit = mesh.index.cast(origin, inward)
     met = hit.range < sections.reach
     slope = np.abs(np.einsum("ni,ni->n", hit.normal, inward))
     facing = np.where(np.einsum("ni,ni->n", hit.normal, inward) > 0, -1.0, 1.0) * hit.normal[:, 2]
@@ -112,19 +111,17 @@ def _seen_area(mesh: Mesh, index: MeshIndex, height: float) -> float:
     return float(cell[met & (slope > 0.2) & (facing < 0.5)].sum())
 
 
-def cast_sections(mesh: Mesh, index: MeshIndex, height: float) -> Sections:
+def cast_sections(mesh: Mesh, height: float) -> Sections:
     """Return the sections of a turned mesh about its axis at that height."""
     size = np.ptp(mesh.vertices, axis=0)
     step = float(np.clip(size[0] / 400, size[0] / 2000, 0.3 if size[0] > 60 else 0.25))
     empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
     origin, inward = empty.rays(*_pairs(empty))
-    hit = index.cast(origin, inward)
+    hit = mesh.index.cast(origin, inward)
     radius = np.where(hit.range < empty.reach, empty.reach - hit.range, np.nan).reshape(
         empty.radius.shape
     )
     filled = _bridge_gaps(radius)
-    whole = _whole(empty, filled, index)
-    girth, whole = _girth(empty, filled), _whole(empty, filled, index)
     return Sections(
         axis_y=empty.axis_y,
         axis_z=height,
@@ -132,8 +129,8 @@ def cast_sections(mesh: Mesh, index: MeshIndex, height: float) -> Sections:
         station=empty.station,
         angle=empty.angle,
         radius=filled,
-        girth=girth,
-        whole=whole,
+        girth=_girth(empty, filled),
+        whole=_whole(empty, filled, mesh),
     )
 
 
@@ -202,20 +199,18 @@ def _girth(s: Sections, radius: Array) -> Array:
     return out
 
 
-def _whole(s: Sections, radius: Array, index: MeshIndex) -> Mask:
+def _whole(s: Sections, radius: Array, mesh: Mesh) -> Mask:
     """Return cells (k - 1, m - 1) whose four sides lie on the skin; one that leaps from one part of
     the ship to another does not.
     """
     point = _points(s, radius)
-    girthwise = _on_skin(
-        point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], index
-    )
+    girthwise = _on_skin(point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], mesh)
     reach = np.full(radius[1:].shape, s.station[1] - s.station[0])
-    lengthwise = _on_skin(point[:-1], point[1:], reach, 1.0, index)
+    lengthwise = _on_skin(point[:-1], point[1:], reach, 1.0, mesh)
     return girthwise[:-1] & girthwise[1:] & lengthwise[:, :-1] & lengthwise[:, 1:]
 
 
-def _on_skin(start: Array, stop: Array, radius: Array, turn: float, index: MeshIndex) -> Mask:
+def _on_skin(start: Array, stop: Array, radius: Array, turn: float, mesh: Mesh) -> Mask:
     """Return whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly,
     where they are much longer than their rays' spacing explains.
     """
@@ -223,7 +218,7 @@ def _on_skin(start: Array, stop: Array, radius: Array, turn: float, index: MeshI
     good = np.asarray(length * GRAZING <= radius * turn)
     doubtful = np.isfinite(length)
     middle = 0.5 * (start + stop)[doubtful]
-    gap = np.abs(index.closest(middle).distance)
+    gap = np.abs(mesh.index.closest(middle).distance)
     short = good[doubtful]
     limit = np.where(short, 0.3, OFF_SKIN) * length[doubtful]
     out = np.zeros(good.shape, bool)

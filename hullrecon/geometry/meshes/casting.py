@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import Mesh, face_normals
-from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Ints
 
 
@@ -29,7 +28,7 @@ class Scene:
     """Answers for one mesh, exact in double precision."""
 
     def __init__(self, mesh: Mesh) -> None:
-        self._index = MeshIndex(mesh.vertices, mesh.faces)
+        self._index = mesh.index
         self._normal = face_normals(mesh)
 
     def closest(self, points: Array) -> ClosestPoints:

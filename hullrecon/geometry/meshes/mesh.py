@@ -5,18 +5,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Ints32
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """vertices (n, 3) metres; faces (m, 3) int32, counter-clockwise seen from outside."""
+    """A triangle mesh, with the index that answers closest points and ray casts on it."""
 
-    vertices: Array
-    faces: Ints32
+    vertices: Array  # (n, 3) m
+    faces: Ints32  # (m, 3) rows of vertices, counter-clockwise seen from outside
+
+    @cached_property
+    def index(self) -> MeshIndex:
+        """Index of the faces, built once for each mesh at its first use."""
+        return MeshIndex(self.vertices, self.faces)
 
 
 def face_areas(mesh: Mesh) -> Array:

@@ -6,7 +6,7 @@ surface [Ozog2016 2.3.4].
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -116,7 +116,7 @@ def _seen_from(
     )
     rows = np.concatenate(windows)
     beams = sensors.dvl_points(
-        Returns(**{field.name: getattr(returns, field.name)[rows] for field in fields(Returns)}),
+        returns.take(rows),
         path,
     )
     to_anchor = path.poses[np.repeat(anchors, [len(window) for window in windows])].inverse()

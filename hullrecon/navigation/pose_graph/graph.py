@@ -309,7 +309,7 @@ def _unlinked_motions(odometry: Odometry, links: CameraLinks) -> Odometry:
     """
     nodes = 1 + max(int(odometry.second.max(initial=0)), int(links.second.max(initial=0)))
     linked = np.isin(odometry.first * nodes + odometry.second, links.first * nodes + links.second)
-    return odometry.without(odometry.from_images & linked)
+    return odometry.take(~(odometry.from_images & linked))
 
 
 def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> native.LinkTable:

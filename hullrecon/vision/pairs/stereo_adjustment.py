@@ -118,7 +118,7 @@ def adjust_stereo_motion(
     return AdjustedMotion(
         second_from_first=motion,
         covariance=covariance,
-        calibration=_calibration_evidence(system[good], rows, inverse, variance * inflation),
+        calibration=_calibration_evidence(system.take(good), rows, inverse, variance * inflation),
     )
 
 
