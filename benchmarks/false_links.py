@@ -61,7 +61,6 @@ from hullrecon.vision.pairs.match_worker import (
     NodePair,
 )
 from hullrecon.vision.pairs.selection import footprint_overlap
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import no_matches
 
 APART_M = 4.0  # between the cameras of two images that share nothing
@@ -112,7 +111,7 @@ def read_dive(package: Path, run: Path) -> Dive:
     options, tray = config.value("matches"), config.value("tray")
     assert isinstance(options, MatchOptions)
     assert isinstance(tray, Tray)
-    worker = MatchWorker(features=run / "features", rig=CameraRig(rig), options=options)
+    worker = MatchWorker(features=run / "features", rig=rig, options=options)
     reckoned, returns = navigate.trajectory, navigate.returns
     images = [(int(top), int(bottom)) for top, bottom in reckoned.image]
     stereo = stereo_by_node(LinksArtifact(run / "links").stereo)

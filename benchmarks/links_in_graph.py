@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from hullrecon.dive.config.load import LoadedConfig
-from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.records.links import CameraLinks, no_links
+from hullrecon.rig import RIG_SECTIONS, rig_with_priors
 from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
 from hullrecon.typing import Ints, Mask
 from hullrecon.vision.pair_match import PairMatch
@@ -28,9 +28,7 @@ def solved_graph(run: Path, config: LoadedConfig) -> GraphSolution:
     the run.
     """
     ingest, navigate = IngestArtifact(run / "ingest"), NavigateArtifact(run / "navigate")
-    rig = rig_priors_from_settings(
-        {name: config.value(name) for name in RIG_SECTIONS}, ingest.camera_models
-    )
+    rig = rig_with_priors({name: config.value(name) for name in RIG_SECTIONS}, ingest.camera_models)
     graph = PoseGraph(
         trajectory=navigate.trajectory,
         odometry=navigate.odometry,

@@ -39,12 +39,12 @@ from hullrecon.dive.config import schema
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.hull.pose_guess import guess_sigma
 from hullrecon.errors import StageError
-from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.rig import RIG_SECTIONS, rig_with_priors
 from hullrecon.steps.artifacts import (
     IngestArtifact,
     LinksArtifact,
@@ -78,7 +78,7 @@ def measurements(package: Path, run: Path) -> tuple[Measurements, AdjustOptions]
         attitude=navigate.attitude,
         tracks=MatchesArtifact(matches).tracks if matches.exists() else None,
         start=LinksArtifact(links).path.path() if links.exists() else None,
-        rig=rig_priors_from_settings(
+        rig=rig_with_priors(
             {name: config.value(name) for name in RIG_SECTIONS}, ingest.camera_models
         ),
         cad_model=CadModel(

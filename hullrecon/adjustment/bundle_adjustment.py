@@ -37,7 +37,7 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.rounds import Estimate, Report, RoundResult, RoundSolver
 from hullrecon.adjustment.stereo_calibration import StereoContradiction, free_contradicted_rig
-from hullrecon.estimation.rig_priors import Rig
+from hullrecon.rig import Rig
 
 # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
 FIRST_MAX_PX = 40.0
@@ -207,9 +207,9 @@ def _start(measured: Measurements, options: AdjustOptions) -> Estimate:
         nodes=path.poses,
         tray=path.tray.copy(),
         landmark=np.full((selection.landmark_count(measured), 3), np.nan),
-        tray_from_top=rig.tray_from_top.nominal if rig.tray_from_top and seen else None,
-        top_from_bottom=rig.top_from_bottom.nominal if rig.top_from_bottom and seen else None,
-        tray_from_dvl=rig.tray_from_dvl.nominal,
+        mounts=rig.mounts
+        if seen
+        else replace(rig.mounts, tray_from_top=None, top_from_bottom=None),
         navigation=np.zeros(6),
         hull=None,
     )

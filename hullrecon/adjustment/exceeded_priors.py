@@ -21,8 +21,8 @@ from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver
 from hullrecon.adjustment.stereo_calibration import DVL_SCALE, widen_ranges
 from hullrecon.errors import StageError
-from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.poses import Poses
+from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 MANY_SIGMAS = 4.0  # of what the package allows
@@ -34,6 +34,7 @@ LEAST_GAINED = 0.25
 ROTATION = slice(3, 6)  # rows of a mount's prior
 # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
 CONSTANT_ERRORS = 5
+MOUNTS = ("tray_from_top", "tray_from_dvl")
 # blocks of the native problem by the priors that may be widened
 BLOCKS = {"navigation": "navigation", "tray_from_top": "T_s_ct", "tray_from_dvl": "T_s_d"}
 
@@ -108,7 +109,7 @@ def widen_exceeded_priors(
         return WidenedPriors(round=solver.solve_round(widened), length_conflict=None)
     # A wrong speed of sound scales the ranges as well: a second camera, depths and the CAD model
     # decide
-    share = float(rig.navigation_sigma[DVL_SCALE] * widening["navigation"][DVL_SCALE])
+    share = float(rig.priors.navigation_sigma[DVL_SCALE] * widening["navigation"][DVL_SCALE])
     result = solver.solve_round(replace(widened, weights=widen_ranges(widened, share)))
     return WidenedPriors(round=result, length_conflict=share if rig.bottom is None else None)
 
@@ -117,46 +118,38 @@ def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
     """Return the priors by the unknowns' name, of mounts that are no constants the rotation alone:
     a focal length that is off looks like a camera that stands nearer or farther.
     """
-    rows = np.diag(1 / rig.navigation_sigma)[:CONSTANT_ERRORS]
+    rows = np.diag(1 / rig.priors.navigation_sigma)[:CONSTANT_ERRORS]
     out = {"navigation": _Prior(deviation=rows @ state.navigation, to_sigmas=rows)}
-    for name, mount, found in (
-        ("tray_from_top", rig.tray_from_top, state.tray_from_top),
-        ("tray_from_dvl", rig.tray_from_dvl, state.tray_from_dvl),
-    ):
-        if mount is not None and mount.sqrt_information is not None and found is not None:
-            out[name] = _prior_of_mount(mount, found)
+    for name in MOUNTS:
+        nominal, rows, found = (getattr(of, name) for of in (rig, rig.priors, state.mounts))
+        if nominal is not None and rows is not None and found is not None:
+            by, to_child = displacement(nominal, found)
+            rows = rows[ROTATION]
+            out[name] = _Prior(deviation=rows @ by, to_sigmas=rows @ to_child)
     return out
 
 
-def displacement(mount: Mount, found: Poses) -> tuple[Array, Array]:
+def displacement(nominal: Poses, found: Poses) -> tuple[Array, Array]:
     """Return how far a mount was found from its nominal pose (6,), translation and rotation in the
     child's axes, and what takes its unknowns' tangent there (6, 6), whose translation is in the
     parent's axes.
     """
     to_child = np.eye(6)
-    to_child[:3, :3] = mount.nominal.rotation.inv().as_matrix()[0]
-    shift = to_child[:3, :3] @ (found.translation - mount.nominal.translation)[0]
-    turn = (mount.nominal.rotation.inv() * found.rotation).as_rotvec()[0]
+    to_child[:3, :3] = nominal.rotation.inv().as_matrix()[0]
+    shift = to_child[:3, :3] @ (found.translation - nominal.translation)[0]
+    turn = (nominal.rotation.inv() * found.rotation).as_rotvec()[0]
     return np.r_[shift, turn], to_child
 
 
-def _prior_of_mount(mount: Mount, found: Poses) -> _Prior:
-    assert mount.sqrt_information is not None
-    by, to_child = displacement(mount, found)
-    rows = mount.sqrt_information[ROTATION]
-    return _Prior(deviation=rows @ by, to_sigmas=rows @ to_child)
-
-
 def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
-    navigation = rig.navigation_sigma.copy()
+    navigation = rig.priors.navigation_sigma.copy()
     navigation[:CONSTANT_ERRORS] *= widening["navigation"]
-    mounts = {}
-    for name in ("tray_from_top", "tray_from_dvl"):
-        mount = getattr(rig, name)
-        if name in widening:
-            factor = np.r_[np.ones(3), widening[name]]
-            mounts[name] = replace(mount, sqrt_information=mount.sqrt_information / factor[:, None])
-    return replace(rig, navigation_sigma=navigation, **mounts)
+    mounts = {
+        name: getattr(rig.priors, name) / np.r_[np.ones(3), widening[name]][:, None]
+        for name in MOUNTS
+        if name in widening
+    }
+    return rig.with_priors(navigation_sigma=navigation, **mounts)
 
 
 def _describe(widening: dict[str, Array]) -> str:

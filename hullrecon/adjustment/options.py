@@ -34,9 +34,6 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     off_hull_sigma_m: Annotated[
         Positive, Meta(description="m, sigma of the distance to the hull of a landmark off it")
     ] = 1.0
-    free_dvl_position: Annotated[
-        bool, Meta(description="the DVL's position on the tray is an unknown too")
-    ] = False
     refine_intrinsics: Annotated[
         bool, Meta(description="the cameras' intrinsics are unknowns with priors")
     ] = False

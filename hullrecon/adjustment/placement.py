@@ -22,7 +22,7 @@ from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection
 from hullrecon.adjustment.problem.deviation_field import grid_over
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements, beam_ends
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.rounds import Estimate, Report, RoundResult
 from hullrecon.errors import StageError
@@ -72,7 +72,7 @@ def register_cad_model(
     measured, state = solved.measured, solved.state
     if stretches is None:
         points = _points_to_register(measured, state)
-        found = registration.register(points, cad_model, measured.rig.sigma_range)
+        found = registration.register(points, cad_model, measured.rig.priors.range_sigma_m)
     else:
         found, state = _register_stretches(solved, cad_model, stretches)
         points = _points_to_register(measured, state)
@@ -119,7 +119,10 @@ def _register_stretches(
     """
     measured, state = solved.measured, solved.state
     assert measured.returns is not None
-    sigma_range, node = measured.rig.sigma_range, measured.returns.node[~measured.returns.flagged]
+    sigma_range, node = (
+        measured.rig.priors.range_sigma_m,
+        measured.returns.node[~measured.returns.flagged],
+    )
     points = _returns_in_global(measured.returns, measured, state)
     laid = lay_stretches(stretches, state.nodes, points, node, cad_model, sigma_range)
     found, state = laid.registration, replace(state, nodes=laid.nodes)
@@ -173,7 +176,8 @@ def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
     """
     stated = replace(
         found.problem.tray,
-        sigma=found.problem.tray.sigma * (found.after.measured.rig.tray_sigma / found.weights.tray),
+        sigma=found.problem.tray.sigma
+        * (found.after.measured.rig.priors.tray_sigma_rad / found.weights.tray),
     )
     cost = native.evaluate(
         replace(found.problem, tray=stated), replace(settings, method="naive"), jacobian=False
@@ -269,10 +273,8 @@ def _points_to_register(measured: Measurements, state: State) -> Array:
 
 def _returns_in_global(returns: Returns, measured: Measurements, state: State) -> Array:
     """Return the DVL's returns that are not flagged, in g."""
-    points, _ = beam_ends(
-        returns, state.nodes, state.tray, measured.rig.tray_origin, state.tray_from_dvl
-    )
-    return points[~returns.flagged]
+    ends = state.mounted(measured.rig).dvl_points(returns, state.path)
+    return ends.points[~returns.flagged]
 
 
 @dataclass(frozen=True, kw_only=True)

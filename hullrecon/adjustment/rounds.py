@@ -27,8 +27,8 @@ from hullrecon.adjustment.problem.assembly import Selection, assemble, state_fro
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.errors import StageError
-from hullrecon.estimation.rig_priors import Rig
 from hullrecon.records.iterations import reached_cost
+from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 Report = Callable[[str], None]

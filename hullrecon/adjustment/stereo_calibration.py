@@ -20,8 +20,8 @@ from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.problem.state import Weights
 from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver
 from hullrecon.errors import StageError
-from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.poses import Poses
+from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 TRIAL_ANCHORS = 5000  # landmarks; six numbers that all images share need no more
@@ -71,19 +71,20 @@ def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | N
     calibration by more than the package says that may be off; None where it does not, or without a
     second camera.
     """
-    mount = solved.measured.rig.top_from_bottom
-    if mount is None or solved.measured.rig.bottom is None:
+    rig = solved.measured.rig
+    calibrated = rig.stereo_mount
+    if calibrated is None:
         return None
-    length_m = float(np.linalg.norm(mount.nominal.translation))
+    length_m = rig.baseline_m
     loose = np.r_[np.full(3, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)]
     fewer = msgspec.structs.replace(
         solver.options, anchors=min(solver.options.anchors, TRIAL_ANCHORS)
     )
     quiet = replace(solver, options=fewer, report=lambda _: None, history=[])
     trial = quiet.solve_round(
-        _with_rig(solved, replace(solved.measured.rig, top_from_bottom=_unknown(mount, loose)))
+        _with_rig(solved, rig.with_priors(top_from_bottom=_prior(calibrated, loose)))
     )
-    found = trial.after.state.top_from_bottom
+    found = trial.after.state.mounts.top_from_bottom
     if found is None or not len(trial.problem.stereo.node):
         return None
     try:
@@ -92,14 +93,14 @@ def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | N
         ).T_ct_cb
     except StageError:
         return None  # something is not determined at all; the last round says what
-    contradiction = compare_rigs(mount.nominal, found, covariance + _prior_covariance(mount))
+    contradiction = compare_rigs(calibrated, found, covariance + _prior_covariance(rig))
     if contradiction is None:
         return None
     solver.report(f"the stereo rig is an unknown: {describe_contradiction(contradiction)}")
     solver.history.append(trial.history)
     return FreedRig(
         round=trial,
-        estimate=_adopt(trial.after, solved.measured.rig, contradiction),
+        estimate=_adopt(trial.after, rig, contradiction),
         contradiction=contradiction,
     )
 
@@ -199,36 +200,26 @@ def _axes(rig: Poses) -> tuple[Array, float]:
     return np.vstack([along, across]), length_m
 
 
-def _unknown(mount: Mount, sigma: Array) -> Mount:
-    """Return the mount with a prior; sigma (6,): along the baseline and twice across it, m, and of
-    the rotation, rad.
+def _prior(calibrated: Poses, sigma: Array) -> Array:
+    """Return the square root of information (6, 6) of a stereo mount; sigma (6,): along the
+    baseline and twice across it, m, and of the rotation, rad.
     """
     rows = np.zeros((6, 6))
-    rows[:3, :3], rows[3:, 3:] = (
-        _axes(mount.nominal)[0] @ mount.nominal.rotation.as_matrix()[0],
-        np.eye(3),
-    )
-    return Mount(mount.nominal, rows / sigma[:, None])
+    rows[:3, :3] = _axes(calibrated)[0] @ calibrated.rotation.as_matrix()[0]
+    rows[3:, 3:] = np.eye(3)
+    return np.asarray(rows / sigma[:, None])
 
 
-def _prior_covariance(mount: Mount) -> Array:
-    """Return how well the package knows a mount (6, 6): (translation in the top camera's axes,
-    rotation perturbed on the right); zeros where it is held.
+def _prior_covariance(rig: Rig) -> Array:
+    """Return how well the package knows the stereo mount (6, 6): (translation in the top camera's
+    axes, rotation perturbed on the right); zeros where it is held.
     """
-    if mount.sqrt_information is None:
+    rows = rig.priors.top_from_bottom
+    if rows is None or rig.top_from_bottom is None:
         return np.zeros((6, 6))
     to_parent = np.eye(6)
-    to_parent[:3, :3] = mount.nominal.rotation.as_matrix()[0]
-    in_child = np.linalg.inv(mount.sqrt_information.T @ mount.sqrt_information)
-    return np.asarray(to_parent @ in_child @ to_parent.T)
-
-
-def _prior_sigma(mount: Mount) -> Array:
-    """Return the same as sigmas (6,), of the translation along the baseline and twice across it."""
-    covariance, axes = _prior_covariance(mount), _axes(mount.nominal)[0]
-    return np.asarray(
-        np.sqrt(np.r_[np.diag(axes @ covariance[:3, :3] @ axes.T), np.diag(covariance[3:, 3:])])
-    )
+    to_parent[:3, :3] = rig.top_from_bottom.rotation.as_matrix()[0]
+    return np.asarray(to_parent @ np.linalg.inv(rows.T @ rows) @ to_parent.T)
 
 
 def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
@@ -241,26 +232,25 @@ def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Esti
     A baseline whose direction is off may be off along it as much. Where lengths disagree and the
     images do not say that the calibration is at fault, the DVL may be wrong as the rig may.
     """
-    mount = calibrated.top_from_bottom
+    mount, length_m = calibrated.top_from_bottom, calibrated.baseline_m
     assert mount is not None
-    length_m, least = (
-        float(np.linalg.norm(mount.nominal.translation)),
-        np.maximum(_prior_sigma(mount), HELD),
-    )
+    covariance, axes = _prior_covariance(calibrated), _axes(mount)[0]
+    along = np.diag(axes @ covariance[:3, :3] @ axes.T)
+    least = np.maximum(np.sqrt(np.r_[along, np.diag(covariance[3:, 3:])]), HELD)
     if found.by_images:
         length_sigma = max(abs(found.length), found.direction_rad)
         loose = np.r_[
             length_sigma * length_m, np.full(2, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)
         ]
-        return _with_rig(
-            after, replace(calibrated, top_from_bottom=_unknown(mount, np.maximum(loose, least)))
-        )
+        rows = _prior(mount, np.maximum(loose, least))
+        return _with_rig(after, calibrated.with_priors(top_from_bottom=rows))
     length_sigma = abs(found.length)
-    navigation_sigma = calibrated.navigation_sigma.copy()
+    navigation_sigma = calibrated.priors.navigation_sigma.copy()
     navigation_sigma[DVL_SCALE] = max(navigation_sigma[DVL_SCALE], length_sigma)
-    only_length = _unknown(mount, np.maximum(np.r_[length_sigma * length_m, np.zeros(5)], least))
+    only_length = _prior(mount, np.maximum(np.r_[length_sigma * length_m, np.zeros(5)], least))
     widened = _with_rig(
-        after, replace(calibrated, top_from_bottom=only_length, navigation_sigma=navigation_sigma)
+        after,
+        calibrated.with_priors(top_from_bottom=only_length, navigation_sigma=navigation_sigma),
     )
     return replace(widened, weights=widen_ranges(after, length_sigma))
 

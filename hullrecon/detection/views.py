@@ -15,7 +15,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
 GRAZING = 0.2  # cosine of the steepest incidence at which a surface still shows texture
@@ -50,7 +50,7 @@ class Visibility:
 
 
 def views_of_top_camera(
-    rig: SensorRig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array
+    rig: Rig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array
 ) -> CameraViews | None:
     """Return where the top camera took its images, in the frame of the track; None without an image
     or a landmark.
@@ -62,7 +62,7 @@ def views_of_top_camera(
     node = np.flatnonzero(track.image[:, camera.column] >= 0)
     if camera not in rig.cameras or not len(node) or not len(landmarks):
         return None
-    model, poses = rig.camera_models[camera], rig.camera_poses(track.path[node], camera)
+    model, poses = rig.camera_models[camera], rig.poses_along(track.path[node], camera)
     names = tuple(
         f"{camera.key}/{t}.jpg" for t in image_t_ns[track.image[node, camera.column]].tolist()
     )

@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon import native
-from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses, pose_vector
 from hullrecon.records.trajectory import Attitude, Odometry
 from hullrecon.typing import Array, Ints
@@ -117,10 +116,10 @@ def gauge_prior(nodes: Poses, attitude: Attitude) -> native.PosePriors:
     return native.PosePriors(node=np.zeros(1, np.int32), value=first, sqrt_information=rows[None])
 
 
-def mount_prior_table(mount: Mount | None, value: Poses | None) -> native.MotionPrior | None:
-    """Return the prior of a mount; None where it is held or its sensor was not carried."""
-    if mount is None or mount.sqrt_information is None or value is None:
+def mount_prior_table(
+    nominal: Poses | None, sqrt_information: Array | None, found: Poses | None
+) -> native.MotionPrior | None:
+    """Build the prior of a mount; None where it is held, or absent from rig or state (`found`)."""
+    if nominal is None or sqrt_information is None or found is None:
         return None
-    return native.MotionPrior(
-        value=pose_vector(mount.nominal), sqrt_information=mount.sqrt_information
-    )
+    return native.MotionPrior(value=pose_vector(nominal), sqrt_information=sqrt_information)

@@ -29,7 +29,7 @@ from hullrecon.report.step_documents import (
     NavigationFacts,
     PairFacts,
 )
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Arrays, Pixels
 
 Document = Mapping[str, object]
@@ -60,7 +60,7 @@ class DiveFacts:
     returns: Returns | None = None  # of the DVL, attached to nodes
     has_depth: bool = True
     has_attitude: bool = True
-    rig: SensorRig
+    rig: Rig
     images: Mapping[Camera, ImageSource] = field(default_factory=dict)
     log: LogFindings = field(default_factory=LogFindings)
     navigation: NavigationFacts = field(default_factory=NavigationFacts)

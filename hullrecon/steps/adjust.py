@@ -24,13 +24,13 @@ from hullrecon.artifacts.machine import refuse_small_address_space
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.dive.config import schema
 from hullrecon.dive.hull.pose_guess import guess_sigma
-from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Attitude
+from hullrecon.rig import RIG_SECTIONS, rig_with_priors
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.typing import Ints
 
@@ -83,9 +83,7 @@ def _measurements(context: Context[AdjustOptions]) -> Measurements:
         start=inputs.links.path.path() if inputs.links is not None else None,
         planes=inputs.links.planes if inputs.links is not None else None,
         positions=inputs.navigate.positions,
-        rig=rig_priors_from_settings(
-            settings, inputs.ingest.camera_models, context.parameters.free_dvl_position
-        ),
+        rig=rig_with_priors(settings, inputs.ingest.camera_models),
         cad_model=_cad_model(inputs.ingest.hull, settings.read_optional("hull", schema.Hull)),
     )
 
@@ -107,17 +105,17 @@ def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
 
 
 def _write_colmap(context: Context[AdjustOptions], m: Measurements, adjusted: Adjusted) -> None:
-    state, mount = adjusted.state, adjusted.state.tray_from_top
-    if m.tracks is None or m.rig.top is None or mount is None:
+    state = adjusted.state
+    if m.tracks is None or m.rig.top is None or state.mounts.tray_from_top is None:
         return
-    top, _ = camera_poses(state.nodes, state.tray, m.rig, mount, state.top_from_bottom)
+    top, _ = camera_poses(m.rig, state)
     to_hull = state.hull.global_from_hull.inverse() if state.hull is not None else poses.identity()
     model = SparseModel(
         tracks=m.tracks,
         top=adjusted.chosen.top,
         bottom=adjusted.chosen.bottom,
         hull_from_top=to_hull @ top,
-        top_from_bottom=state.top_from_bottom,
+        top_from_bottom=state.mounts.top_from_bottom,
         cameras=(m.rig.top, m.rig.bottom),
         stamps=_stamps(InputArtifacts(context.inputs).ingest, m.trajectory.image),
         position=to_hull.apply(state.landmark),

@@ -6,25 +6,21 @@ these and navigation give.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.dive.config.schema import Tray
-from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.navigation.pose_graph.ties import describe_parts
 from hullrecon.records.links import no_links
 from hullrecon.records.serialisation import to_arrays
-from hullrecon.rig import RIG_KEYS, rig_from_settings
+from hullrecon.rig import RIG_SECTIONS, rig_with_priors
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.vision.compared_pairs import NavigatedDive
 from hullrecon.vision.link_images import PathSolver, link_images
 from hullrecon.vision.options import LinkOptions, MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
-from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
 def run(context: Context[LinkOptions]) -> None:
@@ -63,7 +59,7 @@ def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str) -> 
         trajectory=navigate.trajectory,
         odometry=navigate.odometry,
         attitude=navigate.attitude,
-        rig=rig_priors_from_settings(settings, inputs.ingest.camera_models),
+        rig=rig_with_priors(settings, inputs.ingest.camera_models),
         kernel=kernel,
         positions=navigate.positions,
     )
@@ -75,10 +71,10 @@ def _link_images(
     """Write what the images tie, and return its numbers and the path as solved with it."""
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
-    rig = rig_from_settings(_rig_values(settings), inputs.ingest.camera_models)
+    rig = rig_with_priors(settings, inputs.ingest.camera_models)
     worker = MatchWorker(
         features=context.inputs["features"],
-        rig=CameraRig(rig),
+        rig=rig,
         options=settings.read("matches", MatchOptions),
     )
     navigate = inputs.navigate
@@ -151,16 +147,6 @@ def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) ->
     if sentence is not None:
         context.warn(sentence)
     return {"positions": fit.facts()}
-
-
-def _rig_values(settings: Mapping[str, object]) -> dict[str, object]:
-    """Return the values that a rig is made of, out of the sections, which are read whole for their
-    sigmas.
-    """
-    sections = {key: key.rpartition(".") for key in RIG_KEYS if not key.startswith("sonar")}
-    return {
-        key: getattr(settings[section], name, None) for key, (section, _, name) in sections.items()
-    }
 
 
 STAGE = Stage(

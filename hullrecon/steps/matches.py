@@ -16,7 +16,6 @@ from hullrecon.vision.match_images import MatchedImages, join_images
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import REASON_TEXTS
 from hullrecon.vision.pairs.match_worker import MatchWorker
-from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
@@ -28,9 +27,7 @@ def run(context: Context[MatchOptions]) -> None:
     """Leave tracks.npz, pairs.npz and pairs.json."""
     inputs = InputArtifacts(context.inputs)
     rig = rig_from_settings(inputs.mounted(context.settings), inputs.ingest.camera_models)
-    worker = MatchWorker(
-        features=context.inputs["features"], rig=CameraRig(rig), options=context.parameters
-    )
+    worker = MatchWorker(features=context.inputs["features"], rig=rig, options=context.parameters)
     links = inputs.links
     if links is None:
         raise InputError("the links are missing", where="matches", remedy="run the step links")

@@ -44,7 +44,7 @@ from hullrecon.report.survey import (
     Surfaces,
     Survey,
 )
-from hullrecon.rig import RIG_KEYS, SensorRig, rig_from_settings
+from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, InputArtifacts
 from hullrecon.steps.features import external
 
@@ -159,9 +159,7 @@ def _adjusted(artifact: AdjustArtifact) -> AdjustedDive:
     )
 
 
-def _dive_facts(
-    context: Context[ReportOptions], artifacts: InputArtifacts, rig: SensorRig
-) -> DiveFacts:
+def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig: Rig) -> DiveFacts:
     ingest, matches = artifacts.ingest, artifacts.matches
     return DiveFacts(
         dive=context.settings.read_optional("dive", Dive) or Dive(name="dive"),
@@ -262,7 +260,7 @@ def _change(artifacts: InputArtifacts) -> EarlierComparison | None:
 
 
 def _missing(
-    context: Context[ReportOptions], artifacts: InputArtifacts, rig: SensorRig, solution: Solution | None, detect: DetectFacts,
+    context: Context[ReportOptions], artifacts: InputArtifacts, rig: Rig, solution: Solution | None, detect: DetectFacts,
     mosaics: dict[str, Mosaic | None],
 ) -> dict[str, str]:  # fmt: skip
     carried = Carried(

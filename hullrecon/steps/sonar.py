@@ -10,14 +10,14 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.sensors import JointSamples
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Ints
 
 SONAR_KEYS = ("sonar.origin", "sonar.mount")  # of the rig, what places the sonar
 
 
 def sonar_poses(
-    rig: SensorRig, track: VehicleTrack, t_ns: Ints, joint: str | None, samples: JointSamples | None
+    rig: Rig, track: VehicleTrack, t_ns: Ints, joint: str | None, samples: JointSamples | None
 ) -> Poses:
     """Return T_x_o (n) at ping times (n,) in the track's frame; joint: the name of the sonar's
     servo, None where it is fixed.

@@ -16,9 +16,8 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.records.sensors import DvlPings, ImageIndex
-from hullrecon.rig import RIG_KEYS, SensorRig, rig_from_settings
+from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
 from hullrecon.typing import Pixels
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.rig_check import (
     ReadImage,
     RigProblem,
@@ -29,7 +28,7 @@ from hullrecon.vision.stereo.rig_check import (
 
 
 def find_rig_problem(
-    rig: SensorRig,
+    rig: Rig,
     index: Mapping[Camera, ImageIndex],
     read: ReadImage,
     sigma_rad: float,
@@ -42,7 +41,7 @@ def find_rig_problem(
         return None
     top, bottom = (usable_frames(index[camera]) for camera in Camera)
     frames = StereoFrames(pair=pair_frames(top[0], bottom[0]), top=top, bottom=bottom)
-    found = check_stereo_rig(CameraRig(rig), frames, read, sigma_rad)
+    found = check_stereo_rig(rig, frames, read, sigma_rad)
     if found is None:
         return None
     return found.problem or (

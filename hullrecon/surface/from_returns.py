@@ -15,7 +15,7 @@ from hullrecon.geometry.charts.plane_chart import PlaneChart, fit_plane_chart
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Returns, VehicleTrack
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.surface.build import MIN_FACING, SurfacePoints, build_surface
 from hullrecon.surface.hull_reference import HullReference
 from hullrecon.surface.options import SurfaceOptions
@@ -36,7 +36,7 @@ class SurfaceInputs:
 
     hull: HullReference
     track: VehicleTrack
-    rig: SensorRig
+    rig: Rig
     returns: Returns | None
     range_sigma_m: float
     solution: Solution | None

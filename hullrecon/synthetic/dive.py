@@ -11,7 +11,7 @@ from hullrecon.errors import UsageError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import DiveSpec, Survey
 from hullrecon.synthetic.vehicle.motion import Motion, ticks
-from hullrecon.synthetic.vehicle.rig import Rig, true_rig
+from hullrecon.synthetic.vehicle.rig import TrueRig, true_rig
 from hullrecon.synthetic.vehicle.simulate_path import leg_corners, simulate_path
 from hullrecon.synthetic.world.built_hull import BuiltHull
 from hullrecon.synthetic.world.hull_patch import HullSkin
@@ -36,7 +36,7 @@ class Dive:
     cad_model: Mesh
     items: tuple[Item, ...]
     hull: BuiltHull
-    rig: Rig
+    rig: TrueRig
     motion: Motion
     seen_along: Window
     seen_girth: Window

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.poses import Poses, exp, from_rpy, identity
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
+from hullrecon.rig import Rig, RigPriors
 from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
 from hullrecon.typing import Array
 
@@ -120,18 +120,16 @@ def _rig(navigation_sigma: Array) -> Rig:
     turn = np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, MOUNT_SIGMA)])
     return Rig(
         tray_origin=TRAY_ORIGIN_M,
-        tray_sigma=1e-4,
         pressure_origin=np.zeros(3),
-        tray_from_dvl=Mount(identity(1), turn),
-        dvl_position_sigma=np.zeros(3),
-        tray_from_top=None,
-        top_from_bottom=None,
-        top=None,
-        bottom=None,
-        sigma_px=1.0,
-        sigma_range=RANGE_SIGMA_M,
-        density_sigma=0.002,
-        navigation_sigma=navigation_sigma,
+        tray_from_dvl=identity(1),
+        priors=RigPriors(
+            tray_from_dvl=turn,
+            dvl_position_sigma_m=np.zeros(3),
+            tray_sigma_rad=1e-4,
+            navigation_sigma=navigation_sigma,
+            density_sigma=0.002,
+            range_sigma_m=RANGE_SIGMA_M,
+        ),
     )
 
 

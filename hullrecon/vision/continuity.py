@@ -12,7 +12,7 @@ import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Pixels
 from hullrecon.vision.image_motion import single_camera_views
 from hullrecon.vision.options import MatchOptions
@@ -25,7 +25,7 @@ CELLS = 4  # of the image along either side
 
 
 def continuity(
-    rig: SensorRig, read: Callable[[int], Pixels | None], max_features: int, min_inliers: int
+    rig: Rig, read: Callable[[int], Pixels | None], max_features: int, min_inliers: int
 ) -> Callable[[int, int], bool]:
     """Return what tells of two images, by their rows, whether at least min_inliers features move as
     those of one rigid scene.

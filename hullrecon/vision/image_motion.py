@@ -9,18 +9,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Pixels
 from hullrecon.vision.features.extraction import FeatureOptions, extract, no_features
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.matching import PairMatcher
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import no_matches
 from hullrecon.vision.stereo.node_view import NodeView, view_of_node
 
 
 def single_camera_views(
-    rig: SensorRig, read: Callable[[int], Pixels | None], max_features: int, options: MatchOptions
+    rig: Rig, read: Callable[[int], Pixels | None], max_features: int, options: MatchOptions
 ) -> tuple[PairMatcher, Callable[[int], NodeView]]:
     """Return what matches images of the upper camera, and what gives an image's features by its
     row.
@@ -28,19 +27,19 @@ def single_camera_views(
     read: an image (h, w, 3) RGB by its row, None where there is none. The features of the two asked
     last are kept.
     """
-    cameras, feature_options = CameraRig(rig), FeatureOptions(max_features=max_features)
+    feature_options = FeatureOptions(max_features=max_features)
 
     @lru_cache(maxsize=2)
     def view(row: int) -> NodeView:
         image = read(row)
         found = no_features() if image is None else extract(image, feature_options)
-        return view_of_node(cameras, found, no_features(), no_matches(), None, options.sigma_px)
+        return view_of_node(rig, found, no_features(), no_matches(), None, options.sigma_px)
 
-    return PairMatcher(cameras, options), view
+    return PairMatcher(rig, options), view
 
 
 def image_motion(
-    rig: SensorRig, read: Callable[[int], Pixels | None], max_features: int, min_inliers: int
+    rig: Rig, read: Callable[[int], Pixels | None], max_features: int, min_inliers: int
 ) -> Callable[[int, int], tuple[Array, Array] | None]:
     """Return what gives, from two rows, second_from_first (4, 4) of the upper camera, its
     translation of any length, and sigmas (2,) rad of its turn and of its direction, about the axis

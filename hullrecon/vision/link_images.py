@@ -320,7 +320,7 @@ def _match_cameras(
 def _nodes(worker: MatchWorker, dive: NavigatedDive, track: CameraTrack) -> list[MatchNode]:
     """Return the nodes with the depth of the scene by the DVL, without stereo matches yet."""
     depths = [None] * len(track) if dive.returns is None else depth_priors(
-        track, dive.trajectory, dive.returns, worker.rig.rig, worker.options.range_margin
+        track, dive.trajectory, dive.returns, worker.rig, worker.options.range_margin
     )  # fmt: skip
     images = [(int(top), int(bottom)) for top, bottom in dive.trajectory.image]
     return [

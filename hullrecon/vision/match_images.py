@@ -13,12 +13,12 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.links import CameraLinks, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.tracks import Tracks
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import REASON_TEXTS, Reason
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.match_worker import MatchWorker
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.tracks.landmarks import FeatureMatches, build_tracks, first_numbers
 from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
@@ -189,7 +189,7 @@ def _verified_links(links: CameraLinks) -> list[Link]:
 
 
 def _find_contradictions(
-    rig: CameraRig,
+    rig: Rig,
     links: list[Link],
     options: MatchOptions,
     node: Ints,

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.frames import Camera
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Pixels
 from hullrecon.vision.features.extraction import FeatureOptions, extract, no_features
 from hullrecon.vision.options import MatchOptions
@@ -18,7 +18,6 @@ from hullrecon.vision.pair_match import PairMatch
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import NodeView, stereo_of_node, view_of_node
 from hullrecon.vision.tracks.landmarks import NodeFeatures
 
@@ -54,7 +53,7 @@ class MeasuredMotion:
 class StereoOdometer:
     """Measures the motion between two stereo pairs without any prior."""
 
-    rig: CameraRig
+    rig: Rig
     feature_options: FeatureOptions
     match_options: MatchOptions
 
@@ -121,16 +120,15 @@ def _with_disagreement(found: MeasuredMotion, again: MeasuredMotion) -> Measured
 
 
 def stereo_odometer(
-    rig: SensorRig, max_features: int, min_inliers: int, rig_sigma_rad: float
+    rig: Rig, max_features: int, min_inliers: int, rig_sigma_rad: float
 ) -> StereoOdometer:
     """Return the odometer of a rig; rig_sigma_rad: how well the bottom camera's rotation is known,
     which widens the lines on which its matches are sought by two sigmas.
     """
-    cameras = CameraRig(rig)
     options = MatchOptions()
-    widening_px = 2 * rig_sigma_rad * cameras.focal_px(Camera.TOP)
+    widening_px = 2 * rig_sigma_rad * rig.focal_px(Camera.TOP)
     return StereoOdometer(
-        rig=cameras,
+        rig=rig,
         feature_options=FeatureOptions(max_features=max_features),
         match_options=MatchOptions(
             min_inliers=min_inliers,

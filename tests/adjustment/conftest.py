@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from hullrecon.adjustment.results.colmap_export import SparseModel
-from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.records.tracks import Tracks
+from hullrecon.rig import Rig, RigPriors
 
 CAMERA = CameraModel(640, 512, 650.0, 651.0, 320.0, 250.0, -0.06, 0.03, 0.001, -0.0005)
 
@@ -43,18 +44,21 @@ def scene():
     )
     rig = Rig(
         tray_origin=np.array([0.4, 0.0, 0.1]),
-        tray_sigma=0.01,
         pressure_origin=np.zeros(3),
-        tray_from_dvl=Mount(poses.identity(), np.eye(6)),
-        dvl_position_sigma=np.zeros(3),
-        tray_from_top=Mount(tray_from_top, np.eye(6)),
-        top_from_bottom=Mount(top_from_bottom, None),
-        top=CAMERA,
-        bottom=CAMERA,
-        sigma_px=1.0,
-        sigma_range=0.01,
-        density_sigma=0.002,
-        navigation_sigma=np.ones(6),
+        tray_from_dvl=poses.identity(),
+        tray_from_top=tray_from_top,
+        top_from_bottom=top_from_bottom,
+        camera_models={Camera.TOP: CAMERA, Camera.BOTTOM: CAMERA},
+        priors=RigPriors(
+            tray_from_dvl=np.eye(6),
+            tray_from_top=np.eye(6),
+            dvl_position_sigma_m=np.zeros(3),
+            tray_sigma_rad=0.01,
+            navigation_sigma=np.ones(6),
+            density_sigma=0.002,
+            pixel_sigma_px=1.0,
+            range_sigma_m=0.01,
+        ),
     )
     tray = np.full(n, 0.05)
     top = nodes @ poses.tray_poses(rig.tray_origin, tray) @ tray_from_top
@@ -87,7 +91,7 @@ def sparse_model(scene):
         top=top,
         bottom=bottom,
         hull_from_top=scene.top,
-        top_from_bottom=scene.rig.top_from_bottom.nominal,
+        top_from_bottom=scene.rig.top_from_bottom,
         cameras=(scene.rig.top, scene.rig.bottom),
         stamps=np.stack([np.arange(n) * 10**9, np.arange(n) * 10**9 + 5], axis=1),
         position=scene.points,

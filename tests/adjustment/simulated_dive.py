@@ -15,13 +15,14 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
-from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import chart_for_hull
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
+from hullrecon.rig import Rig, RigPriors
 
 # of the CAD model, x forward, y port, z up: it curves both ways
 SEMI_AXES_M = np.array([6.0, 2.5, 2.0])
@@ -378,33 +379,39 @@ def _returns(rng, n, per_leg):
 
 def _mount(truth, error, sigma=MOUNT_SIGMA):
     """A nominal mount from which the truth differs by a shift (3,) m in the parent frame and a turn
-    (3,) rad on the right.
+    (3,) rad on the right, and its prior.
     """
     back = matrix(np.zeros((1, 3)), Rotation.from_rotvec([-np.asarray(error[3:])]))[0]
     nominal = truth @ back
     nominal[:3, 3] = truth[:3, 3] - error[:3]
     rows = np.diag(1 / sigma)
     rows[:3, :3] = rows[:3, :3] @ nominal[:3, :3]
-    return Mount(records_poses(nominal), rows)
+    return records_poses(nominal), rows
 
 
 def _rig(stereo, camera, mount_error):
     held = np.r_[np.full(3, 1e-6), MOUNT_SIGMA[3:]]
-    top = _mount(TRAY_FROM_TOP, np.r_[0.004, -0.006, 0.005, np.radians([0.3, -0.2, 0.4])])
+    dvl, dvl_prior = _mount(TRAY_FROM_DVL, np.r_[np.zeros(3), mount_error], held)
+    top, top_prior = _mount(
+        TRAY_FROM_TOP, np.r_[0.004, -0.006, 0.005, np.radians([0.3, -0.2, 0.4])]
+    )
     return Rig(
         tray_origin=TRAY_ORIGIN_M,
-        tray_sigma=0.014,
         pressure_origin=PRESSURE_ORIGIN_M,
-        tray_from_dvl=_mount(TRAY_FROM_DVL, np.r_[np.zeros(3), mount_error], held),
-        dvl_position_sigma=np.full(3, 0.01),
+        tray_from_dvl=dvl,
         tray_from_top=top if camera else None,
-        top_from_bottom=Mount(records_poses(TOP_FROM_BOTTOM), None) if stereo and camera else None,
-        top=CAMERA if camera else None,
-        bottom=CAMERA if stereo and camera else None,
-        sigma_px=1.0,
-        sigma_range=2 * RANGE_NOISE_M,
-        density_sigma=0.002,
-        navigation_sigma=NAVIGATION_SIGMA,
+        top_from_bottom=records_poses(TOP_FROM_BOTTOM) if stereo and camera else None,
+        camera_models=dict.fromkeys(Camera if stereo else (Camera.TOP,), CAMERA) if camera else {},
+        priors=RigPriors(
+            tray_from_dvl=dvl_prior,
+            tray_from_top=top_prior if camera else None,
+            dvl_position_sigma_m=np.full(3, 0.01),
+            tray_sigma_rad=0.014,
+            navigation_sigma=NAVIGATION_SIGMA,
+            density_sigma=0.002,
+            pixel_sigma_px=1.0,
+            range_sigma_m=2 * RANGE_NOISE_M,
+        ),
     )
 
 

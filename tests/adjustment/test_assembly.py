@@ -3,6 +3,7 @@
 """State and measurements to a native problem and back."""
 
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 import pytest
@@ -35,6 +36,7 @@ from hullrecon.adjustment.problem.assembly import (
 from hullrecon.adjustment.problem.deviation_field import grid_over
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.solution import Mounts
 
 CENTER = np.array([0.1, 2.4, 0.2])
 SEEN_BY = ("stereo", "mono", "none")
@@ -44,6 +46,10 @@ def some_poses(rng, n=1):
     return Poses(Rotation.random(n, rng=rng).as_quat(), rng.normal(0, 5, (n, 3)))
 
 
+def with_mounts(state, **mounts):
+    return replace(state, mounts=replace(state.mounts, **mounts))
+
+
 def some_state(rng, measured, stereo, cad, camera):
     """Any state that fits the measurements in its shapes."""
     n, count = len(measured.trajectory.t_ns), selection.landmark_count(measured)
@@ -51,9 +57,11 @@ def some_state(rng, measured, stereo, cad, camera):
         nodes=some_poses(rng, n),
         tray=rng.normal(0, 1, n),
         landmark=rng.normal(0, 5, (count, 3)),
-        tray_from_top=some_poses(rng) if camera else None,
-        top_from_bottom=some_poses(rng) if camera and stereo else None,
-        tray_from_dvl=some_poses(rng),
+        mounts=Mounts(
+            tray_from_dvl=some_poses(rng),
+            tray_from_top=some_poses(rng) if camera else None,
+            top_from_bottom=some_poses(rng) if camera and stereo else None,
+        ),
         navigation=rng.normal(0, 1, 6),
         hull=some_hull(rng, measured.cad_model) if cad else None,
     )
@@ -129,8 +137,8 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
     weights = weighting.initial_weights(measured, AdjustOptions())
     problem = assemble(measured, state, weights, chosen, as_published=False)
     back = state_from_unknowns(state, problem.unknowns, chosen)
-    for name in ("nodes", "tray_from_top", "top_from_bottom", "tray_from_dvl"):
-        assert_same_motion(getattr(back, name), getattr(state, name))
+    for name in ("nodes", "mounts.tray_from_top", "mounts.top_from_bottom", "mounts.tray_from_dvl"):
+        assert_same_motion(attrgetter(name)(back), attrgetter(name)(state))
     for name in ("tray", "navigation"):
         np.testing.assert_array_equal(getattr(back, name), getattr(state, name))
     np.testing.assert_array_equal(back.landmark[chosen.landmarks], state.landmark[chosen.landmarks])
@@ -147,7 +155,7 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
 @pytest.mark.parametrize("factor", ["odometry", "attitude", "tray"])
 def test_truth_leaves_residuals_of_one_sigma(factor):
     dive = simulate()
-    state = replace(true_state(dive), tray_from_dvl=records_poses(TRAY_FROM_DVL))
+    state = with_mounts(true_state(dive), tray_from_dvl=records_poses(TRAY_FROM_DVL))
     chosen = selection.select_measurements(dive.measured, state, 40.0)
     weights = replace(
         weighting.initial_weights(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD
@@ -183,7 +191,7 @@ def test_every_observation_chosen_stands_in_one_table_once():
 
 def test_a_mono_rig_has_no_stereo_rows_and_holds_the_second_camera():
     dive = simulate(stereo=False)
-    state = replace(true_state(dive), top_from_bottom=None)
+    state = with_mounts(true_state(dive), top_from_bottom=None)
     problem, _, _ = problem_at(dive, state)
     assert len(problem.stereo.node) == 0
     assert not problem.mono.camera.any()
@@ -220,7 +228,7 @@ def test_the_beams_meet_the_field_where_they_meet_the_cad_model():
     on the ellipsoid.
     """
     dive = simulate()
-    state = replace(true_state(dive), tray_from_dvl=records_poses(TRAY_FROM_DVL))
+    state = with_mounts(true_state(dive), tray_from_dvl=records_poses(TRAY_FROM_DVL))
     problem, chosen, _ = problem_at(dive, state)
     returns = dive.measured.returns
     assert chosen.returns.all()

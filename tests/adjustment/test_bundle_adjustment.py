@@ -87,7 +87,7 @@ def test_no_camera_still_leaves_a_path_better_than_dead_reckoning():
     before = np.sqrt(np.mean(np.sum((moved(aligning(reckoned, truth), reckoned) - truth) ** 2, 1)))
     assert np.sqrt(np.mean(np.sum(found.position_errors_m() ** 2, 1))) < 0.7 * before
     assert len(found.outcome.solution.landmarks) == 0
-    assert found.adjusted.state.tray_from_top is None
+    assert found.adjusted.state.mounts.tray_from_top is None
 
 
 def test_the_last_round_leaves_out_what_lies_beyond_the_outlier_limit():
@@ -197,7 +197,7 @@ def test_as_published_has_no_systematic_errors_and_no_field():
     assert not state.navigation.any()
     assert state.hull.grid is None
     np.testing.assert_array_equal(
-        state.tray_from_dvl.matrix(), simulate().measured.rig.tray_from_dvl.nominal.matrix()
+        state.mounts.tray_from_dvl.matrix(), simulate().measured.rig.tray_from_dvl.matrix()
     )
 
 

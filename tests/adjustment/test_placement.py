@@ -38,6 +38,7 @@ from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.adjustment.rounds import Estimate
 from hullrecon.errors import StageError
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.solution import Mounts
 
 OPTIONS = AdjustOptions()
 
@@ -51,9 +52,11 @@ def true_path(seed=1, **scene):
         nodes=records_poses(dive.global_from_vehicle),
         tray=dive.tray,
         landmark=np.full((selection.landmark_count(m), 3), np.nan),
-        tray_from_top=records_poses(TRAY_FROM_TOP) if m.tracks is not None else None,
-        top_from_bottom=records_poses(TOP_FROM_BOTTOM) if m.tracks is not None else None,
-        tray_from_dvl=records_poses(TRAY_FROM_DVL),
+        mounts=Mounts(
+            tray_from_dvl=records_poses(TRAY_FROM_DVL),
+            tray_from_top=records_poses(TRAY_FROM_TOP) if m.tracks is not None else None,
+            top_from_bottom=records_poses(TOP_FROM_BOTTOM) if m.tracks is not None else None,
+        ),
         navigation=np.zeros(6),
         hull=None,
     )
@@ -171,7 +174,10 @@ def round_with(hit, on_hull, problem=None, stated_over_found=1.0):
     result = SimpleNamespace(
         ray_hit=np.arange(100) < hit, label=(np.arange(100) < on_hull).astype(int)
     )
-    rig, weights = SimpleNamespace(tray_sigma=0.01 * stated_over_found), SimpleNamespace(tray=0.01)
+    rig, weights = (
+        SimpleNamespace(priors=SimpleNamespace(tray_sigma_rad=0.01 * stated_over_found)),
+        SimpleNamespace(tray=0.01),
+    )
     after = SimpleNamespace(measured=SimpleNamespace(rig=rig))
     return SimpleNamespace(
         result=result, problem=problem or solved().adjusted.problem, weights=weights, after=after

@@ -131,9 +131,9 @@ def test_the_dvls_held_position_widens_the_vehicles_place_alone():
     found = solved()
     rig = found.dive.measured.rig
     held = replace(
-        found.dive.measured, rig=replace(rig, dvl_position_sigma=np.array([0.03, 0.0, 0.0]))
+        found.dive.measured, rig=rig.with_priors(dvl_position_sigma_m=np.array([0.03, 0.0, 0.0]))
     )
-    none = replace(found.dive.measured, rig=replace(rig, dvl_position_sigma=np.zeros(3)))
+    none = replace(found.dive.measured, rig=rig.with_priors(dvl_position_sigma_m=np.zeros(3)))
     with_lever, without = (
         summarise_adjustment(m, found.adjusted, found.options).solution for m in (held, none)
     )
@@ -178,7 +178,7 @@ def test_a_bias_of_the_depth_is_known_no_better_than_its_prior_where_the_hulls_h
 ):
     sigma, prior = (
         found.outcome.summary["navigation_sigma"],
-        found.dive.measured.rig.navigation_sigma,
+        found.dive.measured.rig.priors.navigation_sigma,
     )
     if found.options.as_published:  # holds them
         assert sigma == {}

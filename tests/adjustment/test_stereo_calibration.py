@@ -29,7 +29,6 @@ from hullrecon.adjustment.stereo_calibration import (
     describe_contradiction,
     stereo_warning,
 )
-from hullrecon.estimation.rig_priors import Mount
 
 OPTIONS = AdjustOptions()
 BASELINE = TOP_FROM_BOTTOM[:3, 3]
@@ -59,7 +58,10 @@ def _adjusted(name, cad):
     sigma = next((stated[word] for word in stated if word in name), None)
     rows = None if sigma is None else np.diag(1 / np.repeat(sigma, 3))
     measured = replace(
-        dive.measured, rig=replace(rig, top_from_bottom=Mount(records_poses(calibrated), rows))
+        dive.measured,
+        rig=replace(rig, top_from_bottom=records_poses(calibrated)).with_priors(
+            top_from_bottom=rows
+        ),
     )
     if name.startswith("DVL"):
         by_navigation = odometry.by_navigation * np.r_[np.full(3, 1.08), np.ones(3)][:, None]
@@ -83,7 +85,7 @@ def position_rms_m(dive, outcome):
 @pytest.mark.parametrize("name", ["turned", "turned, said to be known"])
 def test_a_rig_that_was_turned_is_found_and_said(name, cad):
     dive, adjusted, outcome = _adjusted(name, cad)
-    found = adjusted.state.top_from_bottom.matrix()[0]
+    found = adjusted.state.mounts.top_from_bottom.matrix()[0]
     assert adjusted.refusal is None
     assert adjusted.stereo.by_images
     assert (
@@ -105,7 +107,7 @@ def test_where_only_lengths_disagree_the_depths_tell_that_the_baseline_is_wrong(
     assert not adjusted.stereo.by_images
     turned = 0.02 if "known" in name else 1e-3  # degrees: what is known to 0.01 may turn by so much
     found, marginal = (
-        adjusted.state.top_from_bottom.matrix()[0],
+        adjusted.state.mounts.top_from_bottom.matrix()[0],
         outcome.summary["navigation_sigma"]["dvl_scale"],
     )
     assert (
@@ -132,7 +134,9 @@ def test_a_calibration_that_holds_stays_as_it_is():
     for cad in (True, False):
         found = solved(cad=cad)
         assert found.adjusted.stereo is None
-        np.testing.assert_array_equal(found.adjusted.state.top_from_bottom.translation[0], BASELINE)
+        np.testing.assert_array_equal(
+            found.adjusted.state.mounts.top_from_bottom.translation[0], BASELINE
+        )
         assert "stereo_contradiction" not in found.outcome.summary
         assert not [w for w in found.outcome.warnings if "stereo" in w.lower()]
 
@@ -140,7 +144,7 @@ def test_a_calibration_that_holds_stays_as_it_is():
 def test_a_rig_that_its_package_doubts_needs_no_finding():
     _, adjusted, outcome = _adjusted("doubted by its package", True)
     assert adjusted.stereo is None
-    found = adjusted.state.top_from_bottom.matrix()[0]
+    found = adjusted.state.mounts.top_from_bottom.matrix()[0]
     assert (
         np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude())
         < 0.02

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.problem.triangulation import (
     camera_poses,
     reprojection_errors,
@@ -47,13 +48,15 @@ def test_two_rays_spread_by_the_angle_between_them(scene):
 
 
 def test_the_camera_hangs_on_the_tray(scene):
-    top, bottom = camera_poses(
-        scene.nodes,
-        scene.tray,
-        scene.rig,
-        scene.rig.tray_from_top.nominal,
-        scene.rig.top_from_bottom.nominal,
+    state = State(
+        nodes=scene.nodes,
+        tray=scene.tray,
+        landmark=scene.points,
+        mounts=scene.rig.mounts,
+        navigation=np.zeros(6),
+        hull=None,
     )
+    top, bottom = camera_poses(scene.rig, state)
     np.testing.assert_allclose(top.matrix(), scene.top.matrix(), atol=1e-12)
     np.testing.assert_allclose(bottom.matrix(), scene.bottom.matrix(), atol=1e-12)
 

@@ -25,8 +25,13 @@ from scipy.spatial.transform import Rotation
 from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment
-from hullrecon.adjustment.results.unexpected_errors import mount_warnings, navigation_warnings
-from hullrecon.estimation.rig_priors import Mount, mount_prior
+from hullrecon.adjustment.results.unexpected_errors import (
+    MountFit,
+    mount_warnings,
+    navigation_warnings,
+)
+from hullrecon.geometry.poses import from_mount
+from hullrecon.rig import mount_prior
 
 OPTIONS = AdjustOptions()
 CERTAIN = np.diag(np.r_[1e-3, 1e-5, 1e-4, 1e-4, 0.01, 1e-3]) ** 2
@@ -68,7 +73,8 @@ def test_what_lies_within_its_sigmas_is_not_spoken_of():
 
 SIX = (0.03, 0.05, -0.05, 90.0, 0.0, 90.0)  # of the camera's mount
 CAMERA, DVL = "camera.top.mount", "dvl.mount"
-MOUNT = mount_prior(SIX, (0.01, 0.01, 0.01, 0.5, 0.5, 0.5))
+MOUNT = from_mount(SIX)
+PRIOR = mount_prior(MOUNT, (0.01, 0.01, 0.01, 0.5, 0.5, 0.5))
 KNOWN = np.diag([1e-3] * 3 + [1e-3] * 3) ** 2
 
 
@@ -78,6 +84,11 @@ def displaced(off, six=SIX):
     found[:3, 3] += off[:3, 3]
     found[:3, :3] = off[:3, :3] @ found[:3, :3]
     return records_poses(found)
+
+
+def fit(found, covariance=KNOWN):
+    """The camera's mount as found."""
+    return MountFit(MOUNT, PRIOR, found, covariance)
 
 
 @pytest.mark.parametrize(
@@ -92,26 +103,31 @@ def displaced(off, six=SIX):
     ],
 )
 def test_a_mount_far_from_its_place_is_said(off, words):
-    (sentence,) = mount_warnings({CAMERA: (MOUNT, displaced(off), KNOWN), DVL: (None, None, KNOWN)})
+    (sentence,) = mount_warnings(
+        {CAMERA: fit(displaced(off)), DVL: MountFit(None, None, None, KNOWN)}
+    )
     assert words in sentence
     assert sentence.startswith("The dive fits with camera.top.mount ")
     assert ", 5 times what camera.top.mount_sigma allows" in sentence
     near = records_poses(motion(0.13, *SIX[1:5], 91.0))  # 0.1 m along its axis, and a degree
-    assert mount_warnings({CAMERA: (MOUNT, near, KNOWN)}) == []
-    assert mount_warnings({CAMERA: (MOUNT, displaced(off), 1e4 * KNOWN)}) == []
-    assert mount_warnings({CAMERA: (Mount(MOUNT.nominal, None), displaced(off), KNOWN)}) == []
+    assert mount_warnings({CAMERA: fit(near)}) == []
+    assert mount_warnings({CAMERA: fit(displaced(off), 1e4 * KNOWN)}) == []
+    assert mount_warnings({CAMERA: MountFit(MOUNT, None, displaced(off), KNOWN)}) == []
 
 
 def test_two_mounts_that_are_turned_alike_point_at_the_imu():
     beside = (0.02, -0.15, 0.0, 0.0, 90.0, 0.0)
-    dvl = mount_prior(beside, (0.01, 0.01, 0.01, 0.5, 0.5, 0.5))
+    dvl = from_mount(beside)
+    prior = mount_prior(dvl, (0.01, 0.01, 0.01, 0.5, 0.5, 0.5))
 
     def said(camera_off, dvl_off):
         camera_found, dvl_found = (
             displaced(motion(0, 0, 0, *camera_off)),
             displaced(motion(0, 0, 0, *dvl_off), beside),
         )
-        return mount_warnings({DVL: (dvl, dvl_found, KNOWN), CAMERA: (MOUNT, camera_found, KNOWN)})
+        return mount_warnings(
+            {DVL: MountFit(dvl, prior, dvl_found, KNOWN), CAMERA: fit(camera_found)}
+        )
 
     *_, alike = said((3.0, 0.1, 0.2), (2.8, 0.2, 0.0))
     assert alike.startswith(
@@ -130,10 +146,9 @@ def _turned_camera(cad):
     """The simulated dive; its camera stands 1.5 degrees off, seven times what its package allows."""
     dive = simulate(cad=cad)
     off = TRAY_FROM_TOP @ motion(0, 0, 0, 0, 0, 1.5)
-    top = Mount(
-        records_poses(off), np.diag(1 / np.r_[np.full(3, 0.01), np.radians(np.full(3, 0.2))])
-    )
-    measured = replace(dive.measured, rig=replace(dive.measured.rig, tray_from_top=top))
+    prior = np.diag(1 / np.r_[np.full(3, 0.01), np.radians(np.full(3, 0.2))])
+    rig = replace(dive.measured.rig, tray_from_top=records_poses(off))
+    measured = replace(dive.measured, rig=rig.with_priors(tray_from_top=prior))
     adjusted = adjust(measured, OPTIONS, lambda _: None)
     return adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
 
@@ -141,7 +156,7 @@ def _turned_camera(cad):
 @pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
 def test_a_mount_that_the_dive_contradicts_comes_out_as_it_is_and_is_said(cad):
     adjusted, outcome = _turned_camera(cad)
-    found = adjusted.state.tray_from_top.rotation.inv() * Rotation.from_matrix(
+    found = adjusted.state.mounts.tray_from_top.rotation.inv() * Rotation.from_matrix(
         TRAY_FROM_TOP[:3, :3]
     )
     assert np.degrees(found.magnitude()[0]) < 0.15
@@ -156,7 +171,7 @@ def test_a_heading_that_drifts_more_than_allowed_comes_out_as_it_does_and_is_sai
     dive = simulate(cad=cad)
     sigma = NAVIGATION_SIGMA.copy()
     sigma[1] = NAVIGATION[1] / 7
-    measured = replace(dive.measured, rig=replace(dive.measured.rig, navigation_sigma=sigma))
+    measured = replace(dive.measured, rig=dive.measured.rig.with_priors(navigation_sigma=sigma))
     adjusted = adjust(measured, OPTIONS, lambda _: None)
     outcome = summarise_adjustment(measured, adjusted, OPTIONS)
     (sentence,) = [w for w in outcome.warnings if any(words in w for words in SAID)]
@@ -179,7 +194,7 @@ def _fast_sound(stereo, turned_deg=0.0):
         dive.measured, odometry=odometry, returns=replace(returns, range_m=1.08 * returns.range_m)
     )
     if stereo:
-        calibrated = Mount(records_poses(TOP_FROM_BOTTOM @ motion(0, 0, 0, turned_deg, 0, 0)), None)
+        calibrated = records_poses(TOP_FROM_BOTTOM @ motion(0, 0, 0, turned_deg, 0, 0))
         measured = replace(measured, rig=replace(measured.rig, top_from_bottom=calibrated))
     adjusted = adjust(measured, OPTIONS, lambda _: None)
     return dive, adjusted, summarise_adjustment(measured, adjusted, OPTIONS)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.problem.state import Weights
+from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.problem.weighting import (
     depth_sigma,
     estimate_pixel_sigmas,
@@ -83,13 +83,13 @@ def seen_with(scene):
         noise = [sigma_px[:, None] * rng.standard_normal((len(t.node), 2)) for _ in range(2)]
         tracks = replace(t, top=t.top + noise[0], bottom=t.bottom + noise[1], response=response)
         measured = SimpleNamespace(rig=scene.rig, tracks=tracks)
-        rig = scene.rig
-        state = SimpleNamespace(
+        state = State(
             nodes=scene.nodes,
             tray=scene.tray,
-            tray_from_top=rig.tray_from_top.nominal,
-            top_from_bottom=rig.top_from_bottom.nominal,
             landmark=scene.points,
+            mounts=scene.rig.mounts,
+            navigation=np.zeros(6),
+            hull=None,
         )
         every = [np.isfinite(pixels[:, 0]) for pixels in (t.top, t.bottom)]
         chosen = SimpleNamespace(top=every[0], bottom=every[1], landmarks=np.unique(t.landmark))
@@ -140,7 +140,7 @@ def test_readings_that_many_nodes_share_count_once_against_the_waters_density(
 ) -> None:
     depth = np.linspace(2.0, 3.0, 400)
     found = depth_weight(depth, noise_m=0.0, nodes_per_reading=25)
-    assert found == pytest.approx(scene.rig.density_sigma * 4 * np.std(depth) / GIVEN_M)
+    assert found == pytest.approx(scene.rig.priors.density_sigma * 4 * np.std(depth) / GIVEN_M)
 
 
 def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_known(
@@ -148,7 +148,7 @@ def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_kno
 ) -> None:
     depth = np.linspace(2.0, 3.0, 400)
     assert depth_weight(depth, noise_m=0.0) == pytest.approx(
-        scene.rig.density_sigma * 20 * np.std(depth) / GIVEN_M
+        scene.rig.priors.density_sigma * 20 * np.std(depth) / GIVEN_M
     )
 
 
@@ -156,7 +156,7 @@ def test_where_the_density_was_measured_many_depths_tell_more(
     scene, depth_weight, monkeypatch
 ) -> None:
     depth, sigma = np.linspace(1.0, 5.0, 400), 3e-4
-    monkeypatch.setattr(scene, "rig", replace(scene.rig, density_sigma=sigma))
+    monkeypatch.setattr(scene, "rig", scene.rig.with_priors(density_sigma=sigma))
     assert depth_weight(depth, noise_m=0.0) == pytest.approx(sigma * 20 * np.std(depth) / GIVEN_M)
 
 

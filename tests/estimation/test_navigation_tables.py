@@ -17,9 +17,9 @@ from hullrecon.estimation.navigation_tables import (
     tray_table,
     velocity_table,
 )
-from hullrecon.estimation.rig_priors import Mount, mount_prior
-from hullrecon.geometry.poses import Poses, exp, from_mount
+from hullrecon.geometry.poses import Poses, exp, from_mount, identity
 from hullrecon.records.trajectory import Attitude
+from hullrecon.rig import mount_prior
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def test_a_tray_that_was_not_read_is_known_as_badly_as_it_may_have_turned():
 
 def test_odometry_is_whitened_by_its_covariance(dive):
     table = odometry_table(
-        dive.odometry, np.zeros(12), dive.rig.tray_from_dvl.nominal, dive.trajectory.poses()
+        dive.odometry, np.zeros(12), dive.rig.tray_from_dvl, dive.trajectory.poses()
     )
     np.testing.assert_allclose(table.sqrt_information[4], np.diag(1 / STEP_SIGMA))
     np.testing.assert_array_equal(table.measured[:, :3], dive.odometry.translation)
@@ -73,9 +73,9 @@ def test_a_step_was_reckoned_with_the_mean_of_its_two_angles(dive):
 def test_a_wrong_scale_stretches_the_motion_as_the_path_has_it(dive):
     longer = Poses(dive.trajectory.quaternion, 2 * dive.trajectory.translation)
     once, twice = (
-        odometry_table(
-            dive.odometry, np.zeros(12), dive.rig.tray_from_dvl.nominal, path
-        ).by_navigation[:, :3, 0]
+        odometry_table(dive.odometry, np.zeros(12), dive.rig.tray_from_dvl, path).by_navigation[
+            :, :3, 0
+        ]
         for path in (dive.trajectory.poses(), longer)
     )
     np.testing.assert_allclose(twice - once, dive.odometry.translation, atol=1e-9)
@@ -139,13 +139,13 @@ def test_only_the_first_of_many_poses_is_held():
 
 
 def test_a_mount_that_is_held_or_was_not_carried_has_no_prior():
-    mount = mount_prior((0, 0, 0, 0, 0, 0), (0.01,) * 6)
-    assert mount_prior_table(None, None) is None
-    assert mount_prior_table(Mount(mount.nominal, None), mount.nominal) is None
-    assert mount_prior_table(mount, None) is None
-    table = mount_prior_table(mount, mount.nominal)
+    mount, prior = identity(), mount_prior(identity(), (0.01,) * 6)
+    assert mount_prior_table(None, None, None) is None
+    assert mount_prior_table(mount, None, mount) is None
+    assert mount_prior_table(mount, prior, None) is None
+    table = mount_prior_table(mount, prior, mount)
     np.testing.assert_array_equal(table.value, [0, 0, 0, 0, 0, 0, 1])
-    assert table.sqrt_information is mount.sqrt_information
+    assert table.sqrt_information is prior
 
 
 def test_where_the_dvl_was_silent_the_velocity_goes_on(dive):

@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.trajectory import Returns
-from hullrecon.rig import SensorRig, rig_from_settings
+from hullrecon.rig import Rig, rig_from_settings
 
 PROUD_M = 0.012
 BLOCK: dict[str, Any] = {
@@ -253,7 +253,7 @@ def returns() -> Returns:
 
 
 @pytest.fixture
-def rig() -> SensorRig:
+def rig() -> Rig:
     """The rig as the truth has it, as a step reads it from dive.toml."""
     return rig_from_settings(
         {"tray.origin": tuple(TRAY_ORIGIN), "dvl.mount": (0, 0, 0.08, 0, 90, 0)}

@@ -19,7 +19,7 @@ from hullrecon.records.sensors import (
     JointSamples,
     PressureSamples,
 )
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 
 START_NS = 1_777_887_000_000_000_000
 JANUS = np.array(
@@ -37,7 +37,7 @@ class SimulatedPath:
     readings.
     """
 
-    rig: SensorRig
+    rig: Rig
     duration_s: float = 40.0
 
     def attitude(self, t: np.ndarray) -> Rotation:
@@ -121,12 +121,12 @@ def frames_at(t_s: np.ndarray) -> ImageIndex:
 
 
 @pytest.fixture(scope="session")
-def rig() -> SensorRig:
+def rig() -> Rig:
     return RIG
 
 
 @pytest.fixture(scope="session")
-def simulated(rig: SensorRig) -> SimulatedPath:
+def simulated(rig: Rig) -> SimulatedPath:
     return SimulatedPath(rig)
 
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from hullrecon.geometry.poses import from_mount
 from hullrecon.navigation.sigmas import NavigationSigmas
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 
-RIG = SensorRig(
+RIG = Rig(
     tray_origin=np.array([0.45, 0.0, 0.1]),
     pressure_origin=np.array([-0.3, 0.1, 0.05]),
     tray_from_dvl=from_mount([0.02, -0.01, 0.08, 0.5, 89.0, 1.0]),

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.poses import Poses, from_mount, identity
 from hullrecon.records.links import CameraLinks
 from hullrecon.records.trajectory import Attitude, Odometry, Trajectory
+from hullrecon.rig import Rig, RigPriors
 from hullrecon.synthetic.ellipsoid_dive import ATTITUDE_SIGMA, TRAY_ORIGIN_M
 from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
 
@@ -101,20 +101,18 @@ def rig() -> Rig:
     """The DVL's turn is known to 0.3 degrees, its place and both cameras' mounts are known."""
     return Rig(
         tray_origin=TRAY_ORIGIN_M,
-        tray_sigma=1e-3,
         pressure_origin=np.zeros(3),
-        tray_from_dvl=Mount(
-            identity(1), np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, DVL_TURN_SIGMA)])
+        tray_from_dvl=identity(1),
+        tray_from_top=TRAY_FROM_TOP,
+        top_from_bottom=TOP_FROM_BOTTOM,
+        priors=RigPriors(
+            tray_from_dvl=np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, DVL_TURN_SIGMA)]),
+            dvl_position_sigma_m=np.zeros(3),
+            tray_sigma_rad=1e-3,
+            navigation_sigma=NAVIGATION_SIGMA,
+            density_sigma=0.002,
+            range_sigma_m=0.01,
         ),
-        dvl_position_sigma=np.zeros(3),
-        tray_from_top=Mount(TRAY_FROM_TOP, None),
-        top_from_bottom=Mount(TOP_FROM_BOTTOM, None),
-        top=None,
-        bottom=None,
-        sigma_px=1.0,
-        sigma_range=0.01,
-        density_sigma=0.002,
-        navigation_sigma=NAVIGATION_SIGMA,
     )
 
 

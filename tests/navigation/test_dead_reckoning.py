@@ -14,12 +14,12 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sigmas import NavigationSigmas
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 
 OPTIONS = NavigateOptions()
 
 
-def reckoned(logs: NavigationLogs, rig: SensorRig, sigmas: NavigationSigmas = SIGMAS) -> Navigated:
+def reckoned(logs: NavigationLogs, rig: Rig, sigmas: NavigationSigmas = SIGMAS) -> Navigated:
     return dead_reckon(logs, rig, sigmas, OPTIONS)
 
 

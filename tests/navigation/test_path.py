@@ -22,7 +22,7 @@ from hullrecon.navigation.sensors.heading_steps import HeadingSteps
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import Agitation, Velocities
 from hullrecon.records.sensors import DvlPings, JointSamples
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 
 SECOND = 1_000_000_000
 NO_HOLES = np.zeros((0, 2), np.int64)
@@ -34,7 +34,7 @@ def stamps(t_s) -> np.ndarray:
 
 
 @pytest.fixture
-def plain(rig: SensorRig) -> SensorRig:
+def plain(rig: Rig) -> Rig:
     """The DVL's axes are the vehicle's; it sits 0.5 m ahead of it, on a tray that turns about the
     vehicle's origin.
     """
@@ -43,7 +43,7 @@ def plain(rig: SensorRig) -> SensorRig:
 
 
 def run(
-    rig: SensorRig, velocity, turn_rad_s: float = 0.0, tray=None, outages: np.ndarray = NO_HOLES
+    rig: Rig, velocity, turn_rad_s: float = 0.0, tray=None, outages: np.ndarray = NO_HOLES
 ) -> Reckoning:
     """Ten seconds at 20 Hz; velocity (3,) of the instrument in dvl, heading turn_rad_s t, tray (n,)
     rad at each ping.

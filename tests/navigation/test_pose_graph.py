@@ -24,7 +24,6 @@ from navigation.linked_dive import (
 from scipy.spatial.transform import Rotation
 
 from hullrecon import native
-from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses, exp, pose_from_vector
 from hullrecon.navigation.pose_graph.graph import (
     OPTIONS,
@@ -218,10 +217,11 @@ def test_a_link_of_the_bottom_camera_says_where_that_one_stood(dive: LinkedDive)
 def test_the_cameras_mount_is_found_where_it_has_a_prior(
     dive: LinkedDive, links: CameraLinks
 ) -> None:
-    true_mount = dive.rig.tray_from_top.nominal
+    true_mount = dive.rig.tray_from_top
     wrong = true_mount @ exp([[0, 0, 0, *np.radians([0.8, -0.5, 0.6])]])
-    prior = Mount(wrong, np.diag(1 / np.r_[np.full(3, 0.01), np.full(3, np.radians(1.0))]))
-    found = replace(graph_of(dive), rig=replace(dive.rig, tray_from_top=prior)).solve(links)
+    prior = np.diag(1 / np.r_[np.full(3, 0.01), np.full(3, np.radians(1.0))])
+    rig = replace(dive.rig, tray_from_top=wrong).with_priors(tray_from_top=prior)
+    found = replace(graph_of(dive), rig=rig).solve(links)
     off = (
         true_mount.inverse() @ pose_from_vector(found.problem.unknowns.T_s_ct)
     ).rotation.magnitude()[0]
@@ -326,9 +326,9 @@ def relative_cameras(
     for k in (first, second):
         hinge = Poses(Rotation.from_euler("y", [tray[k]]).as_quat(), dive.rig.tray_origin[None])
         mount = (
-            dive.rig.tray_from_top.nominal
+            dive.rig.tray_from_top
             if k != bottom
-            else dive.rig.tray_from_top.nominal @ dive.rig.top_from_bottom.nominal
+            else dive.rig.tray_from_top @ dive.rig.top_from_bottom
         )
         chain.append(Poses(pose[[k], 3:7], pose[[k], :3]) @ hinge @ mount)
     return chain[1].inverse() @ chain[0]

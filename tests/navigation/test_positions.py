@@ -107,7 +107,9 @@ def test_a_wrong_scale_of_the_dvl_is_found(dive: LinkedDive) -> None:
     scaled = replace(
         dive,
         odometry=wrong,
-        rig=replace(dive.rig, navigation_sigma=dive.rig.navigation_sigma * [5, 1, 1, 1, 1, 1]),
+        rig=dive.rig.with_priors(
+            navigation_sigma=dive.rig.priors.navigation_sigma * [5, 1, 1, 1, 1, 1]
+        ),
     )
     before, after = (solve(scaled, ties) for ties in (None, ties_of(scaled, fixes_of(dive))))
     assert rms(errors_m(after, dive)) < 0.5 * rms(errors_m(before, dive))

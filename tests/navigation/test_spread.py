@@ -31,7 +31,7 @@ from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.sensors import ImuSamples
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import TrajectoryErrorModel
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
 
 NO_HOLES = np.zeros((0, 2), np.int64)
@@ -41,7 +41,7 @@ def imu_rows(imu: ImuSamples, rows: np.ndarray) -> ImuSamples:
     return ImuSamples(**{name: values[rows] for name, values in to_arrays(imu).items()})
 
 
-def path_of(logs: NavigationLogs, rig: SensorRig, error: np.ndarray) -> Reckoning:
+def path_of(logs: NavigationLogs, rig: Rig, error: np.ndarray) -> Reckoning:
     """Dead reckoning of instruments that err by `error` (ERRORS,), the depth's bias aside."""
     span = int(logs.imu.t_ns[0]), int(logs.imu.t_ns[-1])
     velocities = usable_velocities(logs.dvl, span, 0.6)
@@ -64,7 +64,7 @@ def nodes_of(logs: NavigationLogs) -> np.ndarray:
     return logs.dvl.t_ns[40::60]
 
 
-def numeric(logs: NavigationLogs, rig: SensorRig, column: int, step: float = 1e-4) -> np.ndarray:
+def numeric(logs: NavigationLogs, rig: Rig, column: int, step: float = 1e-4) -> np.ndarray:
     """(n, 6): central difference of the poses by one error."""
     error = np.zeros(error_propagation.ERRORS)
     error[column] = step
@@ -141,7 +141,7 @@ def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_change
 
 
 def relative_by_error(
-    logs: NavigationLogs, rig: SensorRig, first: np.ndarray, second: np.ndarray, step: float = 1e-4
+    logs: NavigationLogs, rig: Rig, first: np.ndarray, second: np.ndarray, step: float = 1e-4
 ) -> np.ndarray:
     """(m, 6, ERRORS): central differences of the relative poses of paths that were reckoned anew."""
     out = np.zeros((len(first), 6, error_propagation.ERRORS))

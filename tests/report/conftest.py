@@ -33,7 +33,7 @@ from hullrecon.report.survey import (
     Surfaces,
     Survey,
 )
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 
 NODES = 5
 START = 1_777_887_000_468_241_234
@@ -208,11 +208,11 @@ def pictures() -> Pictures:
 
 
 @pytest.fixture
-def rig() -> SensorRig:
+def rig() -> Rig:
     """The camera looks along z of the vehicle, which is outward of the plate seen from above; the
     tray does not turn it.
     """
-    return SensorRig(
+    return Rig(
         tray_origin=np.zeros(3),
         pressure_origin=np.zeros(3),
         tray_from_dvl=identity(),
@@ -248,7 +248,7 @@ WEAK = {
 @pytest.fixture
 def survey(
     trajectory: Trajectory, solution: Solution, plate: Surface, split: DeviationSplit, found: ReportedObject,
-    pictures: Pictures, rig: SensorRig,
+    pictures: Pictures, rig: Rig,
     dvl: DvlPings,
 ) -> Survey:  # fmt: skip
     """With everything but mosaics."""
@@ -309,7 +309,7 @@ def survey(
 def bare(trajectory: Trajectory) -> Survey:
     """Dead reckoning alone: no camera, no CAD model, no sonar."""
     reasons = {"objects.json": "no camera was carried", "alignment.json": "no CAD model was given"}
-    rig = SensorRig(tray_origin=np.zeros(3), pressure_origin=np.zeros(3), tray_from_dvl=identity())
+    rig = Rig(tray_origin=np.zeros(3), pressure_origin=np.zeros(3), tray_from_dvl=identity())
     return Survey(
         facts=DiveFacts(dive=Dive(name="bare"), rig=rig),
         track=track_of(trajectory, None),

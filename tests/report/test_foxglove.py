@@ -148,8 +148,8 @@ def test_a_node_whose_sigma_was_lost_has_its_pose_alone(whole: Survey) -> None:
 def test_the_frames_lead_from_the_ship_to_the_sensors(whole: Survey) -> None:
     transforms, rig = read(dive_result_mcap(whole))["/tf"], whole.facts.rig
     expected = {
-        "camera_top": rig.camera_poses(whole.track.path, rig.cameras[0]),
-        "dvl": rig.dvl_poses(whole.track.path),
+        "camera_top": rig.poses_along(whole.track.path, rig.cameras[0]),
+        "dvl": rig.poses_along(whole.track.path, "dvl"),
     }
     for row, t_ns in enumerate(whole.track.t_ns.tolist()):
         for sensor, poses in expected.items():

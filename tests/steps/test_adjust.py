@@ -54,9 +54,7 @@ def sections(dive, **options):
     m = dive.measured
     sigma = tuple((MOUNT_SIGMA * TO_DEGREES).tolist())
     top = (
-        schema.CameraTop(
-            calibration="top.yaml", mount=six(m.rig.tray_from_top.nominal), mount_sigma=sigma
-        )
+        schema.CameraTop(calibration="top.yaml", mount=six(m.rig.tray_from_top), mount_sigma=sigma)
         if m.rig.tray_from_top
         else None
     )
@@ -78,9 +76,7 @@ def sections(dive, **options):
         "tray": schema.Tray(origin=tuple(TRAY_ORIGIN_M.tolist())),
         "imu": schema.Imu(heading_drift_deg_per_hour=200.0),
         "pressure": schema.Pressure(origin=tuple(PRESSURE_ORIGIN_M.tolist())),
-        "dvl": schema.Dvl(
-            mount=six(m.rig.tray_from_dvl.nominal), mount_sigma=sigma, scale_sigma=0.01
-        ),
+        "dvl": schema.Dvl(mount=six(m.rig.tray_from_dvl), mount_sigma=sigma, scale_sigma=0.01),
         "camera": schema.Cameras(top=top, bottom=bottom),
         "hull": hull,
         "adjust": AdjustOptions(**options),

@@ -12,7 +12,7 @@ from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.studies.methods.comparison import (
     DeadReckoning,
     SolvedVariant,
@@ -42,7 +42,7 @@ def truth(package: Path) -> Truth:
 
 
 @pytest.fixture
-def start(solution: Solution, returns: Returns, rig: SensorRig) -> DeadReckoning:
+def start(solution: Solution, returns: Returns, rig: Rig) -> DeadReckoning:
     n = len(solution.t_ns)
     path = solution.global_from_vehicle.translation + np.outer(np.linspace(0, 0.1, n), [1, 1, 0])
     reckoned = Trajectory(

@@ -11,7 +11,7 @@ from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.poses import pose_from_vector
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.studies.methods.dvl_residuals import (
     adjusted_beams,
     dead_reckoned_beams,
@@ -21,7 +21,7 @@ from hullrecon.studies.methods.dvl_residuals import (
 SHIFT = pose_from_vector(np.array([1.0, 2, 3, 0, 0, 0, 1]))
 
 
-def test_beams_end_on_the_steel(solution: Solution, returns: Returns, rig: SensorRig) -> None:
+def test_beams_end_on_the_steel(solution: Solution, returns: Returns, rig: Rig) -> None:
     points = adjusted_beams(solution, SHIFT, returns, rig).points
     assert len(points) == 40  # the flagged one is left out
     bare = points[:, 0] > 1.5
@@ -29,7 +29,7 @@ def test_beams_end_on_the_steel(solution: Solution, returns: Returns, rig: Senso
 
 
 def test_a_residual_is_predicted_minus_measured(
-    package: Path, solution: Solution, returns: Returns, rig: SensorRig
+    package: Path, solution: Solution, returns: Returns, rig: Rig
 ) -> None:
     """The steel stands 12 mm proud of the CAD model, so the CAD model is farther than what was
     measured.
@@ -41,9 +41,7 @@ def test_a_residual_is_predicted_minus_measured(
     assert residuals.max() == pytest.approx(0.112 / np.cos(0.02), abs=1e-5)
 
 
-def test_dead_reckoning_is_placed_alike(
-    solution: Solution, returns: Returns, rig: SensorRig
-) -> None:
+def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns, rig: Rig) -> None:
     n = len(solution.t_ns)
     path = Trajectory(
         t_ns=solution.t_ns,
@@ -58,7 +56,7 @@ def test_dead_reckoning_is_placed_alike(
 
 
 def test_beams_past_the_cad_model_have_no_residual(
-    package: Path, solution: Solution, returns: Returns, rig: SensorRig
+    package: Path, solution: Solution, returns: Returns, rig: Rig
 ) -> None:
     truth = read_truth(package)
     assert truth.cad_model is not None
@@ -69,7 +67,7 @@ def test_beams_past_the_cad_model_have_no_residual(
 
 
 def test_a_field_moves_the_cad_model_along_the_beam(
-    package: Path, solution: Solution, returns: Returns, rig: SensorRig
+    package: Path, solution: Solution, returns: Returns, rig: Rig
 ) -> None:
     """12 mm outward all over: what was measured is then what is predicted, but for the block."""
     truth = read_truth(package)

@@ -12,7 +12,7 @@ from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.geometry.poses import identity
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.studies.methods.method_figures import (
     METHODS,
     TABLE,
@@ -38,7 +38,7 @@ def squashed(solution: Solution, share: float) -> Solution:
 
 
 def test_the_truth_keeps_every_height_and_every_gap_closed(
-    solution: Solution, returns: Returns, rig: SensorRig, truth: Truth
+    solution: Solution, returns: Returns, rig: Rig, truth: Truth
 ) -> None:
     figures = method_figures(solution, returns, rig, truth)
     assert figures["trajectory"]["rigid_rmse_m"] == pytest.approx(0, abs=1e-6)
@@ -56,14 +56,14 @@ def test_the_truth_keeps_every_height_and_every_gap_closed(
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.5])
 def test_a_squashed_block_shows_in_its_ratio(
-    share: float, solution: Solution, rig: SensorRig, truth: Truth
+    share: float, solution: Solution, rig: Rig, truth: Truth
 ) -> None:
     figures = method_figures(squashed(solution, share), None, rig, truth)
     assert figures["heights"]["ratio_median"] == pytest.approx(share, abs=0.01)
 
 
 def test_landmarks_off_the_dvl_surface_show_in_the_gap(
-    solution: Solution, returns: Returns, rig: SensorRig, truth: Truth
+    solution: Solution, returns: Returns, rig: Rig, truth: Truth
 ) -> None:
     off = replace(solution.landmarks, position=np.add(solution.landmarks.position, [0, 0.03, 0]))
     figures = method_figures(replace(solution, landmarks=off), returns, rig, truth)
@@ -97,7 +97,7 @@ def test_landmarks_without_returns_nearby_have_no_gap(
 
 
 def test_without_cameras_only_the_track_is_scored(
-    solution: Solution, rig: SensorRig, truth: Truth
+    solution: Solution, rig: Rig, truth: Truth
 ) -> None:
     none = replace(solution.landmarks, position=np.zeros((0, 3)), label=np.zeros(0, np.int64))
     bare = replace(solution, landmarks=none)

@@ -19,13 +19,13 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.links import LinkedPath
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory, VehiclePath
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.studies.methods.comparison import DeadReckoning
 from hullrecon.studies.paths.path_figures import draw_path_figures, lay_onto_cad_model, linked_track
 
 
 @pytest.fixture
-def start(solution: Solution, returns: Returns, rig: SensorRig) -> DeadReckoning:
+def start(solution: Solution, returns: Returns, rig: Rig) -> DeadReckoning:
     """Dead reckoning that is true."""
     poses = solution.global_from_vehicle
     reckoned = Trajectory(

@@ -6,11 +6,10 @@ import numpy as np
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import identity
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.vision.features.extraction import FeatureOptions
 from hullrecon.vision.odometry import StereoOdometer
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
 def camera_rig(
@@ -18,15 +17,13 @@ def camera_rig(
 ):
     """A rig of one camera or two."""
     models = {Camera.TOP: top} | ({} if bottom is None else {Camera.BOTTOM: bottom})
-    return CameraRig(
-        SensorRig(
-            tray_origin=np.array(tray_origin),
-            pressure_origin=np.zeros(3),
-            tray_from_dvl=identity(),
-            tray_from_top=tray_from_top or identity(),
-            top_from_bottom=top_from_bottom,
-            camera_models=models,
-        )
+    return Rig(
+        tray_origin=np.array(tray_origin),
+        pressure_origin=np.zeros(3),
+        tray_from_dvl=identity(),
+        tray_from_top=tray_from_top or identity(),
+        top_from_bottom=top_from_bottom,
+        camera_models=models,
     )
 
 

@@ -13,13 +13,13 @@ import pytest
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import identity
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Pixels
 from hullrecon.vision.continuity import continuity, fills_most
 from hullrecon.vision.image_motion import image_motion
 
 MODEL = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
-RIG = SensorRig(
+RIG = Rig(
     tray_origin=np.zeros(3),
     pressure_origin=np.zeros(3),
     tray_from_dvl=identity(1),

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.sensors import DvlPings
+from hullrecon.rig import Rig
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.stereo import rig_check
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.rig_check import StereoFrames, check_baseline, check_stereo_rig
 
 COUNT = 12
@@ -57,7 +57,7 @@ def check(rig, bottom_from=0, swap=False, sigma_rad=0.0):
 
 
 def with_rig(rig, pose):
-    return CameraRig(replace(rig.rig, top_from_bottom=pose))
+    return replace(rig, top_from_bottom=pose)
 
 
 def turned(pose, axis, deg):
@@ -141,7 +141,7 @@ def test_no_pairs_say_nothing(rig, dive):
 
 def pings(rig, range_m=1.3):
     """Beams straight along the top camera's axis."""
-    mounted = replace(rig.rig, tray_from_dvl=rig.rig.tray_from(Camera.TOP))
+    mounted = replace(rig, tray_from_dvl=rig.tray_from(Camera.TOP))
     n = len(STAMPS)
     record = DvlPings(
         t_ns=STAMPS,
@@ -178,9 +178,9 @@ def test_a_wrong_lens_is_no_pose_of_the_camera(rig, dive):
     """A bottom camera with the distortion of another: no turn of it brings the matches onto their
     lines.
     """
-    models = dict(rig.rig.camera_models)
+    models = dict(rig.camera_models)
     models[Camera.BOTTOM] = replace(models[Camera.BOTTOM], k1=0.4, fx=900.0)
-    problem = check(CameraRig(replace(rig.rig, camera_models=models))).problem
+    problem = check(Rig(replace(rig, camera_models=models))).problem
     assert problem is not None
     assert "contradict the stereo calibration" in problem.what
 

@@ -18,7 +18,7 @@ from hullrecon.adjustment.hull_pose import cad_error, profile_likelihood, regist
 from hullrecon.adjustment.hull_pose.cad_error import CadError
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.problem.assembly import Selection
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements, beam_ends
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
@@ -104,10 +104,8 @@ def collect_hull_points(
     )
     parts = [state.landmark[on_hull]]
     if m.returns is not None:
-        ends, _ = beam_ends(
-            m.returns, state.nodes, state.tray, m.rig.tray_origin, state.tray_from_dvl
-        )
-        parts.append(ends[chosen.returns])
+        ends = state.mounted(m.rig).dvl_points(m.returns, state.path)
+        parts.append(ends.points[chosen.returns])
     points, stretches = np.vstack(parts), hull.stretches
     if stretches is None:
         return HullPoints(xyz=thin_over_surface(points, hull.global_from_hull, hull.cad_model))

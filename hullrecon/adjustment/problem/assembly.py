@@ -16,7 +16,7 @@ from scipy.sparse import coo_array
 from hullrecon import native
 from hullrecon.adjustment.hull_pose.registration import frame_at
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid, prior_rows
-from hullrecon.adjustment.problem.measurements import Measurements, beam_ends
+from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State, Weights
 from hullrecon.estimation.navigation_tables import (
     attitude_table,
@@ -30,6 +30,7 @@ from hullrecon.estimation.plane_tables import with_planes
 from hullrecon.estimation.position_tables import with_positions
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
+from hullrecon.records.solution import Mounts
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Odometry, Returns
 from hullrecon.typing import Array, Ints, Mask
@@ -71,7 +72,7 @@ def assemble(
         ),
         velocities=velocity_table(m.odometry, m.trajectory.t_ns),
         odometry=odometry_table(
-            _unseen_motions(m, chosen), m.trajectory.tray, m.rig.tray_from_dvl.nominal, state.nodes
+            _unseen_motions(m, chosen), m.trajectory.tray, m.rig.tray_from_dvl, state.nodes
         ),
     )
     problem = with_positions(problem, m.positions)
@@ -108,7 +109,7 @@ def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
 
 def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection) -> State:
     """Return the state after a solve; landmarks that did not enter stay NaN."""
-    pose = unknowns.pose
+    pose, mounts = unknowns.pose, state.mounts
     landmark = np.full_like(state.landmark, np.nan)
     landmark[chosen.landmarks] = unknowns.landmark
     hull = state.hull
@@ -122,13 +123,15 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
         ),
         tray=pose[:, 7].copy(),
         landmark=landmark,
-        tray_from_top=pose_from_vector(unknowns.T_s_ct)
-        if state.tray_from_top is not None
-        else None,
-        top_from_bottom=pose_from_vector(unknowns.T_ct_cb)
-        if state.top_from_bottom is not None
-        else None,
-        tray_from_dvl=pose_from_vector(unknowns.T_s_d),
+        mounts=Mounts(
+            tray_from_dvl=pose_from_vector(unknowns.T_s_d),
+            tray_from_top=pose_from_vector(unknowns.T_s_ct)
+            if mounts.tray_from_top is not None
+            else None,
+            top_from_bottom=pose_from_vector(unknowns.T_ct_cb)
+            if mounts.top_from_bottom is not None
+            else None,
+        ),
         navigation=unknowns.navigation.copy(),
         hull=hull,
     )
@@ -137,7 +140,7 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
 def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknowns:
     unknowns = native.Unknowns(
         pose=np.hstack([state.nodes.vectors(), state.tray[:, None]]),
-        T_s_d=pose_vector(state.tray_from_dvl),
+        T_s_d=pose_vector(state.mounts.tray_from_dvl),
         navigation=state.navigation.copy(),
     )
     if state.hull is not None:
@@ -146,17 +149,17 @@ def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknow
             T_g_M=pose_vector(_centred_pose(state.hull)),
             deviation=state.hull.field.copy(),
         )
-    if m.tracks is not None and m.rig.top is not None and state.tray_from_top is not None:
+    if m.tracks is not None and m.rig.top is not None and state.mounts.tray_from_top is not None:
         unknowns = replace(
             unknowns,
             landmark=state.landmark[chosen.landmarks],
-            T_s_ct=pose_vector(state.tray_from_top),
+            T_s_ct=pose_vector(state.mounts.tray_from_top),
             intrinsics_top=m.rig.top.parameters(),
         )
-    if m.rig.bottom is not None and state.top_from_bottom is not None:
+    if m.rig.bottom is not None and state.mounts.top_from_bottom is not None:
         unknowns = replace(
             unknowns,
-            T_ct_cb=pose_vector(state.top_from_bottom),
+            T_ct_cb=pose_vector(state.mounts.top_from_bottom),
             intrinsics_bottom=m.rig.bottom.parameters(),
         )
     return unknowns
@@ -183,13 +186,17 @@ def _priors(m: Measurements, state: State) -> native.Priors:
     g by the first pose.
     """
     priors = native.Priors(
-        T_s_d=mount_prior_table(m.rig.tray_from_dvl, state.tray_from_dvl),
-        T_s_ct=mount_prior_table(m.rig.tray_from_top, state.tray_from_top),
+        T_s_d=mount_prior_table(
+            m.rig.tray_from_dvl, m.rig.priors.tray_from_dvl, state.mounts.tray_from_dvl
+        ),
+        T_s_ct=mount_prior_table(
+            m.rig.tray_from_top, m.rig.priors.tray_from_top, state.mounts.tray_from_top
+        ),
         T_ct_cb=mount_prior_table(
-            m.rig.top_from_bottom, state.top_from_bottom if m.rig.bottom is not None else None
+            m.rig.stereo_mount, m.rig.priors.top_from_bottom, state.mounts.top_from_bottom
         ),
         pose=gauge_prior(state.nodes, m.attitude),
-        navigation_sigma=m.rig.navigation_sigma,
+        navigation_sigma=m.rig.priors.navigation_sigma,
     )
     if state.hull is None:
         return priors
@@ -298,11 +305,9 @@ def _hits(
     end where they miss.
     """
     used = returns.take(chosen.returns)
-    points, direction = beam_ends(
-        used, state.nodes, state.tray, m.rig.tray_origin, state.tray_from_dvl
-    )
+    ends = state.mounted(m.rig).dvl_points(used, state.path)
     to_hull = pose_from_vector(pose_vector(_centred_pose(hull))).inverse()
-    points, direction = to_hull.apply(points), to_hull.rotation.apply(direction)
+    points, direction = to_hull.apply(ends.points), to_hull.rotation.apply(ends.directions)
     origin = points - direction * used.range_m[:, None]
     cast = _centred_mesh(hull).index.cast(origin, direction)
     length = np.where(np.isfinite(cast.range), cast.range, used.range_m)

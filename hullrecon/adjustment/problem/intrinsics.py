@@ -16,8 +16,9 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.measurements import Measurements
-from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
+from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 NAMES = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
@@ -61,9 +62,9 @@ def apply_intrinsics(
     """
     rig = m.rig
     if "intrinsics_top" not in problem.constant and rig.top is not None:
-        rig = replace(rig, top=_camera(rig.top, result.unknowns.intrinsics_top))
+        rig = _with_camera(rig, Camera.TOP, result.unknowns.intrinsics_top)
     if "intrinsics_bottom" not in problem.constant and rig.bottom is not None:
-        rig = replace(rig, bottom=_camera(rig.bottom, result.unknowns.intrinsics_bottom))
+        rig = _with_camera(rig, Camera.BOTTOM, result.unknowns.intrinsics_bottom)
     return m if rig is m.rig else replace(m, rig=rig)
 
 
@@ -128,5 +129,7 @@ def _saw(problem: native.Problem, camera: int) -> bool:
     return bool(len(problem.stereo.node) or (problem.mono.camera == camera).any())
 
 
-def _camera(camera: CameraModel, parameters: Array) -> CameraModel:
-    return CameraModel(camera.width, camera.height, *(float(value) for value in parameters))
+def _with_camera(rig: Rig, camera: Camera, parameters: Array) -> Rig:
+    before = rig.camera_models[camera]
+    found = CameraModel(before.width, before.height, *(float(value) for value in parameters))
+    return replace(rig, camera_models={**rig.camera_models, camera: found})

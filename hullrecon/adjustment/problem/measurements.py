@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
@@ -24,7 +21,7 @@ from hullrecon.records.trajectory import (
     Trajectory,
     VehiclePath,
 )
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 
@@ -61,14 +58,3 @@ class Measurements:
     start: VehiclePath | None = None
     planes: TiedPlanes | None = None
     positions: PositionTies | None = None
-
-
-def beam_ends(
-    returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, tray_from_dvl: Poses
-) -> tuple[Array, Array]:
-    """Return the ends of the DVL's beams in g, (m, 3), and their unit directions in g, (m, 3)."""
-    rig = SensorRig(
-        tray_origin=tray_origin, pressure_origin=np.zeros(3), tray_from_dvl=tray_from_dvl
-    )
-    ends = rig.dvl_points(returns, VehiclePath(poses=nodes, tray=tray_angle))
-    return ends.points, ends.directions

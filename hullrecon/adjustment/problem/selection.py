@@ -28,11 +28,9 @@ def triangulate_landmarks(m: Measurements, state: State) -> Array:
     """Return landmarks (L, 3) in g triangulated from the present poses; NaN where it cannot be
     done.
     """
-    if m.tracks is None or state.tray_from_top is None:
+    if m.tracks is None or state.mounts.tray_from_top is None:
         return np.zeros((0, 3))
-    top, bottom = camera_poses(
-        state.nodes, state.tray, m.rig, state.tray_from_top, state.top_from_bottom
-    )
+    top, bottom = camera_poses(m.rig, state)
     position, _ = triangulate(m.tracks, landmark_count(m), top, bottom, m.rig)
     return position
 
@@ -42,10 +40,10 @@ def select_measurements(m: Measurements, state: State, max_px: Array | float) ->
     landmarks that keep at least two rays and lie near the hull, returns that were not flagged.
     """
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
-    if m.tracks is None or state.tray_from_top is None:
+    if m.tracks is None or state.mounts.tray_from_top is None:
         empty = np.zeros(0, bool)
         return Selection(empty, empty, returns, np.zeros(0, np.int64))
-    poses = camera_poses(state.nodes, state.tray, m.rig, state.tray_from_top, state.top_from_bottom)
+    poses = camera_poses(m.rig, state)
     top_error, bottom_error = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
     top, bottom = (
         np.nan_to_num(top_error, nan=np.inf) <= max_px,

@@ -14,6 +14,9 @@ from hullrecon.adjustment.hull_pose.stretches import Stretches
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.solution import Mounts
+from hullrecon.records.trajectory import VehiclePath
+from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 
@@ -57,19 +60,23 @@ class HullState:
 
 @dataclass(frozen=True, kw_only=True)
 class State:
-    """The unknowns: nodes T_g_v, tray (n,) rad, landmark (L, 3) in g (NaN: not used), motions T_a_b
-    as batches of one (None where the sensor was not carried), navigation (6,); hull: None without a
-    CAD model.
-    """
+    """The unknowns of the adjustment."""
 
-    nodes: Poses
-    tray: Array
-    landmark: Array
-    tray_from_top: Poses | None
-    top_from_bottom: Poses | None
-    tray_from_dvl: Poses
-    navigation: Array
-    hull: HullState | None
+    nodes: Poses  # (n,) global_from_vehicle
+    tray: Array  # (n,) rad
+    landmark: Array  # (L, 3) m in g; NaN: not used
+    mounts: Mounts  # of a camera None where it was not carried or saw nothing
+    navigation: Array  # (6,) errors, in the order of RigPriors.navigation_sigma
+    hull: HullState | None  # None without a CAD model
+
+    @property
+    def path(self) -> VehiclePath:
+        """Vehicle and tray at the nodes, in g."""
+        return VehiclePath(poses=self.nodes, tray=self.tray)
+
+    def mounted(self, rig: Rig) -> Rig:
+        """Replace the rig's mounts by those of this state."""
+        return rig.with_mounts(self.mounts)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,32 +6,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.estimation.rig_priors import Rig
+from hullrecon.adjustment.problem.state import State
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
-from hullrecon.records.trajectory import VehiclePath
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
 OBSERVATIONS = 1_000_000  # whose rays are laid at a time
 
 
-def camera_poses(
-    nodes: Poses, tray_angle: Array, rig: Rig, tray_from_top: Poses, top_from_bottom: Poses | None
-) -> tuple[Poses, Poses | None]:
-    """Return T_g_ct and T_g_cb at the nodes; None for a camera without a mount."""
-    sensors = SensorRig(
-        tray_origin=rig.tray_origin,
-        pressure_origin=rig.pressure_origin,
-        tray_from_dvl=rig.tray_from_dvl.nominal,
-        tray_from_top=tray_from_top,
-        top_from_bottom=top_from_bottom,
-    )
-    path = VehiclePath(poses=nodes, tray=tray_angle)
-    bottom = None if top_from_bottom is None else sensors.camera_poses(path, Camera.BOTTOM)
-    return sensors.camera_poses(path, Camera.TOP), bottom
+def camera_poses(rig: Rig, state: State) -> tuple[Poses, Poses | None]:
+    """Compute both cameras' poses (n,) in g at the nodes; None for a bottom camera not carried."""
+    mounted = state.mounted(rig)
+    top = mounted.poses_along(state.path, Camera.TOP)
+    if state.mounts.top_from_bottom is None:
+        return top, None
+    return top, mounted.poses_along(state.path, Camera.BOTTOM)
 
 
 def triangulate(

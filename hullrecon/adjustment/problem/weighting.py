@@ -26,11 +26,11 @@ RESPONSE_GROUPS = 12
 def initial_weights(m: Measurements, options: AdjustOptions) -> Weights:
     """Return the sigmas of the package."""
     return Weights(
-        pixel=m.rig.sigma_px,
+        pixel=m.rig.priors.pixel_sigma_px,
         pixel_ratio=np.ones(0 if m.tracks is None else len(m.tracks.node)),
         depth=1.0,
-        tray=m.rig.tray_sigma,
-        range_sigma=m.rig.sigma_range,
+        tray=m.rig.priors.tray_sigma_rad,
+        range_sigma=m.rig.priors.range_sigma_m,
         surface=np.ones(selection.landmark_count(m)),
         tray_direction=np.zeros(len(m.trajectory.t_ns))
         if options.as_published
@@ -62,8 +62,8 @@ def estimate_weights(
     excess = (m.trajectory.tray - state.tray - state.navigation[5] * side)[
         m.attitude.tray_sigma == 0
     ]
-    read = robust_sigma(excess) if len(excess) else m.rig.tray_sigma
-    tray = float(np.clip(read, np.radians(0.02), m.rig.tray_sigma))
+    read = robust_sigma(excess) if len(excess) else m.rig.priors.tray_sigma_rad
+    tray = float(np.clip(read, np.radians(0.02), m.rig.priors.tray_sigma_rad))
     return replace(
         weights,
         pixel=pixel,
@@ -85,9 +85,9 @@ def estimate_pixel_sigmas(
     extremum of a flat bump farther (docs/methods.md 6). Residuals in groups of like response tell
     how much, one group the corners, which have none.
     """
-    if m.tracks is None or state.tray_from_top is None:
+    if m.tracks is None or state.mounts.tray_from_top is None:
         return least, weights.pixel_ratio
-    poses = camera_poses(state.nodes, state.tray, m.rig, state.tray_from_top, state.top_from_bottom)
+    poses = camera_poses(m.rig, state)
     errors = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
     count, landmark = selection.landmark_count(m), m.tracks.landmark
     seen = chosen.top.astype(float) + chosen.bottom
@@ -97,7 +97,7 @@ def estimate_pixel_sigmas(
     row = np.r_[np.flatnonzero(well & chosen.top), np.flatnonzero(well & chosen.bottom)]
     length = np.r_[errors[0][well & chosen.top], errors[1][well & chosen.bottom]]
     if len(length) < LEAST_LENGTHS:
-        return max(least, m.rig.sigma_px), np.ones_like(weights.pixel_ratio)
+        return max(least, m.rig.priors.pixel_sigma_px), np.ones_like(weights.pixel_ratio)
     weight = weights.pixel_ratio**-2
     whole = np.bincount(landmark, weight * seen, minlength=count)
     # of the two coordinates of a ray
@@ -163,7 +163,7 @@ def _depth_weight(m: Measurements, state: State) -> float:
     nodes = m.attitude.nodes_per_reading[rows]
     given = float(np.median(m.attitude.sigma[rows, 0] / np.sqrt(nodes)))
     white = robust_sigma(z - m.attitude.depth[rows])
-    by_density = m.rig.density_sigma * np.sqrt((1 / nodes).sum()) * float(np.std(z))
+    by_density = m.rig.priors.density_sigma * np.sqrt((1 / nodes).sum()) * float(np.std(z))
     return float(np.clip(max(white, by_density, 1e-3) / given, 0.0, 1.0))
 
 

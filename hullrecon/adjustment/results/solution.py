@@ -18,7 +18,7 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.results.covariance import points_in_hull, poses_in_hull
 from hullrecon.geometry import poses
-from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
+from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Solution
 from hullrecon.typing import Array, Ints
 
 
@@ -83,11 +83,7 @@ def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covari
             views=_views(m, adjusted)[used],
             color=m.tracks.color[used] if m.tracks is not None else np.zeros((0, 3), np.uint8),
         ),
-        mounts=Mounts(
-            tray_from_dvl=state.tray_from_dvl,
-            tray_from_top=state.tray_from_top,
-            top_from_bottom=state.top_from_bottom,
-        ),
+        mounts=state.mounts,
         navigation_errors=state.navigation,
         hull_pose=_hull_pose(state.hull, marginals),
         deviation_field=_deviation_field(state.hull, marginals),
@@ -143,7 +139,9 @@ def _lever_arm(m: Measurements, state: State) -> Array:
     in_hull = tray if state.hull is None else state.hull.global_from_hull.inverse() @ tray
     rotate = in_hull.rotation.as_matrix()
     out = np.zeros((len(state.nodes), 6, 6))
-    out[:, :3, :3] = rotate @ np.diag(m.rig.dvl_position_sigma**2) @ rotate.transpose(0, 2, 1)
+    out[:, :3, :3] = (
+        rotate @ np.diag(m.rig.priors.dvl_position_sigma_m**2) @ rotate.transpose(0, 2, 1)
+    )
     return out
 
 

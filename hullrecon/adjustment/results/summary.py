@@ -23,6 +23,7 @@ from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
 from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
 from hullrecon.adjustment.results.unexpected_errors import (
+    MountFit,
     length_warning,
     mount_warnings,
     navigation_warnings,
@@ -122,14 +123,14 @@ def _stereo_sentence(
     """
     if (
         adjusted.stereo is None
-        or adjusted.state.top_from_bottom is None
+        or adjusted.state.mounts.top_from_bottom is None
         or m.rig.top_from_bottom is None
     ):
         return None
     return stereo_warning(
         adjusted.stereo,
-        m.rig.top_from_bottom.nominal,
-        adjusted.state.top_from_bottom,
+        m.rig.top_from_bottom,
+        adjusted.state.mounts.top_from_bottom,
         marginals.T_ct_cb,
     )
 
@@ -138,7 +139,7 @@ def _unexpected_errors(
     m: Measurements, adjusted: Adjusted, marginals: native.Covariance
 ) -> list[str]:
     """Return a sentence for each sensor's error and each mount beyond what dive.toml allows."""
-    allowed, state = m.rig.navigation_sigma, adjusted.state
+    allowed, state = m.rig.priors.navigation_sigma, adjusted.state
     by_lengths = adjusted.stereo is not None and not adjusted.stereo.by_images
     # then another sentence speaks of the DVL's scale
     if by_lengths or adjusted.length_conflict is not None:
@@ -149,8 +150,18 @@ def _unexpected_errors(
         else [length_warning(adjusted.length_conflict, marginals.navigation)]
     )
     mounts = {
-        "dvl.mount": (m.rig.tray_from_dvl, state.tray_from_dvl, marginals.T_s_d),
-        "camera.top.mount": (m.rig.tray_from_top, state.tray_from_top, marginals.T_s_ct),
+        "dvl.mount": MountFit(
+            m.rig.tray_from_dvl,
+            m.rig.priors.tray_from_dvl,
+            state.mounts.tray_from_dvl,
+            marginals.T_s_d,
+        ),
+        "camera.top.mount": MountFit(
+            m.rig.tray_from_top,
+            m.rig.priors.tray_from_top,
+            state.mounts.tray_from_top,
+            marginals.T_s_ct,
+        ),
     }
     return [
         *lengths,
@@ -218,9 +229,9 @@ def _mounts(state: State) -> dict[str, list[float]]:
     """Return motions by name as x y z qx qy qz qw, those that there are."""
     hull = None if state.hull is None else state.hull.global_from_hull
     present = {
-        "T_s_ct": state.tray_from_top,
-        "T_ct_cb": state.top_from_bottom,
-        "T_s_d": state.tray_from_dvl,
+        "T_s_ct": state.mounts.tray_from_top,
+        "T_ct_cb": state.mounts.top_from_bottom,
+        "T_s_d": state.mounts.tray_from_dvl,
         "T_g_M": hull,
     }
     return {name: pose_vector(pose).tolist() for name, pose in present.items() if pose is not None}

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from hullrecon.adjustment.exceeded_priors import MANY_OF_ITS_OWN, MANY_SIGMAS, displacement
-from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
@@ -75,7 +75,16 @@ def length_warning(conflict: float, covariance: Array) -> str:
     )
 
 
-def mount_warnings(mounts: Mapping[str, tuple[Mount | None, Poses | None, Array]]) -> list[str]:
+class MountFit(NamedTuple):
+    """A mount as dive.toml has it and as it was found."""
+
+    nominal: Poses | None
+    sqrt_information: Array | None  # (6, 6) of its prior; None: held
+    found: Poses | None
+    covariance: Array  # (6, 6) of (translation in the parent's axes, right-perturbed rotation)
+
+
+def mount_warnings(mounts: Mapping[str, MountFit]) -> list[str]:
     """Return a sentence for each mount that came out far from its place, those left out that were
     held, and one more where DVL and camera are turned the same way.
 
@@ -84,9 +93,9 @@ def mount_warnings(mounts: Mapping[str, tuple[Mount | None, Poses | None, Array]
     instrument's own z is not spoken of: a focal length, or a range, that is off looks the same.
     """
     found = [
-        _Displacement.of(key, mount, pose, covariance)
-        for key, (mount, pose, covariance) in mounts.items()
-        if mount is not None and mount.sqrt_information is not None and pose is not None
+        _Displacement.of(key, fit.nominal, fit.sqrt_information, fit.found, fit.covariance)
+        for key, fit in mounts.items()
+        if fit.nominal is not None and fit.sqrt_information is not None and fit.found is not None
     ]
     sentences = [mount.sentence() for mount in found if mount.is_far()]
     return [*sentences, *_turned_alike(found)]
@@ -105,15 +114,14 @@ class _Displacement:
     in_parent: Array
 
     @staticmethod
-    def of(key: str, mount: Mount, found: Poses, covariance: Array) -> _Displacement:
-        assert mount.sqrt_information is not None
-        by, to_child = displacement(mount, found)
+    def of(key: str, nominal: Poses, rows: Array, found: Poses, covariance: Array) -> _Displacement:
+        by, to_child = displacement(nominal, found)
         return _Displacement(
             key=key,
             by=by,
             sigma=np.sqrt(np.maximum(np.diag(to_child @ covariance @ to_child.T), 0)),
-            allowed=np.linalg.norm(np.linalg.inv(mount.sqrt_information), axis=1),
-            in_parent=mount.nominal.rotation.apply(by[3:])[0],
+            allowed=np.linalg.norm(np.linalg.inv(rows), axis=1),
+            in_parent=nominal.rotation.apply(by[3:])[0],
         )
 
     def times_allowed(self) -> Array:

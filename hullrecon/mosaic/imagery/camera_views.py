@@ -28,7 +28,7 @@ from hullrecon.mosaic.imagery.radiometry import (
 )
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface, seen
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Floats32, Ints, Mask
 
 Read = Callable[[int], NDArray[np.uint8] | None]
@@ -62,7 +62,7 @@ class Footprints:
 
 
 def images_of_camera(
-    rig: SensorRig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read
+    rig: Rig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read
 ) -> CameraImages:
     """Return a camera's usable images that have a pose, in the frame of the track; usable (m,): by
     row of the camera's index.
@@ -72,7 +72,7 @@ def images_of_camera(
     return CameraImages(
         camera=rig.camera_models[camera],
         rows=track.image[nodes, camera.column],
-        poses=rig.camera_poses(track.path[nodes], camera),
+        poses=rig.poses_along(track.path[nodes], camera),
         read=read,
     )
 

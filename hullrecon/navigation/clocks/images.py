@@ -19,7 +19,7 @@ from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.clock import seconds
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
 LEAST_MOTIONS = 10
@@ -48,7 +48,7 @@ class ImageMotions:
 
 
 def imu_beside_images(
-    motions: ImageMotions, attitude: AttitudeHistory, servo: Servo, rig: SensorRig
+    motions: ImageMotions, attitude: AttitudeHistory, servo: Servo, rig: Rig
 ) -> Disagreement | None:
     """Return how the attitude's turns, looked up at the images' stamps and a shift, differ from the
     camera's; None without any motions.
@@ -83,7 +83,7 @@ def imu_beside_images(
 
 
 def dvl_beside_images(
-    motions: ImageMotions, velocities: Velocities, rig: SensorRig
+    motions: ImageMotions, velocities: Velocities, rig: Rig
 ) -> Disagreement | None:
     """Return how the directions of the DVL's steps, looked up at the images' stamps and a shift,
     differ from the camera's; None without any motions.

@@ -21,7 +21,7 @@ from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
 from hullrecon.records.clock import seconds
 from hullrecon.records.sensors import DvlPings, PressureSamples
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
 # between the three looks at the hull whose second difference shows how the vehicle turned
@@ -41,7 +41,7 @@ ACROSS = np.array([0.0, 1.0, 0.0])
 
 
 def imu_beside_dvl(
-    dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: SensorRig
+    dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: Rig
 ) -> Disagreement | None:
     """Return how the IMU's attitude, looked up at the DVL's stamps and a shift, lets the hull turn;
     None where no pings have returns.
@@ -80,7 +80,7 @@ def pressure_beside_dvl(
     attitude: AttitudeHistory,
     pressure: PressureSamples,
     servo: Servo,
-    rig: SensorRig,
+    rig: Rig,
     imu_late_s: float | None = 0.0,
 ) -> Disagreement | None:
     """Return how the depth, looked up at the DVL's stamps and a shift, differs from what the DVL
@@ -153,7 +153,7 @@ def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
     return dvl.t_ns[enough], np.asarray(normal * away[:, None])
 
 
-def _vehicle_from_dvl(servo: Servo, rig: SensorRig, t_ns: Ints) -> Rotation:
+def _vehicle_from_dvl(servo: Servo, rig: Rig, t_ns: Ints) -> Rotation:
     """Return R_v_d (n) at times (n,)."""
     return tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation * rig.tray_from_dvl.rotation
 

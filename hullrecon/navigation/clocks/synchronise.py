@@ -61,7 +61,7 @@ from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_hist
 from hullrecon.navigation.sensors.servo import Servo, servo
 from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
 from hullrecon.records.sensors import DvlPings
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
 RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6  # of images whose motion is looked at, spread over a stretch
@@ -84,7 +84,7 @@ class Synchronised:
 
 def synchronise(
     logs: NavigationLogs,
-    rig: SensorRig,
+    rig: Rig,
     tilt_rad: float,
     longest_gap_s: float,
     measure: MeasureMotion | None = None,
@@ -110,7 +110,7 @@ class _Look:
     def __init__(
         self,
         logs: NavigationLogs,
-        rig: SensorRig,
+        rig: Rig,
         tilt_rad: float,
         longest_gap_s: float,
         measure: MeasureMotion | None,

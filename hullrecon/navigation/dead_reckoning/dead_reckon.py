@@ -43,7 +43,7 @@ from hullrecon.records.trajectory import (
     Trajectory,
     TrajectoryErrorModel,
 )
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Ints
 
 # of the way across an outage: from there on images that show nothing are not worth a pose
@@ -77,7 +77,7 @@ class Navigated:
 
 def dead_reckon(
     logs: NavigationLogs,
-    rig: SensorRig,
+    rig: Rig,
     sigmas: NavigationSigmas,
     options: NavigateOptions,
     walk: ImageWalk | None = None,

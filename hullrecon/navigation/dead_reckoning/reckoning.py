@@ -23,7 +23,7 @@ from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.clock import seconds
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
 UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g
@@ -52,7 +52,7 @@ class Reckoning:
     attitude: AttitudeHistory
     servo: Servo
     velocities: Velocities
-    rig: SensorRig
+    rig: Rig
 
     def at(self, t_ns: Ints) -> Instant:
         """Return the vehicle and all that its derivatives need at times (n,)."""
@@ -102,7 +102,7 @@ def reckon(
     velocities: Velocities,
     attitude: AttitudeHistory,
     servo: Servo,
-    rig: SensorRig,
+    rig: Rig,
     start_ns: int | None = None,
 ) -> Reckoning:
     """Return the path of at least two velocities, from the first of them, or from one at start_ns."""

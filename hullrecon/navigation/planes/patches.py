@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.planes.patch_fit import PatchFit, fit_patch
 from hullrecon.records.trajectory import Returns, VehiclePath
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
 WINDOW_M = 0.8  # of the path in one window: about half of what its beams span at a metre's distance
@@ -81,7 +80,7 @@ def find_patches(
         anchors,
         strict=False,
     ):
-        fit = fit_patch(points[window], rays[window], rig.sigma_range, curvature_sigma)
+        fit = fit_patch(points[window], rays[window], rig.priors.range_sigma_m, curvature_sigma)
         if fit is not None and -fit.axes[:, 2] @ fit.center > LEAST_DISTANCE_M:
             found.append((anchor, rows[fit.kept], fit))
     fits = [fit for _, _, fit in found]
@@ -109,16 +108,7 @@ def _seen_from(
     """
     if not windows:
         return np.zeros((0, 3)), np.zeros((0, 3))
-    sensors = SensorRig(
-        tray_origin=rig.tray_origin,
-        pressure_origin=rig.pressure_origin,
-        tray_from_dvl=rig.tray_from_dvl.nominal,
-    )
-    rows = np.concatenate(windows)
-    beams = sensors.dvl_points(
-        returns.take(rows),
-        path,
-    )
+    beams = rig.dvl_points(returns.take(np.concatenate(windows)), path)
     to_anchor = path.poses[np.repeat(anchors, [len(window) for window in windows])].inverse()
     return to_anchor.apply(beams.points), np.asarray(to_anchor.rotation.apply(beams.directions))
 

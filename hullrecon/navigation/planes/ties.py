@@ -12,7 +12,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.planes.comparison import (
     PatchPairs,
@@ -24,6 +23,7 @@ from hullrecon.navigation.planes.comparison import (
 from hullrecon.navigation.planes.patches import Patches
 from hullrecon.records.planes import PlaneRanges, TiedPlanes
 from hullrecon.records.trajectory import Returns, VehiclePath
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
 # along the hull, from the centre of a patch to that of another: beyond it, curvature says nothing

@@ -25,7 +25,6 @@ from hullrecon.estimation.navigation_tables import (
 )
 from hullrecon.estimation.plane_tables import with_planes
 from hullrecon.estimation.position_tables import PositionFit, fit_of_positions, with_positions
-from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.pose_graph.start import path_along_links
@@ -33,6 +32,7 @@ from hullrecon.records.iterations import reached_cost
 from hullrecon.records.links import CameraLinks, LinkedPath
 from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Trajectory, VehiclePath
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
 # of a link's whitened square in units of its rows: dynamic covariance scaling has all but dropped
@@ -133,13 +133,17 @@ class PoseGraph:
             "T_s_ct": rig.tray_from_top,
             "T_ct_cb": rig.top_from_bottom,
         }
-        nominal = {name: None if mount is None else mount.nominal for name, mount in mounts.items()}
-        priors = {name: mount_prior_table(mount, nominal[name]) for name, mount in mounts.items()}
-        linked = {"T_s_ct": len(links) > 0, "T_ct_cb": bool(links.bottom.any()), "T_s_d": True}
-        priors = {name: prior if linked[name] else None for name, prior in priors.items()}
+        known = {
+            "T_s_d": rig.priors.tray_from_dvl,
+            "T_s_ct": rig.priors.tray_from_top if len(links) else None,
+            "T_ct_cb": rig.priors.top_from_bottom if links.bottom.any() else None,
+        }
+        priors = {
+            name: mount_prior_table(mount, known[name], mount) for name, mount in mounts.items()
+        }
         held = {name for name, prior in priors.items() if prior is None}
         problem = native.Problem(
-            unknowns=_unknowns(start, nominal, switches),
+            unknowns=_unknowns(start, mounts, switches),
             constant=tuple(
                 sorted(held | {"T_g_M", "deviation", "intrinsics_top", "intrinsics_bottom"})
             ),
@@ -149,15 +153,18 @@ class PoseGraph:
                 T_s_ct=priors["T_s_ct"],
                 T_ct_cb=priors["T_ct_cb"],
                 pose=gauge_prior(start.poses, self.attitude),
-                navigation_sigma=rig.navigation_sigma,
+                navigation_sigma=rig.priors.navigation_sigma,
             ),
             attitude=attitude_table(self.attitude),
             tray=tray_table(
-                t.tray, self.attitude.tray_direction, rig.tray_sigma, self.attitude.tray_sigma
+                t.tray,
+                self.attitude.tray_direction,
+                rig.priors.tray_sigma_rad,
+                self.attitude.tray_sigma,
             ),
             velocities=velocity_table(self.odometry, t.t_ns),
             odometry=odometry_table(
-                _unlinked_motions(self.odometry, links), t.tray, rig.tray_from_dvl.nominal, path
+                _unlinked_motions(self.odometry, links), t.tray, rig.tray_from_dvl, path
             ),
             links=link_table(links, len(t.t_ns), kernel),
         )

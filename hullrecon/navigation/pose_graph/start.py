@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.estimation.rig_priors import Rig
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, from_matrix, tray_poses
 from hullrecon.records.links import CameraLinks
 from hullrecon.records.trajectory import Odometry, Trajectory
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 
 # Sigma of a step over its length, and by itself: beyond both the images know better where it goes.
@@ -71,8 +72,7 @@ def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
 
 def _vehicle_from_camera(trajectory: Trajectory, rig: Rig, node: Ints, is_bottom: Mask) -> Poses:
     """Return T_v_c (m) of the leading cameras at nodes (m,), the bottom one where is_bottom (m,)."""
-    assert rig.tray_from_top is not None
-    mount = np.repeat(rig.tray_from_top.nominal.matrix(), len(node), axis=0)
+    mount = np.repeat(rig.tray_from(Camera.TOP).matrix(), len(node), axis=0)
     if rig.top_from_bottom is not None:
-        mount[is_bottom] = (rig.tray_from_top.nominal @ rig.top_from_bottom.nominal).matrix()[0]
+        mount[is_bottom] = rig.tray_from(Camera.BOTTOM).matrix()[0]
     return tray_poses(rig.tray_origin, trajectory.tray[node]) @ from_matrix(mount)

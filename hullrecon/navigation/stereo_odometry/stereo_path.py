@@ -35,7 +35,7 @@ from hullrecon.navigation.stereo_odometry.visual_odometry import (
 from hullrecon.records.clock import describe_silence, seconds, unread_s
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
 
@@ -71,7 +71,7 @@ def stereo_navigate(
     frames: Frames,
     aids: Aids,
     motion: PairMotion[Frame],
-    rig: SensorRig,
+    rig: Rig,
     sigmas: NavigationSigmas,
     options: NavigateOptions,
     calibration_sigma: Array,
@@ -157,7 +157,7 @@ def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Pos
 
 
 def _start(
-    history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: Ints, rig: SensorRig
+    history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: Ints, rig: Rig
 ) -> Poses:
     start = (
         identity()

@@ -17,7 +17,7 @@ from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.survey import ImageSource, Survey
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Pixels
 
 
@@ -94,7 +94,7 @@ class ObjectView:
 
 
 def best_crop(
-    found: ReportedObject, track: VehicleTrack, rig: SensorRig, images: Mapping[Camera, ImageSource]
+    found: ReportedObject, track: VehicleTrack, rig: Rig, images: Mapping[Camera, ImageSource]
 ) -> Crop | None:
     """Return the picture of an object; None when no image shows it.
 
@@ -114,7 +114,7 @@ def best_crop(
 
 
 def _ranked_views(
-    found: ReportedObject, track: VehicleTrack, rig: SensorRig, camera: Camera, index: ImageIndex
+    found: ReportedObject, track: VehicleTrack, rig: Rig, camera: Camera, index: ImageIndex
 ) -> list[tuple[float, ObjectView]]:
     """Return views that have the centre inside the image, with its distance from the middle in half
     diagonals.
@@ -125,7 +125,7 @@ def _ranked_views(
     if not len(nodes):
         return []
     model = rig.camera_models[camera]
-    camera_from_result = rig.camera_poses(track.path[nodes], camera).inverse()
+    camera_from_result = rig.poses_along(track.path[nodes], camera).inverse()
     pixel = model.project(
         camera_from_result.apply(np.tile(np.array(found.center), (len(nodes), 1)))
     )

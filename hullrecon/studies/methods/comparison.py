@@ -15,7 +15,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.iterations import count
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.studies.methods.method_figures import (
     TABLE,
     WEIGHTINGS,
@@ -58,7 +58,7 @@ class DeadReckoning:
 
     trajectory: Trajectory
     returns: Returns | None
-    rig: SensorRig
+    rig: Rig
 
 
 def compare_solutions(

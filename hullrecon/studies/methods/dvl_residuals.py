@@ -15,7 +15,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory, VehiclePath
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 
@@ -35,7 +35,7 @@ class HullBeams:
         return np.asarray(self.points - self.range_m[:, None] * self.directions)
 
 
-def beams_of(path: VehiclePath, rig: SensorRig, returns: Returns) -> HullBeams:
+def beams_of(path: VehiclePath, rig: Rig, returns: Returns) -> HullBeams:
     """Return the beams of a vehicle path in M."""
     good = ~returns.flagged & np.isfinite(returns.range_m)
     ends = rig.dvl_points(returns, path)
@@ -45,7 +45,7 @@ def beams_of(path: VehiclePath, rig: SensorRig, returns: Returns) -> HullBeams:
 
 
 def adjusted_beams(
-    solution: Solution, global_from_hull: Poses, returns: Returns, rig: SensorRig
+    solution: Solution, global_from_hull: Poses, returns: Returns, rig: Rig
 ) -> HullBeams:
     """Return the beams as adjusted: poses, tray and mounts of the solution."""
     path = VehiclePath(
@@ -55,7 +55,7 @@ def adjusted_beams(
 
 
 def dead_reckoned_beams(
-    trajectory: Trajectory, global_from_hull: Poses, returns: Returns, rig: SensorRig
+    trajectory: Trajectory, global_from_hull: Poses, returns: Returns, rig: Rig
 ) -> HullBeams:
     """Return the beams before the adjustment: dead-reckoned poses, the tray as logged, the mount as
     configured.

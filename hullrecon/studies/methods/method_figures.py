@@ -20,7 +20,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, VehiclePath
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.studies.methods.dvl_residuals import adjusted_beams
 from hullrecon.typing import Array, Mask
 
@@ -41,7 +41,7 @@ TABLE = {
 
 
 def method_figures(
-    solution: Solution, returns: Returns | None, rig: SensorRig, truth: Truth
+    solution: Solution, returns: Returns | None, rig: Rig, truth: Truth
 ) -> MethodFigures:
     """Return figures by part and name for one solution; parts that it cannot give are left out."""
     global_from_hull = hull_frame(solution, truth)
@@ -168,12 +168,10 @@ def gap_figures(
     }
 
 
-def _score_cameras(
-    solution: Solution, hull_from_vehicle: Poses, rig: SensorRig, truth: Truth
-) -> Figures:
+def _score_cameras(solution: Solution, hull_from_vehicle: Poses, rig: Rig, truth: Truth) -> Figures:
     has = solution.image[:, Camera.TOP.column] >= 0
     path = VehiclePath(poses=hull_from_vehicle[has], tray=solution.tray[has])
-    cameras = rig.with_mounts(solution.mounts).camera_poses(path, Camera.TOP)
+    cameras = rig.with_mounts(solution.mounts).poses_along(path, Camera.TOP)
     return centre_figures(stamps(solution)[has], cameras.translation, truth)
 
 

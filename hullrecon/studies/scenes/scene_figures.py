@@ -6,6 +6,8 @@ map of a sphere.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hullrecon import native
@@ -14,7 +16,6 @@ from hullrecon.geometry.poses import exp, pose_from_vector
 from hullrecon.navigation.planes.planar_graph import PlanarGraph
 from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
 from hullrecon.records.links import no_links
-from hullrecon.rig import SensorRig
 from hullrecon.studies.figure_style import PublishedFigure
 from hullrecon.studies.scenes.gic_by_relief import CriterionTrials, gic_by_relief
 from hullrecon.studies.scenes.search_ellipses import TransferredPoints, search_ellipses
@@ -171,15 +172,10 @@ def sphere_survey() -> SphereSurvey:
 
 def _mapped(dive: EllipsoidDive, solved: GraphSolution) -> MappedSphere:
     """Return the path with its sigma, and where its beams end with the DVL's mount as it was found."""
-    found = pose_from_vector(solved.problem.unknowns.T_s_d)
-    sensors = SensorRig(
-        tray_origin=dive.rig.tray_origin,
-        pressure_origin=dive.rig.pressure_origin,
-        tray_from_dvl=found,
-    )
+    found = replace(dive.rig, tray_from_dvl=pose_from_vector(solved.problem.unknowns.T_s_d))
     position = native.covariance(solved.problem, OPTIONS).pose[:, :3, :3]
     return MappedSphere(
         path=solved.path.poses.translation,
         sigma=np.sqrt(np.trace(position, axis1=1, axis2=2)),
-        points=sensors.dvl_points(dive.returns, solved.path).points,
+        points=found.dvl_points(dive.returns, solved.path).points,
     )

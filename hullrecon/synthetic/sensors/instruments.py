@@ -11,7 +11,7 @@ import numpy as np
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.motion import Motion, ticks
-from hullrecon.synthetic.vehicle.rig import BEAMS, TRANSPONDER, TRAY_ORIGIN, Rig
+from hullrecon.synthetic.vehicle.rig import BEAMS, TRANSPONDER, TRAY_ORIGIN, TrueRig
 from hullrecon.synthetic.world.built_hull import BuiltHull
 from hullrecon.typing import Array
 
@@ -58,7 +58,7 @@ class Series:
 NO_POSITIONS = Series(np.zeros(0), np.zeros((0, 3)))
 
 
-def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: BuiltHull) -> Dvl:
+def dvl(spec: DiveSpec, motion: Motion, rig: TrueRig, hull: BuiltHull) -> Dvl:
     """Return the velocity of the instrument over ground in its own frame, too long by the scale
     error; ranges to the hull as built.
     """

@@ -29,7 +29,7 @@ BEAMS = np.array(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rig:
+class TrueRig:
     """Hold the true mounts (batches of one) and cameras; camera_bottom is None on a mono rig."""
 
     tray_from_dvl: Poses
@@ -40,7 +40,7 @@ class Rig:
     camera_bottom: CameraModel | None
 
 
-def true_rig(spec: DiveSpec) -> Rig:
+def true_rig(spec: DiveSpec) -> TrueRig:
     """Return the true mounts: nominal but for millimetres and tenths of a degree."""
     random = spec.random("rig")
     width, height = spec.cameras.image_width, spec.cameras.image_height
@@ -60,7 +60,7 @@ def true_rig(spec: DiveSpec) -> Rig:
         -0.0003,
         0.0005,
     )
-    return Rig(
+    return TrueRig(
         tray_from_dvl=from_mount(DVL_MOUNT) @ _slip(random, 0.002, 0.2),
         tray_from_top=from_mount(CAMERA_MOUNT) @ _slip(random, 0.003, 0.25),
         top_from_bottom=from_mount(BOTTOM_IN_TOP),

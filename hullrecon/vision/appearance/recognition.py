@@ -107,7 +107,9 @@ def recognise_places(
     for again.
     """
     keyframes = keyframes[np.isfinite(scene.depth_m[keyframes])]
-    likely = _likeliest(scene, track, keyframes) if scene.worker.rig.stereo else None
+    likely = (
+        _likeliest(scene, track, keyframes) if scene.worker.rig.stereo_mount is not None else None
+    )
     if likely is None:
         return None
     proposal = _propose(scene, track, keyframes[likely.pairs])

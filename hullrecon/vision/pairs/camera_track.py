@@ -13,10 +13,9 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel, VehiclePath
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import DepthPrior
 
 # What navigation's error model does not hold: stamps of the images, the camera's mount, holes in
@@ -110,7 +109,7 @@ class CameraTrack:
 def track_cameras(
     trajectory: Trajectory,
     errors: TrajectoryErrorModel,
-    cameras: CameraRig,
+    cameras: Rig,
     tray_sigma_rad: float,
     bottom: Mask,
 ) -> CameraTrack:
@@ -119,21 +118,21 @@ def track_cameras(
     """
     path = trajectory.track().path
     leading = leading_cameras(cameras, path, bottom)
-    backlash = _backlash_twist(path.poses, cameras.rig.tray_origin, tray_sigma_rad)
+    backlash = _backlash_twist(path.poses, cameras.tray_origin, tray_sigma_rad)
     model = replace(errors, white=errors.white + backlash)
     return CameraTrack(
         global_from_camera=leading, errors=NavigationErrors(global_from_camera=leading, model=model)
     )
 
 
-def leading_cameras(cameras: CameraRig, path: VehiclePath, bottom: Mask) -> Poses:
+def leading_cameras(cameras: Rig, path: VehiclePath, bottom: Mask) -> Poses:
     """Return T_g_c of the leading camera of every node: the top one, or the bottom one where
     `bottom` (n,) says so.
     """
-    top = cameras.rig.camera_poses(path, Camera.TOP)
+    top = cameras.poses_along(path, Camera.TOP)
     if not bottom.any():
         return top
-    lower, leads = cameras.rig.camera_poses(path, Camera.BOTTOM), bottom[:, None]
+    lower, leads = cameras.poses_along(path, Camera.BOTTOM), bottom[:, None]
     return Poses(
         np.where(leads, lower.quaternion, top.quaternion),
         np.where(leads, lower.translation, top.translation),
@@ -151,7 +150,7 @@ def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: f
 
 
 def depth_priors(
-    track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: SensorRig, margin: float
+    track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: Rig, margin: float
 ) -> list[DepthPrior | None]:
     """Return depth along each camera's axis, and the surface's normal, from the unflagged returns
     of the node and its neighbours; None where there are none.

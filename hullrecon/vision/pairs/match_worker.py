@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.rig import Rig
 from hullrecon.typing import Mask
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.features.store import FeatureStore
@@ -18,7 +19,6 @@ from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import PairMatch
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import PairMatcher
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import StereoMatches, no_matches
 from hullrecon.vision.stereo.node_view import DepthPrior, NodeView, stereo_of_node, view_of_node
 from hullrecon.vision.tracks.landmarks import NodeFeatures
@@ -50,7 +50,7 @@ class MatchWorker:
     """What every process needs, picklable: the folder of the features, the rig and the options."""
 
     features: Path
-    rig: CameraRig
+    rig: Rig
     options: MatchOptions
 
     def read(self, image: tuple[int, int], stereo: StereoMatches) -> NodeFeatures:
@@ -59,7 +59,7 @@ class MatchWorker:
         """
         bottom = (
             FeatureStore(self.features, Camera.BOTTOM).read(image[1])
-            if self.rig.stereo
+            if self.rig.stereo_mount is not None
             else no_features()
         )
         return NodeFeatures(
@@ -76,7 +76,7 @@ class MatchWorker:
         top = 0.0 if blind else FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
         return top or (
             FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1])
-            if self.rig.stereo
+            if self.rig.stereo_mount is not None
             else 0.0
         )
 

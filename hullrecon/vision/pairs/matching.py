@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 from hullrecon.vision.features.descriptors import Putative, best_of_pairs, sparse_distance
 from hullrecon.vision.features.kinds import best_of_each_kind, like_pairs, limit_corners
@@ -25,7 +26,6 @@ from hullrecon.vision.pairs.stereo_adjustment import (
     NodeObservations,
     adjust_stereo_motion,
 )
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import NodeView
 
 FEW = 100  # with fewer seeds the first motion is rough: what it guides to is worth a second look
@@ -37,7 +37,7 @@ class PairMatcher:
     it has none.
     """
 
-    rig: CameraRig
+    rig: Rig
     options: MatchOptions
 
     @property

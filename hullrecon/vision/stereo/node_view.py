@@ -12,11 +12,11 @@ import numpy as np
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Floats32, Ints, Mask
 from hullrecon.vision.features.descriptors import to_unit
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.leading import bottom_leads, is_fair_share
 from hullrecon.vision.stereo.matching import (
     StereoLimits,
@@ -75,12 +75,12 @@ class NodeView:
 
 
 def stereo_of_node(
-    rig: CameraRig, top: Features, bottom: Features, prior: DepthPrior | None, options: MatchOptions
+    rig: Rig, top: Features, bottom: Features, prior: DepthPrior | None, options: MatchOptions
 ) -> StereoMatches:
     """Return the matches between a node's two cameras; none for a mono rig or a lost image, nor
     where there are no more than noise has with an image.
     """
-    if rig.top_from_bottom is None or not len(top) or not len(bottom):
+    if rig.stereo_mount is None or not len(top) or not len(bottom):
         return no_matches()
     nearest, farthest = (
         (prior.nearest, prior.farthest) if prior else (options.nearest_m, options.farthest_m)
@@ -102,7 +102,7 @@ def stereo_of_node(
         )
         for k, f in zip(Camera, (top, bottom), strict=True)
     ]
-    found = match_stereo(rectify(rig.top_from_bottom), sides[0], sides[1], limits)
+    found = match_stereo(rectify(rig.stereo_mount), sides[0], sides[1], limits)
     found = drop_isolated_depths(found, sides[0].xy[found.top])
     return found if is_fair_share(len(found), top, bottom) else no_matches()
 
@@ -131,7 +131,7 @@ def drop_isolated_depths(
 
 
 def view_of_node(
-    rig: CameraRig,
+    rig: Rig,
     top: Features,
     bottom: Features,
     stereo: StereoMatches,
@@ -163,7 +163,7 @@ def view_of_node(
 
 
 def _depths(
-    rig: CameraRig, xy: Array, point: Array, prior: DepthPrior | None, sigma_px: float
+    rig: Rig, xy: Array, point: Array, prior: DepthPrior | None, sigma_px: float
 ) -> tuple[Array, Array]:
     """Return depth and sigma (n,), m, of every feature: its own, its four nearest stereo
     neighbours', or the prior's.
@@ -173,9 +173,9 @@ def _depths(
     depth = np.full(len(xy), prior.mean if prior else np.nan)
     sigma = np.full(len(xy), prior.sigma if prior else np.nan)
     own = np.isfinite(point[:, 0])
-    if rig.top_from_bottom is None or own.sum() < 4:
+    if rig.stereo_mount is None or own.sum() < 4:
         return depth, sigma
-    rectification: Rectification = rectify(rig.top_from_bottom)
+    rectification: Rectification = rectify(rig.stereo_mount)
     measured = point[own, 2]
     near = cKDTree(xy[own]).query(xy[~own], k=4)[1]
     depth[own], depth[~own] = measured, measured[near].mean(axis=1)

@@ -17,14 +17,13 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import DvlPings
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Pixels
 from hullrecon.vision.features.descriptors import best_of_all, to_unit
 from hullrecon.vision.features.extraction import FeatureOptions, Features, extract, no_features
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.mono_motion import refine
 from hullrecon.vision.pairs.two_view import TwoView, essential_of, motions_of, sampson_squared
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.rectification import rectify, triangulate
 
 PAIRS = 6  # of images, spread over the dive
@@ -88,7 +87,7 @@ class _Matched:
 
 
 def check_stereo_rig(
-    rig: CameraRig, frames: StereoFrames, read: ReadImage, sigma_rad: float = 0.0
+    rig: Rig, frames: StereoFrames, read: ReadImage, sigma_rad: float = 0.0
 ) -> RigCheck | None:
     """Return what a few pairs of images say of calibration and stamps; None where too few have
     enough features in common.
@@ -130,7 +129,7 @@ def check_stereo_rig(
     )
 
 
-def check_baseline(found: RigCheck, dvl: DvlPings, rig: SensorRig) -> RigProblem | None:
+def check_baseline(found: RigCheck, dvl: DvlPings, rig: Rig) -> RigProblem | None:
     """Return words where stereo and the DVL's ranges put the scene at different depths; None where
     they agree or did not meet.
 
@@ -168,7 +167,7 @@ def check_baseline(found: RigCheck, dvl: DvlPings, rig: SensorRig) -> RigProblem
 class _Look:
     """Features of the images asked for, each extracted once, and what two of them have in common."""
 
-    def __init__(self, rig: CameraRig, frames: StereoFrames, read: ReadImage) -> None:
+    def __init__(self, rig: Rig, frames: StereoFrames, read: ReadImage) -> None:
         self._rig, self._frames, self._read = rig, frames, read
         self.given, self.focal_px = rig.from_top(Camera.BOTTOM), rig.focal_px(Camera.TOP)
         self._seen: dict[tuple[Camera, int], Features] = {}
@@ -209,7 +208,7 @@ class _Look:
         """Return the depth (n,), m, of matches in the top camera as calibrated; NaN or negative
         behind it.
         """
-        pose = self._rig.top_from_bottom
+        pose = self._rig.stereo_mount
         if pose is None:
             return np.zeros(0)
         turned = rectify(pose)

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Ints32, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion, transfer
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.rectification import rectify, triangulate
 
 ROUNDS = 3
@@ -37,7 +37,7 @@ class Link:
 
 
 def contradicted_observations(
-    rig: CameraRig,
+    rig: Rig,
     node: Ints,
     label: Ints,
     top: Array,
@@ -86,7 +86,7 @@ def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
 class _Observations:
     """Ideal coordinates of all observations, and points of the stereo ones."""
 
-    def __init__(self, rig: CameraRig, top: Array, bottom: Array) -> None:
+    def __init__(self, rig: Rig, top: Array, bottom: Array) -> None:
         self._rig = rig
         upper, lower = _undistort(rig, Camera.TOP, top), _undistort(rig, Camera.BOTTOM, bottom)
         self._other = lower
@@ -94,8 +94,8 @@ class _Observations:
         self._lead = np.where(np.isfinite(upper), upper, lower)
         self._depth = np.full(len(top), np.nan)
         both = np.isfinite(upper[:, 0]) & np.isfinite(lower[:, 0])
-        if rig.top_from_bottom is not None:
-            turned = rectify(rig.top_from_bottom)
+        if rig.stereo_mount is not None:
+            turned = rectify(rig.stereo_mount)
             self._depth[both] = triangulate(
                 turned, turned.rectify_top(upper[both]), turned.rectify_bottom(lower[both])
             )[:, 2]
@@ -132,7 +132,7 @@ class _Observations:
         return out
 
 
-def _undistort(rig: CameraRig, camera: Camera, pixels: Array) -> Array:
+def _undistort(rig: Rig, camera: Camera, pixels: Array) -> Array:
     out = np.full(pixels.shape, np.nan)
     seen = np.isfinite(pixels[:, 0])
     if seen.any():

@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.config.schema import CameraBottom, CameraTop, Dvl, Imu, Pressure, Tray
-from hullrecon.estimation.rig_priors import RIG_SECTIONS, mount_prior, rig_priors_from_settings
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.rig import RIG_SECTIONS, mount_prior, rig_with_priors
 
 MODEL = CameraModel(640, 512, 650.0, 651.0, 322.0, 255.0)
 MOUNT, SIGMA = (0.1, 0.2, -0.05, 90.0, 0.0, 90.0), (0.01, 0.02, 0.03, 0.5, 1.0, 2.0)
@@ -34,9 +34,9 @@ def sections(**changed):
     } | changed
 
 
-def rig_of(free_dvl_position=False, **changed):
+def rig_of(**changed):
     cameras = {Camera.TOP: MODEL, Camera.BOTTOM: MODEL}
-    return rig_priors_from_settings(sections(**changed), cameras, free_dvl_position)
+    return rig_with_priors(sections(**changed), cameras)
 
 
 def test_the_sections_named_are_those_that_are_read():
@@ -47,8 +47,8 @@ def test_lengths_stay_metres_and_angles_become_radians():
     rig = rig_of()
     np.testing.assert_array_equal(rig.tray_origin, [0.4, 0, 0.1])
     np.testing.assert_array_equal(rig.pressure_origin, [-0.3, 0, 0.1])
-    assert rig.tray_sigma == pytest.approx(np.radians(0.8))
-    assert rig.sigma_px == 0.7
+    assert rig.priors.tray_sigma_rad == pytest.approx(np.radians(0.8))
+    assert rig.priors.pixel_sigma_px == 0.7
     wanted = [
         0.004,
         np.radians(7.2) / 3600,
@@ -57,13 +57,13 @@ def test_lengths_stay_metres_and_angles_become_radians():
         0.05,
         np.radians(0.8),
     ]
-    np.testing.assert_allclose(rig.navigation_sigma, wanted)
+    np.testing.assert_allclose(rig.priors.navigation_sigma, wanted)
 
 
 def test_the_densitys_sigma_becomes_a_share_of_the_density():
-    assert rig_of().density_sigma == pytest.approx(2.05 / 1025)
+    assert rig_of().priors.density_sigma == pytest.approx(2.05 / 1025)
     fresh = Pressure(origin=(0, 0, 0), density=998.0, density_sigma=0.3)
-    assert rig_of(pressure=fresh).density_sigma == pytest.approx(0.3 / 998.0)
+    assert rig_of(pressure=fresh).priors.density_sigma == pytest.approx(0.3 / 998.0)
 
 
 def test_an_error_that_is_said_not_to_exist_keeps_a_sigma_that_can_be_divided_by():
@@ -71,47 +71,45 @@ def test_an_error_that_is_said_not_to_exist_keeps_a_sigma_that_can_be_divided_by
         pressure=Pressure(origin=(0, 0, 0), bias_sigma_m=0.0),
         dvl=Dvl(mount=(0, 0, 0, 0, 90, 0), scale_sigma=0.0),
     )
-    assert rig.navigation_sigma[0] == rig.navigation_sigma[4] == 1e-9
+    assert rig.priors.navigation_sigma[0] == rig.priors.navigation_sigma[4] == 1e-9
 
 
 def test_a_mounts_sigma_whitens_small_motions_in_the_parents_axes():
     """A shift of one sigma along an axis of the tray, or a turn of one sigma about it, costs one."""
-    prior = mount_prior(MOUNT, SIGMA)
+    nominal = from_mount(MOUNT)
+    rows = mount_prior(nominal, SIGMA)
     for axis in range(3):
         e = np.eye(3)[axis]
-        shifted = Poses(prior.nominal.quaternion, prior.nominal.translation + SIGMA[axis] * e)
+        shifted = Poses(nominal.quaternion, nominal.translation + SIGMA[axis] * e)
         turn = Rotation.from_rotvec(np.radians(SIGMA[3 + axis]) * e)
-        turned = Poses((turn * prior.nominal.rotation).as_quat(), prior.nominal.translation)
+        turned = Poses((turn * nominal.rotation).as_quat(), nominal.translation)
         for moved in (shifted, turned):
-            row = prior.sqrt_information @ (prior.nominal.inverse() @ moved).log()[0]
+            row = rows @ (nominal.inverse() @ moved).log()[0]
             assert np.linalg.norm(row) == pytest.approx(1.0, rel=1e-9)
             assert np.abs(row).max() == pytest.approx(1.0, rel=1e-9)
 
 
 def test_a_mount_without_any_sigma_is_held():
-    assert mount_prior(MOUNT, (0.0,) * 6).sqrt_information is None
-    assert rig_of().top_from_bottom.sqrt_information is None
+    assert mount_prior(from_mount(MOUNT), (0.0,) * 6) is None
+    assert rig_of().priors.top_from_bottom is None
 
 
 def test_a_single_sigma_of_zero_is_all_but_held():
-    rows = mount_prior((0, 0, 0, 0, 0, 0), (0.0, 0.01, 0.01, 0.5, 0.5, 0.5)).sqrt_information
+    rows = mount_prior(from_mount([0] * 6), (0.0, 0.01, 0.01, 0.5, 0.5, 0.5))
     assert rows[0, 0] == pytest.approx(1e6)
     assert np.isfinite(rows).all()
 
 
 def test_the_dvls_position_is_held_and_its_sigma_kept_for_the_poses():
-    held = rig_of()
-    np.testing.assert_array_equal(held.dvl_position_sigma, [0.01, 0.01, 0.02])
-    assert np.linalg.norm(held.tray_from_dvl.sqrt_information[0, :3]) == pytest.approx(1e6)
-    free = rig_of(free_dvl_position=True)
-    np.testing.assert_array_equal(free.dvl_position_sigma, 0)
-    assert np.linalg.norm(free.tray_from_dvl.sqrt_information[0, :3]) == pytest.approx(100)
+    held = rig_of().priors
+    np.testing.assert_array_equal(held.dvl_position_sigma_m, [0.01, 0.01, 0.02])
+    assert np.linalg.norm(held.tray_from_dvl[0, :3]) == pytest.approx(1e6)
 
 
 def test_both_cameras_stand_where_dive_toml_has_them():
     rig = rig_of()
-    np.testing.assert_allclose(rig.tray_from_top.nominal.matrix(), from_mount(MOUNT).matrix())
-    np.testing.assert_allclose(rig.top_from_bottom.nominal.translation, [[0, 0.1, 0]])
+    np.testing.assert_allclose(rig.tray_from_top.matrix(), from_mount(MOUNT).matrix())
+    np.testing.assert_allclose(rig.top_from_bottom.translation, [[0, 0.1, 0]])
     assert rig.top is MODEL
 
 
@@ -120,7 +118,7 @@ def test_both_cameras_stand_where_dive_toml_has_them():
     [(("camera.bottom",), True, False), (("camera.top", "camera.bottom"), False, False)],
 )
 def test_a_camera_that_was_not_carried_has_no_mount(absent, top, bottom):
-    rig = rig_priors_from_settings(sections(**dict.fromkeys(absent)), {})
+    rig = rig_with_priors(sections(**dict.fromkeys(absent)), {})
     assert (rig.tray_from_top is not None, rig.top_from_bottom is not None) == (top, bottom)
     assert rig.top is None
 
