@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.sensors import DvlPings
-from hullrecon.rig import Rig
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.stereo import rig_check
 from hullrecon.vision.stereo.rig_check import StereoFrames, check_baseline, check_stereo_rig
@@ -180,7 +179,7 @@ def test_a_wrong_lens_is_no_pose_of_the_camera(rig, dive):
     """
     models = dict(rig.camera_models)
     models[Camera.BOTTOM] = replace(models[Camera.BOTTOM], k1=0.4, fx=900.0)
-    problem = check(Rig(replace(rig, camera_models=models))).problem
+    problem = check(replace(rig, camera_models=models)).problem
     assert problem is not None
     assert "contradict the stereo calibration" in problem.what
 
