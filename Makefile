@@ -3,6 +3,7 @@
 #
 #   make demo    set up, run the sample dive, print where its report lies
 #   make test    set up, run all tests
+#   make test-fast   the tests for every commit: no chain is run
 #   make web     rebuild the script and the style of the report page (needs Node and npm; nothing else does)
 #   make bench-peers   the environment of the peers that benchmarks/peers.py measures (pycolmap, GTSAM)
 #   make outside-readers   read the demo's files with other people's programs (GDAL, pycolmap, laspy, the glTF validator, evo ...)
@@ -18,12 +19,15 @@ BIN := $(VENV)/bin
 DEMO ?= sample_data/demo
 RUNS ?= out
 JOBS ?= 2
+FAST := $(addprefix tests/,estimation findings geometry native records test_new_folder.py test_rig.py)
 NATIVE := $(shell find native -type f 2>/dev/null)
 
 export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
+# Compiled modules are kept, whatever the caller's environment says: else each process compiles all that it imports.
+unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo test check lint types imports format sanitize web bench-peers outside-readers clean
+.PHONY: setup demo test test-fast check lint types imports format sanitize web bench-peers outside-readers clean
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -43,6 +47,10 @@ demo: setup
 test: setup
 	@bash pipelines/setup.sh browser
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder -q
+
+# FAST: folders whose tests take seconds. Tests marked slow, a second or more each, are left to `make test`.
+test-fast: setup
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder -q -m "not slow" $(FAST)
 
 check: lint types imports format
 

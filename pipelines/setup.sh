@@ -72,7 +72,8 @@ environment() {
     local venv=$1 python=${PYTHON:-python3}
     "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || die "Python 3.11 or later is needed ($python is older)"
     [ -x "$venv/bin/python" ] || "$python" -m venv "$venv" || { rm -rf "$venv"; die "could not make $venv with $python"; }
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+    # Wheels are not compiled here: of 136 MB of Python, scipy's tests and all, hullrecon imports a tenth (compile.py).
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile --require-hashes -r requirements.lock
 }
 
 install() {
@@ -82,6 +83,7 @@ install() {
         --no-build-isolation --editable . ||
         die "hullrecon could not be built (see above); it needs these system packages: ${SYSTEM[*]}"
     "$venv/bin/python" -c 'import hullrecon._native' || die "the native module does not load"
+    "$venv/bin/python" pipelines/compile.py hullrecon cli || die "a module that hullrecon imports does not load"
 }
 
 case "${1:-}" in

@@ -8,14 +8,20 @@ a pytest that is called by itself.
 import fcntl
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("HULLRECON_JOBS", "1")  # tests run beside each other
+# Keep compiled modules whatever the caller's environment says: rewriting the assertions of the
+# whole suite takes 25 s a worker, and each program that a test starts would compile hullrecon anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import pytest
+
+sys.dont_write_bytecode = False
 
 # a shell's `make test &`: what the tests start would not hear Ctrl-C
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
