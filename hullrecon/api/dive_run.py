@@ -15,7 +15,7 @@ from hullrecon.artifacts.chain import Chain, StepStatus
 from hullrecon.artifacts.executor import choose_executor
 from hullrecon.artifacts.machine import usable_cores
 from hullrecon.artifacts.manifest import hash_file
-from hullrecon.artifacts.progress import Progress, Silent
+from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
 from hullrecon.artifacts.workspace import PUBLISHED, Workspace
 from hullrecon.errors import InputError, StorageError
@@ -187,7 +187,7 @@ def run(
         outcomes = run_chain(
             dive.chain if last_step is None else dive.chain.up_to(last_step),
             dive.workspace,
-            RunContext(hashes, executor, progress or Silent()),
+            RunContext(hashes, executor, progress or Progress()),
             from_scratch=from_scratch,
             wait_s=wait_s,
             preflight=lambda plan: _check_before_run(dive, plan, jobs),

@@ -15,7 +15,7 @@ import numpy as np
 
 from hullrecon.artifacts.executor import choose_executor
 from hullrecon.artifacts.machine import usable_cores
-from hullrecon.artifacts.progress import Progress, Silent
+from hullrecon.artifacts.progress import Progress
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
@@ -105,7 +105,7 @@ def export_colmap(
         with choose_executor(jobs or usable_cores()) as executor:
             encoded = executor.map(ImageWork.encoded, work)
             for item, data in zip(
-                work, (progress or Silent()).track(encoded, "images", len(work)), strict=True
+                work, (progress or Progress()).track(encoded, "images", len(work)), strict=True
             ):
                 (partial / "images" / item.name).write_bytes(data)
         for sparse in SPARSE:

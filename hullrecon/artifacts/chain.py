@@ -17,53 +17,50 @@ from hullrecon.artifacts.stage import Stage, settings_for
 from hullrecon.artifacts.workspace import Workspace, damaged_files
 from hullrecon.errors import UsageError
 
+State = Literal["up to date", "not run yet", "out of date", "damaged", "skipped"]
+
 
 @dataclass(frozen=True)
 class Chain:
-    """Stages in an order in which each comes after its inputs, with the configuration and the
-    package that they run on.
-
-    read_before: the files of the package that the configuration came from, by their path relative
-    to it.
-    """
+    """Stages, each after its inputs, with the configuration and the package that they run on."""
 
     stages: tuple[Stage, ...]
-    sections: Mapping[str, object]
+    sections: Mapping[str, object]  # of dive.toml, by dotted name
     package: Path
+    # files of the package that the configuration came from, by their path in it
     read_before: Mapping[str, FileRecord] = field(default_factory=dict)
 
     def stage(self, name: str) -> Stage:
         """Return the stage of that name. Raises UsageError when there is no such step."""
-        by_name = {stage.name: stage for stage in self.stages}
-        if name not in by_name:
-            raise unknown_step(name, tuple(by_name))
-        return by_name[name]
+        for stage in self.stages:
+            if stage.name == name:
+                return stage
+        raise unknown_step(name, [stage.name for stage in self.stages])
 
     def up_to(self, name: str) -> Chain:
-        """Return the part of the chain that `name` needs. Raises UsageError when there is no such
-        step.
+        """Return the part of the chain that a step needs or can use.
+
+        Raises UsageError when there is no such step.
         """
         by_name = {stage.name: stage for stage in self.stages}
-        needed, open_names = set[str](), [self.stage(name).name]
-        while open_names:
-            needed.add(current := open_names.pop())
-            stage = by_name[current]
-            open_names += [
-                n for n in (*stage.inputs, *stage.optional) if n in by_name and n not in needed
-            ]
+        needed, to_visit = set[str](), [self.stage(name)]
+        while to_visit:
+            stage = to_visit.pop()
+            needed.add(stage.name)
+            names = {*stage.inputs, *stage.optional} - needed
+            to_visit += [by_name[n] for n in names if n in by_name]
         return replace(self, stages=tuple(s for s in self.stages if s.name in needed))
 
     def skip_reasons(self) -> dict[str, str]:
-        """Return steps that this dive cannot have, with the reason; a step whose needed input is
-        one of them is one too.
+        """Return the steps that this dive cannot have, with the reason.
+
+        A step whose needed input is skipped is skipped too.
         """
         reasons: dict[str, str] = {}
         for stage in self.stages:
-            own = (
-                stage.applies(settings_for(stage, self.sections), self.package)
-                if stage.applies is not None
-                else None
-            )
+            own = None
+            if stage.applies is not None:
+                own = stage.applies(settings_for(stage, self.sections), self.package)
             lost = next((name for name in stage.inputs if name in reasons), None)
             if own is not None:
                 reasons[stage.name] = own
@@ -75,11 +72,9 @@ class Chain:
 def unknown_step(name: str, names: Sequence[str]) -> UsageError:
     """Return the error for a step that does not exist, with the nearest name or all of them."""
     near = get_close_matches(name, names, 1)
-    remedy = f"the steps are {', '.join(names)}"
-    return UsageError(
-        f"unknown step {name!r}" + (f"; did you mean {near[0]!r}?" if near else ""),
-        remedy="" if near else remedy,
-    )
+    if near:
+        return UsageError(f"unknown step {name!r}; did you mean {near[0]!r}?")
+    return UsageError(f"unknown step {name!r}", remedy=f"the steps are {', '.join(names)}")
 
 
 def inputs_of(
@@ -87,30 +82,24 @@ def inputs_of(
 ) -> dict[str, Path]:
     """Return the folders of the inputs that are part of this dive's chain."""
     part = {s.name for s in chain.stages} - set(skipped)
-    return {
-        name: workspace.artifact(name) for name in (*stage.inputs, *stage.optional) if name in part
-    }
-
-
-State = Literal["up to date", "not run yet", "out of date", "damaged", "skipped"]
+    names = (*stage.inputs, *stage.optional)
+    return {name: workspace.artifact(name) for name in names if name in part}
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepStatus:
-    """The status of one step. reasons: sentences, empty when up to date. manifest: that of the
-    present artifact, if readable.
-    """
+    """Whether one step is up to date, and if not, why not."""
 
     stage: Stage
     state: State
-    reasons: tuple[str, ...] = ()
-    manifest: Manifest | None = None
+    reasons: tuple[str, ...] = ()  # sentences, none when up to date
+    manifest: Manifest | None = None  # of the present artifact, if readable
 
     def why_run(self) -> str:
         """Say in one line why the step runs."""
-        return "; ".join(self.reasons) or (
-            "first run" if self.state == "not run yet" else "from scratch"
-        )
+        if self.reasons:
+            return "; ".join(self.reasons)
+        return "first run" if self.state == "not run yet" else "from scratch"
 
     @property
     def to_do(self) -> bool:
@@ -118,7 +107,7 @@ class StepStatus:
 
 
 def assess_chain(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[StepStatus]:
-    """Return the status of every step, in the chain's order, without changing anything."""
+    """Assess every step, in the chain's order, without changing anything."""
     skipped = chain.skip_reasons()
     found: list[StepStatus] = []
     for stage in chain.stages:
@@ -127,48 +116,30 @@ def assess_chain(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[
             continue
         inputs = inputs_of(stage, chain, workspace, skipped)
         waiting = [s.stage.name for s in found if s.to_do and s.stage.name in inputs]
-        found.append(_status_of(stage, chain, workspace, inputs, waiting, hashes))
+        ready = {name: folder for name, folder in inputs.items() if name not in waiting}
+        job = make_job(stage, chain.sections, ready, chain.package, hashes)
+        status = assess_step(job, workspace, hashes)
+        if waiting and status.state not in ("not run yet", "damaged"):
+            gone = {f"input {name} is gone" for name in waiting}
+            own = [reason for reason in status.reasons if reason not in gone]
+            reasons = (*own, *(f"input {name} will rerun" for name in waiting))
+            status = replace(status, state="out of date", reasons=reasons)
+        found.append(status)
     return found
 
 
-def _status_of(
-    stage: Stage,
-    chain: Chain,
-    workspace: Workspace,
-    inputs: Mapping[str, Path],
-    waiting: Sequence[str],
-    hashes: HashCache,
-) -> StepStatus:
-    ready = {name: folder for name, folder in inputs.items() if name not in waiting}
-    status = assess_step(
-        make_job(stage, chain.sections, ready, chain.package, hashes), workspace, hashes
-    )
-    if not waiting or status.state in ("not run yet", "damaged"):
-        return status
-    own = [r for r in status.reasons if r not in {f"input {name} is gone" for name in waiting}]
-    return replace(
-        status,
-        state="out of date",
-        reasons=(*own, *(f"input {name} will rerun" for name in waiting)),
-    )
-
-
 def assess_step(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus:
-    """Return the status of one step whose inputs are up to date."""
+    """Assess one step whose inputs are up to date."""
     stage = job.stage
     try:
         manifest = workspace.manifest(stage.name)
     except DamagedArtifactError as error:
         return StepStatus(stage=stage, state="damaged", reasons=(str(error),))
     if manifest is None:
-        return StepStatus(stage=stage, state="not run yet", reasons=())
-    harmed = damaged_files(workspace.artifact(stage.name), manifest, hashes)
-    if harmed:
-        return StepStatus(stage=stage, state="damaged", reasons=tuple(harmed), manifest=manifest)
-    changed = differences(manifest.recipe, job.recipe)
-    return StepStatus(
-        stage=stage,
-        state="out of date" if changed else "up to date",
-        reasons=tuple(changed),
-        manifest=manifest,
-    )
+        return StepStatus(stage=stage, state="not run yet")
+    reasons = damaged_files(workspace.artifact(stage.name), manifest, hashes)
+    state: State = "damaged"
+    if not reasons:
+        reasons = differences(manifest.recipe, job.recipe)
+        state = "out of date" if reasons else "up to date"
+    return StepStatus(stage=stage, state=state, reasons=tuple(reasons), manifest=manifest)

@@ -1,58 +1,58 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Check a workspace: every artifact against its manifest, and the package's files against what was
-read from them.
-"""
+"""Check every artifact against its manifest, and the package's files against what was read."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from hullrecon.artifacts.delivery import PUBLISHED, delivered_records, unlike_files
 from hullrecon.artifacts.documents import DamagedArtifactError, unseal
-from hullrecon.artifacts.manifest import HashCache, Manifest
+from hullrecon.artifacts.manifest import FileRecord, HashCache, Manifest
 from hullrecon.artifacts.workspace import COMPARE_FOLDER, PRIVATE, Workspace, damaged_files
 
 
 @dataclass(kw_only=True)
 class WorkspaceCheck:
-    """artifacts and files looked at, and a sentence for each that is not as it was written."""
+    """What was looked at, and a sentence for each file that is not as it was written."""
 
     artifacts: int = 0
     files: int = 0
     read_bytes: int = 0
     damaged: list[str] = field(default_factory=list)
 
+    def count(self, records: Iterable[FileRecord]) -> None:
+        for record in records:
+            self.files += 1
+            self.read_bytes += record.size
+
 
 def check_workspace(
     workspace: Workspace, names: Sequence[str], *, read_data: bool
 ) -> WorkspaceCheck:
-    """Compare presence and size of every file with the manifests; with read_data every byte, the
-    package's files too.
+    """Compare every file of these steps with the manifests: its size, with read_data its bytes.
 
-    deliver/ is compared with what the artifacts deliver, and what `compare` left is looked at like
-    the chain's own.
+    deliver/ is compared with what the artifacts deliver, and with read_data the package with what
+    was read. Variants that a study left are looked at like the chain's own artifacts.
     """
     result = WorkspaceCheck()
     hashes = workspace.hashes(trusting=not read_data)
     _check_own_documents(workspace, result)
     _check_artifacts(workspace, names, hashes, read_data, result)
     for variant in sorted((workspace.root / COMPARE_FOLDER).glob("*/")):
-        found = WorkspaceCheck()
-        _check_artifacts(Workspace(variant), names, hashes, False, found)
-        result.artifacts += found.artifacts
-        result.files += found.files
-        result.read_bytes += found.read_bytes
-        remedy = "remove it with its step's folder, and `hullrecon compare` solves it again"
-        result.damaged += [
-            f"{COMPARE_FOLDER}/{variant.name}/{sentence}: {remedy}" for sentence in found.damaged
+        seen = len(result.damaged)
+        _check_artifacts(Workspace(variant), names, hashes, False, result)
+        remedy = "remove it with its step's folder, and the study solves it again"
+        result.damaged[seen:] = [
+            f"{COMPARE_FOLDER}/{variant.name}/{sentence}: {remedy}"
+            for sentence in result.damaged[seen:]
         ]
     return result
 
 
 def _check_own_documents(workspace: Workspace, result: WorkspaceCheck) -> None:
-    """Look at what the workspace keeps for itself: the next run writes anew what is damaged of it."""
+    """Look at what the workspace keeps for itself; the next run mends it."""
     for path in sorted((workspace.root / PRIVATE).glob("[!.]*.json")):
         result.files += 1
         try:
@@ -85,17 +85,15 @@ def _check_artifacts(
 def _check_artifact(
     workspace: Workspace, name: str, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck
 ) -> None:
-    folder = workspace.artifact(name)
     result.artifacts += 1
-    result.files += len(manifest.outputs)
-    result.read_bytes += sum(record.size for record in manifest.outputs.values())
-    result.damaged += [f"{name}/{sentence}" for sentence in damaged_files(folder, manifest, hashes)]
+    result.count(manifest.outputs.values())
+    found = damaged_files(workspace.artifact(name), manifest, hashes)
+    result.damaged += [f"{name}/{sentence}" for sentence in found]
     if manifest.recipe.key != manifest.key:
         result.damaged.append(f"{name}/manifest.json: its key does not fit its recipe")
     delivered = delivered_records(manifest)
     if delivered:
-        result.files += len(delivered)
-        result.read_bytes += sum(record.size for record in delivered.values())
+        result.count(delivered.values())
         unlike = unlike_files(workspace.delivery.folder, delivered, hashes)
         result.damaged += [
             f"{PUBLISHED}/{file} {what}: `run --read-data` restores it"
@@ -109,9 +107,8 @@ def _check_package(
     package = workspace.package
     if package is None:
         return
+    result.count(manifest.recipe.external.values())
     for name, record in sorted(manifest.recipe.external.items()):
-        result.files += 1
-        result.read_bytes += record.size
         try:
             now = hashes.record(package / name)
         except OSError as error:

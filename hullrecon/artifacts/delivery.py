@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""deliver/ at a workspace's top: copies of what a step delivers, the record of them, and what
-others did to them since.
-"""
+"""deliver/ at a workspace's top: copies of what a step delivers, and what others did to them."""
 
 from __future__ import annotations
 
@@ -32,9 +30,7 @@ Records = Mapping[str, FileRecord]
 
 
 def delivered_records(manifest: Manifest) -> dict[str, FileRecord]:
-    """Return size and hash of each file that an artifact delivers, by its name below deliver/;
-    empty where it delivers none.
-    """
+    """Return size and hash of each file that an artifact delivers, by its name below deliver/."""
     prefix = f"{PUBLISHED}/"
     return {
         name.removeprefix(prefix): record
@@ -44,10 +40,11 @@ def delivered_records(manifest: Manifest) -> dict[str, FileRecord]:
 
 
 def unlike_files(folder: Path, records: Records, hashes: HashCache) -> dict[str, str]:
-    """Return what is wrong with each file below the folder that is not as recorded, or not
-    recorded: `is missing`, by name.
+    """Find files below a folder that are not as recorded, or not recorded.
+
+    Returns what is wrong with each, such as `is missing`, by name.
     """
-    found = dict.fromkeys(sorted(set(files_below(folder)) - set(records)), "does not belong there")
+    found = dict.fromkeys(set(files_below(folder)) - set(records), "does not belong there")
     for name, record in records.items():
         wrong = _difference(folder / name, record, hashes)
         if wrong:
@@ -70,30 +67,25 @@ def _difference(path: Path, record: FileRecord, hashes: HashCache) -> str:
 
 
 class Delivery:
-    """The folder deliver/ of one workspace. Every method that changes something is for the holder
-    of the lock.
-
-    private: the folder of the workspace's own files. building: where a folder is made before it is
-    put in place. apart: gives a new folder for what others changed.
-    """
+    """The folder deliver/ of one workspace. What changes it is for the holder of the lock."""
 
     def __init__(self, folder: Path, private: Path, building: Path) -> None:
+        """Take the folder, that of the workspace's own files, and one to build a new folder in."""
         self.folder, self._record, self._building = folder, private / RECORD, building
         self.withdrawn = folder.with_name(f"{folder.name}-out-of-date")
 
     def read_record(self) -> dict[str, FileRecord] | None:
         """Return what was copied last; None where nothing was, or the record is damaged."""
         try:
-            return msgspec.convert(
-                unseal(self._record.read_bytes())["files"], dict[str, FileRecord]
-            )
+            files = unseal(self._record.read_bytes())["files"]
+            return msgspec.convert(files, dict[str, FileRecord])
         except (OSError, DamagedArtifactError, KeyError, msgspec.ValidationError):
             return None
 
     def unlike(self, original: Path, records: Records, hashes: HashCache) -> dict[str, str]:
-        """Return what is wrong with each file that is not a copy of the artifact's, by name.
+        """Find files that are no copies of the artifact's, among them hard links to it.
 
-        Hard links to the artifact's files, as older versions made them, are no copies.
+        Older versions made hard links, by which an edited deliverable harmed the artifact.
         """
         found = unlike_files(self.folder, records, hashes)
         for name in records:
@@ -102,13 +94,11 @@ class Delivery:
         return found
 
     def changed_since(self, hashes: HashCache) -> dict[str, str]:
-        """Return what others did to the files since they were copied, by name; nothing where that
-        is not known.
-        """
+        """Return what others did to the files since they were copied, as far as that is known."""
         recorded = self.read_record()
-        return (
-            unlike_files(self.folder, recorded, hashes) if recorded and self.folder.is_dir() else {}
-        )
+        if not recorded or not self.folder.is_dir():
+            return {}
+        return unlike_files(self.folder, recorded, hashes)
 
     def replace(self, original: Path, records: Records, hashes: HashCache) -> None:
         """Put copies of the artifact's files in place, in one step, and note them."""
@@ -139,14 +129,13 @@ class Delivery:
 
     def remove(self) -> None:
         """Remove the folder and its record."""
-        remove(self.folder)
-        remove(set_aside(self.folder))
-        remove(self.withdrawn)
-        remove(self._record)
+        for path in (self.folder, set_aside(self.folder), self.withdrawn, self._record):
+            remove(path)
 
     def withdraw(self) -> bool:
-        """Rename the folder, so that what an earlier run delivered does not look like today's;
-        False where there is none.
+        """Rename the folder, so that an earlier run's results do not look like today's.
+
+        Returns whether there was one.
         """
         if not self.folder.is_dir():
             return False

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The one place that changes files in RUNS: durable files, folders renamed whole, errors of the
-disk explained.
-"""
+"""Change files in RUNS: durable files, folders renamed whole, errors of the disk explained."""
 
 from __future__ import annotations
 
@@ -19,8 +17,8 @@ from hullrecon.errors import StorageError
 
 _ELSEWHERE = "choose another folder (of results: with --runs)"
 _REMEDIES = {
-    errno.ENOSPC: f"free some space there, or {_ELSEWHERE}, and run again: what is finished is kept",
-    errno.EDQUOT: "the quota is used up: free some space there and run again, what is finished is kept",
+    errno.ENOSPC: f"free some space there, or {_ELSEWHERE}, and run again: finished steps are kept",
+    errno.EDQUOT: "the quota is used up: free some space there and run again",
     errno.EFBIG: f"this file system takes no file of that size: {_ELSEWHERE}",
     errno.EROFS: f"the file system is read-only: {_ELSEWHERE}",
     errno.EACCES: f"write permission is missing: {_ELSEWHERE}",
@@ -30,8 +28,7 @@ _REMEDIES = {
     errno.ELOOP: "a symbolic link lies where the run keeps a file of its own: remove it",
     errno.ENAMETOOLONG: f"the name is too long: {_ELSEWHERE}",
 }
-_AT_FDCWD = -100
-_RENAME_EXCHANGE = 2
+_AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # renameat2(2)
 _NO_EXCHANGE = {errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EXDEV}
 _NO_COPY_RANGE = _NO_EXCHANGE | {errno.EBADF, errno.EPERM}
 _COPY_BYTES = 1 << 30
@@ -41,18 +38,17 @@ _COPY_BYTES = 1 << 30
 def storage_errors(folder: Path, only_below: Path | None = None) -> Iterator[None]:
     """Turn a full, read-only or forbidden disk into a StorageError that names the folder.
 
-    only_below: an error that names a file outside that folder is not ours and passes.
+    only_below: errors of files outside this folder pass as they are.
     """
     try:
         yield
     except OSError as error:
         remedy = _REMEDIES.get(error.errno or 0)
-        foreign = (
+        if remedy is None or (
             only_below is not None
             and error.filename is not None
             and not Path(error.filename).is_relative_to(only_below)
-        )
-        if remedy is None or foreign:
+        ):
             raise
         raise StorageError(
             f"cannot write: {os.strerror(error.errno or 0)}", where=str(folder), remedy=remedy
@@ -61,25 +57,9 @@ def storage_errors(folder: Path, only_below: Path | None = None) -> Iterator[Non
 
 @contextmanager
 def durable_file(path: Path) -> Iterator[BinaryIO]:
-    """Open a new binary file under a temporary name; on leaving it is synced and renamed to `path`,
-    and the folder synced.
-    """
-    temporary = temporary_name(path)
-    with storage_errors(path.parent):
-        make_folder(path.parent)
-        temporary.unlink(missing_ok=True)
-        try:
-            # made anew: a link that lies under that name is not followed
-            with open(temporary, "xb") as file:
-                yield file
-                file.flush()
-                os.fsync(file.fileno())
-        except BaseException:
-            with suppress(OSError):
-                temporary.unlink(missing_ok=True)
-            raise
-        os.replace(temporary, path)
-        sync_folder(path.parent)
+    """Write a file under a temporary name; at the end it is synced and renamed to `path`."""
+    with durable_path(path) as temporary, open(temporary, "xb") as file:  # "x" follows no link
+        yield file
 
 
 def write_file(path: Path, data: bytes) -> None:
@@ -90,8 +70,9 @@ def write_file(path: Path, data: bytes) -> None:
 
 @contextmanager
 def durable_path(path: Path) -> Iterator[Path]:
-    """Give a temporary path, of the same suffix, for a library to write a file or a folder to;
-    synced and renamed on leaving.
+    """Give a temporary path for a file or a folder; at the end it is synced and renamed to `path`.
+
+    It has the suffix of `path`, by which libraries choose a format.
     """
     temporary = temporary_name(path)
     with storage_errors(path.parent):
@@ -105,7 +86,7 @@ def durable_path(path: Path) -> Iterator[Path]:
                 remove(temporary)
             raise
         os.replace(temporary, path)
-        sync_folder(path.parent)
+        sync_tree(path.parent, only_itself=True)
 
 
 def temporary_name(path: Path) -> Path:
@@ -123,14 +104,11 @@ def make_folder(path: Path) -> None:
                 f"cannot write: {error.strerror}", where=str(path), remedy=_REMEDIES[errno.EACCES]
             ) from error
         for created in missing:
-            sync_folder(created.parent)
+            sync_tree(created.parent, only_itself=True)
 
 
 def copy_file(source: Path, target: Path) -> None:
-    """Copy a file's bytes to a new file: editing one leaves the other.
-
-    Where the file system can (Btrfs, XFS), the two share their blocks until one of them is written.
-    """
+    """Copy a file to a new file, sharing blocks where the file system can (Btrfs, XFS)."""
     with open(source, "rb") as original, open(target, "xb") as copy:
         try:
             while os.copy_file_range(original.fileno(), copy.fileno(), _COPY_BYTES):
@@ -141,32 +119,23 @@ def copy_file(source: Path, target: Path) -> None:
             shutil.copyfileobj(original, copy)
 
 
-def sync_folder(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+def sync_tree(path: Path, *, only_itself: bool = False) -> None:
+    """Sync a file, or every file and folder below a folder.
+
+    Raises FileNotFoundError when nothing was written there.
+    """
+    if path.is_dir() and not only_itself:
+        for entry in sorted(path.iterdir()):
+            sync_tree(entry)
+    descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
 
 
-def sync_tree(path: Path) -> None:
-    """Sync a file, or every file and folder below a folder; FileNotFoundError when nothing was
-    written.
-    """
-    if not path.is_dir():
-        descriptor = os.open(path, os.O_RDONLY)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
-        return
-    for entry in sorted(path.iterdir()):
-        sync_tree(entry)
-    sync_folder(path)
-
-
 def remove(path: Path) -> None:
-    """Remove a file or a folder with all it holds; nothing there is fine."""
+    """Remove a file or a folder with all it holds, if it is there."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path)
     else:
@@ -174,10 +143,10 @@ def remove(path: Path) -> None:
 
 
 def commit_folder(built: Path, final: Path) -> None:
-    """Put the folder `built` at `final` in one step; what was there is removed afterwards.
+    """Put the folder `built` at `final` in one step, and remove what was there.
 
     Linux swaps two folders in one call. Where the file system cannot (NFS), the old folder is first
-    set aside under the name that `set_aside` gives and that `recover` and `present` know.
+    renamed to `set_aside(final)`, which `recover` and `existing_folder` know.
     """
     with storage_errors(final.parent):
         make_folder(final.parent)
@@ -188,7 +157,7 @@ def commit_folder(built: Path, final: Path) -> None:
             old = set_aside(final)
             os.rename(final, old)
             os.rename(built, final)
-        sync_folder(final.parent)
+        sync_tree(final.parent, only_itself=True)
         remove(old)
 
 
@@ -197,16 +166,12 @@ def set_aside(final: Path) -> Path:
 
 
 def existing_folder(final: Path) -> Path:
-    """Return where the folder lies: under its name or, when a commit without swap was cut short,
-    beside it.
-    """
+    """Return where a folder lies, also after a commit without swap that was cut short."""
     return set_aside(final) if not final.exists() and set_aside(final).exists() else final
 
 
 def recover(final: Path) -> None:
-    """End a commit that was cut short: the old folder returns when the new one never came, else it
-    goes.
-    """
+    """End a commit that was cut short: the old folder returns if the new one never came."""
     old = set_aside(final)
     with storage_errors(final.parent):
         if old.exists() and not final.exists():
@@ -215,14 +180,12 @@ def recover(final: Path) -> None:
 
 
 def exchange(first: Path, second: Path) -> bool:
-    """Swap two folders in one call; False when this system or file system has no such call."""
+    """Swap two folders in one call; False where the file system has no such call."""
     renameat2 = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
     if renameat2 is None:
         return False
-    if (
-        renameat2(_AT_FDCWD, os.fsencode(first), _AT_FDCWD, os.fsencode(second), _RENAME_EXCHANGE)
-        == 0
-    ):
+    names = os.fsencode(first), os.fsencode(second)
+    if renameat2(_AT_FDCWD, names[0], _AT_FDCWD, names[1], _RENAME_EXCHANGE) == 0:
         return True
     number = ctypes.get_errno()
     if number in _NO_EXCHANGE:

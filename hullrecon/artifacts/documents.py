@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write JSON as artifacts hold it: sorted keys, finite numbers, and a seal that a flipped bit
-breaks.
-"""
+"""JSON as artifacts hold it: sorted keys, finite numbers, and a seal that a flipped bit breaks."""
 
 from __future__ import annotations
 
@@ -23,17 +21,17 @@ class DamagedArtifactError(ValueError):
 
 
 def encode(value: object) -> bytes:
-    """Return indented UTF-8 with sorted keys and a line's end. Raises ValueError with the path of a
-    NaN or an infinity.
+    """Write a value as indented UTF-8 with sorted keys.
+
+    Raises ValueError with the path of a NaN or an infinity.
     """
     shown = plain(value)
     try:
         text = json.dumps(shown, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
     except ValueError as error:
-        raise ValueError(
-            f"not a finite number at {_not_finite(shown, '') or 'an unknown path'}"
-        ) from error
-    # bytes of a file name that are no UTF-8, as JSON escapes them
+        place = _not_finite(shown, "") or "an unknown path"
+        raise ValueError(f"not a finite number at {place}") from error
+    # file names may hold bytes that are not UTF-8
     return (text + "\n").encode(errors="backslashreplace")
 
 
@@ -43,28 +41,25 @@ def digest(value: object) -> str:
 
 
 def seal(value: Mapping[str, object]) -> bytes:
-    """Return the encoded mapping with a member that holds the hash of all others."""
+    """Encode a mapping with the hash of it as a further member."""
     return encode({**value, SEAL: digest(value)})
 
 
 def unseal(data: bytes) -> dict[str, object]:
-    """Return the mapping without its seal. Raises DamagedArtifactError unless every byte is as it
-    was sealed.
-    """
+    """Decode a sealed mapping. Raises DamagedArtifactError where any byte differs."""
     try:
         value = json.loads(data)
-        rest = {k: v for k, v in value.items() if k != SEAL}
-        whole = seal(rest) == data
+        content = {k: v for k, v in value.items() if k != SEAL}
+        whole = seal(content) == data
     except (ValueError, AttributeError, RecursionError) as error:
         raise DamagedArtifactError("not readable as JSON") from error
     if not whole:
         raise DamagedArtifactError("its seal does not fit its content")
-    return rest
+    return content
 
 
 def plain(value: object) -> Json:
-    """Return structs, NumPy scalars and arrays as what JSON knows; keys become text so that they
-    sort.
+    """Convert structs, NumPy scalars and arrays to what JSON knows, keys to text.
 
     Raises TypeError that names the type of anything else.
     """
@@ -72,28 +67,21 @@ def plain(value: object) -> Json:
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
         return [plain(v) for v in value]
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray | np.generic):
         return plain(value.tolist())
-    if isinstance(value, np.generic):
-        return plain(value.item())
     if value is None or isinstance(value, str | int | float):
         return value
     return plain(msgspec.to_builtins(value, enc_hook=_convert_numpy))
 
 
 def _convert_numpy(value: object) -> object:
-    """Return a NumPy scalar or array inside a struct as Python has it. Raises TypeError for
-    anything else.
-    """
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(f"a {type(value).__name__} cannot be written as JSON")
 
 
 def _not_finite(value: Json, path: str) -> str | None:
-    """Return the path of the first number that is not finite, such as `objects[2].height`; None
-    where all are.
-    """
+    """Return the path of the first number that is not finite, such as `objects[2].height`."""
     if isinstance(value, float):
         return None if math.isfinite(value) else path
     members: list[tuple[str, Json]] = []
@@ -101,7 +89,8 @@ def _not_finite(value: Json, path: str) -> str | None:
         members = [(f"{path}.{k}" if path else k, v) for k, v in sorted(value.items())]
     elif isinstance(value, list):
         members = [(f"{path}[{i}]", v) for i, v in enumerate(value)]
-    return next(
-        (found for name, member in members if (found := _not_finite(member, name)) is not None),
-        None,
-    )
+    for name, member in members:
+        found = _not_finite(member, name)
+        if found is not None:
+            return found
+    return None

@@ -16,17 +16,15 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing.connection import wait
-from types import TracebackType
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Self, TypeVar
 from urllib.parse import urlsplit
 
 from hullrecon.errors import StageError, UsageError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-
-# A worker has one core: libraries that count the machine's cores would start that many threads in
-# each.
+log = logging.getLogger(__name__)
+# A worker has one core: libraries that count the machine's cores would start that many threads.
 THREAD_VARIABLES = (
     "OPENBLAS_NUM_THREADS",
     "OMP_NUM_THREADS",
@@ -35,42 +33,32 @@ THREAD_VARIABLES = (
     "OPENCV_FOR_THREADS_NUM",
 )
 _CHUNKS_PER_WORKER = 8
+_CERTIFICATES = ("distributed.comm.tls.ca-file", "distributed.comm.tls.client.cert")
+_CONNECT_S = 10
+_RETRY_S = 0.1
 
 
-class Executor(Protocol):
+class Executor:
+    """Runs here, one item after the other."""
+
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
-        """Yield results in the order of the items. Raises StageError when a worker dies; a
-        function's error passes.
+        """Yield results in the order of the items.
+
+        Raises StageError when a worker dies. An error of the function passes as it is.
         """
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None: ...
-
-
-class Serial:
-    def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
         return map(function, items)
+
+    def close(self) -> None: ...
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        return None
+    def __exit__(self, *error: object) -> None:
+        self.close()
 
 
-class Processes:
-    """`jobs` worker processes, started at the first map and kept until the end of the run."""
+class Processes(Executor):
+    """Worker processes, started at the first map and kept until the end of the run."""
 
     def __init__(self, jobs: int) -> None:
         self._jobs = jobs
@@ -88,40 +76,29 @@ class Processes:
             yield from results
         except BrokenProcessPool as error:
             self._pool = None
-            raise worker_killed_error() from error
+            raise StageError(
+                "a worker process was killed",
+                remedy="most likely the memory ran out: run again with a smaller --jobs, what is"
+                " finished is kept",
+            ) from error
 
     def _start_pool(self) -> ProcessPoolExecutor:
         if self._pool is None:
-            # fork would copy the lock and the threads of libraries
+            # fork would copy the locks and threads of libraries
             context = multiprocessing.get_context("spawn")
             self._pool = ProcessPoolExecutor(
                 self._jobs, mp_context=context, initializer=_prepare_worker
             )
         return self._pool
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
         if self._pool is not None:
             self._pool.shutdown(wait=True, cancel_futures=True)
 
 
-def worker_killed_error() -> StageError:
-    remedy = (
-        "most likely the memory ran out: run again with a smaller --jobs, what is finished is kept"
-    )
-    return StageError("a worker process was killed", remedy=remedy)
-
-
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Let processes started inside take the parent's number of threads where it is set, else one."""
+    """Let processes started inside have one thread each, unless the environment says otherwise."""
     added = [name for name in THREAD_VARIABLES if name not in os.environ]
     os.environ.update(dict.fromkeys(added, "1"))
     try:
@@ -145,21 +122,13 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def choose_executor(jobs: int = 1, scheduler: str | None = None) -> Executor:
-    if scheduler is not None:
-        from hullrecon.artifacts.executor import Cluster
+class Cluster(Executor):
+    """A Dask cluster. Its workers need hullrecon and the same paths to the package and to RUNS.
 
-        return Cluster(scheduler)
-    return Processes(jobs) if jobs > 1 else Serial()
+    What goes over the wire is pickled: whoever reaches a port of a plain (tcp://) cluster can run
+    any program on all its machines.
+    """
 
-
-log = logging.getLogger(__name__)
-_CERTIFICATES = ("distributed.comm.tls.ca-file", "distributed.comm.tls.client.cert")
-_CONNECT_S = 10
-_RETRY_S = 0.1
-
-
-class Cluster:
     def __init__(self, address: str) -> None:
         self._client: Any = _connect(address)
 
@@ -178,29 +147,30 @@ class Cluster:
         finally:
             self._client.cancel(futures)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
         self._client.close()
 
 
 def _connect(address: str) -> Any:
     try:
+        import dask
         from distributed import Client
     except ImportError as error:
         raise UsageError("--scheduler needs Dask", remedy="install hullrecon[cluster]") from error
     _refuse_unreachable(address)
     if urlsplit(address).scheme == "tls":
-        _refuse_without_certificates(address)
+        missing = [key for key in _CERTIFICATES if not dask.config.get(key, None)]
+        if missing:
+            raise UsageError(
+                f"Dask's configuration lacks {' and '.join(missing)}",
+                where=address,
+                remedy="set them in ~/.config/dask, or as DASK_DISTRIBUTED__COMM__TLS__CA_FILE"
+                " and so on",
+            )
     else:
         log.warning(
-            "%s is plain TCP: whoever reaches its port runs programs here; give tls:// where others can",
+            "%s is plain TCP: whoever reaches its port runs programs here; give tls:// where others"
+            " can",
             address,
         )
     try:
@@ -209,23 +179,11 @@ def _connect(address: str) -> Any:
         raise _no_scheduler(address) from error
 
 
-def _refuse_without_certificates(address: str) -> None:
-    """Raise UsageError where Dask's configuration names no certificates."""
-    import dask
-
-    missing = [key for key in _CERTIFICATES if not dask.config.get(key, None)]
-    if missing:
-        remedy = "set them in ~/.config/dask, or as DASK_DISTRIBUTED__COMM__TLS__CA_FILE and so on"
-        raise UsageError(
-            f"Dask's configuration lacks {' and '.join(missing)}", where=address, remedy=remedy
-        )
-
-
 def _refuse_unreachable(address: str) -> None:
     """Raise UsageError unless something listens at `tcp://HOST:PORT` or `tls://HOST:PORT`.
 
-    A Client that finds nobody keeps trying in a thread of its own, which ends long after the error,
-    with a traceback.
+    A Client that finds nobody keeps trying in a thread of its own, which ends with a traceback long
+    after the error.
     """
     try:
         parts = urlsplit(address)
@@ -243,10 +201,8 @@ def _refuse_unreachable(address: str) -> None:
         try:
             socket.create_connection((host, port), timeout=_CONNECT_S).close()
             return
-        except socket.gaierror:
-            raise _no_scheduler(address) from None
-        except OSError:  # it may be starting
-            if time.monotonic() >= until:
+        except OSError as error:  # it may be starting, unless its name is unknown
+            if isinstance(error, socket.gaierror) or time.monotonic() >= until:
                 raise _no_scheduler(address) from None
             time.sleep(_RETRY_S)
 
@@ -255,3 +211,10 @@ def _no_scheduler(address: str) -> UsageError:
     return UsageError(
         "no Dask scheduler answers", where=address, remedy="start one with pipelines/dask-launch"
     )
+
+
+def choose_executor(jobs: int = 1, scheduler: str | None = None) -> Executor:
+    """Return the executor of `--jobs` and `--scheduler`."""
+    if scheduler is not None:
+        return Cluster(scheduler)
+    return Processes(jobs) if jobs > 1 else Executor()

@@ -24,23 +24,18 @@ JsonTable: TypeAlias = dict[str, Any]  # msgspec decodes no recursive type
 
 class FileRecord(Struct, frozen=True):
     sha256: str
-    size: int
+    size: int  # bytes
 
 
 class Recipe(Struct, frozen=True, kw_only=True):
-    """What decides an artifact's content: equal recipe, equal bytes.
-
-    settings: resolved options by section, None for an absent section. inputs: content hash of each
-    input artifact. external: files of the package by their path relative to it. failures: why
-    optional inputs left no artifact, by stage name.
-    """
+    """What decides an artifact's content: equal recipe, equal bytes."""
 
     stage: str
-    version: int
-    settings: JsonTable
-    inputs: dict[str, str] = {}
-    external: dict[str, FileRecord] = {}
-    failures: dict[str, str] = {}
+    version: int  # of the stage's code
+    settings: JsonTable  # resolved options by section, None for an absent section
+    inputs: dict[str, str] = {}  # content hash of each input artifact
+    external: dict[str, FileRecord] = {}  # files of the package by their path relative to it
+    failures: dict[str, str] = {}  # why optional inputs left no artifact, by stage name
 
     @property
     def key(self) -> str:
@@ -48,9 +43,7 @@ class Recipe(Struct, frozen=True, kw_only=True):
 
     @property
     def content(self) -> JsonTable:
-        """Return what the key is the hash of; `failures` only where there are some, as older
-        versions had none.
-        """
+        """Return what the key is the hash of; without `failures` if empty, as older versions."""
         content: JsonTable = msgspec.to_builtins(self)
         if not self.failures:
             del content["failures"]
@@ -58,22 +51,18 @@ class Recipe(Struct, frozen=True, kw_only=True):
 
 
 class Manifest(Struct, frozen=True, kw_only=True):
-    """recipe: what it was made from; outputs: every file by relative path; run: host, seconds,
-    memory, versions, source.
-    """
+    """What an artifact was made from and what it holds."""
 
     recipe: Recipe
     key: str
-    outputs: dict[str, FileRecord]
+    outputs: dict[str, FileRecord]  # every file by its path in the artifact
     warnings: list[str] = []
-    run: JsonTable = {}
+    run: JsonTable = {}  # what differs between equal runs: host, versions, seconds, memory
     schema: int = SCHEMA
 
     @property
     def content_hash(self) -> str:
-        """Return the hash of all but the `run` block: what a step that takes this artifact depends
-        on.
-        """
+        """Return the hash of all but `run`: what a step that takes this artifact depends on."""
         content = msgspec.to_builtins(self) | {"recipe": self.recipe.content}
         del content["run"]
         return digest(content)
@@ -84,24 +73,22 @@ def write_manifest(folder: Path, manifest: Manifest) -> None:
 
 
 def read_manifest(folder: Path) -> Manifest | None:
-    """Return the manifest of an artifact; None when there is no artifact.
+    """Read the manifest of an artifact; None when there is no artifact.
 
     Raises DamagedArtifactError when it is missing in one, cut short or altered.
     """
     if not folder.is_dir():
         return None
     try:
-        data = (folder / FILE_NAME).read_bytes()
+        return msgspec.convert(unseal((folder / FILE_NAME).read_bytes()), Manifest)
     except FileNotFoundError as error:
         raise DamagedArtifactError("its manifest is missing") from error
-    try:
-        return msgspec.convert(unseal(data), Manifest)
     except msgspec.ValidationError as error:
         raise DamagedArtifactError(f"its manifest is of another kind: {error}") from error
 
 
 def hash_file(path: Path) -> FileRecord:
-    """Return size and hash of a file, read whole."""
+    """Hash a file, read whole."""
     with path.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
         return FileRecord(sha256, file.tell())
@@ -113,15 +100,15 @@ def files_below(folder: Path) -> list[str]:
 
 
 class HashCache:
-    """Hashes of files as last read. `trusting` False reads every file once again; a lost cache file
-    costs only time.
+    """Hashes of files, remembered by size, time of modification and inode in the file `store`.
+
+    With trusting=False every file is read once again. A lost store costs only time.
     """
 
     def __init__(self, store: Path | None = None, *, trusting: bool = True) -> None:
         self._store, self._trusting, self._changed = store, trusting, False
-        self._known: dict[str, object] = {}
-        # time of the last change of inode or bytes, ns, of what this process has seen
-        self._read_here: dict[str, int] = {}
+        self._known: dict[str, object] = {}  # size, mtime_ns, inode and hash by path
+        self._read_here: dict[str, int] = {}  # ctime, ns, of what this process has seen, by path
         if store is not None and store.is_file():
             try:
                 self._known = unseal(store.read_bytes())
@@ -129,38 +116,30 @@ class HashCache:
                 self._changed = True
 
     def record(self, path: Path) -> FileRecord:
-        """Return size and hash of a file. Raises OSError when it is not there, or is a device, FIFO
-        or socket.
+        """Return size and hash of a file.
+
+        Raises OSError when it is not there, or is a device, FIFO or socket.
         """
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
             raise OSError(errno.EINVAL, "not a regular file", str(path))
         known = self._known.get(str(path))
-        if (
-            isinstance(known, list)
-            and known[:3] == _mark(status)
-            and self._is_trusted(path, status)
-        ):
-            self._read_here.setdefault(str(path), status.st_ctime_ns)
-            return FileRecord(str(known[3]), status.st_size)
+        if isinstance(known, list) and known[:3] == _mark(status):
+            # what this process has seen must have kept its ctime, which no program can set back
+            seen_ns = self._read_here.get(str(path))
+            if self._trusting if seen_ns is None else seen_ns == status.st_ctime_ns:
+                self._read_here.setdefault(str(path), status.st_ctime_ns)
+                return FileRecord(str(known[3]), status.st_size)
         record = hash_file(path)
         self._note(path, status, record)
         return record
-
-    def _is_trusted(self, path: Path, status: os.stat_result) -> bool:
-        """Return whether a file of known size, time and inode need not be read.
-
-        What this process has seen must also have kept its ctime, which no program can set back.
-        """
-        seen_ns = self._read_here.get(str(path))
-        return self._trusting if seen_ns is None else seen_ns == status.st_ctime_ns
 
     def learn(self, path: Path, record: FileRecord) -> None:
         """Note the hash of a file that was just written."""
         self._note(path, path.stat(), record)
 
     def save(self) -> None:
-        """Write the cache when it changed; only the holder of the lock may."""
+        """Write the store if it changed; only the holder of the lock may."""
         if self._changed and self._store is not None:
             write_file(self._store, seal(self._known))
             self._changed = False
@@ -174,5 +153,4 @@ class HashCache:
 
 
 def _mark(status: os.stat_result) -> list[int]:
-    """Return what changes with a file's bytes: size, time of modification and inode."""
     return [status.st_size, status.st_mtime_ns, status.st_ino]

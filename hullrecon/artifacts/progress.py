@@ -8,20 +8,23 @@ import logging
 import signal
 import sys
 import time
-from collections.abc import Iterable, Iterator, Sized
+from collections.abc import Iterable, Iterator
 from types import FrameType
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     import rich.progress
 
+Item = TypeVar("Item")
+log = logging.getLogger(__name__)
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _requested: list[int] = []
 
 
 def listen() -> None:
-    """Let SIGINT and SIGTERM raise KeyboardInterrupt from now on, and forget those that came
-    before.
+    """Let SIGINT and SIGTERM raise KeyboardInterrupt, and forget those that came before.
+
+    They are remembered, as libraries turn a KeyboardInterrupt in their import into other errors.
     """
     _requested.clear()
     for number in _SIGNALS:
@@ -29,7 +32,7 @@ def listen() -> None:
 
 
 def is_requested() -> bool:
-    """Return whether a signal has come, whatever became of its KeyboardInterrupt."""
+    """Whether a signal has come, whatever became of its KeyboardInterrupt."""
     return bool(_requested)
 
 
@@ -44,21 +47,14 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-Item = TypeVar("Item")
-log = logging.getLogger(__name__)
+class Progress:
+    """Shows nothing; the classes below show how many items have passed."""
 
-
-class Progress(Protocol):
-    def track(self, items: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
-        """Yield the same items and show how many have passed."""
-
-
-class Silent:
     def track(self, items: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
         yield from items
 
 
-class LogLines:
+class LogLines(Progress):
     """A line every `seconds` while items pass; short work logs nothing."""
 
     def __init__(self, seconds: float = 10.0) -> None:
@@ -73,8 +69,8 @@ class LogLines:
             yield item
 
 
-class Bars:
-    """One live display, a bar for each loop that is under way."""
+class Bars(Progress):
+    """One live display, with a bar for each loop that is under way."""
 
     def __init__(self) -> None:
         self._display: rich.progress.Progress | None = None
@@ -89,7 +85,9 @@ class Bars:
                 display.advance(task)
         finally:
             display.remove_task(task)
-            self._stop(display)
+            self._open -= 1
+            if self._open == 0:
+                display.stop()
 
     def _start(self) -> rich.progress.Progress:
         import rich.progress as shown
@@ -108,17 +106,9 @@ class Bars:
         self._open += 1
         return self._display
 
-    def _stop(self, display: rich.progress.Progress) -> None:
-        self._open -= 1
-        if self._open == 0:
-            display.stop()
-
 
 def choose_progress(*, quiet: bool = False) -> Progress:
+    """Show bars on a terminal, log lines elsewhere, nothing when quiet."""
     if quiet:
-        return Silent()
+        return Progress()
     return Bars() if sys.stderr.isatty() else LogLines()
-
-
-def length(items: Iterable[object]) -> int | None:
-    return len(items) if isinstance(items, Sized) else None

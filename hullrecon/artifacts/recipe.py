@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from hullrecon.artifacts.documents import Json, digest
+from hullrecon.artifacts.documents import Json, digest, encode
 from hullrecon.artifacts.manifest import (
     FILE_NAME,
     FileRecord,
@@ -19,31 +19,70 @@ from hullrecon.artifacts.manifest import (
     files_below,
     read_manifest,
 )
-from hullrecon.artifacts.stage import Stage, StageSettings, flatten, resolve_settings, settings_for
+from hullrecon.artifacts.stage import (
+    Stage,
+    StageSettings,
+    flatten,
+    resolve_settings,
+    settings_for,
+)
 from hullrecon.errors import InputError
 
+REMEDY = "nothing was delivered: run again when nobody writes there"
+_ABSENT = object()
+_LISTED = 3  # files that an error names one by one
+_LONG = 100  # characters of a name that are shown
 
-def make_recipe(
-    stage: Stage, settings: StageSettings, inputs: Mapping[str, Path], source: Path | None, hashes: HashCache,
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """One stage with all that it works on."""
+
+    stage: Stage
+    settings: StageSettings
+    inputs: Mapping[str, Path]  # folder of each input artifact by stage name
+    source: Path | None  # the package's folder
+    recipe: Recipe  # what decides the result
+
+
+def make_job(
+    stage: Stage,
+    sections: Mapping[str, object],
+    inputs: Mapping[str, Path],
+    source: Path | None,
+    hashes: HashCache,
     failures: Mapping[str, str] = MappingProxyType({}),
-) -> Recipe:  # fmt: skip
-    """Return the recipe as things are now. Raises InputError when a file of the package is missing."""
-    return Recipe(
+) -> Job:
+    """Collect what a stage works on, as things are now.
+
+    Parameters
+    ----------
+    failures
+        Why steps of this run left no artifact; those that the stage could use count.
+
+    Raises
+    ------
+    InputError
+        A file of the package is missing.
+    UsageError
+        An option is not finite.
+    """
+    settings = settings_for(stage, sections)
+    recipe = Recipe(
         stage=stage.name,
         version=stage.version,
         settings=resolve_settings(settings),
         inputs={name: content_hash(folder, hashes) for name, folder in sorted(inputs.items())},
         external=external_files(stage, settings, source, hashes),
-        failures=dict(failures),
+        failures={name: failures[name] for name in stage.optional if name in failures},
     )
+    return Job(stage=stage, settings=settings, inputs=inputs, source=source, recipe=recipe)
 
 
 def external_files(
     stage: Stage, settings: StageSettings, source: Path | None, hashes: HashCache
 ) -> dict[str, FileRecord]:
-    """Return the files of the package that the stage reads by path relative to it, a folder as all
-    files below it.
-    """
+    """Hash the files of the package that the stage reads, by path; a folder as all files in it."""
     if stage.external is None or source is None:
         return {}
     found: dict[str, FileRecord] = {}
@@ -52,31 +91,18 @@ def external_files(
             path = source / named
             members = [path / name for name in files_below(path)] if path.is_dir() else [path]
             for member in members:
-                name = (
-                    member.relative_to(source).as_posix()
-                    if member.is_relative_to(source)
-                    else str(member)
-                )
+                inside = member.is_relative_to(source)
+                name = member.relative_to(source).as_posix() if inside else str(member)
                 found[name] = _external_record(member, name, hashes)
     except OSError as error:  # a name that no file can have
         name = str(error.filename or "a file of the package")
-        shown = name if len(name) <= 100 else f"{name[:97]}..."
+        shown = name if len(name) <= _LONG else f"{name[: _LONG - 3]}..."
         raise InputError(
             f"{shown} cannot be read: {error.strerror}",
             where=str(source),
             remedy="correct dive.toml",
         ) from error
     return found
-
-
-def content_hash(folder: Path, hashes: HashCache) -> str:
-    """Return the content hash of an artifact by its manifest; of a folder made by hand, the hash of
-    its files.
-    """
-    manifest = read_manifest(folder) if (folder / FILE_NAME).exists() else None
-    if manifest is not None:
-        return manifest.content_hash
-    return digest({name: hashes.record(folder / name).sha256 for name in files_below(folder)})
 
 
 def _external_record(path: Path, name: str, hashes: HashCache) -> FileRecord:
@@ -92,165 +118,110 @@ def _external_record(path: Path, name: str, hashes: HashCache) -> FileRecord:
         ) from error
 
 
-@dataclass(frozen=True, kw_only=True)
-class Job:
-    """One stage with all that it works on. source: the package's folder. recipe: what decides the
-    result.
-    """
-
-    stage: Stage
-    settings: StageSettings
-    inputs: Mapping[str, Path]
-    source: Path | None
-    recipe: Recipe
-
-
-def make_job(
-    stage: Stage, sections: Mapping[str, object], inputs: Mapping[str, Path], source: Path | None, hashes: HashCache,
-    failures: Mapping[str, str] = MappingProxyType({}),
-) -> Job:  # fmt: skip
-    """Return the job; failures: why steps of this run left no artifact, of which those that it
-    could use count.
-
-    Raises InputError when a file of the package is missing, UsageError for an option that is not
-    finite.
-    """
-    settings = settings_for(stage, sections)
-    own = {name: failures[name] for name in stage.optional if name in failures}
-    return Job(
-        stage=stage,
-        settings=settings,
-        inputs=inputs,
-        source=source,
-        recipe=make_recipe(stage, settings, inputs, source, hashes, own),
-    )
-
-
-_ABSENT = object()
+def content_hash(folder: Path, hashes: HashCache) -> str:
+    """Return the content hash of an artifact; of a folder made by hand, the hash of its files."""
+    manifest = read_manifest(folder) if (folder / FILE_NAME).exists() else None
+    if manifest is not None:
+        return manifest.content_hash
+    return digest({name: hashes.record(folder / name).sha256 for name in files_below(folder)})
 
 
 def differences(made: Recipe, now: Recipe) -> list[str]:
-    """Return a sentence for each part of the recipe that changed; none exactly when the keys are
-    equal.
-    """
-    return [
-        *_options(made.settings, now.settings),
-        *_inputs(made.inputs, now.inputs),
-        *_external(made.external, now.external),
-        *_failures(made.failures, now.failures),
-        *([f"code version {made.version} -> {now.version}"] if made.version != now.version else []),
-        *([f"it was made by step {made.stage}"] if made.stage != now.stage else []),
-    ]
+    """Describe each part of a recipe that changed; none exactly when the keys are equal."""
+    found = [*_options(made.settings, now.settings)]
+    for what, before, after in (
+        ("input", made.inputs, now.inputs),
+        ("external file", made.external, now.external),
+    ):
+        for name in _changed(before, after):
+            verb = "changed" if name in before and name in after else "is new"
+            found.append(f"{what} {name} {verb if name in after else 'is gone'}")
+    for name in _changed(made.failures, now.failures):
+        found.append(
+            f"{name} failed: {now.failures[name]}"
+            if name in now.failures
+            else f"it was made without {name}, which had failed"
+        )
+    if made.version != now.version:
+        found.append(f"code version {made.version} -> {now.version}")
+    if made.stage != now.stage:
+        found.append(f"it was made by step {made.stage}")
+    return found
 
 
 def _options(made: Mapping[str, Json], now: Mapping[str, Json]) -> Iterator[str]:
-    """Yield a sentence for each changed option; one for a whole section that came or went, or that
-    the step reads no longer.
-    """
-    for section in sorted({*made, *now}):
+    """Describe each changed option, and each whole section that came or went."""
+    for section in _changed(made, now):
         before, after = made.get(section, _ABSENT), now.get(section, _ABSENT)
         if isinstance(before, dict) and isinstance(after, dict):
-            yield from _changed_options(
-                flatten(before, f"{section}."), flatten(after, f"{section}.")
-            )
+            one, two = flatten(before, f"{section}."), flatten(after, f"{section}.")
+            for name in _changed(one, two):
+                if name not in one:
+                    yield f"option {name} is new, it is {_as_text(two[name])}"
+                elif name not in two:
+                    yield f"option {name} is gone, it was {_as_text(one[name])}"
+                else:
+                    was, now_is = _as_text(one[name]), _as_text(two[name])
+                    yield f"option {name} changed from {was} to {now_is}"
         elif after is _ABSENT:
             yield f"{section} is no longer read, it was {_as_text(before)}"
         elif before is _ABSENT:
             yield f"{section} is read now, it is {_as_text(after)}"
-        elif before != after:
+        else:
             yield f"{section} changed from {_as_text(before)} to {_as_text(after)}"
 
 
-def _changed_options(before: Mapping[str, Json], after: Mapping[str, Json]) -> Iterator[str]:
-    for name in sorted({*before, *after}):
-        one, two = before.get(name, _ABSENT), after.get(name, _ABSENT)
-        if one is _ABSENT:
-            yield f"option {name} is new, it is {_as_text(two)}"
-        elif two is _ABSENT:
-            yield f"option {name} is gone, it was {_as_text(one)}"
-        elif one != two or type(one) is not type(two):
-            yield f"option {name} changed from {_as_text(one)} to {_as_text(two)}"
+def _changed(before: Mapping[str, object], after: Mapping[str, object]) -> list[str]:
+    """Return the names whose values differ as they are written: 1 and 1.0 do."""
+    return [
+        name
+        for name in sorted({*before, *after})
+        if not _is_same(before.get(name, _ABSENT), after.get(name, _ABSENT))
+    ]
 
 
-def _inputs(made: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
-    for name in sorted({*made, *now}):
-        if made.get(name) != now.get(name):
-            yield f"input {name} {_verb(name in made, name in now)}"
-
-
-def _external(made: Mapping[str, FileRecord], now: Mapping[str, FileRecord]) -> Iterator[str]:
-    for name in sorted({*made, *now}):
-        if made.get(name) != now.get(name):
-            yield f"external file {name} {_verb(name in made, name in now)}"
-
-
-def _failures(made: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
-    for name in sorted({*made, *now}):
-        if made.get(name) != now.get(name):
-            yield (
-                f"{name} failed: {now[name]}"
-                if name in now
-                else f"it was made without {name}, which had failed"
-            )
-
-
-def _verb(before: bool, after: bool) -> str:
-    return "changed" if before and after else "is new" if after else "is gone"
+def _is_same(one: object, other: object) -> bool:
+    if isinstance(one, list | dict) and isinstance(other, list | dict):
+        return encode(one) == encode(other)
+    return type(one) is type(other) and one == other
 
 
 def _as_text(value: object) -> str:
-    """Return a whole section as the word for it, any other value as in JSON."""
     if value is None:
         return "none"
     return "a section" if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)
 
 
-_LISTED = 3  # files that the error names one by one
-REMEDY = "nothing was delivered: run again when nobody writes there"
-
-
 class SourceWatch:
-    """Keeps what each file was when a step of this run read it."""
+    """Keeps what each file of the package was when a step of this run read it."""
 
     def __init__(
         self, hashes: HashCache, package: Path, read_before: Mapping[str, FileRecord] | None = None
     ) -> None:
-        """Watch a package. read_before: files of it that were read before the first step, by their
-        path relative to it.
-        """
+        """Watch a package. read_before: files read before the first step, by their path in it."""
         self._hashes, self._package = hashes, package
         self._read: dict[str, FileRecord] = dict(read_before or {})
 
     def begin(self, job: Job) -> None:
-        """Note the files that a step is about to read. Raises InputError where an earlier step of
-        this run read another one.
+        """Note the files that a step is about to read.
+
+        Raises InputError where one is not what an earlier step of this run read.
         """
-        changed = [
-            name
-            for name, record in job.recipe.external.items()
-            if self._read.get(name, record) != record
-        ]
-        if changed:
-            raise _changed_error(changed, self._package)
-        self._read |= job.recipe.external
+        now = job.recipe.external
+        self._refuse([n for n, record in now.items() if self._read.get(n, record) != record])
+        self._read |= now
 
     def end(self, job: Job) -> None:
-        """Raise InputError where a file that a step of this run has read is no longer what it was,
-        or files came or went.
-        """
+        """Raise InputError where a file that was read has changed, or files came or went."""
+        before = job.recipe.external
         now = external_files(job.stage, job.settings, job.source, self._hashes)
-        changed = {
-            name
-            for name in {*now, *job.recipe.external}
-            if now.get(name) != job.recipe.external.get(name)
-        }
+        changed = set(_changed(before, now))
         changed |= {
             name
             for name, record in self._read.items()
             if name not in now and not self._is_still(name, record)
         }
-        if changed:
-            raise _changed_error(sorted(changed), self._package)
+        self._refuse(sorted(changed))
 
     def _is_still(self, name: str, record: FileRecord) -> bool:
         try:
@@ -258,9 +229,8 @@ class SourceWatch:
         except OSError:
             return False
 
-
-def _changed_error(names: list[str], package: Path) -> InputError:
-    listed = ", ".join(names[:_LISTED]) + (
-        f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
-    )
-    return InputError(f"{listed} changed during the run", where=str(package), remedy=REMEDY)
+    def _refuse(self, changed: list[str]) -> None:
+        if changed:
+            more = f" and {len(changed) - _LISTED} more" if len(changed) > _LISTED else ""
+            what = f"{', '.join(changed[:_LISTED])}{more} changed during the run"
+            raise InputError(what, where=str(self._package), remedy=REMEDY)

@@ -4,28 +4,37 @@
 
 from __future__ import annotations
 
+import logging
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
+import multiprocessing
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from msgspec import Struct, structs
 from numpy.typing import NDArray
 
 from hullrecon.artifacts.documents import Json, plain
+from hullrecon.artifacts.executor import Executor
+from hullrecon.artifacts.machine import peak_rss
+from hullrecon.artifacts.progress import Progress, raise_if_requested
+from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.errors import UsageError
 
 Value = TypeVar("Value")
+Parameters = TypeVar("Parameters", bound=Struct)
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+log = logging.getLogger(__name__)
 
 
 class StageSettings(Mapping[str, object]):
-    """Sections and single keys of dive.toml by dotted name; None where the section is absent.
+    """The sections and single keys of dive.toml that one step reads, by dotted name.
 
-    Reading one that the step did not declare is a fault of ours: its artifact would not be out of
-    date after a change of it.
+    The value is None where the section is absent. Reading a key that the step did not declare is a
+    fault of ours: its artifact would not be out of date after a change of it.
     """
 
     def __init__(self, stage: str, sections: Mapping[str, object]) -> None:
@@ -46,14 +55,11 @@ class StageSettings(Mapping[str, object]):
 
     def replaced(self, values: Mapping[str, object]) -> StageSettings:
         """Return settings with other values of some of the names that the step declared."""
-        return StageSettings(
-            self._stage, {name: values.get(name, value) for name, value in self._sections.items()}
-        )
+        sections = {name: values.get(name, value) for name, value in self._sections.items()}
+        return StageSettings(self._stage, sections)
 
     def read(self, name: str, kind: type[Value]) -> Value:
-        """Return a value that must be there. Raises TypeError where it is absent or of another
-        type.
-        """
+        """Return a value that must be there. Raises TypeError where it is not of that type."""
         value = self[name]
         if kind is float and isinstance(value, int):
             value = float(value)
@@ -62,127 +68,124 @@ class StageSettings(Mapping[str, object]):
         return value
 
     def read_optional(self, name: str, kind: type[Value]) -> Value | None:
-        """Return a value, or None where its section is absent. Raises TypeError where it is of
-        another type.
-        """
+        """Return a value, or None where its section is absent. Raises TypeError as `read` does."""
         return None if self[name] is None else self.read(name, kind)
 
 
-Parameters = TypeVar("Parameters", bound=Struct, covariant=True)
-Item = TypeVar("Item")
-Result = TypeVar("Result")
+@dataclass(frozen=True)
+class Stage:
+    """A step, declared once."""
+
+    name: str  # as on the command line; its folder in RUNS/<dive> and its section in dive.toml
+    summary: str
+    inputs: tuple[str, ...]  # stages that it needs
+    parameters: type[Struct]  # its own options: frozen, keyword-only, all with defaults
+    version: int  # raised when the function's result changes for the same input
+    run: Callable[[Context[Any]], None]
+    uses: tuple[str, ...] = ()  # sections and keys of dive.toml read besides its own, "camera.top"
+    optional: tuple[str, ...] = ()  # stages that it uses when they are part of this dive's chain
+    # the files of the package that it reads, from the settings and the package's folder
+    external: Callable[[StageSettings, Path], list[Path]] | None = None
+    # why this dive cannot have the step, None where it can; from the same
+    applies: Callable[[StageSettings, Path], str | None] | None = None
+    fails_alone: bool = False  # where it fails, steps that only use it optionally go on without
 
 
-class Writer(Protocol):
-    """Writes the files of one artifact; nothing else opens a file for writing in RUNS."""
+class Context(Generic[Parameters]):
+    """What a step's function is given: settings, inputs, a writer, an executor."""
 
-    def arrays(self, name: str, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-        """Write an .npz with those members, same bytes for the same arrays."""
-
-    def json(self, name: str, value: object) -> None:
-        """Write indented JSON with sorted keys; NaN is refused."""
-
-    def text(self, name: str, value: str) -> None: ...
-
-    def bytes(self, name: str, value: bytes) -> None: ...
-
-    def path(self, name: str) -> AbstractContextManager[Path]:
-        """Give a temporary path to let a library write to; it is made durable and renamed at the
-        end of the `with`.
-        """
-
-    def scratch(self) -> AbstractContextManager[BinaryIO]:
-        """Give an empty file without a name, to write and to read, which is gone at the end of the
-        `with`.
-        """
-
-
-class Context(Protocol[Parameters]):
-    """What a step's function gets: its own options are of type Parameters."""
-
-    settings: StageSettings  # those in the stage's `uses` and its own
-    inputs: Mapping[str, Path]  # folder of each input artifact that exists, by stage name
-    failures: Mapping[str, str]  # why optional inputs left no artifact, a sentence by stage name
-    out: Writer
+    def __init__(
+        self,
+        stage: Stage,
+        settings: StageSettings,
+        inputs: Mapping[str, Path],
+        out: ArtifactWriter,
+        *,
+        source: Path | None = None,
+        failures: Mapping[str, str] | None = None,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        self.settings = settings  # those in the stage's `uses` and its own
+        self.inputs = inputs  # folder of each input artifact that exists, by stage name
+        self.failures = failures or {}  # why optional inputs left no artifact, by stage name
+        self.out = out
+        self.warnings: list[str] = []
+        self.times: dict[str, list[float]] = {}  # s
+        self.workers_peak_rss = 0  # bytes
+        self._stage, self._source = stage, source
+        self._executor, self._progress = executor or Executor(), progress or Progress()
 
     @property
     def source(self) -> Path:
-        """Return the folder of the package (stages with `external` only)."""
+        """Return the folder of the package, for stages with `external` files."""
+        if self._source is None or self._stage.external is None:
+            raise RuntimeError(
+                f"step {self._stage.name} reads the package without declaring `external` files"
+            )
+        return self._source
 
     @property
     def parameters(self) -> Parameters:
         """Return the stage's own section, an instance of its `parameters`."""
+        own: Any = self.settings[self._stage.name]
+        return own  # type: ignore[no-any-return]
 
     def progress(
         self, items: Iterable[Item], label: str, total: int | None = None
     ) -> Iterable[Item]:
         """Yield the same items, shown as a bar on a terminal and as log lines elsewhere."""
+        if total is None and isinstance(items, Sized):
+            total = len(items)
+        shown = f"{self._stage.name}: {label}"
+        return self._progress.track(_until_interrupted(items), shown, total)
 
     def map(
         self, function: Callable[[Item], Result], items: Sequence[Item], label: str
     ) -> list[Result]:
-        """Return the results in order, computed by the executor (`--jobs`, `--scheduler`);
-        `function` must pickle. Same results whichever executor.
+        """Compute results in order, by the executor of --jobs or --scheduler.
+
+        `function` must pickle. The results are the same whichever executor.
         """
+        results = list(self.progress(self._executor.map(function, items), label, len(items)))
+        workers = (peak_rss(worker.pid) for worker in multiprocessing.active_children())
+        self.workers_peak_rss = max(self.workers_peak_rss, *workers, 0)
+        return results
 
     def warn(self, message: str) -> None:
         """Add a sentence to the log, the manifest and summary.json."""
+        log.warning("%s: %s", self._stage.name, message)
+        self.warnings.append(message)
 
     def record_times(self, name: str, seconds: Sequence[float]) -> None:
-        """Record wall-clock times, s, for the manifest's run block: they differ between equal runs,
-        so no file holds them.
-        """
+        """Record wall-clock times in the manifest's run block: they differ between equal runs."""
+        self.times[name] = [round(float(s), 3) for s in seconds]
 
 
-@dataclass(frozen=True)
-class Stage:
-    """A step, declared once.
-
-    name: as on the command line ("mosaic-optical"); also its folder in RUNS/<dive> and its section
-    in dive.toml. inputs: stages it needs. optional: stages it uses when they are part of this
-    dive's chain. uses: sections of dive.toml it reads besides its own, dotted where nested
-    ("camera.top"). parameters: msgspec Struct (frozen, keyword only, unknown fields forbidden, all
-    fields with defaults). version: raised when the function's result changes for the same input.
-    external: for stages that read files of the package: from the settings and the package's folder
-    to those files. applies: None, or a function from the settings and the package's folder to None
-    (applies) or the reason why this dive cannot
-        have it. fails_alone: where it reaches no result, steps that only use it when it is there go
-        on without it.
-    """
-
-    name: str
-    summary: str
-    inputs: tuple[str, ...]
-    parameters: type[Struct]
-    version: int
-    run: Callable[[Context[Any]], None]
-    uses: tuple[str, ...] = ()
-    optional: tuple[str, ...] = ()
-    external: Callable[[StageSettings, Path], list[Path]] | None = None
-    applies: Callable[[StageSettings, Path], str | None] | None = None
-    fails_alone: bool = False
+def _until_interrupted(items: Iterable[Item]) -> Iterator[Item]:
+    for item in items:
+        raise_if_requested()
+        yield item
 
 
 def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """Return the members of an .npz, read whole."""
+    """Read all members of an .npz."""
     with np.load(path, allow_pickle=False) as file:
         return {name: file[name] for name in file.files}
 
 
 def settings_for(stage: Stage, sections: Mapping[str, object]) -> StageSettings:
-    """Return the sections in the stage's `uses` (None where absent) and its own (its defaults where
-    absent).
-    """
+    """Select the sections in the stage's `uses` and its own, with its defaults where absent."""
     own = _section(sections, stage.name)
     chosen = {name: _section(sections, name) for name in stage.uses}
-    return StageSettings(
-        stage.name, {**chosen, stage.name: stage.parameters() if own is None else own}
-    )
+    chosen[stage.name] = stage.parameters() if own is None else own
+    return StageSettings(stage.name, chosen)
 
 
 def resolve_settings(settings: Mapping[str, object]) -> dict[str, Json]:
-    """Return the settings as plain values for the manifest. Raises UsageError for a number that is
-    not finite.
+    """Convert settings to plain values for the manifest.
+
+    Raises UsageError for a number that is not finite.
     """
     values = {name: plain(value) for name, value in settings.items()}
     for name, value in flatten(values).items():
@@ -194,30 +197,25 @@ def resolve_settings(settings: Mapping[str, object]) -> dict[str, Json]:
 
 
 def flatten(value: Mapping[str, Json], prefix: str = "") -> dict[str, Json]:
-    """Return options by dotted name; lists stay whole."""
+    """List options by dotted name; lists stay whole."""
     flat: dict[str, Json] = {}
     for name, member in value.items():
-        dotted = f"{prefix}{name}"
         if isinstance(member, Mapping) and member:
-            flat.update(flatten(member, f"{dotted}."))
+            flat.update(flatten(member, f"{prefix}{name}."))
         else:
-            flat[dotted] = member
+            flat[f"{prefix}{name}"] = member
     return flat
 
 
 def _section(sections: Mapping[str, object], dotted: str) -> object:
-    """Return the section of that dotted name, None below an absent one.
-
-    `camera.top` is the field `top` of section `camera`, unless a section has that very name.
-    """
+    """Look up a section or key; `camera.top` is the field `top` of section `camera`."""
     if dotted in sections:
         return sections[dotted]
     outer, _, inner = dotted.rpartition(".")
     section = _section(sections, outer) if outer else None
-    if isinstance(section, Struct):  # as it is written: an option `from` is a field of another name
-        inner = {field.encode_name: field.name for field in structs.fields(type(section))}.get(
-            inner, inner
-        )
+    if isinstance(section, Struct):  # a key such as `from` is a field of another name
+        names = {field.encode_name: field.name for field in structs.fields(type(section))}
+        inner = names.get(inner, inner)
     if section is not None and not hasattr(section, inner):
         raise RuntimeError(f"section {outer} has no option {inner}")
     return getattr(section, inner, None)

@@ -12,12 +12,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from hullrecon.artifacts.delivery import (
-    PUBLISHED,
-    Delivery,
-    delivered_records,
-    unlike_files,
-)
+from hullrecon.artifacts.delivery import PUBLISHED, Delivery, delivered_records, unlike_files
 from hullrecon.artifacts.disk import (
     existing_folder,
     make_folder,
@@ -31,131 +26,16 @@ from hullrecon.artifacts.documents import DamagedArtifactError, seal, unseal
 from hullrecon.artifacts.manifest import FILE_NAME, HashCache, Manifest, read_manifest
 from hullrecon.errors import LockedError, UsageError
 
+__all__ = ["COMPARE_FOLDER", "PRIVATE", "PUBLISHED", "Workspace", "damaged_files", "hold_lock"]
 PRIVATE = ".hullrecon"  # lock, hashes, where the package lies, folders under construction
-COMPARE_FOLDER = (
-    # RUNS/<dive>/compare/<variant>: a workspace for each variant of the method, beside the chain's
-    # own artifacts
-    "compare"
-)
+COMPARE_FOLDER = "compare"  # RUNS/<dive>/compare/<variant>: a workspace for each studied variant
+_LISTED = 3  # deliverables that a sentence names one by one
+_POLL_S = 0.2
 _REMEDY = "choose another folder with --runs, or another dive.name"
 
 
-def refuse_package(root: Path, package: Path) -> None:
-    """Raise UsageError where the run's folder would be the dive package, or hold it, or has a name
-    that no folder can have.
-    """
-    try:
-        root.is_symlink()
-    except OSError as error:
-        if error.errno != errno.ENAMETOOLONG:
-            raise
-        raise UsageError(
-            "the name of the run's folder is too long", where=f"{str(root)[:60]}...", remedy=_REMEDY
-        ) from error
-    if package.resolve().is_relative_to(root.resolve()):
-        same = package.resolve() == root.resolve()
-        raise UsageError(
-            f"the run's folder {'is' if same else 'holds'} the dive package",
-            where=str(root),
-            remedy=_REMEDY,
-        )
-
-
-def other_package(last: Path | None, package: Path, files: Iterable[str]) -> Path | None:
-    """Return the package that the last run read where that is another one and still there; one that
-    has moved is the same.
-
-    files: those without which a folder is no package, relative to it.
-    """
-    if last is None or not os.path.isdir(last) or os.path.samefile(last, package):
-        return None
-    return last if all(os.path.isfile(last / name) for name in files) else None
-
-
-def refuse_foreign(root: Path) -> None:
-    """Raise UsageError where the folder is a link or holds files but no run, or where a link lies
-    among those of a run.
-    """
-    if root.is_symlink():
-        raise UsageError("the run's folder is a symbolic link", where=str(root), remedy=_REMEDY)
-    if not root.is_dir():
-        return
-    if not (root / PRIVATE).is_dir() and any(root.iterdir()):
-        raise UsageError(
-            "the folder is not empty and holds no run", where=str(root), remedy=_REMEDY
-        )
-    link = next((path for path in _own_paths(root) if path.is_symlink()), None)
-    if link is not None:
-        raise UsageError(
-            "a symbolic link lies among the run's own files", where=str(link), remedy="remove it"
-        )
-
-
-def _own_paths(root: Path) -> Iterator[Path]:
-    """Yield every path that a run writes to or removes by name; what is inside an artifact is
-    replaced with it as a whole.
-    """
-    yield from root.iterdir()
-    for folder, folders, files in os.walk(root / PRIVATE):
-        yield from (Path(folder, name) for name in (*folders, *files))
-    if (root / COMPARE_FOLDER).is_dir():
-        for variant in (root / COMPARE_FOLDER).iterdir():
-            yield variant
-            if variant.is_dir() and not variant.is_symlink():
-                yield from _own_paths(variant)
-
-
-_POLL_S = 0.2
-
-
-@contextmanager
-def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[None]:
-    """Hold the lock of a workspace, the file `path`. Raises LockedError when another holds it after
-    `wait_s` seconds.
-    """
-    make_folder(path.parent)
-    with storage_errors(path.parent):
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
-    try:
-        _acquire(descriptor, path, time.monotonic() + wait_s)
-        with storage_errors(path.parent):
-            os.truncate(descriptor, 0)
-            os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
-        try:
-            yield
-        finally:
-            with suppress(OSError):
-                # nobody holds it: no file of a finished run is without a checksum
-                os.truncate(descriptor, 0)
-    finally:
-        os.close(descriptor)
-
-
-def _acquire(descriptor: int, path: Path, until: float) -> None:
-    while True:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return
-        except BlockingIOError:
-            if time.monotonic() >= until:
-                holder = os.pread(descriptor, 32, 0).decode(errors="replace").strip() or "unknown"
-                remedy = "wait for it to end, or wait in the command with --wait SECONDS"
-                raise LockedError(
-                    f"dive is locked by process {holder}",
-                    where=str(path.parent.parent),
-                    remedy=remedy,
-                ) from None
-            time.sleep(_POLL_S)
-
-
-__all__ = ["PRIVATE", "PUBLISHED", "Workspace", "damaged_files"]
-_LISTED = 3  # deliverables that a sentence names one by one
-
-
 class Workspace:
-    """One dive's folder. Reading needs no lock; every method that changes something is for the
-    holder of `lock()`.
-    """
+    """One dive's folder. Reading needs no lock; what changes it is for the holder of `lock()`."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -165,8 +45,9 @@ class Workspace:
         return existing_folder(self.root / name)
 
     def manifest(self, name: str) -> Manifest | None:
-        """Return a step's manifest; None without an artifact. Raises DamagedArtifactError when it
-        cannot be trusted.
+        """Read a step's manifest; None without an artifact.
+
+        Raises DamagedArtifactError when it cannot be trusted.
         """
         return read_manifest(self.artifact(name))
 
@@ -178,11 +59,13 @@ class Workspace:
 
     @contextmanager
     def lock(self, wait_s: float = 0.0) -> Iterator[None]:
-        """Hold the workspace. Raises LockedError when another does after wait_s, UsageError where
-        the folder is not a run's.
+        """Hold the workspace.
+
+        Raises LockedError when another run holds it after wait_s, UsageError where the folder is
+        not a run's own.
         """
         with storage_errors(self.root):
-            refuse_foreign(self.root)
+            _refuse_foreign(self.root)
         with hold_lock(self.root / PRIVATE / "lock", wait_s):
             yield
 
@@ -197,29 +80,43 @@ class Workspace:
     def package(self) -> Path | None:
         """Return the package that the last run read; None when unknown."""
         try:
-            return Path(
-                str(unseal((self.root / PRIVATE / "workspace.json").read_bytes())["package"])
-            )
+            noted = unseal((self.root / PRIVATE / "workspace.json").read_bytes())
+            return Path(str(noted["package"]))
         except (OSError, DamagedArtifactError, KeyError):
             return None
 
     def refuse_package(self, package: Path) -> None:
         """Raise UsageError where this folder is the dive package, or holds it."""
-        with storage_errors(self.root):
-            refuse_package(self.root, package)
+        root = self.root
+        try:
+            root.is_symlink()
+        except OSError as error:
+            if error.errno != errno.ENAMETOOLONG:
+                raise
+            shown = f"{str(root)[:60]}..."
+            what = "the name of the run's folder is too long"
+            raise UsageError(what, where=shown, remedy=_REMEDY) from error
+        if package.resolve().is_relative_to(root.resolve()):
+            verb = "is" if package.resolve() == root.resolve() else "holds"
+            what = f"the run's folder {verb} the dive package"
+            raise UsageError(what, where=str(root), remedy=_REMEDY)
 
     def other_package(self, package: Path, files: Iterable[str]) -> Path | None:
-        """Return the package that the last run read where that is another one and still there.
-        files: what a package has to hold.
+        """Return the package that the last run read, if it is another one and still there.
+
+        files: what a folder must hold to be a package, relative to it. A package that has moved is
+        the same one.
         """
+        last = self.package
         with storage_errors(self.root):
-            return other_package(self.package, package, files)
+            if last is None or not os.path.isdir(last) or os.path.samefile(last, package):
+                return None
+            return last if all(os.path.isfile(last / name) for name in files) else None
 
     def remember_package(self, package: Path) -> None:
         if self.package != package.resolve():
-            write_file(
-                self.root / PRIVATE / "workspace.json", seal({"package": str(package.resolve())})
-            )
+            noted = seal({"package": str(package.resolve())})
+            write_file(self.root / PRIVATE / "workspace.json", noted)
 
     def tidy(self, names: Iterable[str]) -> None:
         """End what a killed run left half done."""
@@ -232,7 +129,10 @@ class Workspace:
         self.delivery.recover()
 
     def remove(self, name: str) -> bool:
-        """Remove an artifact; it is out of sight at once. False when there was none."""
+        """Remove an artifact and, with the last one that delivers, deliver/.
+
+        Returns whether there was an artifact.
+        """
         folder = self.artifact(name)
         if not folder.exists():
             return False
@@ -240,16 +140,14 @@ class Workspace:
         make_folder(gone.parent)
         with storage_errors(self.root):
             remove(gone)
-            os.rename(folder, gone)
+            os.rename(folder, gone)  # out of sight at once
             remove(gone)
             if not any(self.root.glob(f"*/{PUBLISHED}")):
                 self.delivery.remove()
         return True
 
     def quarantine(self, name: str) -> Path:
-        """Set a damaged artifact apart under a new name: what can still be read of it is not ours
-        to throw away.
-        """
+        """Set a damaged artifact apart under a new name, for its owner to look at."""
         target = self._quarantine_folder(name)
         with storage_errors(self.root):
             os.rename(self.artifact(name), target)
@@ -257,20 +155,16 @@ class Workspace:
 
     def _quarantine_folder(self, name: str) -> Path:
         """Return a name in quarantine that is not taken."""
-        make_folder(self.root / "quarantine")
-        taken = {p.name for p in (self.root / "quarantine").iterdir()}
-        return next(
-            self.root / "quarantine" / n
-            for i in range(1, len(taken) + 2)
-            if (n := f"{name}-{i}") not in taken
-        )
+        folder, number = self.root / "quarantine", 1
+        make_folder(folder)
+        while os.path.lexists(folder / f"{name}-{number}"):
+            number += 1
+        return folder / f"{name}-{number}"
 
     def publish(self, name: str, hashes: HashCache) -> str | None:
-        """Copy the artifact's `deliver` folder to the workspace's top, unless it lies there as it
-        should.
+        """Copy the artifact's `deliver` folder to the workspace's top, unless it lies there whole.
 
-        Returns a sentence where others had changed what was delivered; what they changed is kept in
-        quarantine.
+        Returns a sentence where others had changed deliverables, which are kept in quarantine.
         """
         manifest, delivery = self.manifest(name), self.delivery
         records = delivered_records(manifest) if manifest is not None else {}
@@ -281,17 +175,13 @@ class Workspace:
         if not delivery.unlike(original, records, hashes):
             delivery.note(records)
             return None
-        changed = delivery.changed_since(hashes)
-        kept = self._keep(changed)
+        changed, kept = delivery.changed_since(hashes), ""
+        if any(what != "is missing" for what in changed.values()):
+            apart = self._quarantine_folder(PUBLISHED)
+            delivery.save_changed(changed, apart)
+            kept = f", what lay there is in {apart}"
         delivery.replace(original, records, hashes)
         return f"{_list_changes(changed)}: restored{kept}" if changed else None
-
-    def _keep(self, changed: dict[str, str]) -> str:
-        if all(what == "is missing" for what in changed.values()):
-            return ""
-        apart = self._quarantine_folder(PUBLISHED)
-        self.delivery.save_changed(changed, apart)
-        return f", what lay there is in {apart}"
 
 
 def _list_changes(changed: dict[str, str]) -> str:
@@ -301,6 +191,72 @@ def _list_changes(changed: dict[str, str]) -> str:
 
 
 def damaged_files(folder: Path, manifest: Manifest, hashes: HashCache) -> list[str]:
-    """Return a sentence for each file of an artifact that is not as its manifest has it."""
+    """Describe each file of an artifact that is not as its manifest has it."""
     found = unlike_files(folder, manifest.outputs, hashes)
     return [f"{name} {what}" for name, what in found.items() if name != FILE_NAME]
+
+
+@contextmanager
+def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[None]:
+    """Hold the lock `path`, which the kernel frees when its holder dies, however it dies.
+
+    Raises LockedError when another process holds it after `wait_s` seconds.
+    """
+    make_folder(path.parent)
+    with storage_errors(path.parent):
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
+    try:
+        _acquire(descriptor, path, time.monotonic() + wait_s)
+        with storage_errors(path.parent):
+            os.truncate(descriptor, 0)
+            os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
+        try:
+            yield
+        finally:
+            with suppress(OSError):
+                os.truncate(descriptor, 0)  # a finished run holds no file without a checksum
+    finally:
+        os.close(descriptor)
+
+
+def _acquire(descriptor: int, path: Path, until: float) -> None:
+    while True:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return
+        except BlockingIOError:
+            if time.monotonic() >= until:
+                holder = os.pread(descriptor, 32, 0).decode(errors="replace").strip() or "unknown"
+                raise LockedError(
+                    f"dive is locked by process {holder}",
+                    where=str(path.parent.parent),
+                    remedy="wait for it to end, or wait in the command with --wait SECONDS",
+                ) from None
+            time.sleep(_POLL_S)
+
+
+def _refuse_foreign(root: Path) -> None:
+    """Raise UsageError for a folder that is a link or somebody else's, or with links in a run."""
+    if root.is_symlink():
+        raise UsageError("the run's folder is a symbolic link", where=str(root), remedy=_REMEDY)
+    if not root.is_dir():
+        return
+    if not (root / PRIVATE).is_dir() and any(root.iterdir()):
+        what = "the folder is not empty and holds no run"
+        raise UsageError(what, where=str(root), remedy=_REMEDY)
+    for path in _own_paths(root):
+        if path.is_symlink():
+            what = "a symbolic link lies among the run's own files"
+            raise UsageError(what, where=str(path), remedy="remove it")
+
+
+def _own_paths(root: Path) -> Iterator[Path]:
+    """Yield every path that a run writes to or removes by name; artifacts are replaced whole."""
+    yield from root.iterdir()
+    for folder, folders, files in os.walk(root / PRIVATE):
+        yield from (Path(folder, name) for name in (*folders, *files))
+    if (root / COMPARE_FOLDER).is_dir():
+        for variant in (root / COMPARE_FOLDER).iterdir():
+            yield variant
+            if variant.is_dir() and not variant.is_symlink():
+                yield from _own_paths(variant)

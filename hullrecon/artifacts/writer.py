@@ -24,26 +24,36 @@ from hullrecon.artifacts.disk import (
 from hullrecon.artifacts.documents import encode
 from hullrecon.artifacts.manifest import FILE_NAME
 
-# the earliest date that zip can say: the clock must not show in an artifact
-_ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
+_ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date of a zip: no clock shows in an artifact
 _UNIX = 3
 
 
 class ArtifactWriter:
-    """Implements `stage.Writer` over one folder."""
+    """Writes the files of one artifact; nothing else opens a file for writing in RUNS."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def arrays(self, name: str, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-        """Write an uncompressed .npz, members sorted by name, in C order, without dates.
+        """Write an uncompressed .npz: the same bytes for the same arrays, whatever their order.
 
         Raises ValueError for arrays of objects.
         """
-        with durable_file(self._place(name)) as file:
-            _write_npz(file, arrays)
+        with (
+            durable_file(self._place(name)) as file,
+            zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive,
+        ):
+            for member_name, array in sorted(arrays.items()):
+                member = zipfile.ZipInfo(f"{member_name}.npy", _ZIP_EPOCH)
+                member.create_system = _UNIX
+                member.external_attr = 0o644 << 16
+                with archive.open(member, "w", force_zip64=True) as stream:
+                    np.lib.format.write_array(
+                        cast(BinaryIO, stream), np.asarray(array, order="C"), allow_pickle=False
+                    )
 
     def json(self, name: str, value: object) -> None:
+        """Write indented JSON with sorted keys. Raises ValueError for a NaN."""
         try:
             data = encode(value)
         except ValueError as error:
@@ -57,10 +67,12 @@ class ArtifactWriter:
         write_file(self._place(name), value)
 
     def path(self, name: str) -> AbstractContextManager[Path]:
+        """Give a temporary path for a library to write to, renamed at the end of the `with`."""
         return durable_path(self._place(name))
 
     @contextmanager
     def scratch(self) -> Iterator[BinaryIO]:
+        """Give an empty file without a name, which is gone at the end of the `with`."""
         with storage_errors(self._folder):
             make_folder(self._folder)
             with tempfile.TemporaryFile(dir=self._folder) as file:
@@ -71,15 +83,3 @@ class ArtifactWriter:
         if not parts or parts[0] == "/" or ".." in parts or name == FILE_NAME:
             raise ValueError(f"{name!r} is no name for a file of an artifact")
         return self._folder.joinpath(*parts)
-
-
-def _write_npz(file: BinaryIO, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
-        for name, array in sorted(arrays.items()):
-            member = zipfile.ZipInfo(f"{name}.npy", _ZIP_EPOCH)
-            member.create_system = _UNIX
-            member.external_attr = 0o644 << 16
-            with archive.open(member, "w", force_zip64=True) as stream:
-                np.lib.format.write_array(
-                    cast(BinaryIO, stream), np.asarray(array, order="C"), allow_pickle=False
-                )

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hullrecon.artifacts.executor import choose_executor
-from hullrecon.artifacts.progress import Progress, Silent
+from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.runner import RunContext
 from hullrecon.artifacts.workspace import COMPARE_FOLDER
 from hullrecon.artifacts.writer import ArtifactWriter
@@ -99,4 +99,4 @@ def draw_figures(
 @contextmanager
 def _run_context(dive: DiveRun, jobs: int, progress: Progress | None) -> Iterator[RunContext]:
     with choose_executor(jobs) as executor:
-        yield RunContext(dive.workspace.hashes(), executor, progress or Silent())
+        yield RunContext(dive.workspace.hashes(), executor, progress or Progress())

@@ -12,7 +12,7 @@ from types import ModuleType
 import pytest
 
 from hullrecon.artifacts.chain import StepStatus
-from hullrecon.artifacts.executor import Serial
+from hullrecon.artifacts.executor import Executor
 from hullrecon.artifacts.runner import RunContext, run_chain
 from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import LockedError, StageError, StorageError
@@ -122,7 +122,7 @@ def test_a_skipped_step_is_absent_from_what_uses_it(
     outcomes = run_chain(
         toy.Chain(stages, chain.sections, package),
         workspace,
-        RunContext(workspace.hashes(), Serial()),
+        RunContext(workspace.hashes(), Executor()),
     )
     assert [o.before.state for o in outcomes if o.before.stage.name == "right"] == ["skipped"]
     assert total(workspace) == {"total": 1.0, "of": ["left"]}
@@ -161,7 +161,7 @@ def test_preflight_sees_the_plan_and_may_end_the_run(
         run_chain(
             toy.chain(package),
             workspace,
-            RunContext(workspace.hashes(), Serial()),
+            RunContext(workspace.hashes(), Executor()),
             preflight=refuse,
         )
     assert seen == ["not run yet"] * 4
@@ -184,5 +184,5 @@ def test_a_run_that_reads_all_data_finds_a_flip_that_hides_behind_its_time(
     path.write_bytes(bytes(256))
     os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
     assert toy.made(toy.run(package, workspace)) == []
-    run_context = RunContext(workspace.hashes(trusting=False), Serial())
+    run_context = RunContext(workspace.hashes(trusting=False), Executor())
     assert toy.made(run_chain(toy.chain(package), workspace, run_context)) == ["left"]

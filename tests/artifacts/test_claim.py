@@ -11,7 +11,7 @@ from types import ModuleType
 
 import pytest
 
-from hullrecon.artifacts.executor import Serial
+from hullrecon.artifacts.executor import Executor
 from hullrecon.artifacts.manifest import HashCache
 from hullrecon.artifacts.runner import RunContext, run_chain
 from hullrecon.artifacts.workspace import Workspace
@@ -161,7 +161,9 @@ def test_a_name_that_no_file_system_takes_is_said(
 ) -> None:
     with pytest.raises(UsageError, match="the name of the run's folder is too long"):
         run_chain(
-            toy.chain(package), Workspace(tmp_path / ("x" * 300)), RunContext(HashCache(), Serial())
+            toy.chain(package),
+            Workspace(tmp_path / ("x" * 300)),
+            RunContext(HashCache(), Executor()),
         )
 
 

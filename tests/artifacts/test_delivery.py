@@ -16,7 +16,7 @@ import pytest
 
 from hullrecon.artifacts.checking import check_workspace
 from hullrecon.artifacts.disk import copy_file
-from hullrecon.artifacts.executor import Serial
+from hullrecon.artifacts.executor import Executor
 from hullrecon.artifacts.runner import RunContext, StepOutcome, run_chain
 from hullrecon.artifacts.workspace import Workspace
 
@@ -38,7 +38,7 @@ def flip_quietly(path: Path) -> None:
 
 def run_and_read(toy: ModuleType, package: Path, workspace: Workspace) -> list[StepOutcome]:
     return run_chain(
-        toy.chain(package), workspace, RunContext(workspace.hashes(trusting=False), Serial())
+        toy.chain(package), workspace, RunContext(workspace.hashes(trusting=False), Executor())
     )
 
 

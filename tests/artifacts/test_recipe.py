@@ -10,7 +10,7 @@ import pytest
 from msgspec import Struct
 
 from hullrecon.artifacts.manifest import HashCache, Recipe
-from hullrecon.artifacts.recipe import content_hash, external_files, make_recipe
+from hullrecon.artifacts.recipe import content_hash, external_files, make_job
 from hullrecon.artifacts.stage import Stage, settings_for
 from hullrecon.errors import InputError
 
@@ -33,7 +33,7 @@ def stage(*files: str) -> Stage:
 
 def recipe_of(source: Path, *files: str, inputs: dict[str, Path] | None = None) -> Recipe:
     read = stage(*files)
-    return make_recipe(read, settings_for(read, {}), inputs or {}, source, HashCache())
+    return make_job(read, {}, inputs or {}, source, HashCache()).recipe
 
 
 def test_files_stand_by_their_path_in_the_package_and_a_folder_file_by_file(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from types import ModuleType
 import pytest
 
 from hullrecon.artifacts.chain import Chain
-from hullrecon.artifacts.executor import Serial
+from hullrecon.artifacts.executor import Executor
 from hullrecon.artifacts.manifest import hash_file
 from hullrecon.artifacts.runner import RunContext, run_chain
 from hullrecon.artifacts.stage import Context, Stage
@@ -48,7 +48,7 @@ def remove(package: Path) -> None:
 
 
 def run(chain: Chain, workspace: Workspace) -> None:
-    run_chain(chain, workspace, RunContext(workspace.hashes(), Serial()))
+    run_chain(chain, workspace, RunContext(workspace.hashes(), Executor()))
 
 
 def changing(toy: ModuleType, package: Path, step: str, change: Change) -> Chain:

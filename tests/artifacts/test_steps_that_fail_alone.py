@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from hullrecon.artifacts.chain import Chain
-from hullrecon.artifacts.executor import Serial
+from hullrecon.artifacts.executor import Executor
 from hullrecon.artifacts.runner import RunContext, StepOutcome, first_failure, run_chain
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.artifacts.workspace import Workspace
@@ -45,7 +45,7 @@ def chain(toy: ModuleType, package: Path, **sections: object) -> Chain:
 
 def run(chain: Chain, workspace: Workspace, *, keep_going: bool = True) -> list[StepOutcome]:
     return run_chain(
-        chain, workspace, RunContext(workspace.hashes(), Serial()), keep_going=keep_going
+        chain, workspace, RunContext(workspace.hashes(), Executor()), keep_going=keep_going
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from msgspec import Struct
 
 from hullrecon.artifacts.chain import Chain
-from hullrecon.artifacts.executor import Serial
+from hullrecon.artifacts.executor import Executor
 from hullrecon.artifacts.runner import RunContext, StepOutcome, run_chain
 from hullrecon.artifacts.stage import Context, Stage, load_arrays
 from hullrecon.artifacts.workspace import Workspace
@@ -91,7 +91,7 @@ def chain(package: Path, **sections: object) -> Chain:
 def run(
     package: Path, workspace: Workspace, *, from_scratch: bool = False, **sections: object
 ) -> list[StepOutcome]:
-    run_context = RunContext(workspace.hashes(), Serial())
+    run_context = RunContext(workspace.hashes(), Executor())
     return run_chain(chain(package, **sections), workspace, run_context, from_scratch=from_scratch)
 
 

@@ -10,7 +10,7 @@ from end_to_end.shell import Shell
 
 from hullrecon.api.dive_run import open_dive
 from hullrecon.artifacts.executor import choose_executor
-from hullrecon.artifacts.progress import Silent
+from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.runner import RunContext
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.rigid_fit import fit_rigid
@@ -55,7 +55,7 @@ def drawn(tmp_path_factory):
             dive,
             read_dead_reckoning(dive),
             read_truth(dive.chain.package),
-            RunContext(dive.workspace.hashes(), executor, Silent()),
+            RunContext(dive.workspace.hashes(), executor, Progress()),
         )
     return dive, {figure.name: figure for figure in figures}
 

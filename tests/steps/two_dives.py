@@ -16,7 +16,7 @@ from change.conftest import ADDED, GROWN
 from change.simulated_surveys import BEFORE, cad_model, chart, drawn, survey
 
 from hullrecon.artifacts.chain import Chain
-from hullrecon.artifacts.executor import Serial
+from hullrecon.artifacts.executor import Executor
 from hullrecon.artifacts.manifest import Manifest, Recipe, hash_file, write_manifest
 from hullrecon.artifacts.runner import RunContext, StepOutcome, run_chain
 from hullrecon.artifacts.stage import Context, Stage
@@ -182,7 +182,7 @@ class SimulatedDive:
         return Chain((*self.steps, STAGE, report), sections, self.package)
 
     def run(self, *, from_scratch: bool = False) -> dict[str, StepOutcome]:
-        context = RunContext(self.workspace.hashes(), Serial())
+        context = RunContext(self.workspace.hashes(), Executor())
         outcomes = run_chain(
             self.chain, self.workspace, context, from_scratch=from_scratch, keep_going=True
         )

@@ -29,7 +29,7 @@ from hullrecon.api.fleet.records import FOLDER, DiveRecord, FleetRecords
 from hullrecon.api.fleet.text import as_utf8
 from hullrecon.artifacts.disk import make_folder
 from hullrecon.artifacts.executor import choose_executor
-from hullrecon.artifacts.progress import Progress, Silent
+from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.workspace import PUBLISHED, hold_lock
 from hullrecon.errors import LockedError, StageError, UsageError
 
@@ -81,7 +81,7 @@ def run_fleet(
             with closing(
                 run_each(commands, jobs, out / FOLDER, time_limit_s or math.inf, start)
             ) as ended:
-                for package, end in (progress or Silent()).track(ended, "dives", len(commands)):
+                for package, end in (progress or Progress()).track(ended, "dives", len(commands)):
                     running.remove(package)
                     done[package] = _outcome(to_do[package], end, out)
                     _note(to_do[package], done[package], memory, timed_out=end.timed_out)
