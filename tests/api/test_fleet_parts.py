@@ -217,7 +217,7 @@ def test_the_signature_of_the_program_is_that_of_its_code(
 ) -> None:
     assert program_signature() == program_signature()
     before = program_signature()
-    monkeypatch.setattr("hullrecon.__version__", "another")
+    monkeypatch.setattr("hullrecon.api.fleet.listing.version", lambda: "another")
     assert program_signature() != before
 
 

@@ -199,7 +199,7 @@ def checkout(tmp_path: Path, pipelines: Path) -> Path:
     return folder
 
 
-def test_hullrecon_is_installed_again_when_its_modules_have_moved_and_only_then(
+def test_setup_installs_again_for_native_code_but_not_for_a_module_that_moved(
     call, checkout: Path
 ) -> None:
     def installations() -> int:
@@ -212,9 +212,10 @@ def test_hullrecon_is_installed_again_when_its_modules_have_moved_and_only_then(
     assert installations() == 1
     (checkout / "hullrecon" / "folder").mkdir()
     (checkout / "hullrecon" / "old.py").rename(checkout / "hullrecon" / "folder" / "new.py")
-    assert [installations(), installations()] == [2, 2]
     (checkout / "cli" / "more.py").touch()
-    assert installations() == 3
+    assert installations() == 1
+    (checkout / "native" / "a.cpp").write_text("int changed;\n")
+    assert [installations(), installations()] == [2, 2]
 
 
 def test_make_alone_sets_up(call, checkout: Path) -> None:

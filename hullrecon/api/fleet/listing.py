@@ -16,6 +16,7 @@ from pathlib import Path
 
 import hullrecon
 from hullrecon.api.fleet.packages import special_kind
+from hullrecon.version import version
 
 MADE_BY_RUNS = (".hullrecon", "logs", "quarantine")  # in RUNS/<dive>, beside the artifacts
 
@@ -60,7 +61,7 @@ def program_signature() -> str:
     at again.
     """
     package = Path(hullrecon.__file__).parent
-    marks = hashlib.sha256(hullrecon.__version__.encode())
+    marks = hashlib.sha256(version().encode())
     for path in sorted([*package.rglob("*.py"), *package.glob("*.so")]):
         marks.update(
             os.fsencode(path.relative_to(package)) + b"\0%d %d %d %d\n" % _mark(path.stat())
