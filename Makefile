@@ -7,6 +7,7 @@
 #   make web     rebuild the script and the style of the report page (needs Node and npm; nothing else does)
 #   make bench-peers   the environment of the peers that benchmarks/peers.py measures (pycolmap, GTSAM)
 #   make outside-readers   read the demo's files with other people's programs (GDAL, pycolmap, laspy, the glTF validator, evo ...)
+#   make docs    build the documents as a site in build/site (mkdocs, in an environment of its own)
 #   make check   lint, types, imports and format (what CI checks besides)
 #
 # Set-up needs `make` and `git` alone. It lists the system packages that are missing and installs them with apt-get as root or
@@ -27,7 +28,7 @@ export OMP_NUM_THREADS = 1
 # Compiled modules are kept, whatever the caller's environment says: else each process compiles all that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo test test-fast check lint types imports format sanitize web bench-peers outside-readers clean
+.PHONY: docs setup demo test test-fast check lint types imports format sanitize web bench-peers outside-readers clean
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -106,6 +107,19 @@ $(OUTSIDE)/.installed: $(wildcard tests/outside_readers/*.txt tests/outside_read
 	@$(OUTSIDE)/venv/bin/python -m pip install -q -r $(READERS)/requirements.txt
 	@cp $(READERS)/*.json $(READERS)/*.mjs $(OUTSIDE)
 	@cd $(OUTSIDE) && npm ci --ignore-scripts --no-fund --no-audit --silent
+	@touch $@
+
+# The site, by reader: operator, developer, method. mkdocs has an environment of its own.
+DOCS := $(abspath build)/docs
+
+docs: $(DOCS)/.installed
+	@rm -rf build/site-source && mkdir -p build/site-source
+	@cp -r docs *.md build/site-source
+	@$(DOCS)/bin/mkdocs build --quiet && echo "Open the documents: $(abspath build)/site/index.html"
+
+$(DOCS)/.installed: docs/requirements.txt
+	@$(PYTHON) -m venv $(DOCS)
+	@$(DOCS)/bin/python -m pip install -q -r $<
 	@touch $@
 
 clean:
