@@ -32,13 +32,12 @@ from benchmarks.false_links import Dive, read_dive
 from benchmarks.legs import OTHER_LEG_M, OVERLAPPING, NoErrors
 from benchmarks.links_in_graph import select, solved_graph
 from hullrecon.navigation.pose_graph.graph import GraphSolution
-from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
+from hullrecon.steps.artifacts import LinksArtifact
 from hullrecon.typing import Array, Ints, Mask
-from hullrecon.vision.appearance.inverted_file import invert
 from hullrecon.vision.appearance.recognition import Recognition, learn_words, recognise_places
-from hullrecon.vision.compared_pairs import Item, LinkedScene, NavigatedDive, Result
+from hullrecon.vision.appearance.vocabulary import invert
+from hullrecon.vision.compared_pairs import Item, LinkedScene, Result
 from hullrecon.vision.pairs.camera_track import CameraTrack
-from hullrecon.vision.pairs.match_worker import MatchStereo
 from hullrecon.vision.pairs.selection import footprint_overlap
 
 RANKS = (1, 5, 20)
@@ -117,7 +116,7 @@ def retrieval(dive: Dive, scene: LinkedScene, keyframes: Ints) -> Figures:
 def closed(dive: Dive, scene: LinkedScene, keyframes: Ints, solved: GraphSolution) -> Figures:
     """Return what the step would take, and how much of that is false."""
     track = scene.track(solved.path, solved.relative_errors(scene.bottom))
-    found = recognise_places(scene, track, keyframes, np.zeros(0, np.int64), here)
+    found = recognise_places(scene, track, keyframes, np.zeros(0, np.int64))
     if found is None:
         return {"asked": False}
     wrong = false_links(dive, found)
@@ -158,16 +157,9 @@ def main() -> int:
     parser.add_argument("--json", type=Path)
     args = parser.parse_args()
     dive, links = read_dive(args.package, args.run), LinksArtifact(args.run / "links")
-    navigate = NavigateArtifact(args.run / "navigate")
-    navigated = NavigatedDive(
-        trajectory=navigate.trajectory,
-        errors=navigate.error_model,
-        returns=navigate.returns,
-        tray_sigma_rad=0.0,
-    )
-    nodes = [replace(node, stereo=MatchStereo(dive.worker)(node)[1]) for node in dive.nodes]
+    nodes = [replace(node, stereo=dive.worker.match_stereo(node)[1]) for node in dive.nodes]
     scene = LinkedScene(
-        worker=dive.worker, dive=navigated, nodes=nodes, depth_m=dive.depth_m, bottom=dive.bottom
+        worker=dive.worker, map_items=here, nodes=nodes, depth_m=dive.depth_m, bottom=dive.bottom
     )
     pairs = links.pairs
     keyframes = np.unique(np.r_[pairs.first[~pairs.across], pairs.second[~pairs.across]])

@@ -45,7 +45,6 @@ from hullrecon.steps.chain import stages
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.match_images import stereo_by_node
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pair_match import PairMatch, Reason
 from hullrecon.vision.pairs.camera_track import (
     CameraTrack,
     depth_priors,
@@ -55,11 +54,10 @@ from hullrecon.vision.pairs.camera_track import (
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.match_worker import (
     MatchNode,
-    MatchPairs,
-    MatchStereo,
     MatchWorker,
     NodePair,
 )
+from hullrecon.vision.pairs.pair_match import PairMatch, Reason
 from hullrecon.vision.pairs.selection import footprint_overlap
 from hullrecon.vision.stereo.matching import no_matches
 
@@ -124,7 +122,7 @@ def read_dive(package: Path, run: Path) -> Dive:
     depths = (
         [None] * len(track)
         if returns is None
-        else depth_priors(track, reckoned, returns, rig, options.range_margin)
+        else depth_priors(track, reckoned, returns, rig)
     )
     bare = [
         MatchNode(image=i, depth=d, stereo=no_matches())
@@ -239,10 +237,10 @@ def compare(dive: Dive, offer: Offer, what: str) -> list[PairMatch]:
         ]
         touched = sorted({p.first for p in pairs} | {p.second for p in pairs})
         views = {
-            k: replace(dive.nodes[k], stereo=MatchStereo(dive.worker)(dive.nodes[k])[1])
+            k: replace(dive.nodes[k], stereo=dive.worker.match_stereo(dive.nodes[k])[1])
             for k in touched
         }
-        out += MatchPairs(dive.worker)((views, pairs))
+        out += dive.worker.match_pairs((views, pairs))
         linked = sum(match.reason is Reason.MATCHED for match in out)
         print(
             f"{what}: {len(out)} of {len(offer)} offered, {linked} linked",

@@ -21,7 +21,7 @@ import numpy as np
 from hullrecon import native
 from hullrecon.typing import Array, Floats32, Ints
 from hullrecon.vision.features.descriptors import sparse_distance
-from hullrecon.vision.pairs.gated_search import in_ellipse
+from hullrecon.vision.pairs.gating import in_ellipse
 
 CHI2 = 9.21
 SIGMA = 0.03  # ideal units, of where a feature is sought

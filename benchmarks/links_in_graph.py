@@ -17,8 +17,8 @@ from hullrecon.records.links import CameraLinks, no_links
 from hullrecon.rig import RIG_SECTIONS, rig_with_priors
 from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
 from hullrecon.typing import Ints, Mask
-from hullrecon.vision.pair_match import PairMatch
 from hullrecon.vision.pairs.cycles import contradicted_links
+from hullrecon.vision.pairs.pair_match import PairMatch
 
 RIGHT, MOST_GRAPHS = 20, 10  # links of the run to a false one; graphs that are solved
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,45 +20,63 @@ from hullrecon.dive.package_files import named_images
 from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.typing import Array, Ints, Mask
-from hullrecon.vision.features.extraction import FeatureOptions, Features, extract
-from hullrecon.vision.features.saliency import local_saliency
+from hullrecon.typing import Array, Ints, Mask, Pixels
+from hullrecon.vision.features.extraction import (
+    FeatureOptions,
+    Features,
+    extract,
+    local_saliency,
+)
 from hullrecon.vision.features.store import GrowingArray
 
 BLOCK = 128  # images whose features are in memory at a time
 
 
+FindFeatures = Callable[[Pixels, FeatureOptions], Features]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Extract:
-    """Finds the features of one image, by its row in the camera's index; picklable."""
+    """Finds the features of one image, by its row in the camera's index. Picklable."""
 
     ingest: Path
     source: Path
     camera: Camera
     options: FeatureOptions
-    corners: bool
+    find: FindFeatures
 
     def __call__(self, image: int) -> Features | None:
-        """Return the features; None when the image cannot be read after all."""
+        """Find the features; None when the image cannot be read after all."""
         picture = ImageStore(self.ingest, self.source, self.camera.key).read(image)
-        return None if picture is None else extract(picture, self.options, self.corners)
+        return None if picture is None else self.find(picture, self.options)
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Return why a dive cannot have this step; None where it can."""
+    """Say why a dive cannot have this step; None where it can."""
     return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 
 
 def external(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the images that tables of the package name, relative to it, which this step reads
-    again.
-    """
+    """List the images, relative to the package, that its tables name and this step reads again."""
     return named_images(package, settings.read("logs", Logs).files)
 
 
-def run(context: Context[FeatureOptions]) -> None:
-    """Leave the features of each camera and index.npz. Raises StageError where no image has one,
-    InputError where the upper camera has no image.
+def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
+    """Leave the features of each camera and index.npz.
+
+    Parameters
+    ----------
+    context
+        The step's.
+    find
+        Finds the features of an image; hullrecon/studies has a published variant.
+
+    Raises
+    ------
+    InputError
+        Where the top camera has no image.
+    StageError
+        Where no image has a feature.
     """
     top = InputArtifacts(context.inputs).ingest.image_index(Camera.TOP)
     if top is None or not len(top.t_ns):
@@ -71,58 +89,38 @@ def run(context: Context[FeatureOptions]) -> None:
     for camera in Camera:
         images = InputArtifacts(context.inputs).ingest.image_index(camera)
         if images is not None:
-            written = _write_camera(context, camera, images.usable)
-            index[f"{camera.key}_start"] = np.concatenate([[0], np.cumsum(written.count)]).astype(
-                np.int64
-            )
-            index[f"{camera.key}_saliency"] = written.saliency
-            if written.corners.any():
-                index[f"{camera.key}_corners"] = written.corners
+            count, saliency = _write_camera(context, camera, images.usable, find)
+            start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+            index[f"{camera.key}_start"], index[f"{camera.key}_saliency"] = start, saliency
     if not any(index[name][-1] for name in index if name.endswith("_start")):
         raise StageError(
             "no image has a feature",
             where="features",
-            remedy="lower features.contrast_threshold, or check the images",
+            remedy="look whether images are lit, sharp and of the hull",
         )
     context.out.arrays("index.npz", index)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Written:
-    """Of each image (n,): the number of its features, how many of them are corners, and its
-    saliency.
-    """
-
-    count: Ints
-    corners: Ints
-    saliency: Array
-
-
-def _write_camera(context: Context[FeatureOptions], camera: Camera, usable: Mask) -> _Written:
-    """Write one camera's arrays block by block; return what is known by image."""
-    corners = context.settings.read("matches.harris_share", float) > 0
+def _write_camera(
+    context: Context[FeatureOptions], camera: Camera, usable: Mask, find: FindFeatures
+) -> tuple[Ints, Array]:
+    """Write one camera's arrays block by block; give features and saliency of each image (n,)."""
     work = Extract(
         ingest=context.inputs["ingest"],
         source=context.source,
         camera=camera,
         options=context.parameters,
-        corners=corners,
+        find=find,
     )
-    n = len(usable)
-    out = _Written(count=np.zeros(n, np.int64), corners=np.zeros(n, np.int64), saliency=np.zeros(n))
+    count, saliency = np.zeros(len(usable), np.int64), np.zeros(len(usable))
     with ExitStack() as stack:
 
         def grow(kind: str, width: int, dtype: type[np.generic]) -> GrowingArray:
-            return stack.enter_context(
-                GrowingArray(
-                    stack.enter_context(context.out.path(f"{kind}_{camera.key}.npy")), width, dtype
-                )
-            )
+            path = stack.enter_context(context.out.path(f"{kind}_{camera.key}.npy"))
+            return stack.enter_context(GrowingArray(path, width, dtype))
 
-        keypoints, descriptors = (
-            grow("keypoints", 4, np.float32),
-            grow("descriptors", 128, np.uint8),
-        )
+        keypoints = grow("keypoints", 4, np.float32)
+        descriptors = grow("descriptors", 128, np.uint8)
         color = grow("color", 3, np.uint8)
         for start in range(0, len(usable), BLOCK):
             rows = [int(row) for row in start + np.flatnonzero(usable[start : start + BLOCK])]
@@ -132,12 +130,12 @@ def _write_camera(context: Context[FeatureOptions], camera: Camera, usable: Mask
                         f"image {row} of {camera.key} could not be read: it has no features"
                     )
                     continue
-                out.count[row], out.corners[row] = len(found), found.corners
-                out.saliency[row] = local_saliency(found.without_corners().descriptors)
+                count[row] = len(found)
+                saliency[row] = local_saliency(found.descriptors[found.scored])
                 keypoints.append(found.keypoints)
                 descriptors.append(found.descriptors)
                 color.append(found.color)
-    return out
+    return count, saliency
 
 
 STAGE = Stage(
@@ -147,7 +145,7 @@ STAGE = Stage(
     parameters=FeatureOptions,
     version=3,
     run=run,
-    uses=("camera.top.time_offset", "logs", "matches.harris_share"),
+    uses=("camera.top.time_offset", "logs"),
     external=external,
     applies=applies,
 )

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""links: images compared pair by pair, in rounds, patches of hull seen again, and the path that
-these and navigation give.
-"""
+"""links: images compared in rounds, patches of hull seen again, and the path that these give."""
 
 from __future__ import annotations
 
@@ -17,24 +15,40 @@ from hullrecon.records.links import no_links
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_SECTIONS, rig_with_priors
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.vision.compared_pairs import NavigatedDive
-from hullrecon.vision.link_images import PathSolver, link_images
+from hullrecon.vision.link_images import NavigatedDive, PathSolver, link_images
 from hullrecon.vision.options import LinkOptions, MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
+from hullrecon.vision.pairs.matching import MatchStrategy
+from hullrecon.vision.stereo.camera_rig import CameraRig
+
+# Guards the path against wrong links: dynamic covariance scaling [docs/methods.md (51)].
+KERNEL = "scaling"
 
 
-def run(context: Context[LinkOptions]) -> None:
-    """Leave what pairs of images have in common, which patches of the hull were passed again, and
-    the path that this ties.
+def run(
+    context: Context[LinkOptions],
+    kernel: str = KERNEL,
+    strategy: MatchStrategy = MatchStrategy(),  # noqa: B008  frozen
+) -> None:
+    """Leave pairs of images, patches of hull passed again, and the path that both tie.
+
+    Parameters
+    ----------
+    context
+        The step's.
+    kernel
+        Guards the path against wrong links; hullrecon/studies compares others.
+    strategy
+        How images are matched; hullrecon/studies has published variants.
     """
     inputs = InputArtifacts(context.inputs)
-    graph = pose_graph(inputs, inputs.mounted(context.settings), context.parameters.kernel)
+    graph = pose_graph(inputs, inputs.mounted(context.settings), kernel)
     returns = inputs.navigate.returns if context.parameters.planes else None
     planar = None if returns is None else planar_graph(graph, returns, inputs.ingest.hull)
     solve: PathSolver[GraphSolution] = (planar or graph).solve
     facts: dict[str, object] = {}
     if "features" in context.inputs:
-        facts, solved = _link_images(context, solve)
+        facts, solved = _link_images(context, solve, strategy)
     else:
         solved = solve(no_links(), None)
         context.out.arrays("path.npz", to_arrays(solved.record()))
@@ -50,10 +64,8 @@ def run(context: Context[LinkOptions]) -> None:
     context.out.json("links.json", facts)
 
 
-def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str) -> PoseGraph:
-    """Return the pose graph of a dive without links; settings: with the mounts in place that the
-    log tells.
-    """
+def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str = KERNEL) -> PoseGraph:
+    """Build the pose graph of a dive without links; settings hold the mounts that the log tells."""
     navigate = inputs.navigate
     return PoseGraph(
         trajectory=navigate.trajectory,
@@ -66,9 +78,9 @@ def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str) -> 
 
 
 def _link_images(
-    context: Context[LinkOptions], solve: PathSolver[GraphSolution]
+    context: Context[LinkOptions], solve: PathSolver[GraphSolution], strategy: MatchStrategy
 ) -> tuple[dict[str, object], GraphSolution]:
-    """Write what the images tie, and return its numbers and the path as solved with it."""
+    """Link the images and write what they tie; give its figures and the path solved with it."""
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     rig = rig_with_priors(settings, inputs.ingest.camera_models)
@@ -76,6 +88,7 @@ def _link_images(
         features=context.inputs["features"],
         rig=rig,
         options=settings.read("matches", MatchOptions),
+        strategy=strategy,
     )
     navigate = inputs.navigate
     dive = NavigatedDive(
@@ -102,8 +115,8 @@ def _link_images(
         context.warn(sentence)
     if found.look_alikes:
         context.warn(
-            "Images on both sides of an outage match, but other places of the hull look alike too: they are not taken for one "
-            "place."
+            "Images on both sides of an outage match, but other places of the hull look alike too: "
+            "they are not taken for one place."
         )
     if found.appearance and found.appearance[-1].refusal is not None:
         context.warn(
@@ -120,7 +133,7 @@ def _link_images(
 
 
 def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
-    """Write the planes that tie the path, where there are any, and return their numbers."""
+    """Write the planes that tie the path, where there are any, and give their figures."""
     if not isinstance(solved, PlanarSolution):
         return {}
     if solved.planes is not None:
@@ -139,7 +152,7 @@ def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[
 
 
 def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
-    """Return the numbers of the positions from outside, and warn where they contradict navigation."""
+    """Compare positions from outside with the path, and warn where they contradict navigation."""
     fit = solved.fit_of_positions()
     if fit is None:
         return {}
@@ -147,6 +160,14 @@ def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) ->
     if sentence is not None:
         context.warn(sentence)
     return {"positions": fit.facts()}
+
+
+def _rig_values(settings: Mapping[str, object]) -> dict[str, object]:
+    """Pick the values of a rig out of its sections, which are read whole for their sigmas."""
+    sections = {key: key.rpartition(".") for key in RIG_KEYS if not key.startswith("sonar")}
+    return {
+        key: getattr(settings[section], name, None) for key, (section, _, name) in sections.items()
+    }
 
 
 STAGE = Stage(

@@ -14,12 +14,13 @@ from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.vision.match_images import MatchedImages, join_images
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pair_match import REASON_TEXTS
 from hullrecon.vision.pairs.match_worker import MatchWorker
+from hullrecon.vision.pairs.pair_match import REASON_TEXTS
+from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Return why a dive cannot have this step; None where it can."""
+    """Say why a dive cannot have this step; None where it can."""
     return None if settings["camera.top.mount"] is not None else "no camera was carried"
 
 
@@ -45,16 +46,13 @@ def run(context: Context[MatchOptions]) -> None:
 
 
 def _write_pairs(context: Context[MatchOptions], found: MatchedImages) -> None:
-    pairs, chains = found.pairs, found.chains()
-    kinds = {} if found.corners is None else {"corners": found.corners}
-    context.out.arrays("pairs.npz", {**to_arrays(pairs), "inliers": found.inliers, **kinds})
-    reasons = {str(int(code)): text for code, text in REASON_TEXTS.items()}
+    context.out.arrays("pairs.npz", {**to_arrays(found.pairs), "inliers": found.inliers})
     context.out.json(
         "pairs.json",
         {
-            "reasons": reasons,
+            "reasons": {str(int(code)): text for code, text in REASON_TEXTS.items()},
             "failed": found.failures(),
-            "chains": chains,
+            "chains": found.chains(),
             "counts": found.counts(),
         },
     )

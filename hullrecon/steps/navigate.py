@@ -41,9 +41,13 @@ from hullrecon.records.trajectory import Trajectory
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.steps.stereo_check import find_rig_problem
-from hullrecon.vision.continuity import continuity
-from hullrecon.vision.image_motion import image_motion
-from hullrecon.vision.odometry import OdometryFrame, StereoOdometer, stereo_odometer
+from hullrecon.vision.odometry import (
+    OdometryFrame,
+    StereoOdometer,
+    continuity,
+    image_motion,
+    stereo_odometer,
+)
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
 
 Samples = TypeVar("Samples", bound=Stream)

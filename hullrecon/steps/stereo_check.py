@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stereo calibration and stamps held against some images, for `check` and for the step navigate."""
+"""Stereo calibration and stamps checked on some images, for `check` and the step navigate."""
 
 from __future__ import annotations
 
@@ -34,8 +34,25 @@ def find_rig_problem(
     sigma_rad: float,
     dvl: DvlPings | None,
 ) -> RigProblem | None:
-    """Return what some images contradict in calibration, stamps or baseline; None where nothing, or
-    without two cameras.
+    """Check calibration, stamps and baseline on some images.
+
+    Parameters
+    ----------
+    rig
+        The vehicle's sensors.
+    index
+        The images of each camera.
+    read
+        An image by camera and row.
+    sigma_rad
+        Of the bottom camera's rotation.
+    dvl
+        For the baseline; None without one.
+
+    Returns
+    -------
+    problem
+        None where all fits, or without two cameras.
     """
     if len(index) < len(Camera) or len(rig.cameras) < len(Camera):
         return None
@@ -44,17 +61,15 @@ def find_rig_problem(
     found = check_stereo_rig(rig, frames, read, sigma_rad)
     if found is None:
         return None
-    return found.problem or (
-        None if dvl is None or not len(dvl.t_ns) else check_baseline(found, dvl, rig)
-    )
+    if found.problem or dvl is None or not len(dvl.t_ns):
+        return found.problem
+    return check_baseline(found, dvl, rig)
 
 
 def describe_rig_problem(
     loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
 ) -> list[str]:
-    """Return a sentence where the images that `check` kept contradict the stereo rig; none where
-    they fit.
-    """
+    """Say where the images that `check` kept contradict the stereo rig; nothing where they fit."""
     bottom = loaded.config.camera.bottom
     if bottom is None or any(camera.key not in found.images for camera in Camera):
         return []
@@ -63,11 +78,9 @@ def describe_rig_problem(
     def encoded(camera: Camera, row: int) -> bytes | None:
         if index[camera].file[row]:
             return (loaded.package / str(index[camera].file[row])).read_bytes()
-        return (
-            sampled[camera.key].image_at(int(index[camera].offset[row]))
-            if camera.key in sampled
-            else None
-        )
+        if camera.key not in sampled:
+            return None
+        return sampled[camera.key].image_at(int(index[camera].offset[row]))
 
     def read(camera: Camera, row: int) -> Pixels | None:
         data = encoded(camera, row)

@@ -13,12 +13,12 @@ import numpy as np
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
-from hullrecon.records.links import CameraLinks
-from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel, VehiclePath
+from hullrecon.records.links import CameraLinks, NodePairs, PairFeatures
+from hullrecon.records.trajectory import VehiclePath
 from hullrecon.typing import Array, Ints, Mask
-from hullrecon.vision.pair_match import PairMatch
 from hullrecon.vision.pairs.camera_track import CameraTrack, RelativeErrors, leading_cameras
-from hullrecon.vision.pairs.match_worker import MatchNode, MatchPairs, MatchWorker, NodePair
+from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker, NodePair
+from hullrecon.vision.pairs.pair_match import PairMatch
 from hullrecon.vision.pairs.selection import Proposal
 
 BLOCK = 48  # pairs that one call of a worker compares: neighbours share views
@@ -35,40 +35,28 @@ class Map(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class NavigatedDive:
-    """What navigation says; returns: None without a DVL; tray_sigma_rad: of the servo's backlash."""
-
-    trajectory: Trajectory
-    errors: TrajectoryErrorModel
-    returns: Returns | None
-    tray_sigma_rad: float
-
-
-@dataclass(frozen=True, kw_only=True)
 class LinkedScene:
-    """What every round works on. depth_m (n,): of the scene at each node; bottom (n,): nodes where
-    the bottom camera leads.
-    """
+    """What every round works on."""
 
     worker: MatchWorker
-    dive: NavigatedDive
-    nodes: list[MatchNode]
-    depth_m: Array
-    bottom: Mask
+    map_items: Map
+    nodes: list[MatchNode]  # n
+    depth_m: Array  # (n,) of the scene at each node, NaN where unknown
+    bottom: Mask  # (n,) the bottom camera leads
 
     @property
     def camera(self) -> CameraModel:
         return self.worker.rig.model(Camera.TOP)
 
     def track(self, path: VehiclePath, errors: RelativeErrors) -> CameraTrack:
-        """Return the leading cameras on a path."""
+        """Place the leading cameras on a path."""
         poses = leading_cameras(self.worker.rig, path, self.bottom)
         return CameraTrack(global_from_camera=poses, errors=errors)
 
     def match(
-        self, track: CameraTrack, proposal: Proposal, map_items: Map, anywhere: bool = False
+        self, track: CameraTrack, proposal: Proposal, anywhere: bool = False
     ) -> list[PairMatch]:
-        """Return what each proposed pair gives, expected where the track has it, or anywhere."""
+        """Match the proposed pairs, searching where the track expects them, or anywhere."""
         expected = (
             [None] * len(proposal) if anywhere else track.motions(proposal.first, proposal.second)
         )
@@ -83,27 +71,22 @@ class LinkedScene:
             part = pairs[start : start + BLOCK]
             touched = sorted({p.first for p in part} | {p.second for p in part})
             blocks.append(({k: self.nodes[k] for k in touched}, part))
-        return [
-            match
-            for block in map_items(MatchPairs(self.worker), blocks, "pairs")
-            for match in block
-        ]
+        found = self.map_items(self.worker.match_pairs, blocks, "pairs")
+        return [match for block in found for match in block]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedPairs:
-    """The pairs of all rounds so far, in the order in which they were compared, and which of the
-    matched are rejected (m,).
-    """
+    """The pairs of all rounds so far, in the order in which they were compared."""
 
-    proposal: Proposal
-    found: tuple[PairMatch, ...]
-    round: Ints
-    rejected: Mask
+    proposal: Proposal  # m pairs
+    found: tuple[PairMatch, ...]  # m
+    round: Ints  # (m,) number of the round that compared each
+    rejected: Mask  # (m,) matched, but rejected
 
     @staticmethod
     def none() -> ComparedPairs:
-        """Return what there is before the first round."""
+        """Begin before the first round."""
         nothing = np.zeros(0, np.int64)
         proposal = Proposal(
             first=nothing, second=nothing, across=np.zeros(0, bool), overlap=np.zeros(0)
@@ -111,13 +94,13 @@ class ComparedPairs:
         return ComparedPairs(proposal=proposal, found=(), round=nothing, rejected=np.zeros(0, bool))
 
     def keys(self, nodes: int) -> Ints:
-        """Return first * nodes + second of all pairs."""
+        """Encode all pairs as first * nodes + second."""
         return self.proposal.first * nodes + self.proposal.second
 
     def joined_with(
         self, proposal: Proposal, found: Sequence[PairMatch], number: int
     ) -> ComparedPairs:
-        """Return these and the pairs of another round."""
+        """Add the pairs of another round."""
         old = self.proposal
         return ComparedPairs(
             proposal=Proposal(
@@ -132,22 +115,37 @@ class ComparedPairs:
         )
 
     def kept(self) -> Ints:
-        """Return the rows of the pairs that matched and are not rejected."""
+        """List the rows of the pairs that matched and are not rejected."""
         matched = np.array([pair.motion is not None for pair in self.found], bool)
         return np.flatnonzero(matched & ~self.rejected)
 
     def across(self) -> Mask:
-        """Return which of the kept pairs are of two legs."""
+        """Select the kept pairs that are of two legs."""
         return self.proposal.across[self.kept()]
 
     def rejecting(self, links: Mask) -> ComparedPairs:
-        """Return these without some of the kept pairs."""
+        """Reject some of the kept pairs."""
         rejected = self.rejected.copy()
         rejected[self.kept()[links]] = True
         return replace(self, rejected=rejected)
 
-    def links(self, scene: LinkedScene) -> CameraLinks:
-        """Return the relative poses of the kept pairs."""
+    def accepting(self, accepted: Mask) -> ComparedPairs:
+        """Reject those of the last len(accepted) pairs that matched but are not accepted."""
+        rows = self.kept() - (len(self.found) - len(accepted))
+        return self.rejecting((rows >= 0) & ~np.append(accepted, True)[np.maximum(rows, -1)])
+
+    def sorted(self) -> ComparedPairs:
+        """Sort the pairs by (first, second)."""
+        order = np.lexsort((self.proposal.second, self.proposal.first))
+        return ComparedPairs(
+            proposal=self.proposal.take(order),
+            found=tuple(self.found[k] for k in order),
+            round=self.round[order],
+            rejected=self.rejected[order],
+        )
+
+    def links(self, bottom: Mask) -> CameraLinks:
+        """Collect relative poses of the kept pairs; the bottom camera leads at nodes `bottom`."""
         rows = self.kept()
         motions = [pair.motion for pair in (self.found[k] for k in rows) if pair.motion is not None]
         first, second = self.proposal.first[rows], self.proposal.second[rows]
@@ -159,20 +157,29 @@ class ComparedPairs:
             quaternion=relative.quaternion,
             covariance=np.array([m.covariance for m in motions]).reshape(-1, 6, 6),
             scaled=np.array([self.found[k].scaled for k in rows], bool),
-            bottom=np.column_stack([scene.bottom[first], scene.bottom[second]]),
+            bottom=np.column_stack([bottom[first], bottom[second]]),
         )
 
-    def sorted(self) -> ComparedPairs:
-        """Return these by (first, second)."""
-        order, p = np.lexsort((self.proposal.second, self.proposal.first)), self.proposal
-        return ComparedPairs(
-            proposal=Proposal(
-                first=p.first[order],
-                second=p.second[order],
-                across=p.across[order],
-                overlap=p.overlap[order],
-            ),
-            found=tuple(self.found[k] for k in order),
-            round=self.round[order],
-            rejected=self.rejected[order],
+    def features(self) -> PairFeatures:
+        """Collect the common features of the kept pairs."""
+        pairs = [self.found[k] for k in self.kept()]
+        none = np.zeros(0, np.int64)
+        return PairFeatures(
+            start=np.concatenate([[0], np.cumsum([len(p.first) for p in pairs], dtype=np.int64)]),
+            first=np.concatenate([none, *(p.first for p in pairs)]),
+            second=np.concatenate([none, *(p.second for p in pairs)]),
+            distance=np.concatenate([np.zeros(0, np.float32), *(p.distance for p in pairs)]),
+        )
+
+    def record(self) -> NodePairs:
+        """Record what was compared, with reasons for what failed."""
+        return NodePairs(
+            first=self.proposal.first,
+            second=self.proposal.second,
+            across=self.proposal.across,
+            overlap=self.proposal.overlap,
+            round=self.round,
+            putative=np.array([pair.putative for pair in self.found], np.int64),
+            reason=np.array([pair.reason for pair in self.found], np.int64),
+            rejected=self.rejected,
         )

@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The matches of linked images joined to tracks, and what is said of the pairs."""
+"""The matches of linked images joined to tracks, and figures of the pairs."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -15,43 +14,33 @@ from hullrecon.records.links import CameraLinks, NodePairs, NodeStereo, PairFeat
 from hullrecon.records.tracks import Tracks
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
-from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pair_match import REASON_TEXTS, Reason
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.match_worker import MatchWorker
+from hullrecon.vision.pairs.pair_match import REASON_TEXTS, Reason
 from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.tracks.landmarks import FeatureMatches, build_tracks, first_numbers
 from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
 
 NO_IMAGES = (
-    "look whether images are lit, sharp and of the hull; without [camera.top] and [camera.bottom] in dive.toml a run goes on"
-    " with the DVL alone"
+    "look whether images are lit, sharp and of the hull; without [camera.top] and [camera.bottom] "
+    "in dive.toml a run goes on with the DVL alone"
 )
 
 
 @dataclass(frozen=True, kw_only=True)
 class MatchedImages:
-    """The tracks, the pairs that were compared with the number of features that each has in common
-    (m,), how many of these are corners (None where none were looked for), and the number of
-    keyframes and nodes.
-    """
+    """The tracks of a dive, and the pairs that they come from."""
 
     tracks: Tracks
-    pairs: NodePairs
-    inliers: Ints
+    pairs: NodePairs  # m, compared
+    inliers: Ints  # (m,) features that each pair has in common
     keyframes: int
     nodes: int
-    corners: Ints | None = None
 
     def counts(self) -> dict[str, int]:
-        """Return how many pairs, landmarks and observations there are."""
+        """Count pairs, landmarks and observations."""
         matched, tracks = self.pairs.joined, self.tracks
         both = np.isfinite(tracks.top[:, 0]) & np.isfinite(tracks.bottom[:, 0])
-        kinds = (
-            {}
-            if self.corners is None
-            else {"matches": int(self.inliers.sum()), "corner_matches": int(self.corners.sum())}
-        )
         return {
             "keyframes": self.keyframes,
             "nodes": self.nodes,
@@ -63,11 +52,10 @@ class MatchedImages:
             "observations": len(tracks.landmark),
             "stereo_observations": int(both.sum()),
             "landmarks_of_several_nodes": int((np.bincount(tracks.landmark) > 1).sum()),
-            **kinds,
         }
 
     def failures(self) -> dict[str, int]:
-        """Return the number of pairs by the reason why they failed."""
+        """Count the pairs that failed, by reason."""
         codes, counts = np.unique(self.pairs.reason[self.pairs.reason > 0], return_counts=True)
         return {
             REASON_TEXTS[Reason(code)]: int(count)
@@ -75,9 +63,7 @@ class MatchedImages:
         }
 
     def chains(self) -> list[int]:
-        """Return the sizes of the groups of nodes that matches connect, the largest first; without
-        nodes in no pair.
-        """
+        """Count the nodes of each group that matches connect, the largest first."""
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
 
@@ -87,9 +73,8 @@ class MatchedImages:
             return []
         a, b = index[: len(pairs)][joined], index[len(pairs) :][joined]
         graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(nodes), len(nodes)))
-        return sorted(
-            np.bincount(connected_components(graph, directed=False)[1]).tolist(), reverse=True
-        )
+        group = connected_components(graph, directed=False)[1]
+        return sorted(np.bincount(group).tolist(), reverse=True)
 
 
 def join_images(
@@ -101,10 +86,27 @@ def join_images(
     stereo: NodeStereo,
     keyframes: int,
 ) -> MatchedImages:
-    """Return the tracks of linked images; observations that verified pairs contradict are dropped.
+    """Join the matches of linked images to tracks, without observations that links contradict.
 
-    image (n, 2): rows in the cameras' indices. links and features: of the pairs joined, in their
-    order. Raises StageError where no two images match.
+    Parameters
+    ----------
+    worker
+        Reads features.
+    image
+        Rows (n, 2) in the cameras' indices, by node.
+    pairs
+        Compared.
+    links, features
+        Of the pairs joined, in their order.
+    stereo
+        Matches between the cameras of each node.
+    keyframes
+        Their number.
+
+    Raises
+    ------
+    StageError
+        Where no two images match.
     """
     if not pairs.joined.any():
         raise StageError(
@@ -112,11 +114,14 @@ def join_images(
             where=f"links: {_most_frequent_reason(pairs)}",
             remedy=NO_IMAGES,
         )
-    size, start, by_node = (
-        np.diff(features.start),
-        first_numbers(stereo.features),
-        stereo_by_node(stereo),
-    )
+    size, start = np.diff(features.start), first_numbers(stereo.features)
+    by_node, verified = stereo_by_node(stereo), _verified_links(links)
+
+    def contradicted(node: Ints, label: Ints, top: Array, bottom: Array) -> Mask:
+        return contradicted_observations(
+            worker.rig, node, label, top, bottom, verified, worker.options.sigma_px
+        )
+
     tracks = build_tracks(
         stereo.features,
         by_node,
@@ -127,50 +132,17 @@ def join_images(
         ),
         lambda k: worker.read((int(image[k, 0]), int(image[k, 1])), by_node[k]),
         worker.options.single_node,
-        partial(_find_contradictions, worker.rig, _verified_links(links), worker.options),
+        contradicted,
     )
     inliers = np.zeros(len(pairs), np.int64)
     inliers[pairs.joined] = size
-    corners = _count_corners(worker, image, by_node, pairs, links, features)
     return MatchedImages(
-        tracks=tracks,
-        pairs=pairs,
-        inliers=inliers,
-        keyframes=keyframes,
-        nodes=len(image),
-        corners=corners,
-    )
-
-
-def _count_corners(
-    worker: MatchWorker,
-    image: Ints,
-    stereo: list[StereoMatches],
-    pairs: NodePairs,
-    links: CameraLinks,
-    features: PairFeatures,
-) -> Ints | None:
-    """Return how many of the features that each pair has in common (m,) are corners; None where
-    there are none.
-    """
-    if worker.options.harris_share == 0:
-        return None  # no image is read for it
-    views = (
-        worker.read((int(top), int(low)), found).leading
-        for (top, low), found in zip(image, stereo, strict=True)
-    )
-    rows, corners = np.array([(len(view), view.corners) for view in views], np.int64).T
-    if not corners.any():
-        return None
-    pair = np.repeat(np.flatnonzero(pairs.joined), np.diff(features.start))
-    node = np.repeat(links.first, np.diff(features.start))
-    return np.bincount(pair[features.first >= (rows - corners)[node]], minlength=len(pairs)).astype(
-        np.int64
+        tracks=tracks, pairs=pairs, inliers=inliers, keyframes=keyframes, nodes=len(image)
     )
 
 
 def stereo_by_node(stereo: NodeStereo) -> list[StereoMatches]:
-    """Return the matches between the two cameras of each node."""
+    """Split the matches between two cameras by node."""
     rows = [slice(a, b) for a, b in zip(stereo.start[:-1], stereo.start[1:], strict=True)]
     return [
         StereoMatches(top=stereo.top[k], bottom=stereo.bottom[k], point=stereo.point[k])
@@ -186,18 +158,6 @@ def _verified_links(links: CameraLinks) -> list[Link]:
             links.first, links.second, relative, links.covariance, links.scaled, strict=True
         )
     ]
-
-
-def _find_contradictions(
-    rig: Rig,
-    links: list[Link],
-    options: MatchOptions,
-    node: Ints,
-    label: Ints,
-    top: Array,
-    bottom: Array,
-) -> Mask:
-    return contradicted_observations(rig, node, label, top, bottom, links, options)
 
 
 def _most_frequent_reason(pairs: NodePairs) -> str:

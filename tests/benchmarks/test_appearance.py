@@ -11,8 +11,8 @@ from benchmarks.appearance import at_random, false_links, ranked
 from benchmarks.fabmap import SEEN_IF_THERE, learn, log_likelihoods
 from hullrecon.geometry.poses import Poses
 from hullrecon.vision.appearance.recognition import Recognition
-from hullrecon.vision.pair_match import PairMatch, Reason, failed_match
 from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.pair_match import PairMatch, Reason, failed_match
 from hullrecon.vision.pairs.selection import Proposal
 
 

@@ -17,8 +17,8 @@ from benchmarks.false_links import (
 from benchmarks.links_in_graph import joined, links_of, select
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses, from_rpy
-from hullrecon.vision.pair_match import PairMatch, Reason, failed_match
 from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.pair_match import PairMatch, Reason, failed_match
 
 CAMERA = CameraModel(640, 512, 620.0, 620.0, 320.0, 256.0)
 EVERY_M = 4.5

@@ -31,8 +31,8 @@ WALL_M, PIXELS_PER_M = 1.3, 400.0  # a flat painted wall ahead of the camera
 STEP_SIGMA = np.r_[np.full(3, 0.005), np.full(3, 0.002)]  # m, rad of odometry a step
 
 
-def build_dive(folder, along=0.12, per_leg=5, apart=0.35, corners=False):
-    """The features of all images, with corners or without, and the navigation, off by 3 mm."""
+def build_dive(folder, along=0.12, per_leg=5, apart=0.35, find=extract):
+    """The features of all images and the navigation, off by 3 mm."""
     x = along * np.arange(per_leg)
     place = np.concatenate([np.column_stack([x, 0 * x]), np.column_stack([x[::-1], 0 * x + apart])])
     global_from_top = exp(np.column_stack([place, np.zeros((2 * per_leg, 4))]))
@@ -40,7 +40,7 @@ def build_dive(folder, along=0.12, per_leg=5, apart=0.35, corners=False):
         np.random.default_rng(0).integers(0, 255, (1000, 1200)).astype(np.uint8), (0, 0), 2.0
     )
     paint = cv2.normalize(paint, None, 0, 255, cv2.NORM_MINMAX)
-    write_features(folder / "features", global_from_top, paint, corners)
+    write_features(folder / "features", global_from_top, paint, find)
     (folder / "ingest").mkdir()
     (folder / "ingest" / "cameras.json").write_text(
         json.dumps({k: dataclasses.asdict(CAMERA) for k in ("top", "bottom")})
@@ -49,19 +49,18 @@ def build_dive(folder, along=0.12, per_leg=5, apart=0.35, corners=False):
     return SimpleNamespace(folder=folder, global_from_top=global_from_top)
 
 
-def write_features(folder, global_from_top, paint, corners=False):
+def write_features(folder, global_from_top, paint, find=extract):
     folder.mkdir()
     options, index = FeatureOptions(reduction=1.0, max_features=600), {}
     for camera, offset in zip(
         ("camera_top", "camera_bottom"), (from_mount((0,) * 6), from_mount(BELOW)), strict=True
     ):
         found = [
-            extract(see(pose.matrix()[0], paint), options, corners)
+            find(see(pose.matrix()[0], paint), options)
             for pose in ((global_from_top @ offset)[k] for k in range(len(global_from_top)))
         ]
         index[f"{camera}_start"] = np.concatenate([[0], np.cumsum([len(f) for f in found])])
         index[f"{camera}_saliency"] = np.ones(len(global_from_top))
-        index |= {f"{camera}_corners": np.array([f.corners for f in found])} if corners else {}
         for kind, width, dtype in (
             ("keypoints", 4, np.float32),
             ("descriptors", 128, np.uint8),
@@ -185,10 +184,11 @@ def sections(stereo=True, links=LinkOptions(), **options):  # noqa: B008
     }
 
 
-def run_links(dive, out, jobs=1, **options):
-    """Run the step links of a dive into out/links."""
+def run_links(dive, out, jobs=1, links_of=LINKS.run, **options):
+    """Run the step links of a dive into out/links; links_of: the function that the step runs."""
     inputs = {name: dive.folder / name for name in ("ingest", "navigate", "features")}
-    run_stage(LINKS, sections(**options), inputs, out / "links", jobs=jobs)
+    stage = dataclasses.replace(LINKS, run=links_of)
+    run_stage(stage, sections(**options), inputs, out / "links", jobs=jobs)
 
 
 def run_matches(dive, out, **options):

@@ -16,18 +16,14 @@ from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.features import STAGE
 from hullrecon.vision.features.extraction import FeatureOptions, extract
-from hullrecon.vision.features.saliency import local_saliency
 from hullrecon.vision.features.store import FeatureStore
-from hullrecon.vision.options import MatchOptions
 
 SECTIONS = {
     "dive": Dive(name="t"),
     "logs": Logs(files=("logs",)),
     "camera": Cameras(top=CameraTop(calibration="c.yaml")),
     "features": FeatureOptions(max_features=300, reduction=1.0),
-    "matches": MatchOptions(),
 }
-WITH_CORNERS = SECTIONS | {"matches": MatchOptions(harris_share=0.2)}
 
 
 def picture(seed):
@@ -93,31 +89,7 @@ def test_files_are_the_same_bytes_whatever_the_number_of_processes(made, tmp_pat
         assert (one / name).read_bytes() == (two / name).read_bytes()
 
 
-def test_corners_stand_behind_the_sift_features_of_their_image(made, tmp_path):
-    plain = FeatureStore(run(made, tmp_path / "plain"), Camera.TOP)
-    both = FeatureStore(run(made, tmp_path / "both", sections=WITH_CORNERS), Camera.TOP)
-    for image in (0, 2):
-        found, sift = both.read(image), plain.read(image)
-        assert found.corners > 10
-        assert len(found) == len(sift) + found.corners
-        for name in ("keypoints", "descriptors", "color"):
-            np.testing.assert_array_equal(
-                getattr(found.without_corners(), name), getattr(sift, name)
-            )
-    assert both.read(1).corners == 0
-
-
-def test_an_image_is_as_salient_with_corners_as_without(made, tmp_path):
-    store = FeatureStore(run(made, tmp_path / "both", sections=WITH_CORNERS), Camera.TOP)
-    found = store.read(2)
-    assert (
-        store.saliency(2)
-        == local_saliency(found.without_corners().descriptors)
-        != local_saliency(found.descriptors)
-    )
-
-
-def test_without_the_option_an_artifact_says_nothing_of_corners(made, tmp_path):
+def test_index_holds_rows_and_saliency_by_image(made, tmp_path):
     with np.load(run(made, tmp_path / "out") / "index.npz") as index:
         assert sorted(index.files) == ["camera_top_saliency", "camera_top_start"]
 

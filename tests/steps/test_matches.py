@@ -68,57 +68,6 @@ def test_every_observation_of_a_landmark_is_of_one_point_of_the_wall(dive, match
     assert report["chains"] == [10]
 
 
-@pytest.fixture(scope="module")
-def both_kinds(tmp_path_factory):
-    """The dive with corners beside the SIFT features, up to a share of 0.3, and the same without."""
-    dive = build_dive(tmp_path_factory.mktemp("corners"), corners=True)
-    found = {
-        share: run(dive, tmp_path_factory.mktemp("out"), harris_share=share) for share in (0.0, 0.3)
-    }
-    return SimpleNamespace(dive=dive, found=found)
-
-
-def test_corners_become_landmarks_as_right_as_those_of_sift(both_kinds):
-    tracks = {share: found[0] for share, found in both_kinds.found.items()}
-    assert len(tracks[0.0].color) < len(tracks[0.3].color)
-    point = wall_points(both_kinds.dive, tracks[0.3])
-    mean = np.stack([np.bincount(tracks[0.3].landmark, point[:, k]) for k in range(2)], 1)
-    mean /= np.bincount(tracks[0.3].landmark)[:, None]
-    error_px = np.linalg.norm(point - mean[tracks[0.3].landmark], axis=1) * CAMERA.fx / WALL_M
-    assert np.median(error_px) < 0.3
-    assert (error_px > 2).mean() < 0.01
-
-
-def test_corners_are_the_share_of_the_matches_asked_for(both_kinds):
-    share = 0.3
-    _, pairs, report = both_kinds.found[share]
-    counts = report["counts"]
-    assert counts["matches"] == pairs["inliers"].sum()
-    assert counts["corner_matches"] == pairs["corners"].sum()
-    assert (pairs["corners"] <= share * pairs["inliers"] + 1e-6).all()
-    assert pairs["corners"].sum() == pytest.approx(
-        share * pairs["inliers"].sum(), abs=0.05 * pairs["inliers"].sum()
-    )
-
-
-def test_with_corners_no_pair_has_fewer_features_in_common(both_kinds):
-    sift, both = (both_kinds.found[share][1]["inliers"] for share in (0.0, 0.3))
-    assert (both >= sift).mean() >= 0.95
-
-
-def test_corners_in_store_that_no_share_asks_for_change_no_track(both_kinds, matched):
-    tracks, pairs, report = both_kinds.found[0.0]
-    for name in ("landmark", "node", "top", "bottom", "color"):
-        np.testing.assert_array_equal(getattr(tracks, name), getattr(matched.tracks, name))
-    assert "corners" not in pairs
-    assert "corner_matches" not in report["counts"]
-
-
-def test_without_corners_nothing_is_said_of_them(matched):
-    assert "corners" not in matched.pairs
-    assert "corner_matches" not in matched.report["counts"]
-
-
 def test_landmarks_span_the_two_legs(dive, tmp_path):
     tracks, pairs, report = run(dive, tmp_path, sequential=1)
     assert report["counts"]["matched_across_legs"] > 0

@@ -15,8 +15,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import identity
 from hullrecon.rig import Rig
 from hullrecon.typing import Pixels
-from hullrecon.vision.continuity import continuity, fills_most
-from hullrecon.vision.image_motion import image_motion
+from hullrecon.vision.odometry import continuity, fills_most, image_motion
 
 MODEL = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
 RIG = Rig(

@@ -24,11 +24,10 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.pose_graph.graph import PoseGraph
 from hullrecon.records.trajectory import TrajectoryErrorModel
-from hullrecon.vision.compared_pairs import NavigatedDive
-from hullrecon.vision.link_images import link_images
+from hullrecon.vision.link_images import NavigatedDive, link_images
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pair_match import PairMatch, Reason
 from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.pair_match import PairMatch, Reason
 from hullrecon.vision.stereo.matching import StereoMatches
 
 PER_LEG, DEPTH_M, SEEN = 30, 1.6, 0.25
@@ -159,6 +158,8 @@ def link(drift, *, max_rounds=12, wrong=(), saliency=1.0, turn_sigma=LINK_SIGMA[
         options=MatchOptions(**{"sequential": 2} | options),
         saliency=lambda node: saliency,
         bottom_leads=lambda nodes: np.zeros(len(nodes), bool),
+        match_stereo=None,
+        match_pairs=None,
     )
     navigated = NavigatedDive(
         trajectory=dive.trajectory,

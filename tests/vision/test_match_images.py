@@ -11,7 +11,7 @@ from hullrecon.errors import StageError
 from hullrecon.records.links import NodePairs
 from hullrecon.records.tracks import Tracks
 from hullrecon.vision.match_images import MatchedImages, join_images
-from hullrecon.vision.pair_match import REASON_TEXTS, Reason
+from hullrecon.vision.pairs.pair_match import REASON_TEXTS, Reason
 
 
 def matched(nodes, reasons, across=None, rejected=None):

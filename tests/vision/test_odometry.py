@@ -19,7 +19,7 @@ from hullrecon.vision.odometry import (
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
-from hullrecon.vision.tracks.landmarks import NodeFeatures
+from hullrecon.vision.stereo.node_view import NodeFeatures
 
 
 def pairs(look, places, lost=()):

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Links that confirm each other: around two of them and the path on both sides the motions must
-close [Mangelson2018].
+"""Links that confirm each other [Mangelson2018].
+
+Around two of them and the path on both sides the motions must close.
 """
 
 from __future__ import annotations
@@ -13,27 +14,23 @@ import numpy as np
 
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Ints, Mask
-from hullrecon.vision.pair_match import PairMatch, agrees
 from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.pair_match import PairMatch, agrees
 
-MAX_CHI2 = 22.5  # of six numbers, 99.9 %
+MAX_CHI2 = 22.5  # of a closed loop's six numbers, 99.9 %
 
 
 @dataclass(frozen=True, kw_only=True)
 class Agreement:
-    """Of m links: agree and contradict (m, m): around the two the path is known well enough, and
-    closes or does not.
-    """
+    """How m links relate, where the path between them is known well enough to tell."""
 
-    agree: Mask
-    contradict: Mask
+    agree: Mask  # (m, m) the loop around the two closes
+    contradict: Mask  # (m, m) it does not
 
 
 def compose(outer: Motion, inner: Motion) -> Motion:
-    """Return c_from_a of c_from_b and b_from_a, its covariance to first order; the two err
-    independently.
-    """
+    """Compose c_from_b and b_from_a, which err independently, with covariance to first order."""
     turn = outer.second_from_first[:3, :3]
     by_outer, by_inner = np.eye(6), np.eye(6)
     by_outer[:3, 3:] = -turn @ cross_matrix(inner.second_from_first[:3, 3])
@@ -46,10 +43,19 @@ def compose(outer: Motion, inner: Motion) -> Motion:
 def agreement(
     track: CameraTrack, first: Ints, second: Ints, found: Sequence[PairMatch], max_sigma_m: float
 ) -> Agreement:
-    """Return which links (m,), all matched, confirm or contradict each other.
+    """Test which links (m,), all matched, confirm or contradict each other.
 
-    max_sigma_m: of the path between their nodes, on either side; where it is worse, two links say
-    nothing of each other.
+    Parameters
+    ----------
+    track
+        The leading cameras.
+    first, second
+        Nodes (m,) of the links.
+    found
+        Their matches.
+    max_sigma_m
+        Of the path between their nodes, on either side. Where it is worse, two links say nothing
+        of each other.
     """
     count = len(first)
     i, j = np.triu_indices(count, 1)
@@ -70,8 +76,9 @@ def _sigma_m(motion: Motion) -> float:
 
 
 def largest_group(agree: Mask, among: Ints) -> Ints:
-    """Return the most of those links found that all agree with each other, sorted: from each link
-    on, greedily by the number of links that it agrees with.
+    """Find the most of these links that all agree with each other, sorted.
+
+    Greedily from each link on, by the number of links that one agrees with.
     """
     best = np.zeros(0, np.int64)
     for start in among:
@@ -87,7 +94,7 @@ def largest_group(agree: Mask, among: Ints) -> Ints:
 
 
 def independent_links(first: Ints, second: Ints) -> int:
-    """Return how many of the links (m,) share no node, at least."""
+    """Count links (m,) that share no node, at least as many as found greedily."""
     used: set[int] = set()
     count = 0
     for a, b in zip(first.tolist(), second.tolist(), strict=True):
@@ -98,5 +105,5 @@ def independent_links(first: Ints, second: Ints) -> int:
 
 
 def extent_m(points: Array) -> float:
-    """Return the largest distance between any two points (m, 3)."""
+    """Compute the largest distance between any two points (m, 3)."""
     return float(np.linalg.norm(points[:, None] - points[None], axis=2).max(initial=0.0))

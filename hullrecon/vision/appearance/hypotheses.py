@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which places may be one although the search by probability of overlap could not ask: the path
-leaves it open by many footprints; and which it knows to be two.
+"""Places that may be one, beyond the reach of the search by overlap, and places known to be two.
+
+Beyond reach are places whose offset the path leaves open by many footprints.
 """
 
 from __future__ import annotations
@@ -13,55 +14,51 @@ import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.typing import Array, Ints, Mask
-from hullrecon.vision.appearance.inverted_file import InvertedFile
+from hullrecon.vision.appearance.vocabulary import InvertedFile
 from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.selection import scene_in_target
 
-# footprints of sigma: with more, no pair overlaps with the last of the search's probabilities
+# Sigma of an offset, in footprints, from which no pair is probable enough for the search.
 BEYOND = 1.0
-KNOWN = 0.25  # footprints of sigma within which two places are known to be two
+KNOWN = 0.25  # sigma in footprints with which two places may be known to be two
 APART = 2.0  # footprints between these
 GATE_CHI2 = 16.3  # of the offset of two scenes, three numbers, 99.9 %
 STATIONS = 100  # keyframes at which the path is asked, evenly along it
-QUERIES = 300  # keyframes for which appearance is asked, evenly
-# of each part of the path, however short, beside its share of these
-PART_STATIONS, PART_QUERIES = 3, 10
-MOST_STATIONS, MOST_QUERIES = 600, 1000  # for the parts, in all
-CANDIDATES = 20  # of each, whose offset is computed
+QUERIES = 300  # keyframes for which appearance is asked, evenly along it
+PART_STATIONS, PART_QUERIES = 3, 10  # of each part of the path at least, however short
+MOST_STATIONS, MOST_QUERIES = 600, 1000  # in all, where there are many parts
+CANDIDATES = 20  # most alike of each query, whose offset is computed
 PLACES = 5  # of these, each away from the others, that are compared
-MOST_PAIRS = 200  # compared, in all
+MOST_PAIRS = 200  # compared in all
 CONTROLS = 60  # pairs of places known to be two, that are compared as well
 
 
 @dataclass(frozen=True, kw_only=True)
 class OpenPlaces:
-    """What the path says of pairs of m keyframes, by the station next to either: station (m,); open
-    and apart (s, s): the two may be one place, beyond the search; they are known to be two. edges
-    (p + 1,): where parts of the keyframes begin, and m. reach_m: the largest distance that is
-    known.
-    """
+    """What the path says of pairs of m keyframes, by the stations next to them."""
 
-    edges: Ints
-    station: Ints
-    open: Mask
-    apart: Mask
-    reach_m: float
+    edges: Ints  # (p + 1,) first keyframe of each part of the path, and m
+    station: Ints  # (m,) of each keyframe
+    open: Mask  # (s, s) stations that may be one place, beyond the search
+    apart: Mask  # (s, s) stations known to be two places
+    reach_m: float  # largest distance that is known
 
-    def of(self, queries: Ints, mask: Mask) -> Mask:
-        """Return that mask for each query with every keyframe (q, m)."""
+    def of_keyframes(self, queries: Ints, mask: Mask) -> Mask:
+        """Look up a mask of stations for some keyframes with every keyframe (q, m)."""
         return np.asarray(mask[self.station[queries]][:, self.station])
 
 
 def footprint_m(depth_m: Array, camera: CameraModel) -> float:
-    """Return the smaller side of an image on the scene at the median depth, m."""
+    """Compute the smaller side of an image on the scene at the median depth, m."""
     return float(np.nanmedian(depth_m)) * min(camera.width / camera.fx, camera.height / camera.fy)
 
 
 def scene_offsets(
     track: CameraTrack, first: Ints, second: Ints, depth_m: Array
 ) -> tuple[Array, Array]:
-    """Return from the middle of the second node's scene to that of the first's (m, 3), in the
-    second camera, and its covariance (m, 3, 3).
+    """Compute the offset (m, 3) from the second node's scene to the first's, in the second camera.
+
+    Between the middles of the scenes, with covariance (m, 3, 3).
     """
     relative, covariance = scene_in_target(track, first, second, depth_m[first])
     middle = depth_m[first, None] * [0.0, 0.0, 1.0]
@@ -70,9 +67,7 @@ def scene_offsets(
 
 
 def may_be_one(offset: Array, covariance: Array, slack_m: float) -> Mask:
-    """Return which places (m,) lie within the gate of each other. slack_m: between the middles of
-    scenes that overlap.
-    """
+    """Gate places (m,) that may be one; the middles of scenes that overlap are slack_m apart."""
     chi2 = np.einsum(
         "mi,mij,mj->m", offset, np.linalg.inv(covariance + slack_m**2 * np.eye(3)), offset
     )
@@ -80,15 +75,16 @@ def may_be_one(offset: Array, covariance: Array, slack_m: float) -> Mask:
 
 
 def largest_sigma(covariance: Array) -> Array:
-    """Return the sigma (m,) along the longest axis."""
+    """Compute the sigma (m,) along the longest axis of covariances."""
     return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(covariance)[:, -1], 0)))
 
 
 def open_places(
     track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel
 ) -> OpenPlaces | None:
-    """Return what the path leaves open between keyframes (m,) of known depth; None where the search
-    covers all that it leaves. depth_m (n,): by node.
+    """Find what the path leaves open between keyframes (m,) of known depth.
+
+    None where the search by overlap covers all that it leaves. depth_m (n,) is by node.
     """
     if len(keyframes) < 2:
         return None
@@ -101,7 +97,7 @@ def open_places(
     rank = _spread(edges, STATIONS, PART_STATIONS, MOST_STATIONS)
     station = _nearest_of_part(edges, rank)
     at = track.global_from_camera.translation[keyframes]
-    # of a keyframe from its station
+    # Distance of a keyframe from its station.
     slack = float(np.median(np.linalg.norm(at - at[rank[station]], axis=1)))
     a, b = np.triu_indices(len(rank), 1)
     offset, covariance = scene_offsets(track, keyframes[rank[a]], keyframes[rank[b]], depth_m)
@@ -119,9 +115,7 @@ def open_places(
 
 
 def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m: float) -> Ints:
-    """Return where the parts (p + 1,) of the keyframes begin, and their number: between two parts
-    the path does not know one step to a footprint, as over an outage.
-    """
+    """Cut the keyframes where the path does not know a step to a footprint, as over an outage."""
     _, covariance = scene_offsets(track, keyframes[:-1], keyframes[1:], depth_m)
     return np.concatenate(
         [[0], np.flatnonzero(largest_sigma(covariance) > BEYOND * size_m) + 1, [len(keyframes)]]
@@ -129,9 +123,18 @@ def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m:
 
 
 def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
-    """Return ranks of keyframes, evenly along each part: `total` by the parts' lengths, but at
-    least `each` of every part, or as many as make `most` of all; where there are more parts than
-    that, as if there were one.
+    """Spread ranks of keyframes evenly along each part of the path.
+
+    Parameters
+    ----------
+    edges
+        First keyframe of each part, and their number.
+    total
+        Ranks in all, by the parts' lengths.
+    each
+        Ranks of every part at least, or as many as make `most`.
+    most
+        Ranks in all at most. Where there are more parts than that, they count as one.
     """
     length, parts = np.diff(edges), len(edges) - 1
     if parts > most:
@@ -147,7 +150,7 @@ def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
 
 
 def _nearest_of_part(edges: Ints, rank: Ints) -> Ints:
-    """Return for each keyframe the station (m,) next to it, of its own part where that has one."""
+    """Assign each keyframe the station (m,) next to it, of its own part where that has one."""
     number = np.arange(edges[-1])
     after = np.searchsorted(rank, number)
     beside = np.clip([after - 1, after], 0, len(rank) - 1)
@@ -172,8 +175,14 @@ def likeliest_pairs(
     places: OpenPlaces,
     images: InvertedFile,
 ) -> tuple[Array, Array]:
-    """Return the pairs of ranks among the keyframes (m, 2) that may be one place and look most
-    alike, and pairs (c, 2) that look most alike and are known to be two: first < second, sorted.
+    """Find the pairs of keyframes that look most alike.
+
+    Returns
+    -------
+    pairs
+        (m, 2) ranks of keyframes that may be one place, first < second, sorted.
+    control
+        (c, 2) ranks of keyframes known to be two places.
     """
     queries = _spread(places.edges, QUERIES, PART_QUERIES, MOST_QUERIES)
     scores, size = images.scores(queries), footprint_m(depth_m[keyframes], camera)
@@ -181,8 +190,8 @@ def likeliest_pairs(
     def pairs_where(
         mask: Mask, wanted: Callable[[Array, Array], Mask], places_each: int, most: int
     ) -> Array:
-        # The stations are near, not exact: an outage may lie between a keyframe and its own.
-        asked, place = _best(np.where(places.of(queries, mask), scores, 0.0), CANDIDATES)
+        # Stations are near, not exact: an outage may lie between a keyframe and its station.
+        asked, place = _best(np.where(places.of_keyframes(queries, mask), scores, 0.0), CANDIDATES)
         keep = wanted(*scene_offsets(track, keyframes[queries[asked]], keyframes[place], depth_m))
         asked, place = asked[keep], place[keep]
         order = _by_place(asked, place, scores[asked, place], places_each)
@@ -205,14 +214,14 @@ def likeliest_pairs(
 
 
 def _is_open(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
-    """Return which places (m,) may be one, beyond the search."""
+    """Select places (m,) that may be one, beyond the search."""
     return np.asarray(
         (largest_sigma(covariance) > BEYOND * size_m) & may_be_one(offset, covariance, slack_m)
     )
 
 
 def _is_apart(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
-    """Return which places (m,) are known to be two."""
+    """Select places (m,) known to be two."""
     distance = np.linalg.norm(offset, axis=1)
     return np.asarray(
         (largest_sigma(covariance) < KNOWN * size_m) & (distance > APART * size_m + 2 * slack_m)
@@ -220,9 +229,7 @@ def _is_apart(offset: Array, covariance: Array, size_m: float, slack_m: float) -
 
 
 def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
-    """Return rows and columns of the `most` highest scores of each row, the highest first, none
-    that is zero.
-    """
+    """List rows and columns of the `most` highest scores of each row, without zeros."""
     most = min(most, scores.shape[1])
     column = np.argsort(-scores, axis=1, kind="stable")[:, :most]
     row = np.repeat(np.arange(len(scores)), most)
@@ -231,8 +238,9 @@ def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
 
 
 def _by_place(asked: Ints, wanted: Ints, score: Array, most: int) -> Ints:
-    """Return the rows to compare in order: each query's best first, then its next best, away from
-    the better ones, at most `most` of a query. The rows come by query, the best first.
+    """Order rows for comparison: each query's best place, then its next best away from it, and on.
+
+    The rows come by query, the best first. At most `most` of a query are taken.
     """
     rank, taken = np.full(len(asked), -1), dict[int, list[int]]()
     for k, (query, place) in enumerate(zip(asked.tolist(), wanted.tolist(), strict=True)):
@@ -245,7 +253,7 @@ def _by_place(asked: Ints, wanted: Ints, score: Array, most: int) -> Ints:
 
 
 def _distinct(pairs: Array, most: int) -> Array:
-    """Return the first `most` pairs (m, 2) that differ, lower first, sorted."""
+    """Take the first `most` distinct pairs (m, 2), lower first, sorted."""
     ordered = np.sort(pairs, axis=1)
     first = np.sort(np.unique(ordered, axis=0, return_index=True)[1])[:most]
     return np.unique(ordered[first], axis=0)

@@ -1,20 +1,23 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Visual words [SivicZisserman2003]: cells of descriptor space, learnt from a dive's own images, in
-two levels [NisterStewenius2006].
+"""Visual words, and which images share rare ones [SivicZisserman2003].
 
-Centres are rounded to bytes: every product and sum below is a whole number under 2^24, exact in
-float32, so that a word depends neither on the order of a sum nor on the number of threads.
+Words are cells of descriptor space, learnt from a dive's own images in two levels
+[NisterStewenius2006]. An inverted file weights them by term frequency and inverse document
+frequency. Centres are rounded to bytes: every product and sum of the words is a whole number under
+2^24, exact in float32, so that a word depends neither on the order of a sum nor on threads.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array, csr_array
 
-from hullrecon.typing import Ints
+from hullrecon.typing import Array, Ints
 
 BRANCHES = 64  # of either level: at most 4096 words
 ITERATIONS = 10  # of Lloyd's algorithm
@@ -25,19 +28,17 @@ Descriptors = NDArray[np.uint8]
 
 @dataclass(frozen=True, kw_only=True)
 class Vocabulary:
-    """coarse (b, 128): centres of the first level; fine (w, 128): those of the words, start (b +
-    1,): where the words of each coarse centre begin.
-    """
+    """Visual words in two levels."""
 
-    coarse: Descriptors
-    fine: Descriptors
-    start: Ints
+    coarse: Descriptors  # (b, 128) centres of the first level
+    fine: Descriptors  # (w, 128) centres of the words
+    start: Ints  # (b + 1,) first word of each coarse centre
 
     def __len__(self) -> int:
         return len(self.fine)
 
     def words(self, descriptors: Descriptors) -> Ints:
-        """Return the word (n,) of each descriptor (n, 128)."""
+        """Assign a word (n,) to each descriptor (n, 128)."""
         branch = _nearest(descriptors, self.coarse)
         out = np.zeros(len(descriptors), np.int64)
         for k in np.unique(branch):
@@ -47,9 +48,28 @@ class Vocabulary:
         return out
 
 
+@dataclass(frozen=True, kw_only=True)
+class InvertedFile:
+    """The words of n images, weighted."""
+
+    images: csr_array  # (n, w) weights of each image's words, of unit length
+    by_word: csr_array  # (w, n) images of each word
+
+    def __len__(self) -> int:
+        return int(self.images.shape[0])
+
+    def scores(self, images: Ints) -> Array:
+        """Compute the cosine (m, n) between the words of some images (m,) and those of all."""
+        return np.asarray((self.images[images] @ self.by_word).toarray())
+
+
 def learn_vocabulary(descriptors: Descriptors, seed: int, branches: int = BRANCHES) -> Vocabulary:
-    """Return at most branches^2 words of a sample of descriptors (n, 128). Raises ValueError where
-    there are none.
+    """Learn at most branches^2 words from a sample of descriptors (n, 128).
+
+    Raises
+    ------
+    ValueError
+        Without descriptors.
     """
     if len(descriptors) == 0:
         raise ValueError("a vocabulary needs descriptors")
@@ -63,10 +83,27 @@ def learn_vocabulary(descriptors: Descriptors, seed: int, branches: int = BRANCH
     return Vocabulary(coarse=coarse, fine=np.concatenate(fine), start=start)
 
 
-def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> Descriptors:
-    """Return at most that many centres by Lloyd's algorithm; one that loses its members stays where
-    it is.
+def invert(words: Sequence[Ints], vocabulary: int) -> InvertedFile:
+    """Build the inverted file of n images from their words, of a vocabulary of that size.
+
+    A word counts by the share of the image's features that show it times log(n / images with that
+    word): what all images show says nothing.
     """
+    size = np.array([len(w) for w in words], np.int64)
+    image = np.repeat(np.arange(len(words)), size)
+    word = np.concatenate([np.zeros(0, np.int64), *words])
+    counts = coo_array((np.ones(len(word)), (image, word)), shape=(len(words), vocabulary)).tocsr()
+    counts.sum_duplicates()
+    holding = np.bincount(counts.indices, minlength=vocabulary)
+    weight = np.log(len(words) / np.maximum(holding, 1))
+    counts.data *= weight[counts.indices]
+    length = np.sqrt(np.asarray(counts.multiply(counts).sum(axis=1)).ravel())
+    counts.data /= np.repeat(np.maximum(length, 1e-12), np.diff(counts.indptr))
+    return InvertedFile(images=counts, by_word=counts.T.tocsr())
+
+
+def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> Descriptors:
+    """Find at most that many centres by Lloyd's algorithm; one that loses its members stays."""
     centres = descriptors[
         np.sort(rng.choice(len(descriptors), min(count, len(descriptors)), replace=False))
     ]
@@ -89,7 +126,7 @@ def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> 
 
 
 def _nearest(descriptors: Descriptors, centres: Descriptors) -> Ints:
-    """Return the number (n,) of the centre nearest to each descriptor, the first of several."""
+    """Find the centre (n,) nearest to each descriptor, the first of several."""
     turned = centres.astype(np.float32).T
     square = (turned * turned).sum(axis=0)
     out = np.zeros(len(descriptors), np.int64)

@@ -1,62 +1,118 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Comparing descriptors: everything against everything, or only a sparse list of pairs.
+"""Descriptors of features and how they are matched: all with all, or within a list of pairs.
 
-Descriptors are RootSIFT as uint8: unit vectors times 512, so that distances below are between unit
-vectors.
+Descriptors are RootSIFT as bytes, unit vectors times 512. Distances are between unit vectors.
+SIFT describes a place once for each orientation that it may have [Lowe2004 5]. Each description may
+match, but together they are one measurement of one place.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.typing import Floats32, Ints, Pixels
+from hullrecon.typing import Floats32, Ints, Mask, Pixels
 
 UNIT = 512.0
 WIDTH = 128  # numbers of a descriptor
+RATIO = 0.8  # largest ratio of the best to the next best distance [Lowe2004 7.1]
+MAX_DISTANCE = 0.75  # of two unit descriptors that may match; unrelated ones are sqrt(2) apart
 
 
 @dataclass(frozen=True, kw_only=True)
 class Putative:
-    """Rows of either side that are each other's best, with the distance (0 same, sqrt 2 unrelated)."""
+    """Matches of two sets of features before any geometry is asked."""
 
-    first: Ints
-    second: Ints
-    distance: Floats32
+    first: Ints  # (m,) rows of the first set
+    second: Ints  # (m,) rows of the second set
+    distance: Floats32  # (m,) of the descriptors, 0 alike to sqrt(2) unrelated
 
     def __len__(self) -> int:
         return len(self.first)
 
+    def take(self, rows: Ints | Mask | slice) -> Putative:
+        """Select some of the matches."""
+        return Putative(
+            first=self.first[rows], second=self.second[rows], distance=self.distance[rows]
+        )
+
+
+class Described(Protocol):
+    """Features as matching needs them."""
+
+    @property
+    def descriptor(self) -> Floats32:
+        """Unit descriptors (n, 128)."""
+        ...
+
+    @property
+    def place(self) -> Ints:
+        """Number (n,) of the feature that stands for all at one pixel."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeatureSet:
+    """Features of one image, or some of them."""
+
+    descriptor: Floats32  # (n, 128) unit vectors
+    place: Ints  # (n,) number of the feature that stands for all at its pixel
+
+
+# Matches two sets of features, of all pairs or only those allowed (rows of first, rows of second).
+# Rows of the result are numbers of places. hullrecon/studies has a published variant.
+MatchDescriptors = Callable[[Described, Described, tuple[Ints, Ints] | None], Putative]
+
+
+def match_descriptors(
+    first: Described, second: Described, allowed: tuple[Ints, Ints] | None
+) -> Putative:
+    """Match mutual best descriptors that pass the ratio test, one match a place.
+
+    Parameters
+    ----------
+    first, second
+        The two sets of features.
+    allowed
+        Pairs (rows of first, rows of second) that may match; None for all.
+    """
+    if allowed is None:
+        found = best_of_all(first.descriptor, second.descriptor, RATIO, MAX_DISTANCE)
+    else:
+        distance = sparse_distance(first.descriptor, second.descriptor, *allowed)
+        found = best_of_pairs(*allowed, distance, RATIO, MAX_DISTANCE)
+    return match_places(found, first.place, second.place)
+
 
 def root_sift(descriptors: Floats32) -> Pixels:
-    """Return the Hellinger form: square root of the L1-normalised vector (unit length), times 512,
-    as bytes.
-    """
+    """Take the square root of L1-normalised descriptors, times 512, as bytes."""
     share = descriptors / np.maximum(descriptors.sum(axis=1, keepdims=True), 1e-9)
     return np.asarray(np.minimum(np.rint(np.sqrt(share) * UNIT), 255), np.uint8)
 
 
 def to_unit(descriptors: NDArray[np.uint8]) -> Floats32:
-    """Return (n, 128) float32 of about unit length."""
+    """Scale stored descriptors (n, 128) to about unit length."""
     return np.asarray(descriptors, np.float32) / np.float32(UNIT)
 
 
 def sparse_distance(a: Floats32, b: Floats32, first: Ints, second: Ints) -> Floats32:
-    """Return distances (m,) of the pairs (first into a, second into b)."""
+    """Compute the distances (m,) of pairs of descriptors, rows `first` of a and `second` of b."""
     return native.descriptor_distances(a, b, first, second)
 
 
 def best_of_pairs(
     first: Ints, second: Ints, distance: Floats32, ratio: float, most: float
 ) -> Putative:
-    """Return mutual best within a list of pairs, closer than `most`, and than `ratio` times the
-    next of either side.
+    """Select mutual best matches of a list of pairs (m,) by the ratio test on both sides.
 
-    A feature in a single pair has no next one; then only `most` and the mutual choice count.
+    A feature that lies in a single pair has no next best. Then only `most`, the largest distance,
+    and the mutual choice decide.
     """
     if len(first) == 0:
         return _no_matches()
@@ -68,16 +124,8 @@ def best_of_pairs(
     return Putative(first=first[chosen], second=second[chosen], distance=distance[chosen])
 
 
-def mutual_best(first: Ints, second: Ints, distance: Floats32) -> Ints:
-    """Return the rows, ascending, of pairs (m,) that are the best of both of their features."""
-    if len(first) == 0:
-        return np.zeros(0, np.int64)
-    forward, backward = (native.best_and_next(key, distance)[0] for key in (first, second))
-    return np.sort(forward[np.isin(forward, backward)])
-
-
 def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative:
-    """Return the mutual best of all a (n, 128) and b (m, 128) with the ratio test on both sides."""
+    """Select mutual best matches of all a (n, 128) with all b (m, 128) by the same test."""
     if len(a) < 2 or len(b) < 2:
         return _no_matches()
     product = a @ b.T
@@ -91,6 +139,26 @@ def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative
     good = mutual & (best < ratio**2 * np.minimum(two_a, two_b[second])) & (best < most**2)
     distance = np.sqrt(np.maximum(best[good], 0)).astype(np.float32)
     return Putative(first=first[good], second=second[good], distance=distance)
+
+
+def first_at_place(keypoints: Floats32) -> Ints:
+    """Find for each keypoint (n, 4) the first row (n,) at the same pixel.
+
+    Keypoints of one place lie side by side.
+    """
+    new = np.ones(len(keypoints), bool)
+    new[1:] = (np.diff(keypoints[:, :2], axis=0) != 0).any(axis=1)
+    return np.asarray(np.flatnonzero(new)[np.cumsum(new) - 1])
+
+
+def match_places(found: Putative, place_a: Ints, place_b: Ints) -> Putative:
+    """Reduce matches of features to matches of their places, of several the most alike."""
+    first, second = place_a[found.first], place_b[found.second]
+    if len(first) == 0:
+        return _no_matches()
+    forward, backward = (native.best_and_next(key, found.distance)[0] for key in (first, second))
+    kept = np.sort(forward[np.isin(forward, backward)])
+    return Putative(first=first[kept], second=second[kept], distance=found.distance[kept])
 
 
 def _no_matches() -> Putative:

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Features of one image: contrast levelled, SIFT found by OpenCV, RootSIFT descriptors as bytes,
-colours; corners by option.
+"""Features of one image: contrast levelled, SIFT by OpenCV, RootSIFT, colours, saliency.
 
 What moves a feature depending on where in the image it lies acts as a wrong lens: hundredths of a
 pixel bend a path of 45 m by centimetres (docs/methods.md 4). So the levelling knows no tiles,
@@ -15,14 +14,30 @@ from typing import Annotated
 
 import numpy as np
 from msgspec import Meta
+from numpy.typing import NDArray
 
-from hullrecon.dive.config.schema import Positive, Section
+from hullrecon.dive.config.schema import Section
 from hullrecon.typing import Floats32, Ints, Mask, Pixels
-from hullrecon.vision.features.corners import RADIUS_PX, describe_corners, find_corners
-from hullrecon.vision.features.descriptors import WIDTH, root_sift
-from hullrecon.vision.features.places import first_at_place
+from hullrecon.vision.features.descriptors import WIDTH, first_at_place, root_sift
 
-CORNERS = 0.5  # of features.max_features: as many corners at most
+# SIFT [Lowe2004]: its own defaults but for the contrast, which levelled images have more of
+CONTRAST_THRESHOLD = 0.02
+EDGE_THRESHOLD = 10.0  # largest ratio of a feature's two curvatures
+OCTAVE_LAYERS = 3  # scales in an octave
+
+# The levelled image: grey levels of its mean, and of one sigma of contrast above the noise.
+MID_GREY, SPREAD = 128.0, 32.0
+DARKEST = 16.0  # grey levels added to the local mean: below, contrast is noise
+# Of the local mean. 1 % is a camera's noise; on plain paint it finds fewer than ten features.
+LEAST_CONTRAST = 0.05
+# Distance from the border in diameters. Nearer, features are off by up to 0.2 px, beyond by none:
+# SIFT's smoothing reaches 1.9.
+CLEAR_SIZES = 2.0
+# The same in sigmas of the levelling window: nearer up to 0.024 px, beyond 0.001 px.
+CLEAR_WINDOWS = 1.5
+
+WORD_BITS = 8  # of saliency's words: as many planes cut descriptor space
+WORD_SEED = 20130629  # of these planes: any serve, but always the same
 
 
 class FeatureOptions(Section, frozen=True):
@@ -33,22 +48,13 @@ class FeatureOptions(Section, frozen=True):
         Meta(
             ge=0.0,
             le=0.1,
-            description="ratio, of the image's width: sigma of the window that levels contrast; 0 leaves it as it is",
+            description="ratio, sigma of the window that levels contrast to the image's width; "
+            "0 leaves the image as it is",
         ),
     ] = 0.025
     max_features: Annotated[
         int, Meta(ge=50, le=100_000, description="features of an image; the strongest are kept")
     ] = 4000
-    contrast_threshold: Annotated[
-        Positive, Meta(description="ratio, smallest contrast of a feature (SIFT contrastThreshold)")
-    ] = 0.02
-    edge_threshold: Annotated[
-        Positive,
-        Meta(description="ratio, largest of a feature's two curvatures (SIFT edgeThreshold)"),
-    ] = 10.0
-    octave_layers: Annotated[
-        int, Meta(ge=1, le=8, description="scales in an octave (SIFT nOctaveLayers)")
-    ] = 3
     reduction: Annotated[
         float,
         Meta(
@@ -57,115 +63,151 @@ class FeatureOptions(Section, frozen=True):
     ] = 2.0
 
 
-# of a levelled image: its mean, and one sigma of contrast that stands out of the noise
-MID_GREY, SPREAD = 128.0, 32.0
-DARKEST = 16.0  # grey levels, added to the local mean: below, contrast is noise
-# of the local mean; 1 % is a camera's noise, on plain paint fewer features than ten are found in it
-LEAST_CONTRAST = 0.05
-# from the border, in diameters: nearer, up to 0.2 px of bias, beyond none (the smoothing reaches
-# 1.9)
-CLEAR_SIZES = 2.0
-# from the border, in sigmas of the levelling window: nearer, up to 0.024 px, beyond 0.001 px
-CLEAR_WINDOWS = 1.5
-
-
 @dataclass(frozen=True)
 class Features:
-    """keypoints (n, 4) float32: u, v in raw pixels (centre of the first is 0, 0), scale (diameter
-    in px), score; descriptors (n, 128) uint8; color (n, 3) uint8 RGB. corners: how many of the last
-    rows are corners, with the magnitudes of Zernike moments for descriptors; the others are SIFT
-    features.
-    """
+    """The features of one image."""
 
-    keypoints: Floats32
-    descriptors: Pixels
-    color: Pixels
-    corners: int = 0
+    keypoints: Floats32  # (n, 4) u, v in raw pixels (first pixel's centre 0, 0), diameter, score
+    descriptors: Pixels  # (n, 128) RootSIFT times 512
+    color: Pixels  # (n, 3) RGB
 
     def __len__(self) -> int:
         return len(self.keypoints)
 
     @property
-    def corner(self) -> Mask:
-        """Return which rows (n,) are corners."""
-        return np.arange(len(self)) >= len(self) - self.corners
+    def scored(self) -> Mask:
+        """Features (n,) with a score. Those of another kind, which a study may add, have NaN."""
+        return np.isfinite(self.keypoints[:, 3])
 
     @property
     def place(self) -> Ints:
-        """Return by feature (n,) the row that stands for all at its pixel."""
+        """Number (n,) of the feature that stands for all at one pixel."""
         return first_at_place(self.keypoints)
-
-    def without_corners(self) -> Features:
-        """Return the SIFT features alone."""
-        rows = slice(len(self) - self.corners)
-        return Features(self.keypoints[rows], self.descriptors[rows], self.color[rows])
 
 
 def no_features() -> Features:
-    """Return the features of an image that is not there."""
+    """Stand in for the features of a missing image."""
     return Features(
         np.zeros((0, 4), np.float32), np.zeros((0, WIDTH), np.uint8), np.zeros((0, 3), np.uint8)
     )
 
 
-def extract(image: Pixels, options: FeatureOptions, corners: bool = False) -> Features:
-    """Return the features of an image (h, w) or (h, w, 3) RGB, in a fixed order: by v, then u, then
-    scale.
+def extract(image: Pixels, options: FeatureOptions) -> Features:
+    """Find the features of an image (h, w) or (h, w, 3) RGB, ordered by v, then u, then scale."""
+    levelled, step = level_image(image, options)
+    keypoints, descriptors = find_sift(levelled, options.max_features)
+    keypoints = to_raw_pixels(keypoints, step)
+    clear = is_clear_of_border(keypoints, image.shape, options.level_window * image.shape[1])
+    return describe(image, keypoints[clear], descriptors[clear])
 
-    corners: behind the SIFT features, where there are any, come corners.
+
+def level_image(image: Pixels, options: FeatureOptions) -> tuple[Pixels, Floats32]:
+    """Shrink an image to grey levels of even contrast.
+
+    Returns
+    -------
+    levelled
+        The image (h, w) to find features in.
+    step
+        Raw pixels (2,) across and down in one of its pixels.
     """
     import cv2
 
-    # several threads would change nothing but the load; processes are the parallel level
+    # Threads would change nothing but the load: processes are the parallel level.
     cv2.setNumThreads(1)
     gray = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    small, step = _reduce(gray, options.reduction)
+    return _level(small, options.level_window * small.shape[1]), step
+
+
+def find_sift(levelled: Pixels, max_features: int) -> tuple[Floats32, Pixels]:
+    """Find SIFT keypoints (n, 4) of a levelled image, in its pixels, with RootSIFT descriptors."""
+    import cv2
+
     sift = cv2.SIFT.create(
-        nfeatures=options.max_features,
-        nOctaveLayers=options.octave_layers,
-        contrastThreshold=options.contrast_threshold,
-        edgeThreshold=options.edge_threshold,
+        nfeatures=max_features,
+        nOctaveLayers=OCTAVE_LAYERS,
+        contrastThreshold=CONTRAST_THRESHOLD,
+        edgeThreshold=EDGE_THRESHOLD,
         enable_precise_upscale=True,  # else every keypoint is off by a quarter of a pixel
     )
-    small, step = _reduce(gray, options.reduction)
-    levelled = _level(small, options.level_window * small.shape[1])
     found, descriptors = sift.detectAndCompute(levelled, None)
     if not found:
-        return no_features()
+        return np.zeros((0, 4), np.float32), np.zeros((0, WIDTH), np.uint8)
     table = np.array([(p.pt[0], p.pt[1], p.size, p.response) for p in found], np.float32)
     order = np.lexsort((table[:, 3], table[:, 2], table[:, 0], table[:, 1]))
-    keypoints, vectors = _to_raw(table[order], step), root_sift(descriptors[order])
-    window = options.level_window * gray.shape[1]
-    clear = _is_clear_of_border(keypoints, gray.shape, window)
-    keypoints, vectors = keypoints[clear], vectors[clear]
-    if not corners:
-        return Features(keypoints, vectors, _colors(image, keypoints))
-    place, response = find_corners(levelled, table[:, :2], int(CORNERS * options.max_features))
-    size = np.full(len(place), 2 * RADIUS_PX)
-    keypoints = np.concatenate(
-        [keypoints, _to_raw(np.column_stack([place, size, response]).astype(np.float32), step)]
-    )
-    vectors = np.concatenate([vectors, describe_corners(levelled, place)])
-    return Features(keypoints, vectors, _colors(image, keypoints), len(place))
+    return table[order], root_sift(descriptors[order])
 
 
-def _to_raw(keypoints: Floats32, step: Floats32) -> Floats32:
-    """Return keypoints (n, 4) of the reduced image in raw pixels; step (2,) from its pixels to
-    those.
-    """
+def to_raw_pixels(keypoints: Floats32, step: Floats32) -> Floats32:
+    """Scale keypoints (n, 4) of the reduced image to raw pixels."""
     out = keypoints.copy()
     out[:, :2] = (out[:, :2] + np.float32(0.5)) * step - np.float32(0.5)
     out[:, 2] *= step.mean()
     return out
 
 
-def _level(gray: Floats32, window_px: float) -> Pixels:
-    """Return the image (h, w) as bytes, its contrast to the local mean brought to one spread
-    everywhere.
+def is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: float) -> Mask:
+    """Select keypoints (n, 4) that nothing mirrored beyond the border has moved.
 
-    The window slides with the pixel, so a feature is found at the same place of the scene wherever
-    that lies in the image; the contrast to the mean, unlike the difference, is the same in any
-    light. Tiles that are equalised apart (CLAHE) move features by 0.02 px in their rhythm, and by
-    0.12 px from image to image.
+    Parameters
+    ----------
+    keypoints
+        In raw pixels.
+    shape
+        Of the raw image (h, w, ...).
+    window_px
+        Sigma of the window that levelled the contrast, in raw pixels.
+    """
+    u, v = keypoints[:, 0], keypoints[:, 1]
+    reach = np.maximum(
+        np.float32(CLEAR_SIZES) * keypoints[:, 2], np.float32(CLEAR_WINDOWS * window_px)
+    )
+    height, width = shape[:2]
+    return np.asarray(
+        (u >= reach) & (v >= reach) & (u <= width - 1 - reach) & (v <= height - 1 - reach)
+    )
+
+
+def describe(image: Pixels, keypoints: Floats32, descriptors: Pixels) -> Features:
+    """Join keypoints and descriptors with the colours of the image there."""
+    column = np.clip(np.rint(keypoints[:, 0]).astype(np.int64), 0, image.shape[1] - 1)
+    row = np.clip(np.rint(keypoints[:, 1]).astype(np.int64), 0, image.shape[0] - 1)
+    color = image[row, column]
+    if image.ndim == 2:
+        return Features(keypoints, descriptors, np.repeat(color[:, None], 3, axis=1))
+    return Features(keypoints, descriptors, np.ascontiguousarray(color))
+
+
+def local_saliency(descriptors: NDArray[np.uint8]) -> float:
+    """Rate how much there is to recognise in an image [KimEustice2013; Ozog2016 2.3.3].
+
+    The entropy of the words of its descriptors (n, 128) over the largest possible: 0 none or all
+    alike, 1 all words as frequent. The vocabulary is not learnt: eight random planes through the
+    middle of descriptor space make 256 words, so that the score depends on no other image.
+    """
+    if len(descriptors) == 0:
+        return 0.0
+    planes = (
+        np.random.default_rng(WORD_SEED)
+        .standard_normal((descriptors.shape[1], WORD_BITS))
+        .astype(np.float32)
+    )
+    # Descriptors are positive: what they have in common must not decide the side.
+    planes -= planes.mean(axis=0)
+    words = (descriptors.astype(np.float32) @ planes > 0) @ (1 << np.arange(WORD_BITS))
+    share = np.bincount(words, minlength=1 << WORD_BITS) / len(descriptors)
+    share = share[share > 0]
+    return max(0.0, float(-(share * np.log2(share)).sum() / WORD_BITS))
+
+
+def _level(gray: Floats32, window_px: float) -> Pixels:
+    """Bring the contrast to the local mean to one spread everywhere, as bytes (h, w).
+
+    The window slides with the pixel, so that a feature is found at the same place of the scene
+    wherever that lies in the image. The contrast to the mean, unlike the difference, is the same in
+    any light. Tiles that are equalised apart (CLAHE) move features by 0.02 px in their rhythm, and
+    by 0.12 px from image to image.
     """
     import cv2
 
@@ -180,26 +222,8 @@ def _level(gray: Floats32, window_px: float) -> Pixels:
     return np.asarray(np.clip(np.rint(levelled), 0, 255), np.uint8)
 
 
-def _is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: float) -> Mask:
-    """Return which keypoints (n, 4) were found without what is mirrored beyond the border of an
-    image (h, w).
-
-    window_px: sigma of the window that levelled its contrast, in raw pixels.
-    """
-    u, v = keypoints[:, 0], keypoints[:, 1]
-    reach = np.maximum(
-        np.float32(CLEAR_SIZES) * keypoints[:, 2], np.float32(CLEAR_WINDOWS * window_px)
-    )
-    height, width = shape[:2]
-    return np.asarray(
-        (u >= reach) & (v >= reach) & (u <= width - 1 - reach) & (v <= height - 1 - reach)
-    )
-
-
 def _reduce(gray: Pixels, reduction: float) -> tuple[Floats32, Floats32]:
-    """Return the image shrunk (area mean, which also thins the noise) and the step (2,) from its
-    pixels to the raw ones.
-    """
+    """Shrink an image by its area mean, which thins noise; give the step (2,) to raw pixels."""
     import cv2
 
     height, width = gray.shape
@@ -209,10 +233,3 @@ def _reduce(gray: Pixels, reduction: float) -> tuple[Floats32, Floats32]:
         return values, np.ones(2, np.float32)
     small = cv2.resize(values, size, interpolation=cv2.INTER_AREA)
     return np.asarray(small, np.float32), np.array([width / size[0], height / size[1]], np.float32)
-
-
-def _colors(image: Pixels, keypoints: Floats32) -> Pixels:
-    column = np.clip(np.rint(keypoints[:, 0]).astype(np.int64), 0, image.shape[1] - 1)
-    row = np.clip(np.rint(keypoints[:, 1]).astype(np.int64), 0, image.shape[0] - 1)
-    color = image[row, column]
-    return np.repeat(color[:, None], 3, axis=1) if image.ndim == 2 else np.ascontiguousarray(color)

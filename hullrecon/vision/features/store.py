@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Features of many images on disk: plain .npy files that grow while written and are mapped, not
-read, afterwards.
-"""
+"""Features of many images on disk: .npy files that grow while written and are mapped when read."""
 
 from __future__ import annotations
 
@@ -19,12 +17,11 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.typing import Array, Floats32, Ints
 from hullrecon.vision.features.extraction import Features
 
-KINDS = ("keypoints", "descriptors", "color")
-
 
 class GrowingArray:
-    """An .npy of rows (n, width) written block by block; numpy leaves room in the header for n to
-    grow.
+    """An .npy of rows (n, width), written block by block.
+
+    numpy leaves room in the header for n to grow.
     """
 
     def __init__(self, path: Path, width: int, dtype: type[np.generic]) -> None:
@@ -37,8 +34,12 @@ class GrowingArray:
         return self
 
     def append(self, rows: NDArray[np.generic]) -> None:
-        """Write rows (m, width). Raises ValueError where they have another width, or outside of a
-        `with`.
+        """Write rows (m, width).
+
+        Raises
+        ------
+        ValueError
+            Where they have another width, or outside of a `with`.
         """
         if self._file is None or rows.shape[1:] != (self._width,):
             raise ValueError(
@@ -78,25 +79,20 @@ class FeatureStore:
         return len(self._open().start) - 1
 
     def counts(self, images: Ints) -> Ints:
-        """Return the number of features (n,) of those rows of the camera's ImageIndex; 0 for -1."""
+        """Count the features (n,) of rows of the camera's ImageIndex; 0 for -1."""
         size = np.append(np.diff(self._open().start), 0)
         return np.asarray(size[images])
 
     def read(self, image: int) -> Features:
-        """Return the features of that row of the camera's ImageIndex, views into the mapped files;
-        none for -1.
-        """
+        """Map the features of a row of the camera's ImageIndex; none for -1."""
         mapped = self._open()
         first, last = (0, 0) if image < 0 else mapped.start[image : image + 2]
-        rows = (
-            mapped.keypoints[first:last],
-            mapped.descriptors[first:last],
-            mapped.color[first:last],
+        return Features(
+            mapped.keypoints[first:last], mapped.descriptors[first:last], mapped.color[first:last]
         )
-        return Features(*rows, corners=0 if image < 0 else int(mapped.corners[image]))
 
     def saliency(self, image: int) -> float:
-        """Return the local saliency of an image, 0 for -1."""
+        """Look up the local saliency of an image, 0 for -1."""
         return 0.0 if image < 0 else float(self._open().saliency[image])
 
     def _open(self) -> _Mapped:
@@ -106,13 +102,10 @@ class FeatureStore:
 
 @dataclass(frozen=True, kw_only=True)
 class _Mapped:
-    """The arrays of one camera, mapped. corners (n,): how many of each image's rows, the last, are
-    corners.
-    """
+    """The arrays of one camera, mapped."""
 
-    start: Ints
-    saliency: Array
-    corners: Ints
+    start: Ints  # (images + 1,) first row of each image in the arrays below
+    saliency: Array  # (images,)
     keypoints: Floats32
     descriptors: NDArray[np.uint8]
     color: NDArray[np.uint8]
@@ -120,19 +113,13 @@ class _Mapped:
 
 @lru_cache(maxsize=8)
 def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
-    """Return the mapped arrays; `stamp` tells one build of the artifact from the next in the same
-    folder.
-    """
+    """Map the arrays of a camera; `stamp` tells builds of the artifact in one folder apart."""
     with np.load(folder / "index.npz", allow_pickle=False) as index:
-        start, saliency = (
-            np.asarray(index[f"{camera}_start"], np.int64),
-            np.asarray(index[f"{camera}_saliency"], float),
-        )
-        none = np.zeros(len(saliency), np.int64)  # an artifact without corners says nothing of them
-        corners = np.asarray(index.get(f"{camera}_corners", none), np.int64)
+        start = np.asarray(index[f"{camera}_start"], np.int64)
+        saliency = np.asarray(index[f"{camera}_saliency"], float)
     mode: Literal["r"] | None = "r" if start[-1] else None  # a file without rows cannot be mapped
     arrays = {
         kind: np.load(folder / f"{kind}_{camera}.npy", mmap_mode=mode, allow_pickle=False)
-        for kind in KINDS
+        for kind in ("keypoints", "descriptors", "color")
     }
-    return _Mapped(start=start, saliency=saliency, corners=corners, **arrays)
+    return _Mapped(start=start, saliency=saliency, **arrays)

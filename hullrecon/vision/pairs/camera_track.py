@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the cameras stood, how well two nodes' relative pose is known, and how far the scene was."""
+"""Poses of the leading cameras, the covariance between two of them, and the depth of the scene."""
 
 from __future__ import annotations
 
@@ -18,42 +18,40 @@ from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.stereo.node_view import DepthPrior
 
-# What navigation's error model does not hold: stamps of the images, the camera's mount, holes in
-# the attitude.
+# Sigmas of what navigation's error model leaves out: stamps of the images, the camera's mount,
+# holes in the attitude.
 WHITE_TRANSLATION_M = 0.01
 WHITE_ROTATION_RAD = np.radians(0.2)
-# of the returns across the direction in which they spread most: less is a line, not a plane
-LEAST_SPREAD_M = 0.05
+RANGE_MARGIN = 1.8  # depths lie within this factor of the DVL's ranges
 WINDOW = 4  # nodes to either side whose returns count: a footprint's width
-# to either side, at least: a DVL may give a ping a second where a camera gives fifteen images
+# At least to either side: a DVL may give a ping a second where a camera gives fifteen images.
 WINDOW_S = 1.0
-MOST_RELIEF = 0.5  # scatter off the plane over that spread: more has no normal
+# Spread of returns across the direction in which they spread most: less is a line, not a plane.
+LEAST_SPREAD_M = 0.05
+MOST_RELIEF = 0.5  # scatter off the plane over that spread, with which it has a normal
 
 
 class RelativeErrors(Protocol):
-    """How well the relative pose of two nodes' leading cameras is known."""
+    """Uncertainty of the relative poses of nodes' leading cameras."""
 
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
-        """Return the covariance (m, 6, 6) of second_from_first as Motion defines it."""
+        """Compute the covariance (m, 6, 6) of second_from_first as Motion defines it."""
         ...
 
 
 @dataclass(frozen=True, kw_only=True)
 class NavigationErrors:
-    """The errors of dead reckoning by cause. global_from_camera: T_g_c by node; model: of these
-    poses, the servo's backlash in its white part.
-    """
+    """The errors of dead reckoning by cause."""
 
-    global_from_camera: Poses
-    model: TrajectoryErrorModel
+    global_from_camera: Poses  # by node
+    model: TrajectoryErrorModel  # of these poses, the servo's backlash in its white part
 
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
-        """Return (m, 6, 6) of second_from_first as Motion defines it: (J_b - J_a) P (J_b - J_a)'
-        for the errors that are one unknown for the dive, what accumulated between the two nodes,
-        and what is new at each.
+        """Compute the covariance (m, 6, 6) of second_from_first as Motion defines it.
 
-        T_b^-1 Exp(twist_a - twist_b) T_a: the translation moves by R_b' (rho + omega x p_a), the
-        rotation by R_a' omega.
+        It sums (J_b - J_a) P (J_b - J_a)' of the errors that are one unknown for the dive, what
+        accumulated between the two nodes, and what is new at each. As T_b^-1 Exp(twist_a - twist_b)
+        T_a, the translation moves by R_b' (rho + omega x p_a), the rotation by R_a' omega.
         """
         e = self.model
         apart = e.by_error[first] - e.by_error[second]
@@ -74,9 +72,7 @@ class NavigationErrors:
 
 @dataclass(frozen=True, kw_only=True)
 class CameraTrack:
-    """global_from_camera: T_g_c of the leading camera of every node (the top one, or the bottom one
-    where that leads), and how well the nodes are known relative to each other.
-    """
+    """The leading camera of every node: the top one, or the bottom one where that leads."""
 
     global_from_camera: Poses
     errors: RelativeErrors
@@ -85,9 +81,7 @@ class CameraTrack:
         return len(self.global_from_camera)
 
     def motions(self, first: Ints, second: Ints) -> list[Motion]:
-        """Return second_from_first of the cameras with the covariance of that relative pose, for m
-        pairs.
-        """
+        """Compute second_from_first with its covariance for m pairs of nodes."""
         relative = (
             self.global_from_camera[second].inverse() @ self.global_from_camera[first]
         ).matrix()
@@ -96,13 +90,13 @@ class CameraTrack:
         return [Motion(*pair) for pair in zip(relative, covariance, strict=True)]
 
     def motion(self, first: int, second: int) -> Motion:
-        """Return second_from_first of one pair."""
+        """Compute second_from_first with its covariance for one pair."""
         return self.motions(np.array([first]), np.array([second]))[0]
 
     def relative_sigma(self, first: Ints, second: Ints) -> Array:
-        """Return the sigma (m,) in metres of the relative position, the mean over the axes."""
+        """Compute the sigma (m,) of the relative position, m, the mean over the axes."""
         covariance = self.errors.relative_covariance(first, second)[:, :3, :3]
-        # of a node to itself: 0
+        # 0 of a node to itself
         return np.asarray(np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0) / 3))
 
 
@@ -113,8 +107,18 @@ def track_cameras(
     tray_sigma_rad: float,
     bottom: Mask,
 ) -> CameraTrack:
-    """Return the leading camera of every node as dead reckoning has it. bottom (n,): where that is
-    the bottom one.
+    """Place the leading camera of every node by dead reckoning.
+
+    Parameters
+    ----------
+    trajectory, errors
+        Of dead reckoning.
+    cameras
+        The rig.
+    tray_sigma_rad
+        Of the tray's angle, for the servo's backlash.
+    bottom
+        Nodes (n,) at which the bottom camera leads.
     """
     path = trajectory.track().path
     leading = leading_cameras(cameras, path, bottom)
@@ -125,11 +129,9 @@ def track_cameras(
     )
 
 
-def leading_cameras(cameras: Rig, path: VehiclePath, bottom: Mask) -> Poses:
-    """Return T_g_c of the leading camera of every node: the top one, or the bottom one where
-    `bottom` (n,) says so.
-    """
-    top = cameras.poses_along(path, Camera.TOP)
+def leading_cameras(cameras: CameraRig, path: VehiclePath, bottom: Mask) -> Poses:
+    """Place the leading camera of every node of a path, the bottom one where `bottom` (n,)."""
+    top = cameras.rig.camera_poses(path, Camera.TOP)
     if not bottom.any():
         return top
     lower, leads = cameras.poses_along(path, Camera.BOTTOM), bottom[:, None]
@@ -140,9 +142,7 @@ def leading_cameras(cameras: Rig, path: VehiclePath, bottom: Mask) -> Poses:
 
 
 def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:
-    """Return (n, 6, 6) of the twist that turns the tray about the vehicle's y through its origin,
-    independent at each node.
-    """
+    """Compute the covariance (n, 6, 6) of the tray's turn about the vehicle's y at each node."""
     axis = global_from_vehicle.rotation.as_matrix()[:, :, 1]
     origin = global_from_vehicle.apply(np.tile(tray_origin, (len(axis), 1)))
     twist = np.hstack([np.cross(origin, axis), axis])
@@ -150,11 +150,9 @@ def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: f
 
 
 def depth_priors(
-    track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: Rig, margin: float
+    track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: SensorRig
 ) -> list[DepthPrior | None]:
-    """Return depth along each camera's axis, and the surface's normal, from the unflagged returns
-    of the node and its neighbours; None where there are none.
-    """
+    """Measure the depth of each node's scene by the DVL's returns around it; None without any."""
     good = ~returns.flagged & np.isfinite(returns.range_m)
     points, node = rig.dvl_points(returns, trajectory.track().path).points[good], returns.node[good]
     order = np.argsort(node, kind="stable")
@@ -167,11 +165,13 @@ def depth_priors(
         side="right",
     )
     camera_from_global = track.global_from_camera.inverse()
-    return [_prior(camera_from_global[k].apply(points[a:b]), margin) if b > a else None
-            for k, (a, b) in enumerate(zip(start, stop, strict=True))]  # fmt: skip
+    return [
+        _prior(camera_from_global[k].apply(points[a:b])) if b > a else None
+        for k, (a, b) in enumerate(zip(start, stop, strict=True))
+    ]
 
 
-def _prior(points: Array, margin: float) -> DepthPrior | None:
+def _prior(points: Array) -> DepthPrior | None:
     in_front = points[:, 2] > 0.05
     ahead = points[in_front, 2]
     if len(ahead) == 0:
@@ -182,16 +182,14 @@ def _prior(points: Array, margin: float) -> DepthPrior | None:
     return DepthPrior(
         mean=middle,
         sigma=sigma,
-        nearest=float(low) / margin,
-        farthest=float(high) * margin,
+        nearest=float(low) / RANGE_MARGIN,
+        farthest=float(high) * RANGE_MARGIN,
         normal=_surface_normal(points[in_front]),
     )
 
 
 def _surface_normal(points: Array) -> tuple[float, float, float] | None:
-    """Return the unit normal of the plane through (n, 3), away from the camera; None where the
-    points lie on a line or scatter.
-    """
+    """Fit the unit normal, away from the camera, of points (n, 3); None for a line or a cloud."""
     if len(points) < 3:
         return None
     _, extent, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)

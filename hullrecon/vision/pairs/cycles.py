@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Cycles of three links: around each, the relative rotations must close; a link that most of its
-cycles contradict is wrong.
+"""Cycles of three links, around which the relative rotations must close.
+
+A link that most of its cycles contradict is wrong.
 """
 
 from __future__ import annotations
@@ -12,16 +13,22 @@ from scipy.spatial.transform import Rotation
 from hullrecon.records.links import CameraLinks
 from hullrecon.typing import Array, Ints, Mask
 
-MAX_CHI2 = 16.3  # of three angles, 99.9 %
-LEAST_SIGMA_RAD = np.radians(0.1)  # of one link: what two-view covariances leave out
+MAX_CHI2 = 16.3  # of a cycle's three angles, 99.9 %
+LEAST_SIGMA_RAD = np.radians(0.1)  # of a link, for what two-view covariances leave out
 
 
 def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
-    """Return which links of two legs (m,) are contradicted by more of their cycles of three than
-    confirm them.
+    """Reject links (m,) that more cycles of three contradict than confirm.
 
-    The worst goes first and its cycles with it, until none is left: a wrong link makes its
-    neighbours' cycles fail too.
+    The worst goes first and its cycles with it, until none is left: a wrong link makes the cycles
+    of its neighbours fail too.
+
+    Parameters
+    ----------
+    links
+        Relative poses of pairs of nodes.
+    across
+        Links (m,) of two legs. Only these are rejected.
     """
     out = np.zeros(len(links), bool)
     cycle = _cycles(links)
@@ -45,22 +52,15 @@ def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
 
 
 def _cycles(links: CameraLinks) -> Ints:
-    """Return the rows (c, 3) of the links a-b, b-c, a-c of every cycle a < b < c."""
+    """List the rows (c, 3) of the links a-b, b-c, a-c of every cycle a < b < c."""
     n = int(max(links.first.max(initial=-1), links.second.max(initial=-1))) + 1
     order = np.argsort(links.first * n + links.second, kind="stable")
-    keys, first, second = (
-        (links.first * n + links.second)[order],
-        links.first[order],
-        links.second[order],
-    )
-    start, stop = np.searchsorted(first, second), np.searchsorted(first, second, side="right")
-    count = stop - start
+    first, second = links.first[order], links.second[order]
+    keys = first * n + second
+    start = np.searchsorted(first, second)
+    count = np.searchsorted(first, second, side="right") - start
     ab = np.repeat(np.arange(len(keys)), count)
-    bc = (
-        np.arange(count.sum())
-        - np.repeat(np.cumsum(count) - count, count)
-        + np.repeat(start, count)
-    )
+    bc = np.arange(count.sum()) + np.repeat(start - (np.cumsum(count) - count), count)
     wanted = first[ab] * n + second[bc]
     at = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
     found = keys[at] == wanted if len(keys) else np.zeros(0, bool)
@@ -68,11 +68,11 @@ def _cycles(links: CameraLinks) -> Ints:
 
 
 def _chi2(links: CameraLinks, cycle: Ints) -> Array:
-    """Return the squared angle (c,) by which each cycle fails to close, over its variance."""
+    """Compute the squared angle (c,) by which each cycle fails to close, over its variance."""
     ab, bc, ac = (Rotation.from_quat(links.quaternion[cycle[:, k]]) for k in range(3))
     gap = (ac.inv() * bc * ab).as_rotvec()
-    # Each link's rotation is perturbed on its right; the angles are small, so their covariances add
-    # in their own axes turned.
+    # Each link's rotation is perturbed on its right. The angles are small, so that their
+    # covariances add, turned into common axes.
     turn_ab = ab.inv().as_matrix()
     covariance = [links.covariance[cycle[:, k], 3:, 3:] for k in range(3)]
     total = covariance[0] + turn_ab @ covariance[1] @ turn_ab.swapaxes(1, 2) + covariance[2]

@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a feature of one image should lie in another (PCCS): point transfer through the scene's
-depth, with covariance.
+"""Where a feature of one image should lie in another (PCCS), and which features lie there.
+
+Points are transferred through the scene's depth, with covariance. Candidates are the features in
+the ellipse of each.
 """
 
 from __future__ import annotations
@@ -11,21 +13,21 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon import native
 from hullrecon.geometry.rotations import cross_matrix
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)
 class Motion:
-    """second_from_first (4, 4) between the cameras of two nodes; covariance (6, 6) of (translation
-    in second's axes, rotation perturbed on the right, in first's axes).
-    """
+    """The motion between the cameras of two nodes."""
 
-    second_from_first: Array
+    second_from_first: Array  # (4, 4)
+    # (6, 6) of translation in second's axes, and rotation perturbed on the right, in first's axes
     covariance: Array
 
     def inverse(self) -> Motion:
-        """Return first_from_second, its covariance carried over to first order."""
+        """Invert the motion, its covariance to first order."""
         rotation, translation = self.second_from_first[:3, :3], self.second_from_first[:3, 3]
         back = np.eye(4)
         back[:3, :3], back[:3, 3] = rotation.T, -rotation.T @ translation
@@ -40,12 +42,26 @@ class Motion:
 def transfer(
     motion: Motion, xy: Array, depth_m: Array, depth_sigma_m: Array, pixel_sigma: float
 ) -> tuple[Array, Array]:
-    """Return by the unscented transform [Julier2002; Ozog2016 eq. D.12] the mean (n, 2) and
-    covariance (n, 2, 2) in the second camera's ideal coordinates.
+    """Predict features in a second camera by the unscented transform [Julier2002; Ozog2016 D.12].
 
-    xy (n, 2) ideal coordinates in the first camera, depth_m (n,) along its axis, pixel_sigma in
-    ideal units. Nine unknowns a feature, kappa 0: each is moved by 3 sigma both ways. NaN where any
-    of the nineteen points falls behind the camera.
+    Nine unknowns a feature, kappa 0: each is moved by 3 sigma both ways.
+
+    Parameters
+    ----------
+    motion
+        From the first camera to the second.
+    xy
+        Features (n, 2) in the first camera, ideal coordinates.
+    depth_m, depth_sigma_m
+        Their depth (n,) along its axis.
+    pixel_sigma
+        Sigma of a feature's position, ideal coordinates.
+
+    Returns
+    -------
+    mean, covariance
+        (n, 2) and (n, 2, 2) in the second camera, ideal coordinates. NaN where any of the nineteen
+        points falls behind it.
     """
     spread = _motion_points(motion)
     centre = np.hstack([xy, np.ones((len(xy), 1))])
@@ -58,12 +74,12 @@ def transfer(
             shifted = centre.copy()
             shifted[:, axis] += sign * pixel_sigma
             moved.append(_project(here, shifted * depth_m[:, None]))
-    # (2, 18, n), each of weight 1 / 18; the centre has weight 0
+    # (2, 18, n): each has weight 1 / 18, the centre has weight 0.
     points = np.concatenate(moved, axis=1)
     mean = points.mean(axis=1)
     across, down = points - mean[:, None]
     covariance = np.empty((len(xy), 2, 2))
-    # that of the feature in the second image
+    # The feature in the second image adds its own sigma.
     covariance[:, 0, 0] = (across * across).mean(axis=0) + pixel_sigma**2
     covariance[:, 1, 1] = (down * down).mean(axis=0) + pixel_sigma**2
     covariance[:, 0, 1] = covariance[:, 1, 0] = (across * down).mean(axis=0)
@@ -71,9 +87,7 @@ def transfer(
 
 
 def _motion_points(motion: Motion) -> Array:
-    """Return (12, 4, 4): the motion moved by 3 sigma along each column of the square root of its
-    covariance.
-    """
+    """Move a motion by 3 sigma along each column of its covariance's square root: (12, 4, 4)."""
     values, vectors = np.linalg.eigh(motion.covariance)
     columns = 3.0 * (vectors * np.sqrt(np.maximum(values, 0))).T
     step = np.concatenate([columns, -columns])
@@ -86,10 +100,27 @@ def _motion_points(motion: Motion) -> Array:
 
 
 def _project(motions: Array, points: Array) -> Array:
-    """Return ideal coordinates (2, s, n) of points (n, 3) under each of the motions (s, 4, 4)."""
+    """Project points (n, 3) under each of the motions (s, 4, 4) to ideal coordinates (2, s, n)."""
     seen = (motions[:, :3, :3].swapaxes(0, 1).reshape(-1, 3) @ points.T).reshape(
         3, len(motions), len(points)
     )
     seen += motions[:, :3, 3].T[:, :, None]
     depth = np.where(seen[2] > 1e-6, seen[2], np.nan)
     return np.asarray(seen[:2] / depth)
+
+
+def in_box(wanted: Array, half_width: Array, points: Array) -> tuple[Ints, Ints]:
+    """Pair each wanted (n, 2) with the points (m, 2) in a box of half_width (2,) about it.
+
+    Pairs are in order of both rows. Rows with NaN pair with none.
+    """
+    return native.pairs_in_regions(wanted, np.broadcast_to(half_width, wanted.shape), None, points)
+
+
+def in_ellipse(wanted: Array, covariance: Array, points: Array, chi2: float) -> tuple[Ints, Ints]:
+    """Pair each wanted (n, 2) with the points within a Mahalanobis distance under (n, 2, 2)."""
+    xx, xy, yy = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]
+    form = np.stack([yy, -xy, xx], axis=1) / (chi2 * (xx * yy - xy * xy))[:, None]
+    return native.pairs_in_regions(
+        wanted, np.sqrt(chi2 * covariance[:, [0, 1], [0, 1]]), form, points
+    )

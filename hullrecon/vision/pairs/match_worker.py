@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The work on one node and on a block of pairs, as callables that can be sent to other processes."""
+"""The work on one node and on a block of pairs, which other processes can do."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,47 +16,50 @@ from hullrecon.typing import Mask
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.features.store import FeatureStore
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pair_match import PairMatch
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.matching import PairMatcher
+from hullrecon.vision.pairs.matching import MatchStrategy, PairMatcher
+from hullrecon.vision.pairs.pair_match import PairMatch
+from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import StereoMatches, no_matches
-from hullrecon.vision.stereo.node_view import DepthPrior, NodeView, stereo_of_node, view_of_node
-from hullrecon.vision.tracks.landmarks import NodeFeatures
+from hullrecon.vision.stereo.node_view import (
+    DepthPrior,
+    NodeFeatures,
+    NodeView,
+    stereo_of_node,
+    view_of_node,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class MatchNode:
-    """A node to be matched. image: rows in the two cameras' indices, -1 where none."""
+    """A node to be matched."""
 
-    image: tuple[int, int]
-    depth: DepthPrior | None
-    stereo: StereoMatches
+    image: tuple[int, int]  # rows in the two cameras' indices, -1 for none
+    depth: DepthPrior | None  # of the scene, by the DVL
+    stereo: StereoMatches  # between its two cameras
 
 
 @dataclass(frozen=True, kw_only=True)
 class NodePair:
-    """Two nodes to be compared: their numbers, navigation's motion, and whether to search
-    everywhere where that fails.
-    """
+    """Two nodes to be compared."""
 
     first: int
     second: int
-    expected: Motion | None
-    full_search: bool
+    expected: Motion | None  # navigation's motion between them
+    full_search: bool  # search everywhere where that finds nothing
 
 
 @dataclass(frozen=True, kw_only=True)
 class MatchWorker:
-    """What every process needs, picklable: the folder of the features, the rig and the options."""
+    """What every process needs to match nodes. Picklable."""
 
-    features: Path
-    rig: Rig
+    features: Path  # folder of the features artifact
+    rig: CameraRig
     options: MatchOptions
+    strategy: MatchStrategy = field(default_factory=MatchStrategy)
 
     def read(self, image: tuple[int, int], stereo: StereoMatches) -> NodeFeatures:
-        """Return the features of both cameras; none for a camera that was not carried. stereo: the
-        matches between them.
-        """
+        """Read the features of both cameras, given their matches; none of one not carried."""
         bottom = (
             FeatureStore(self.features, Camera.BOTTOM).read(image[1])
             if self.rig.stereo_mount is not None
@@ -67,53 +70,37 @@ class MatchWorker:
         )
 
     def bottom_leads(self, nodes: Sequence[MatchNode]) -> Mask:
-        """Return at which nodes (n,) the bottom camera leads."""
+        """Select the nodes (n,) at which the bottom camera leads."""
         return np.array([self.read(node.image, node.stereo).bottom_leads for node in nodes], bool)
 
     def saliency(self, node: MatchNode) -> float:
-        """Return the local saliency of the image that leads."""
-        blind = self.read(node.image, node.stereo).bottom_leads
-        top = 0.0 if blind else FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
-        return top or (
-            FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1])
-            if self.rig.stereo_mount is not None
-            else 0.0
-        )
+        """Look up the local saliency of the image that leads."""
+        if not self.read(node.image, node.stereo).bottom_leads:
+            top = FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
+            if top or not self.rig.stereo:
+                return top
+        return FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1])
 
-    def view(self, node: MatchNode) -> NodeView:
-        """Return the node as pair matching wants it."""
-        features = self.read(node.image, node.stereo)
-        return view_of_node(
-            self.rig, features.top, features.bottom, node.stereo, node.depth, self.options.sigma_px
-        )
-
-
-@dataclass(frozen=True)
-class MatchStereo:
-    """Matches the two cameras of one node."""
-
-    worker: MatchWorker
-
-    def __call__(self, node: MatchNode) -> tuple[int, StereoMatches]:
-        """Return the number of the leading camera's features, and the matches between the two."""
-        features = self.worker.read(node.image, no_matches())
+    def match_stereo(self, node: MatchNode) -> tuple[int, StereoMatches]:
+        """Match the two cameras of a node; also count the leading camera's features."""
+        features = self.read(node.image, no_matches())
         stereo = stereo_of_node(
-            self.worker.rig, features.top, features.bottom, node.depth, self.worker.options
+            self.rig,
+            features.top,
+            features.bottom,
+            node.depth,
+            self.options,
+            self.strategy.match_descriptors,
         )
         return len(replace(features, stereo=stereo).leading), stereo
 
-
-@dataclass(frozen=True)
-class MatchPairs:
-    """Matches a block of pairs, with the nodes that they touch."""
-
-    worker: MatchWorker
-
-    def __call__(self, block: tuple[dict[int, MatchNode], list[NodePair]]) -> list[PairMatch]:
-        """Return the matches of each pair."""
+    def match_pairs(
+        self, block: tuple[dict[int, MatchNode], Sequence[NodePair]]
+    ) -> list[PairMatch]:
+        """Match a block of pairs, given with the nodes that they touch by number."""
         nodes, pairs = block
-        views = {number: self.worker.view(node) for number, node in nodes.items()}
-        matcher, seed = PairMatcher(self.worker.rig, self.worker.options), self.worker.options.seed
+        views = {number: self.view(node) for number, node in nodes.items()}
+        matcher, seed = PairMatcher(self.rig, self.options, self.strategy), self.options.seed
         return [
             matcher.match(
                 views[p.first],
@@ -124,3 +111,8 @@ class MatchPairs:
             )
             for p in pairs
         ]
+
+    def view(self, node: MatchNode) -> NodeView:
+        """Prepare a node for pair matching."""
+        features = self.read(node.image, node.stereo)
+        return view_of_node(self.rig, features, node.depth, self.options.sigma_px)

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which matches of two views without depth show one motion, where RANSAC alone cannot tell.
+"""Inliers of two views without depth, where RANSAC alone cannot tell them.
 
-On a nearly plane hull a turn and a shift of the camera look alike: a motion that is degrees off
+On a nearly plane hull a turn and a shift of the camera look alike. A motion that is degrees off
 costs the right matches a tenth of a pixel each, and a few wrong ones that it happens to fit make it
-the likelier. Navigation knows the motion better than that: with it the wrong ones stand out. It
-chooses matches; what these say of the motion is refined without it.
+the likelier. Navigation knows the motion better than that, and with it the wrong matches stand out.
+Navigation only chooses the inliers: the motion is refined on them without it.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import OUTLIER_SIGMAS
 from hullrecon.vision.pairs.two_view import PossibleMotion, essential_of, sampson_squared
 
-ITERATIONS = 25
-GATHERINGS = 5
-LEAST_SIGMA = 1e-7  # ideal units, of a match
-LEAST_LENGTH_M = 1e-3
-WELL_KNOWN_RAD = 0.1  # of rotation and direction, one sigma
+ITERATIONS = 25  # of the reweighted steps
+GATHERINGS = 5  # of inliers: they settle in two or three
+LEAST_SIGMA = 1e-7  # of a match, ideal coordinates
+LEAST_LENGTH_M = 1e-3  # of a motion that has a direction
+WELL_KNOWN_RAD = 0.1  # sigma of navigation's rotation and direction, at most
 NEAR_RAD = 0.3  # of either, from navigation: the two motions of a plane are farther apart
 LARGEST_STEP = 0.1  # rad, m: where the matches hardly tell, the linear step leads anywhere
 
@@ -38,11 +38,21 @@ def choose(
     prior: Motion | None,
     surface_normal: tuple[float, float, float] | None,
 ) -> Motion:
-    """Return one of the motions that a matrix may stand for, refined on its inliers (n, 2) of both
-    views, with its covariance.
+    """Choose among the motions of a two-view model, each refined on its inliers.
 
-    The two motions of a plane differ by its normal: the DVL's decides where there is one, else
-    navigation's rotation and direction, else the order.
+    The two motions of a plane differ by its normal. The DVL's normal decides where there is one,
+    else navigation's rotation and direction, else the order.
+
+    Parameters
+    ----------
+    possible
+        The motions.
+    matches
+        The model's inliers (n, 2) of both views, ideal coordinates.
+    prior
+        Navigation's motion, None where it has none.
+    surface_normal
+        Of the hull by the DVL, in the first camera.
     """
     if surface_normal is not None and all(p.normal is not None for p in possible):
         possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type: ignore[arg-type]
@@ -50,18 +60,15 @@ def choose(
         mono_motion.with_length(*refine_on_inliers(p.motion, *matches, prior), prior)
         for p in possible
     ]
-    return (
-        found[0]
-        if prior is None
-        else min(found, key=lambda motion: mono_motion.navigation_chi2(motion, prior))
-    )
+    if prior is None:
+        return found[0]
+    return min(found, key=lambda motion: mono_motion.navigation_chi2(motion, prior))
 
 
 def gather(
     motion: Motion, first: Array, second: Array, prior: Motion | None, tolerance: float
 ) -> tuple[Motion, Mask]:
-    """Return the motion refined on all matches (n, 2) within a tolerance of their epipolar lines,
-    and which (n,) they are.
+    """Refine a motion on all matches (n, 2) near their epipolar lines; give also which (n,) are.
 
     A plane's inliers will not do: on a curved hull they are those whose noise makes it flatter, and
     the motion turns by what the flatter hull would mean.
@@ -76,25 +83,31 @@ def gather(
         before, inlier = inlier, on_lines(found.motion, first, second, tolerance)
         if (inlier == before).all():
             break
-    return motion if found is None else mono_motion.with_length(
-        found.motion, found.covariance(), prior
-    ), inlier
+    if found is None:
+        return motion, inlier
+    return mono_motion.with_length(found.motion, found.covariance(), prior), inlier
 
 
 def on_lines(motion: Array, first: Array, second: Array, tolerance: float) -> Mask:
-    """Return which matches (n, 2) lie within a tolerance of their epipolar lines, motion (4, 4)."""
+    """Select matches (n, 2) within a tolerance of their epipolar lines, motion (4, 4)."""
     return np.asarray(sampson_squared(essential_of(motion), first, second) < tolerance**2)
 
 
 def refine_on_inliers(
     start: Array, first: Array, second: Array, prior: Motion | None
 ) -> tuple[Array, Array]:
-    """Return the motion (4, 4) with |t| = 1 and its covariance (5, 5), as `mono_motion.refine`
-    does, of the matches (n, 2) that agree with the most likely motion, navigation's word counted;
-    of all where navigation does not know the motion well or means another.
+    """Refine a motion as `mono_motion.refine`, on matches that agree with the most likely one.
 
-    Matches that do not agree are not without meaning: as many more may lie within the limit. In the
-    variance they count as if they lay on it.
+    Navigation counts in what is most likely. Where it does not know the motion well, or means
+    another, all matches (n, 2) are taken. Those that do not agree have a meaning: as many more may
+    lie within the limit. In the variance they count as if they lay on it.
+
+    Returns
+    -------
+    motion
+        (4, 4) with |t| = 1.
+    covariance
+        (5, 5) of its rotation and direction.
     """
     found = _fit_on_inliers(start, first, second, prior)
     return found.motion, found.covariance()
@@ -102,18 +115,16 @@ def refine_on_inliers(
 
 @dataclass(frozen=True, kw_only=True)
 class _OnInliers:
-    """A motion (4, 4) with |t| = 1 fitted to matches (n, 2), or to the good (n,) of them, those
-    within a limit.
-    """
+    """A motion fitted to the inliers of some matches."""
 
-    motion: Array
-    first: Array
+    motion: Array  # (4, 4) with |t| = 1
+    first: Array  # (n, 2) the matches, ideal coordinates
     second: Array
-    good: Mask | None
-    limit: float
+    good: Mask | None  # (n,) the inliers, None for all
+    limit: float  # of an inlier's Sampson distance
 
     def covariance(self) -> Array:
-        """Return that of the motion (5, 5)."""
+        """Compute the covariance (5, 5) of rotation and direction."""
         if self.good is None:
             return mono_motion.covariance_of(self.motion, self.first, self.second)
         covariance = mono_motion.covariance_of(
@@ -127,9 +138,7 @@ class _OnInliers:
 
 
 def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> _OnInliers:
-    """Return what `refine_on_inliers` fits; its covariance, which takes as long, is asked for at
-    the end alone.
-    """
+    """Fit as `refine_on_inliers`, without the covariance, which takes as long again."""
     motion = mono_motion.fit(start, first, second)
     alone = _OnInliers(motion=motion, first=first, second=second, good=None, limit=np.inf)
     if prior is None or not is_well_known(prior) or not _is_near(motion, prior):
@@ -145,9 +154,10 @@ def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | N
 
 
 def is_well_known(prior: Motion) -> bool:
-    """Return whether navigation tells rotation and direction of the motion so well that of a
-    plane's two motions the wrong one, and what noise makes of nearly plane matches, are out of the
-    question.
+    """Decide whether navigation knows rotation and direction well enough to choose inliers.
+
+    Well enough is what rules out the wrong one of a plane's two motions, and what noise makes of
+    nearly plane matches.
     """
     length = float(np.linalg.norm(prior.second_from_first[:3, 3]))
     if length < LEAST_LENGTH_M:
@@ -159,9 +169,7 @@ def is_well_known(prior: Motion) -> bool:
 
 
 def _is_near(motion: Array, prior: Motion) -> bool:
-    """Return whether rotation and direction of a motion (4, 4) are those that navigation means, and
-    not of a plane's other.
-    """
+    """Decide whether a motion (4, 4) is navigation's, and not the other one of a plane."""
     wanted = prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ motion[:3, :3]).magnitude()
     cosine = motion[:3, 3] @ wanted[:3, 3] / np.linalg.norm(wanted[:3, 3])
@@ -171,12 +179,18 @@ def _is_near(motion: Array, prior: Motion) -> bool:
 def most_likely_motion(
     start: Array, first: Array, second: Array, prior: Motion
 ) -> tuple[Array, float]:
-    """Return the motion (4, 4), |t| = 1, of least robust cost of matches (n, 2) and navigation
-    together, from where RANSAC has it, and the robust sigma of the matches about it.
+    """Minimise the robust cost of matches (n, 2) and navigation together, from RANSAC's motion.
 
-    Steps are reweighted by Tukey's biweight, about a sigma that falls with them: costs of two steps
-    cannot be compared, as geometry.pose_solver does. From navigation's motion they would lead to
-    either of a plane's two.
+    Steps are reweighted by Tukey's biweight about a sigma that falls with them, so that costs of
+    two steps cannot be compared, as geometry.pose_solver does. From navigation's motion they would
+    lead to either of a plane's two.
+
+    Returns
+    -------
+    motion
+        (4, 4) with |t| = 1.
+    sigma
+        Robust sigma of the matches about it, ideal coordinates.
     """
     motion = start.copy()
     motion[:3, 3] *= np.linalg.norm(prior.second_from_first[:3, 3])
@@ -191,7 +205,7 @@ def most_likely_motion(
         )
         weighted = (jacobian * weight[:, None]).T
         normal = weighted @ jacobian + of_navigation
-        # a direction is never more than unknown, and matches tell no length
+        # A direction is never more than unknown, and matches tell no length.
         normal[:3, :3] += np.eye(3) / length**2
         step = np.asarray(
             -np.linalg.solve(normal, weighted @ residual + of_navigation @ _gap(motion, prior))
@@ -205,7 +219,7 @@ def most_likely_motion(
 
 
 def _biweight(residual: Array) -> Array:
-    """Return the weights (n,), inverse variances, of residuals of one robust sigma."""
+    """Weight residuals (n,) by Tukey's biweight, in inverse variances."""
     sigma = _sigma(residual)
     return np.asarray(
         np.clip(1 - (residual / (OUTLIER_SIGMAS * sigma)) ** 2, 0, None) ** 2 / sigma**2
@@ -217,7 +231,7 @@ def _sigma(residual: Array) -> float:
 
 
 def _gap(motion: Array, prior: Motion) -> Array:
-    """Return how far a motion (4, 4) is from navigation's (6,)."""
+    """Compute the difference (6,) of a motion (4, 4) from navigation's."""
     wanted = prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ motion[:3, :3]).as_rotvec()
     return np.concatenate([motion[:3, 3] - wanted[:3, 3], turn])

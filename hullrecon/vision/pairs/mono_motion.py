@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Relative pose of two views without depth: refined on matches, how well its five numbers are
-known, and whether navigation agrees [Ozog2016 D.1; KimEustice2009 III-B].
+"""Relative pose of two views without depth [Ozog2016 D.1; KimEustice2009 III-B].
+
+Its five unknowns are the rotation, perturbed on the right (3), and the direction of the translation
+in `tangent_basis` (2). They are refined on matches, get a covariance, and are held to navigation.
 """
 
 from __future__ import annotations
@@ -17,32 +19,28 @@ from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation
 from hullrecon.vision.pairs.two_view import essential_of
 
-ITERATIONS = 10
+ITERATIONS = 10  # of Levenberg-Marquardt
 FREEDOMS = 5  # of a motion without a length
-# of a direction about which the matches say nothing: the vehicle stood still
-DIRECTION_SIGMA_RAD = 1.0
+DIRECTION_SIGMA_RAD = 1.0  # of a direction of which matches say nothing, as of a vehicle at rest
 DIRECTION_PRIOR = np.diag([0.0, 0.0, 0.0, DIRECTION_SIGMA_RAD**-2, DIRECTION_SIGMA_RAD**-2])
-# information about the direction within so many sigmas of what noise alone gives is none
-NOISE_SIGMAS = 3.0
+NOISE_SIGMAS = 3.0  # about what noise alone gives, within which the direction counts as unknown
 UNKNOWN_LENGTH = 1.0  # sigma over length where nothing has measured it
 
 
 def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
-    """Return the motion that `fit` gives of matches (n, 2), and its covariance (5, 5)."""
+    """Fit a motion to matches (n, 2), and compute its covariance (5, 5)."""
     motion = fit(motion, first, second)
     return motion, covariance_of(motion, first, second)
 
 
 def fit(motion: Array, first: Array, second: Array) -> Array:
-    """Return the motion (4, 4) with |t| = 1 that minimises the Sampson distances of matches (n, 2).
+    """Minimise the Sampson distances of matches (n, 2) over motions (4, 4) with |t| = 1.
 
-    Its unknowns: the rotation perturbed on the right (3), the direction of t in `tangent_basis`
-    (2). To first order the Sampson distance is what a bundle adjustment of two views leaves of a
-    match once its point is solved for.
+    To first order the Sampson distance is what a bundle adjustment of two views leaves of a match
+    once its point is solved for.
     """
     residual, jacobian = linearise(motion, first, second)
-    # not geometry.pose_solver: five unknowns, and steps in units of a variance that each step finds
-    # anew
+    # Not geometry.pose_solver: five unknowns, and a variance that each step finds anew.
     damping = 1e-6
     for _ in range(ITERATIONS):
         normal = _information(jacobian, _variance(residual))
@@ -60,11 +58,11 @@ def fit(motion: Array, first: Array, second: Array) -> Array:
 
 
 def covariance_of(motion: Array, first: Array, second: Array) -> Array:
-    """Return the covariance (5, 5) of the unknowns of `fit` at its motion: the information is that
-    of adjusting two views.
+    """Compute the covariance (5, 5) of a motion fitted to matches (n, 2).
 
-    It takes its scale from the residuals and from how far neighbours err together, and what the
-    matches' own noise adds to the information about the direction is taken off.
+    The information is that of adjusting two views. It is scaled by the residuals and by how far
+    neighbours err together, and what the matches' own noise adds to the information about the
+    direction is taken off.
     """
     residual, jacobian = linearise(motion, first, second)
     variance = _variance(residual)
@@ -81,8 +79,16 @@ def covariance_of(motion: Array, first: Array, second: Array) -> Array:
 
 
 def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motion:
-    """Return the motion with navigation's length (1 without navigation) and the covariance (6, 6)
-    of Motion from (5, 5): the length is as uncertain as navigation says.
+    """Give a motion navigation's length and its uncertainty, or length 1 without navigation.
+
+    Parameters
+    ----------
+    motion
+        (4, 4) with |t| = 1.
+    covariance
+        (5, 5) of rotation and direction.
+    prior
+        Navigation's motion.
     """
     direction = motion[:3, 3]
     length, length_variance = 1.0, UNKNOWN_LENGTH**2
@@ -100,17 +106,16 @@ def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motio
 
 
 def navigation_chi2(found: Motion, prior: Motion) -> float:
-    """Return the squared distance, over five degrees of freedom, of a motion without a length from
-    navigation's.
+    """Compute chi-square, of five degrees of freedom, of a motion without a length to navigation's.
 
-    The length is free, but not negative: the one taken is that which agrees best, so that a
-    direction says little where the vehicle hardly moved.
+    The length is free, but not negative. The one that agrees best is taken, so that a direction
+    says little where the vehicle hardly moved.
     """
     own, wanted = found.second_from_first, prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ own[:3, :3]).as_rotvec()
     direction = own[:3, 3] / max(float(np.linalg.norm(own[:3, 3])), 1e-12)
     across = np.eye(6)
-    # the length that was found is navigation's own
+    # The length in found is navigation's own.
     across[:3, :3] -= np.outer(direction, direction)
     information = np.linalg.inv(prior.covariance + across @ found.covariance @ across)
     along = np.concatenate([direction, np.zeros(3)])
@@ -121,11 +126,10 @@ def navigation_chi2(found: Motion, prior: Motion) -> float:
 
 
 def has_parallax(motion: Array, first: Array, second: Array, variance: float) -> bool:
-    """Return whether matches (n, 2) differ by more than the motion's rotation and noise of that
-    variance in both images.
+    """Decide whether matches (n, 2) differ by more than a rotation and noise of that variance.
 
-    The gaps of two images have four times the variance a match; that ratio scatters by 1 / sqrt(n),
-    the variance found from n residuals by sqrt(2 / n).
+    The gaps of two images have four times the variance of a match. That ratio scatters by
+    1 / sqrt(n), the variance found from n residuals by sqrt(2 / n).
     """
     turned = np.hstack([first, np.ones((len(first), 1))]) @ motion[:3, :3].T
     gap = second - turned[:, :2] / turned[:, 2:]
@@ -135,13 +139,12 @@ def has_parallax(motion: Array, first: Array, second: Array, variance: float) ->
 
 
 def noise_share(motion: Array, first: Array, second: Array) -> Array:
-    """Return the information (n, 2, 2) about the direction that noise in each match (n, 2) seems to
-    give, whatever its size.
+    """Compute the information (n, 2, 2) on the direction that noise in matches (n, 2) simulates.
 
     The derivative of a match by the direction is its shift out of the rotation, (R x1) x x2. Noise
-    of one sigma in both images has the covariance sigma^2 ([x2]x R P R' [x2]x' + [R x1]x P [R
-    x1]x') in that, P = diag(1, 1, 0), and the Sampson distance has the variance sigma^2, which
-    cancels. A vehicle that stands still shows this much and no more.
+    of sigma in both images has the covariance
+    sigma^2 ([x2]x R P R' [x2]x' + [R x1]x P [R x1]x') in that, P = diag(1, 1, 0). The Sampson
+    distance has the variance sigma^2, which cancels. A vehicle at rest shows this much and no more.
     """
     a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
     turned, basis = a @ motion[:3, :3].T, tangent_basis(motion[:3, 3])
@@ -155,12 +158,11 @@ def noise_share(motion: Array, first: Array, second: Array) -> Array:
 
 
 def without_noise_share(information: Array, share: Array) -> Array:
-    """Return the information (5, 5) of matches less what noise alone adds to that about the
-    direction, share (n, 2, 2).
+    """Take what noise alone adds, share (n, 2, 2), off the information (5, 5) on the direction.
 
     The sum of the shares scatters as a sum of squares does, by the root of twice the sum of their
-    squares: far more than 1 / sqrt(n) where the epipole lies in the image and the few matches next
-    to it have most of the weight.
+    squares. That is far more than 1 / sqrt(n) where the epipole lies in the image and the few
+    matches next to it have most of the weight.
     """
     scatter = np.sqrt(2 * np.einsum("nij,nij->", share, share))
     noise = share.sum(axis=0) + NOISE_SIGMAS * scatter * np.eye(2)
@@ -173,18 +175,18 @@ def without_noise_share(information: Array, share: Array) -> Array:
 
 
 def _without_direction(information: Array) -> Array:
-    """Return the information (5, 5) with that of the rotation alone."""
+    """Keep the information (5, 5) on the rotation alone."""
     out = np.zeros((5, 5))
     out[:3, :3] = information[:3, :3]
     return out
 
 
 def tangent_basis(direction: Array) -> Array:
-    """Return two unit vectors (3, 2) across a unit vector (3,) and across each other."""
-    # numbers: a small array's arithmetic takes ten times as long
+    """Compute two unit vectors (3, 2) across a unit vector (3,) and across each other."""
+    # Numbers: arithmetic of a small array takes ten times as long.
     x, y, z = (float(part) for part in direction)
     least = min(range(3), key=lambda k: abs((x, y, z)[k]))
-    # direction x the axis it is least along
+    # The direction times the axis that it is least along.
     a, b, c = ((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))[least]
     length = math.sqrt(a * a + b * b + c * c)
     a, b, c = a / length, b / length, c / length
@@ -192,9 +194,7 @@ def tangent_basis(direction: Array) -> Array:
 
 
 def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
-    """Return signed Sampson distances (n,) and their derivatives (n, 5), the distance's own
-    denominator held.
-    """
+    """Compute signed Sampson distances (n,) and derivatives (n, 5), the denominator held."""
     essential, rotation = essential_of(motion), motion[:3, :3]
     a0, a1 = np.ascontiguousarray(first.T)  # by column: several times faster than rows of three
     b0, b1 = np.ascontiguousarray(second.T)
@@ -217,17 +217,13 @@ def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]
 
 
 def _epipolar_lines(motion: Array, a: Array, b: Array) -> tuple[Array, Array]:
-    """Return the epipolar lines (n, 3) of the points a (n, 3) in the second image, and of b (n, 3)
-    in the first.
-    """
+    """Compute epipolar lines (n, 3): of a (n, 3) in the second image, of b (n, 3) in the first."""
     essential = essential_of(motion)
     return a @ essential.T, b @ essential
 
 
 def _line_length(line_second: Array, line_first: Array) -> Array:
-    """Return the (n,) length of both epipolar lines' normals together, the denominator of the
-    Sampson distance.
-    """
+    """Compute the denominator (n,) of the Sampson distance from both epipolar lines."""
     squared = (line_second[:, :2] ** 2).sum(axis=1) + (line_first[:, :2] ** 2).sum(axis=1)
     return np.asarray(np.sqrt(np.maximum(squared, 1e-18)))
 
@@ -237,7 +233,7 @@ def _variance(residual: Array) -> float:
 
 
 def _information(jacobian: Array, variance: float) -> Array:
-    """Return (5, 5) of the matches, and that a direction is never more than unknown."""
+    """Compute the information (5, 5) of matches; a direction is never more than unknown."""
     return np.asarray(jacobian.T @ jacobian / variance + DIRECTION_PRIOR)
 
 

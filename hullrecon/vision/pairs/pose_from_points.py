@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Relative pose of two stereo nodes: 3-point RANSAC on triangulated points, residuals in pixels,
-then Levenberg-Marquardt.
+"""Relative pose of two stereo nodes: 3-point RANSAC on their points, then Levenberg-Marquardt.
 
-Residuals live in ideal coordinates; tolerances arrive divided by the focal length [Ozog2016 D.2.3],
-which has metres.
+Residuals are reprojection errors in ideal coordinates, and tolerances come divided by the focal
+length. [Ozog2016 D.2.3] has residuals in metres.
 """
 
 from __future__ import annotations
@@ -19,24 +18,20 @@ from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.typing import Array, Mask
 
 BLOCK = 128  # hypotheses at a time
+ITERATIONS = 12  # of Levenberg-Marquardt
 SMALLEST_STEP = 1e-7  # m, rad: far below what a pair tells
+MISSED = 1e-4  # probability that RANSAC draws no triple of inliers
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObservedPoints:
-    """Points (n, 3) of one node and where another node's cameras saw them: xy (n, 2), NaN where
-    that camera did not.
+    """Points of one node as a camera of another node saw them."""
 
-    camera_from_node (4, 4): the camera in the frame that the points are moved into. backward: the
-    motion wanted carries these points with its inverse. baseline_m: of the rig that triangulated
-    the points, for their uncertainty in depth.
-    """
-
-    points: Array
-    xy: Array
-    camera_from_node: Array
-    backward: bool
-    baseline_m: float
+    points: Array  # (n, 3) m
+    xy: Array  # (n, 2) ideal coordinates, NaN where not seen
+    camera_from_node: Array  # (4, 4) the camera in the frame that the points are moved into
+    backward: bool  # the motion wanted carries these points with its inverse
+    baseline_m: float  # of the rig that triangulated them, for their uncertainty in depth
 
 
 def ransac(
@@ -47,18 +42,29 @@ def ransac(
     most_trials: int,
     seed: tuple[int, ...],
 ) -> Array | None:
-    """Return the best motion (4, 4) of points (n, 3) onto (n, 3) by truncated squared error of the
-    views; None with fewer than 3.
+    """Find the motion (4, 4) of least truncated squared error by RANSAC; None with fewer than 3.
 
-    Trials come in blocks until a triple of inliers has been drawn with 99.99 % or `most_trials` are
-    spent.
+    Trials come in blocks, until a triple of inliers has been drawn with 1 - MISSED.
+
+    Parameters
+    ----------
+    first, second
+        Points (n, 3) of both nodes.
+    views
+        The images in which they are scored.
+    tolerance
+        Largest error of an inlier, ideal coordinates.
+    most_trials
+        Trials at most.
+    seed
+        Of the random draws.
     """
     if len(first) < 3:
         return None
     rng = np.random.default_rng(seed)
     best, least, spent, needed = np.eye(4), np.inf, 0, float(most_trials)
     while spent < min(needed, most_trials):
-        # one that repeats a point fits nothing and loses
+        # A triple that repeats a point fits nothing and loses.
         triple = rng.integers(len(first), size=(BLOCK, 3))
         motions = fit_rigid(first[triple], second[triple]).matrix()
         error = sum(np.minimum(squared_errors(motions, s), tolerance**2).sum(axis=1) for s in views)
@@ -78,33 +84,37 @@ def _share(motion: Array, views: list[ObservedPoints], tolerance: float) -> floa
 
 def _trials(share: float) -> float:
     hit = min(share, 0.999999) ** 3
-    return float(np.log(1e-4) / np.log1p(-hit)) if hit > 0 else np.inf
+    return float(np.log(MISSED) / np.log1p(-hit)) if hit > 0 else np.inf
 
 
 def squared_errors(motions: Array, view: ObservedPoints) -> Array:
-    """Return (s, n): squared distance in the image under each motion (s, 4, 4); inf behind the
-    camera, 0 where not seen.
+    """Compute squared reprojection errors (s, n) under each motion (s, 4, 4).
+
+    Infinite behind the camera, 0 where not seen.
     """
     way = np.linalg.inv(motions) if view.backward else motions
     return native.squared_reprojections(view.camera_from_node @ way, view.points, view.xy)
 
 
-def refine(
-    motion: Array, views: list[ObservedPoints], tolerance: float, iterations: int = 12
-) -> tuple[Array, Array]:
-    """Return the motion (4, 4) that minimises the inliers' errors in units of their sigma, and its
-    covariance (6, 6) as Motion defines it.
+def refine(motion: Array, views: list[ObservedPoints], tolerance: float) -> tuple[Array, Array]:
+    """Minimise the inliers' reprojection errors in units of their sigma.
 
-    Inliers are chosen again in the first half of the iterations, then held. The covariance takes
-    its scale from the residuals.
+    Inliers are chosen again in the first half of the iterations, then held.
+
+    Returns
+    -------
+    motion
+        (4, 4).
+    covariance
+        (6, 6) as Motion defines it, scaled by the residuals.
     """
-    # not geometry.pose_solver: a change of the inliers changes the cost, by which that would refuse
-    # the step
+    # Not geometry.pose_solver, which refuses steps that raise the cost: a change of the inliers
+    # does.
     damping = 1e-6
     inlier = _inliers(motion, views, tolerance)
     normal, gradient, cost = _normal(motion, views, inlier)
-    for k in range(iterations):
-        if 0 < k < iterations // 2:
+    for k in range(ITERATIONS):
+        if 0 < k < ITERATIONS // 2:
             before, inlier = inlier, _inliers(motion, views, tolerance)
             if any(not np.array_equal(*pair) for pair in zip(before, inlier, strict=True)):
                 normal, gradient, cost = _normal(motion, views, inlier)
@@ -122,7 +132,7 @@ def refine(
 
 
 def _inliers(motion: Array, views: list[ObservedPoints], tolerance: float) -> list[Mask]:
-    """Return of each view which points (n,) were seen where the motion puts them."""
+    """Select in each view the points (n,) that were seen where the motion puts them."""
     return [
         np.isfinite(v.xy[:, 0]) & (squared_errors(motion[None], v)[0] < tolerance**2) for v in views
     ]
@@ -131,10 +141,9 @@ def _inliers(motion: Array, views: list[ObservedPoints], tolerance: float) -> li
 def _normal(
     motion: Array, views: list[ObservedPoints], inlier: list[Mask]
 ) -> tuple[Array, Array, float]:
-    """Return normal matrix (6, 6), gradient (6,) and summed squared error of the inliers of all
-    views.
+    """Sum normal matrix (6, 6), gradient (6,) and squared error of the inliers of all views.
 
-    A triangulated depth is off by z^2 sqrt(2) / b for each unit of error in the image; unweighted,
+    A triangulated depth is off by z^2 sqrt(2) / b for each unit of error in the image. Unweighted,
     that bends wide pairs.
     """
     normal, gradient, cost = np.zeros((6, 6)), np.zeros(6), 0.0
@@ -154,18 +163,19 @@ def _apply_step(motion: Array, step: Array) -> Array:
 
 
 def hide_unknown_points(view: ObservedPoints) -> ObservedPoints:
-    """Return the same view with rows that lack a point marked as not seen."""
-    unknown = np.isnan(view.points[:, 0])
-    points, xy = (
-        np.where(unknown[:, None], 0.0, view.points),
-        np.where(unknown[:, None], np.nan, view.xy),
+    """Mark rows that lack a point as not seen."""
+    unknown = np.isnan(view.points[:, 0])[:, None]
+    return replace(
+        view,
+        points=np.where(unknown, 0.0, view.points),
+        xy=np.where(unknown, np.nan, view.xy),
     )
-    return replace(view, points=points, xy=xy)
 
 
 def resect(points: Array, xy: Array, tolerance: float, trials: int) -> Array | None:
-    """Return the motion (4, 4) that carries points (n, 3) to a camera that saw them at ideal
-    coordinates (n, 2): P3P in RANSAC.
+    """Find the motion (4, 4) of points (n, 3) into a camera that saw them at (n, 2), by P3P RANSAC.
+
+    None with fewer than four points, or where no motion fits.
     """
     import cv2
 

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which nodes are compared: neighbours along the dive, and nodes of other legs that should have
-seen the same piece of hull.
-"""
+"""Which nodes are compared: neighbours, and nodes of other legs that saw the same piece of hull."""
 
 from __future__ import annotations
 
@@ -17,46 +15,74 @@ from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import CameraTrack
 
-OVERLAPPING = 0.3  # of the footprints: such a pair is compared once the path is tied
-PROBABLE = 0.5  # that the overlap is there at all
-RETURN = 0.2  # of overlap: the vehicle had gone and come back, it did not just move on slowly
-GRID = 8  # cells of the footprint along each side
-FINE_GRID = 32  # where small steps count
+MAX_OVERLAP = 0.98  # with the last keyframe: a node that overlaps it by more is none
+OVERLAPPING = 0.3  # overlap of a pair that is compared once the path is tied
+PROBABLE = 0.5  # least probability that this overlap is there
+RETURN = 0.2  # gain of overlap that shows that the vehicle came back, and did not just move slowly
+GRID = 8  # cells of a footprint along each side
+FINE_GRID = 32  # the same where small steps count
 QUANTILES = 6  # of a relative position along each axis
-BLOCK = 1000  # pairs whose quantiles are laid onto each other at a time
-# pairs whose covariances are asked for at a time: each time the graph is factored anew
-COVARIANCE_BLOCK = 60_000
-GRID_POINTS = 1_000_000  # of footprints, at a time
+BLOCK = 1000  # pairs whose quantiles are in memory at a time
+COVARIANCE_BLOCK = 60_000  # pairs whose covariances are computed at a time, each by factoring anew
+GRID_POINTS = 1_000_000  # of footprints, in memory at a time
 
 
 @dataclass(frozen=True, kw_only=True)
 class Proposal:
-    """first < second (m,): nodes; across (m,) bool: of another leg, not a neighbour; overlap (m,):
-    of the predicted footprints, NaN where no depth is known. Sorted by (first, second).
-    """
+    """Pairs of nodes to be compared, sorted by (first, second)."""
 
-    first: Ints
-    second: Ints
-    across: Mask
-    overlap: Array
+    first: Ints  # (m,) nodes
+    second: Ints  # (m,) > first
+    across: Mask  # (m,) nodes of two legs, not neighbours
+    overlap: Array  # (m,) of the predicted footprints, NaN where no depth is known
 
     def __len__(self) -> int:
         return len(self.first)
 
+    def take(self, rows: Ints | Mask) -> Proposal:
+        """Select some of the pairs."""
+        return Proposal(
+            first=self.first[rows],
+            second=self.second[rows],
+            across=self.across[rows],
+            overlap=self.overlap[rows],
+        )
 
-def select_keyframes(
-    track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel, options: MatchOptions
-) -> Ints:
-    """Return the nodes that are compared with others. usable (n,): the node has an image; depth_m
-    (n,) of the scene, NaN where unknown.
+
+def select_keyframes(track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel) -> Ints:
+    """Select the nodes that left the footprint of the keyframe before.
+
+    Where no depth is known all are keyframes.
+
+    Parameters
+    ----------
+    track
+        The leading cameras.
+    usable
+        Nodes (n,) with an image.
+    depth_m
+        Depth (n,) of the scene, NaN where unknown.
+    camera
+        Of the footprints.
     """
-    return _keyframes(track, np.flatnonzero(usable), depth_m, camera, options.max_overlap)
+    nodes = np.flatnonzero(usable)
+    if len(nodes) < 2:
+        return nodes
+    step = footprint_overlap(track, nodes[:-1], nodes[1:], depth_m, camera, grid=FINE_GRID)
+    kept = [int(nodes[0])]
+    for node, close in zip(nodes[1:].tolist(), (step > MAX_OVERLAP).tolist(), strict=True):
+        if close:
+            ends = np.array([kept[-1]]), np.array([node])
+            if footprint_overlap(track, *ends, depth_m, camera, grid=FINE_GRID)[0] > MAX_OVERLAP:
+                continue
+        kept.append(node)
+    return np.array(kept, np.int64)
 
 
 def propose_neighbours(
     track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions
 ) -> Proposal:
-    """Return the pairs of following keyframes."""
+    """Propose each keyframe with the `sequential` following ones."""
     first, second = _sequential(keyframes, options.sequential)
     order = np.lexsort((second, first))
     first, second = first[order], second[order]
@@ -73,12 +99,26 @@ def propose_revisits(
     min_probability: float,
     compared: Ints,
 ) -> Proposal:
-    """Return for each keyframe the `across` to which the vehicle came back that most probably show
-    the same piece of hull.
+    """Propose for each keyframe the `across` others that most probably show the same hull.
 
-    min_probability: that two nodes' footprints have min_overlap in common, given how well their
-    relative pose is known [KimEustice2009]. compared: pairs (first * n + second) that are not
-    proposed again, but count among those of their nodes.
+    Only others to which the vehicle came back count [KimEustice2009].
+
+    Parameters
+    ----------
+    track
+        The leading cameras, with how well they are known.
+    keyframes
+        The nodes to choose from.
+    depth_m
+        Depth (n,) of the scene.
+    camera
+        Of the footprints.
+    options
+        Section [matches].
+    min_probability
+        Least probability that two footprints have min_overlap in common.
+    compared
+        Pairs (first * n + second) that are not proposed again, but count among the `across`.
     """
     first, second, overlap, probability = _revisits(
         track, keyframes, depth_m, camera, options, min_probability
@@ -96,9 +136,9 @@ def propose_overlapping(
     options: MatchOptions,
     compared: Ints,
 ) -> Proposal:
-    """Return for each keyframe those to which the vehicle came back that overlap it by OVERLAPPING
-    where the track has the two, the `revisits` of largest overlap at most; compared: as for
-    propose_revisits.
+    """Propose for each keyframe the `revisits` others that overlap it most, by OVERLAPPING.
+
+    Parameters are those of `propose_revisits`.
     """
     first, second, overlap, _ = _revisits(track, keyframes, depth_m, camera, options, PROBABLE)
     rows = np.flatnonzero(overlap >= OVERLAPPING)
@@ -114,8 +154,12 @@ def _revisits(
     options: MatchOptions,
     min_probability: float,
 ) -> tuple[Ints, Ints, Array, Array]:
-    """Return the pairs of keyframes to which the vehicle came back: first, second, overlap,
-    probability of min_overlap.
+    """Find pairs of keyframes to which the vehicle came back.
+
+    Returns
+    -------
+    first, second, overlap, probability
+        (m,) each; the probability is that of min_overlap.
     """
     first, second = _near(track, keyframes, depth_m, camera, options.sequential)
     overlap = footprint_overlap(track, first, second, depth_m, camera)
@@ -131,9 +175,7 @@ def _revisits(
 def _best_of_each(
     first: Ints, second: Ints, overlap: Array, score: Array, most: int, compared: Ints, nodes: int
 ) -> Proposal:
-    """Return the pairs that are among the `most` highest scores of one of their nodes, without
-    those compared.
-    """
+    """Select pairs among the `most` highest scores of one of their nodes, but those compared."""
     best = _top(second, score, most) | _top(first, score, most)
     best &= ~np.isin(first * nodes + second, compared)
     first, second, overlap = first[best], second[best], overlap[best]
@@ -148,9 +190,9 @@ def overlap_probability(
     camera: CameraModel,
     min_overlap: float,
 ) -> Array:
-    """Return the probability (m,) that the middle of the first node's scene lies where the second's
-    footprint covers min_overlap of the first's, by quantiles of the relative pose; 0 where depth is
-    unknown.
+    """Compute the probability (m,) that the second footprint covers min_overlap of the first.
+
+    By quantiles of the relative pose. 0 where the depth is unknown.
     """
     parts = [np.zeros(0)]
     for start in range(0, len(first), COVARIANCE_BLOCK):
@@ -170,31 +212,25 @@ def overlap_probability(
 def scene_in_target(
     track: CameraTrack, source: Ints, target: Ints, depth: Array
 ) -> tuple[Array, Array]:
-    """Return target_from_source (m, 4, 4), and the covariance (m, 3, 3) in the target camera of the
-    middle of the source's scene at depth (m,), as docs/methods.md (59) has it.
+    """Compute target_from_source (m, 4, 4) and how well it places the source's scene.
+
+    The covariance (m, 3, 3) is that of the middle of the scene, at depth (m,), in the target camera
+    (docs/methods.md (59)).
     """
     relative = (
         track.global_from_camera[target].inverse() @ track.global_from_camera[source]
     ).matrix()
     middle = np.stack([0 * depth, 0 * depth, depth], axis=1)
-    by_motion = np.concatenate(
-        [
-            np.broadcast_to(np.eye(3), (len(source), 3, 3)),
-            -relative[:, :3, :3] @ cross_matrix(middle),
-        ],
-        axis=2,
-    )
-    return relative, by_motion @ track.errors.relative_covariance(
-        source, target
-    ) @ by_motion.swapaxes(1, 2)
+    unit = np.broadcast_to(np.eye(3), (len(source), 3, 3))
+    by_motion = np.concatenate([unit, -relative[:, :3, :3] @ cross_matrix(middle)], axis=2)
+    covariance = track.errors.relative_covariance(source, target)
+    return relative, by_motion @ covariance @ by_motion.swapaxes(1, 2)
 
 
 def _share_of_quantiles(
     relative: Array, covariance: Array, depth: Array, camera: CameraModel, min_overlap: float
 ) -> Array:
-    """Return the share (m,) of quantiles of the relative pose at which the target's footprint
-    covers min_overlap.
-    """
+    """Compute the share (m,) of quantiles of the pose at which footprints share min_overlap."""
     values, vectors = np.linalg.eigh(covariance[:, :2, :2])
     root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
     quantile = ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES)
@@ -208,8 +244,9 @@ def _share_of_quantiles(
 
 
 def _ideal_in_target(relative: Array, depth: Array, camera: CameraModel, grid: int) -> Array:
-    """Return where a grid on the source image, at one depth (m,), lies in the target camera, ideal
-    coordinates (m, grid^2, 2); inf behind it.
+    """Transfer a grid on the source image, at one depth (m,), to the target camera.
+
+    Ideal coordinates (m, grid^2, 2), infinite behind it.
     """
     middle = (np.arange(grid) + 0.5) / grid
     u, v = np.meshgrid(middle * camera.width - 0.5, middle * camera.height - 0.5)
@@ -217,11 +254,8 @@ def _ideal_in_target(relative: Array, depth: Array, camera: CameraModel, grid: i
     points = rays[None] * depth[:, None, None]
     seen = points @ relative[:, :3, :3].swapaxes(1, 2) + relative[:, None, :3, 3]
     ahead = seen[..., 2] > 0.05
-    return np.asarray(
-        np.where(
-            ahead[..., None], seen[..., :2] / np.where(ahead, seen[..., 2], 1.0)[..., None], np.inf
-        )
-    )
+    depth_there = np.where(ahead, seen[..., 2], 1.0)[..., None]
+    return np.asarray(np.where(ahead[..., None], seen[..., :2] / depth_there, np.inf))
 
 
 def footprint_overlap(
@@ -232,8 +266,9 @@ def footprint_overlap(
     camera: CameraModel,
     grid: int = GRID,
 ) -> Array:
-    """Return the share (m,) of a grid on each image that falls into the other, the smaller of both
-    ways; NaN where depth is unknown.
+    """Compute the share (m,) of each image that falls into the other, the smaller of both ways.
+
+    NaN where the depth is unknown.
     """
     out, block = np.zeros(len(first)), max(1, GRID_POINTS // grid**2)
     for start in range(0, len(first), block):
@@ -254,30 +289,6 @@ def _share(
     return np.asarray(np.where(np.isfinite(depth_m[source]), inside.mean(axis=1), np.nan))
 
 
-def _keyframes(
-    track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, most: float
-) -> Ints:
-    """Return the nodes that left the footprint of the keyframe before by enough; where no depth is
-    known all are.
-    """
-    if len(nodes) < 2 or most >= 1:
-        return nodes
-    step = footprint_overlap(track, nodes[:-1], nodes[1:], depth_m, camera, grid=FINE_GRID)
-    if not (step > most).any():
-        return nodes
-    kept = [int(nodes[0])]
-    for node, close in zip(nodes[1:].tolist(), (step > most).tolist(), strict=True):
-        last = np.array([kept[-1]])
-        if (
-            close
-            and footprint_overlap(track, last, np.array([node]), depth_m, camera, grid=FINE_GRID)[0]
-            > most
-        ):
-            continue
-        kept.append(node)
-    return np.array(kept, np.int64)
-
-
 def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
     steps = range(1, min(reach, len(nodes) - 1) + 1)
     first = [nodes[:-k] for k in steps]
@@ -289,9 +300,7 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
 def _near(
     track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int
 ) -> tuple[Ints, Ints]:
-    """Return pairs of nodes beyond the sequential ones whose footprints' middles are within a
-    diagonal and 3 sigma.
-    """
+    """Find pairs beyond the sequential ones whose footprints are within a diagonal and 3 sigma."""
     known = np.flatnonzero(np.isfinite(depth_m[nodes]))
     none = np.zeros(0, np.int64)
     if len(known) < 2:
@@ -311,8 +320,9 @@ def _near(
 
 
 def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple[Ints, Ints]:
-    """Return the pairs first < second of points (n, 3) that are no farther apart than size and what
-    the two have more (n,), but no more than `most`, sorted.
+    """Find pairs of points (n, 3) within `size` and what both add to it, `most` at most.
+
+    Sorted, first < second. `more` (n,) is what each point adds.
     """
     from scipy.spatial import cKDTree
 
@@ -320,17 +330,14 @@ def _within_reach(middle: Array, size: float, more: Array, most: float) -> tuple
     parts = [np.zeros((0, 2), np.int64)]
     for start in range(0, len(middle), BLOCK):
         rows = np.arange(start, min(start + BLOCK, len(middle)))
-        # twice its own: the pair is found from that end which has more
+        # Twice its own: the pair is found from the end that adds more.
         found = tree.query_ball_point(middle[rows], size + np.minimum(2 * more[rows], most))
-        one, other = (
-            np.repeat(rows, [len(near) for near in found]),
-            np.concatenate([*found]).astype(np.int64),
-        )
-        near = np.linalg.norm(middle[one] - middle[other], axis=1) <= size + np.minimum(
-            more[one] + more[other], most
-        )
-        keep = near & ((more[one] > more[other]) | ((more[one] == more[other]) & (one < other)))
-        parts.append(np.sort(np.column_stack([one, other])[keep], axis=1))
+        a = np.repeat(rows, [len(near) for near in found])
+        b = np.concatenate([*found]).astype(np.int64)
+        reach = size + np.minimum(more[a] + more[b], most)
+        near = np.linalg.norm(middle[a] - middle[b], axis=1) <= reach
+        keep = near & ((more[a] > more[b]) | ((more[a] == more[b]) & (a < b)))
+        parts.append(np.sort(np.column_stack([a, b])[keep], axis=1))
     pairs = np.concatenate(parts)
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
     return pairs[:, 0], pairs[:, 1]
@@ -345,10 +352,20 @@ def _lowest_between(
     camera: CameraModel,
     least: float,
 ) -> Array:
-    """Return the smallest overlap (m,) with the first node that the vehicle had on its way to the
-    second; 0 once it fell below `least`. Nodes of unknown depth say nothing of it.
+    """Find the smallest overlap (m,) with the first node on the way to the second.
 
-    first, second: ranks among the nodes.
+    0 once it fell below `least`. Nodes of unknown depth say nothing of it.
+
+    Parameters
+    ----------
+    track, depth_m, camera
+        As of `propose_revisits`.
+    nodes
+        The nodes along the way.
+    first, second
+        Ranks (m,) among them.
+    least
+        Overlap below which the vehicle has left.
     """
     lowest, running = np.zeros(len(first)), np.ones(len(nodes))
     inside = np.flatnonzero(np.isfinite(depth_m[nodes]))
@@ -365,7 +382,7 @@ def _lowest_between(
 
 
 def _top(key: Ints, score: Array, most: int) -> Mask:
-    """Return the rows with the `most` highest scores of each key."""
+    """Select the rows with the `most` highest scores of each key."""
     order = np.lexsort((-np.nan_to_num(score), key))
     start = np.searchsorted(key[order], key[order])
     out = np.zeros(len(key), bool)

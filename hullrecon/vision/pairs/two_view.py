@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two-view geometry without depth: essential matrix or homography, chosen by the geometric
-information criterion [KimEustice2009 III-B].
+"""Two-view geometry without depth: essential matrix or homography.
+
+The geometric information criterion chooses between them [Torr1998; KimEustice2009 III-B].
 """
 
 from __future__ import annotations
@@ -13,40 +14,40 @@ import numpy as np
 
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Mask
-from hullrecon.vision.options import TwoViewModel
 
 Model = Literal["essential", "homography"]
 
-# dimension of the manifold of matches, parameters [KimEustice2009 III-B]
+# Dimension of the manifold of matches, number of parameters [KimEustice2009 III-B].
 ESSENTIAL, HOMOGRAPHY = (3, 5), (2, 8)
+LEAST_MATCHES = 8
 
 
 @dataclass(frozen=True)
 class TwoView:
-    """model: which one explains the matches better. matrix (3, 3) in ideal coordinates, second from
-    first; inlier (n,).
-    """
+    """A model of the matches of two views."""
 
     model: Model
-    matrix: Array
-    inlier: Mask
+    matrix: Array  # (3, 3) in ideal coordinates, second from first
+    inlier: Mask  # (n,)
 
 
 @dataclass(frozen=True)
 class ScoredModel:
-    """One model of the matches. matrix (3, 3) as in TwoView; squared_error (n,) in ideal
-    coordinates; criterion: its geometric information criterion.
-    """
+    """A model of the matches, with how well it explains them."""
 
     model: Model
-    matrix: Array
-    squared_error: Array
-    criterion: float
+    matrix: Array  # (3, 3) as in TwoView
+    squared_error: Array  # (n,) in ideal coordinates
+    criterion: float  # geometric information criterion, smaller is better
+
+    def within(self, tolerance: float) -> TwoView:
+        """Take the matches within a tolerance as inliers."""
+        return TwoView(self.model, self.matrix, self.squared_error < tolerance**2)
 
 
 @dataclass(frozen=True, kw_only=True)
 class BothModels:
-    """Both models of the same matches; that of the smaller criterion explains them better."""
+    """Both models of the same matches."""
 
     essential: ScoredModel
     homography: ScoredModel
@@ -54,37 +55,30 @@ class BothModels:
 
 @dataclass(frozen=True)
 class PossibleMotion:
-    """motion (4, 4) second from first, |t| = 1; normal (3,) of the plane in the first camera's
-    axes, pointing away from it, where the motion is that of a homography.
-    """
+    """A motion that a two-view model may stand for."""
 
-    motion: Array
+    motion: Array  # (4, 4) second from first, |t| = 1
+    # (3,) of a homography's plane, in the first camera's axes, pointing away from it
     normal: Array | None = None
 
 
-def fit(
-    first: Array, second: Array, tolerance: float, model: TwoViewModel = "automatic"
-) -> TwoView | None:
-    """Return the better of both models by RANSAC on ideal coordinates (n, 2), scored on all
-    matches, or the one asked for; None when fewer than 8 or neither fits.
+def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
+    """Fit the likelier of both models to matches (n, 2) in ideal coordinates, by RANSAC.
+
+    None with fewer than LEAST_MATCHES, or where neither model fits.
     """
     both = fit_both(first, second, tolerance)
     if both is None:
         return None
-    flat = (
-        both.homography.criterion < both.essential.criterion
-        if model == "automatic"
-        else model == "homography"
-    )
-    taken = both.homography if flat else both.essential
-    return TwoView(taken.model, taken.matrix, taken.squared_error < tolerance**2)
+    flat = both.homography.criterion < both.essential.criterion
+    return (both.homography if flat else both.essential).within(tolerance)
 
 
 def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None:
-    """Return both models with their scores; arguments and None as `fit` has them."""
+    """Fit and score both models; arguments and None as of `fit`."""
     import cv2
 
-    if len(first) < 8:
+    if len(first) < LEAST_MATCHES:
         return None
     cv2.setRNGSeed(0)
     eye = np.eye(3)
@@ -110,19 +104,18 @@ def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None
 
 
 def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float:
-    """Return sum e^2/sigma^2 + 2 d N + 4 P [Torr1998; KimEustice2009 III-B], an outlier's share
-    capped at 2 (4 - d) so that one cannot decide alone.
+    """Compute sum e^2/sigma^2 + 2 d N + 4 P [Torr1998; KimEustice2009 III-B].
+
+    An outlier's share is capped at 2 (4 - d), so that one alone cannot decide.
     """
     capped = np.minimum(whitened_squared, 2.0 * (4 - dimension))
     return float(capped.sum() + 2.0 * dimension * len(whitened_squared) + 4.0 * parameters)
 
 
 def sampson_squared(essential: Array, first: Array, second: Array) -> Array:
-    """Return the (n,) squared Sampson distance in ideal coordinates; essential: x_second^T E
-    x_first = 0.
-    """
+    """Compute squared Sampson distances (n,) in ideal coordinates, x_second^T E x_first = 0."""
     a, b = first.T, second.T
-    # by column: ten times faster than (n, 3)
+    # By column, ten times faster than (n, 3).
     line_second = [row[0] * a[0] + row[1] * a[1] + row[2] for row in essential]
     line_first = [column[0] * b[0] + column[1] * b[1] + column[2] for column in essential.T[:2]]
     algebraic = b[0] * line_second[0] + b[1] * line_second[1] + line_second[2]
@@ -131,8 +124,9 @@ def sampson_squared(essential: Array, first: Array, second: Array) -> Array:
 
 
 def homography_squared(homography: Array, first: Array, second: Array) -> Array:
-    """Return the (n,) mean of the squared transfer errors both ways, halved: of the size of a
-    point's error in each image.
+    """Compute the mean squared transfer error (n,) of both ways, halved.
+
+    So it has the size of a point's error in each image.
     """
     forward = _apply(homography, first) - second
     backward = _apply(np.asarray(np.linalg.inv(homography)), second) - first
@@ -140,13 +134,14 @@ def homography_squared(homography: Array, first: Array, second: Array) -> Array:
 
 
 def essential_of(second_from_first: Array) -> Array:
-    """Return [t]x R of a motion (4, 4)."""
+    """Compute the essential matrix [t]x R of a motion (4, 4)."""
     return np.asarray(cross_matrix(second_from_first[:3, 3]) @ second_from_first[:3, :3])
 
 
 def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMotion]:
-    """Return the motions that the matrix may stand for; points ahead of both cameras. A homography
-    that is a turn alone has no translation.
+    """List the motions that the model may stand for, with points ahead of both cameras.
+
+    A homography that is a rotation alone has no translation.
     """
     import cv2
 

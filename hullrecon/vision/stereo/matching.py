@@ -1,6 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Matches between the two cameras of a node, and the points that they triangulate to."""
+"""Matches between the two cameras of a node, and the points that they triangulate to.
+
+Both cameras are turned in software so that the baseline becomes the y axis. Whatever way the rig is
+built, a point then has the same x in both images, and y differs by the baseline over its depth
+[Ozog2016 D.2.1]. Frames rt, rb are the turned cameras.
+"""
 
 from __future__ import annotations
 
@@ -8,77 +13,133 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, Floats32, Ints, Mask
-from hullrecon.vision.features.descriptors import best_of_pairs, sparse_distance
-from hullrecon.vision.features.kinds import like_pairs, limit_corners
-from hullrecon.vision.features.places import match_places
-from hullrecon.vision.pairs.gated_search import in_box
-from hullrecon.vision.stereo.rectification import Rectification, triangulate
+from hullrecon.vision.features.descriptors import MatchDescriptors
+from hullrecon.vision.pairs.gating import in_box
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rectification:
+    """The turned cameras of a stereo rig."""
+
+    rotation_top: Array  # (3, 3) rt from camera_top
+    rotation_bottom: Array  # (3, 3) rb from camera_bottom
+    baseline_m: float  # > 0: the bottom camera is at +y of the top one in rt
+
+    def rectify_top(self, xy: Array) -> Array:
+        """Turn ideal coordinates (n, 2) of the top camera; NaN where a ray points backwards."""
+        return turn_rays(self.rotation_top, xy)
+
+    def rectify_bottom(self, xy: Array) -> Array:
+        """Turn ideal coordinates (n, 2) of the bottom camera; NaN where a ray points backwards."""
+        return turn_rays(self.rotation_bottom, xy)
+
+    def disparity(self, depth_m: Array | float) -> Array:
+        """Compute y_top - y_bottom, ideal coordinates, of points at those depths in rt."""
+        return np.asarray(self.baseline_m / np.asarray(depth_m, float))
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoMatches:
-    """Rows of the top and of the bottom camera's features that show one point, each standing for
-    all at its pixel; point (m, 3) in the top camera, metres.
-    """
+    """Features of a node's two cameras that show one point."""
 
-    top: Ints
-    bottom: Ints
-    point: Array
+    top: Ints  # (m,) rows of the top camera's features, each standing for all at its pixel
+    bottom: Ints  # (m,) rows of the bottom camera's
+    point: Array  # (m, 3) in the top camera, m
 
     def __len__(self) -> int:
         return len(self.top)
 
-
-@dataclass(frozen=True, kw_only=True)
-class StereoLimits:
-    """column: half width of the band, ideal units (pixels over focal length); depths of the scene;
-    ratio, max_distance: of unit descriptors; harris_share: of the matches that may be corners.
-    """
-
-    column: float
-    nearest_m: float
-    farthest_m: float
-    ratio: float
-    max_distance: float
-    harris_share: float = 0.0
+    def take(self, rows: Mask) -> StereoMatches:
+        """Select some of the matches."""
+        return StereoMatches(top=self.top[rows], bottom=self.bottom[rows], point=self.point[rows])
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoSide:
-    """One camera's features: xy (n, 2) ideal coordinates, descriptor (n, 128) unit, corner (n,):
-    which are corners, place (n,): the row that stands for all at its pixel.
-    """
+    """The features of one of the two cameras."""
 
-    xy: Array
-    descriptor: Floats32
-    corner: Mask
-    place: Ints
+    xy: Array  # (n, 2) ideal coordinates
+    descriptor: Floats32  # (n, 128) unit vectors
+    place: Ints  # (n,) the row that stands for all at its pixel
 
 
 def no_matches() -> StereoMatches:
-    """Return the matches of a node that has none."""
+    """Stand in for the matches of a node that has none."""
     return StereoMatches(
         top=np.zeros(0, np.int64), bottom=np.zeros(0, np.int64), point=np.zeros((0, 3))
     )
 
 
+def rectify(top_from_bottom: Poses) -> Rectification:
+    """Turn both cameras by as little as puts the baseline on y and their axes alike.
+
+    Raises
+    ------
+    ValueError
+        Where the two cameras stand at one place.
+    """
+    rotation = top_from_bottom.rotation.as_matrix()[0]
+    baseline = top_from_bottom.translation[0]
+    length = float(np.linalg.norm(baseline))
+    if length == 0:
+        raise ValueError("the two cameras stand at the same place: no stereo")
+    down = baseline / length
+    forward = np.array([0.0, 0.0, 1.0]) + rotation[:, 2]
+    forward -= down * (forward @ down)
+    forward /= np.linalg.norm(forward)
+    top = np.stack([np.cross(down, forward), down, forward])
+    return Rectification(rotation_top=top, rotation_bottom=top @ rotation, baseline_m=length)
+
+
+def turn_rays(rotation: Array, xy: Array) -> Array:
+    """Convert ideal coordinates (n, 2) to those of a camera turned by `rotation` (3, 3)."""
+    ray = np.hstack([xy, np.ones((len(xy), 1))]) @ rotation.T
+    depth = np.where(ray[:, 2:] > 1e-3, ray[:, 2:], np.nan)
+    return np.asarray(ray[:, :2] / depth)
+
+
+def triangulate(rectification: Rectification, top: Array, bottom: Array) -> Array:
+    """Triangulate turned coordinates (n, 2) of both cameras to points (n, 3) in the top one, m.
+
+    NaN where the disparity is not positive.
+    """
+    disparity = top[:, 1] - bottom[:, 1]
+    depth = rectification.baseline_m / np.where(disparity > 1e-9, disparity, np.nan)
+    x = 0.5 * (top[:, 0] + bottom[:, 0])
+    points = np.stack([x * depth, top[:, 1] * depth, depth], axis=1)
+    return np.asarray(points @ rectification.rotation_top)
+
+
 def match_stereo(
-    rectification: Rectification, top: StereoSide, bottom: StereoSide, limits: StereoLimits
+    rectification: Rectification,
+    top: StereoSide,
+    bottom: StereoSide,
+    depth_m: tuple[float, float],
+    column: float,
+    match_descriptors: MatchDescriptors,
 ) -> StereoMatches:
-    """Return mutual best matches within the band of [Ozog2016 D.2.1]."""
+    """Match the features of two cameras within the band of [Ozog2016 D.2.1].
+
+    Parameters
+    ----------
+    rectification
+        The rig's.
+    top, bottom
+        The features of either camera.
+    depth_m
+        Nearest and farthest depth of the scene.
+    column
+        Half the width of the band across the epipolar line, ideal coordinates.
+    match_descriptors
+        Chooses among the pairs in the band.
+    """
     xy_top, xy_bottom = rectification.rectify_top(top.xy), rectification.rectify_bottom(bottom.xy)
-    most, least = (
-        rectification.disparity(limits.nearest_m),
-        rectification.disparity(limits.farthest_m),
-    )
-    middle = np.array([0.0, 0.5 * float(most + least)])
-    half = np.array([limits.column, max(0.5 * float(most - least), limits.column)])
-    near = like_pairs(*in_box(xy_top - middle, half, xy_bottom), top.corner, bottom.corner)
-    distance = sparse_distance(top.descriptor, bottom.descriptor, *near)
-    found = best_of_pairs(*near, distance, limits.ratio, limits.max_distance)
-    found = match_places(found, top.place, bottom.place)
-    found = limit_corners(found, top.corner[found.first], limits.harris_share)
+    most, least = (float(rectification.disparity(depth)) for depth in depth_m)
+    middle = np.array([0.0, 0.5 * (most + least)])
+    half = np.array([column, max(0.5 * (most - least), column)])
+    found = match_descriptors(top, bottom, in_box(xy_top - middle, half, xy_bottom))
     points = triangulate(rectification, xy_top[found.first], xy_bottom[found.second])
-    ahead = np.isfinite(points).all(axis=1)
-    return StereoMatches(top=found.first[ahead], bottom=found.second[ahead], point=points[ahead])
+    matches = StereoMatches(top=found.first, bottom=found.second, point=points)
+    return matches.take(np.asarray(np.isfinite(points).all(axis=1)))

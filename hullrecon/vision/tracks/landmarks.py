@@ -1,59 +1,36 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Tracks record from verified pair matches and the stereo matches of single nodes."""
+"""Verified matches joined to tracks of landmarks.
+
+What was matched is united. A landmark has one observation a node: unions that break this are built
+again, the best match first.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.records.tracks import Tracks
 from hullrecon.typing import Array, Floats32, Ints, Mask
-from hullrecon.vision.features.extraction import Features
-from hullrecon.vision.stereo.leading import bottom_leads
-from hullrecon.vision.stereo.matching import StereoMatches, no_matches
-from hullrecon.vision.tracks.union import join_matches
-
-
-@dataclass(frozen=True, kw_only=True)
-class NodeFeatures:
-    """Features of a node's two cameras, empty where one has no image, and the matches between the
-    two.
-    """
-
-    top: Features
-    bottom: Features
-    stereo: StereoMatches = field(default_factory=no_matches)
-
-    @property
-    def leading(self) -> Features:
-        """Return the features of the camera that leads."""
-        return self.bottom if self.bottom_leads else self.top
-
-    @property
-    def bottom_leads(self) -> bool:
-        """Return whether the bottom camera leads."""
-        return bottom_leads(self.top, self.bottom, self.stereo)
+from hullrecon.vision.stereo.matching import StereoMatches
+from hullrecon.vision.stereo.node_view import NodeFeatures
 
 
 @dataclass(frozen=True, kw_only=True)
 class FeatureMatches:
-    """Verified matches of all pairs, features of the nodes' leading cameras numbered through the
-    dive: first and second (m,), descriptor distance (m,).
-    """
+    """Verified matches of all pairs of nodes."""
 
-    first: Ints
-    second: Ints
-    distance: Floats32
+    first: Ints  # (m,) features of leading cameras, numbered through the dive
+    second: Ints  # (m,)
+    distance: Floats32  # (m,) of their descriptors
 
 
 def first_numbers(count: Ints) -> Ints:
-    """Return the number (n + 1,) of each node's first feature, and that behind the last; count
-    (n,): features of each node.
-    """
+    """Count the features before each node (n + 1,), given those (n,) of each."""
     return np.concatenate([[0], np.cumsum(count)])
 
 
@@ -65,12 +42,22 @@ def build_tracks(
     single_node: bool,
     find_outliers: Callable[[Ints, Ints, Array, Array], Mask] | None = None,
 ) -> Tracks:
-    """Return the tracks of all landmarks that two nodes share and, with `single_node`, of those
-    that one stereo node saw.
+    """Build the tracks of all landmarks.
 
-    count (n,): features of each node's leading camera. stereo: matches of each node, rows into its
-    cameras. read: a node's features by its number. find_outliers: from node, landmark, top and
-    bottom pixels to the observations to be dropped.
+    Parameters
+    ----------
+    count
+        Features (n,) of each node's leading camera.
+    stereo
+        Matches between each node's cameras.
+    matches
+        Between nodes.
+    read
+        A node's features by its number.
+    single_node
+        Keep also landmarks that one node saw, with both cameras.
+    find_outliers
+        From node, landmark, top and bottom pixels (m,) to observations (m,) to be dropped.
     """
     start = first_numbers(count)
     marked = np.zeros(start[-1], bool)
@@ -79,55 +66,51 @@ def build_tracks(
         marked[start[k] + node_stereo.top] = True
     used = np.flatnonzero(marked)
     node = np.searchsorted(start, used, side="right") - 1
-    ends = np.searchsorted(used, matches.first), np.searchsorted(used, matches.second)
-    label = join_matches(node, *ends, matches.distance)
+    first, second = np.searchsorted(used, matches.first), np.searchsorted(used, matches.second)
+    label = join_matches(node, first, second, matches.distance)
     label[label < 0] = label.max(initial=-1) + 1 + np.arange(int((label < 0).sum()))
     top, bottom, response, color = _observations(used - start[node], node, stereo, read)
-    keep = (
-        np.ones(len(used), bool)
-        if find_outliers is None
-        else ~find_outliers(node, label, top, bottom)
-    )
+    keep = np.ones(len(used), bool)
+    if find_outliers is not None:
+        keep &= ~find_outliers(node, label, top, bottom)
     shared = np.bincount(label[keep], minlength=int(label.max(initial=-1)) + 1) > 1
     both = np.isfinite(top[:, 0]) & np.isfinite(bottom[:, 0])
     keep &= shared[label] | (both & single_node)
     label = np.unique(label[keep], return_inverse=True)[1].astype(np.int64)
-    node, top, bottom, response, color = (
-        node[keep],
-        top[keep],
-        bottom[keep],
-        response[keep],
-        color[keep],
-    )
-    order = np.lexsort((node, label))
+    order = np.lexsort((node[keep], label))
+    rows = np.flatnonzero(keep)[order]
     return Tracks(
         landmark=label[order],
-        node=node[order],
-        top=top[order],
-        bottom=bottom[order],
-        response=response[order],
-        color=_mean_color(label, color),
+        node=node[rows],
+        top=top[rows],
+        bottom=bottom[rows],
+        response=response[rows],
+        color=_mean_color(label, color[keep]),
     )
 
 
 def _observations(
     row: Ints, node: Ints, stereo: Sequence[StereoMatches], read: Callable[[int], NodeFeatures]
 ) -> tuple[Array, Array, Array, Array]:
-    """Return pixels in the top and in the bottom image, NaN where not seen, the detector's response
-    in the mean of both, NaN for corners, and colours; node (m,) ascending.
+    """Look up observations: feature `row` (m,) of the leading camera of `node` (m,), ascending.
+
+    Returns
+    -------
+    top, bottom
+        Pixels (m, 2) in either image, NaN where not seen.
+    response
+        The detector's (m,), the mean of both images.
+    color
+        (m, 3).
     """
-    top, bottom, color = (
-        np.full((len(row), 2), np.nan),
-        np.full((len(row), 2), np.nan),
-        np.zeros((len(row), 3)),
-    )
-    response = np.full(len(row), np.nan)
+    top, bottom = np.full((len(row), 2), np.nan), np.full((len(row), 2), np.nan)
+    color, response = np.zeros((len(row), 3)), np.full(len(row), np.nan)
     for k in np.unique(node):
         rows = slice(*np.searchsorted(node, [k, k + 1]))
         features = read(int(k))
         seen = features.leading.keypoints[row[rows], :2]
         color[rows] = features.leading.color[row[rows]]
-        response[rows] = _responses(features.leading)[row[rows]]
+        response[rows] = features.leading.keypoints[row[rows], 3]
         if features.bottom_leads:
             bottom[rows] = seen
             continue
@@ -135,18 +118,84 @@ def _observations(
         pair = np.full(len(features.top), -1)
         pair[stereo[k].top] = stereo[k].bottom
         other = pair[row[rows]]
-        bottom[rows][other >= 0] = features.bottom.keypoints[other[other >= 0], :2]
-        response[rows][other >= 0] += _responses(features.bottom)[other[other >= 0]]
-        response[rows][other >= 0] /= 2
+        both = other >= 0
+        bottom[rows][both] = features.bottom.keypoints[other[both], :2]
+        response[rows][both] += features.bottom.keypoints[other[both], 3]
+        response[rows][both] /= 2
     return top, bottom, response, color
-
-
-def _responses(features: Features) -> Array:
-    """Return the detector's response (n,); NaN for corners."""
-    return np.where(features.corner, np.nan, features.keypoints[:, 3])
 
 
 def _mean_color(label: Ints, color: Array) -> NDArray[np.uint8]:
     count = np.maximum(np.bincount(label), 1)
     mean = np.stack([np.bincount(label, color[:, c]) / count for c in range(3)], axis=1)
     return np.rint(mean).astype(np.uint8)
+
+
+def join_matches(node_of: Ints, first: Ints, second: Ints, quality: NDArray[np.floating]) -> Ints:
+    """Assign each feature (n,) a landmark, numbered by its first feature; -1 where unmatched.
+
+    A component that would hold two features of one node is built again, best match first, leaving
+    out what brings the conflict.
+
+    Parameters
+    ----------
+    node_of
+        Node (n,) of each feature.
+    first, second
+        Matched features (m,).
+    quality
+        Of the matches (m,), smaller is better.
+    """
+    label = _components(len(node_of), first, second)
+    torn = _conflicting(label, node_of)
+    edge_torn = torn[label[first]]
+    if edge_torn.any():
+        rows = np.flatnonzero(edge_torn)
+        rows = rows[np.lexsort((second[rows], first[rows], quality[rows]))]
+        kept = rows[_without_conflict(node_of, first[rows], second[rows])]
+        edges = np.sort(np.concatenate([np.flatnonzero(~edge_torn), kept]))
+        first, second = first[edges], second[edges]
+        label = _components(len(node_of), first, second)
+    matched = np.zeros(len(node_of), bool)
+    matched[first] = matched[second] = True
+    out = np.full(len(node_of), -1, np.int64)
+    _, start, inverse = np.unique(label[matched], return_index=True, return_inverse=True)
+    out[matched] = np.argsort(np.argsort(start))[inverse]
+    return out
+
+
+def _components(n: int, first: Ints, second: Ints) -> Ints:
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(first), np.int8), (first, second)), shape=(n, n))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+
+
+def _conflicting(label: Ints, node_of: Ints) -> Mask:
+    """Select the components with two features of one node."""
+    order = np.lexsort((node_of, label))
+    same = (np.diff(label[order]) == 0) & (np.diff(node_of[order]) == 0)
+    out = np.zeros(int(label.max(initial=0)) + 1, bool)
+    out[label[order[1:]][same]] = True
+    return out
+
+
+def _without_conflict(node_of: Ints, first: Ints, second: Ints) -> Mask:
+    """Select the edges, taken in order, that join two groups without a common node.
+
+    A loop, but only over the torn components.
+    """
+    group: dict[int, dict[int, int]] = {}  # feature -> its group: node -> feature
+    kept = np.zeros(len(first), bool)
+    for k, (a, b) in enumerate(zip(first.tolist(), second.tolist(), strict=True)):
+        one = group.setdefault(a, {int(node_of[a]): a})
+        other = group.setdefault(b, {int(node_of[b]): b})
+        if one is other:
+            kept[k] = True
+        elif not one.keys() & other.keys():
+            small, large = sorted((one, other), key=len)
+            large.update(small)
+            group.update(dict.fromkeys(small.values(), large))
+            kept[k] = True
+    return kept

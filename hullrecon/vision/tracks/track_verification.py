@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Verification of tracks: every verified pair is held against every landmark that both of its nodes
-claim to have seen.
+"""Tracks verified: every link is held to every landmark that both of its nodes claim to have seen.
 
-A wrong match joins two points into one track; the pairs that did not make that match contradict it.
+A wrong match joins two points into one track. The links that did not make that match contradict it.
 """
 
 from __future__ import annotations
@@ -16,24 +15,24 @@ import numpy as np
 from hullrecon.geometry.frames import Camera
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Ints32, Mask
-from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion, transfer
+from hullrecon.vision.pairs.matching import GATE_CHI2, VERIFY_PX
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
-from hullrecon.vision.stereo.rectification import rectify, triangulate
+from hullrecon.vision.stereo.camera_rig import CameraRig
+from hullrecon.vision.stereo.matching import rectify, triangulate
 
-ROUNDS = 3
+ROUNDS = 3  # of votes: a rejected observation no longer counts against the others
+LOOSER = 1.5  # factor on the limits of matching: a link's motion has an error of its own
 
 
 @dataclass(frozen=True, kw_only=True)
 class Link:
-    """A verified pair of nodes and the motion between their leading cameras; scaled: its length is
-    measured.
-    """
+    """A verified pair of nodes."""
 
     first: int
     second: int
-    motion: Motion
-    scaled: bool
+    motion: Motion  # between the leading cameras
+    scaled: bool  # its length is measured
 
 
 def contradicted_observations(
@@ -43,12 +42,24 @@ def contradicted_observations(
     top: Array,
     bottom: Array,
     links: Sequence[Link],
-    options: MatchOptions,
+    sigma_px: float,
 ) -> Mask:
-    """Return which observations (m,) at least as many pairs contradict as confirm, one at least.
-    node (m,) ascending.
+    """Reject observations (m,) that as many links contradict as confirm.
+
+    Parameters
+    ----------
+    rig
+        The cameras.
+    node, label
+        Node, ascending, and landmark of each observation (m,).
+    top, bottom
+        Pixels (m, 2) in either image, NaN where not seen.
+    links
+        Verified pairs.
+    sigma_px
+        Of a feature's position.
     """
-    observations = _Observations(rig, top, bottom)
+    observations = _Observations(rig, top, bottom, sigma_px)
     bounds = {
         k: slice(*np.searchsorted(node, [k, k + 1]))
         for k in {n for link in links for n in (link.first, link.second)}
@@ -58,22 +69,16 @@ def contradicted_observations(
         i, j = bounds[link.first], bounds[link.second]
         _, a, b = np.intersect1d(label[i], label[j], assume_unique=True, return_indices=True)
         a, b = a + i.start, b + j.start
-        votes.append(
-            (a.astype(np.int32), b.astype(np.int32), observations.agree(link, a, b, options))
-        )
+        votes.append((a.astype(np.int32), b.astype(np.int32), observations.agree(link, a, b)))
     return _outvote(len(node), votes)
 
 
 def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
-    """Return which of the observations are rejected, in rounds: a rejected one no longer counts
-    against the others.
-
-    votes: of each pair its observations a and b, each once, and whether the two agree.
-    """
+    """Reject observations in rounds, by each link's votes: observations a, b, and agreement."""
     out = np.zeros(count, bool)
     for step in range(ROUNDS):
         yes, no = np.zeros(count, np.int32), np.zeros(count, np.int32)
-        # pair by pair: those of a long dive together would fill the memory
+        # Link by link: the votes of a long dive together would fill the memory.
         for a, b, good in votes:
             counted = ~(out[a] | out[b])
             for tally, chosen in ((yes, counted & good), (no, counted & ~good)):
@@ -86,11 +91,11 @@ def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
 class _Observations:
     """Ideal coordinates of all observations, and points of the stereo ones."""
 
-    def __init__(self, rig: Rig, top: Array, bottom: Array) -> None:
-        self._rig = rig
+    def __init__(self, rig: CameraRig, top: Array, bottom: Array, sigma_px: float) -> None:
+        self._rig, self._sigma = rig, sigma_px / rig.focal_px(Camera.TOP)
         upper, lower = _undistort(rig, Camera.TOP, top), _undistort(rig, Camera.BOTTOM, bottom)
         self._other = lower
-        # the bottom camera leads where it saw alone
+        # The bottom camera leads where it saw alone.
         self._lead = np.where(np.isfinite(upper), upper, lower)
         self._depth = np.full(len(top), np.nan)
         both = np.isfinite(upper[:, 0]) & np.isfinite(lower[:, 0])
@@ -101,34 +106,29 @@ class _Observations:
             )[:, 2]
         self._both = both
 
-    def agree(self, link: Link, a: Ints, b: Ints, options: MatchOptions) -> Mask:
-        """Return whether the observations lie on each other's epipolar lines and, with a depth, at
-        the right place on them.
-        """
+    def agree(self, link: Link, a: Ints, b: Ints) -> Mask:
+        """Test observations a, b on each other's epipolar lines and, with a depth, along them."""
         motion = link.motion.second_from_first
-        limit = (1.5 * options.verify_px / self._rig.focal_px(Camera.TOP)) ** 2
+        limit = (LOOSER * VERIFY_PX / self._rig.focal_px(Camera.TOP)) ** 2
         good = sampson_squared(essential_of(motion), self._lead[a], self._lead[b]) < limit
         down = self._rig.from_top(Camera.BOTTOM)
         below = down @ motion @ np.linalg.inv(down)
         pair = self._both[a] & self._both[b]
         error = sampson_squared(essential_of(below), self._other[a], self._other[b])
         good &= ~pair | (np.nan_to_num(error) < limit)
-        return good & (self._at_depth(link.motion, a, b, options) if link.scaled else True)
+        return good & (self._at_depth(link.motion, a, b) if link.scaled else True)
 
-    def _at_depth(self, motion: Motion, a: Ints, b: Ints, options: MatchOptions) -> Mask:
-        """Return whether the observations lie where their depth puts them; true as well where no
-        depth is known.
-        """
-        sigma = options.sigma_px / self._rig.focal_px(Camera.TOP)
+    def _at_depth(self, motion: Motion, a: Ints, b: Ints) -> Mask:
+        """Test observations where their depth puts them; true where no depth is known."""
         depth = self._depth[a]
-        spread = depth**2 * np.sqrt(2) * sigma / self._rig.baseline_m
-        mean, covariance = transfer(motion, self._lead[a], depth, spread, sigma)
+        spread = depth**2 * np.sqrt(2) * self._sigma / self._rig.baseline_m
+        mean, covariance = transfer(motion, self._lead[a], depth, spread, self._sigma)
         gap = self._lead[b] - mean
         known = np.isfinite(mean).all(axis=1)
         out = np.ones(len(a), bool)
         information = np.linalg.inv(covariance[known])
         chi2 = np.einsum("ni,nij,nj->n", gap[known], information, gap[known])
-        out[known] = chi2 < 1.5 * options.gate_chi2
+        out[known] = chi2 < LOOSER * GATE_CHI2
         return out
 
 

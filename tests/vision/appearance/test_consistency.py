@@ -15,9 +15,9 @@ from hullrecon.vision.appearance.consistency import (
     independent_links,
     largest_group,
 )
-from hullrecon.vision.pair_match import PairMatch, Reason
 from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.pair_match import PairMatch, Reason
 
 EACH, LINK_SIGMA = 8, 2e-3
 ROWS = np.arange(20)

@@ -19,7 +19,7 @@ from hullrecon.vision.appearance.hypotheses import (
     open_places,
     scene_offsets,
 )
-from hullrecon.vision.appearance.inverted_file import invert
+from hullrecon.vision.appearance.vocabulary import invert
 from hullrecon.vision.pairs.camera_track import CameraTrack
 
 CAMERA = CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5)
@@ -89,10 +89,10 @@ def test_places_farther_apart_than_the_path_allows_are_not_open():
 
 def test_between_two_pieces_all_is_open_and_within_one_it_is_known():
     found = open_places(path(), ALL, DEPTHS, CAMERA)
-    open_between = found.of(ALL, found.open)
+    open_between = found.of_keyframes(ALL, found.open)
     assert open_between[:EACH, EACH:].all()
     assert not open_between[:EACH, :EACH].any()
-    apart = found.of(ALL, found.apart)
+    apart = found.of_keyframes(ALL, found.apart)
     distance = np.abs(np.arange(EACH)[:, None] - np.arange(EACH)) * STEP_M
     np.testing.assert_array_equal(apart[:EACH, :EACH], distance > APART * 1.0)
     assert not apart[:EACH, EACH:].any()

@@ -4,7 +4,7 @@
 
 import numpy as np
 
-from hullrecon.vision.appearance.inverted_file import invert
+from hullrecon.vision.appearance.vocabulary import invert
 
 
 def scores(*words, size=8):

@@ -23,13 +23,13 @@ from vision.test_link_images import CAMERA, SEEN, KnowingMatcher, error_model, o
 
 from hullrecon.navigation.pose_graph.graph import PoseGraph
 from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
-from hullrecon.vision.appearance.recognition import Recognition, bears_out, reject_others
-from hullrecon.vision.compared_pairs import ComparedPairs, NavigatedDive
+from hullrecon.vision.appearance.recognition import Recognition, is_confirmed
+from hullrecon.vision.compared_pairs import ComparedPairs
 from hullrecon.vision.features.extraction import Features, root_sift
-from hullrecon.vision.link_images import link_images
+from hullrecon.vision.link_images import NavigatedDive, link_images
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pair_match import PairMatch, Reason, failed_match
 from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.pair_match import PairMatch, Reason, failed_match
 from hullrecon.vision.pairs.selection import Proposal
 
 CELL_M, OUTAGE_SIGMA_M, OFF_M = 0.2, 3.0, np.array([0.3, 5.0, 0.2])
@@ -142,6 +142,8 @@ def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatc
         saliency=lambda node: 1.0,
         read=read,
         bottom_leads=lambda nodes: np.zeros(len(nodes), bool),
+        match_stereo=None,
+        match_pairs=None,
     )
     errors = error_model(dive, 1e-4)
     walk = errors.walk.copy()
@@ -353,9 +355,9 @@ def compared_pairs(matched, rounds):
 
 def test_of_the_last_pairs_those_that_are_not_accepted_are_rejected():
     pairs = compared_pairs([True, False, True, True, False, True], [0, 0, 0, 1, 1, 1])
-    left = reject_others(pairs, np.array([True, False, False]))
+    left = pairs.accepting(np.array([True, False, False]))
     assert left.rejected.tolist() == [False, False, False, False, False, True]
-    assert not reject_others(pairs, np.zeros(0, bool)).rejected.any()
+    assert not pairs.accepting(np.zeros(0, bool)).rejected.any()
 
 
 @pytest.mark.parametrize(
@@ -370,7 +372,7 @@ def test_of_the_last_pairs_those_that_are_not_accepted_are_rejected():
 )
 def test_links_are_borne_out_by_what_they_put_beside_each_other(taken, after, right):
     pairs = compared_pairs([True] * taken + after, [4] * taken + [5] * len(after))
-    assert bears_out(pairs, 4) is right
+    assert is_confirmed(pairs, 4) is right
 
 
 def test_a_refusal_keeps_the_first_reason():

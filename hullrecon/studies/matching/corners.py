@@ -1,0 +1,189 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Harris corners with Zernike moments beside SIFT features [KimEustice2009 III-A].
+
+Corners [HarrisStephens1988] follow the SIFT features of an image. They have no score (NaN), and
+descriptors that are zero from the last moment on, by which they are told apart. Like is matched
+with like, and of the matches corners are a share at most. The share is steered as in the source, by
+the distance that the Zernike vectors of two corners may have: here it is chosen for each set of
+matches as the one at which the share is reached.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.studies.matching.zernike import disc_points, orders, zernike_magnitudes
+from hullrecon.typing import Array, Floats32, Ints, Mask, Pixels
+from hullrecon.vision.features.descriptors import (
+    WIDTH,
+    Described,
+    FeatureSet,
+    Putative,
+    match_descriptors,
+    root_sift,
+)
+from hullrecon.vision.features.extraction import (
+    FeatureOptions,
+    Features,
+    describe,
+    find_sift,
+    is_clear_of_border,
+    level_image,
+    to_raw_pixels,
+)
+
+CORNERS = 0.5  # of features.max_features: as many corners at most
+RADIUS_PX = 10.0  # of a patch, in the reduced image
+SMOOTHING_PX = 1.0  # of a patch before it is sampled at a spacing of about a pixel
+HARRIS_K = 0.04
+BLOCK_PX = 5  # over which gradients are summed
+# Least response over the image's largest. It grows with the fourth power of contrast.
+QUALITY = 1e-3
+# From stronger corners and from SIFT features, at least: a place is not measured twice.
+APART_PX = 1
+
+
+@dataclass(frozen=True)
+class MatchWithCorners:
+    """Matches SIFT features and corners, each among themselves. Picklable."""
+
+    share: float  # of the matches that may be corners, 0 to 0.5
+
+    def __call__(
+        self, first: Described, second: Described, allowed: tuple[Ints, Ints] | None
+    ) -> Putative:
+        """Match as `match_descriptors` within each kind, with the most alike of the corners.
+
+        SIFT features are all kept: where few match, few corners do.
+        """
+        corner = is_corner(first.descriptor), is_corner(second.descriptor)
+        if not corner[0].any() or not corner[1].any():
+            return _match_kind(first, second, allowed, ~corner[0], ~corner[1])
+        sift = _match_kind(first, second, allowed, ~corner[0], ~corner[1])
+        corners = _match_kind(first, second, allowed, *corner)
+        room = int(self.share / (1 - self.share) * len(sift) + 1e-9)
+        alike = corners.take(np.sort(np.argsort(corners.distance, kind="stable")[:room]))
+        return Putative(
+            first=np.concatenate([sift.first, alike.first]),
+            second=np.concatenate([sift.second, alike.second]),
+            distance=np.concatenate([sift.distance, alike.distance]),
+        )
+
+
+def is_corner(descriptor: Floats32 | Pixels) -> Mask:
+    """Tell corners from SIFT features by their descriptors (n, 128)."""
+    return np.asarray(~descriptor[:, len(orders()) :].any(axis=1))
+
+
+def _match_kind(
+    first: Described,
+    second: Described,
+    allowed: tuple[Ints, Ints] | None,
+    of_first: Mask,
+    of_second: Mask,
+) -> Putative:
+    if allowed is not None:
+        like = of_first[allowed[0]] & of_second[allowed[1]]
+        return match_descriptors(first, second, (allowed[0][like], allowed[1][like]))
+    here = FeatureSet(descriptor=first.descriptor[of_first], place=first.place[of_first])
+    there = FeatureSet(descriptor=second.descriptor[of_second], place=second.place[of_second])
+    return match_descriptors(here, there, None)
+
+
+def extract_with_corners(image: Pixels, options: FeatureOptions) -> Features:
+    """Find the features of an image as `extract`, with corners behind the SIFT features.
+
+    There are none where SIFT finds nothing.
+    """
+    levelled, step = level_image(image, options)
+    found, descriptors = find_sift(levelled, options.max_features)
+    if not len(found):
+        return describe(image, found, descriptors)
+    keypoints = to_raw_pixels(found, step)
+    clear = is_clear_of_border(keypoints, image.shape, options.level_window * image.shape[1])
+    place, _ = find_corners(levelled, found[:, :2], int(CORNERS * options.max_features))
+    table = np.column_stack(
+        [place, np.full(len(place), 2 * RADIUS_PX), np.full(len(place), np.nan)]
+    )
+    corners = to_raw_pixels(table.astype(np.float32), step)
+    return describe(
+        image,
+        np.concatenate([keypoints[clear], corners]),
+        np.concatenate([descriptors[clear], describe_corners(levelled, place)]),
+    )
+
+
+def find_corners(image: Pixels, sift: Floats32, most: int) -> tuple[Floats32, Floats32]:
+    """Find the strongest corners, at most that many, sorted by v, then u.
+
+    A corner whose patch would leave the image is left out. Places are interpolated by a parabola
+    along either axis.
+
+    Parameters
+    ----------
+    image
+        Levelled (h, w).
+    sift
+        Places (k, 2) of its SIFT features, which no corner repeats.
+    most
+        Corners at most.
+
+    Returns
+    -------
+    place, response
+        (n, 2) u, v and Harris responses (n,).
+    """
+    import cv2
+    from scipy.spatial import cKDTree
+
+    response = np.asarray(cv2.cornerHarris(image, BLOCK_PX, 3, HARRIS_K))
+    window = np.ones((2 * APART_PX + 1, 2 * APART_PX + 1), np.uint8)
+    peak = (response >= cv2.dilate(response, window)) & (response > QUALITY * response.max())
+    margin = int(RADIUS_PX) + 2
+    v, u = (places + margin for places in np.nonzero(peak[margin:-margin, margin:-margin]))
+    height = response[v, u]
+    across = _vertex(response[v, u - 1], height, response[v, u + 1])
+    down = _vertex(response[v - 1, u], height, response[v + 1, u])
+    place = np.column_stack([u + across, v + down]).astype(np.float32)
+    new = (
+        np.flatnonzero(cKDTree(sift).query(place)[0] > APART_PX)
+        if len(sift) and len(place)
+        else np.arange(len(place))
+    )
+    kept = np.sort(new[np.argsort(-height[new], kind="stable")[:most]])
+    return place[kept], height[kept]
+
+
+def _vertex(before: Floats32, at: Floats32, after: Floats32) -> Floats32:
+    """Find the maximum of a parabola through values at -1, 0 and 1, the middle one the largest."""
+    bend = before - 2 * at + after
+    return np.where(bend < 0, 0.5 * (before - after) / np.where(bend < 0, bend, 1), 0).astype(
+        np.float32
+    )
+
+
+def describe_corners(image: Pixels, place: Floats32) -> Pixels:
+    """Describe the patches around places (n, 2) of an image (h, w) by bytes (n, 128).
+
+    They are the magnitudes of the Zernike moments, which do not change where the patch is turned,
+    filled up with zeros. They have the form of RootSIFT, unit vectors times 512, so that both kinds
+    are stored and compared alike (never with each other).
+    """
+    out = np.zeros((len(place), WIDTH), np.float32)
+    if len(place):
+        magnitudes = zernike_magnitudes(sample_patches(image, place))
+        out[:, : magnitudes.shape[1]] = magnitudes
+    return root_sift(out)
+
+
+def sample_patches(image: Pixels, place: Floats32) -> Floats32:
+    """Sample the smoothed image (n, samples) at the disc's points around each place (n, 2)."""
+    import cv2
+
+    smooth = cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTHING_PX)
+    at: Array = place[:, None, :] + RADIUS_PX * disc_points()
+    u, v = (np.ascontiguousarray(at[..., k], np.float32) for k in range(2))
+    return np.asarray(cv2.remap(smooth, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE))

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The result of matching two nodes: common features and a motion, or the reason for none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.typing import Floats32, Ints
+from hullrecon.vision.pairs import mono_motion
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
+
+
+class Reason(IntEnum):
+    """Why a pair gave nothing, as stored in pairs.npz."""
+
+    MATCHED = 0
+    NO_FEATURES = 1
+    FEW_PUTATIVE = 2
+    FEW_INLIERS = 3
+    AGAINST_NAVIGATION = 4
+    SMALL_OVERLAP = 5
+    NO_MOTION = 6
+
+
+REASON_TEXTS = {
+    Reason.MATCHED: "matched",
+    Reason.NO_FEATURES: "too few features in one of the images",
+    Reason.FEW_PUTATIVE: "too few putative matches",
+    Reason.FEW_INLIERS: "too few inliers",
+    Reason.AGAINST_NAVIGATION: "inconsistent with navigation",
+    Reason.SMALL_OVERLAP: "overlap too small",
+    Reason.NO_MOTION: "one place seen twice: no direction of motion",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairMatch:
+    """The result of matching two nodes."""
+
+    # (m,) rows of the two views' features that show one point; none when the pair failed, but for
+    # NO_MOTION
+    first: Ints
+    second: Ints
+    distance: Floats32  # (m,) of their descriptors
+    putative: int  # matches before verification
+    reason: Reason
+    motion: Motion | None = None  # between the leading cameras, None when the pair failed
+    scaled: bool = True  # the motion's length is measured; with one camera it is navigation's, or 1
+    calibration: CalibrationEvidence | None = None  # of a scaled motion
+
+
+def failed_match(putative: int, reason: Reason) -> PairMatch:
+    """Build the result of a pair that gave nothing."""
+    return PairMatch(
+        first=np.zeros(0, np.int64),
+        second=np.zeros(0, np.int64),
+        distance=np.zeros(0, np.float32),
+        putative=putative,
+        reason=reason,
+    )
+
+
+def agrees(found: PairMatch, prior: Motion, max_chi2: float) -> bool:
+    """Test a motion against a prior, with the covariances of both.
+
+    Parameters
+    ----------
+    found
+        The pair. Without a measured length, the length is left out.
+    prior
+        Of the same two nodes, by navigation or other links.
+    max_chi2
+        Limit for six degrees of freedom. A motion without a length has five, and five sixths of it.
+    """
+    if found.motion is None:
+        return False
+    if not found.scaled:
+        limit = max_chi2 * mono_motion.FREEDOMS / 6
+        return mono_motion.navigation_chi2(found.motion, prior) <= limit
+    own, wanted = found.motion.second_from_first, prior.second_from_first
+    turn = np.linalg.inv(wanted[:3, :3]) @ own[:3, :3]
+    gap = np.concatenate([own[:3, 3] - wanted[:3, 3], Rotation.from_matrix(turn).as_rotvec()])
+    covariance = prior.covariance + found.motion.covariance
+    return bool(gap @ np.linalg.solve(covariance, gap) <= max_chi2)

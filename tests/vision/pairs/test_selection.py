@@ -1,0 +1,345 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.poses import Poses, exp
+from hullrecon.records.trajectory import TrajectoryErrorModel
+from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pairs import selection
+from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
+from hullrecon.vision.pairs.selection import (
+    footprint_overlap,
+    overlap_probability,
+    propose_neighbours,
+    propose_overlapping,
+    propose_revisits,
+    select_keyframes,
+)
+
+CAMERA = CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5)  # at 1 m: 1 m wide, 0.8 m high
+DEPTH = 1.0
+
+
+def random_walk(covariance):
+    """An error model without errors that persist: covariance (n, 6, 6) of twists that accumulates."""
+    n = len(covariance)
+    return TrajectoryErrorModel(
+        by_error=np.zeros((n, 6, 0)),
+        error_covariance=np.zeros((0, 0)),
+        walk=covariance,
+        white=np.zeros((n, 6, 6)),
+    )
+
+
+def track(places, sigma_m=0.0):
+    """Cameras that all look along z, at x, y."""
+    n = len(places)
+    covariance = np.zeros((n, 6, 6))
+    covariance[:, [0, 1, 2], [0, 1, 2]] = (sigma_m**2 * np.arange(n) / max(n - 1, 1))[:, None]
+    poses = Poses(np.tile([0, 0, 0, 1.0], (n, 1)), np.column_stack([places, np.zeros(n)]))
+    errors = NavigationErrors(global_from_camera=poses, model=random_walk(covariance))
+    return CameraTrack(global_from_camera=poses, errors=errors)
+
+
+def lawnmower(step=0.2, leg=11, apart=0.5):
+    """Two legs of 2 m, there and back."""
+    x = step * np.arange(leg)
+    return np.concatenate([np.column_stack([x, 0 * x]), np.column_stack([x[::-1], 0 * x + apart])])
+
+
+def keyframes_of(places, depth=DEPTH, usable=None):
+    n = len(places)
+    usable = np.ones(n, bool) if usable is None else usable
+    return select_keyframes(track(places), usable, np.full(n, depth), CAMERA)
+
+
+def neighbours(places, options=None, depth=DEPTH, usable=None):
+    keyframes = keyframes_of(places, depth, usable)
+    return propose_neighbours(
+        track(places), keyframes, np.full(len(places), depth), CAMERA, options or MatchOptions()
+    )
+
+
+def revisits(
+    places, options=None, depth=DEPTH, sigma_m=0.0, keyframes=None, min_probability=0.2, compared=()
+):
+    keyframes = keyframes_of(places, depth) if keyframes is None else keyframes
+    depths, compared = np.full(len(places), depth), np.array(compared, np.int64)
+    return propose_revisits(
+        track(places, sigma_m),
+        keyframes,
+        depths,
+        CAMERA,
+        options or MatchOptions(),
+        min_probability,
+        compared,
+    )
+
+
+def overlapping(places, options=None, sigma_m=0.0, compared=()):
+    depths, compared = np.full(len(places), DEPTH), np.array(compared, np.int64)
+    return propose_overlapping(
+        track(places, sigma_m),
+        keyframes_of(places),
+        depths,
+        CAMERA,
+        options or MatchOptions(),
+        compared,
+    )
+
+
+def pairs(proposal):
+    return set(zip(proposal.first.tolist(), proposal.second.tolist(), strict=True))
+
+
+def test_overlap_is_the_share_of_the_image_that_is_seen_again():
+    places = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 0.8], [0.25, 0.4]])
+    found = footprint_overlap(track(places), np.zeros(4, int), np.arange(4), np.ones(4), CAMERA)
+    np.testing.assert_allclose(found, [1.0, 0.5, 0.0, 0.375], atol=0.01)
+
+
+def test_without_depth_no_overlap_is_claimed():
+    places = np.array([[0.0, 0.0], [0.5, 0.0]])
+    assert np.isnan(
+        footprint_overlap(
+            track(places), np.array([0]), np.array([1]), np.array([np.nan, 1.0]), CAMERA
+        )
+    ).all()
+
+
+def test_neighbours_along_the_dive_are_always_compared():
+    found = neighbours(lawnmower(), MatchOptions(sequential=2, across=0))
+    assert pairs(found) == {(k, k + s) for s in (1, 2) for k in range(22 - s)}
+    assert not found.across.any()
+
+
+def test_nodes_of_two_legs_that_saw_the_same_place_are_compared():
+    found = revisits(lawnmower(), MatchOptions(sequential=1, across=1))
+    # opposite each other; at the turn the footprint is never left
+    assert {(k, 21 - k) for k in range(7)} <= pairs(found)
+    # the first node's best partner is the last node
+    assert {b for a, b in pairs(found) if a == 0} == {21}
+    assert found.across.all()
+
+
+def test_a_neighbour_that_was_never_lost_from_sight_is_not_across_a_leg():
+    slow = np.column_stack([0.05 * np.arange(30), np.zeros(30)])
+    assert pairs(revisits(slow, MatchOptions(sequential=1, across=3))) == set()
+
+
+def test_nodes_without_depth_on_the_way_do_not_make_a_neighbour_one_of_another_leg():
+    slow = lawnmower(step=0.05, leg=41)
+    # a DVL that is slower than the camera
+    depths = np.where(np.arange(len(slow)) % 5 < 3, np.nan, DEPTH)
+    options = MatchOptions(sequential=1, across=3)
+    found = propose_revisits(
+        track(slow), np.arange(len(slow)), depths, CAMERA, options, 0.2, np.zeros(0, np.int64)
+    )
+    assert len(found) > 0
+    assert all(a < 41 <= b for a, b in pairs(found))
+
+
+def test_legs_too_far_apart_are_compared_only_when_navigation_is_unsure():
+    far = lawnmower(apart=0.9)
+    assert pairs(revisits(far, MatchOptions(sequential=1), min_probability=0.05)) == set()
+    assert (
+        pairs(revisits(far, MatchOptions(sequential=1), min_probability=0.05, sigma_m=0.3)) != set()
+    )
+
+
+def test_the_less_probable_an_overlap_may_be_the_more_is_compared():
+    far, options = lawnmower(apart=0.9), MatchOptions(sequential=1, across=20)
+    found = [
+        pairs(revisits(far, options, sigma_m=0.6, min_probability=p)) for p in (0.5, 0.2, 0.05)
+    ]
+    assert found[0] < found[1] < found[2]
+
+
+def test_what_was_compared_is_not_proposed_again_nor_does_it_make_room_for_others():
+    options = MatchOptions(sequential=1, across=1)
+    first = revisits(lawnmower(), options)
+    again = revisits(lawnmower(), options, compared=first.first * 22 + first.second)
+    assert len(first) > 0
+    assert len(again) == 0
+    half = revisits(lawnmower(), options, compared=(first.first * 22 + first.second)[::2])
+    assert pairs(half) == {pair for k, pair in enumerate(sorted(pairs(first))) if k % 2}
+
+
+def test_on_a_tied_path_all_that_overlap_by_thirty_percent_are_compared():
+    """Two nodes of these legs share 0.62 of their images opposite each other, 0.39 two steps along,
+    0.23 three.
+    """
+    at = lawnmower(apart=0.3)
+    found = overlapping(at)
+    assert {(k, 21 - k + s) for k in range(2, 6) for s in range(-2, 3)} == {
+        pair for pair in pairs(found) if 2 <= pair[0] < 6
+    }
+    assert found.across.all()
+    assert pairs(found) - pairs(revisits(at, MatchOptions(across=1)))
+
+
+def test_legs_that_overlap_by_less_are_left_to_the_rounds_before():
+    at = lawnmower(apart=0.6)
+    assert len(revisits(at)) > 0
+    assert len(overlapping(at)) == 0
+
+
+def test_a_pair_that_overlaps_where_the_path_is_but_is_not_known_to_is_not_among_them():
+    assert len(overlapping(lawnmower(), sigma_m=0.1)) > 0
+    assert not any(a == 0 for a, _ in pairs(overlapping(lawnmower(), sigma_m=3.0)))
+
+
+def test_no_node_is_compared_with_more_than_so_many_that_overlap():
+    at = lawnmower(apart=0.3)
+    few = overlapping(at, MatchOptions(revisits=1))
+    assert 0 < len(few) < len(overlapping(at))
+    assert len(overlapping(lawnmower(), MatchOptions(revisits=0))) == 0
+
+
+def test_an_overlap_that_was_compared_is_not_proposed_again():
+    found = overlapping(lawnmower())
+    assert len(overlapping(lawnmower(), compared=found.first * 22 + found.second)) == 0
+
+
+def test_without_depth_only_neighbours_are_compared():
+    assert pairs(neighbours(lawnmower(), MatchOptions(sequential=1), depth=np.nan)) == {
+        (k, k + 1) for k in range(21)
+    }
+    assert len(revisits(lawnmower(), MatchOptions(sequential=1), depth=np.nan)) == 0
+
+
+def test_a_node_without_image_is_stepped_over():
+    usable = np.ones(22, bool)
+    usable[5] = False
+    found = neighbours(lawnmower(), MatchOptions(sequential=1), usable=usable)
+    assert 5 not in keyframes_of(lawnmower(), usable=usable)
+    assert (4, 6) in pairs(found)
+    assert not any(5 in pair for pair in pairs(found))
+
+
+def test_a_hovering_vehicle_leaves_few_keyframes():
+    hover = np.concatenate([lawnmower()[:5], np.tile(lawnmower()[5], (20, 1)), lawnmower()[6:]])
+    assert len(keyframes_of(hover)) == 22
+
+
+def test_only_the_keyframes_given_are_compared_across_legs():
+    salient = np.setdiff1d(np.arange(22), [3])
+    found = revisits(lawnmower(), MatchOptions(sequential=1, across=2), keyframes=salient)
+    assert len(found) > 0
+    assert not any(3 in pair for pair in pairs(found))
+
+
+@pytest.mark.parametrize("propose", [neighbours, revisits])
+def test_pairs_come_sorted_and_once(propose):
+    found = propose(lawnmower())
+    rows = np.column_stack([found.first, found.second])
+    np.testing.assert_array_equal(rows, np.unique(rows, axis=0))
+    assert (found.first < found.second).all()
+
+
+@pytest.mark.parametrize("propose", [neighbours, revisits])
+@pytest.mark.parametrize("count", [0, 1])
+def test_one_image_or_none_makes_no_pairs(propose, count):
+    assert len(propose(np.zeros((count, 2)))) == 0
+
+
+# how probably two nodes show the same
+
+
+class KnownErrors:
+    """The same covariance (6, 6) for every pair."""
+
+    def __init__(self, covariance):
+        self.covariance = covariance
+
+    def relative_covariance(self, first, second):
+        return np.tile(self.covariance, (len(first), 1, 1))
+
+
+def drawn_probability(poses, covariance, min_overlap, draws=4000):
+    """Shares of the first image that drawn relative poses leave in the second, and how many reach
+    min_overlap.
+    """
+    rng = np.random.default_rng(5)
+    step = rng.multivariate_normal(np.zeros(6), covariance, draws)
+    relative = poses[[1]].inverse() @ poses[[0]]
+    turn = relative.rotation * exp(np.hstack([np.zeros((draws, 3)), step[:, 3:]])).rotation
+    moved = Poses(turn.as_quat(), relative.translation + step[:, :3])
+    u, v = np.meshgrid(
+        (np.arange(8) + 0.5) / 8 * CAMERA.width - 0.5,
+        (np.arange(8) + 0.5) / 8 * CAMERA.height - 0.5,
+    )
+    rays = np.column_stack(
+        [(u.ravel() - CAMERA.cx) / CAMERA.fx, (v.ravel() - CAMERA.cy) / CAMERA.fy, np.ones(64)]
+    )
+    points = moved.rotation.as_matrix() @ (DEPTH * rays.T) + moved.translation[:, :, None]
+    x = CAMERA.fx * points[:, 0] / points[:, 2] + CAMERA.cx
+    y = CAMERA.fy * points[:, 1] / points[:, 2] + CAMERA.cy
+    inside = (
+        (points[:, 2] > 0)
+        & (x > -0.5)
+        & (x < CAMERA.width - 0.5)
+        & (y > -0.5)
+        & (y < CAMERA.height - 0.5)
+    )
+    return float((inside.mean(axis=1) >= min_overlap).mean())
+
+
+@pytest.mark.parametrize("apart", [(0.2, 0.0), (0.8, 0.1), (0.9, 0.6), (1.6, 0.3)])
+@pytest.mark.parametrize("sigmas", [(0.05, 0.01), (0.3, 0.02), (0.8, 0.05)])
+def test_the_probability_of_overlap_is_that_of_drawn_poses(apart, sigmas):
+    """36 points stand for the shift of the scene's middle, none of them beyond 1.4 sigma; its turn
+    is left out.
+    """
+    poses = Poses(np.tile([0, 0, 0, 1.0], (2, 1)), np.array([[0.0, 0, 0], [*apart, 0]]))
+    covariance = np.diag(np.repeat(np.square(sigmas), 3))
+    known = CameraTrack(global_from_camera=poses, errors=KnownErrors(covariance))
+    found = overlap_probability(
+        known, np.array([0]), np.array([1]), np.full(2, DEPTH), CAMERA, 0.15
+    )[0]
+    assert found == pytest.approx(drawn_probability(poses, covariance, 0.15), abs=0.13)
+
+
+def test_a_pose_without_error_overlaps_or_does_not():
+    places = np.array([[0.0, 0.0], [0.5, 0.0], [0.95, 0.0], [0.0, 0.5]])
+    found = overlap_probability(
+        track(places), np.zeros(4, int), np.arange(4), np.full(4, DEPTH), CAMERA, 0.3
+    )
+    np.testing.assert_array_equal(found, [1, 1, 0, 1])
+
+
+def test_where_no_depth_is_known_nothing_overlaps_probably():
+    places = np.zeros((2, 2))
+    found = overlap_probability(
+        track(places), np.array([0]), np.array([1]), np.array([np.nan, 1.0]), CAMERA, 0.1
+    )
+    assert found[0] == 0.0
+
+
+def test_many_pairs_give_what_each_gives_alone():
+    places = np.random.default_rng(0).uniform(0, 2, (50, 2))
+    first, second = (x.ravel() for x in np.meshgrid(np.arange(50), np.arange(50)))
+    at = track(places, sigma_m=0.4)
+    together = overlap_probability(at, first, second, np.ones(50), CAMERA, 0.15)
+    for k in (0, 1000, 1001, 2499):
+        rows = slice(k, k + 1)
+        assert (
+            together[k]
+            == overlap_probability(at, first[rows], second[rows], np.ones(50), CAMERA, 0.15)[0]
+        )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_pairs_within_reach_are_those_of_all_pairs(seed):
+    """One node that is known badly widens the search for its own pairs, not for all."""
+    rng = np.random.default_rng(seed)
+    middle, more = (
+        rng.uniform(0, 8, (2300, 3)) * [1, 1, 0.1],
+        np.where(rng.uniform(size=2300) < 0.01, 0.9, 0.02),
+    )
+    first, second = selection._within_reach(middle, 0.4, more, 1.2)
+    apart = np.linalg.norm(middle[:, None] - middle, axis=2)
+    wanted = np.argwhere(np.triu(apart <= 0.4 + np.minimum(more[:, None] + more, 1.2), 1))
+    np.testing.assert_array_equal(np.column_stack([first, second]), wanted)

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+
+from hullrecon.vision.tracks.landmarks import join_matches
+
+
+def joined(node_of, edges, quality=None):
+    a, b = np.array(edges, np.int64).reshape(-1, 2).T
+    return join_matches(
+        np.array(node_of), a, b, np.zeros(len(a)) if quality is None else np.array(quality)
+    ).tolist()
+
+
+def test_a_chain_of_matches_is_one_landmark():
+    assert joined([0, 1, 2, 0], [(0, 1), (1, 2)]) == [0, 0, 0, -1]
+
+
+def test_landmarks_are_numbered_by_their_first_feature():
+    assert joined([0, 0, 1, 1], [(1, 2), (0, 3)]) == [0, 1, 1, 0]
+
+
+def test_two_features_of_one_node_are_never_one_landmark():
+    label = joined([0, 1, 2, 0], [(0, 1), (1, 2), (2, 3)], [0.1, 0.1, 0.5])
+    assert label[0] == label[1] == label[2]
+    assert label[3] == -1
+
+
+def test_the_better_match_wins_a_conflict():
+    assert joined([0, 1, 0], [(0, 1), (1, 2)], [0.4, 0.2]) == [-1, 0, 0]
+
+
+def test_a_torn_track_leaves_two_whole_halves():
+    nodes = [0, 1, 2, 2, 3, 0]
+    label = joined(nodes, [(0, 1), (1, 2), (3, 4), (4, 5), (2, 4)], [0.1, 0.1, 0.1, 0.1, 0.9])
+    assert label == [0, 0, 0, 1, 1, 1]
+
+
+def test_other_tracks_are_left_alone_by_a_conflict():
+    assert joined([0, 1, 0, 4, 5], [(0, 1), (1, 2), (3, 4)], [0.4, 0.2, 0.9])[3:] == [1, 1]
+
+
+def test_nothing_matched_is_nothing_joined():
+    assert joined([0, 1], []) == [-1, -1]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_landmark_of_random_matches_holds_a_node_twice(seed):
+    rng = np.random.default_rng(seed)
+    node_of = np.sort(rng.integers(0, 12, 300))
+    edges = rng.integers(0, 300, (260, 2))
+    edges = edges[node_of[edges[:, 0]] != node_of[edges[:, 1]]]
+    label = join_matches(node_of, edges[:, 0], edges[:, 1], rng.random(len(edges)))
+    rows = np.column_stack([label, node_of])[label >= 0]
+    assert len(np.unique(rows, axis=0)) == len(rows)
+    assert (np.bincount(label[label >= 0]) >= 2).all()
