@@ -19,7 +19,6 @@ from hullrecon.vision.link_images import NavigatedDive, PathSolver, link_images
 from hullrecon.vision.options import LinkOptions, MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.pairs.matching import MatchStrategy
-from hullrecon.vision.stereo.camera_rig import CameraRig
 
 # Guards the path against wrong links: dynamic covariance scaling [docs/methods.md (51)].
 KERNEL = "scaling"
@@ -160,14 +159,6 @@ def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) ->
     if sentence is not None:
         context.warn(sentence)
     return {"positions": fit.facts()}
-
-
-def _rig_values(settings: Mapping[str, object]) -> dict[str, object]:
-    """Pick the values of a rig out of its sections, which are read whole for their sigmas."""
-    sections = {key: key.rpartition(".") for key in RIG_KEYS if not key.startswith("sonar")}
-    return {
-        key: getattr(settings[section], name, None) for key, (section, _, name) in sections.items()
-    }
 
 
 STAGE = Stage(

@@ -16,7 +16,6 @@ from hullrecon.vision.match_images import MatchedImages, join_images
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.pairs.pair_match import REASON_TEXTS
-from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:

@@ -315,7 +315,7 @@ def _match_cameras(
 def _nodes(worker: MatchWorker, dive: NavigatedDive, track: CameraTrack) -> list[MatchNode]:
     """List the nodes with the depth of the scene by the DVL, without stereo matches yet."""
     depths = [None] * len(track) if dive.returns is None else depth_priors(
-        track, dive.trajectory, dive.returns, worker.rig.rig
+        track, dive.trajectory, dive.returns, worker.rig
     )  # fmt: skip
     return [
         MatchNode(image=(int(top), int(bottom)), depth=depth, stereo=no_matches())

@@ -12,7 +12,6 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.links import CameraLinks, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.tracks import Tracks
-from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.match_worker import MatchWorker

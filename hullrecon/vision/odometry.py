@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
-from hullrecon.rig import SensorRig
+from hullrecon.rig import Rig
 from hullrecon.typing import Array, Pixels
 from hullrecon.vision.features.extraction import FeatureOptions, extract, no_features
 from hullrecon.vision.options import MatchOptions
@@ -25,7 +25,6 @@ from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.pairs.pair_match import PairMatch, Reason
 from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import (
     NodeFeatures,
     NodeView,
@@ -109,7 +108,7 @@ class StereoOdometer:
 
 
 def stereo_odometer(
-    rig: SensorRig, max_features: int, min_inliers: int, rig_sigma_rad: float
+    rig: Rig, max_features: int, min_inliers: int, rig_sigma_rad: float
 ) -> StereoOdometer:
     """Set up the odometer of a rig.
 
@@ -124,7 +123,7 @@ def stereo_odometer(
     rig_sigma_rad
         Sigma of the bottom camera's rotation. By two of these the search lines are widened.
     """
-    cameras = CameraRig(rig)
+    cameras = rig
     widening_px = 2 * rig_sigma_rad * cameras.focal_px(Camera.TOP)
     return StereoOdometer(
         rig=cameras,
@@ -138,7 +137,7 @@ def stereo_odometer(
 
 
 def image_motion(
-    rig: SensorRig, read: ReadRow, max_features: int, min_inliers: int
+    rig: Rig, read: ReadRow, max_features: int, min_inliers: int
 ) -> Callable[[int, int], tuple[Array, Array] | None]:
     """Set up the measurement of the top camera's motion between two of its images.
 
@@ -176,7 +175,7 @@ def image_motion(
 
 
 def continuity(
-    rig: SensorRig, read: ReadRow, max_features: int, min_inliers: int
+    rig: Rig, read: ReadRow, max_features: int, min_inliers: int
 ) -> Callable[[int, int], bool]:
     """Set up the test whether one image of the top camera goes on where another ends.
 
@@ -212,11 +211,11 @@ def fills_most(xy: Array, camera: CameraModel) -> bool:
 
 
 def _match_top_images(
-    rig: SensorRig, read: ReadRow, max_features: int, min_inliers: int
+    rig: Rig, read: ReadRow, max_features: int, min_inliers: int
 ) -> tuple[Callable[[int, int], PairMatch], Callable[[int], NodeView]]:
     """Set up matching of the top camera's images by row, keeping the features of the last two."""
     options = MatchOptions(min_inliers=min_inliers)
-    cameras, feature_options = CameraRig(rig), FeatureOptions(max_features=max_features)
+    cameras, feature_options = rig, FeatureOptions(max_features=max_features)
     matcher = PairMatcher(cameras, options)
 
     @lru_cache(maxsize=2)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
-import msgspec
 import numpy as np
 
 from hullrecon.adjustment.hull_pose.registration import register
@@ -33,10 +33,12 @@ from hullrecon.navigation.planes.planar_graph import planar_graph
 from hullrecon.records.links import LinkedPath, no_links
 from hullrecon.records.trajectory import Trajectory, VehiclePath, VehicleTrack
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts, LinksArtifact
+from hullrecon.steps.links import run as run_links
 from hullrecon.steps.links import pose_graph
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
 from hullrecon.steps.mosaics import read_mosaic_inputs
 from hullrecon.studies.figure_style import PublishedFigure
+from hullrecon.studies.matching.two_view_models import TWO_VIEW_MODELS
 from hullrecon.studies.methods.comparison import DeadReckoning
 from hullrecon.studies.methods.variants import build_step
 from hullrecon.studies.paths.distance_to_cad import ReturnsOnHull, distance_to_cad_model
@@ -47,13 +49,12 @@ from hullrecon.studies.paths.link_plots import (
     two_view_models,
 )
 from hullrecon.studies.paths.sonar_variance import VarianceMap, sonar_variance
-from hullrecon.vision.options import MatchOptions, TwoViewModel
 
 # m, rad: how far a path may have drifted
 TRUE_POSE_SIGMA = np.r_[1.0, 1.0, 0.3, np.radians([1.0, 1.0, 5.0])]
 # of a hull and a DVL as packages state them
 DEVIATION_SIGMA_M, DEVIATION_LENGTH_M, RANGE_SIGMA_M = 0.02, (3.0, 1.5), 0.01
-TWO_VIEW_MODELS: Mapping[TwoViewModel, str] = {
+MODEL_WORDS = {
     "essential": "essential matrix alone",
     "homography": "homography alone",
     "automatic": "chosen by the criterion",
@@ -139,7 +140,6 @@ def _path_by_planes(dive: DiveRun) -> LinkedPath | None:
     graph = pose_graph(
         inputs,
         inputs.mounted(settings_for(dive.chain.stage("links"), dive.chain.sections)),
-        "scaling",
     )
     solved = planar_graph(graph, returns, inputs.ingest.hull).solve(no_links())
     return None if solved.planes is None else solved.record()
@@ -150,17 +150,19 @@ def _by_two_view_model(
 ) -> dict[str, LinkedBy]:
     """Return the path with links of each two-view model; the step is run where it is out of date."""
     found: dict[str, LinkedBy] = {}
-    own = dive.chain.sections["matches"]
-    assert isinstance(own, MatchOptions)
-    for model, words in TWO_VIEW_MODELS.items():
-        options = msgspec.structs.replace(own, two_view_model=model)
-        chain = replace(dive.chain, sections={**dive.chain.sections, "matches": options})
+    for model, words in MODEL_WORDS.items():
+        links_of = partial(run_links, strategy=TWO_VIEW_MODELS[model])
+        stages = tuple(
+            replace(stage, run=links_of) if stage.name == "links" else stage
+            for stage in dive.chain.stages
+        )
         workspace = (
-            Workspace(dive.workspace.root / COMPARE_FOLDER / f"links-{model}")
-            if options != own
-            else dive.workspace
+            dive.workspace
+            if model == "automatic"
+            else Workspace(dive.workspace.root / COMPARE_FOLDER / f"links-{model}")
         )
         with dive.workspace.lock():
+            chain = replace(dive.chain, stages=stages)
             build_step("links", chain, dive.workspace, workspace, run_context)
             run_context.hashes.save()
         links = LinksArtifact(workspace.artifact("links"))

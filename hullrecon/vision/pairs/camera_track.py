@@ -129,9 +129,9 @@ def track_cameras(
     )
 
 
-def leading_cameras(cameras: CameraRig, path: VehiclePath, bottom: Mask) -> Poses:
+def leading_cameras(cameras: Rig, path: VehiclePath, bottom: Mask) -> Poses:
     """Place the leading camera of every node of a path, the bottom one where `bottom` (n,)."""
-    top = cameras.rig.camera_poses(path, Camera.TOP)
+    top = cameras.poses_along(path, Camera.TOP)
     if not bottom.any():
         return top
     lower, leads = cameras.poses_along(path, Camera.BOTTOM), bottom[:, None]
@@ -150,7 +150,7 @@ def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: f
 
 
 def depth_priors(
-    track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: SensorRig
+    track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: Rig
 ) -> list[DepthPrior | None]:
     """Measure the depth of each node's scene by the DVL's returns around it; None without any."""
     good = ~returns.flagged & np.isfinite(returns.range_m)

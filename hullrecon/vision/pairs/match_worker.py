@@ -19,7 +19,6 @@ from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import MatchStrategy, PairMatcher
 from hullrecon.vision.pairs.pair_match import PairMatch
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import StereoMatches, no_matches
 from hullrecon.vision.stereo.node_view import (
     DepthPrior,
@@ -54,7 +53,7 @@ class MatchWorker:
     """What every process needs to match nodes. Picklable."""
 
     features: Path  # folder of the features artifact
-    rig: CameraRig
+    rig: Rig
     options: MatchOptions
     strategy: MatchStrategy = field(default_factory=MatchStrategy)
 
@@ -77,7 +76,7 @@ class MatchWorker:
         """Look up the local saliency of the image that leads."""
         if not self.read(node.image, node.stereo).bottom_leads:
             top = FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
-            if top or not self.rig.stereo:
+            if top or self.rig.stereo_mount is None:
                 return top
         return FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1])
 

@@ -20,7 +20,6 @@ from hullrecon.typing import Array, Floats32, Ints, Mask
 from hullrecon.vision.features.descriptors import MatchDescriptors, match_descriptors, to_unit
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import (
     StereoMatches,
     StereoSide,
@@ -104,7 +103,7 @@ class NodeView:
 
 
 def stereo_of_node(
-    rig: CameraRig,
+    rig: Rig,
     top: Features,
     bottom: Features,
     prior: DepthPrior | None,
@@ -140,7 +139,7 @@ def stereo_of_node(
         for camera, features in zip(Camera, (top, bottom), strict=True)
     ]
     found = match_stereo(
-        rectify(rig.top_from_bottom),
+        rectify(rig.stereo_mount),
         top=sides[0],
         bottom=sides[1],
         depth_m=(prior.nearest, prior.farthest) if prior else DEPTH_RANGE_M,
@@ -174,7 +173,7 @@ def drop_isolated_depths(matches: StereoMatches, xy: Array) -> StereoMatches:
 
 
 def view_of_node(
-    rig: CameraRig, features: NodeFeatures, prior: DepthPrior | None, sigma_px: float
+    rig: Rig, features: NodeFeatures, prior: DepthPrior | None, sigma_px: float
 ) -> NodeView:
     """Prepare a node for pair matching.
 
@@ -226,7 +225,7 @@ def _depths(
     measured = point[own, 2]
     near = cKDTree(xy[own]).query(xy[~own], k=4)[1]
     depth[own], depth[~own] = measured, measured[near].mean(axis=1)
-    baseline_m = rectify(rig.top_from_bottom).baseline_m
+    baseline_m = rectify(rig.stereo_mount).baseline_m
     sigma[own] = measured**2 * np.sqrt(2) * sigma_px / rig.focal_px(Camera.TOP) / baseline_m
     sigma[~own] = np.hypot(1.5 * measured[near].std(axis=1), 0.02 * depth[~own])
     return depth, sigma

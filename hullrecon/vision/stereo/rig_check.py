@@ -22,7 +22,6 @@ from hullrecon.vision.features.descriptors import MAX_DISTANCE, RATIO, best_of_a
 from hullrecon.vision.features.extraction import FeatureOptions, Features, extract, no_features
 from hullrecon.vision.pairs.mono_motion import refine
 from hullrecon.vision.pairs.two_view import TwoView, essential_of, motions_of, sampson_squared
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import rectify, triangulate
 
 PAIRS = 6  # of images, spread over the dive
@@ -131,7 +130,7 @@ def check_stereo_rig(
     )
 
 
-def check_baseline(found: RigCheck, dvl: DvlPings, rig: SensorRig) -> RigProblem | None:
+def check_baseline(found: RigCheck, dvl: DvlPings, rig: Rig) -> RigProblem | None:
     """Compare the scene's depth by stereo with the DVL's ranges.
 
     None where they agree, or never measured at one time.
@@ -203,7 +202,7 @@ class _ImageMatcher:
 
     def depths(self, matched: _Matched) -> Array:
         """Triangulate depths (n,) in the top camera as calibrated, m; not positive behind it."""
-        pose = self._rig.top_from_bottom
+        pose = self._rig.stereo_mount
         if pose is None:
             return np.zeros(0)
         turned = rectify(pose)

@@ -18,7 +18,6 @@ from hullrecon.typing import Array, Ints, Ints32, Mask
 from hullrecon.vision.pairs.gating import Motion, transfer
 from hullrecon.vision.pairs.matching import GATE_CHI2, VERIFY_PX
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
-from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import rectify, triangulate
 
 ROUNDS = 3  # of votes: a rejected observation no longer counts against the others
@@ -91,7 +90,7 @@ def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
 class _Observations:
     """Ideal coordinates of all observations, and points of the stereo ones."""
 
-    def __init__(self, rig: CameraRig, top: Array, bottom: Array, sigma_px: float) -> None:
+    def __init__(self, rig: Rig, top: Array, bottom: Array, sigma_px: float) -> None:
         self._rig, self._sigma = rig, sigma_px / rig.focal_px(Camera.TOP)
         upper, lower = _undistort(rig, Camera.TOP, top), _undistort(rig, Camera.BOTTOM, bottom)
         self._other = lower
