@@ -99,12 +99,12 @@ def test_depth_comes_from_the_stereo_alone(rig, look):
 
 
 def test_images_that_cannot_be_read_have_no_features(rig):
-    odometer = stereo_odometer(rig.rig, 500, 15, 0.0)
+    odometer = stereo_odometer(rig, 500, 15, 0.0)
     assert len(odometer.frame(0, None, None).view) == 0
 
 
 def test_a_rig_that_is_known_less_well_searches_a_wider_band(rig):
     sharp, loose = (
-        stereo_odometer(rig.rig, 500, 15, sigma).match_options.column_px for sigma in (0.0, 0.002)
+        stereo_odometer(rig, 500, 15, sigma).match_options.column_px for sigma in (0.0, 0.002)
     )
     assert loose - sharp == pytest.approx(2 * 0.002 * rig.focal_px(Camera.TOP))

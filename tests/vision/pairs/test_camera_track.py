@@ -115,7 +115,7 @@ def priors(made, trajectory):
         track(trajectory),
         trajectory,
         made,
-        dataclasses.replace(cameras().rig, tray_from_dvl=dvl),
+        dataclasses.replace(cameras(), tray_from_dvl=dvl),
     )
 
 
@@ -149,7 +149,7 @@ def normal_of(shift, rows=slice(None)):
     made = spread_returns(shift)
     part = {f.name: getattr(made, f.name)[rows] for f in dataclasses.fields(made)}
     dvl = from_mount([0.08, 0.0, 0.0, 0.0, 90.0, 0.0])
-    rig = dataclasses.replace(cameras().rig, tray_from_dvl=dvl)
+    rig = dataclasses.replace(cameras(), tray_from_dvl=dvl)
     return depth_priors(track(path()), path(), Returns(**part), rig)[0].normal
 
 
