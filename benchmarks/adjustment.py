@@ -43,7 +43,7 @@ def write_problem(size: str, share: int, out: Path) -> None:
 def in_turns(
     path: Path, methods: tuple[str, ...], repeat: int, options: dict[str, Any]
 ) -> list[dict[str, Any]]:
-    """Rows of each method, `repeat` times, alternating so that what else runs falls on all alike."""
+    """Time each method `repeat` times, in turns, so that other load falls on all alike."""
     rows = []
     for _ in range(repeat):
         for method in methods:
@@ -55,8 +55,10 @@ def in_turns(
 
 def line(row: dict[str, Any]) -> str:
     return (
-        f"{row['method']:7s} {row['total_s']:8.2f} s  {row['cpu_s']:8.2f} s of CPU  {row['iterations']:3d} iterations"
-        f"  {row['iteration_s']:6.3f} s each  cost {row['final_cost']:.7g}  {row['rigid_rmse_m'] * 1000:6.1f} mm"
+        f"{row['method']:7s} {row['total_s']:8.2f} s  {row['cpu_s']:8.2f} s of CPU  "
+        f"{row['iterations']:3d} iterations"
+        f"  {row['iteration_s']:6.3f} s each  cost {row['final_cost']:.7g}  "
+        f"{row['rigid_rmse_m'] * 1000:6.1f} mm"
         f"  {row['peak_rss_mb']:.0f} MB"
     )
 

@@ -42,7 +42,8 @@ def find_browser() -> str:
         if path is not None and not _is_snap_stub(Path(path)):
             return path
     raise NoBrowserError(
-        "no Chromium was found: apt-get install chromium (Debian), or Google Chrome where chromium is a snap (Ubuntu)"
+        "no Chromium was found: apt-get install chromium (Debian), or Google Chrome where "
+        "chromium is a snap (Ubuntu)"
     )
 
 

@@ -235,7 +235,8 @@ def line(name: str, row: Figures) -> str:
     """Return one disturbance's figures as a line."""
     sigmas = " ".join(f"{x:.2f}" for x in row["errors_in_sigmas"])
     return (
-        f"{name}: rigid rms {row['adjust_mm']:.1f} mm (dead reckoning {row['dead_reckoning_mm']:.1f}), errors in sigmas"
+        f"{name}: rigid rms {row['adjust_mm']:.1f} mm (dead reckoning "
+        f"{row['dead_reckoning_mm']:.1f}), errors in sigmas"
         f" {sigmas}; CAD refused: {row['cad_model_refused']}; {' | '.join(row['said'])}"
     )
 

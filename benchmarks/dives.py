@@ -33,18 +33,26 @@ from hullrecon.geometry.poses import Poses
 BASE = "--no-sonar --legs 4 --leg-length-m 5 --views 6"
 DIVES = {
     "d1": "",
-    "d2": "--length-m 90 --beam-m 15 --depth-m 9 --draught-m 6 --bilge-radius-m 2 --backlash-deg 0.8 --guess-along-m 0.8"
+    "d2": "--length-m 90 --beam-m 15 --depth-m 9 --draught-m 6 --bilge-radius-m 2 --backlash-deg "
+    "0.8 --guess-along-m 0.8"
     " --guess-across-m 0.3 --guess-turn-deg 3 --top-m 2",
-    "d3": "--length-m 25 --beam-m 6 --depth-m 3.5 --draught-m 2.6 --bilge-radius-m 0.9 --deviation-sigma-m 0.02"
+    "d3": "--length-m 25 --beam-m 6 --depth-m 3.5 --draught-m 2.6 --bilge-radius-m 0.9 "
+    "--deviation-sigma-m 0.02"
     " --deviation-length-m 1.5 --top-m 0.9 --leg-spacing-m 0.5",
-    "d4": "--hull DTC-scaled_decimated30k.stl --length-m 120 --draught-m 5 --top-m 1.5 --along-m 90",
-    "d5": "--hull JBC_rigidBodyHull_HULL.obj --length-m 90 --draught-m 5 --top-m 1.5 --along-m 70 --servo-sigma-deg 0.15",
+    "d4": "--hull DTC-scaled_decimated30k.stl --length-m 120 --draught-m 5 --top-m 1.5 --along-m "
+    "90",
+    "d5": "--hull JBC_rigidBodyHull_HULL.obj --length-m 90 --draught-m 5 --top-m 1.5 --along-m "
+    "70 --servo-sigma-deg 0.15",
     "d6": "--hull kvlcc2_lq_3dpea.stl --length-m 333.6 --draught-m 18 --top-m 4 --along-m 160",
-    "d7": "--hull wigley.stl --length-m 60 --draught-m 3.75 --top-m 0.9 --along-m 40 --deviation-mean-m 0.01",
-    "d8": "--hull DTC-scaled_decimated30k.stl --length-m 60 --draught-m 3.5 --top-m 1.0 --along-m 12 --guess-along-m 1.0"
+    "d7": "--hull wigley.stl --length-m 60 --draught-m 3.75 --top-m 0.9 --along-m 40 "
+    "--deviation-mean-m 0.01",
+    "d8": "--hull DTC-scaled_decimated30k.stl --length-m 60 --draught-m 3.5 --top-m 1.0 "
+    "--along-m 12 --guess-along-m 1.0"
     " --guess-across-m 0.4 --guess-turn-deg 5",
-    "d9": "--length-m 70 --beam-m 11 --depth-m 7 --draught-m 5 --entrance 0.45 --visibility-m 3.5 --backlash-deg 0.2",
-    "d10": "--deviation-sigma-m 0.005 --deviation-mean-m 0 --standoff-m 1.4 --speed-m-per-s 0.4 --structures 8",
+    "d9": "--length-m 70 --beam-m 11 --depth-m 7 --draught-m 5 --entrance 0.45 --visibility-m "
+    "3.5 --backlash-deg 0.2",
+    "d10": "--deviation-sigma-m 0.005 --deviation-mean-m 0 --standoff-m 1.4 --speed-m-per-s 0.4 "
+    "--structures 8",
 }
 # length, beam, depth, draught, bilge radius, m
 SHIPS = ("80 13 8 5.5 1.8", "30 6.5 4 3 1.0", "50 9 5.5 3.8 1.3")
@@ -65,8 +73,10 @@ def drawn_dives(count: int = 10) -> dict[str, str]:
             strict=True,
         )
         dives[f"n{k}"] = (
-            "--leg-length-m 4 --views 5 --structures 2 --marks 1 --barnacles 1 --deviation-sigma-m 0.02 --deviation-length-m 3"
-            f" --deviation-mean-m {mean:.4f} --guess-along-m {along:.3f} --guess-across-m {across:.3f}"
+            "--leg-length-m 4 --views 5 --structures 2 --marks 1 --barnacles 1 "
+            "--deviation-sigma-m 0.02 --deviation-length-m 3"
+            f" --deviation-mean-m {mean:.4f} --guess-along-m {along:.3f} --guess-across-m "
+            f"{across:.3f}"
             f" --guess-turn-deg {turn:.2f} "
         ) + " ".join(f"--{name}-m {value}" for name, value in ship)
     return dives
@@ -229,7 +239,8 @@ def main() -> int:
             continue
         row = rows[name] = dive(package, args.folder, args.cameras == "mono", args.jobs)
         print(
-            f"{name}: rigid {1e3 * figure(row, 'trajectory.rigid_rmse_m'):.2f} mm, NEES {row['nees']:.1f}",
+            f"{name}: rigid {1e3 * figure(row, 'trajectory.rigid_rmse_m'):.2f} mm, NEES "
+            f"{row['nees']:.1f}",
             flush=True,
         )
     together = consistency([row["nees"] for row in rows.values()])

@@ -31,7 +31,7 @@ class Words:
 
 
 def learn(shown: Mask) -> Words:
-    """Return the tree of greatest mutual information of images' words (n, w), by Prim's algorithm."""
+    """Grow the tree of greatest mutual information of words (n, w) by Prim's algorithm."""
     n, w = shown.shape
     z = shown.astype(np.float32)
     share = np.clip(z.mean(axis=0, dtype=float), LEAST_SHARE, 1 - LEAST_SHARE)
@@ -90,7 +90,7 @@ def log_likelihoods(
 
 
 def _there(share: Array) -> tuple[Array, Array]:
-    """Return the probability (w,) that a word is at a place whose image does not show it, and does."""
+    """Probabilities (w,) that a word is at a place whose image does not, or does, show it."""
     missed, seen = (1 - SEEN_IF_THERE) * share, SEEN_IF_THERE * share
     return missed / (missed + (1 - SEEN_IF_NOT) * (1 - share)), seen / (
         seen + SEEN_IF_NOT * (1 - share)

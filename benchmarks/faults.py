@@ -32,7 +32,10 @@ from hullrecon.artifacts.checking import check_workspace
 from hullrecon.artifacts.workspace import Workspace
 from hullrecon.steps.chain import NAMES
 
-DIVE = "--legs 2 --leg-length-m 2 --marks 0 --structures 2 --barnacles 1 --image-width 320 --image-height 256"
+DIVE = (
+    "--legs 2 --leg-length-m 2 --marks 0 --structures 2 --barnacles 1 --image-width 320 "
+    "--image-height 256"
+)
 LIMITS_GB = (0.5, 1.0, 1.5)
 MOUNT = ["mount", "-t", "tmpfs", "-o"]
 PROGRAM = [sys.executable, "-m", "hullrecon_cli.start"]
@@ -203,7 +206,7 @@ def _full_tmpfs(bench: Bench, runs: Path, count: int, whole: int) -> Iterator[Ca
 
 
 def interruptions(bench: Bench, count: int, chance: random.Random) -> Iterator[Case]:
-    """Press Ctrl-C in the first seconds of a run, where libraries are imported, and in every step."""
+    """Press Ctrl-C while a run imports its libraries, and in each of its steps."""
     runs = fresh(bench.folder / "interrupted")
     for k in range(count):
         step = bench.steps[k * len(bench.steps) // count]
@@ -289,7 +292,7 @@ def flips(bench: Bench, chance: random.Random) -> Iterator[Case]:
 
 
 def start(bench: Bench, runs: Path, step: str, *more: str) -> subprocess.Popen[str]:
-    """Start a run and return when it has begun a step; it may end before, where the step is done."""
+    """Start a run and wait until it begins a step, or ends because the step is done."""
     process = subprocess.Popen(
         bench.command(runs, *more), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
     )
@@ -330,7 +333,8 @@ def main() -> int:
         for case in group:
             cases.append(case)
             print(
-                f"{'WRONG' if case.wrong else 'ok':6}{case.fault}: {case.wrong or case.said or 'no damage'}",
+                f"{'WRONG' if case.wrong else 'ok':6}{case.fault}: "
+                f"{case.wrong or case.said or 'no damage'}",
                 flush=True,
             )
     failed = sum(bool(case.wrong) for case in cases)

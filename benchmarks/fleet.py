@@ -25,8 +25,10 @@ from pathlib import Path
 from typing import Any
 
 SMALL = (
-    "--form plain --no-sonar --legs 2 --leg-length-m 1 --leg-spacing-m 0.4 --image-width 320 --image-height 256 --views 3"
-    " --structures 1 --marks 0 --barnacles 0 --length-m 20 --beam-m 5 --depth-m 3.5 --draught-m 2.5 --bilge-radius-m 0.8"
+    "--form plain --no-sonar --legs 2 --leg-length-m 1 --leg-spacing-m 0.4 --image-width 320 "
+    "--image-height 256 --views 3"
+    " --structures 1 --marks 0 --barnacles 0 --length-m 20 --beam-m 5 --depth-m 3.5 --draught-m "
+    "2.5 --bilge-radius-m 0.8"
     " --top-m 0.8"
 )
 PROGRAM = (
@@ -105,7 +107,7 @@ class Fleet:
         self._runs = runs
 
     def call(self, until: int | None = None, number: int = signal.SIGKILL) -> dict[str, Any]:
-        """Call it; with `until` end its whole group by a signal once so many dives are delivered."""
+        """Run a fleet; with `until`, end its process group once so many dives are delivered."""
         begun = time.perf_counter()
         with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
             fleet = subprocess.Popen(self._command, stdout=out, stderr=err, start_new_session=True)

@@ -267,8 +267,10 @@ def line(name: str, row: Figures) -> str:
     )
     share = 100 * (row["revisits_matched"] or 0)
     return (
-        f"{name}: {row['nodes']} nodes, rigid rms mm: dead reckoning {row['dead_reckoning_mm']:.0f}, links"
-        f" {row['links_mm']:.2f}, adjusted {row['adjust_mm']:.2f}{beside}; errors in sigmas {sigmas}; scale"
+        f"{name}: {row['nodes']} nodes, rigid rms mm: dead reckoning "
+        f"{row['dead_reckoning_mm']:.0f}, links"
+        f" {row['links_mm']:.2f}, adjusted {row['adjust_mm']:.2f}{beside}; errors in sigmas "
+        f"{sigmas}; scale"
         f" {1e6 * row['scale_error']:.0f} ppm; {row['revisits']} revisits, {share:.0f} % matched;"
         f" parts {row['parts']}; CAD refused: {row['cad_model_refused']}"
     )

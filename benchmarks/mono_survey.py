@@ -37,7 +37,8 @@ from hullrecon.typing import Array, Ints
 from hullrecon.vision.pairs.camera_track import CameraTrack, leading_cameras, track_cameras
 
 OPTIONS = (
-    "--no-sonar --cameras mono --leg-spacing-m 0.5 --standoff-m 1.5 --views 9.1 --structures 12 --dvl-scale-error 0.01"
+    "--no-sonar --cameras mono --leg-spacing-m 0.5 --standoff-m 1.5 --views 9.1 --structures 12 "
+    "--dvl-scale-error 0.01"
     " --heading-drift-deg-per-hour 60"
 )
 BARE_SHARE = 0.333

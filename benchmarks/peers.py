@@ -117,8 +117,10 @@ def solve(solver: str, path: Path, args: argparse.Namespace) -> dict[str, Any]:
 
 def line(row: dict[str, Any]) -> str:
     return (
-        f"{row['solver']:20s} {row['iteration_s']:7.3f} s an iteration  {row['iterations']:3d} iterations"
-        f"  {row['solve_s']:7.2f} s  {row['cpu_s']:7.2f} s of CPU  {row['rms_px']:.8f} px  {row['peak_rss_mb']:.0f} MB"
+        f"{row['solver']:20s} {row['iteration_s']:7.3f} s an iteration  {row['iterations']:3d} "
+        f"iterations"
+        f"  {row['solve_s']:7.2f} s  {row['cpu_s']:7.2f} s of CPU  {row['rms_px']:.8f} px  "
+        f"{row['peak_rss_mb']:.0f} MB"
     )
 
 

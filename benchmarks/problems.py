@@ -85,7 +85,7 @@ def make(size: Size, seed: int = 0) -> Problem:
 
 
 def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
-    """The problem, started from dead reckoning, and its truth. The same seed gives the same bytes."""
+    """Simulate a problem, started from dead reckoning, and its truth."""
     rng = np.random.default_rng(seed)
     vertices, faces = hull_mesh()
     hull = MeshIndex(vertices, faces, threads=1)

@@ -168,7 +168,7 @@ def _set_integer(data: bytearray, other: bytes, dice: Random) -> bytearray:
 
 
 def set_float(data: bytearray, other: bytes, dice: Random) -> bytearray:
-    """Set a field that looks like a floating-point number of a sensor to one that no sensor gives."""
+    """Set a field that looks like a sensor's float to a number that no sensor gives."""
     width = dice.choice((4, 8))
     shift = dice.randrange(width)
     if len(data) < width + shift:

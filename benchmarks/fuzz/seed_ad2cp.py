@@ -92,7 +92,7 @@ def dvl_record(
 
 
 def dvl_file(count: int = 4) -> bytes:
-    """Return a DVL's file: its configuration, bottom tracks, and a water track that is passed over."""
+    """Write a DVL's file: configuration, bottom tracks, and a water track to be passed over."""
     pings = [
         block(DF21, dvl_record(n, velocity=(0.1, -0.2, 0.01 * n, 0.07)), is_long=n % 2 == 1)
         for n in range(count)

@@ -73,11 +73,16 @@ rectification_matrix:
   cols: 3
   data: [1, 0, 0, 0, 1, 0, 0, 0, 1]
 """
-SHORT_CALIBRATION = f"{{image_width: {WIDTH}, image_height: {HEIGHT}, camera_matrix: [50, 0, 23.5, 0, 51, 15.5, 0, 0, 1]}}"
+SHORT_CALIBRATION = (
+    f"{{image_width: {WIDTH}, image_height: {HEIGHT}, "
+    "camera_matrix: [50, 0, 23.5, 0, 51, 15.5, 0, 0, 1]}"
+)
 TABLES = {
-    "dvl": "t,vx,vy,vz,range_1,range_2,range_3,range_4\n1700000000,1,0,0,1,1,1,\n1700000001,1,0,0,2,2,2,2\n"
+    "dvl": "t,vx,vy,vz,range_1,range_2,range_3,range_4\n1700000000,1,0,0,1,1,1,\n"
+    "1700000001,1,0,0,2,2,2,2\n"
     "1700000002,1,0,0,2,2,2,2\n",
-    "imu": "t,qx,qy,qz,qw,wx,wy,wz,ax,ay,az\n1700000000,0,0,0,1,0,0,0,0,0,-9.81\n1700000001.25,0,0,0,1,,,,,,\n"
+    "imu": "t,qx,qy,qz,qw,wx,wy,wz,ax,ay,az\n1700000000,0,0,0,1,0,0,0,0,0,-9.81\n"
+    "1700000001.25,0,0,0,1,,,,,,\n"
     "1700000002,0,0,0,1,1,1,1,0,0,0\n",
     "pressure": "t,pascal\n1700000000,111380\n1700000001,111380.5\n1700000002,121435\n",
     "joints": "t,name,rad\n1700000000,tray,0.1\n1700000001,tray,0.2\n1700000000,fan,0.3\n",

@@ -51,46 +51,49 @@ def store(ros: int) -> Any:
     return types
 
 
-def tiny_dive(ros: int, jpeg: bytes) -> list[LoggedMessage]:
-    """Return one second of a dive: ten IMU readings, four of pressure and joints, two DVL pings and
-    images, a sonar ping.
-    """
-    types = store(ros)
+class MessageWriter:
+    """Messages of one reading each, in the types of ROS 1 or 2."""
 
-    def make(kind: str, **given: Any) -> Any:
-        return types.types[kind](**given)
+    def __init__(self, ros: int, jpeg: bytes) -> None:
+        self.ros, self.jpeg, self.types = ros, jpeg, store(ros)
 
-    def vector(x: float, y: float, z: float) -> Any:
-        return make("geometry_msgs/msg/Vector3", x=float(x), y=float(y), z=float(z))
+    def make(self, kind: str, **given: Any) -> Any:
+        return self.types.types[kind](**given)
 
-    def header(t: int) -> Any:
-        stamp = make("builtin_interfaces/msg/Time", sec=t // NS, nanosec=t % NS)
-        return make(
-            "std_msgs/msg/Header", stamp=stamp, frame_id="x", **({"seq": 0} if ros == 1 else {})
+    def vector(self, x: float, y: float, z: float) -> Any:
+        return self.make("geometry_msgs/msg/Vector3", x=float(x), y=float(y), z=float(z))
+
+    def header(self, t: int) -> Any:
+        stamp = self.make("builtin_interfaces/msg/Time", sec=t // NS, nanosec=t % NS)
+        return self.make(
+            "std_msgs/msg/Header",
+            stamp=stamp,
+            frame_id="x",
+            **({"seq": 0} if self.ros == 1 else {}),
         )
 
-    def imu(t: int) -> Any:
-        return make(
+    def imu(self, t: int) -> Any:
+        return self.make(
             "sensor_msgs/msg/Imu",
-            header=header(t),
-            orientation=make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-            angular_velocity=vector(0.1, 0.2, 0.3),
-            linear_acceleration=vector(0, 0, -9.81),
+            header=self.header(t),
+            orientation=self.make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+            angular_velocity=self.vector(0.1, 0.2, 0.3),
+            linear_acceleration=self.vector(0, 0, -9.81),
             **{
                 f"{name}_covariance": np.zeros(9)
                 for name in ("orientation", "angular_velocity", "linear_acceleration")
             },
         )
 
-    def dvl(t: int) -> Any:
+    def dvl(self, t: int) -> Any:
         s, c = 0.5, 0.75**0.5
-        beams = [vector(*b) for b in ((-s, 0, c), (s, 0, c), (0, s, c), (0, -s, c))]
-        return make(
+        beams = [self.vector(*b) for b in ((-s, 0, c), (s, 0, c), (0, s, c), (0, -s, c))]
+        return self.make(
             DVL,
-            header=header(t),
+            header=self.header(t),
             velocity_mode=1,
             dvl_type=0,
-            velocity=vector(0.1, 0.2, 0.3),
+            velocity=self.vector(0.1, 0.2, 0.3),
             velocity_covar=np.diag([4e-6, 4e-6, 4e-6]).ravel(),
             altitude=1.0,
             course_gnd=0.0,
@@ -107,70 +110,86 @@ def tiny_dive(ros: int, jpeg: bytes) -> list[LoggedMessage]:
             beam_velocity_covar=np.zeros(4, np.float32),
         )
 
-    def sonar(t: int) -> Any:
-        info = make(
+    def sonar(self, t: int) -> Any:
+        info = self.make(
             "marine_acoustic_msgs/msg/PingInfo",
             frequency=1e6,
             sound_speed=1500.0,
             tx_beamwidths=np.zeros(0, np.float32),
             rx_beamwidths=np.zeros(0, np.float32),
         )
-        pixels = make(
+        pixels = self.make(
             "marine_acoustic_msgs/msg/SonarImageData",
             is_bigendian=False,
             dtype=0,
             beam_count=4,
             data=np.arange(12, dtype=np.uint8),
         )
-        directions = [vector(0, np.sin(a), np.cos(a)) for a in np.linspace(0.25, -0.25, 4)]
+        directions = [self.vector(0, np.sin(a), np.cos(a)) for a in np.linspace(0.25, -0.25, 4)]
         ranges = np.array([1, 2, 3], np.float32)
-        return make(
+        return self.make(
             SONAR,
-            header=header(t),
+            header=self.header(t),
             ping_info=info,
             beam_directions=directions,
             ranges=ranges,
             image=pixels,
         )
 
-    def joints(t: int) -> Any:
+    def joints(self, t: int) -> Any:
         none, angle = np.zeros(0), np.array([0.1, 9.0])
-        return make(
+        return self.make(
             "sensor_msgs/msg/JointState",
-            header=header(t),
+            header=self.header(t),
             name=["tray", "other"],
             position=angle,
             velocity=none,
             effort=none,
         )
 
-    def pressure(t: int) -> Any:
-        return make(
-            "sensor_msgs/msg/FluidPressure", header=header(t), fluid_pressure=111380.0, variance=0.0
+    def pressure(self, t: int) -> Any:
+        return self.make(
+            "sensor_msgs/msg/FluidPressure",
+            header=self.header(t),
+            fluid_pressure=111380.0,
+            variance=0.0,
         )
 
-    def image(t: int) -> Any:
-        data = np.frombuffer(jpeg, np.uint8)
-        return make("sensor_msgs/msg/CompressedImage", header=header(t), format="jpeg", data=data)
+    def image(self, t: int) -> Any:
+        data = np.frombuffer(self.jpeg, np.uint8)
+        return self.make(
+            "sensor_msgs/msg/CompressedImage", header=self.header(t), format="jpeg", data=data
+        )
 
-    def entry(topic: str, kind: str, t: int, message: Any) -> LoggedMessage:
+    def entry(self, topic: str, kind: str, t: int, message: Any) -> LoggedMessage:
         serialised = (
-            types.serialize_cdr(message, kind) if ros == 2 else types.serialize_ros1(message, kind)
+            self.types.serialize_cdr(message, kind)
+            if self.ros == 2
+            else self.types.serialize_ros1(message, kind)
         )
         return LoggedMessage(topic, kind, t, bytes(serialised))
 
+
+def tiny_dive(ros: int, jpeg: bytes) -> list[LoggedMessage]:
+    """Write one second of a dive.
+
+    Ten readings of the IMU, four of pressure and joints, two DVL pings and images, one sonar ping.
+    """
+    write = MessageWriter(ros, jpeg)
     out = []
     for i in range(10):
         t = START_NS + i * NS // 10
-        out.append(entry("/imu", "sensor_msgs/msg/Imu", t, imu(t)))
+        out.append(write.entry("/imu", "sensor_msgs/msg/Imu", t, write.imu(t)))
         if i % 3 == 0:
-            out.append(entry("/pressure", "sensor_msgs/msg/FluidPressure", t, pressure(t)))
-            out.append(entry("/joints", "sensor_msgs/msg/JointState", t, joints(t)))
+            out.append(
+                write.entry("/pressure", "sensor_msgs/msg/FluidPressure", t, write.pressure(t))
+            )
+            out.append(write.entry("/joints", "sensor_msgs/msg/JointState", t, write.joints(t)))
         if i % 5 == 0:
-            out.append(entry("/dvl", DVL, t, dvl(t)))
-            out.append(entry("/cam", "sensor_msgs/msg/CompressedImage", t, image(t)))
+            out.append(write.entry("/dvl", DVL, t, write.dvl(t)))
+            out.append(write.entry("/cam", "sensor_msgs/msg/CompressedImage", t, write.image(t)))
         if i == 4:
-            out.append(entry("/sonar", SONAR, t, sonar(t)))
+            out.append(write.entry("/sonar", SONAR, t, write.sonar(t)))
     return out
 
 

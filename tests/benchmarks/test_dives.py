@@ -15,7 +15,7 @@ from benchmarks import dives
 
 
 def _solution(folder: Path, offset: tuple[float, float, float], sigma: float) -> Path:
-    """Three poses that err by `offset` (m) in a hull frame that is turned by 90 degrees against g."""
+    """Three poses that err by `offset` (m) in a hull frame turned by 90 degrees against g."""
     folder.mkdir()
     half = np.sqrt(0.5)
     at = np.array([1.0, 2.0, 3.0]) + offset
@@ -84,7 +84,8 @@ def test_a_mono_dive_does_not_name_its_lower_camera(tmp_path: Path) -> None:
     package.mkdir()
     (package / "dive.toml").write_text(
         '[dive]\nname = "d1"\n\n[topics]\ncamera_top = "/top"\ncamera_bottom = "/bottom"\n\n'
-        '[camera.top]\ncalibration = "top.yaml"\n\n[camera.bottom]\ncalibration = "bottom.yaml"\n\n[hull]\nmesh = "hull.stl"\n'
+        '[camera.top]\ncalibration = "top.yaml"\n\n[camera.bottom]\ncalibration = '
+        '"bottom.yaml"\n\n[hull]\nmesh = "hull.stl"\n'
     )
     config = tomllib.loads((dives.without_lower_camera(package) / "dive.toml").read_text())
     assert config["dive"]["name"] == "mono-d1"

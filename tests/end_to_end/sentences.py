@@ -558,13 +558,15 @@ def _true(*_):
 
 
 TITLES = (
-    "Map of the hull|The hull in 3-D|Objects on the hull|Deviation from the CAD model|Mosaics|Coverage|Position uncertainty|"
+    "Map of the hull|The hull in 3-D|Objects on the hull|Deviation from the CAD "
+    "model|Mosaics|Coverage|Position uncertainty|"
     "Quality of the data|Rejected data and warnings|Record|Appendix: plots"
 )
 LENGTH = rf"{N} (mm|m)"
 METRES = rf"{N}(?: ± {N})? m"
 ADDRESS = (
-    rf"(?:frames? ({NUMBER}(?: to {NUMBER})?) \()?{METRES} (?:from AP|along)\)?, (?:(port|starboard|keel)(?:, |\b))?"
+    rf"(?:frames? ({NUMBER}(?: to {NUMBER})?) \()?{METRES} (?:from AP|along)\)?, "
+    rf"(?:(port|starboard|keel)(?:, |\b))?"
     rf"(?:{METRES} (?:girth from keel|across))?(?:, {METRES} (?:below|above) waterline)?"
 )
 SEEN = rf"(?:{WITH_SIGMA} m² \({WITH_SIGMA} %\)|not carried)"
@@ -575,12 +577,14 @@ TABLE = (
     (r"of section (\d+)\.", _section),
     (r"(\d\d \w+ \d{4}, \d\d:\d\d UTC)", _date),
     (
-        rf": {TIME}, {N} m of path, {N} poses(?:, {N} images? from (\d) cameras?|, without a camera)\.",
+        rf": {TIME}, {N} m of path, {N} poses(?:, {N} images? from (\d) cameras?|, without a "
+        rf"camera)\.",
         _dive,
     ),
     (rf"median one sigma in x / y / z: {N} / {N} / {N} (mm|m)\.", _median_sigmas),
     (
-        rf"The position (along the hull|across the hull|vertically) is uncertain by {N} m \(one sigma\)",
+        rf"The position (along the hull|across the hull|vertically) is uncertain by {N} m \(one "
+        rf"sigma\)",
         _weak_position,
     ),
     (
@@ -592,18 +596,21 @@ TABLE = (
         _weak_axis,
     ),
     (
-        rf"known to {LENGTH} along the (?:hull|plane) and {LENGTH} (?:in girth|across it) \(one sigma, median\)",
+        rf"known to {LENGTH} along the (?:hull|plane) and {LENGTH} (?:in girth|across it) \(one "
+        rf"sigma, median\)",
         _vehicle_place,
     ),
     (rf"^± {LENGTH} ± {LENGTH} (?:in girth|across), one sigma", _vehicle_place),
     (rf"one sigma of the vehicle: {N} m along, {N} m (?:in girth|across)", _vehicle_place_m),
     (rf"A pixel's position on the hull is known to {N} mm \(one sigma\)", _pixels_place),
     (
-        rf"(\d+) objects? found on the hull \(([^)]*)\); the largest, no\. (\d+), has a height of {WITH_SIGMA} m",
+        rf"(\d+) objects? found on the hull \(([^)]*)\); the largest, no\. (\d+), has a height "
+        rf"of {WITH_SIGMA} m",
         _objects,
     ),
     (
-        rf"Looked for: what is at least {N} mm high or deep, {N} cm² large, shown by {N} images?, and bare hull with a"
+        rf"Looked for: what is at least {N} mm high or deep, {N} cm² large, shown by {N} "
+        rf"images?, and bare hull with a"
         rf" probability below {N}",
         _looked_for,
     ),
@@ -621,7 +628,8 @@ TABLE = (
     (rf"(?:Object (\d+): height {WITH_SIGMA} m, )?{ADDRESS}", _address),
     (r"^(\d+)(?: \| show)? (?:\||·) (protrusion|recess|Protrusion|Recess)", _kind),
     (
-        rf"(?<=\| ){WITH_SIGMA} m \| {WITH_SIGMA} cm² \| {WITH_SIGMA} m \| {WITH_SIGMA} m(?: \| {WITH_SIGMA} m)?(?= \| <)",
+        rf"(?<=\| ){WITH_SIGMA} m \| {WITH_SIGMA} cm² \| {WITH_SIGMA} m \| {WITH_SIGMA} m(?: \| "
+        rf"{WITH_SIGMA} m)?(?= \| <)",
         _row,
     ),
     (rf"^Height above the hull around it \| {WITH_SIGMA} m$", _of_object("height")),
@@ -647,7 +655,8 @@ TABLE = (
     (rf"^{N} to {N} mm one sigma {N} mm", _form),
     (rf"from its CAD model by {N} to {N} mm", _true),
     (
-        rf"lies {N} mm (inside|outside|from) it \(one sigma {N} mm(, not significantly different from zero)?\)",
+        rf"lies {N} mm (inside|outside|from) it \(one sigma {N} mm(, not significantly different "
+        rf"from zero)?\)",
         _offset,
     ),
     (rf"^Offset of the surveyed patch \| {WITH_SIGMA} mm$", _signed_offset),
@@ -674,7 +683,8 @@ TABLE = (
         _percentiles("gsd", 0.02, 0.0),
     ),
     (
-        rf"^Incidence angle of the best view, camera \| {N}° \(5th to 95th percentile {N} to {N}°\)$",
+        rf"^Incidence angle of the best view, camera \| {N}° \(5th to 95th percentile {N} to "
+        rf"{N}°\)$",
         _percentiles("incidence", 0.03, 0.5),
     ),
     (
@@ -688,7 +698,8 @@ TABLE = (
     (rf"{N} m along by {N} m (?:girth|across)", _plan),
     (rf"(?<=\| ){N} m \| fr {N}(?= \|)", _frame_tick),
     (
-        rf"{N} landmarks were measured in the images(?:, {N} % of them taken to lie on the CAD model's surface)?",
+        rf"{N} landmarks were measured in the images(?:, {N} % of them taken to lie on the CAD "
+        rf"model's surface)?",
         _landmarks,
     ),
     (
@@ -709,7 +720,8 @@ TABLE = (
     ),
     (rf"^DVL ranges \| {N} \| {N} mm \| {N} mm \| {N} %$", _residuals("range", "range_m", 1e3)),
     (
-        rf"^(Scale error of the DVL's velocities|Drift of the heading|Bias of \w+|Bias of the depth) \| {N} ± {N}[^\d|]*$",
+        rf"^(Scale error of the DVL's velocities|Drift of the heading|Bias of \w+|Bias of the "
+        rf"depth) \| {N} ± {N}[^\d|]*$",
         _sensor,
     ),
     (rf"^([a-z-]+) \| {TIME} \| {N} MB$", _time_of_step),

@@ -37,7 +37,8 @@ class Shell:
             check=False,
         )
         assert done.returncode == code, (
-            f"exit {done.returncode}, expected {code}:\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
+            f"exit {done.returncode}, expected "
+            f"{code}:\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
         )
         return done
 

@@ -29,7 +29,8 @@ mesh = "hull.off"
 YAML = "image_width: 32\nimage_height: 24\ncamera_matrix: [30, 0, 16, 0, 30, 12, 0, 0, 1]\n"
 OFF = "OFF\n4 4 0\n0 0 0\n20 0 0\n0 20 0\n0 0 20\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
 TABLES = {
-    "dvl": "t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n2,1,0,0,2,2,2,2\n",
+    "dvl": "t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n"
+    "2,1,0,0,2,2,2,2\n",
     "imu": "t,qx,qy,qz,qw\n0,0,0,0,1\n1,0,0,0,1\n2,0,0,0,1\n",
     "pressure": "t,pascal\n0,111380\n1,111380\n2,121435\n",
     "joints": "t,name,rad\n0,tray,0.1\n1,tray,0.2\n0,fan,0.3\n",

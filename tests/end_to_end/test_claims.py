@@ -193,7 +193,10 @@ def test_every_number_of_the_page_and_of_the_runs_last_lines_is_true(true):
 
 
 def test_a_regions_share_that_is_off_by_more_than_three_sigmas_is_no_truth(dives):
-    said = "after part | 30 to 32.6 m | 4.5 to 8 m | 9.1 m² | {} ± 0.7 m² ({} ± 7 %) | not carried | not carried"
+    said = (
+        "after part | 30 to 32.6 m | 4.5 to 8 m | 9.1 m² | {} ± 0.7 m² ({} ± 7 %) | not "
+        "carried | not carried"
+    )
     true = dives(WITH_REGIONS)
     area = true.seen_area("camera", on := true.within((30, 32.6), (4.5, 8)))
     share = 100 * area / true.views.steel.area[on].sum()

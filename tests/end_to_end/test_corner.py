@@ -88,7 +88,7 @@ def corners(ring):
 
 
 def contour(mesh, value, level, on_map):
-    """Points (n, 2) on the map where a value of a mesh's vertices passes a level, along its edges."""
+    """Points (n, 2) on the map where a value given at vertices passes a level, along edges."""
     sides = np.vstack([mesh[:, [0, 1]], mesh[:, [1, 2]], mesh[:, [2, 0]]])
     low, high = value[sides[:, 0]], value[sides[:, 1]]
     crossed = (low > level) != (high > level)

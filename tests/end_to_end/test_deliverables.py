@@ -65,8 +65,13 @@ def test_a_schema_names_every_field_and_says_what_it_is(name):
 def test_a_field_that_is_missing_unknown_or_of_another_kind_breaks_the_schema(deliver):
     document = json.loads((deliver / "objects.json").read_text())
     first = document["objects"][0]
-    for spoiled in ({**first, "height": "high"}, {**first, "colour": 1}, {k: v for k, v in first.items() if k != "area"},
-                    {**first, "center": [1.0, 2.0]}, {**first, "p_value": 1.5}):  # fmt: skip
+    for spoiled in (
+        {**first, "height": "high"},
+        {**first, "colour": 1},
+        {name: value for name, value in first.items() if name != "area"},
+        {**first, "center": [1.0, 2.0]},
+        {**first, "p_value": 1.5},
+    ):
         assert violations({"objects": [spoiled]}, schema("objects"))
 
 

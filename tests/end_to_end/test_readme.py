@@ -31,7 +31,8 @@ PLACE_SHARE = 0.15
 # What is said of the place is within its sigma, and which of two directions is the weaker may
 # change
 WITHIN_SIGMA = re.compile(
-    r"; as a whole the patch lies[^.]*|The (?:heading|heel|trim) of the hull is uncertain[^.]*\.[^.]*\."
+    r"; as a whole the patch lies[^.]*|The (?:heading|heel|trim) of the hull is "
+    r"uncertain[^.]*\.[^.]*\."
 )
 FACTOR = {" mm": 1000.0, " %": 1.0, "": 1.0}
 # Of each row, by the beginning of its first cell: what its numbers are, in their order, and their
@@ -74,7 +75,8 @@ def differences(readme: str, figures: dict[str, float]) -> list[str]:
         shown = NUMBER.findall(row)
         if [unit for _, unit in shown] != [unit for _, unit in ROWS[name]]:
             out.append(
-                f"{row!r} should have {len(ROWS[name])} numbers with units {[unit for _, unit in ROWS[name]]}"
+                f"{row!r} should have {len(ROWS[name])} numbers with units "
+                f"{[unit for _, unit in ROWS[name]]}"
             )
             continue
         for (text, unit), (key, _) in zip(shown, ROWS[name], strict=True):
@@ -159,7 +161,8 @@ def test_the_pictures_show_the_demos_report(
     with Image.open(ROOT / "docs" / "images" / name) as picture:
         shown = picture.info.get(screenshots.KEY)
     assert shown is not None, (
-        f"{name} does not say which report it shows: take it again (docs/figures/report_screenshot.py)"
+        f"{name} does not say which report it shows: take it again "
+        f"(docs/figures/report_screenshot.py)"
     )
     assert says_the_same(now, shown), (
         f"{name} shows the report of another run: take it again (docs/figures/report_screenshot.py)"
@@ -208,7 +211,10 @@ def test_a_limit_holds_below_it() -> None:
 
 
 def test_a_summary_may_differ_by_a_share_of_its_sigmas_and_by_nothing_else() -> None:
-    text = "Hull seen: 8.3 m². Known to 0.34 m (one sigma). The heel of the hull is uncertain by 0.7 degrees (one sigma). End."
+    text = (
+        "Hull seen: 8.3 m². Known to 0.34 m (one sigma). The heel of the hull is uncertain "
+        "by 0.7 degrees (one sigma). End."
+    )
     assert says_the_same(text.replace("0.34", "0.37"), text)
     assert says_the_same(text.replace("The heel", "The trim"), text)
     assert not says_the_same(text.replace("0.34", "0.44"), text)
@@ -232,7 +238,10 @@ def test_readmes_table_has_a_row_for_everything_that_is_measured() -> None:
 
 
 def test_a_picture_says_which_report_it_shows(screenshots: ModuleType, tmp_path: Path) -> None:
-    page = '<section id="summary" class="x"><svg><text>frame 3</text></svg><p>Two   objects &amp; more</p></section><p>later</p>'
+    page = (
+        '<section id="summary" class="x"><svg><text>frame 3</text></svg><p>Two   objects '
+        "&amp; more</p></section><p>later</p>"
+    )
     assert screenshots.summary_of(page) == "Two objects & more"
     screenshots.write_picture(Image.new("RGB", (4, 4)), tmp_path / "a.png", "Two objects ± 3")
     with Image.open(tmp_path / "a.png") as picture:

@@ -174,8 +174,8 @@ def test_several_glider_dives_in_one_folder_are_to_be_parted(evaluation_data, sh
     down = ["--set", "imu.mount_deg=[0, 0, 0]", "--set", "dvl.mount=[0, 0, 0, 0, 0, 0]"]
     line = verdict(shell, package, *down)
     assert (
-        "these are several dives (logs.files): give one at a time, by other files or by dive.from and dive.to"
-        in line
+        "these are several dives (logs.files): give one at a time, by other files or by "
+        "dive.from and dive.to" in line
     )
     assert (
         line.removeprefix("error: no run is possible: ")

@@ -82,7 +82,7 @@ def test_sentences_and_pictures_are_there_and_no_code_shows(deliver, pages):
 
 
 def parts(said):
-    """A statement of the page whole, its cells and their sentences, as far as they hold a number."""
+    """A statement of the page, its cells and their sentences, where they hold a number."""
     cells = said.words.split(" | ")
     sentences = [part for cell in cells for part in re.split(r"(?<=[.;:]) ", cell)]
     whole = said.words.replace(" | ", " ")

@@ -332,7 +332,7 @@ class TrueDive:
 
     @cached_property
     def seen_extent(self):
-        """Lowest and highest along and girth of what the camera saw, the DVL's beams without one."""
+        """Limits along and in girth of what the camera saw, or the DVL's beams without a camera."""
         seen = self._seen_by["camera"] if self.images else self._from_beam_ends < DVL_REACH_M[0]
         return self.on_map[seen].min(axis=0), self.on_map[seen].max(axis=0)
 

@@ -111,7 +111,7 @@ class TrueHull:
         return np.concatenate(arcs), np.concatenate(places)
 
     def deviation(self, points):
-        """Signed distance (n,) of the steel nearest to points (n, 3) of the run from the CAD model."""
+        """Signed distance (n,) from the CAD model of the steel nearest to points (n, 3)."""
         foot, _ = self.built.closest(self.lay(points))
         on_cad, normal = self.cad.closest(foot)
         gap = foot - on_cad

@@ -13,7 +13,10 @@ from benchmarks.fuzz.campaign import Campaign, read_campaign, run_campaign, sign
 from benchmarks.fuzz.cases import Verdict
 from benchmarks.fuzz.corpus import add_findings, read_corpus
 
-TRACE = 'Traceback\n  File "/x/hullrecon/a.py", line 3, in f\n    f()\n  File "/y/numpy.py", line 9, in g\n{}: {}\n'
+TRACE = (
+    'Traceback\n  File "/x/hullrecon/a.py", line 3, in f\n    f()\n  File "/y/numpy.py", '
+    "line 9, in g\n{}: {}\n"
+)
 
 
 def test_failures_that_look_alike_are_one_finding_with_its_first_cases():

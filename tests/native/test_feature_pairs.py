@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs of features: what cannot be is refused; what they are is tested in tests/vision and in C++."""
+"""Impossible inputs to feature pairs are refused; tests/vision and C++ test what they find."""
 
 import numpy as np
 import pytest

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Positions from outside: where the world is unknown, what is said of it, what an outlier weighs."""
+"""Positions of USBL or GPS: an unknown world frame, its covariance, the weight of outliers."""
 
 from __future__ import annotations
 

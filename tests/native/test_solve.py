@@ -343,12 +343,14 @@ import os
 import numpy as np
 from hullrecon.native import AttitudeTable, Options, PosePriors, Priors, Problem, Unknowns, solve
 
-held = ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top", "intrinsics_bottom", "tray")
+held = ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "tray")
+held += ("intrinsics_top", "intrinsics_bottom")
 pose = np.tile([0.0, 0, 0, 0, 0, 0, 1, 0], (40, 1))
 node = np.arange(40, dtype=np.int32)
 attitude = AttitudeTable(node=node, measured=np.ones((40, 3)), sigma=np.ones((40, 3)))
 prior = PosePriors(node=node, value=pose[:, :7], sqrt_information=np.tile(np.eye(6), (40, 1, 1)))
-p = Problem(unknowns=Unknowns(pose=pose), constant=held, attitude=attitude, priors=Priors(pose=prior))
+unknowns, priors = Unknowns(pose=pose), Priors(pose=prior)
+p = Problem(unknowns=unknowns, constant=held, attitude=attitude, priors=priors)
 before = solve(p, Options(threads=2)).unknowns.pose
 if (child := os.fork()) == 0:
     os._exit(0 if np.array_equal(solve(p, Options(threads=2)).unknowns.pose, before) else 1)
