@@ -20,7 +20,7 @@ BIN := $(VENV)/bin
 DEMO ?= sample_data/demo
 RUNS ?= out
 JOBS ?= 2
-FAST := $(addprefix tests/,estimation findings geometry native records test_new_folder.py test_rig.py)
+FAST := $(addprefix tests/,artifacts dive estimation findings geometry native records test_new_folder.py test_rig.py)
 NATIVE := $(shell find native -type f 2>/dev/null)
 
 export OPENBLAS_NUM_THREADS = 1
@@ -49,7 +49,7 @@ test: setup
 	@bash pipelines/setup.sh browser
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder -q
 
-# FAST: folders whose tests take seconds. Tests marked slow, a second or more each, are left to `make test`.
+# FAST: the folders whose tests take a twentieth of a second each. No chain is run, and no test that is marked slow.
 test-fast: setup
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder -q -m "not slow" $(FAST)
 

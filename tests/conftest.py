@@ -9,7 +9,7 @@ import fcntl
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -20,8 +20,11 @@ os.environ.setdefault("HULLRECON_JOBS", "1")  # tests run beside each other
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import pytest
+from datasets import dataset
+from end_to_end.shell import SAMPLE, Shell
 
 sys.dont_write_bytecode = False
+Once = Callable[[str, Callable[[Shell], object]], Path]
 
 # a shell's `make test &`: what the tests start would not hear Ctrl-C
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -51,37 +54,41 @@ def _signals_end_with_their_test() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def demo_run(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
-    """The folder of a whole run over sample_data/demo, made once for all workers of a session: to
-    be read, not changed.
-    """
-    from end_to_end.shell import SAMPLE
+def once(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Once:
+    """Make a folder by its name, once for all workers of a session: to be read, not changed.
 
-    return _run_once(SAMPLE, tmp_path_factory, worker_id)
+    Workers that ask for a folder while another one fills it wait for it.
+    """
+    base = tmp_path_factory.getbasetemp()
+    base = base if worker_id == "master" else base.parent
+
+    def make(name: str, fill: Callable[[Shell], object]) -> Path:
+        folder = base / name
+        folder.mkdir(exist_ok=True)
+        with (folder / "lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (folder / "done").exists():
+                fill(Shell(folder))
+                (folder / "done").touch()
+        return folder
+
+    return make
 
 
 @pytest.fixture(scope="session")
-def dive_a_run(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
-    """The folder of a whole run over the evaluation data's simulated dive, made once for all
-    workers of a session: to be read, not changed. The test is skipped where the data are not there.
+def demo_run(once: Once) -> Path:
+    """The folder of a whole run over sample_data/demo."""
+    return (
+        once("demo", lambda shell: shell("run", SAMPLE, "--runs", "out", "--jobs", 2)) / "out/demo"
+    )
+
+
+@pytest.fixture(scope="session")
+def dive_a_run(once: Once) -> Path:
+    """The folder of a whole run over the evaluation data's simulated dive.
+
+    The test is skipped where the data are not there.
     """
-    from datasets import dataset
-
-    return _run_once(dataset("dive-a"), tmp_path_factory, worker_id)
-
-
-def _run_once(package: Path, tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
-    """Run the chain over a package unless a worker of this session has; workers that ask for the
-    same run wait for it.
-    """
-    from end_to_end.shell import Shell
-
-    base = tmp_path_factory.getbasetemp()
-    folder = (base if worker_id == "master" else base.parent) / package.name
-    folder.mkdir(exist_ok=True)
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (folder / "done").exists():
-            Shell(folder)("run", package, "--runs", "out", "--jobs", 2)
-            (folder / "done").touch()
-    return folder / "out" / package.name
+    package = dataset("dive-a")
+    run = ("run", package, "--runs", "out", "--jobs", 2)
+    return once("dive-a", lambda shell: shell(*run)) / "out/dive-a"

@@ -27,6 +27,7 @@ from hullrecon.artifacts.disk import existing_folder
 from hullrecon.artifacts.manifest import read_manifest
 from hullrecon.artifacts.workspace import Workspace
 
+pytestmark = pytest.mark.slow
 NAMES = ("read", "left", "right", "join")
 PAUSE_S = 0.1
 CALLS = (

@@ -22,6 +22,8 @@ from hullrecon.artifacts.checking import check_workspace
 from hullrecon.artifacts.workspace import Workspace
 from hullrecon.errors import StorageError
 
+pytestmark = pytest.mark.slow
+
 NAMES = ("read", "left", "right", "join")
 # with opening and writing files, those that take space
 CALLS = ("mkdir", "copy_file_range", "pwrite")

@@ -93,7 +93,7 @@ def test_a_place_like_no_other_is_called_new():
     assert found[-1] > found[:8].max()
 
 
-def test_a_link_is_false_where_it_puts_the_second_camera_elsewhere():
+def test_link_that_misplaces_the_second_camera_is_false():
     cameras = Poses(np.tile([0, 0, 0, 1.0], (3, 1)), np.array([[0, 0, 0], [1, 0, 0], [5, 0, 0.0]]))
     dive = SimpleNamespace(cameras=cameras)
     rows, found = np.arange(2), []

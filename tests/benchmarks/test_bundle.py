@@ -17,7 +17,7 @@ def test_a_rotation_matrix_is_that_of_the_quaternion():
     np.testing.assert_allclose(bundles.rotation(turns.as_quat()), turns.as_matrix(), atol=1e-14)
 
 
-def test_the_pixels_of_a_bundle_are_those_of_the_problem_it_was_cut_from(small):
+def test_bundle_has_the_pixels_of_its_problem(small):
     bundle = bundle_of(small[0])
     mine = bundles.residuals(bundle, bundle.pose, bundle.point)
     theirs = evaluate(small[0], Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf))
@@ -39,7 +39,7 @@ def test_a_bundle_comes_back_from_its_file(small, tmp_path):
     assert again.stereo == bundle.stereo
 
 
-def test_the_bundle_solved_holds_its_gauge_and_brings_the_pixels_to_their_noise(small):
+def test_solved_bundle_holds_its_gauge_and_reaches_pixel_noise(small):
     bundle = bundle_of(small[0])
     found = solve(
         problem_of(bundle), Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf)

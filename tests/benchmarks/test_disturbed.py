@@ -9,7 +9,7 @@ from benchmarks.disturbed import DVL_TYPE, FAST_SOUND, fast_sound
 from hullrecon.synthetic.output.messages import header, make, store, vector
 
 
-def test_a_fast_sound_stretches_velocities_and_ranges_and_nothing_else():
+def test_fast_sound_stretches_velocities_and_ranges_only():
     lengths = {
         "velocity": vector(np.array([0.3, -0.1, 0.02])),
         "range": np.array([1.5, 0.0, 1.7, 1.8]),

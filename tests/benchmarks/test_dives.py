@@ -34,7 +34,7 @@ def _solution(folder: Path, offset: tuple[float, float, float], sigma: float) ->
     return folder
 
 
-def test_an_error_of_three_and_four_sigma_on_two_axes_is_a_nees_of_twenty_five(
+def test_errors_of_three_and_four_sigma_are_a_nees_of_25(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from hullrecon.geometry.poses import Poses
@@ -71,7 +71,7 @@ def test_a_limit_is_held_or_broken(value: float, limit: float | None, broken: bo
     assert dives.breaks(value, limit) is broken
 
 
-def test_the_table_stars_what_breaks_its_limit_and_names_the_worst() -> None:
+def test_table_marks_broken_limits_and_names_the_worst() -> None:
     good = {"trajectory": {"rigid_rmse_m": 0.001}, "landmarks": {"off_recall": 1.0}}
     bad = {"trajectory": {"rigid_rmse_m": 0.004}, "landmarks": {"off_recall": 0.5}}
     lines = {line.split()[0]: line for line in dives.table({"a": good, "b": bad})[1:]}

@@ -44,7 +44,7 @@ def matched(motion: Motion | None) -> PairMatch:
     )
 
 
-def test_pairs_that_share_nothing_are_far_apart_ordered_and_told_once() -> None:
+def test_pairs_without_overlap_are_ordered_and_listed_once() -> None:
     centres = np.column_stack([np.linspace(0, 20, 60), np.zeros((60, 2))])
     first, second = apart(centres, 200, np.random.default_rng(1))
     assert len(first) == 200
@@ -72,7 +72,7 @@ def test_pairs_look_alike_where_a_repetition_lies_between_them() -> None:
     assert found[0, 5] == -2 * EVERY_M
 
 
-def test_a_pair_that_looks_alike_is_told_to_lie_where_it_seems_to() -> None:
+def test_alike_pair_is_placed_where_it_seems_to_lie() -> None:
     at = cameras(np.array([0.0, EVERY_M + 0.2]))
     (motion,) = motions(at, np.array([0]), np.array([1]), np.array([[-EVERY_M, 0.0, 0.0]]))
     np.testing.assert_allclose(motion.second_from_first[:3, 3], [-0.2, 0, 0], atol=1e-12)
@@ -89,7 +89,7 @@ def test_the_row_counts_what_was_linked_and_why_the_rest_was_not() -> None:
     }
 
 
-def test_only_matched_pairs_become_links_and_join_others_at_the_end() -> None:
+def test_only_matched_pairs_become_links() -> None:
     at = cameras(np.arange(4.0))
     offer = Offer(first=np.array([0, 1, 2]), second=np.array([1, 2, 3]), expected=())
     found = motions(at, offer.first, offer.second, np.zeros(3))

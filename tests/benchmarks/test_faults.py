@@ -25,7 +25,7 @@ def test_a_bit_flips_and_flips_back_unseen_by_size_and_time(tmp_path: Path) -> N
     assert path.read_bytes() == bytes(8)
 
 
-def test_runs_are_compared_without_what_differs_between_equal_ones(tmp_path: Path) -> None:
+def test_runs_are_compared_without_volatile_fields(tmp_path: Path) -> None:
     for name, seconds in (("one", 1.0), ("two", 2.0)):
         (tmp_path / name / "step").mkdir(parents=True)
         (tmp_path / name / ".hullrecon").mkdir()

@@ -50,7 +50,7 @@ def test_copies_differ_and_five_are_broken_each_in_its_way(tmp_path: Path) -> No
     assert sum(MARK in text for text in texts) == 1
 
 
-def test_a_fleet_that_is_killed_twice_delivers_all_but_the_broken_dives(tmp_path: Path) -> None:
+def test_fleet_killed_twice_delivers_all_but_broken_dives(tmp_path: Path) -> None:
     (tmp_path / "child.py").write_text(CHILD)
     program = (sys.executable, "-c", PROGRAM.format(child=str(tmp_path / "child.py")))
     found = measure(tmp_path / "work", make_tiny(tmp_path / "tiny"), 12, 2, program)

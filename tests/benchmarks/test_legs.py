@@ -11,7 +11,7 @@ from benchmarks import legs
 from benchmarks.legs import nearest_frames
 
 
-def test_a_node_stamped_a_rounding_after_its_frame_is_of_that_frame() -> None:
+def test_node_stamped_just_after_its_frame_belongs_to_it() -> None:
     frame_s = 1777887000.0 + 0.5 * np.arange(4)
     found = nearest_frames(frame_s, frame_s + np.array([-3e-7, 3e-7, 3e-7, 3e-7]))
     np.testing.assert_array_equal(found, [0, 1, 2, 3])
@@ -24,7 +24,7 @@ def test_times_before_and_behind_the_frames_are_of_the_outermost() -> None:
 
 
 @pytest.mark.parametrize("cameras", ["stereo", "mono"])
-def test_another_drift_takes_the_images_of_the_first_and_is_what_simulate_writes(
+def test_dive_of_another_drift_reuses_images_and_equals_simulate(
     cameras: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     small = {

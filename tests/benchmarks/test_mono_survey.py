@@ -37,7 +37,7 @@ class LegsOfTen:
         )
 
 
-def test_no_images_are_left_over_the_middle_half_of_the_second_leg() -> None:
+def test_outage_removes_images_of_half_the_second_leg() -> None:
     middle_s, half_s = blank(LegsOfTen(1000 + np.arange(0, 80.1, 0.5)), 10.0)  # type: ignore[arg-type]
     assert (middle_s, half_s) == (1060, pytest.approx(10.0))
 

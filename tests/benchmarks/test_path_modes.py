@@ -70,7 +70,7 @@ def test_the_modes_are_a_scale_and_bends_of_rms_one() -> None:
         assert (mode.displacement**2).sum(axis=1).mean() == pytest.approx(1.0)
 
 
-def test_a_path_too_long_shows_in_the_scale_and_a_bend_in_no_other_bend() -> None:
+def test_long_path_shows_in_the_scale_and_a_bend_as_bend() -> None:
     scale, *bends = path_modes.modes_of(POSITIONS)
     gap = POSITIONS - POSITIONS.mean(axis=0)
     assert path_modes.component(scale, 0.01 * gap) == pytest.approx(

@@ -43,7 +43,7 @@ def truth() -> SimpleNamespace:
     )
 
 
-def test_a_path_counts_from_where_it_begins_and_its_depth_from_the_water() -> None:
+def test_path_counts_from_its_start_and_depth_from_the_water() -> None:
     row = planes.score(
         found(np.array([0.03, 0, 0.02]), 0.01), (1e9 * np.arange(N)).astype(np.int64), truth()
     )

@@ -43,13 +43,13 @@ def test_at_the_truth_the_residuals_of_a_factor_are_its_noise(at_truth, factor):
     assert abs(value - 1) < 5 * np.sqrt(2 / count)
 
 
-def test_at_the_truth_the_tray_is_off_by_its_backlash_and_the_mounts_by_their_priors(at_truth):
+def test_truth_leaves_backlash_and_mount_priors_as_residuals(at_truth):
     by_factor = mean_squares(at_truth)
     assert by_factor["tray"][0] < 1.1
     assert by_factor["prior"][0] < 3
 
 
-def test_at_the_truth_a_landmark_is_5_mm_off_the_cad_model_or_stands_well_off_it(small):
+def test_true_landmarks_are_5_mm_off_the_cad_model_or_well_off(small):
     problem, truth = small
     in_hull = truth.global_from_hull.inverse().apply(truth.landmark)
     distance = (
@@ -88,13 +88,13 @@ def test_a_small_problem_has_the_tables_of_its_size(small, size_name):
     assert len(problem.surface.landmark) == 4000
 
 
-def test_every_pose_of_a_field_problem_that_carries_images_sees_landmarks():
+def test_poses_with_images_of_a_field_problem_see_landmarks():
     size = SIZES["mono"]
     first, second = _pairs(size, np.random.default_rng(0))
     assert len(np.unique(np.r_[first, second])) > 0.999 * size.imaged
 
 
-def test_a_loop_closure_joins_the_same_place_of_neighbouring_legs():
+def test_loop_closure_joins_one_place_of_neighbouring_legs():
     size = SIZES["stereo"]
     first, second = _pairs(size, np.random.default_rng(0))
     x, z = tracks(size)
@@ -116,7 +116,7 @@ def test_every_landmark_lies_in_the_images_that_see_it(small, size_name):
 
 
 @pytest.mark.parametrize("name", ["stereo", "mono"])
-def test_dead_reckoning_drifts_by_decimetres_to_metres_over_the_survey(name):
+def test_dead_reckoning_drifts_by_decimetres_over_the_survey(name):
     nodes, _ = fly(SIZES[name])
     random = np.random.default_rng(0)
     start = dead_reckoned(nodes, measure(nodes, random), random)
@@ -127,7 +127,7 @@ def test_dead_reckoning_drifts_by_decimetres_to_metres_over_the_survey(name):
     assert np.linalg.norm(down[0] - down[1], axis=1).max() < np.radians(0.3)
 
 
-def test_dead_reckoning_without_noise_has_only_its_systematic_errors():
+def test_noiseless_dead_reckoning_has_systematic_errors_only():
     size = SIZES["small"]
     nodes, _ = fly(size)
     start = dead_reckoned(nodes, steps(nodes), np.random.default_rng(0))
@@ -160,7 +160,7 @@ def test_the_hull_curves_both_ways_and_faces_outward():
     assert np.allclose(np.linalg.norm(BEAMS, axis=1), 1)
 
 
-def test_two_rays_meet_where_they_cross_and_a_crossing_behind_is_replaced_by_the_range():
+def test_rays_crossing_behind_are_replaced_by_the_range():
     origins = np.array([[[0.0, 0, 0], [1.0, 0, 0]], [[0.0, 0, 0], [1.0, 0, 0]]])
     inward = np.array([[1.0, 0, 1], [-1.0, 0, 1]]) / np.sqrt(2)
     rays = np.stack([inward, inward[::-1]])
@@ -169,7 +169,7 @@ def test_two_rays_meet_where_they_cross_and_a_crossing_behind_is_replaced_by_the
     np.testing.assert_allclose(points[1], 0.7 * rays[1, 0], atol=1e-12)
 
 
-def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(small, size_name):
+def test_seed_alone_determines_the_bytes(small, size_name):
     again, other = make(SIZES[size_name]), make(SIZES[size_name], seed=1)
     expected = to_arrays(small[0])
     for name, array in to_arrays(again).items():

@@ -49,7 +49,7 @@ def test_there_are_other_ships_stretched_ones_and_ones_too_large() -> None:
 @pytest.mark.parametrize(
     "name", ["too large by 1.2", "stretched in beam by 1.3", "another ship (90 m)"]
 )
-def test_a_wrong_model_passes_through_the_place_that_the_guess_gives_the_survey(name: str) -> None:
+def test_wrong_model_passes_through_the_guessed_place(name: str) -> None:
     place, model = wrong_cad.survey_center(MEASURED, MODEL), changed(name)
     assert abs(model.mesh.index.closest(place[None]).distance[0]) < 0.05
 
@@ -71,7 +71,7 @@ def test_a_mesh_of_another_ship_is_scaled_to_this_one_s_length(tmp_path: Path) -
     assert np.ptp(model.mesh.vertices[:, 0]) == pytest.approx(np.ptp(MESH.vertices[:, 0]), rel=1e-5)
 
 
-def test_the_guess_is_wrong_by_metres_at_the_survey_and_nowhere_else() -> None:
+def test_guess_is_wrong_by_metres_at_the_survey_only() -> None:
     model, path = (
         changed("guess 5 m and 15 deg off"),
         MEASURED.trajectory.translation.mean(axis=0)[None],

@@ -23,13 +23,10 @@ def evaluation_data():
 
 
 @pytest.fixture(scope="session")
-def tiny(tmp_path_factory):
+def tiny(once):
     """A dive of some seconds, simulated once a session: stereo, sonar, one structure."""
-    folder = tmp_path_factory.mktemp("tiny") / "tiny"
-    Shell(folder.parent)(
-        "simulate", folder, *TINY, "--leg-length-m", 1.6, "--structures", 1, "--seed", 5
-    )
-    return folder
+    options = (*TINY, "--leg-length-m", 1.6, "--structures", 1, "--seed", 5)
+    return once("tiny", lambda shell: shell("simulate", "tiny", *options)) / "tiny"
 
 
 @pytest.fixture

@@ -315,9 +315,7 @@ TOLD = {
 
 
 @pytest.mark.parametrize(("spoil", "pattern"), TOLD.values(), ids=TOLD)
-def test_what_can_be_left_out_or_doubted_is_told_and_the_rest_is_read(
-    package, capfd, spoil, pattern
-):
+def test_doubtful_parts_of_a_package_are_named_and_left_out(package, capfd, spoil, pattern):
     spoil(package)
     code = main(["check", str(package)])
     out, err = capfd.readouterr()

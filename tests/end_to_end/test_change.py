@@ -208,7 +208,7 @@ def test_each_row_is_true_within_three_of_its_sigmas(compared: Compared) -> None
         assert row["change_sigma"] < 0.015
 
 
-def test_the_offset_between_the_dives_is_true_within_its_covariance(compared: Compared) -> None:
+def test_offset_between_dives_is_true_within_its_covariance(compared: Compared) -> None:
     stated = compared.document["offset"]
     center, covariance = np.array(stated["center"]), np.array(stated["covariance"])
     runs = compared.deliver.parents[1]
@@ -223,7 +223,7 @@ def test_the_offset_between_the_dives_is_true_within_its_covariance(compared: Co
     assert np.abs(first[0] - second[0]).max() > 0.02  # there was something to be found
 
 
-def test_what_would_stand_out_is_less_than_what_changed_and_more_than_what_did_not(
+def test_detectable_change_separates_changed_from_unchanged(
     compared: Compared,
 ) -> None:
     document = compared.document
@@ -270,7 +270,7 @@ def test_the_pdf_has_the_chapter_too(compared: Compared) -> None:
         assert re.sub(r"\s+", "", row["address"]) in text
 
 
-def test_where_the_first_run_is_not_there_all_else_is_delivered_and_the_reason_said(
+def test_missing_earlier_run_leaves_out_the_change_chapter_only(
     compared: Compared, tmp_path: Path
 ) -> None:
     """The last test: it runs the second dive again."""

@@ -123,7 +123,7 @@ def on(*names):
 
 
 @on(*WITH_CAMERA)
-def test_the_numbers_of_every_object_lie_within_three_of_their_sigmas(true):
+def test_object_numbers_lie_within_three_sigmas(true):
     errors = claims.object_errors(true.run, true.hull, true.in_ship_frame)
     assert errors
     for number, by_name in errors.items():
@@ -164,7 +164,7 @@ def test_the_vehicles_depth_lies_within_three_of_its_sigmas(true):
 
 
 @on(*IN_SHIP_FRAME)
-def test_along_the_directions_called_weak_the_error_is_within_three_of_the_sigma_that_is_said(true):
+def test_error_along_weak_directions_is_within_three_sigmas(true):
     weak = claims.weak_direction_errors(true.run, true.package)
     assert {
         name: error / sigma for name, (error, sigma) in weak.items() if abs(error) > 3 * sigma
@@ -173,7 +173,7 @@ def test_along_the_directions_called_weak_the_error_is_within_three_of_the_sigma
 
 @on(*ALL)
 @pytest.mark.parametrize("name", ["surface.ply", "landmarks.ply", "as_found.ply"])
-def test_as_many_points_lie_within_one_two_and_three_sigmas_of_the_steel_as_should(true, name):
+def test_surface_errors_are_distributed_as_their_sigmas_say(true, name):
     if not (true.run / "deliver" / name).exists():
         assert name in true.summary["absent"]
         return
@@ -184,7 +184,7 @@ def test_as_many_points_lie_within_one_two_and_three_sigmas_of_the_steel_as_shou
 
 
 @on(*ALL)
-def test_every_number_of_the_page_and_of_the_runs_last_lines_is_true(true):
+def test_every_number_of_page_and_summary_is_true(true):
     said = statements(true.page) + [
         Statement(line, "summary", None) for line in true.summary["summary"]
     ]
@@ -192,7 +192,7 @@ def test_every_number_of_the_page_and_of_the_runs_last_lines_is_true(true):
     assert complaints == set()
 
 
-def test_a_regions_share_that_is_off_by_more_than_three_sigmas_is_no_truth(dives):
+def test_region_share_off_by_more_than_three_sigmas_is_untrue(dives):
     said = (
         "after part | 30 to 32.6 m | 4.5 to 8 m | 9.1 m² | {} ± 0.7 m² ({} ± 7 %) | not "
         "carried | not carried"
@@ -214,7 +214,7 @@ def test_a_number_that_no_pattern_covers_is_no_truth(dives):
 
 
 @on("demo", "dive-a", "no DVL", "mono", "no camera")
-def test_the_errors_of_the_sensors_lie_within_three_of_their_sigmas(dive):
+def test_sensor_errors_lie_within_three_sigmas(dive):
     errors = claims.sensor_errors(*dive)
     named = {"Drift of the heading", "Bias of roll", "Bias of pitch", "Bias of the depth"}
     if (dive[0] / "ingest" / "dvl.npz").exists():
@@ -285,13 +285,22 @@ def test_without_a_dvl_nothing_was_seen_by_one(dive):
 
 
 @on("images alone")
-def test_without_a_pressure_sensor_nothing_is_said_of_depth_and_the_water_surface(dive):
+def test_without_pressure_sensor_no_depth_is_stated(dive):
     run, _ = dive
     page, summary = claims.page_text(run), claims.document(run, "summary.json")
     for words in ("water surface", "waterline", "Depth below"):
         assert words not in page, words
         assert words not in json.dumps(summary), words
     assert all(found["depth"] is None for found in claims.document(run, "objects.json")["objects"])
+
+
+@on("no camera")
+def test_without_camera_surface_and_sonar_mosaic_are_delivered(dive):
+    run, _ = dive
+    names = {path.name for path in (run / "deliver").iterdir()}
+    assert {"trajectory.csv", "surface.ply", "ortho_sonar.tif", "mosaic_sonar.glb"} <= names
+    assert not any("optical" in name for name in names)
+    assert "no camera was carried" in json.dumps(claims.document(run, "summary.json"))
 
 
 @on("no camera")

@@ -34,7 +34,7 @@ def observed(image):
     return {p.point3D_id: p.xy for p in image.points2D if p.has_point3D()}
 
 
-def test_observations_lie_where_colmap_puts_them_without_distortion(models):
+def test_observations_match_colmap_without_distortion(models):
     delivered, undistorted = models
     worst = 0.0
     for number, image in list(undistorted.images.items())[FRAMES]:
@@ -70,7 +70,7 @@ def likeness(first, second):
     return np.median((a * b).sum(axis=1) / np.sqrt((a * a).sum(axis=1) * (b * b).sum(axis=1)))
 
 
-def test_both_cameras_show_the_same_hull_at_a_point_and_best_without_a_shift(models, exported):
+def test_both_cameras_agree_best_at_a_point_without_shift(models, exported):
     """By the pinhole model alone, as stereo and splatting use it; half a pixel more in any
     direction is less like.
     """

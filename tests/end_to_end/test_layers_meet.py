@@ -136,7 +136,7 @@ def distance_to_grid(points, columns):
     )
 
 
-def test_an_outlines_corners_are_the_same_in_json_geopackage_and_geojson(deliver, objects, chart):
+def test_outline_is_equal_in_json_geopackage_and_geojson(deliver, objects, chart):
     outlines = rings(deliver)
     features = {
         f["id"]: f for f in json.loads((deliver / "objects.geojson").read_text())["features"]
@@ -154,7 +154,7 @@ def test_an_outlines_corners_are_the_same_in_json_geopackage_and_geojson(deliver
         assert (error < [max(AGREE_M, chart.closest_aside(corner)) for corner in corners]).all()
 
 
-def test_a_corner_on_the_geotiff_lies_in_space_where_the_table_says(deliver, objects, chart):
+def test_corner_on_the_geotiff_lies_where_the_table_says(deliver, objects, chart):
     """The raster's surface passes within 5 mm of each corner: on the wall of a structure a pixel
     aside is centimetres in height, so the pixels within two of it are asked, and the triangles
     between them.
@@ -203,7 +203,7 @@ def test_a_center_is_the_same_in_table_and_layers(deliver, objects, chart):
         assert np.linalg.norm(point - center) < 2 * AGREE_M
 
 
-def test_all_rasters_lie_on_one_grid_and_each_object_has_its_photo(deliver, objects):
+def test_rasters_share_one_grid_and_objects_have_photos(deliver, objects):
     names = (
         "ortho_optical",
         "variance_optical",

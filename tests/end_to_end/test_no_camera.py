@@ -61,13 +61,13 @@ def test_the_delivered_path_and_surface_stand_on_the_planes(shell):
     assert json.loads((run / "surface" / "surface.json").read_text())["poses"] == "adjusted"
 
 
-def test_the_path_is_better_than_without_them_and_within_its_sigmas(shell):
+def test_planes_improve_the_path_within_its_sigmas(shell):
     planes, without = trajectory(shell, "with"), trajectory(shell, "without")
     assert planes["rigid_rmse_m"] < 0.4 * without["rigid_rmse_m"]
     assert all(planes[f"error_over_sigma_{axis}"] < 2.5 for axis in "xyz")
 
 
-def test_the_heading_drift_that_the_page_names_is_the_one_simulated(shell):
+def test_heading_drift_on_the_page_is_the_simulated_one(shell):
     run = shell.folder / "with" / "simulated"
     errors = claims.sensor_errors(run, shell.folder / "dive", drift_deg_per_hour=400)
     assert abs(errors["Drift of the heading"]) < 3

@@ -92,7 +92,7 @@ def test_every_pair_that_the_run_joined_is_a_link_of_the_figure(drawn):
     assert joined
 
 
-def test_the_path_of_the_chosen_models_is_the_one_of_the_run_and_its_error_is_true(drawn):
+def test_path_of_chosen_models_is_the_runs_with_its_true_error(drawn):
     dive, figures = drawn
     by_model = {r["model"]: r for r in rows(figures["two_view_models"])}
     assert list(by_model) == [
@@ -111,7 +111,7 @@ def test_the_path_of_the_chosen_models_is_the_one_of_the_run_and_its_error_is_tr
     assert (dive.workspace.root / "compare" / "links-essential" / "links" / "path.npz").exists()
 
 
-def test_the_variance_of_the_sonar_mosaic_is_compared_for_all_sources_of_poses(drawn):
+def test_sonar_mosaic_variance_is_compared_for_all_pose_sources(drawn):
     table = rows(drawn[1]["sonar_variance"])
     names = [name for name in table[0] if name.startswith("share_")]
     assert names[0] == "share_dead_reckoned"

@@ -198,7 +198,7 @@ def test_figures_are_held_to_the_digits_printed() -> None:
     assert differences(PAGE.replace("0.6 mm", "0.57 mm"), FIGURES) == []
 
 
-def test_words_are_alike_to_one_in_the_last_digit_of_their_numbers() -> None:
+def test_words_may_differ_in_the_last_digit_of_a_number() -> None:
     assert is_alike("14,873 landmarks, 97.3 %", "14,881 landmarks, 97.2 %")
     assert not is_alike("14,873 landmarks, 97.3 %", "14,893 landmarks, 97.3 %")
     assert not is_alike("14,873 landmarks, 97.3 %", "14,873 landmarks, 97.5 %")
@@ -210,7 +210,7 @@ def test_a_limit_holds_below_it() -> None:
     assert wrong.endswith("largest_error_over_sigma is 1, not 1")
 
 
-def test_a_summary_may_differ_by_a_share_of_its_sigmas_and_by_nothing_else() -> None:
+def test_summary_may_differ_by_a_share_of_its_sigmas_only() -> None:
     text = (
         "Hull seen: 8.3 m². Known to 0.34 m (one sigma). The heel of the hull is uncertain "
         "by 0.7 degrees (one sigma). End."
@@ -222,7 +222,7 @@ def test_a_summary_may_differ_by_a_share_of_its_sigmas_and_by_nothing_else() -> 
     assert not says_the_same(text.replace("Known", "Found"), text)
 
 
-def test_a_row_that_is_missing_or_unknown_or_of_another_unit_is_named() -> None:
+def test_readme_row_missing_unknown_or_in_other_unit_is_named() -> None:
     (wrong,) = differences(
         PAGE.replace("| height of an object, worst error | 0 mm |\n", ""), FIGURES
     )

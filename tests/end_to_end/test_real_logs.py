@@ -33,9 +33,7 @@ def test_a_bag_without_camera_or_dvl_is_described_in_words(evaluation_data, shel
         assert missing in words
 
 
-def test_a_bag_without_camera_or_dvl_can_be_packed_but_is_not_ready(
-    evaluation_data, shell, tmp_path
-):
+def test_bag_without_camera_or_dvl_is_not_ready(evaluation_data, shell, tmp_path):
     shutil.copy(evaluation_data / "ros1-micron-bag" / "static_sonar.bag", tmp_path)
     shell("init", tmp_path)
     assert "missing: a DVL with an IMU, or two cameras" in verdict(shell, tmp_path)
@@ -76,7 +74,7 @@ def test_a_current_profiler_without_bottom_track_is_not_ready(evaluation_data, s
     )
 
 
-def test_pings_of_an_oculus_ask_for_their_times_and_are_then_read(evaluation_data, shell, tmp_path):
+def test_oculus_pings_are_read_once_their_times_are_given(evaluation_data, shell, tmp_path):
     line = verdict(shell, evaluation_data / "oculus-pings")
     assert "pings of an Oculus sonar without the time of day" in line
     assert "name file and ping in sonar.csv" in line
@@ -97,9 +95,7 @@ def test_a_three_dimensional_sonar_is_named(evaluation_data, shell):
     assert "a recording of a 3-D sonar" in verdict(shell, evaluation_data / "sonar3d-ship")
 
 
-def test_tables_of_other_names_are_named_and_read_once_they_are_rewritten(
-    evaluation_data, shell, tmp_path
-):
+def test_tables_of_unknown_names_are_read_once_rewritten(evaluation_data, shell, tmp_path):
     source = evaluation_data / "dvl-caves"
     assert (
         "tables of other names (asekf_slam.csv, camera_times.csv.gz, depth_sensor.csv.gz, ...)"

@@ -56,7 +56,7 @@ def test_pages_are_numbered(pages):
     assert [k for k, text in enumerate(pages, start=1) if f"{k} of {len(pages)}" not in text] == []
 
 
-def test_every_object_every_deliverable_and_every_parameter_is_on_paper(deliver, pages):
+def test_pdf_names_all_objects_deliverables_and_parameters(deliver, pages):
     text = joined(pages)
     summary = json.loads((deliver / "summary.json").read_text())
     for found in json.loads((deliver / "objects.json").read_text())["objects"]:

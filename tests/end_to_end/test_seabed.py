@@ -24,7 +24,7 @@ def run(evaluation_data, tmp_path_factory):
     return shell.folder / "out" / "seabed"
 
 
-def test_all_sixteen_pairs_join_in_one_trajectory_and_make_a_mosaic(run):
+def test_all_sixteen_pairs_of_the_seabed_join_in_one_path(run):
     deliver = run / "deliver"
     with (deliver / "trajectory.csv").open() as file:
         rows = list(csv.DictReader(file))

@@ -19,7 +19,7 @@ TRACE = (
 )
 
 
-def test_failures_that_look_alike_are_one_finding_with_its_first_cases():
+def test_similar_failures_are_one_finding():
     campaign = Campaign(7)
     for case in (5, 3):
         campaign.add("toml", case, Verdict("traceback", TRACE.format("ValueError", case)))
@@ -63,7 +63,7 @@ def test_the_command_prints_what_it_found(capsys):
     assert document["failures"] == []
 
 
-def test_cases_have_the_same_verdicts_over_any_number_of_processes(bench):
+def test_verdicts_are_equal_over_any_number_of_processes(bench):
     alone = Counter(bench.run("yaml", 5, case).kind for case in range(120))
     assert run_campaign(Campaign(5), ["yaml"], 120, 2).verdicts == {"yaml": alone}
 
@@ -100,7 +100,7 @@ def test_a_process_that_dies_is_a_finding_and_another_goes_on(tmp_path):
         running.stop()
 
 
-def test_a_process_that_does_not_answer_is_a_finding_and_another_goes_on(tmp_path, monkeypatch):
+def test_process_that_hangs_is_a_finding_and_is_replaced(tmp_path, monkeypatch):
     running = worker.Worker(tmp_path)
     try:
         os.kill(running.pid, signal.SIGSTOP)

@@ -53,11 +53,11 @@ def test_every_end_of_a_case_has_its_verdict(monkeypatch, read, kind):
     assert verdict_on(monkeypatch, read).kind == kind
 
 
-def test_other_data_without_a_word_is_no_failure_where_nothing_could_have_told(monkeypatch):
+def test_silent_damage_is_no_failure_where_undetectable(monkeypatch):
     assert verdict_on(monkeypatch, giving("other"), checksummed=False).kind == "unnoticed"
 
 
-def test_a_reader_that_never_ends_is_stopped_even_where_it_catches_every_error(monkeypatch):
+def test_endless_reader_that_catches_all_errors_is_stopped(monkeypatch):
     def read(folder: Path, name: str) -> Reading:
         while True:
             try:

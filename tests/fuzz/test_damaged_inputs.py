@@ -20,9 +20,7 @@ BATCHES = [(form, part) for form in seeds() for part in range(2)]
 
 
 @pytest.mark.parametrize(("form", "part"), BATCHES)
-def test_a_damaged_input_is_refused_in_a_line_or_its_loss_is_named(
-    bench: Bench, form: str, part: int
-) -> None:
+def test_damaged_input_is_refused_or_its_loss_named(bench: Bench, form: str, part: int) -> None:
     count = CASES.get(form, OF_A_LOG)
     verdicts = {case: bench.run(form, SEED, case) for case in range(part, count, 2)}
     assert {case: verdict for case, verdict in verdicts.items() if verdict.kind in BAD} == {}

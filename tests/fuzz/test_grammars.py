@@ -94,7 +94,7 @@ KEYS = [
 @QUICK
 @given(pairs=st.dictionaries(st.sampled_from(KEYS), value, max_size=5))
 @example(pairs={"dive": "{name = 1}"})
-def test_any_fragment_of_toml_is_a_configuration_or_refused_in_a_line(
+def test_toml_fragment_is_a_configuration_or_refused_in_a_line(
     tmp_path: Path, pairs: dict[str, str]
 ) -> None:
     lines = {"dive.name": '"x"', "logs.files": '["a"]', **pairs}

@@ -60,7 +60,7 @@ def test_the_records_of_a_sound_file_are_found(form, least):
     assert len(record_starts(seed.files[seed.target])) >= least
 
 
-def test_records_are_cut_off_dropped_repeated_moved_and_exchanged_whole():
+def test_record_mutators_move_whole_records():
     data, marks = b"head" + b"aaaa" + b"bbbbbb" + b"cc", (4, 8, 14)
     found = {bytes(edit_records(bytearray(data), marks, Random(k))) for k in range(200)}
     assert {
@@ -105,7 +105,7 @@ def test_damaged_pd0_gets_the_checksums_that_its_bytes_ask_for():
     assert repaired[100] == data[100]
 
 
-def test_damaged_ad2cp_gets_both_checksums_that_its_bytes_ask_for():
+def test_damaged_ad2cp_gets_valid_checksums():
     data = bytearray(dvl_file())
     assert with_right_word_sums(bytes(data)) == bytes(data)
     data[-1] ^= 1

@@ -405,7 +405,8 @@ def test_the_bytes_do_not_depend_on_the_threads(
         assert one.iterations.cost.tobytes() == other.iterations.cost.tobytes()
 
 
-def test_a_survey_of_many_poses_is_the_same_for_any_threads_and_for_ceres(
+@pytest.mark.slow
+def test_large_survey_is_equal_for_any_threads_and_for_ceres(
     make_survey: Survey, shaken: Survey
 ) -> None:
     p = shaken(make_survey(poses=90, landmarks=2500, pixel_noise=0.5))

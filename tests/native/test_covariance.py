@@ -92,7 +92,7 @@ def test_every_block_equals_that_of_the_dense_inverse(
 
 
 @pytest.mark.parametrize("method", ["naive", "maxmix"])
-def test_the_leverage_of_factors_without_a_landmark_equals_that_of_the_dense_inverse(
+def test_leverage_of_factors_equals_that_of_the_dense_inverse(
     method: str, make_survey: Survey
 ) -> None:
     p, options = everything_free(make_survey(pixel_noise=1.0)), Options(method=method)
@@ -109,7 +109,7 @@ def test_the_leverage_of_factors_without_a_landmark_equals_that_of_the_dense_inv
     assert got["stereo"] == got["mono"] == got["surface"] == 0
 
 
-def test_what_is_held_has_no_variance_and_the_rest_equals_the_dense_inverse(
+def test_held_blocks_have_no_variance_the_rest_the_dense_one(
     make_survey: Survey,
 ) -> None:
     p = make_survey()
@@ -169,7 +169,7 @@ PLAIN = Options(
 ROBUST = Options(method="naive", function_tolerance=1e-9)
 
 
-def test_the_errors_of_noisy_dives_are_as_large_as_the_covariance_says(make_survey: Survey) -> None:
+def test_errors_of_noisy_dives_are_as_the_covariance_says(make_survey: Survey) -> None:
     truth, landmark, hull = make_survey(), [], []
     for seed in range(20):
         p = measured_again(make_survey(), np.random.default_rng(seed))
@@ -206,9 +206,7 @@ def images_at_known_poses(p: Draft, mono: bool) -> Draft:
 
 
 @pytest.mark.parametrize("mono", [False, True], ids=["stereo", "mono"])
-def test_hubers_loss_widens_the_sigmas_of_normal_noise_by_less_than_three_percent(
-    mono: bool, make_survey: Survey
-) -> None:
+def test_hubers_loss_widens_sigmas_by_less_than_3_percent(mono: bool, make_survey: Survey) -> None:
     p = images_at_known_poses(make_survey(poses=20, landmarks=300, pixel_noise=1.0), mono)
     robust, plain = (
         np.sqrt(np.trace(covariance(p, o).landmark, axis1=1, axis2=2)) for o in (ROBUST, PLAIN)
@@ -217,7 +215,7 @@ def test_hubers_loss_widens_the_sigmas_of_normal_noise_by_less_than_three_percen
 
 
 @pytest.mark.parametrize("mono", [False, True], ids=["stereo", "mono"])
-def test_under_hubers_loss_landmarks_err_as_much_as_their_covariance_says(
+def test_landmark_errors_under_huber_are_as_the_covariance_says(
     mono: bool, make_survey: Survey
 ) -> None:
     p = images_at_known_poses(make_survey(poses=20, landmarks=2000, pixel_noise=1.0), mono)
@@ -256,7 +254,7 @@ def test_a_landmark_without_views_is_named(make_survey: Survey) -> None:
         covariance(p)
 
 
-def test_a_landmark_in_one_mono_image_is_named_with_the_direction_of_its_ray(
+def test_landmark_in_one_mono_image_is_named_with_its_ray(
     make_survey: Survey,
 ) -> None:
     p = make_survey()
@@ -268,7 +266,7 @@ def test_a_landmark_in_one_mono_image_is_named_with_the_direction_of_its_ray(
     assert "along" in caught.value.what
 
 
-def test_the_jacobians_rows_and_columns_are_where_the_layout_says(make_survey: Survey) -> None:
+def test_jacobian_rows_and_columns_follow_the_layout(make_survey: Survey) -> None:
     p = make_survey()
     e = evaluate(p)
     full = jacobian(e)

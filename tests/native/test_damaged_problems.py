@@ -20,6 +20,7 @@ from native.test_cores import links, no_landmarks, planes
 from hullrecon.errors import InputError, StageError, UsageError
 from hullrecon.native import Options, pair_covariance
 
+pytestmark = pytest.mark.slow
 BATCH = 50
 BATCHES = -(-int(os.environ.get("HULLRECON_DAMAGED_PROBLEMS", "300")) // BATCH)
 TYPED = (InputError, StageError, UsageError)
@@ -139,7 +140,7 @@ def joint(p: Draft, options: Options) -> list[np.ndarray]:
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::numpy.exceptions.ComplexWarning")
 @pytest.mark.parametrize("batch", range(BATCHES // 2))
-def test_a_damaged_pose_graph_is_refused_in_words_or_solved_in_numbers(
+def test_damaged_pose_graph_is_refused_or_solved(
     batch: int, make_survey: Survey, shaken: Survey
 ) -> None:
     answers = {}
@@ -161,7 +162,7 @@ def test_a_damaged_pose_graph_is_refused_in_words_or_solved_in_numbers(
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::numpy.exceptions.ComplexWarning")
 @pytest.mark.parametrize("batch", range(BATCHES))
-def test_a_damaged_problem_is_refused_in_words_or_solved_in_numbers(
+def test_damaged_problem_is_refused_or_solved(
     batch: int, make_survey: Survey, shaken: Survey
 ) -> None:
     answers = {}

@@ -131,7 +131,7 @@ MEASURED = [
 
 
 @pytest.mark.parametrize(("table", "field", "entry", "row"), MEASURED)
-def test_a_larger_measurement_lowers_its_own_residual_and_no_other(
+def test_larger_measurement_lowers_its_own_residual_only(
     table: str, field: str, entry: int | None, row: int, make_survey: Survey, shaken: Survey
 ) -> None:
     p = problem("mono beside stereo", make_survey, shaken)
@@ -180,7 +180,7 @@ def test_a_longer_measured_step_lowers_the_odometrys_residual(
         (5, "tray", 0),
     ],
 )
-def test_each_systematic_error_enters_its_own_table_with_its_own_sign(
+def test_systematic_errors_enter_their_tables_with_their_signs(
     navigation: int, table: str, sign: int, make_survey: Survey
 ) -> None:
     p = make_survey()

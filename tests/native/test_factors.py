@@ -64,7 +64,7 @@ def test_the_trays_backlash_adds_along_the_direction_of_motion(empty: Empty) -> 
     np.testing.assert_allclose(residuals(p, "tray"), [3.0, 2.0])
 
 
-def test_odometry_reads_in_the_first_vehicle_and_takes_off_the_systematic_part(
+def test_odometry_is_in_the_first_vehicle_less_systematic_part(
     empty: Empty,
 ) -> None:
     p = empty(2)
@@ -106,7 +106,7 @@ def test_stereo_pixels_are_those_of_the_distorted_pinhole(empty: Empty) -> None:
     np.testing.assert_allclose(residuals(p, "stereo"), expected, atol=1e-9)
 
 
-def test_mono_pixels_of_the_bottom_camera_are_shifted_by_the_baseline(empty: Empty) -> None:
+def test_bottom_camera_pixels_are_shifted_by_the_baseline(empty: Empty) -> None:
     p = empty(1)
     cameras(p)
     p.mono.node = p.mono.landmark = np.zeros(2, np.int32)
@@ -156,7 +156,7 @@ def test_a_beam_is_shortened_by_the_field_over_the_cosine(
     np.testing.assert_allclose(residuals(p, "range"), [(2.5 / 0.5 - shorter - 4.0) / 0.1])
 
 
-def test_the_surface_residual_is_the_distance_less_the_field_in_the_moved_hull(
+def test_surface_residual_is_distance_less_deviation_field(
     empty: Empty,
 ) -> None:
     p = empty(1)
@@ -178,9 +178,7 @@ def test_the_surface_residual_is_the_distance_less_the_field_in_the_moved_hull(
 
 
 @pytest.mark.parametrize(("h", "label"), [(0.0559, 1), (0.0560, 0)])
-def test_the_label_changes_between_0_0559_and_0_0560_m_and_the_cost_is_the_winners(
-    h: float, label: int, empty: Empty
-) -> None:
+def test_label_changes_at_56_mm_and_cost_is_the_winners(h: float, label: int, empty: Empty) -> None:
     p = empty(1)
     floor(p)
     p.unknowns.landmark, p.surface.landmark, p.surface.weight = (
@@ -239,18 +237,14 @@ def of_normal_noise(p: Draft, table: str, rows: int) -> None:
 @pytest.mark.parametrize(
     ("threshold", "rows"), [("huber_stereo", 4), ("huber_mono", 2), ("huber_range", 1)]
 )
-def test_hubers_thresholds_leave_the_tail_of_the_chi_distribution_of_their_rows(
-    threshold: str, rows: int
-) -> None:
+def test_huber_thresholds_are_chi_quantiles_of_their_rows(threshold: str, rows: int) -> None:
     assert chi2.sf(getattr(Options(), threshold) ** 2, rows) == pytest.approx(
         2 * norm.sf(1.345), abs=1e-3
     )
 
 
 @pytest.mark.parametrize("table", ["stereo", "mono", "range"])
-def test_the_same_share_of_normal_measurements_lies_beyond_hubers_threshold_whatever_the_rows(
-    table: str, empty: Empty
-) -> None:
+def test_share_beyond_hubers_threshold_is_equal_for_all_rows(table: str, empty: Empty) -> None:
     p = empty(1)
     of_normal_noise(p, table, 20000)
     e = evaluate(p)
@@ -272,7 +266,7 @@ def test_the_fields_prior_is_a_row_times_the_nodes(empty: Empty) -> None:
     np.testing.assert_allclose(residuals(p, "deviation"), [-1.0, 0.7])
 
 
-def test_numbers_have_priors_about_zero_or_the_start_unless_they_are_held(empty: Empty) -> None:
+def test_free_numbers_have_priors_about_zero_or_the_start(empty: Empty) -> None:
     p = empty(1)
     p.constant = ()
     p.unknowns.navigation, p.priors.navigation_sigma = np.arange(6.0), np.full(6, 2.0)

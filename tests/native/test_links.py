@@ -33,7 +33,7 @@ def one_link(
     p.unknowns.link_switch = np.ones(int(kernel == LinkKernel.SWITCH))
 
 
-def test_a_link_with_length_reads_in_the_axes_of_its_first_camera(empty: Empty) -> None:
+def test_scaled_link_is_read_in_the_axes_of_its_first_camera(empty: Empty) -> None:
     p = empty(2)
     p.unknowns.pose[:, 3:7] = turned(2, np.pi / 2)
     p.unknowns.pose[1, :3] = [0, 2.0, 0]
@@ -50,7 +50,7 @@ def test_a_link_with_length_reads_in_the_axes_of_its_first_camera(empty: Empty) 
     )
 
 
-def test_a_bearing_is_the_angle_between_the_directions_whatever_their_length(empty: Empty) -> None:
+def test_bearing_residual_is_the_angle_whatever_the_length(empty: Empty) -> None:
     p = empty(2)
     p.unknowns.pose[1, :3] = [3.0, 0, 4.0]
     one_link(p, np.array([0, 0, 7.0, *turned(1, 0.3)]), scaled=False)
@@ -64,7 +64,7 @@ def test_a_bearing_is_the_angle_between_the_directions_whatever_their_length(emp
 
 
 @pytest.mark.parametrize("place", [[0, 0, 0], [0, 0, -3.0]])
-def test_cameras_without_a_direction_or_with_the_opposite_one_cost_pi_on_both_rows(
+def test_bearing_without_or_of_opposite_direction_costs_pi(
     place: list[float], empty: Empty
 ) -> None:
     p = empty(2)
@@ -103,9 +103,7 @@ def test_every_link_equals_its_twin(make_survey: Survey, shaken: Survey) -> None
 
 
 @pytest.mark.parametrize("square", [2.0, 5.0, 5.1, 80.0])
-def test_scaling_weighs_a_link_as_the_method_does_and_costs_its_integral(
-    square: float, empty: Empty
-) -> None:
+def test_dynamic_scaling_weighs_links_as_published(square: float, empty: Empty) -> None:
     p = empty(2)
     p.unknowns.pose[1, 0] = np.sqrt(square)
     one_link(p, np.array([0, 0, 0, 0, 0, 0, 1.0]), scaled=True, kernel=LinkKernel.SCALING)
@@ -238,9 +236,7 @@ def rms_m(got: np.ndarray, truth: Poses) -> float:
 
 @pytest.mark.parametrize("core", ["schur", "ceres"])
 @pytest.mark.parametrize("kernel", [LinkKernel.SCALING, LinkKernel.SWITCH])
-def test_noisy_links_give_the_path_back_and_wrong_ones_are_let_go(
-    core: str, kernel: LinkKernel
-) -> None:
+def test_noisy_links_restore_the_path_despite_wrong_ones(core: str, kernel: LinkKernel) -> None:
     p, truth = circle(80, np.random.default_rng(2), wrong=6)
     p.links.kernel[79:] = kernel
     p.unknowns.link_switch = np.ones(np.count_nonzero(p.links.kernel == LinkKernel.SWITCH))

@@ -118,7 +118,7 @@ def test_distances_equal_those_of_the_brute_force_twin() -> None:
     )
 
 
-def test_ranges_equal_those_of_the_brute_force_twin_misses_included() -> None:
+def test_ranges_and_misses_equal_the_brute_force_twin() -> None:
     vertices, faces = bumpy_hull()
     rng = np.random.default_rng(1)
     origins, directions = rng.uniform(-6, 6, (300, 3)), rng.normal(size=(300, 3))
@@ -132,7 +132,7 @@ def test_ranges_equal_those_of_the_brute_force_twin_misses_included() -> None:
     assert ((got.face == -1) == np.isinf(expected)).all()
 
 
-def test_the_sign_says_inside_or_outside_for_every_point_of_a_bumpy_hull() -> None:
+def test_sign_of_distance_is_right_around_a_bumpy_hull() -> None:
     vertices, faces = bumpy_hull()
     points = np.random.default_rng(2).uniform(-5, 5, (2000, 3)) * [1, 0.4, 0.2]
     index = MeshIndex(vertices, faces)
@@ -153,7 +153,7 @@ def test_the_sign_says_inside_or_outside_for_every_point_of_a_bumpy_hull() -> No
     ],
     ids=["above a face", "under a face", "off an edge", "off a corner"],
 )
-def test_distance_and_gradient_about_a_cube_are_those_worked_out_by_hand(
+def test_distance_and_gradient_about_a_cube_match_hand_values(
     point: list[float], distance: float, gradient: list[float], on: list[float]
 ) -> None:
     got = MeshIndex(CUBE_VERTICES, CUBE_FACES).closest([point])
@@ -179,9 +179,7 @@ def test_on_the_surface_the_gradient_is_the_pseudonormal(
     np.testing.assert_allclose(got.gradient, [gradient], atol=1e-12)
 
 
-def test_a_point_beside_a_sharp_corner_is_outside_though_the_nearest_faces_plane_says_inside() -> (
-    None
-):
+def test_point_beside_a_sharp_corner_is_outside() -> None:
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [-0.2, -0.2, 1.0], [0.0, 0, -1]])
     faces = np.array([[3, 0, 1], [3, 1, 2], [3, 2, 0], [4, 1, 0], [4, 2, 1], [4, 0, 2]], np.int32)
     point = np.array([-0.35, -0.35, 1.02])
@@ -211,7 +209,7 @@ def test_the_gradient_is_the_derivative_of_the_distance() -> None:
         assert smooth.mean() > 0.98
 
 
-def test_a_mesh_with_a_triangle_soup_has_the_signs_of_the_welded_one() -> None:
+def test_triangle_soup_has_the_signs_of_the_welded_mesh() -> None:
     soup = CUBE_VERTICES[CUBE_FACES].reshape(-1, 3)
     points = np.random.default_rng(5).uniform(-0.5, 1.5, (500, 3))
     loose, welded = (
@@ -252,7 +250,7 @@ def test_bytes_do_not_depend_on_the_number_of_threads() -> None:
         )
 
 
-def test_rays_through_shared_edges_and_corners_do_not_slip_through() -> None:
+def test_rays_through_shared_edges_and_corners_hit() -> None:
     origins = np.array([[0.5, 0.5, 3.0], [1.0, 1, 3], [0.25, 0.25, 3], [0, 0.5, 3]])
     got = MeshIndex(CUBE_VERTICES, CUBE_FACES).cast(origins, np.tile([0, 0, -2.0], (4, 1)))
     np.testing.assert_allclose(got.range, 2.0)

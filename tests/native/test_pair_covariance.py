@@ -68,7 +68,7 @@ def test_every_pair_equals_the_dense_inverse(
     assert_equals_dense(p, pair_covariance(p.build(), pairs, options), pairs, options)
 
 
-def test_a_path_of_many_nodes_equals_the_dense_inverse_in_any_order_and_by_any_threads() -> None:
+def test_pair_covariance_of_long_path_equals_the_dense_inverse() -> None:
     p, _ = circle(60, np.random.default_rng(1), wrong=0)
     pairs = all_pairs(60)[:500]
     got = pair_covariance(p.build(), pairs)

@@ -103,7 +103,7 @@ def test_the_rows_are_of_numeric_derivatives(data):
     np.testing.assert_allclose(rows.by_point, central(lambda s: residual(shift=s), 3), atol=1e-7)
 
 
-def test_a_step_of_the_best_motion_and_points_is_that_of_the_whole_system(data):
+def test_step_of_motion_and_points_is_that_of_the_whole_system(data):
     """Points eliminated or not, the normal equations have one solution."""
     seen = data.seen[np.isfinite(data.seen).all(axis=1)][:20]
     points = data.points[np.isfinite(data.seen).all(axis=1)][:20]

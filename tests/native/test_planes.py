@@ -184,7 +184,7 @@ def test_none_of_them_sees_where_the_whole_path_stands(make_survey: Survey, shak
         np.testing.assert_allclose(residuals(p, kind), rows, atol=1e-8, err_msg=kind)
 
 
-def test_a_plane_that_passes_through_the_origin_of_g_is_no_worse_than_others(empty: Empty) -> None:
+def test_plane_through_the_origin_of_g_is_solved_as_others(empty: Empty) -> None:
     """Held in its anchor; in g its three numbers would all be nothing."""
     p = empty(2)
     p.unknowns.pose[:, 0] = [-2.0, -1.5]
@@ -212,7 +212,7 @@ def test_a_beam_along_its_plane_is_refused_by_name(empty: Empty) -> None:
 
 
 @pytest.mark.parametrize("core", ["schur", "ceres"])
-def test_planes_seen_again_take_the_drift_out_of_what_their_normals_reach(core: str) -> None:
+def test_planes_seen_again_remove_drift_along_their_normals(core: str) -> None:
     """Twice around a room of six walls: the odometry of `circle`, no link across; the walls bound
     the drift to centimetres.
     """
@@ -259,7 +259,7 @@ def sphere(n: int, radius: float, standoff: float) -> tuple[Poses, np.ndarray]:
     return at, np.tile([-standoff, 0, 0.0], (n, 1))
 
 
-def test_the_curvature_of_a_sphere_is_its_radius_in_both_directions() -> None:
+def test_curvature_of_a_sphere_is_equal_in_both_directions() -> None:
     """The difference that the radius predicts, against that of the true planes, to the third order
     of the step.
     """
@@ -275,7 +275,7 @@ def test_the_curvature_of_a_sphere_is_its_radius_in_both_directions() -> None:
     assert np.linalg.norm(true - made, axis=1).max() < 0.03 * flat.max()
 
 
-def test_azimuth_and_elevation_have_radii_of_their_own_and_the_right_sign() -> None:
+def test_curvature_radii_by_azimuth_and_elevation_have_signs() -> None:
     """Ahead along +x stands a hull that curves away on both sides: its normal leans towards where
     the vehicle has gone.
     """

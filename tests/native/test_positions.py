@@ -36,7 +36,7 @@ def residuals(p: Draft) -> np.ndarray:
     return np.asarray(found.residual[found.factor == FACTORS.index("position")])
 
 
-def test_ahead_is_where_the_heading_points_and_starboard_to_its_right(empty: Empty) -> None:
+def test_heading_points_ahead_and_starboard_is_to_its_right(empty: Empty) -> None:
     p = empty(4)
     square(p)
     np.testing.assert_allclose(residuals(p), 0, atol=1e-12)

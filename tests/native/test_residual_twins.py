@@ -257,7 +257,7 @@ def test_hubers_cost_and_weight_by_the_norm_of_a_factors_rows(
 
 @pytest.mark.parametrize(("sigma_on", "sigma_off"), [(0.02, 1.0), (0.01, 0.3), (0.05, 0.06)])
 @pytest.mark.parametrize("method", ["geva", "maxmix"])
-def test_the_mixtures_cost_is_that_of_the_likelier_label_times_the_weight(
+def test_mixture_cost_is_the_likelier_labels_times_the_weight(
     method: str, sigma_on: float, sigma_off: float, dive: Draft
 ) -> None:
     p = dive

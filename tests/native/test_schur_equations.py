@@ -71,7 +71,7 @@ def test_a_step_solves_the_dense_normal_equations(
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_start_reports_cost_and_gradient_of_the_dense_problem(
+def test_start_reports_cost_and_gradient_of_the_dense_problem(
     case: str, make_survey: Survey, shaken: Survey
 ) -> None:
     p = problem(case, make_survey, shaken)
@@ -136,7 +136,7 @@ def block(e: Evaluation, J: np.ndarray, name: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("case", ["as it is", "mono", "mono beside stereo"])
-def test_an_images_derivative_by_landmark_tells_those_by_pose_and_mount(
+def test_image_derivatives_by_pose_and_mount_follow_landmarks(
     case: str, make_survey: Survey, shaken: Survey
 ) -> None:
     p = problem(case, make_survey, shaken)

@@ -74,7 +74,7 @@ def test_one_camera_of_either_kind_comes_home_too(make_survey: Survey, shaken: S
     np.testing.assert_allclose(got.unknowns.landmark, truth.unknowns.landmark, atol=1e-7)
 
 
-def test_one_thread_gives_the_same_bytes_twice_and_two_agree_to_rounding(
+def test_one_thread_repeats_its_bytes_and_two_agree_to_rounding(
     make_survey: Survey, shaken: Survey
 ) -> None:
     runs = [
@@ -94,7 +94,7 @@ def test_the_input_is_not_written_to(make_survey: Survey, shaken: Survey) -> Non
         np.testing.assert_array_equal(value, before[path])
 
 
-def test_landmarks_on_a_structure_are_labelled_off_and_keep_their_height(
+def test_landmarks_on_a_structure_are_off_and_keep_their_height(
     make_survey: Survey,
 ) -> None:
     p = make_survey()
@@ -194,7 +194,7 @@ def test_the_field_takes_up_a_hull_that_is_off_its_cad_model(make_survey: Survey
     np.testing.assert_allclose(got.landmark, p.unknowns.landmark, atol=1e-3)
 
 
-def test_a_landmark_that_starts_behind_its_camera_spoils_nothing_else(
+def test_landmark_behind_its_camera_spoils_nothing_else(
     make_survey: Survey, shaken: Survey
 ) -> None:
     p, truth = shaken(make_survey()), make_survey()
@@ -280,7 +280,7 @@ def test_an_option_that_cannot_be_meant_is_refused_by_name(
     assert caught.value.where == option
 
 
-def test_a_start_that_cannot_be_evaluated_is_an_error_that_says_so(make_survey: Survey) -> None:
+def test_start_that_cannot_be_evaluated_is_an_error(make_survey: Survey) -> None:
     p = make_survey()
     p.unknowns.pose[3, 3:7] = [0, np.sqrt(0.5), 0, np.sqrt(0.5)]  # bow straight up: no roll
     with pytest.raises(StageError, match="solver failed"):

@@ -46,7 +46,7 @@ def test_the_backlash_is_that_of_angles_measured_on_both_sides(
     np.testing.assert_allclose(got.unknowns.pose[:, 7], p.unknowns.pose[:, 7], atol=1e-6)
 
 
-def test_at_rest_the_backlash_has_no_direction_and_stays_at_its_prior(make_survey: Survey) -> None:
+def test_backlash_at_rest_stays_at_its_prior(make_survey: Survey) -> None:
     p = with_free(make_survey(), "navigation")
     p.tray.direction = np.zeros_like(p.tray.direction)
     got = solve(p, TIGHT)
@@ -56,7 +56,7 @@ def test_at_rest_the_backlash_has_no_direction_and_stays_at_its_prior(make_surve
     )
 
 
-def test_a_tray_that_always_turns_one_way_tells_angle_and_backlash_apart_by_the_images_alone(
+def test_images_separate_tray_angle_from_backlash(
     make_survey: Survey,
 ) -> None:
     p = with_free(make_survey(), "navigation")
@@ -68,9 +68,7 @@ def test_a_tray_that_always_turns_one_way_tells_angle_and_backlash_apart_by_the_
 
 
 @pytest.mark.parametrize("bias", [2, 3, 4])
-def test_a_bias_of_roll_pitch_or_depth_is_found_where_the_rest_says_otherwise(
-    bias: int, make_survey: Survey
-) -> None:
+def test_bias_of_roll_pitch_or_depth_is_found(bias: int, make_survey: Survey) -> None:
     p = with_free(make_survey(), "navigation")
     p.priors.navigation_sigma = np.full(6, 1.0)
     at_known_poses(p, 1e4)
@@ -109,7 +107,7 @@ def test_a_camera_that_is_off_its_calibration_comes_home(
     assert np.abs(got - getattr(truth.unknowns, block)).max() < 0.02 * before
 
 
-def test_the_prior_of_the_intrinsics_holds_them_where_few_images_speak(make_survey: Survey) -> None:
+def test_intrinsics_with_few_images_stay_at_their_prior(make_survey: Survey) -> None:
     p = with_free(make_survey(pixel_noise=0.5), "intrinsics_top", "intrinsics_bottom")
     for sigma in (1.0, 1e-3, 1e-6):
         p.priors.intrinsics_sigma = np.full(9, sigma)
@@ -142,7 +140,7 @@ def test_bottom_images_say_nothing_of_the_top_cameras_intrinsics(make_survey: Su
     )
 
 
-def test_the_dvls_mount_is_found_by_odometry_that_knows_how_it_depends_on_it(
+def test_dvl_mount_is_found_from_odometry(
     make_survey: Survey,
 ) -> None:
     p = with_free(make_survey(), "T_s_d")

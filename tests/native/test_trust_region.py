@@ -24,7 +24,7 @@ def hard(make_survey: Survey, shaken: Survey) -> Draft:
     return shaken(make_survey(pixel_noise=0.5), 0.3, 0.1, 4)
 
 
-def test_after_a_failed_step_the_radius_falls_by_two_then_four_then_eight(hard: Draft) -> None:
+def test_failed_steps_divide_the_radius_by_two_four_eight(hard: Draft) -> None:
     record = solve(hard, Options(initial_radius=1e8, function_tolerance=1e-10)).iterations
     assert (~record.accepted).sum() >= 8
     shrink = 2.0
@@ -36,7 +36,7 @@ def test_after_a_failed_step_the_radius_falls_by_two_then_four_then_eight(hard: 
         shrink *= 2
 
 
-def test_after_a_good_step_the_radius_grows_by_its_quality_and_threefold_at_most(
+def test_good_step_grows_the_radius_threefold_at_most(
     hard: Draft,
 ) -> None:
     record = solve(hard, Options(initial_radius=1e8, function_tolerance=1e-10)).iterations
@@ -46,9 +46,7 @@ def test_after_a_good_step_the_radius_grows_by_its_quality_and_threefold_at_most
     assert growth.max() == pytest.approx(3)
 
 
-def test_the_first_radius_follows_from_how_well_the_linear_model_foretold_the_cost(
-    make_survey: Survey, shaken: Survey
-) -> None:
+def test_radius_follows_the_quality_of_the_first_step(make_survey: Survey, shaken: Survey) -> None:
     p = shaken(make_survey(pixel_noise=0.5), 0.05, 0.01)
     options = Options(method="naive", initial_radius=10.0, max_iterations=1, **ENDLESS)
     e = evaluate(p, options)
@@ -114,7 +112,7 @@ def test_the_least_cost_of_a_linear_problem_is_met_in_one_step(
     assert got.iterations.cost[1] == pytest.approx(0.25 * (np.arange(6) ** 2).sum(), rel=1e-9)
 
 
-def test_a_rejected_row_repeats_what_the_last_accepted_point_said(hard: Draft) -> None:
+def test_rejected_iteration_repeats_the_last_accepted_row(hard: Draft) -> None:
     record = solve(hard, Options(initial_radius=1e8, function_tolerance=1e-10)).iterations
     for k in np.flatnonzero(~record.accepted):
         assert record.on_surface[k] == record.on_surface[k - 1]
