@@ -162,7 +162,7 @@ def figures(package: Path, run: Path) -> dict[str, object]:
 
 def _settings(options: AdjustOptions) -> native.Options:
     return native.Options(
-        method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m,
+        sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m,
         max_iterations=ITERATIONS, function_tolerance=1e-9, initial_radius=1e8, threads=2,
     )  # fmt: skip
 

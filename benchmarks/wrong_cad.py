@@ -26,15 +26,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.legs import in_sigmas, rigid_rms_mm
-from hullrecon.adjustment.bundle_adjustment import (
-    FirstPath,
-    adjust_with_cad_model,
-    check_cad_model,
-    find_path,
-)
-from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.bundle_adjustment import solve_all_landmarks, solve_path
+from hullrecon.adjustment.cad_acceptance import place_cad_model
+from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.results.summary import summarise_adjustment
+from hullrecon.adjustment.rounds import RoundSolver, Stage
 from hullrecon.dive.config import schema
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.hull.pose_guess import guess_sigma
@@ -189,29 +186,28 @@ def cases(
 
 
 def outcome(
-    path: FirstPath, measured: Measurements, options: AdjustOptions, truth: Truth
+    path: Stage, measured: Measurements, solver: RoundSolver, truth: Truth
 ) -> dict[str, object]:
     """Return what became of one model."""
     assert measured.cad_model is not None
-    on_path = replace(
-        path,
-        straight=replace(path.straight, measured=replace(measured, rig=path.straight.measured.rig)),
-    )
+    estimate = replace(path.estimate, measured=replace(measured, rig=path.estimate.measured.rig))
+    on_path = replace(path, estimate=estimate)
     try:
-        checked = check_cad_model(on_path, measured.cad_model, options, lambda sentence: None)
+        placed = place_cad_model(on_path, measured.cad_model, solver)
     except StageError as error:
         return {"verdict": "refused", "why": str(error)}
-    registered = checked.registered.registration
+    assert placed.placement is not None
+    registered, form = placed.placement.registration, placed.placement.form
     row: dict[str, object] = {
         "fitness": registered.fitness,
         "guess_in_sigmas": registered.sigmas_off,
     }
-    if checked.laid is not None and checked.laid.form is not None:
-        row["form"] = asdict(checked.laid.form) | {"log_odds": checked.laid.form.log_odds}
-    if checked.refusal is not None:
-        return row | {"verdict": "refused", "why": checked.refusal}
-    adjusted = adjust_with_cad_model(on_path, checked)
-    summary = summarise_adjustment(measured, adjusted, options)
+    if form is not None:
+        row["form"] = asdict(form) | {"log_odds": form.log_odds}
+    if not placed.verdict.accepted:
+        return row | {"verdict": "refused", "why": placed.verdict.reason}
+    adjusted = solve_all_landmarks(on_path, placed, solver)
+    summary = summarise_adjustment(measured, adjusted, solver.options)
     solution = summary.solution
     sigmas = in_sigmas(solution, truth)
     track = solution.track()
@@ -239,12 +235,15 @@ def main() -> int:
     measured, options = measurements(args.package, args.run)
     assert measured.cad_model is not None
     truth, rows = read_truth(args.package), {}
-    path = find_path(measured, options, lambda sentence: None)
+    solver = RoundSolver(
+        calibrated=measured.rig, options=options, strategy=PRODUCT, report=lambda sentence: None
+    )
+    path = solve_path(measured, solver)
     for name, change in cases(measured, measured.cad_model, args.other):
         if not name.startswith(tuple(args.only)):
             continue
         rows[name] = outcome(
-            path, replace(measured, cad_model=change(measured.cad_model)), options, truth
+            path, replace(measured, cad_model=change(measured.cad_model)), solver, truth
         )
         print(f"{name}: {rows[name]}", flush=True)
     if args.json:

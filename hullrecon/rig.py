@@ -121,7 +121,7 @@ class Rig:
         )
 
     def model(self, camera: Camera) -> CameraModel:
-        """Return a camera's calibration. Raises ValueError for a bottom camera that is not there."""
+        """Return a camera's calibration. Raises ValueError for a bottom camera not carried."""
         if camera is Camera.BOTTOM and self.stereo_mount is None:
             raise ValueError("this rig has no bottom camera")
         return self.camera_models[camera]

@@ -75,7 +75,7 @@ def test_an_error_that_is_said_not_to_exist_keeps_a_sigma_that_can_be_divided_by
 
 
 def test_a_mounts_sigma_whitens_small_motions_in_the_parents_axes():
-    """A shift of one sigma along an axis of the tray, or a turn of one sigma about it, costs one."""
+    """A shift of one sigma along an axis of the tray, or a turn of one about it, costs one."""
     nominal = from_mount(MOUNT)
     rows = mount_prior(nominal, SIGMA)
     for axis in range(3):

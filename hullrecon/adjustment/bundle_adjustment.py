@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Model-assisted bundle adjustment of a dive [Ozog2016 4.2] (docs/methods.md 6), from a first path
-to the adjusted dive.
+"""Model-assisted bundle adjustment of a dive [Ozog2016 4.2] (docs/methods.md 6).
 
-First a path, from images and navigation; then a place, where the CAD model lies under that path;
-then labels and ranges, solved with the rest. A stage that explains the data of the one before worse
-is refused, and what the one before found is delivered.
+First a path from images and navigation, then the CAD model's place on that path, then labels and
+ranges solved with the rest. A stage that explains the data of the one before worse is refused, and
+what the one before found is delivered.
 """
 
 from __future__ import annotations
@@ -16,218 +15,146 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon import native
+from hullrecon.adjustment.cad_acceptance import Placement, place_cad_model
 from hullrecon.adjustment.exceeded_priors import widen_exceeded_priors
-from hullrecon.adjustment.hull_pose import estimate, registration
-from hullrecon.adjustment.hull_pose.form import Form
-from hullrecon.adjustment.hull_pose.stretches import Stretches
-from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.placement import (
-    LaidModel,
-    RegisteredModel,
-    estimate_hull_pose,
-    form_against,
-    nothing_on_it,
-    reason_against,
-    register_cad_model,
-    stretches_of_path,
-)
+from hullrecon.adjustment.options import PRODUCT, AdjustOptions, Strategy
 from hullrecon.adjustment.problem import iteration_history, pruning, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements
+from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
-from hullrecon.adjustment.rounds import Estimate, Report, RoundResult, RoundSolver
-from hullrecon.adjustment.stereo_calibration import StereoContradiction, free_contradicted_rig
+from hullrecon.adjustment.rounds import (
+    Estimate,
+    Report,
+    RoundResult,
+    RoundSolver,
+    Stage,
+    Verdict,
+)
+from hullrecon.adjustment.stereo_calibration import free_contradicted_rig
 from hullrecon.rig import Rig
 
-# dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
+# Outlier limit of the first round: dead-reckoned poses err by centimetres across legs, which is
+# some tens of pixels at a metre
 FIRST_MAX_PX = 40.0
+# Outlier limit of landmarks after the last solve: those behind their cameras have none
+LOST_PX = 1e3
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Adjusted:
-    """The adjusted dive. start: the first round's problem as it began; problem and result: of the
-    last round, at its solution; rig: with the intrinsics found; evidence: what the hull pose was
-    fitted to, form: whether that has the CAD model's form (None where no round held it); stretches:
-    into which outages cut the path, each laid onto the CAD model for itself; refusal: why the CAD
-    model was left out, None where it was not (or there is none); stereo and length_conflict: as of
-    FirstPath.
-    """
+    """The adjusted dive."""
 
     state: State
     weights: Weights
-    chosen: Selection
-    start: native.Problem
-    problem: native.Problem
+    chosen: Selection  # the measurements of the last round
+    start: native.Problem  # of the first round, as it began
+    problem: native.Problem  # of the last round, at its solution
     result: native.Result
-    registration: registration.Registration | None
     rounds: tuple[iteration_history.Round, ...]
-    rig: Rig
-    evidence: estimate.HullPoseEvidence | None
-    form: Form | None
-    refusal: str | None
-    stretches: Stretches | None = None
-    stereo: StereoContradiction | None = None
-    length_conflict: float | None = None
+    rig: Rig  # with the intrinsics and priors found
+    verdict: Verdict  # on the CAD model, and what of the dive package was contradicted
+    placement: Placement | None  # of the CAD model; None without one
+    strategy: Strategy
+    settings: native.Options  # of the solves
 
 
-@dataclass(frozen=True, kw_only=True)
-class FirstPath:
-    """The path from images and navigation: its rounds, the estimate after them, the solver that
-    goes on. stereo: what contradicts the stereo rig's calibration; length_conflict: share by which
-    the DVL's velocities contradict all else about lengths, where one camera cannot tell. Both None
-    where nothing does.
-    """
-
-    solver: RoundSolver
-    rounds: tuple[RoundResult, ...]
-    straight: Estimate
-    stereo: StereoContradiction | None = None
-    length_conflict: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class CheckedModel:
-    """The CAD model laid under a path, the rounds solved with it, where their points lie on it
-    (None after no round), and why it is refused (None where it is not).
-    """
-
-    registered: RegisteredModel
-    rounds: tuple[RoundResult, ...]
-    laid: LaidModel | None
-    refusal: str | None
-
-
-def adjust(measured: Measurements, options: AdjustOptions, report: Report) -> Adjusted:
-    """Return the dive adjusted in rounds, each with the outliers and sigmas that the one before
-    found.
-
-    Raises StageError when too little agrees to be adjusted.
-    """
-    path = find_path(measured, options, report)
-    adjusted = _adjust_from(path, measured.cad_model, options, report)
-    return replace(adjusted, stereo=path.stereo, length_conflict=path.length_conflict)
-
-
-def _adjust_from(
-    path: FirstPath, cad_model: CadModel | None, options: AdjustOptions, report: Report
+def adjust(
+    measured: Measurements, options: AdjustOptions, report: Report, strategy: Strategy = PRODUCT
 ) -> Adjusted:
-    if cad_model is None:
-        return adjust_without_cad_model(path)
-    checked = check_cad_model(path, cad_model, options, report)
-    if checked.refusal is not None:
-        report(f"the CAD model is left out: {checked.refusal}")
-        without = adjust_without_cad_model(path, checked.rounds)
-        form = None if checked.laid is None else checked.laid.form
-        return replace(
-            without,
-            registration=checked.registered.registration,
-            form=form,
-            refusal=checked.refusal,
-        )
-    return adjust_with_cad_model(path, checked)
+    """Adjust images, ranges, navigation and the CAD model of a dive together.
 
+    Parameters
+    ----------
+    measured
+        All that enters.
+    options
+        The section [adjust] of dive.toml.
+    report
+        Told a line after each round and decision.
+    strategy
+        What is solved for; the sources' variants are in hullrecon/studies.
 
-def find_path(measured: Measurements, options: AdjustOptions, report: Report) -> FirstPath:
-    """Return the path without the CAD model: some well-seen landmarks find poses, outliers and
-    sigmas at a fraction of the cost.
+    Raises
+    ------
+    StageError
+        When too little agrees to be adjusted.
     """
-    solver = RoundSolver(calibrated=measured.rig, options=options, report=report)
-    start = _start(measured, options)
+    solver = RoundSolver(calibrated=measured.rig, options=options, strategy=strategy, report=report)
+
+    # First the path, from images and navigation.
+    path = solve_path(measured, solver)
+
+    # Then the place: the CAD model registered to that path, and judged.
+    placed = None
+    if measured.cad_model is not None:
+        placed = place_cad_model(path, measured.cad_model, solver)
+        if not placed.verdict.accepted:
+            report(f"the CAD model is left out: {placed.verdict.reason}")
+
+    # Then labels and ranges: all landmarks, with the CAD model if it is accepted.
+    return solve_all_landmarks(path, placed, solver)
+
+
+def solve_path(measured: Measurements, solver: RoundSolver) -> Stage:
+    """Solve the path without the CAD model, and free what it contradicts of the dive package."""
+    # Some well-seen landmarks find poses, outliers and sigmas at a fraction of the cost.
+    start = _start(measured, solver.strategy)
     with_cad = measured.cad_model is not None
-    rounds = solver.coarse_rounds(start, max(options.rounds - 1, int(with_cad)))
-    straight = rounds[-1].after if rounds else start
-    if not rounds or options.as_published:
-        return FirstPath(solver=solver, rounds=tuple(rounds), straight=straight)
-    freed = free_contradicted_rig(straight, solver)
-    if freed is not None:
-        rounds, straight = [*rounds, freed.round], freed.estimate
-    widened = widen_exceeded_priors(rounds[-1], straight, solver)
-    if widened is not None:
-        rounds, straight = [*rounds, widened.round], widened.round.after
-    return FirstPath(
-        solver=solver,
-        rounds=tuple(rounds),
-        straight=straight,
-        stereo=None if freed is None else freed.contradiction,
-        length_conflict=None if widened is None else widened.length_conflict,
-    )
+    rounds = solver.coarse_rounds(start, max(solver.options.rounds - 1, int(with_cad)))
+    path = Stage(rounds=rounds, estimate=rounds[-1].after if rounds else start)
+    if not rounds or not solver.strategy.systematic_errors:
+        return path
+
+    # A contradicted stereo calibration becomes an unknown.
+    path = path.then(free_contradicted_rig(path, solver))
+
+    # Contradicted priors of navigation and mounts are widened.
+    return path.then(widen_exceeded_priors(path, solver))
 
 
-def check_cad_model(
-    path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report
-) -> CheckedModel:
-    """Return the CAD model laid under that path, and whether what follows from it may be believed."""
-    stretches = stretches_of_path(path.rounds[-1], options) if path.rounds else None
-    registered = register_cad_model(path.straight, cad_model, options, report, stretches)
-    refusal = registered.refusal or nothing_on_it(path.straight.measured, options)
-    rounds = (
-        []
-        if refusal
-        else path.solver.coarse_rounds(registered.estimate, min(1, options.rounds - 1))
-    )
-    refusal = refusal or (reason_against(rounds[-1], options) if rounds else None)
-    laid = None if refusal or not rounds else estimate_hull_pose(rounds[-1], options)
-    if laid is not None and laid.form is not None:
-        refusal = form_against(laid.form, registered.registration.sigmas_off)
-    return CheckedModel(registered=registered, rounds=tuple(rounds), laid=laid, refusal=refusal)
+def solve_all_landmarks(path: Stage, placed: Stage | None, solver: RoundSolver) -> Adjusted:
+    """Solve the last round, with all landmarks.
 
-
-def adjust_with_cad_model(path: FirstPath, checked: CheckedModel) -> Adjusted:
-    """Return the dive with labels: the hull pose at the mean of its profile, every landmark, all
-    solved with it held.
+    With an accepted CAD model landmarks have labels, on its surface or not, and the hull is held
+    where its pose was estimated. Else the path is solved without it.
     """
-    laid = checked.laid or LaidModel(ready=checked.registered.estimate)
-    last = path.solver.solve_round(laid.ready, final=True, hold_hull_pose=laid.evidence is not None)
-    adjusted = _drop_lost_landmarks([*path.rounds, *checked.rounds, last])
-    registered = checked.registered
-    return replace(
-        adjusted,
-        registration=registered.registration,
-        stretches=registered.stretches,
-        evidence=laid.evidence,
-        form=laid.form,
-    )
+    if placed is None or not placed.verdict.accepted:
+        last = solver.solve_round(path.estimate, final=True)
+    else:
+        estimated = placed.placement is not None and placed.placement.evidence is not None
+        last = solver.solve_round(placed.estimate, final=True, hold_hull_pose=estimated)
+    return _adjusted(path.then(placed), last, solver)
 
 
-def adjust_without_cad_model(path: FirstPath, refused: tuple[RoundResult, ...] = ()) -> Adjusted:
-    """Return the path solved with all landmarks; refused: rounds with a CAD model that is left out,
-    for the history.
-    """
-    return _drop_lost_landmarks(
-        [*path.rounds, *refused, path.solver.solve_round(path.straight, final=True)]
-    )
-
-
-def _start(measured: Measurements, options: AdjustOptions) -> Estimate:
-    """Return the first path, dead reckoning where no other was found, without the CAD model."""
-    rig, seen = measured.rig, measured.tracks is not None
+def _start(measured: Measurements, strategy: Strategy) -> Estimate:
+    """Start from the path that links found, else from dead reckoning, without the CAD model."""
     path = measured.start or measured.trajectory.track().path
-    state = State(
-        nodes=path.poses,
-        tray=path.tray.copy(),
-        landmark=np.full((selection.landmark_count(measured), 3), np.nan),
-        mounts=rig.mounts
-        if seen
-        else replace(rig.mounts, tray_from_top=None, top_from_bottom=None),
-        navigation=np.zeros(6),
-        hull=None,
-    )
+    mounts = measured.rig.mounts
+    if measured.tracks is None:
+        mounts = replace(mounts, tray_from_top=None, top_from_bottom=None)
     return Estimate(
         measured=measured,
-        state=state,
-        weights=weighting.initial_weights(measured, options),
+        state=State(
+            nodes=path.poses,
+            tray=path.tray.copy(),
+            landmark=np.full((selection.landmark_count(measured), 3), np.nan),
+            mounts=mounts,
+            navigation=np.zeros(6),
+            hull=None,
+        ),
+        weights=weighting.initial_weights(measured, strategy),
         max_px=FIRST_MAX_PX,
     )
 
 
-def _drop_lost_landmarks(rounds: list[RoundResult]) -> Adjusted:
-    """Return the adjusted dive without landmarks that the last solve pushed behind their cameras or
-    metres off the hull: nothing determines them.
+def _adjusted(stages: Stage, last: RoundResult, solver: RoundSolver) -> Adjusted:
+    """Collect the adjusted dive, without landmarks that the last solve lost.
+
+    Those were pushed behind their cameras or metres off the hull, and nothing determines them.
     """
-    last, state = rounds[-1], rounds[-1].after.state
-    chosen, problem, result = last.chosen, last.problem, last.result
-    sound = selection.select_measurements(last.after.measured, state, max_px=1e3).landmarks
+    state, chosen, problem, result = last.after.state, last.chosen, last.problem, last.result
+    sound = selection.select_measurements(last.after.measured, state, LOST_PX).landmarks
     keep = np.isin(chosen.landmarks, sound)
     if not keep.all():
         lost = chosen.landmarks[~keep]
@@ -238,6 +165,7 @@ def _drop_lost_landmarks(rounds: list[RoundResult]) -> Adjusted:
         chosen = replace(chosen, landmarks=chosen.landmarks[keep])
         result = pruning.drop_label_rows(result, keep[problem.surface.landmark])
         problem = pruning.drop_landmarks(problem, keep)
+    rounds = [*stages.rounds, last]
     return Adjusted(
         state=state,
         weights=last.weights,
@@ -245,10 +173,10 @@ def _drop_lost_landmarks(rounds: list[RoundResult]) -> Adjusted:
         start=rounds[0].start,
         problem=problem,
         result=result,
-        registration=None,
-        rounds=tuple(r.history for r in rounds),
+        rounds=tuple(done.history for done in rounds),
         rig=last.after.measured.rig,
-        evidence=None,
-        form=None,
-        refusal=None,
+        verdict=stages.verdict,
+        placement=stages.placement,
+        strategy=solver.strategy,
+        settings=solver.settings,
     )

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Priors of sensors and mounts that a dive contradicts, widened to what it shows (docs/methods.md
-6).
+"""Priors of sensors and mounts that a dive contradicts, widened to what it shows.
+
+See docs/methods.md 6.
 
 Where a package says that its DVL is right to half a per cent and it is not, by three, the solve
 ends somewhere between, with a sigma that the prior made small. Of an estimate x with prior sigma p
@@ -16,9 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.problem.state import State
-from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver
+from hullrecon.adjustment.rounds import ACCEPTED, RoundSolver, Stage, Verdict
 from hullrecon.adjustment.stereo_calibration import DVL_SCALE, widen_ranges
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
@@ -26,9 +26,9 @@ from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
 MANY_SIGMAS = 4.0  # of what the package allows
-# Beyond so many of the sigmas with which the dive alone knows it, too, and the dive takes away that
-# share of the prior's variance: what it knows little of, as a lever arm along a straight leg, small
-# errors of other sensors may seem to contradict.
+# A prior is widened only beyond so many of the sigmas with which the dive alone knows the unknown,
+# and only if the dive takes away that share of the prior's variance: what a dive hardly knows, as a
+# lever arm along a straight leg, small errors of other sensors may seem to contradict.
 MANY_OF_ITS_OWN = 8.0
 LEAST_GAINED = 0.25
 ROTATION = slice(3, 6)  # rows of a mount's prior
@@ -41,25 +41,22 @@ BLOCKS = {"navigation": "navigation", "tray_from_top": "T_s_ct", "tray_from_dvl"
 
 @dataclass(frozen=True, kw_only=True)
 class _Prior:
-    """Deviations (k,) from a prior in its sigmas, and to_sigmas (k, m): from the unknowns' tangent
-    to them.
-    """
+    """How far the estimate of an unknown lies from its prior."""
 
-    deviation: Array
-    to_sigmas: Array
+    deviation: Array  # (k,) in the prior's sigmas
+    to_sigmas: Array  # (k, m) from the unknown's tangent to those sigmas
 
     def may_be_exceeded(self) -> bool:
-        """Return whether a covariance is worth its time: no deviation below exceeds a prior,
-        whatever was gained.
-        """
+        """Tell whether any covariance would let `widening` widen the prior."""
         return bool(
             np.abs(self.deviation).max()
             > MANY_OF_ITS_OWN * np.sqrt(LEAST_GAINED * (1 - LEAST_GAINED))
         )
 
     def widening(self, covariance: Array) -> Array:
-        """Return by how much each sigma is to grow (k,), 1 where the prior holds. covariance (m,
-        m): of the unknowns.
+        """Compute by how much each sigma is to grow (k,), 1 where the prior holds.
+
+        covariance (m, m): of the estimate, in the unknown's tangent.
         """
         left = np.diag(self.to_sigmas @ covariance @ self.to_sigmas.T)
         gained = np.maximum(1 - left, 1e-9)
@@ -71,30 +68,19 @@ class _Prior:
         return np.where(surprising & (gained > LEAST_GAINED), of_the_dive, 1.0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class WidenedPriors:
-    """The round with the priors widened. length_conflict: share by which the DVL's velocities
-    contradict all else about lengths, which one camera cannot tell by itself; None where they do
-    not, or there are two cameras.
+def widen_exceeded_priors(path: Stage, solver: RoundSolver) -> Stage | None:
+    """Widen the priors that a solved path contradicts, and solve a round with them.
+
+    None where it contradicts none.
     """
-
-    round: RoundResult
-    length_conflict: float | None
-
-
-def widen_exceeded_priors(
-    last: RoundResult, solved: Estimate, solver: RoundSolver
-) -> WidenedPriors | None:
-    """Return a round from a solved path with the priors widened that it contradicts; None where it
-    contradicts none. last: the round that solved it.
-    """
+    solved = path.estimate
     rig, state = solved.measured.rig, solved.state
     priors = _priors(rig, state)
     if not any(prior.may_be_exceeded() for prior in priors.values()):
         return None
     try:
         covariance = native.covariance(
-            last.problem, replace(native_settings(solver.options), method="naive")
+            path.rounds[-1].problem, replace(solver.settings, method="naive")
         )
     except StageError:
         return None  # something is not determined at all; the last round says what
@@ -105,18 +91,22 @@ def widen_exceeded_priors(
         return None
     solver.report(f"priors that the dive contradicts are widened: {_describe(widening)}")
     widened = replace(solved, measured=replace(solved.measured, rig=_widen(rig, widening)))
-    if widening["navigation"][DVL_SCALE] == 1:
-        return WidenedPriors(round=solver.solve_round(widened), length_conflict=None)
-    # A wrong speed of sound scales the ranges as well: a second camera, depths and the CAD model
-    # decide
-    share = float(rig.priors.navigation_sigma[DVL_SCALE] * widening["navigation"][DVL_SCALE])
-    result = solver.solve_round(replace(widened, weights=widen_ranges(widened, share)))
-    return WidenedPriors(round=result, length_conflict=share if rig.bottom is None else None)
+    verdict = ACCEPTED
+    if widening["navigation"][DVL_SCALE] > 1:
+        # A wrong speed of sound scales the ranges as well: a second camera, depths and the CAD
+        # model decide.
+        share = float(rig.priors.navigation_sigma[DVL_SCALE] * widening["navigation"][DVL_SCALE])
+        widened = replace(widened, weights=widen_ranges(widened, share))
+        verdict = Verdict(length_conflict=share if rig.bottom is None else None)
+    result = solver.solve_round(widened)
+    return Stage(rounds=(result,), estimate=result.after, verdict=verdict)
 
 
 def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
-    """Return the priors by the unknowns' name, of mounts that are no constants the rotation alone:
-    a focal length that is off looks like a camera that stands nearer or farther.
+    """Collect the priors of navigation and of the mounts' rotations by name.
+
+    A mount's position is left out: a focal length that is off looks like a camera that stands
+    nearer or farther.
     """
     rows = np.diag(1 / rig.priors.navigation_sigma)[:CONSTANT_ERRORS]
     out = {"navigation": _Prior(deviation=rows @ state.navigation, to_sigmas=rows)}
@@ -130,9 +120,10 @@ def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
 
 
 def displacement(nominal: Poses, found: Poses) -> tuple[Array, Array]:
-    """Return how far a mount was found from its nominal pose (6,), translation and rotation in the
-    child's axes, and what takes its unknowns' tangent there (6, 6), whose translation is in the
-    parent's axes.
+    """Compute how far a mount was found from its nominal pose (6,), in the child's axes.
+
+    The second value (6, 6) turns the unknown's tangent, whose translation is in the parent's axes,
+    into those axes.
     """
     to_child = np.eye(6)
     to_child[:3, :3] = nominal.rotation.inv().as_matrix()[0]

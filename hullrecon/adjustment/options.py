@@ -1,33 +1,24 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Options of the adjustment: the section [adjust] of dive.toml."""
+"""Options of the adjustment (the section [adjust] of dive.toml), and its strategy."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated
 
+import numpy as np
 from msgspec import Meta, Struct
+
+from hullrecon import native
 
 Positive = Annotated[float, Meta(gt=0)]
 
 
 class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the dive is adjusted. `as_published` keeps the published weighting, for comparison: no
-    deviation field, every surface factor at full weight, no systematic errors of navigation, sigmas
-    as in dive.toml.
-    """
+    """How the dive is adjusted."""
 
-    method: Annotated[
-        Literal["naive", "geva", "maxmix"],
-        Meta(description="surface factors: none, all, or by hidden label"),
-    ] = "maxmix"
-    as_published: Annotated[
-        bool, Meta(description="the published weighting, without a deviation field")
-    ] = False
-    labels: Annotated[
-        Literal["inside", "outer"],
-        Meta(description="decided within the solve, or held and updated between solves"),
-    ] = "inside"
     on_hull_sigma_m: Annotated[
         Positive, Meta(description="m, sigma of the distance to the hull of a landmark on it")
     ] = 0.02
@@ -52,22 +43,37 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     max_iterations: Annotated[
         int, Meta(ge=1, le=1000, description="iterations of one solve at most")
     ] = 60
-    function_tolerance: Annotated[
-        Positive, Meta(description="ratio, relative change of cost that ends a solve")
-    ] = 1e-6
-    anchors: Annotated[
-        int,
-        Meta(
-            ge=1000,
-            description="landmarks of the rounds before the last: about so many, of each image one at least",
-        ),
-    ] = 20000
-    min_sigma_px: Annotated[
-        Positive, Meta(description="px, lower bound of the estimated pixel sigmas")
-    ] = 0.03
     outlier_sigmas: Annotated[
         Positive, Meta(description="sigmas, observations with larger residuals are left out")
     ] = 5.0
     threads: Annotated[
         int, Meta(ge=1, le=64, description="threads of the solve; any number gives the same bytes")
     ] = 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strategy:
+    """What the solves treat as unknown. The defaults are the product's."""
+
+    # Surface factors: "maxmix" by hidden label, "geva" for every landmark, "naive" for none
+    method: str = "maxmix"
+    solve: Callable[[native.Problem, native.Options], native.Result] = native.solve
+    # Errors of navigation and of the DVL's mount are unknowns, with priors that may be widened
+    systematic_errors: bool = True
+    # The CAD model may be wrong: a field of deviations from it is solved, and the hull's pose is
+    # estimated with the CAD model's error as correlated noise
+    deviation_field: bool = True
+    estimate_sigmas: bool = True  # from the residuals of each round
+    max_off_hull_m: float = np.inf  # landmarks farther off the hull are left out
+
+    def native_options(self, options: AdjustOptions) -> native.Options:
+        """Build the solver's options; those not named here have their defaults."""
+        return native.Options(
+            method=self.method,
+            sigma_on=options.on_hull_sigma_m,
+            sigma_off=options.off_hull_sigma_m,
+            threads=options.threads,
+        )
+
+
+PRODUCT = Strategy()

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One solve after the other: which measurements enter a round, with what weights, and what it
-leaves to the next.
-"""
+"""Rounds of the adjustment: choose and weight measurements, solve, estimate sigmas for the next."""
 
 from __future__ import annotations
 
@@ -10,19 +8,13 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.native_settings import native_settings
-from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.problem import (
-    hard_em,
-    intrinsics,
-    iteration_history,
-    selection,
-    weighting,
-)
+from hullrecon.adjustment.options import AdjustOptions, Strategy
+from hullrecon.adjustment.problem import intrinsics, iteration_history, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection, assemble, state_from_unknowns
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
@@ -31,85 +23,156 @@ from hullrecon.records.iterations import reached_cost
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
+if TYPE_CHECKING:
+    from hullrecon.adjustment.cad_acceptance import Placement
+    from hullrecon.adjustment.stereo_calibration import StereoContradiction
+
 Report = Callable[[str], None]
-LEAST_MAX_PX = 2.0  # in rounds before the last, whose path may still be off
+LEAST_MAX_PX = 2.0  # outlier limit of rounds before the last, whose path may still be off
 # Damping holds what many measurements share, a single camera's scale and the bends of a long path,
 # far more than it holds the steps: with Ceres' 1e4 such a mode hardly moves while each iteration's
 # gain falls below the tolerance.
 INITIAL_RADIUS = 1e8
-NO_STRUCTURE_M = 0.5  # off the hull: a mismatch, not something that stands on it
+# Relative change of cost that ends the last solve, and the ones before it
+FUNCTION_TOLERANCE = 1e-6
+COARSE_TOLERANCE = 10 * FUNCTION_TOLERANCE
+ANCHORS = 20_000  # landmarks of the rounds before the last, about; at least one of each image
+MIN_LANDMARKS = 20
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """What one round leaves to the next: measured, with the intrinsics found so far; the unknowns;
-    sigmas and weights; the largest reprojection error that counts, px, where the sigma is the pixel
-    sigma.
-    """
+    """What one round leaves to the next."""
 
-    measured: Measurements
+    measured: Measurements  # with the intrinsics and priors found so far
     state: State
     weights: Weights
-    max_px: float
+    max_px: float  # reprojection errors beyond are outliers, where the sigma is the pixel sigma
 
 
 @dataclass(frozen=True, kw_only=True)
 class RoundResult:
-    """One solve: the measurements chosen and the weights that it used, the problem at its start and
-    at its solution, its history, and the estimate after it.
-    """
+    """One solve."""
 
-    chosen: Selection
-    weights: Weights
-    start: native.Problem
-    problem: native.Problem
+    chosen: Selection  # the measurements that entered
+    weights: Weights  # that it used
+    start: native.Problem  # at its start values
+    problem: native.Problem  # at its solution
     result: native.Result
     history: iteration_history.Round
     after: Estimate
 
 
 @dataclass(frozen=True, kw_only=True)
-class RoundSolver:
-    """Solves rounds, counts and reports them. calibrated: the rig with the intrinsics of the
-    calibration.
-    """
+class Verdict:
+    """Whether a stage is believed, and what of the dive package it contradicts."""
 
-    calibrated: Rig
+    accepted: bool = True
+    reason: str | None = None  # why it is not accepted, in words without a full stop
+    stereo: StereoContradiction | None = None  # of the stereo rig's calibration
+    # Share by which the DVL's velocities contradict all else about lengths, where one camera
+    # cannot tell which is right
+    length_conflict: float | None = None
+
+
+ACCEPTED = Verdict()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """A stage of the adjustment: its rounds, what it leaves to the next, and the verdict on it."""
+
+    rounds: tuple[RoundResult, ...]
+    estimate: Estimate
+    verdict: Verdict = ACCEPTED
+    placement: Placement | None = None  # of the CAD model on the path
+
+    def then(self, later: Stage | None) -> Stage:
+        """Join a stage that goes on from this one; None leaves it as it is."""
+        if later is None:
+            return self
+        here, there = self.verdict, later.verdict
+        conflict = there.length_conflict
+        return Stage(
+            rounds=(*self.rounds, *later.rounds),
+            estimate=later.estimate,
+            verdict=Verdict(
+                accepted=there.accepted,
+                reason=there.reason,
+                stereo=there.stereo or here.stereo,
+                length_conflict=here.length_conflict if conflict is None else conflict,
+            ),
+            placement=later.placement,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RoundSolver:
+    """Solves rounds, counts and reports them."""
+
+    calibrated: Rig  # with the intrinsics of the calibration, about which their prior stands
     options: AdjustOptions
+    strategy: Strategy
     report: Report
+    anchors: int = ANCHORS
     history: list[iteration_history.Round] = field(default_factory=list)
     begun_s: float = field(default_factory=time.perf_counter)
 
-    def coarse_rounds(self, start: Estimate, count: int) -> list[RoundResult]:
-        """Return rounds on some well-seen landmarks, each from the one before."""
+    @property
+    def settings(self) -> native.Options:
+        """The solver's options; a solve has its own number of iterations and tolerance."""
+        return self.strategy.native_options(self.options)
+
+    def coarse_rounds(self, start: Estimate, count: int) -> tuple[RoundResult, ...]:
+        """Solve rounds on some well-seen landmarks, each from the one before."""
         rounds: list[RoundResult] = []
         for _ in range(count):
             rounds.append(self.solve_round(rounds[-1].after if rounds else start))
-        return rounds
+        return tuple(rounds)
 
     def solve_round(
         self, before: Estimate, *, final: bool = False, hold_hull_pose: bool = False
     ) -> RoundResult:
-        """Return the round from an estimate: choose and weight measurements, solve, estimate the
-        next sigmas.
+        """Solve one round from an estimate.
+
+        Parameters
+        ----------
+        before
+            What the round starts from.
+        final
+            Solve all landmarks, not some well-seen ones only, to the finer tolerance.
+        hold_hull_pose
+            Hold the hull's pose where it is.
+
+        Raises
+        ------
+        StageError
+            When too few landmarks agree with the navigation.
         """
-        options, measured = self.options, before.measured
-        state = replace(
-            before.state, landmark=selection.triangulate_landmarks(measured, before.state)
-        )
+        # Triangulate landmarks from the path, and choose the measurements that agree with it.
+        measured = before.measured
+        landmark = selection.triangulate_landmarks(measured, before.state)
+        state = replace(before.state, landmark=landmark)
         max_px = before.max_px * before.weights.pixel_ratio
         max_px = max_px if final else np.maximum(LEAST_MAX_PX, max_px)
-        chosen = choose_measurements(measured, state, max_px, options, final)
-        weights = replace(before.weights, surface=weighting.surface_weights(state, chosen, options))
-        problem = assemble(measured, state, weights, chosen, options.as_published, hold_hull_pose)
-        problem = intrinsics.free_intrinsics(problem, self.calibrated, options)
+        chosen = self._choose(measured, state, max_px, final)
+        surface = weighting.surface_weights(state, chosen, self.strategy)
+        weights = replace(before.weights, surface=surface)
+
+        # Assemble and solve. Each round starts from the calibrated intrinsics.
+        problem = assemble(
+            measured, state, weights, chosen, self.strategy.systematic_errors, hold_hull_pose
+        )
+        problem = intrinsics.free_intrinsics(problem, self.calibrated, self.options)
         began_s = time.perf_counter() - self.begun_s
-        result = _solve(problem, options, final)
+        result = self._solve(problem, final)
         history = self._record(measured, result, weights, chosen, began_s)
+
+        # Sigmas and outlier limit of the next round follow from the residuals.
         state = state_from_unknowns(state, result.unknowns, chosen)
         measured = intrinsics.apply_intrinsics(measured, problem, result)
-        found = weighting.estimate_weights(measured, state, chosen, weights, options)
+        found = weighting.estimate_weights(measured, state, chosen, weights, self.strategy)
         self.report(_describe_round(len(self.history), result, chosen, found))
         return RoundResult(
             chosen=chosen,
@@ -122,9 +185,40 @@ class RoundSolver:
                 measured=measured,
                 state=state,
                 weights=found,
-                max_px=options.outlier_sigmas * found.pixel,
+                max_px=self.options.outlier_sigmas * found.pixel,
             ),
         )
+
+    def _choose(
+        self, measured: Measurements, state: State, max_px: Array, final: bool
+    ) -> Selection:
+        """Choose anchors for a coarse round, all landmarks but isolated ones for the last."""
+        options, strategy = self.options, self.strategy
+        chosen = selection.select_measurements(measured, state, max_px)
+        if final and state.hull is not None and strategy.deviation_field:
+            off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
+            boundary = selection.label_boundary(options.on_hull_sigma_m, options.off_hull_sigma_m)
+            chosen = selection.drop_isolated_landmarks(measured, state, chosen, off > boundary)
+        if np.isfinite(strategy.max_off_hull_m) and state.hull is not None:
+            off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
+            chosen = replace(chosen, landmarks=chosen.landmarks[~(off > strategy.max_off_hull_m)])
+        if not final:
+            chosen = selection.choose_anchors(measured, chosen, self.anchors)
+        if measured.tracks is not None and len(chosen.landmarks) < MIN_LANDMARKS:
+            raise StageError(
+                f"only {len(chosen.landmarks)} landmarks agree with the navigation",
+                remedy="check camera mounts and time offsets, or lower matches' thresholds",
+            )
+        return chosen
+
+    def _solve(self, problem: native.Problem, final: bool) -> native.Result:
+        settings = replace(
+            self.settings,
+            max_iterations=self.options.max_iterations,
+            function_tolerance=FUNCTION_TOLERANCE if final else COARSE_TOLERANCE,
+            initial_radius=INITIAL_RADIUS,
+        )
+        return self.strategy.solve(problem, settings)
 
     def _record(
         self,
@@ -134,7 +228,7 @@ class RoundSolver:
         chosen: Selection,
         began_s: float,
     ) -> iteration_history.Round:
-        """Return the round for the history; its table goes to the log (`--verbose`)."""
+        """Add the round to the history, and its table to the log (`--verbose`)."""
         done = iteration_history.Round(
             record=result.iterations,
             weights=weights,
@@ -150,51 +244,11 @@ class RoundSolver:
         return done
 
 
-def choose_measurements(
-    measured: Measurements, state: State, max_px: Array, options: AdjustOptions, final: bool
-) -> Selection:
-    """Return anchor landmarks for a coarse round, all landmarks but isolated ones off the hull for
-    the final one.
-
-    Raises StageError when fewer than 20 agree with the navigation.
-    """
-    chosen = selection.select_measurements(measured, state, max_px)
-    if final and state.hull is not None and not options.as_published:
-        off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
-        off_hull = off > hard_em.label_boundary(options.on_hull_sigma_m, options.off_hull_sigma_m)
-        chosen = selection.drop_isolated_landmarks(measured, state, chosen, off_hull)
-    if options.method == "geva" and state.hull is not None:
-        # pulled to the hull, a mismatch near the camera passes through the camera's plane, and the
-        # solve stalls there
-        far = np.abs(state.hull.deviation(state.landmark[chosen.landmarks])) > NO_STRUCTURE_M
-        chosen = replace(chosen, landmarks=chosen.landmarks[~far])
-    if not final:
-        chosen = selection.choose_anchors(measured, chosen, options.anchors)
-    if measured.tracks is not None and len(chosen.landmarks) < 20:
-        raise StageError(
-            f"only {len(chosen.landmarks)} landmarks agree with the navigation",
-            remedy="check camera mounts and time offsets, or lower matches' thresholds",
-        )
-    return chosen
-
-
-def _solve(problem: native.Problem, options: AdjustOptions, final: bool) -> native.Result:
-    solve = (
-        hard_em.solve if options.labels == "outer" and options.method == "maxmix" else native.solve
-    )
-    settings = replace(
-        native_settings(options),
-        max_iterations=options.max_iterations,
-        function_tolerance=options.function_tolerance if final else 10 * options.function_tolerance,
-        initial_radius=INITIAL_RADIUS,
-    )
-    return solve(problem, settings)
-
-
 def _describe_round(number: int, result: native.Result, chosen: Selection, weights: Weights) -> str:
     record = result.iterations
     cost = reached_cost(record.cost, record.accepted)
     return (
         f"round {number}: {len(record.cost) - 1} iterations, cost {cost[0]:.6g} to {cost[-1]:.6g}, "
-        f"{len(chosen.landmarks)} landmarks, {int((result.label == 1).sum())} on the hull, pixel sigma now {weights.pixel:.2f}"
+        f"{len(chosen.landmarks)} landmarks, {int((result.label == 1).sum())} on the hull, "
+        f"pixel sigma now {weights.pixel:.2f}"
     )

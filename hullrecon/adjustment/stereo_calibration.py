@@ -1,24 +1,21 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a dive contradicts the calibration of its stereo rig, and the rig as an unknown where it
-does (docs/methods.md 6).
+"""Whether a dive contradicts the calibration of its stereo rig (docs/methods.md 6).
 
-The images of a dive tell the bottom camera's rotation and the direction of the baseline better than
-a calibration does, but not the baseline's length: there the DVL and depths speak, and the DVL may
-be wrong as the calibration may.
+Where it does, the rig becomes an unknown. The images of a dive tell the bottom camera's rotation
+and the direction of the baseline better than a calibration does, but not the baseline's length:
+that is told by DVL and depths, and the DVL may be wrong as the calibration may.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import msgspec
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.problem.state import Weights
-from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver
+from hullrecon.adjustment.rounds import Estimate, RoundSolver, Stage, Verdict
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.rig import Rig
@@ -30,57 +27,39 @@ TRIAL_SHARE = 0.1  # of the baseline's length, of each coordinate of the bottom 
 MAX_CHI2 = 125.0  # of rotation and direction, five degrees of freedom: five sigmas in each
 MAX_LENGTH_SIGMAS = 3.5
 HELD = 1e-6  # m and rad
-# What a good calibration may be off by is not reported: a turn, and a shift as a share of the
-# baseline's length.
+# A turn, and a shift as a share of the baseline, that a good calibration may be off by: no warning
 REPORTED_TURN_RAD = np.radians(0.03)
 REPORTED_SHARE = 0.005
-# what does not show in a sentence's digits is left out of it
-LEAST_SHOWN_MM, LEAST_SHOWN_DEG = 0.05, 0.005
+LEAST_SHOWN_MM, LEAST_SHOWN_DEG = 0.05, 0.005  # less does not show in a sentence's digits
 DVL_SCALE = 0  # its place among the errors of navigation
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoContradiction:
-    """What a dive shows of its stereo rig against the calibration.
+    """What a dive shows of its stereo rig against the calibration."""
 
-    by_images: rotation or direction of the baseline are not as calibrated; else only lengths by
-    stereo and by the DVL disagree. turn_rad, shift_m: of the bottom camera; direction_rad: of the
-    baseline; length: share by which it is longer than calibrated.
-    """
-
+    # Rotation or direction of the baseline are not as calibrated; if not, only lengths by stereo
+    # and by the DVL disagree
     by_images: bool
-    turn_rad: float
-    shift_m: float
-    direction_rad: float
-    length: float
+    turn_rad: float  # of the bottom camera
+    shift_m: float  # of the bottom camera
+    direction_rad: float  # of the baseline
+    length: float  # share by which the baseline is longer than calibrated
 
 
-@dataclass(frozen=True, kw_only=True)
-class FreedRig:
-    """The round that found the rig, the estimate after it with the rig as an unknown, and what was
-    found.
+def free_contradicted_rig(path: Stage, solver: RoundSolver) -> Stage | None:
+    """Make the stereo rig an unknown where the dive contradicts its calibration.
+
+    A trial round solves the path with the rig loose. None where what it finds lies within what the
+    package says that the calibration may be off by, or without a second camera.
     """
-
-    round: RoundResult
-    estimate: Estimate
-    contradiction: StereoContradiction
-
-
-def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | None:
-    """Return a solved path with the stereo rig as an unknown, where the dive contradicts its
-    calibration by more than the package says that may be off; None where it does not, or without a
-    second camera.
-    """
+    solved = path.estimate
     rig = solved.measured.rig
     calibrated = rig.stereo_mount
     if calibrated is None:
         return None
-    length_m = rig.baseline_m
-    loose = np.r_[np.full(3, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)]
-    fewer = msgspec.structs.replace(
-        solver.options, anchors=min(solver.options.anchors, TRIAL_ANCHORS)
-    )
-    quiet = replace(solver, options=fewer, report=lambda _: None, history=[])
+    loose = np.r_[np.full(3, TRIAL_SHARE * rig.baseline_m), np.full(3, TRIAL_TURN_RAD)]
+    quiet = replace(solver, anchors=TRIAL_ANCHORS, report=lambda _: None, history=[])
     trial = quiet.solve_round(
         _with_rig(solved, rig.with_priors(top_from_bottom=_prior(calibrated, loose)))
     )
@@ -88,25 +67,24 @@ def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | N
     if found is None or not len(trial.problem.stereo.node):
         return None
     try:
-        covariance = native.covariance(
-            trial.problem, replace(native_settings(solver.options), method="naive")
-        ).T_ct_cb
+        marginals = native.covariance(trial.problem, replace(solver.settings, method="naive"))
     except StageError:
         return None  # something is not determined at all; the last round says what
-    contradiction = compare_rigs(calibrated, found, covariance + _prior_covariance(rig))
+    contradiction = compare_rigs(calibrated, found, marginals.T_ct_cb + _prior_covariance(rig))
     if contradiction is None:
         return None
     solver.report(f"the stereo rig is an unknown: {describe_contradiction(contradiction)}")
     solver.history.append(trial.history)
-    return FreedRig(
-        round=trial,
+    return Stage(
+        rounds=(trial,),
         estimate=_adopt(trial.after, rig, contradiction),
-        contradiction=contradiction,
+        verdict=Verdict(stereo=contradiction),
     )
 
 
 def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoContradiction | None:
-    """Return what of a calibrated T_ct_cb is contradicted by one found, None where nothing.
+    """Compare a stereo mount found with the calibrated one; None where they agree.
+
     covariance (6, 6): of how far they may lie apart, (translation in the top camera's axes,
     rotation perturbed on the right).
     """
@@ -133,12 +111,15 @@ def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoCo
 
 
 def describe_contradiction(found: StereoContradiction) -> str:
-    """Return what was found, in words without a full stop."""
+    """Say what was found, without a full stop."""
     if found.by_images:
         turned = f"{np.degrees(found.turn_rad):.2f} degrees"
         if 1e3 * found.shift_m < LEAST_SHOWN_MM:
             return f"the images fit with the bottom camera turned by {turned} from its calibration"
-        moved = f"the images fit with the bottom camera {1e3 * found.shift_m:.1f} mm from where its calibration has it"
+        moved = (
+            f"the images fit with the bottom camera {1e3 * found.shift_m:.1f} mm from where its "
+            "calibration has it"
+        )
         return (
             moved
             if np.degrees(found.turn_rad) < LEAST_SHOWN_DEG
@@ -151,8 +132,9 @@ def describe_contradiction(found: StereoContradiction) -> str:
 def stereo_warning(
     found: StereoContradiction, calibrated: Poses, adjusted: Poses, covariance: Array
 ) -> str | None:
-    """Return a sentence for the report; None where what was found matters to nobody but the solver.
-    calibrated, adjusted: T_ct_cb, the latter with its covariance (6, 6).
+    """Write the warning for the report; None where the contradiction is too small to matter.
+
+    calibrated, adjusted: top_from_bottom, the latter with its covariance (6, 6).
     """
     axes, length_m = _axes(calibrated)
     sigma = float(np.sqrt(axes[0] @ covariance[:3, :3] @ axes[0])) / length_m
@@ -162,28 +144,38 @@ def stereo_warning(
             found, float(np.linalg.norm(adjusted.translation)) / length_m - 1, sigma
         )
         return (
-            f"Stereo images and the DVL disagree about lengths: {describe_contradiction(found)}. Both were doubted, and "
+            f"Stereo images and the DVL disagree about lengths: {describe_contradiction(found)}. "
+            "Both were doubted, and "
             f"{known}; {cause}."
         )
     if found.turn_rad < REPORTED_TURN_RAD and found.shift_m < REPORTED_SHARE * length_m:
         return None
     return (
-        f"The stereo calibration does not hold: {describe_contradiction(found)}. Where the two cameras are to each other was "
-        f"estimated, and {known}. Calibrate them again, under water, and correct camera.bottom.pose_in_top."
+        f"The stereo calibration does not hold: {describe_contradiction(found)}. Where the two "
+        "cameras are to each other was "
+        f"estimated, and {known}. Calibrate them again, under water, and correct "
+        "camera.bottom.pose_in_top."
     )
 
 
 def _who_is_wrong(found: StereoContradiction, longer: float, sigma: float) -> str:
-    """Return which of stereo and DVL is wrong about lengths by what else was measured, the depths
-    before all. longer: share by which the baseline came out longer than calibrated, and its sigma.
+    """Say whether stereo or DVL is wrong about lengths, by what else was measured (depths).
+
+    longer: share by which the baseline came out longer than calibrated; sigma: of it.
     """
     by_stereo, by_dvl = abs(longer) / sigma, abs(longer - found.length) / sigma
     if by_stereo > MAX_LENGTH_SIGMAS and by_dvl < MAX_LENGTH_SIGMAS:
         off = f"{100 * abs(longer):.1f} % {_longer(longer)}"
         return f"by all else that was measured it is {off}; correct camera.bottom.pose_in_top"
     if by_dvl > MAX_LENGTH_SIGMAS and by_stereo < MAX_LENGTH_SIGMAS:
-        return "by all else that was measured it is as calibrated; check the speed of sound that the DVL was set to"
-    return "nothing else tells which is wrong; check camera.bottom.pose_in_top, and the DVL's speed of sound"
+        return (
+            "by all else that was measured it is as calibrated; check the speed of sound that the "
+            "DVL was set to"
+        )
+    return (
+        "nothing else tells which is wrong; check camera.bottom.pose_in_top, and the DVL's speed "
+        "of sound"
+    )
 
 
 def _longer(share: float) -> str:
@@ -191,8 +183,9 @@ def _longer(share: float) -> str:
 
 
 def _axes(rig: Poses) -> tuple[Array, float]:
-    """Return the direction of the baseline and two across it, rows (3, 3) in the top camera's axes,
-    and its length.
+    """Compute the axes along the baseline and twice across it, and its length.
+
+    The axes are rows (3, 3) in the top camera's axes.
     """
     length_m = float(np.linalg.norm(rig.translation))
     along = rig.translation[0] / length_m
@@ -201,8 +194,9 @@ def _axes(rig: Poses) -> tuple[Array, float]:
 
 
 def _prior(calibrated: Poses, sigma: Array) -> Array:
-    """Return the square root of information (6, 6) of a stereo mount; sigma (6,): along the
-    baseline and twice across it, m, and of the rotation, rad.
+    """Compute the square root of information (6, 6) of a stereo mount.
+
+    sigma (6,): along the baseline and twice across it, m, and of the rotation, rad.
     """
     rows = np.zeros((6, 6))
     rows[:3, :3] = _axes(calibrated)[0] @ calibrated.rotation.as_matrix()[0]
@@ -211,8 +205,9 @@ def _prior(calibrated: Poses, sigma: Array) -> Array:
 
 
 def _prior_covariance(rig: Rig) -> Array:
-    """Return how well the package knows the stereo mount (6, 6): (translation in the top camera's
-    axes, rotation perturbed on the right); zeros where it is held.
+    """Compute how well the package knows the stereo mount (6, 6); zeros where it is held.
+
+    Of (translation in the top camera's axes, rotation perturbed on the right).
     """
     rows = rig.priors.top_from_bottom
     if rows is None or rig.top_from_bottom is None:
@@ -227,7 +222,7 @@ def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
 
 
 def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Estimate:
-    """Return the estimate with what is contradicted as an unknown.
+    """Make what is contradicted an unknown.
 
     A baseline whose direction is off may be off along it as much. Where lengths disagree and the
     images do not say that the calibration is at fault, the DVL may be wrong as the rig may.
@@ -256,8 +251,9 @@ def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Esti
 
 
 def widen_ranges(after: Estimate, share: float) -> Weights:
-    """Return the weights with which all ranges together tell lengths no better than to that share:
-    a wrong speed of sound scales them as it does the velocities, and n readings do not make it
+    """Widen the sigma of ranges so that all together tell lengths no better than to that share.
+
+    A wrong speed of sound scales them as it does the velocities, and n readings do not make it
     better known.
     """
     returns = after.measured.returns

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The variance of landmarks along the hull's normals: each one's own, and what they have in common
-(docs/methods.md 12).
+"""Variance of landmarks along the hull's normals: their own, and what they have in common.
+
+See docs/methods.md 12.
 """
 
 from __future__ import annotations
@@ -20,22 +21,25 @@ MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 
 @dataclass(frozen=True, kw_only=True)
 class VarianceAlongNormals:
-    """own (n,) m^2: of each landmark alone, no less than its texture's roughness; common (n,) m^2:
-    of the hull's pose and of the dive's place, which move neighbours as one.
-    """
+    """Variance of landmarks along the hull's normals."""
 
-    own: Array
+    own: Array  # (n,) m2 of each landmark alone, no less than its texture's roughness
+    # (n,) m2 of the hull's pose and of the dive's place, which move neighbours as one
     common: Array
 
 
 def variance_along_normals(
     position: Array, normal: Array, covariance: Array, hull_pose: HullPose | None
 ) -> VarianceAlongNormals:
-    """Return the variance of landmarks (n, 3) with covariances (n, 3, 3) along normals (n, 3), all
-    in one frame.
+    """Split the variance of landmarks along normals into their own and what they have in common.
 
-    hull_pose: whose error the covariances hold as a sum, None where they hold none; it moves all
-    landmarks as one, and is no noise of theirs however large it is.
+    Parameters
+    ----------
+    position, normal, covariance
+        (n, 3), (n, 3), (n, 3, 3), all in one frame.
+    hull_pose
+        Whose error the covariances hold as a sum; None where they hold none. It moves all landmarks
+        as one, and is no noise of theirs however large it is.
     """
     rest = covariance - _pose_covariance(position, normal, covariance, hull_pose)
     whole, alone = along_normals(normal, covariance), along_normals(normal, rest)
@@ -47,19 +51,20 @@ def variance_along_normals(
 
 
 def along_normals(normal: Array, covariance: Array) -> Array:
-    """Return the variances (n,) of points with covariances (n, 3, 3) along normals (n, 3)."""
+    """Compute the variances (n,) of points with covariances (n, 3, 3) along normals (n, 3)."""
     return np.asarray(np.einsum("ni,nij,nj->n", normal, covariance, normal))
 
 
 def pose_jacobian(points: Array, normals: Array, hull_pose: HullPose) -> Array:
-    """Return how points (n, 3) in M move along normals (n, 3) with an error of T_g_M: (n, 6),
-    translation in g, rotation perturbed on the right about the survey's middle.
+    """Compute how points (n, 3) in M move along normals by an error of the hull's pose, (n, 6).
+
+    Translation in g, rotation perturbed on the right about the survey's middle.
     """
     return np.asarray(np.einsum("ni,nij->nj", normals, _motion_by_pose(points, hull_pose)))
 
 
 def _motion_by_pose(points: Array, hull_pose: HullPose) -> Array:
-    """Return how points (n, 3) in M move with an error of T_g_M: (n, 3, 6)."""
+    """Compute how points (n, 3) in M move by an error of the hull's pose: (n, 3, 6)."""
     to_hull = hull_pose.global_from_hull.rotation.as_matrix()[0].T
     shift = np.broadcast_to(-to_hull, (len(points), 3, 3))
     return np.concatenate([shift, cross_matrix(points - hull_pose.survey_center)], axis=2)
@@ -68,10 +73,11 @@ def _motion_by_pose(points: Array, hull_pose: HullPose) -> Array:
 def shared_variance(
     position: Array, normal: Array, covariance: Array, neighbours: int = 32
 ) -> Array:
-    """Return the part (n,) of the variances of points (n, 3) along normals (n, 3) that neighbours
-    have in common: hardly more than the best of them has along the same normal. Along its own,
-    which leans otherwise, it has another part of what moves all: where no depth was measured, of
-    tens of metres.
+    """Compute the part (n,) of variances along normals that neighbours have in common.
+
+    It is hardly more than the best of them has along the same normal. Along its own, which leans
+    otherwise, a neighbour has another part of what moves all: where no depth was measured, of tens
+    of metres.
     """
     if not len(position):
         return np.zeros(0)
@@ -88,8 +94,9 @@ def shared_variance(
 def _pose_covariance(
     position: Array, normal: Array, covariance: Array, hull_pose: HullPose | None
 ) -> Array:
-    """Return the part of covariances (n, 3, 3) that comes from the hull's pose; zero where it is no
-    part of them (as published they hold its correlations too).
+    """Compute the part of covariances (n, 3, 3) that comes from the hull's pose.
+
+    Zero where it is no part of them (a solve's own marginals hold its correlations too).
     """
     nothing = np.zeros_like(covariance)
     if hull_pose is None:

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a native.Problem that come from navigation: attitude and depth, tray, odometry, and
-what fixes frame g.
-"""
+"""Tables of a native problem that come from navigation, and the prior that fixes frame g."""
 
 from __future__ import annotations
 
@@ -15,13 +13,13 @@ from hullrecon.typing import Array, Ints
 
 BRIDGED_M_S = 0.05  # of a step's sigma over its time: no DVL that sees the bottom is so bad
 LONGEST_STEP_S = 5.0  # between nodes, over which a velocity goes on
-# variance of a velocity's change in a second, of a vehicle that turns at the end of a leg
+# Variance of a velocity's change in a second, of a vehicle that turns at the end of a leg
 MANOEUVRES_M2_S3 = 0.01
 FREE_RAD_S = 1e2  # sigma of the change of turn, which is left to the IMU
 
 
 def attitude_table(attitude: Attitude, depth_weight: float = 1.0) -> native.AttitudeTable:
-    """Return depth, roll and pitch as measured; depth_weight multiplies the sigma of the depths."""
+    """Build the table of depth, roll and pitch; depth_weight multiplies the sigma of depths."""
     return native.AttitudeTable(
         node=attitude.node.astype(np.int32),
         measured=np.stack([attitude.depth, attitude.roll, attitude.pitch], axis=1),
@@ -32,8 +30,18 @@ def attitude_table(attitude: Attitude, depth_weight: float = 1.0) -> native.Atti
 def tray_table(
     tray_rad: Array, direction: Array, sigma_rad: float, unread_rad: Array
 ) -> native.TrayTable:
-    """Return the tray's angle as measured at every node (n,); direction (n,): the sense in which
-    the backlash lies; unread_rad (n,): sigma of what it may have turned where it was not read.
+    """Build the table of the tray's angle at every node (n,).
+
+    Parameters
+    ----------
+    tray_rad
+        As measured.
+    direction
+        (n,) sense in which the backlash lies.
+    sigma_rad
+        Of a reading.
+    unread_rad
+        (n,) sigma of what it may have turned where it was not read.
     """
     return native.TrayTable(
         node=np.arange(len(tray_rad), dtype=np.int32),
@@ -46,12 +54,20 @@ def tray_table(
 def odometry_table(
     odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses, path: Poses
 ) -> native.OdometryTable:
-    """Return the odometry; tray_rad (n,) and tray_from_dvl: the angles and the mount that dead
-    reckoning used; path: T_g_v (n) as it is known by now.
+    """Build the table of odometry.
 
     A wrong scale stretches the true motion, not the noise of the measured one: taken from what was
     measured, the derivative by the scale lets a shorter scale explain noise across the motion away,
     where images tell its direction (errors in variables).
+
+    Parameters
+    ----------
+    odometry
+        As measured.
+    tray_rad, tray_from_dvl
+        Angles (n,) and mount that dead reckoning used.
+    path
+        (n,) in g as it is known by now.
     """
     motion = path[odometry.first].inverse() @ path[odometry.second]
     by_navigation = odometry.by_navigation.copy()
@@ -70,12 +86,11 @@ def odometry_table(
 
 
 def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
-    """Return that the velocity goes on steadily where the DVL was silent, from every step that was
-    bridged to its neighbours; t_ns (n,): of the nodes.
+    """Build the constant-velocity rows of steps that were bridged, to their neighbours.
 
-    Odometry alone gives each bridged step an independent error of many times its length. One camera
-    does not measure lengths: with it, steps would then shrink to nothing wherever that suits the
-    directions.
+    Odometry alone gives each bridged step, where the DVL was silent, an independent error of many
+    times its length. One camera does not measure lengths: with it, steps would then shrink to
+    nothing wherever that suits the directions. t_ns (n,): of the nodes.
     """
     duration_s = (t_ns[odometry.second] - t_ns[odometry.first]) * 1e-9
     sigma_m_s = np.sqrt(odometry.covariance[:, 0, 0]) / np.maximum(duration_s, 1e-3)
@@ -99,11 +114,11 @@ def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
 
 
 def gauge_prior(nodes: Poses, attitude: Attitude) -> native.PosePriors:
-    """Return the prior that fixes g: x, y and heading are those of the first pose; depth, roll and
-    pitch are left to their sensors where there are any.
+    """Build the prior that fixes g by the first pose.
 
-    A depth that nothing measured is part of the gauge: held loosely beside links of a tenth of a
-    millimetre, it is undetermined as far as double precision can tell.
+    x, y and heading are that pose's; depth, roll and pitch are left to their sensors where there
+    are any. A depth that nothing measured is part of the gauge: held loosely relative to links of a
+    tenth of a millimetre, it is undetermined as far as double precision can tell.
     """
     tight_m, tight_rad = 1e-4, 1e-5
     free_m = 10.0 if attitude.has_depth.any() else tight_m

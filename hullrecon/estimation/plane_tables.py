@@ -14,9 +14,7 @@ from hullrecon.records.planes import TiedPlanes
 
 
 def with_planes(problem: native.Problem, planes: TiedPlanes | None) -> native.Problem:
-    """Return the problem with planes as unknowns, the ranges to them and their pairs; as it is
-    where there are none.
-    """
+    """Add planes as unknowns, the ranges to them and their pairs to a problem."""
     if planes is None:
         return problem
     rows = planes.ranges

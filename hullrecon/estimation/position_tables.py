@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The table of a native.Problem that comes from positions from outside, and how far they are from
-the path.
-"""
+"""The table of a native problem that holds positions from outside, and their fit to the path."""
 
 from __future__ import annotations
 
@@ -22,9 +20,7 @@ MEDIAN_OF_NORM = float(np.sqrt(2 * np.log(2)))  # of two normal numbers
 
 
 def with_positions(problem: native.Problem, ties: PositionTies | None) -> native.Problem:
-    """Return the problem with positions, and where its path lies in their frame to begin with; as
-    it is without any.
-    """
+    """Add positions to a problem, started where its path lies in their frame."""
     if ties is None:
         return problem
     pose = problem.unknowns.pose
@@ -43,8 +39,9 @@ def with_positions(problem: native.Problem, ties: PositionTies | None) -> native
 
 
 def place_path(ties: PositionTies, path: Poses) -> Array:
-    """Return north and east of g's origin and the heading of its x axis (3,), by which a path T_g_v
-    lies on the positions: the least sum of distances in sigmas, which outliers hardly move.
+    """Fit where a path lies on positions: north and east of g's origin, heading of its x axis (3,).
+
+    By the least sum of distances in sigmas, which outliers hardly move.
     """
     at = path[ties.node].apply(ties.antenna)[:, :2]
     weight = 1 / ties.sigma**2
@@ -62,19 +59,15 @@ def place_path(ties: PositionTies, path: Poses) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class PositionFit:
-    """How positions lie to a solved path. count; span_s: from the first to the last; sigma_m: their
-    median; rms: of their residuals in sigmas, by the median, so that outliers do not count;
-    outliers: farther than OUTLIER_SIGMAS of that; heading, heading_sigma (rad): of g's x axis in
-    their frame.
-    """
+    """How positions lie to a solved path."""
 
     count: int
-    span_s: float
-    sigma_m: float
-    rms: float
-    outliers: int
-    heading: float
-    heading_sigma: float
+    span_s: float  # from the first to the last
+    sigma_m: float  # their median
+    rms: float  # of residuals in sigmas, by the median, so that outliers do not count
+    outliers: int  # farther than OUTLIER_SIGMAS of that
+    heading: float  # rad, of g's x axis in their frame
+    heading_sigma: float  # rad
 
     def facts(self) -> dict[str, object]:
         """Return the numbers for a step's document."""
@@ -89,14 +82,14 @@ class PositionFit:
         }
 
     def disagreement(self) -> str | None:
-        """Return a sentence where positions and navigation contradict each other, None where they
-        do not.
-        """
+        """Say that positions and navigation contradict each other, where they do."""
         if self.rms <= DISAGREE_SIGMAS:
             return None
         return (
-            f"The positions from outside disagree with navigation: {self.rms:.1f} of their sigmas of {self.sigma_m:.2g} m "
-            "(rms) are left between them. Check position.origin, position.frame, position.time_offset, position.sigma_m and "
+            f"The positions from outside disagree with navigation: {self.rms:.1f} of their sigmas "
+            f"of {self.sigma_m:.2g} m "
+            "(rms) are left between them. Check position.origin, position.frame, "
+            "position.time_offset, position.sigma_m and "
             "imu.heading_drift_deg_per_hour."
         )
 
@@ -107,8 +100,9 @@ def fit_of_positions(
     world_covariance: Array,
     options: native.Options,
 ) -> PositionFit | None:
-    """Return how positions lie to the path of a problem at its solution; world_covariance (3, 3):
-    of Unknowns.world there.
+    """Compare positions with the path of a problem at its solution.
+
+    world_covariance (3, 3): of Unknowns.world there.
     """
     if ties is None:
         return None

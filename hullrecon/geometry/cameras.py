@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The camera of ROS's camera_info: a pinhole with the plumb_bob distortion. Pixel centres are
-OpenCV's.
-"""
+"""The camera of ROS's camera_info: a pinhole with plumb_bob distortion, as in OpenCV."""
 
 from __future__ import annotations
 
@@ -16,17 +14,17 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class CameraModel:
-    """fx, fy, cx, cy in pixels; k1, k2, p1, p2, k3 without unit, in OpenCV's order."""
+    """A pinhole with plumb_bob distortion."""
 
-    width: int
-    height: int
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    k1: float = 0.0
+    width: int  # px
+    height: int  # px
+    fx: float  # px
+    fy: float  # px
+    cx: float  # px
+    cy: float  # px
+    k1: float = 0.0  # radial, as are k2 and k3, in OpenCV's order
     k2: float = 0.0
-    p1: float = 0.0
+    p1: float = 0.0  # tangential, as is p2
     p2: float = 0.0
     k3: float = 0.0
 
@@ -39,20 +37,20 @@ class CameraModel:
         return np.array([self.k1, self.k2, self.p1, self.p2, self.k3])
 
     def parameters(self) -> Array:
-        """Return (9,) fx, fy, cx, cy, k1, k2, p1, p2, k3: the order of the native module."""
+        """Return (9,) fx, fy, cx, cy, k1, k2, p1, p2, k3, the native module's order."""
         return np.array(
             [self.fx, self.fy, self.cx, self.cy, self.k1, self.k2, self.p1, self.p2, self.k3]
         )
 
     def project(self, points: ArrayLike) -> Array:
-        """Return pixels (n, 2) of points (n, 3) in the camera frame; NaN behind the camera."""
+        """Project points (n, 3) in the camera frame to pixels (n, 2); NaN behind the camera."""
         p = np.atleast_2d(np.asarray(points, float))
         xy = np.full((len(p), 2), np.nan)
         np.divide(p[:, :2], p[:, 2:], out=xy, where=p[:, 2:] > 1e-9)
         return self.distort(xy)
 
     def distort(self, xy: ArrayLike) -> Array:
-        """Return pixels (n, 2) of ideal coordinates x/z, y/z (n, 2)."""
+        """Map ideal coordinates x/z, y/z (n, 2) to pixels (n, 2)."""
         x, y = np.asarray(xy, float).T
         r2 = x * x + y * y
         radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
@@ -61,7 +59,7 @@ class CameraModel:
         return np.stack([self.fx * u + self.cx, self.fy * v + self.cy], axis=1)
 
     def undistort(self, pixels: ArrayLike, iterations: int = 12) -> Array:
-        """Return ideal coordinates x/z, y/z (n, 2) of pixels (n, 2), by fixed-point iteration."""
+        """Map pixels (n, 2) to ideal coordinates x/z, y/z (n, 2), by fixed-point iteration."""
         p = np.atleast_2d(np.asarray(pixels, float))
         want = (p - [self.cx, self.cy]) / [self.fx, self.fy]
         x, y = want.T.copy()
@@ -74,7 +72,7 @@ class CameraModel:
         return np.stack([x, y], axis=1)
 
     def rays(self, pixels: ArrayLike) -> Array:
-        """Return unit directions (n, 3) in the camera frame of pixels (n, 2)."""
+        """Compute unit directions (n, 3) in the camera frame of pixels (n, 2)."""
         xy = self.undistort(pixels)
         ray = np.hstack([xy, np.ones((len(xy), 1))])
         return np.asarray(ray / np.linalg.norm(ray, axis=1, keepdims=True))

@@ -28,15 +28,15 @@ class Camera(StrEnum):
 
     @property
     def column(self) -> int:
-        """Return the camera's column in `Trajectory.image`: 0 top, 1 bottom."""
+        """The camera's column in `Trajectory.image`: 0 top, 1 bottom."""
         return tuple(Camera).index(self)
 
     @property
     def key(self) -> str:
-        """Return the name of the camera's topic, files and folders: `camera_top`."""
+        """Name of the camera's topic, files and folders: `camera_top`."""
         return f"camera_{self.value}"
 
     @property
     def section(self) -> str:
-        """Return the camera's table in dive.toml: `camera.top`."""
+        """The camera's table in dive.toml: `camera.top`."""
         return f"camera.{self.value}"

@@ -13,7 +13,7 @@ SQUARED_ECCENTRICITY = FLATTENING * (2 - FLATTENING)
 
 
 def earth_fixed(latitude_deg: Array, longitude_deg: Array) -> Array:
-    """Return points on the ellipsoid, earth-centred and earth-fixed (n, 3), m."""
+    """Convert positions on the ellipsoid to earth-centred, earth-fixed points (n, 3), m."""
     latitude, longitude = np.radians(latitude_deg), np.radians(longitude_deg)
     normal = SEMI_MAJOR_M / np.sqrt(1 - SQUARED_ECCENTRICITY * np.sin(latitude) ** 2)
     across = normal * np.cos(latitude)
@@ -22,8 +22,9 @@ def earth_fixed(latitude_deg: Array, longitude_deg: Array) -> Array:
 
 
 def north_east(latitude_deg: Array, longitude_deg: Array) -> Array:
-    """Return metres north and east (n, 2) of the first point, on the plane that touches the
-    ellipsoid there.
+    """Compute metres north and east (n, 2) of the first position.
+
+    On the plane that touches the ellipsoid there.
     """
     at = earth_fixed(latitude_deg, longitude_deg)
     latitude, longitude = np.radians(latitude_deg[0]), np.radians(longitude_deg[0])

@@ -10,10 +10,12 @@ from hullrecon.typing import Array, Ints
 
 
 def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
-    """Return distances and rows (m, count) of the points (n, k) nearest to each wanted (m, k),
-    nearest first.
+    """Find the points (n, k) nearest to each wanted one (m, k).
 
-    Where fewer lie within reach the distance is inf and the row n.
+    Returns
+    -------
+    distance, row
+        (m, count), nearest first. Where fewer lie within reach the distance is inf and the row n.
     """
     from scipy.spatial import cKDTree
 
@@ -24,7 +26,7 @@ def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> 
 
 
 class Around:
-    """Rows of points (n, k) around places, from one tree for many questions."""
+    """Finds points (n, k) around places, from one tree for many questions."""
 
     def __init__(self, points: Array) -> None:
         from scipy.spatial import cKDTree
@@ -32,17 +34,17 @@ class Around:
         self._tree = cKDTree(points)
 
     def __call__(self, center: Array, reach: float) -> Ints:
-        """Return rows within reach of one center (k,), ascending."""
+        """Find rows within reach of one center (k,), ascending."""
         return np.array(self._tree.query_ball_point(center, reach, return_sorted=True), np.int64)
 
     def ball(self, points: Array, reach: float) -> Ints:
-        """Return rows within reach of any of the points and more: of the ball around all of them."""
+        """Find rows of the ball around all places within reach of any of the points."""
         center = 0.5 * (points.min(axis=0) + points.max(axis=0))
         return self(center, float(np.linalg.norm(points - center, axis=1).max()) + reach)
 
 
 def count_within(points: Array, wanted: Array, reach: float) -> Ints:
-    """Return how many points (n, k) lie within reach of each wanted (m, k)."""
+    """Count the points (n, k) within reach of each wanted one (m, k)."""
     from scipy.spatial import cKDTree
 
     return np.asarray(cKDTree(points).query_ball_point(wanted, reach, return_length=True), np.int64)

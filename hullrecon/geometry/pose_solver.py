@@ -25,21 +25,19 @@ MOST_DAMPING = 1e6  # no step that small changes anything: the minimum to the pr
 
 @dataclass(frozen=True, kw_only=True)
 class LinearisedCost:
-    """A cost at a pose: cost, half the sum of squares; gradient (6,) and information (6, 6) by the
-    step of the update.
-    """
+    """A cost at a pose."""
 
-    cost: float
-    gradient: Array
-    information: Array
+    cost: float  # half the sum of squares
+    gradient: Array  # (6,) by the step of the update
+    information: Array  # (6, 6)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PoseSolution:
-    """The pose at the minimum (a batch of one) and its cost, linearised there."""
+    """The minimum of a cost."""
 
-    pose: Poses
-    at_minimum: LinearisedCost
+    pose: Poses  # a batch of one
+    at_minimum: LinearisedCost  # the cost there
 
 
 def minimise_over_pose(
@@ -52,11 +50,22 @@ def minimise_over_pose(
     min_relative_decrease: float = 0.0,
     free_directions: Callable[[Poses], Array] | None = None,
 ) -> PoseSolution:
-    """Return the pose of least cost from `start` (a batch of one).
+    """Minimise a cost over a pose by damped Gauss-Newton steps.
 
-    update applies a step (6,) to a pose. It ends when an accepted step lowers the cost by less than
-    `min_decrease`, or by less than that share of it. free_directions gives a basis (6, k) of the
-    steps allowed at a pose; all six by default.
+    Parameters
+    ----------
+    start
+        A batch of one.
+    linearise
+        Gives the cost at a pose.
+    update
+        Applies a step (6,) to a pose.
+    max_iterations
+        At most.
+    min_decrease, min_relative_decrease
+        It ends when an accepted step lowers the cost by less than either.
+    free_directions
+        Gives a basis (6, k) of the steps allowed at a pose; all six by default.
     """
     pose, here, damping = start, linearise(start), FIRST_DAMPING
     for _ in range(max_iterations):

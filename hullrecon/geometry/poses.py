@@ -21,10 +21,10 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True)
 class Poses:
-    """T_a_b of n frames. quaternion (n, 4) x y z w, unit; translation (n, 3), metres."""
+    """Poses a_from_b of n frames: they map coordinates in b to a."""
 
-    quaternion: Array
-    translation: Array
+    quaternion: Array  # (n, 4) x y z w, unit
+    translation: Array  # (n, 3) m
 
     def __len__(self) -> int:
         return len(self.quaternion)
@@ -32,34 +32,34 @@ class Poses:
     def __getitem__(
         self, index: int | slice | NDArray[np.integer] | Mask | Sequence[int] | Sequence[np.integer]
     ) -> Poses:
-        """Return rows by slice, mask or index array; an integer gives a batch of one."""
+        """Select rows by slice, mask or index array; an integer gives a batch of one."""
         rows = np.atleast_1d(
             np.arange(len(self))[index if isinstance(index, slice) else np.asarray(index)]
         )
         return Poses(self.quaternion[rows], self.translation[rows])
 
     def __matmul__(self, other: Poses) -> Poses:
-        """Return the composition T_a_b @ T_b_c = T_a_c; a batch of one broadcasts."""
+        """Compose a_from_b @ b_from_c = a_from_c; a batch of one broadcasts."""
         rotation = self.rotation * other.rotation
         return Poses(rotation.as_quat(), self.apply(other.translation))
 
     @property
     def rotation(self) -> Rotation:
-        """Return R_a_b (n)."""
+        """Rotations of b in a (n)."""
         return Rotation.from_quat(self.quaternion)
 
     def matrix(self) -> Array:
-        """Return (n, 4, 4)."""
+        """Return homogeneous matrices (n, 4, 4)."""
         out = np.tile(np.eye(4), (len(self), 1, 1))
         out[:, :3, :3], out[:, :3, 3] = self.rotation.as_matrix(), self.translation
         return out
 
     def apply(self, points: ArrayLike) -> Array:
-        """Return points (n, 3) in b, one a pose (or a batch of one on either side), to a."""
+        """Transform points (n, 3) of b to a, one a pose or a batch of one on either side."""
         return np.asarray(self.rotation.apply(np.asarray(points, float)) + self.translation)
 
     def inverse(self) -> Poses:
-        """Return T_b_a (n)."""
+        """Return b_from_a (n)."""
         back = self.rotation.inv()
         return Poses(back.as_quat(), -back.apply(self.translation))
 
@@ -68,7 +68,7 @@ class Poses:
         return np.hstack([self.translation, self.quaternion])
 
     def log(self) -> Array:
-        """Return (n, 6): translation, rotation vector."""
+        """Return translation and rotation vector (n, 6)."""
         return np.hstack([self.translation, self.rotation.as_rotvec()])
 
 
@@ -78,19 +78,19 @@ def identity(n: int = 1) -> Poses:
 
 
 def exp(vectors: ArrayLike) -> Poses:
-    """Return poses of (n, 6) translation, rotation vector: the inverse of `Poses.log`."""
+    """Make poses of translation and rotation vector (n, 6): the inverse of `Poses.log`."""
     v = np.atleast_2d(np.asarray(vectors, float))
     return Poses(Rotation.from_rotvec(v[:, 3:]).as_quat(), v[:, :3].copy())
 
 
 def from_matrix(matrices: ArrayLike) -> Poses:
-    """Return poses of (n, 4, 4) or (4, 4)."""
+    """Make poses of homogeneous matrices (n, 4, 4) or (4, 4)."""
     m = np.asarray(matrices, float).reshape(-1, 4, 4)
     return Poses(Rotation.from_matrix(m[:, :3, :3]).as_quat(), m[:, :3, 3].copy())
 
 
 def from_rpy(translation: ArrayLike, roll_pitch_yaw_rad: ArrayLike) -> Poses:
-    """Return poses (n) with R = Rz(yaw) Ry(pitch) Rx(roll); both (n, 3) or (3,)."""
+    """Make poses (n) with R = Rz(yaw) Ry(pitch) Rx(roll) of (n, 3) or (3,)."""
     rpy = np.atleast_2d(np.asarray(roll_pitch_yaw_rad, float))
     return Poses(
         Rotation.from_euler("xyz", rpy).as_quat(),
@@ -99,12 +99,12 @@ def from_rpy(translation: ArrayLike, roll_pitch_yaw_rad: ArrayLike) -> Poses:
 
 
 def up_in(global_from_frame: Poses) -> Array:
-    """Return up (3,) in a frame of which a batch of one gives the pose in g, whose z is down."""
+    """Compute up (3,) in a frame from its pose in g (a batch of one), whose z is down."""
     return np.asarray(global_from_frame.rotation.inv().apply([0.0, 0.0, -1.0])[0])
 
 
 def from_mount(mount: ArrayLike) -> Poses:
-    """Return one pose of dive.toml's six numbers: x, y, z in metres, roll, pitch, yaw in degrees."""
+    """Make a pose of dive.toml's six numbers: x y z in m, roll pitch yaw in degrees."""
     m = np.asarray(mount, float)
     return from_rpy(m[:3], np.radians(m[3:]))
 
@@ -115,12 +115,12 @@ def pose_vector(pose: Poses) -> Array:
 
 
 def pose_from_vector(values: Array) -> Poses:
-    """Return the pose (a batch of one) of x y z qx qy qz qw (7,), its quaternion normalised."""
+    """Make a batch of one of x y z qx qy qz qw (7,), its quaternion normalised."""
     return Poses(values[None, 3:] / np.linalg.norm(values[3:]), values[None, :3].copy())
 
 
 def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
-    """Return T_v_s = Trans(origin) Ry(theta) for angles (n,)."""
+    """Compute vehicle_from_tray = Trans(origin) Ry(theta) for angles (n,)."""
     angle = np.atleast_1d(np.asarray(angle_rad, float))
     return Poses(
         Rotation.from_euler("y", angle[:, None]).as_quat(),
@@ -129,8 +129,9 @@ def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
 
 
 def interpolate(t_ns: Ints, poses: Poses, wanted_ns: Ints) -> Poses:
-    """Return poses (m) at the times wanted (m,), linear in translation, slerp in rotation; outside
-    the span the nearest end is held.
+    """Interpolate poses at times (m,), linear in translation, slerp in rotation.
+
+    Outside the span the nearest end is held.
     """
     at = np.clip(wanted_ns, t_ns[0], t_ns[-1])
     right = np.clip(np.searchsorted(t_ns, at, side="right"), 1, max(1, len(t_ns) - 1))

@@ -11,8 +11,9 @@ from hullrecon.typing import Array
 
 
 def fit_rigid(source: Array, target: Array) -> Poses:
-    """Return the motions that take point sets (s, n, 3) onto others (s, n, 3), or one set (n, 3)
-    onto another; n >= 3.
+    """Fit the rigid motions that take point sets (s, n, 3) onto others, or one (n, 3) onto another.
+
+    n >= 3.
     """
     first, second = (np.asarray(p, float).reshape(-1, *np.shape(p)[-2:]) for p in (source, target))
     mean_first, mean_second = first.mean(axis=1, keepdims=True), second.mean(axis=1, keepdims=True)
@@ -28,8 +29,6 @@ def fit_rigid(source: Array, target: Array) -> Poses:
 
 
 def fit_scale(source: Array, target: Array, motion: Poses) -> float:
-    """Return the factor about the source's mean that fits points (n, 3) best onto others once
-    `motion` is applied.
-    """
+    """Fit the scale about the source's mean that takes points (n, 3) onto others after `motion`."""
     a, b = source - source.mean(axis=0), target - target.mean(axis=0)
     return float(np.sum(motion.rotation.apply(a) * b) / np.sum(a**2))

@@ -13,9 +13,10 @@ NORMAL_MAD = 1.4826
 
 
 def robust_sigma(values: Array, about: float | None = None) -> float:
-    """Return one sigma of values (n,), in their unit, as if they were normal, by the median of
-    their distances from `about`, their own median when it is not given. Up to half of them may be
-    wild. NaN of nothing.
+    """Estimate the sigma of values (n,) by their median distance from `about`.
+
+    As if they were normal; up to half of them may be wild. `about` is their median unless given.
+    NaN of no values.
     """
     if not len(values):
         return float("nan")
@@ -25,7 +26,7 @@ def robust_sigma(values: Array, about: float | None = None) -> float:
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:
-    """Return the value below which that share of the weight lies."""
+    """Find the value below which that share of the weight lies."""
     order = np.argsort(values, kind="stable")
     total = np.cumsum(weight[order])
     at = np.searchsorted(total, share * total[-1])

@@ -11,7 +11,7 @@ from hullrecon.typing import Array
 
 
 def cross_matrix(vectors: Array) -> Array:
-    """Return [v]x, (..., 3, 3), of vectors (..., 3): `[v]x w = v x w`."""
+    """Build [v]x (..., 3, 3) of vectors (..., 3): `[v]x w = v x w`."""
     v = np.asarray(vectors, float)
     out = np.zeros((*v.shape, 3))
     out[..., 2, 1], out[..., 0, 2], out[..., 1, 0] = v[..., 0], v[..., 1], v[..., 2]
@@ -20,14 +20,12 @@ def cross_matrix(vectors: Array) -> Array:
 
 
 def cross(first: Array, second: Array) -> Array:
-    """Return the vector products (..., 3) of vectors (..., 3): `numpy.cross`, a fifth of its time
-    on a few vectors.
-    """
+    """Compute vector products (..., 3) as `numpy.cross`, in a fifth of its time on few vectors."""
     a0, a1, a2 = first[..., 0], first[..., 1], first[..., 2]
     b0, b1, b2 = second[..., 0], second[..., 1], second[..., 2]
     return np.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=-1)
 
 
 def roll_pitch_yaw(rotation: Rotation) -> Array:
-    """Return roll, pitch, yaw (n, 3), rad, with R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Compute roll, pitch, yaw (n, 3) rad with R = Rz(yaw) Ry(pitch) Rx(roll)."""
     return np.atleast_2d(rotation.as_euler("xyz"))

@@ -18,40 +18,42 @@ INVERSE_PX = 0.01  # the farthest that undoing and redoing it may miss
 
 @dataclass(frozen=True)
 class Undistortion:
-    """A camera and the pinhole that its images are resampled to: all of its pixels were seen, its
-    focal lengths are the camera's, and its principal point is the middle of the image, where
-    trainers of Gaussian splats take it to be.
-    """
+    """A camera and the pinhole that its images are resampled to."""
 
     source: CameraModel
+    # its focal lengths are the camera's, all its pixels were seen, and its principal point is the
+    # image's middle, where trainers of Gaussian splats take it to be
     pinhole: CameraModel
 
     def pixels(self, pixels: Array) -> Array:
-        """Return where pixels (n, 2) of the source lie in the pinhole's image."""
+        """Map pixels (n, 2) of the source to the pinhole's image."""
         return self.pinhole.distort(self.source.undistort(pixels))
 
     def holds(self, pixels: Array) -> Array:
-        """Return which of pixels (n, 2) of the pinhole's image lie in it."""
+        """Tell which pixels (n, 2) lie in the pinhole's image."""
         last = np.array([self.pinhole.width, self.pinhole.height]) - 0.5
         return np.asarray(np.all((pixels >= -0.5) & (pixels <= last), axis=1))
 
     def resample(self, image: Pixels) -> Pixels:
-        """Return an image (h, w, 3) of the source as the pinhole sees it, cubic between pixels.
+        """Resample an image (h, w, 3) of the source to the pinhole, cubic between pixels.
 
         Raises InputError for an image of another size than the source's.
         """
         import cv2
 
         if image.shape[:2] != (self.source.height, self.source.width):
-            size = f"{image.shape[1]} x {image.shape[0]} pixels, its calibration says {self.source.width} x {self.source.height}"
-            raise InputError(f"an image has {size}")
+            size, said = image.shape, self.source
+            raise InputError(
+                f"an image has {size[1]} x {size[0]} pixels, its calibration says "
+                f"{said.width} x {said.height}"
+            )
         u, v = (part.astype(np.float32) for part in self._source_pixels())
         return np.asarray(
             cv2.remap(image, u, v, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.uint8
         )
 
     def _source_pixels(self) -> tuple[Array, Array]:
-        """Return columns and rows (h, w) in the source of the pinhole's pixels."""
+        """Compute columns and rows (h, w) in the source of the pinhole's pixels."""
         pinhole = self.pinhole
         x = (np.arange(pinhole.width) - pinhole.cx) / pinhole.fx
         y = (np.arange(pinhole.height) - pinhole.cy) / pinhole.fy
@@ -61,8 +63,7 @@ class Undistortion:
 
 
 def undistortion(camera: CameraModel) -> Undistortion:
-    """Return a pinhole image around the principal point, nearly the largest without a pixel that
-    the camera did not see.
+    """Choose a pinhole image around the principal point, nearly the largest that was all seen.
 
     Raises InputError where the distortion folds the image within its borders, so that it cannot be
     undone.

@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The typed face of the C++ module: bundle adjustment, mesh queries, pairs of features. Nothing
-else imports hullrecon._native.
+"""The typed face of the C++ module: bundle adjustment, mesh queries, pairs of features.
 
-The module is built by the (editable) installation and found through it, from whatever folder or
-PYTHONPATH Python is started; a checkout that was never installed has no hullrecon._native.
-Importing this package does not load it yet.
+Nothing else imports hullrecon._native. The module is built by the (editable) installation and found
+through it, from whatever folder or PYTHONPATH Python is started; a checkout that was never
+installed has no hullrecon._native. Importing this package does not load it yet.
 """
 
 from hullrecon.native.columns import IDENTITY

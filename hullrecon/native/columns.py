@@ -15,30 +15,30 @@ IDENTITY.setflags(write=False)
 
 
 def floats(*shape: int) -> Array:
-    """Return the default of a field: a table without rows, or zeros."""
+    """Default of a field: a table without rows, or zeros."""
     default: Array = field(default_factory=lambda: np.zeros(shape))
     return default
 
 
 def integers(*shape: int) -> Ints32:
-    """Return the default of a field: a table without rows."""
+    """Default of a field: a table without rows."""
     default: Ints32 = field(default_factory=lambda: np.zeros(shape, np.int32))
     return default
 
 
 def mask(*shape: int) -> Mask:
-    """Return the default of a field: a table without rows."""
+    """Default of a field: a table without rows."""
     default: Mask = field(default_factory=lambda: np.zeros(shape, np.bool_))
     return default
 
 
 def motion() -> Array:
-    """Return the default of a field: the identity."""
+    """Default of a field: the identity."""
     default: Array = field(default_factory=IDENTITY.copy)
     return default
 
 
 def pinhole() -> Array:
-    """Return the default of a field: intrinsics of unit focal length."""
+    """Default of a field: intrinsics of unit focal length."""
     default: Array = field(default_factory=lambda: np.array([1.0, 1, 0, 0, 0, 0, 0, 0, 0]))
     return default

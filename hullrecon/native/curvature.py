@@ -1,15 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the curvature of a hull makes of two planes on it, by two characteristic radii [Ozog2016
-2.3.4, B.6].
+"""The difference that a hull's curvature makes of two planes on it, by two characteristic radii.
 
-Azimuth runs about z of the vehicle, elevation towards z. Where the vehicle moves by t_a and t_e
-across the normal of a plane at the distance p, the normal leans by t_a / (radius_azimuth + p) and
-t_e / (radius_elevation + p). The print adds t_y over radius_azimuth and t_z over radius_elevation
-whatever the normal's direction; that holds for a normal along +x of the vehicle alone, has the
-wrong sign in azimuth for a vehicle that looks ahead at the hull, and forgets that the vehicle's way
-is longer than that on the hull. The printed distance stays, too; here the plane touches the surface
-that has curved away meanwhile.
+As in [Ozog2016 2.3.4, B.6]. Azimuth runs about z of the vehicle, elevation towards z. Where the
+vehicle moves by t_a and t_e across the normal of a plane at the distance p, the normal leans by t_a
+/ (radius_azimuth + p) and t_e / (radius_elevation + p). The print adds t_y over radius_azimuth and
+t_z over radius_elevation whatever the normal's direction; that holds for a normal along +x of the
+vehicle alone, has the wrong sign in azimuth for a vehicle that looks ahead at the hull, and forgets
+that the vehicle's way is longer than that on the hull. The printed distance stays, too; here the
+plane touches the surface that has curved away meanwhile.
 """
 
 from __future__ import annotations
@@ -22,12 +21,18 @@ from hullrecon.typing import Array
 def curvature_difference(
     plane: Array, moved: Array, radius_azimuth: Array, radius_elevation: Array
 ) -> Array:
-    """Return by how much a plane differs from one seen after the vehicle has moved, on a hull of
-    these radii: (m, 3) m.
+    """Compute by how much a plane differs from one seen after the vehicle has moved, (m, 3) m.
 
-    plane (m, 3): seen by the first pose. moved (m, 3) m: the second pose's origin in the vehicle
-    frame of the first. The radii (m,) m of a convex hull are positive, inf is flat. The result is
-    in the vehicle frame of the first pose: PlanePairTable.measured.
+    In the vehicle frame of the first pose: PlanePairTable.measured.
+
+    Parameters
+    ----------
+    plane
+        (m, 3) m seen by the first pose.
+    moved
+        (m, 3) m, the second pose's origin in the vehicle frame of the first.
+    radius_azimuth, radius_elevation
+        (m,) m of the hull; positive of a convex one, inf is flat.
     """
     distance = np.linalg.norm(plane, axis=-1, keepdims=True)
     n = plane / distance
@@ -60,13 +65,21 @@ def curvature_information(
     covariance: Array,
     floor_m: float,
 ) -> Array:
-    """Return sqrt_information (m, 3, 3) of plane pairs: of diag(difference^2) + C S C' + floor^2
-    [Ozog2016 2.3.4].
+    """Compute the sqrt_information (m, 3, 3) of plane pairs.
 
-    The first four as in `curvature_difference`; rotation (m, 3, 3): global_from_vehicle of the
-    first pose; covariance (m, 14, 14): of both poses, as `pair_covariance` gives it; C is the
-    derivative of the difference by them. floor_m: sigma of what no radius explains (frames, weld
-    seams, the fit of the patches).
+    Of diag(difference^2) + C S C' + floor^2 [Ozog2016 2.3.4]; C is the derivative of the difference
+    by the poses.
+
+    Parameters
+    ----------
+    plane, moved, radius_azimuth, radius_elevation
+        As in `curvature_difference`.
+    rotation
+        (m, 3, 3) global_from_vehicle of the first pose.
+    covariance
+        S (m, 14, 14) of both poses, as `pair_covariance` gives it.
+    floor_m
+        Sigma of what no radius explains (frames, weld seams, the fit of the patches).
     """
     h = 1e-4
 

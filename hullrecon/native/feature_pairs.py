@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Features of two images pair by pair: which lie near each other, how far their descriptors are
-apart, which are the best.
-"""
+"""Features of two images pair by pair: near ones, distances of descriptors, best ones."""
 
 from __future__ import annotations
 
@@ -14,11 +12,19 @@ from hullrecon.typing import Array, Floats32, Ints
 def pairs_in_regions(
     center: Array, half_width: Array, form: Array | None, points: Array
 ) -> tuple[Ints, Ints]:
-    """Return the pairs (row of center, row of points), in order of both, of the points (m, 2)
-    within half_width (n, 2) of a center (n, 2), and where `form` (n, 3) is given with `xx dx^2 + 2
-    xy dx dy + yy dy^2 <= 1`; none with what is not finite.
+    """Find the pairs (row of center, row of points) of points within a region of a center.
 
-    Raises InputError for shapes that do not fit.
+    In order of both. What is not finite pairs with nothing. Raises InputError for shapes that do
+    not fit.
+
+    Parameters
+    ----------
+    center, half_width
+        (n, 2) of the regions.
+    form
+        (n, 3) where given: `xx dx^2 + 2 xy dx dy + yy dy^2 <= 1` within the region.
+    points
+        (m, 2).
     """
     import hullrecon._native as _native  # compiled; loads the solver's libraries
 
@@ -30,7 +36,7 @@ def pairs_in_regions(
 
 
 def descriptor_distances(a: Floats32, b: Floats32, first: Ints, second: Ints) -> Floats32:
-    """Return the Euclidean distances (m,) of the rows first of a (n, w) and second of b (k, w).
+    """Compute the Euclidean distances (m,) of rows `first` of a (n, w) and `second` of b (k, w).
 
     Raises InputError for rows that are not there.
     """
@@ -41,8 +47,10 @@ def descriptor_distances(a: Floats32, b: Floats32, first: Ints, second: Ints) ->
 
 
 def best_and_next(key: Ints, distance: Floats32) -> tuple[Ints, Floats32]:
-    """Return the row of the least distance of each key, the first of equals, in order of the keys,
-    and by key the second least (inf where there is none). key (m,): not negative; distance (m,).
+    """Find the row of the least distance of each key, and each key's second least distance.
+
+    Rows are in order of the keys, the first of equals; the second least is inf where there is none.
+    key (m,): not negative; distance (m,).
     """
     import hullrecon._native as _native
 

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Links of the pose graph: relative poses of two cameras from a pair of images [KimEustice2009
-II-B].
-"""
+"""Links of the pose graph: relative poses of two cameras from images [KimEustice2009 II-B]."""
 
 from __future__ import annotations
 
@@ -31,40 +29,38 @@ class LinkKernel(IntEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class LinkTable:
-    """Relative poses of two cameras from a pair of images: T = T_g_c1^-1 T_g_c2, the second camera
-    in the first, with T_g_c = T_g_v Trans(tray origin) Ry(tray) T_s_ct and, for the bottom camera,
-    T_ct_cb [KimEustice2009 II-B].
+    """Relative poses of two cameras from a pair of images [KimEustice2009 II-B].
 
-    first, second (m,): nodes. camera_first, camera_second (m,): 0 top, 1 bottom. measured (m, 7):
-    first_from_second. scaled (m,) of bool. kernel (m,): LinkKernel. sqrt_information (m, 6, 6), by
-    which the residual is multiplied:
+    T = T_g_c1^-1 T_g_c2, the second camera in the first, with T_g_c = T_g_v Trans(tray origin)
+    Ry(tray) T_s_ct and, for the bottom camera, T_ct_cb. The residual is multiplied by
+    sqrt_information:
 
     - scaled: 6 rows, (t - t_z in the axes of the first camera m, Log(R_z^-1 R) rad in those of the
       second).
     - not scaled: 5 rows, and the leading 5 x 5 of sqrt_information: the direction of t about that
-      of t_z (2 rows, rad: the
-      angle between them times the tangent, in the axes of `bearing_basis`), then the rotation as
-      above. The length of t_z
-      says nothing, but it must have one. Cameras in one place have no direction: both rows are then
-      pi, without derivative.
+    of
+      t_z (2 rows, rad: the angle between them times the tangent, in the axes of `bearing_basis`),
+      then
+      the rotation as above. The length of t_z says nothing, but it must have one. Cameras in one
+      place
+      have no direction: both rows are then pi, without derivative.
     """
 
-    first: Ints32 = integers(0)
-    second: Ints32 = integers(0)
-    camera_first: Ints32 = integers(0)
-    camera_second: Ints32 = integers(0)
-    measured: Array = floats(0, 7)
-    sqrt_information: Array = floats(0, 6, 6)
-    scaled: Mask = mask(0)
-    kernel: Ints32 = integers(0)
+    first: Ints32 = integers(0)  # (m,) nodes
+    second: Ints32 = integers(0)  # (m,) nodes
+    camera_first: Ints32 = integers(0)  # (m,) 0 top, 1 bottom
+    camera_second: Ints32 = integers(0)  # (m,)
+    measured: Array = floats(0, 7)  # (m, 7) first_from_second
+    sqrt_information: Array = floats(0, 6, 6)  # (m, 6, 6)
+    scaled: Mask = mask(0)  # (m,)
+    kernel: Ints32 = integers(0)  # (m,) LinkKernel
 
 
 def bearing_basis(direction: Array) -> Array:
-    """Return the axes in which a link without length tells its direction: (..., 3, 2), columns b1
-    and b2.
+    """Build the axes in which a link without length tells its direction: (..., 3, 2).
 
-    b1 is across the direction (..., 3) and the axis that it leans to least (the first of equals),
-    b2 = direction x b1.
+    Columns b1 and b2. b1 is across the direction (..., 3) and the axis that it leans to least (the
+    first of equals), b2 = direction x b1.
     """
     z = direction / np.linalg.norm(direction, axis=-1, keepdims=True)
     b1 = np.cross(z, np.eye(3)[np.argmin(np.abs(direction), axis=-1)])

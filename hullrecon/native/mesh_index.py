@@ -15,34 +15,32 @@ from hullrecon.typing import Array, Ints32
 
 @dataclass(frozen=True, kw_only=True)
 class Closest:
-    """distance (n,) m, positive outside by the angle-weighted pseudonormal of the closest feature
-    (face, edge or vertex); point (n, 3) on the mesh; gradient (n, 3) unit, of the signed distance
-    (the pseudonormal where the distance is nothing); face (n,).
-    """
+    """Closest points of a mesh."""
 
+    # (n,) m, positive outside by the angle-weighted pseudonormal of the closest feature (face, edge
+    # or vertex)
     distance: Array
-    point: Array
+    point: Array  # (n, 3) on the mesh
+    # (n, 3) unit, of the signed distance (the pseudonormal where the distance is nothing)
     gradient: Array
-    face: Ints32
+    face: Ints32  # (n,)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hits:
-    """range (n,) m, inf on a miss; face (n,), -1 on a miss; normal (n, 3) unit, outward by the
-    corners' order, 0 on a miss.
-    """
+    """First crossings of rays with a mesh."""
 
-    range: Array
-    face: Ints32
-    normal: Array
+    range: Array  # (n,) m, inf on a miss
+    face: Ints32  # (n,) -1 on a miss
+    normal: Array  # (n, 3) unit, outward by the corners' order, 0 on a miss
 
 
 class MeshIndex:
-    """Answers queries on a mesh: vertices (n, 3) m, faces (m, 3) int32, counter-clockwise from
-    outside.
+    """Closest points and ray casts on a mesh: vertices (n, 3) m, faces (m, 3), outward.
 
-    Vertices with equal coordinates count as one. `threads`: 0 = all cores; the answer does not
-    depend on it. Raises InputError for shapes, indices or numbers that cannot be.
+    Faces are counter-clockwise from outside. Vertices with equal coordinates count as one.
+    `threads`: 0 = all cores; the answer does not depend on it. Raises InputError for shapes,
+    indices or numbers that cannot be.
     """
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, threads: int = 0) -> None:
@@ -55,21 +53,20 @@ class MeshIndex:
         self._threads = threads
 
     def __len__(self) -> int:
-        """Return the number of faces."""
+        """Count the faces."""
         return len(self._index)
 
     def closest(self, points: ArrayLike) -> Closest:
-        """Return the closest points of the mesh to points (n, 3)."""
+        """Find the closest points of the mesh to points (n, 3)."""
         distance, point, gradient, face = self._index.closest(
             np.asarray(points, float), self._threads
         )
         return Closest(distance=distance, point=point, gradient=gradient, face=face)
 
     def cast(self, origins: ArrayLike, directions: ArrayLike) -> Hits:
-        """Return the first crossings of rays, origins (n, 3) and directions (n, 3), with either
-        side of a face.
+        """Find the first crossings of rays, origins (n, 3) and directions (n, 3).
 
-        Directions need not be unit vectors; ranges are metres.
+        With either side of a face. Directions need not be unit vectors; ranges are metres.
         """
         distance, face, normal = self._index.cast(
             np.asarray(origins, float), np.asarray(directions, float), self._threads

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Planes of the pose graph: planar patches of the hull that bound the drift without a camera
-[Ozog2016 2.3.4].
+"""Planes of the pose graph: patches of hull that bound the drift without a camera [Ozog2016 2.3.4].
 
 A plane is three numbers, pi (m): its unit normal towards the origin of its frame times its distance
 from it, so that pi . x = -|pi|^2 on it. It is held in the vehicle frame of its anchor, the node
@@ -18,63 +17,59 @@ from hullrecon.typing import Array, Ints32
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneTable:
-    """Where the planes of Unknowns.plane (p, 3) are held. anchor (p,): nodes."""
+    """Where the planes of Unknowns.plane are held."""
 
-    anchor: Ints32 = integers(0)
+    anchor: Ints32 = integers(0)  # (p,) nodes
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneSightingTable:
-    """Planes seen from poses [Ozog2016 eq. 2.2]: sqrt_information @ (plane in the vehicle frame of
-    the node - measured).
+    """Planes seen from poses [Ozog2016 eq. 2.2].
 
-    node, plane (m,); measured (m, 3) m; sqrt_information (m, 3, 3). A sighting from the anchor
-    joins no poses.
+    sqrt_information @ (plane in the vehicle frame of the node - measured). A sighting from the
+    anchor joins no poses.
     """
 
-    node: Ints32 = integers(0)
-    plane: Ints32 = integers(0)
-    measured: Array = floats(0, 3)
-    sqrt_information: Array = floats(0, 3, 3)
+    node: Ints32 = integers(0)  # (m,)
+    plane: Ints32 = integers(0)  # (m,)
+    measured: Array = floats(0, 3)  # (m, 3) m
+    sqrt_information: Array = floats(0, 3, 3)  # (m, 3, 3)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlanePairTable:
-    """Pairs of planes on one smooth surface, piecewise planar [Ozog2016 eq. 2.3]: sqrt_information
-    @ (second - first - measured - by_place @ (y - place)), both in the vehicle frame of the first's
-    anchor.
+    """Pairs of planes on one smooth surface, piecewise planar [Ozog2016 eq. 2.3].
 
-    first, second (m,): planes, different; measured (m, 3) m: the difference that the curvature
-    between them makes, zeros where it is left to sqrt_information (m, 3, 3). `curvature_difference`
-    and `curvature_information` give both from radii. That difference is of a second plane whose
-    point (m, 3) m, in the vehicle frame of its anchor, lies at place (m, 3) m in that of the
-    first's; by_place (m, 3, 3): by how much it changes with where the point lies, y; zeros where it
-    does not.
+    sqrt_information @ (second - first - measured - by_place @ (y - place)), both planes in the
+    vehicle frame of the first's anchor; y is where `point` lies there. `curvature_difference` and
+    `curvature_information` give measured and sqrt_information from radii.
     """
 
-    first: Ints32 = integers(0)
-    second: Ints32 = integers(0)
+    first: Ints32 = integers(0)  # (m,) planes
+    second: Ints32 = integers(0)  # (m,) planes, others than first
+    # (m, 3) m difference by the curvature between them; zeros where it is left to sqrt_information
     measured: Array = floats(0, 3)
-    sqrt_information: Array = floats(0, 3, 3)
-    point: Array = floats(0, 3)
+    sqrt_information: Array = floats(0, 3, 3)  # (m, 3, 3)
+    point: Array = floats(0, 3)  # (m, 3) m on the second plane, in the vehicle frame of its anchor
+    # (m, 3) m where the difference has that point, in the vehicle frame of the first's anchor
     place: Array = floats(0, 3)
+    # (m, 3, 3) derivative of the difference by y; zeros where it has none
     by_place: Array = floats(0, 3, 3)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneRangeTable:
-    """Ranges of single DVL beams to planes [Ozog2016 eq. 2.4, its sign and square corrected]:
-    (predicted - measured) / sigma, under Huber's loss (Options.huber_range); predicted is -(h + n .
-    o) / (n . d) for a beam from o along d and a plane n . x = -h, in the vehicle frame of the node.
+    """Ranges of single DVL beams to planes [Ozog2016 eq. 2.4, its sign and square corrected].
 
-    node, plane (m,); offset (m, 7), tray_offset (m,), beam (m, 3), measured, sigma (m,) as in
-    RangeTable.
+    (predicted - measured) / sigma, under Huber's loss (Options.huber_range). Predicted is -(h + n .
+    o) / (n . d) for a beam from o along d and a plane n . x = -h, in the vehicle frame of the node.
+    Columns are as in RangeTable.
     """
 
-    node: Ints32 = integers(0)
-    plane: Ints32 = integers(0)
-    offset: Array = floats(0, 7)
-    tray_offset: Array = floats(0)
-    beam: Array = floats(0, 3)
-    measured: Array = floats(0)
-    sigma: Array = floats(0)
+    node: Ints32 = integers(0)  # (m,)
+    plane: Ints32 = integers(0)  # (m,)
+    offset: Array = floats(0, 7)  # (m, 7)
+    tray_offset: Array = floats(0)  # (m,) rad
+    beam: Array = floats(0, 3)  # (m, 3) unit
+    measured: Array = floats(0)  # (m,) m
+    sigma: Array = floats(0)  # (m,) m

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A bundle adjustment problem as tables: what is unknown, what was measured, what is held [Ozog2016
-4.2].
+"""A bundle adjustment problem as tables: unknowns, measurements, what is held [Ozog2016 4.2].
 
 Quaternions are x y z w; motions are 7 numbers, x y z qx qy qz qw. The tangent of a motion is
 (translation, rotation) with the rotation perturbed on the right and the translation added in the
@@ -28,261 +27,237 @@ from hullrecon.typing import Array, Ints32
 
 @dataclass(frozen=True, kw_only=True)
 class Unknowns:
-    """Start values, or a solution.
+    """Start values, or a solution."""
 
-    pose (n, 8): T_g_v and the tray's angle, x y z qx qy qz qw tray. landmark (L, 3) in g. T_g_M,
-    T_s_ct, T_ct_cb, T_s_d (7,). navigation (6,): DVL scale error, heading drift rad/s, roll and
-    pitch bias rad, depth bias m, tray backlash rad. deviation (F,) m: normal offsets of the hull
-    from the CAD model, outward positive, at the nodes of the deviation field (empty: no field).
-    intrinsics_top, intrinsics_bottom (9,): fx fy cx cy k1 k2 p1 p2 k3. link_switch (s,): one for
-    each row of links under LinkKernel.SWITCH, in their order; 1 is closed, 0 open. plane (p, 3) m:
-    each in the vehicle frame of its anchor (planes.py). world (3,): north and east of g's origin m,
-    heading of its x axis rad; unknown where there are positions.
-    """
-
-    pose: Array
-    landmark: Array = floats(0, 3)
-    T_g_M: Array = motion()
+    pose: Array  # (n, 8) global_from_vehicle and the tray's angle, x y z qx qy qz qw tray
+    landmark: Array = floats(0, 3)  # (L, 3) m in g
+    T_g_M: Array = motion()  # (7,) as are the next three
     T_s_ct: Array = motion()
     T_ct_cb: Array = motion()
     T_s_d: Array = motion()
+    # (6,) DVL scale, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash rad
     navigation: Array = floats(6)
+    # (F,) m, normal offsets of the hull from the CAD model, outward positive, at the nodes of the
+    # deviation field; empty: no field
     deviation: Array = floats(0)
-    intrinsics_top: Array = pinhole()
-    intrinsics_bottom: Array = pinhole()
+    intrinsics_top: Array = pinhole()  # (9,) fx fy cx cy k1 k2 p1 p2 k3
+    intrinsics_bottom: Array = pinhole()  # (9,)
+    # (s,) for each row of links under LinkKernel.SWITCH, in their order; 1 is closed, 0 open
     link_switch: Array = floats(0)
-    plane: Array = floats(0, 3)
+    plane: Array = floats(0, 3)  # (p, 3) m, each in the vehicle frame of its anchor (planes.py)
+    # (3,) north and east of g's origin m, heading of its x axis rad; unknown where there are
+    # positions
     world: Array = floats(3)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CadMesh:
-    """vertices (n, 3) m and faces (m, 3) of the CAD model in the problem's hull frame."""
+    """The CAD model in the problem's hull frame."""
 
-    vertices: Array = floats(0, 3)
-    faces: Ints32 = integers(0, 3)
+    vertices: Array = floats(0, 3)  # (n, 3) m
+    faces: Ints32 = integers(0, 3)  # (m, 3)
 
 
 @dataclass(frozen=True, kw_only=True)
 class LeverArms:
-    """Where the tray's axis and the pressure sensor sit in the vehicle frame, (3,) m each."""
+    """Where the tray's axis and the pressure sensor sit in the vehicle frame."""
 
-    tray: Array = floats(3)
-    pressure: Array = floats(3)
+    tray: Array = floats(3)  # (3,) m
+    pressure: Array = floats(3)  # (3,) m
 
 
 @dataclass(frozen=True, kw_only=True)
 class MotionPrior:
-    """A prior on a motion x: sqrt_information (6, 6) times (translation, rotation vector) of
-    value^-1 x [Ozog2016 eq. 4.8].
+    """A prior on a motion x [Ozog2016 eq. 4.8].
 
-    The translation reads in the axes of the value (7,).
+    sqrt_information times (translation, rotation vector) of value^-1 x. The translation is in the
+    axes of the value.
     """
 
-    value: Array
-    sqrt_information: Array
+    value: Array  # (7,)
+    sqrt_information: Array  # (6, 6)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PosePriors:
-    """Priors as MotionPrior on poses. node (m,), value (m, 7), sqrt_information (m, 6, 6)."""
+    """Priors as MotionPrior on poses."""
 
-    node: Ints32 = integers(0)
-    value: Array = floats(0, 7)
-    sqrt_information: Array = floats(0, 6, 6)
+    node: Ints32 = integers(0)  # (m,)
+    value: Array = floats(0, 7)  # (m, 7)
+    sqrt_information: Array = floats(0, 6, 6)  # (m, 6, 6)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SparseRows:
-    """Rows of a sparse matrix, compressed: start (rows + 1,), index (k,) of the column, value (k,)."""
+    """Rows of a sparse matrix, compressed."""
 
-    start: Ints32 = integers(0)
-    index: Ints32 = integers(0)
-    value: Array = floats(0)
+    start: Ints32 = integers(0)  # (rows + 1,)
+    index: Ints32 = integers(0)  # (k,) of the column
+    value: Array = floats(0)  # (k,)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Priors:
-    """Priors by unknown; None: there is none. That of a held block is left out.
-
-    navigation_sigma (6,) and world_sigma (3,) about zero; intrinsics_sigma (9,) about the start;
-    deviation: rows that whiten the deviation field.
-    """
+    """Priors by unknown; None: there is none. That of a held block is left out."""
 
     pose: PosePriors = PosePriors()
     T_g_M: MotionPrior | None = None
     T_s_ct: MotionPrior | None = None
     T_ct_cb: MotionPrior | None = None
     T_s_d: MotionPrior | None = None
-    navigation_sigma: Array = field(default_factory=lambda: np.ones(6))
-    intrinsics_sigma: Array = field(default_factory=lambda: np.ones(9))
+    navigation_sigma: Array = field(default_factory=lambda: np.ones(6))  # (6,) about zero
+    intrinsics_sigma: Array = field(default_factory=lambda: np.ones(9))  # (9,) about the start
     # as good as none
+    # (3,) about zero
     world_sigma: Array = field(default_factory=lambda: np.array([1e4, 1e4, 10.0]))
-    deviation: SparseRows = SparseRows()
+    deviation: SparseRows = SparseRows()  # rows that whiten the deviation field
 
 
 @dataclass(frozen=True, kw_only=True)
 class AttitudeTable(Rows):
-    """Depth, roll, pitch [Ozog2016 eq. 4.9]: z of the pressure sensor + depth bias, roll + its
-    bias, pitch + its bias, less measured. node (m,); measured (m, 3): depth m, roll, pitch rad;
-    sigma (m, 3).
+    """Depth, roll, pitch [Ozog2016 eq. 4.9].
+
+    z of the pressure sensor + depth bias, roll + its bias, pitch + its bias, less measured.
     """
 
-    node: Ints32 = integers(0)
-    measured: Array = floats(0, 3)
-    sigma: Array = floats(0, 3)
+    node: Ints32 = integers(0)  # (m,)
+    measured: Array = floats(0, 3)  # (m, 3) depth m, roll, pitch rad
+    sigma: Array = floats(0, 3)  # (m, 3)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrayTable(Rows):
-    """The tray's angle [Ozog2016 eq. 4.10]: (angle + backlash * direction - measured) / sigma. All
-    (m,), rad.
-    """
+    """The tray's angle [Ozog2016 eq. 4.10]: (angle + backlash * direction - measured) / sigma."""
 
-    node: Ints32 = integers(0)
-    measured: Array = floats(0)
-    direction: Array = floats(0)
-    sigma: Array = floats(0)
+    node: Ints32 = integers(0)  # (m,)
+    measured: Array = floats(0)  # (m,) rad
+    direction: Array = floats(0)  # (m,) +1 or -1
+    sigma: Array = floats(0)  # (m,) rad
 
 
 @dataclass(frozen=True, kw_only=True)
 class OdometryTable(Rows):
-    """Relative motion of two poses [Ozog2016 eq. 4.11]: sqrt_information @ (e - by_navigation @
-    (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) - by_tray * (mean tray angle - tray)), e =
-    (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)), T_ij = T_i^-1 T_j; each by_* is a
-    derivative of the measured motion z in these same coordinates.
+    """Relative motion of two poses [Ozog2016 eq. 4.11].
 
-    first, second (m,): nodes; measured (m, 7); sqrt_information (m, 6, 6); by_navigation (m, 6, 2):
-    by DVL scale error and heading drift; by_mount (m, 6, 3): by the rotation of T_s_d away from
-    mount (7,), which dead reckoning used; by_tray (m, 6): by the mean tray angle of the two nodes
-    away from tray (m,) rad, which it used.
+    sqrt_information @ (e - by_navigation @ (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) -
+    by_tray * (mean tray angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1
+    R_ij)), T_ij = T_i^-1 T_j. Each by_* is a derivative of the measured motion z in these same
+    coordinates.
     """
 
-    first: Ints32 = integers(0)
-    second: Ints32 = integers(0)
-    measured: Array = floats(0, 7)
-    sqrt_information: Array = floats(0, 6, 6)
-    by_navigation: Array = floats(0, 6, 2)
-    by_mount: Array = floats(0, 6, 3)
-    by_tray: Array = floats(0, 6)
-    tray: Array = floats(0)
-    mount: Array = motion()
+    first: Ints32 = integers(0)  # (m,) nodes
+    second: Ints32 = integers(0)  # (m,) nodes
+    measured: Array = floats(0, 7)  # (m, 7)
+    sqrt_information: Array = floats(0, 6, 6)  # (m, 6, 6)
+    by_navigation: Array = floats(0, 6, 2)  # (m, 6, 2) by DVL scale error and heading drift
+    by_mount: Array = floats(0, 6, 3)  # (m, 6, 3) by the rotation of T_s_d away from mount
+    by_tray: Array = floats(0, 6)  # (m, 6) by the mean tray angle of the two nodes away from tray
+    tray: Array = floats(0)  # (m,) rad that dead reckoning used
+    mount: Array = motion()  # (7,) that dead reckoning used
 
     SHARED: ClassVar = frozenset({"mount"})
 
 
 @dataclass(frozen=True, kw_only=True)
 class VelocityTable(Rows):
-    """Constant velocity over three poses in a row, across a gap of the sensors [KimEustice2009
-    II-A]: (mean velocity from the second to the third - that from the first to the second) / sigma,
-    translation in the axes of the second vehicle, rotation vector of each step over its time.
+    """Constant velocity over three poses in a row, across a gap of sensors [KimEustice2009 II-A].
 
-    first, second, third (m,): nodes; before, after (m,) s: the two intervals; sigma (m, 6): m/s,
-    rad/s. Under white acceleration of density q, (m/s^2)^2 s, sigma^2 = q (before + after) / 3.
+    (mean velocity from the second to the third - that from the first to the second) / sigma,
+    translation in the axes of the second vehicle, rotation vector of each step over its time. Under
+    white acceleration of density q, (m/s^2)^2 s, sigma^2 = q (before + after) / 3.
     """
 
-    first: Ints32 = integers(0)
-    second: Ints32 = integers(0)
-    third: Ints32 = integers(0)
-    before: Array = floats(0)
-    after: Array = floats(0)
-    sigma: Array = floats(0, 6)
+    first: Ints32 = integers(0)  # (m,) nodes
+    second: Ints32 = integers(0)  # (m,) nodes
+    third: Ints32 = integers(0)  # (m,) nodes
+    before: Array = floats(0)  # (m,) s, from first to second
+    after: Array = floats(0)  # (m,) s, from second to third
+    sigma: Array = floats(0, 6)  # (m, 6) m/s, rad/s
 
 
 @dataclass(frozen=True, kw_only=True)
 class PositionTable(Rows):
-    """Positions from outside (USBL, GPS): (predicted - measured) / sigma, north and east, m, under
-    Huber's loss on the norm of both rows (Options.huber_position). Predicted is where
-    Unknowns.world has the antenna.
+    """Positions from outside (USBL, GPS): (predicted - measured) / sigma, north and east.
 
-    node (m,); antenna (m, 3): in the vehicle at the node; measured (m, 2): north, east; sigma (m,),
-    of each of them.
+    Under Huber's loss on the norm of both rows (Options.huber_position). Predicted is where
+    Unknowns.world has the antenna.
     """
 
-    node: Ints32 = integers(0)
-    antenna: Array = floats(0, 3)
-    measured: Array = floats(0, 2)
-    sigma: Array = floats(0)
+    node: Ints32 = integers(0)  # (m,)
+    antenna: Array = floats(0, 3)  # (m, 3) m in the vehicle at the node
+    measured: Array = floats(0, 2)  # (m, 2) m north, east
+    sigma: Array = floats(0)  # (m,) m of each of them
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoTable(Rows):
-    """Landmarks in both images [Ozog2016 eq. 4.12]. node, landmark (m,); pixel (m, 4) raw: top u v,
-    bottom u v. sigma_ratio (m,): sigma of a coordinate in Problem.sigma_px; empty: 1.
+    """Landmarks in both images [Ozog2016 eq. 4.12].
 
     One Huber loss on the norm of the 4 rows (Options.huber_stereo); a point behind its camera costs
     10^4 px a row, without derivative.
     """
 
-    node: Ints32 = integers(0)
-    landmark: Ints32 = integers(0)
-    pixel: Array = floats(0, 4)
-    sigma_ratio: Array = floats(0)
+    node: Ints32 = integers(0)  # (m,)
+    landmark: Ints32 = integers(0)  # (m,)
+    pixel: Array = floats(0, 4)  # (m, 4) raw: top u v, bottom u v
+    sigma_ratio: Array = floats(0)  # (m,) sigma of a coordinate in Problem.sigma_px; empty: 1
 
 
 @dataclass(frozen=True, kw_only=True)
 class MonoTable(Rows):
-    """Landmarks in one image [Ozog2016 eq. 4.13]. node, landmark (m,); camera (m,): 0 top, 1
-    bottom; pixel (m, 2) raw. Loss and sigma_ratio are as in StereoTable, on 2 rows
-    (Options.huber_mono).
+    """Landmarks in one image [Ozog2016 eq. 4.13].
+
+    Loss and sigma_ratio are as in StereoTable, on 2 rows (Options.huber_mono).
     """
 
-    node: Ints32 = integers(0)
-    landmark: Ints32 = integers(0)
-    camera: Ints32 = integers(0)
-    pixel: Array = floats(0, 2)
-    sigma_ratio: Array = floats(0)
+    node: Ints32 = integers(0)  # (m,)
+    landmark: Ints32 = integers(0)  # (m,)
+    camera: Ints32 = integers(0)  # (m,) 0 top, 1 bottom
+    pixel: Array = floats(0, 2)  # (m, 2) raw
+    sigma_ratio: Array = floats(0)  # (m,)
 
 
 @dataclass(frozen=True, kw_only=True)
 class FieldNodes(Rows):
-    """Where rows stand in the deviation field: index (m, 4) of nodes and their weight (m, 4); empty
-    without a field.
-    """
+    """Where rows stand in the deviation field; empty without a field."""
 
-    index: Ints32 = integers(0, 4)
-    weight: Array = floats(0, 4)
+    index: Ints32 = integers(0, 4)  # (m, 4) nodes
+    weight: Array = floats(0, 4)  # (m, 4)
 
 
 @dataclass(frozen=True, kw_only=True)
 class RangeTable(Rows):
-    """Ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma; predicted is the
-    distance to the CAD model moved outward by the field: cast - field / cos(incidence).
+    """Ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma.
 
-    node (m,); offset (m, 7): vehicle at the ping in vehicle at the node; tray_offset (m,) rad; beam
-    (m, 3) unit, in dvl; measured, sigma (m,) m.
+    Predicted is the distance to the CAD model moved outward by the field: cast - field /
+    cos(incidence).
     """
 
-    node: Ints32 = integers(0)
-    offset: Array = floats(0, 7)
-    tray_offset: Array = floats(0)
-    beam: Array = floats(0, 3)
-    measured: Array = floats(0)
-    sigma: Array = floats(0)
+    node: Ints32 = integers(0)  # (m,)
+    offset: Array = floats(0, 7)  # (m, 7) vehicle at the ping in vehicle at the node
+    tray_offset: Array = floats(0)  # (m,) rad
+    beam: Array = floats(0, 3)  # (m, 3) unit, in dvl
+    measured: Array = floats(0)  # (m,) m
+    sigma: Array = floats(0)  # (m,) m
     field: FieldNodes = FieldNodes()
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceTable(Rows):
-    """Signed distance of landmarks to the CAD model minus the field [Ozog2016 eqs 4.4, 4.5, 4.7].
-    landmark (m,); weight (m,) multiplies the cost of the mixture.
-    """
+    """Distance of landmarks to the CAD model minus the field [Ozog2016 eqs 4.4, 4.5, 4.7]."""
 
-    landmark: Ints32 = integers(0)
-    weight: Array = floats(0)
+    landmark: Ints32 = integers(0)  # (m,)
+    weight: Array = floats(0)  # (m,) multiplies the cost of the mixture
     field: FieldNodes = FieldNodes()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """Unknowns at their start values, priors and measurements.
-
-    constant: the blocks held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation",
-    "deviation", "intrinsics_top", "intrinsics_bottom", "world", "tray" (every pose's tray angle).
-    sigma_px: of a pixel coordinate, but for what a row's sigma_ratio says.
-    """
+    """Unknowns at their start values, priors and measurements."""
 
     unknowns: Unknowns
+    # blocks held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation",
+    # "intrinsics_top", "intrinsics_bottom", "world", "tray" (every pose's tray angle)
     constant: tuple[str, ...] = ()
     cad_mesh: CadMesh = CadMesh()
     lever_arms: LeverArms = LeverArms()
@@ -292,7 +267,7 @@ class Problem:
     odometry: OdometryTable = OdometryTable()
     stereo: StereoTable = StereoTable()
     mono: MonoTable = MonoTable()
-    sigma_px: float = 1.0
+    sigma_px: float = 1.0  # of a pixel coordinate, but for a row's sigma_ratio
     ranges: RangeTable = RangeTable()
     surface: SurfaceTable = SurfaceTable()
     links: LinkTable = LinkTable()
@@ -304,13 +279,13 @@ class Problem:
     positions: PositionTable = PositionTable()
 
     def hold(self, *blocks: str) -> Problem:
-        """Return the problem with these blocks held too."""
+        """Hold these blocks too."""
         return replace(self, constant=tuple(sorted({*self.constant, *blocks})))
 
     def free(self, *blocks: str) -> Problem:
-        """Return the problem with these blocks unknown."""
+        """Make these blocks unknown."""
         return replace(self, constant=tuple(name for name in self.constant if name not in blocks))
 
     def started_from(self, unknowns: Unknowns) -> Problem:
-        """Return the same factors at other values of the unknowns."""
+        """Take other values of the unknowns."""
         return replace(self, unknowns=unknowns)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Solving a Problem in C++: the optimum, its residuals with their Jacobian, and marginal
-covariances.
-"""
+"""Solving a Problem in C++: the optimum, residuals with their Jacobian, marginal covariances."""
 
 from __future__ import annotations
 
@@ -29,15 +27,16 @@ FACTORS = (
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """Of `solve`. method: naive | geva | maxmix. core: schur (landmarks eliminated by our own code,
-    the fastest) | ceres (the oracle: the same steps and optimum, several times slower).
+    """Options of `solve`.
 
     Huber thresholds apply to the norm of a factor's whitened rows, which grows with their number:
     2.508 of four rows and 1.856 of two leave the same 17.9 % of normal measurements in the linear
     branch as the customary 1.345 of one row; inf switches one off.
     """
 
-    method: str = "maxmix"
+    method: str = "maxmix"  # naive | geva | maxmix
+    # schur: landmarks eliminated by our own code, the fastest; ceres: the oracle, the same steps
+    # and optimum, several times slower
     core: str = "schur"
     sigma_on: float = 0.02  # m, label 1
     sigma_off: float = 1.0  # m, label 0
@@ -63,113 +62,101 @@ DEFAULTS = Options()
 class IterationRecord:
     """What the solver did, one row an iteration (k,), the start first.
 
-    cost: at the point tried, robustified; of a step that was not accepted, cost_by_factor (name ->
-    (k,)) and the counts are those of the last accepted point. gradient_norm: largest entry.
-    seconds: since the start. on_surface: landmarks labelled 1.
+    Of a step that was not accepted, cost_by_factor and the counts are those of the last accepted
+    point.
     """
 
-    cost: Array
+    cost: Array  # at the point tried, robustified
     cost_change: Array
     step_norm: Array
-    gradient_norm: Array
+    gradient_norm: Array  # largest entry
     radius: Array
     accepted: Mask
-    seconds: Array
-    cost_by_factor: dict[str, Array]
-    on_surface: Ints
+    seconds: Array  # since the start
+    cost_by_factor: dict[str, Array]  # name -> (k,)
+    on_surface: Ints  # landmarks labelled 1
     label_changes: Ints
     rays_missed: Ints
 
 
 @dataclass(frozen=True, kw_only=True)
 class Result:
-    """The unknowns at the end. label (m,) of each row of the surface table (1 = on the hull),
-    distance (m,) signed, to the CAD model without the field; ray_hit (m,) of each row of the
-    ranges; message of the solver; seconds by part.
-    """
+    """The unknowns at the end, and what became of rows."""
 
     unknowns: Unknowns
-    label: Ints32
-    distance: Array
-    ray_hit: Mask
+    label: Ints32  # (m,) of each row of the surface table, 1 = on the hull
+    distance: Array  # (m,) m signed, to the CAD model without the field
+    ray_hit: Mask  # (m,) of each row of the ranges
     iterations: IterationRecord
     converged: bool
-    message: str
-    seconds: dict[str, float]
+    message: str  # of the solver
+    seconds: dict[str, float]  # by part
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evaluation:
-    """All factors at the start values, whitened and linear in the tangent coordinates of the free
-    unknowns.
+    """All factors at the start values, whitened and linear in the tangent of the free unknowns.
 
-    residual (R,), whitened; weight (R,): square root of rho', by which the loss multiplies residual
-    and row; factor (R,): index into FACTORS; table_row (R,) in the factor's table; jacobian_*:
-    compressed rows, start (R + 1,), column, value; width: how many columns. Columns: poses 7 each
-    (6 when "tray" is held), landmarks 3 each, then, where free, T_g_M, T_s_ct, T_ct_cb, T_s_d 6
-    each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, world 3, the deviation's nodes 1
-    each, planes 3 each, links' switches 1 each; `columns` maps a block's name ("pose 0", "landmark
-    3", "T_g_M", "deviation 2", "plane 4", "link_switch 1") to (first column, count).
-    cost_by_factor: robustified.
+    Columns: poses 7 each (6 when "tray" is held), landmarks 3 each, then, where free, T_g_M,
+    T_s_ct, T_ct_cb, T_s_d 6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, world 3,
+    the deviation's nodes 1 each, planes 3 each, links' switches 1 each.
     """
 
-    residual: Array
-    weight: Array
-    factor: Ints32
-    table_row: Ints32
-    jacobian_start: Ints
+    residual: Array  # (R,) whitened
+    weight: Array  # (R,) square root of rho', by which the loss multiplies residual and row
+    factor: Ints32  # (R,) index into FACTORS
+    table_row: Ints32  # (R,) in the factor's table
+    jacobian_start: Ints  # (R + 1,) of compressed rows
     jacobian_column: Ints
     jacobian_value: Array
-    width: int
+    width: int  # number of columns
+    # a block's name ("pose 0", "landmark 3", "T_g_M", "deviation 2", "plane 4", "link_switch 1") to
+    # (first column, count)
     columns: dict[str, tuple[int, int]]
-    cost_by_factor: dict[str, float]
+    cost_by_factor: dict[str, float]  # robustified
 
 
 @dataclass(frozen=True, kw_only=True)
 class Covariance:
-    """Marginal covariances in tangent coordinates at the start values (give `solve`'s unknowns);
-    zero where a block is held.
+    """Marginal covariances in tangent coordinates at the start values; zero where a block is held.
 
-    pose (n, 7, 7) and pose_T_g_M (n, 7, 6): with T_g_M; landmark (L, 3, 3) and landmark_T_g_M (L,
-    3, 6); T_g_M, T_s_ct, T_ct_cb, T_s_d, navigation (6, 6); intrinsics_top, intrinsics_bottom (9,
-    9); world (3, 3); deviation (F,): variances; deviation_T_g_M (F, 6). leverage_by_factor: of the
-    factors of a kind (FACTORS) that meet no landmark, how many unknowns they determine: the squares
-    of their whitened residuals are expected to sum up to their rows less that.
+    Give `solve`'s unknowns as start.
     """
 
-    pose: Array
-    pose_T_g_M: Array
-    landmark: Array
-    landmark_T_g_M: Array
-    T_g_M: Array
+    pose: Array  # (n, 7, 7)
+    pose_T_g_M: Array  # (n, 7, 6) with T_g_M
+    landmark: Array  # (L, 3, 3)
+    landmark_T_g_M: Array  # (L, 3, 6)
+    T_g_M: Array  # (6, 6) as are the next four
     T_s_ct: Array
     T_ct_cb: Array
     T_s_d: Array
     navigation: Array
-    intrinsics_top: Array
-    intrinsics_bottom: Array
-    world: Array
-    deviation: Array
-    deviation_T_g_M: Array
+    intrinsics_top: Array  # (9, 9)
+    intrinsics_bottom: Array  # (9, 9)
+    world: Array  # (3, 3)
+    deviation: Array  # (F,) variances
+    deviation_T_g_M: Array  # (F, 6)
+    # unknowns determined by a kind of factors (FACTORS) that meet no landmark: the squares of their
+    # whitened residuals are expected to sum up to their rows less that
     leverage_by_factor: dict[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)
 class PairCovariance:
-    """Joint covariances of pairs of poses and T_s_ct, in tangent coordinates at the start values;
-    zero where a block is held.
+    """Joint covariances of pairs of poses and T_s_ct in tangent coordinates at the start values.
 
-    pose (m, 14, 14): of (translation 3, rotation 3, tray 1) of the first pose, then of the second.
-    pose_T_s_ct (m, 14, 6); T_s_ct (6, 6).
+    Zero where a block is held.
     """
 
+    # (m, 14, 14) of (translation 3, rotation 3, tray 1) of the first pose, then of the second
     pose: Array
-    pose_T_s_ct: Array
-    T_s_ct: Array
+    pose_T_s_ct: Array  # (m, 14, 6)
+    T_s_ct: Array  # (6, 6)
 
 
 def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
-    """Return the unknowns of least cost, by Levenberg-Marquardt with the landmarks eliminated.
+    """Find the unknowns of least cost by Levenberg-Marquardt with the landmarks eliminated.
 
     Core schur: the same input gives the same bytes for any number of threads. Core ceres: for one
     thread only; more differ in the last digits. Ctrl-C is honoured between iterations. Tables that
@@ -184,8 +171,10 @@ def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
 
 
 def evaluate(problem: Problem, options: Options = DEFAULTS, *, jacobian: bool = True) -> Evaluation:
-    """Return residuals and their sparse Jacobian at the start values. jacobian: False leaves its
-    rows empty and `columns` too, which takes a tenth of the memory. Raises as `solve`.
+    """Evaluate residuals and their sparse Jacobian at the start values.
+
+    jacobian: False leaves its rows empty and `columns` too, which takes a tenth of the memory.
+    Raises as `solve`.
     """
     import hullrecon._native as _native
 
@@ -193,11 +182,11 @@ def evaluate(problem: Problem, options: Options = DEFAULTS, *, jacobian: bool = 
 
 
 def covariance(problem: Problem, options: Options = DEFAULTS) -> Covariance:
-    """Return marginals of the inverse of the information at the start values: Huber rows weighted
-    by rho', surface rows by their label.
+    """Compute marginals of the inverse of the information at the start values.
 
-    Landmarks are eliminated, the rest factored sparse, and only the entries on the factor's pattern
-    are inverted. Raises StageError naming the unknowns that nothing determines; else as `solve`.
+    Huber rows are weighted by rho', surface rows by their label. Landmarks are eliminated, the rest
+    factored sparse, and only the entries on the factor's pattern are inverted. Raises StageError
+    naming the unknowns that nothing determines; else as `solve`.
     """
     import hullrecon._native as _native
 
@@ -205,15 +194,15 @@ def covariance(problem: Problem, options: Options = DEFAULTS) -> Covariance:
 
 
 def pair_covariance(problem: Problem, pairs: Ints32, options: Options = DEFAULTS) -> PairCovariance:
-    """Return the joint covariance of any pairs (m, 2) of poses, from the information at the start
-    as `covariance` has it.
+    """Compute the joint covariance of any pairs (m, 2) of poses.
 
-    Pairs need no factor between them and may be many: each pose to which pairs are given, that end
-    which more pairs have, costs one sparse solve along its path in the elimination tree, each pair
-    one product. A candidate link's innovation: add it to the problem's links without a kernel, take
-    its rows J and r from `evaluate`; then r' (J S J' + 1)^-1 r is chi-square with as many degrees
-    of freedom as rows, S being the joint covariance here of the problem without it. Raises as
-    `covariance`; InputError naming "pairs".
+    From the information at the start as `covariance` has it. Pairs need no factor between them and
+    may be many: each pose to which pairs are given, that end which more pairs have, costs one
+    sparse solve along its path in the elimination tree, each pair one product. A candidate link's
+    innovation: add it to the problem's links without a kernel, take its rows J and r from
+    `evaluate`; then r' (J S J' + 1)^-1 r is chi-square with as many degrees of freedom as rows, S
+    being the joint covariance here of the problem without it. Raises as `covariance`; InputError
+    naming "pairs".
     """
     import hullrecon._native as _native
 

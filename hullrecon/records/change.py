@@ -23,98 +23,82 @@ CHANGED: tuple[Status, ...] = ("new", "gone", "grown", "shrunk")
 
 @dataclass(frozen=True, kw_only=True)
 class HullSurvey:
-    """What one dive knows of the hull, in its own hull frame M. as_found: support 0 where unseen;
-    form_sigma (n,) m: one sigma of each vertex without what the hull pose leaves open; objects: as
-    reported.
-    """
+    """What one dive knows of the hull, in its own hull frame M."""
 
     name: str
     chart: Chart
-    as_found: Surface
-    form_sigma: Array
+    as_found: Surface  # support 0 where unseen
+    form_sigma: Array  # (n,) m, of each vertex without what the hull pose leaves open
     hull_pose: HullPose
-    objects: tuple[ReportedObject, ...]
+    objects: tuple[ReportedObject, ...]  # as reported
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurveyOffset:
-    """Where the second survey lies in the first one's hull frame: both lie on the CAD model within
-    their hull poses' sigmas only.
+    """Where the second survey lies in the first one's hull frame.
 
-    first_from_second: a batch of one, near the identity. covariance (6, 6): of (translation,
-    rotation about center), m and rad; prior_covariance (6, 6): what both hull poses leave open.
-    center (3,) in M. chi_square: of the offset by its prior, 6 degrees of freedom.
+    Both lie on the CAD model within their hull poses' sigmas only.
     """
 
-    first_from_second: Poses
-    covariance: Array
-    prior_covariance: Array
-    center: Array
-    chi_square: float
+    first_from_second: Poses  # a batch of one, near the identity
+    covariance: Array  # (6, 6) of (translation, rotation about center), m and rad
+    prior_covariance: Array  # (6, 6) what both hull poses leave open
+    center: Array  # (3,) m in M
+    chi_square: float  # of the offset by its prior, 6 degrees of freedom
     p_value: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectChange:
-    """One object of either survey, or a place where the surface changed as an object does.
-    first_id, second_id: in the surveys' objects.json. center (3,) in the first survey's M; outline
-    (k, 2) along and girth there, m. height_before, height_after: above the hull around it, NaN
-    where not seen, with their sigmas, m; change, its sigma, m; p_value: probability that nothing
-    changed and any place looks so; area m2 of what changed. sigma (3,) m: of the place, along, in
-    girth, along the normal.
-    """
+    """An object of either survey, or a place where the surface changed as an object does."""
 
     status: Status
-    first_id: int | None
-    second_id: int | None
-    center: Array
+    first_id: int | None  # in the first survey's objects.json
+    second_id: int | None  # in the second survey's
+    center: Array  # (3,) m in the first survey's M
     along_girth: Array
-    outline: Array
-    height_before: float
-    height_after: float
+    outline: Array  # (k, 2) m along and in girth there
+    height_before: float  # m above the hull around it; NaN where not seen
+    height_after: float  # m
     height_before_sigma: float
     height_after_sigma: float
-    change: float
+    change: float  # m
     change_sigma: float
-    p_value: float
-    area: float
-    sigma: Array
+    p_value: float  # that nothing changed and any place looks so
+    area: float  # m2 of what changed
+    sigma: Array  # (3,) m of the place, along, in girth, along the normal
     address: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceMove:
-    """A stretch of bare hull whose form is another one: it moved by move m, outward positive, with
-    sigma and p_value over all places looked at; outline (k, 2) along and girth, m; area m2.
-    """
+    """A part of bare hull that moved."""
 
     along_girth: Array
-    outline: Array
-    move: float
+    outline: Array  # (k, 2) m along and in girth
+    move: float  # m, outward positive
     move_sigma: float
-    p_value: float
-    area: float
+    p_value: float  # over all places looked at
+    area: float  # m2
     address: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChangeMap:
-    """Cells of the chart (a, g). change: m, second survey's height minus the first's, offset taken
-    off; NaN where not both saw the hull; sigma: m; first_seen, second_seen.
-    """
+    """Cells (a, g) of the chart."""
 
     lattice: Lattice
+    # m, second survey's height minus the first's without the offset; NaN where not both saw the
+    # hull
     change: Array
-    sigma: Array
+    sigma: Array  # m
     first_seen: Mask
     second_seen: Mask
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullChange:
-    """What changed. areas in m2; detectable_m: the median of the smallest change that would have
-    been found, m; places: how many were looked at.
-    """
+    """What changed between two surveys."""
 
     first: str
     second: str
@@ -122,12 +106,12 @@ class HullChange:
     objects: tuple[ObjectChange, ...]
     moves: tuple[SurfaceMove, ...]
     map: ChangeMap
-    area_both: float
-    area_first: float
-    area_second: float
-    detectable_m: float
-    places: int
+    area_both: float  # m2 that both saw
+    area_first: float  # m2
+    area_second: float  # m2
+    detectable_m: float  # median of the smallest change that would have been found
+    places: int  # that were looked at
 
     def changed(self) -> tuple[ObjectChange, ...]:
-        """Return the objects that are new, gone, grown or shrunk."""
+        """List the objects that are new, gone, grown or shrunk."""
         return tuple(found for found in self.objects if found.status in CHANGED)

@@ -12,30 +12,25 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class PositionMembers:
-    """Where something lies on the hull and how well that is known: metres in the frame of
-    summary.json, along and girth on the hull chart, frame the ship's, depth below the water
-    surface.
-    """
+    """Where something lies on the hull, in the frame of the results, and how well that is known."""
 
     position_covariance: tuple[Point, Point, Point] | None = None
     position_sigma: Point | None = None
     sigma_along: float | None = None
     sigma_girth: float | None = None
-    sigma_normal: float | None = None
-    along: float | None = None
+    sigma_normal: float | None = None  # along the hull's normal
+    along: float | None = None  # on the hull chart, as is girth
     girth: float | None = None
     side: str | None = None
-    frame: float | None = None
-    depth: float | None = None
+    frame: float | None = None  # the ship's
+    depth: float | None = None  # below the water surface
     depth_sigma: float | None = None
     address: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportedObject(PositionMembers):
-    """One row of objects.json: metres, square and cubic metres, points in the frame of
-    summary.json.
-    """
+    """A row of objects.json: m, m2, m3, points in the frame of summary.json."""
 
     center: Point
     height: float
@@ -59,73 +54,64 @@ class ReportedObject(PositionMembers):
 
 @dataclass(frozen=True, kw_only=True)
 class RejectedRegion(PositionMembers):
-    """A region that detect looked at and did not report: centre, height over the hull around it
-    (m), and why.
-    """
+    """A region that detect looked at and did not report."""
 
     center: Point
-    height: float
+    height: float  # m over the hull around it
     reason: str
     height_sigma: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class SensorCoverage:
-    """What one sensor saw: areas in m2, area_sigma_m2 None where it is not known; percentiles by
-    name (p05, p50, p95) of the ground sample distance (m), of the incidence of the best view
-    (degrees) and of the views.
-    """
+    """What one sensor saw. Percentiles by name: p05, p50, p95."""
 
     area_m2: float | None = None
-    area_sigma_m2: float | None = None
+    area_sigma_m2: float | None = None  # None where it is not known
     area_twice_m2: float | None = None
-    gsd_m: Mapping[str, float] | None = None
-    incidence_deg: Mapping[str, float] | None = None
+    gsd_m: Mapping[str, float] | None = None  # ground sample distance
+    incidence_deg: Mapping[str, float] | None = None  # of the best view
     views: Mapping[str, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class CoverageHole(PositionMembers):
-    """A hole in what was seen: its area and a point in its middle."""
+    """A hole in what was seen."""
 
     area_m2: float
-    center: Point | None = None
+    center: Point | None = None  # a point in its middle
 
 
 @dataclass(frozen=True, kw_only=True)
 class RegionShare:
-    """What one sensor saw of a region: m2, and the share of the region's hull, each with one sigma."""
+    """What one sensor saw of a region."""
 
     area_m2: float
     area_sigma_m2: float
-    share: float
+    share: float  # of the region's hull
     share_sigma: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class RegionCoverage:
-    """A region of dive.toml: its limits in m (None: none), the hull in it in m2, and what each
-    sensor saw of it, None for one that was not carried.
-    """
+    """A region of dive.toml, and what each sensor saw of it."""
 
     name: str
-    along: tuple[float, float] | None
-    girth: tuple[float, float] | None
-    area_m2: float
-    camera: RegionShare | None = None
+    along: tuple[float, float] | None  # limits in m; None: none
+    girth: tuple[float, float] | None  # limits in m; None: none
+    area_m2: float  # of the hull in it
+    camera: RegionShare | None = None  # None for a sensor that was not carried
     sonar: RegionShare | None = None
     dvl: RegionShare | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Coverage:
-    """coverage.json; None for a sensor that was not carried. min_hole_m2: smaller holes are not
-    listed.
-    """
+    """coverage.json."""
 
-    camera: SensorCoverage | None = None
+    camera: SensorCoverage | None = None  # None for a sensor that was not carried
     sonar: SensorCoverage | None = None
     dvl: SensorCoverage | None = None
     holes: Sequence[CoverageHole] = field(default_factory=tuple)
-    min_hole_m2: float = 0.03
+    min_hole_m2: float = 0.03  # smaller holes are not listed
     regions: Sequence[RegionCoverage] = field(default_factory=tuple)

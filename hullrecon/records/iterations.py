@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How the record of a solve is read (iterations.npz, docs/formats.md): a row an iteration, rounds
-one after the other.
+"""Reading of the record of a solve (iterations.npz, docs/formats.md).
+
+It has a row an iteration, rounds one after the other.
 """
 
 from __future__ import annotations
@@ -13,20 +14,22 @@ from hullrecon.typing import Array, Ints, Mask
 
 
 def reached_cost(cost: Array, accepted: Mask) -> Array:
-    """Return the cost (k,) at the last accepted point: the record's is that of the point tried."""
+    """Compute the cost (k,) at the last accepted point.
+
+    The record's cost is that of the point tried.
+    """
     return np.asarray(cost[np.maximum.accumulate(np.where(accepted, np.arange(len(cost)), 0))])
 
 
 def count(rounds: Ints) -> int:
-    """Return the number of iterations of all rounds, their starts not counted; rounds (k,): the
-    round of each row.
-    """
+    """Count the iterations of all rounds, without their starts; rounds (k,): of each row."""
     return len(rounds) - len(np.unique(rounds))
 
 
 def broken(at: NDArray[np.number], values: NDArray[np.number], rounds: Ints) -> tuple[Array, Array]:
-    """Return a curve (k,) over `at` with NaN wherever a round begins: costs of two rounds do not
-    compare.
+    """Put NaN into a curve (k,) over `at` wherever a round begins.
+
+    Costs of two rounds do not compare.
     """
     starts = np.flatnonzero(np.diff(rounds)) + 1
     return np.insert(np.asarray(at, float), starts, np.nan), np.insert(

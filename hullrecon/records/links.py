@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs of nodes whose images were compared, what they have in common, and the path that this ties
-together.
-"""
+"""Pairs of nodes whose images were compared, what they share, and the path that this ties."""
 
 from __future__ import annotations
 
@@ -18,25 +16,19 @@ from hullrecon.typing import Array, Floats32, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class CameraLinks(Rows):
-    """Relative poses of the leading cameras of pairs of nodes, as images measured them.
+    """Relative poses of the leading cameras of pairs of nodes, as images measured them."""
 
-    first, second (m,): nodes. translation (m, 3) m, in the second camera's axes, and quaternion (m,
-    4): second_from_first. covariance (m, 6, 6) of (translation, rotation perturbed on the right).
-    scaled (m,): the length of the translation was measured; where it was not, its direction alone
-    says something. bottom (m, 2): the bottom camera leads at either node.
-    """
-
-    first: Ints
-    second: Ints
-    translation: Array
-    quaternion: Array
-    covariance: Array
-    scaled: Mask
-    bottom: Mask
+    first: Ints  # (m,) nodes
+    second: Ints  # (m,) nodes
+    translation: Array  # (m, 3) m, in the second camera's axes
+    quaternion: Array  # (m, 4) second_from_first
+    covariance: Array  # (m, 6, 6) of (translation, rotation perturbed on the right)
+    scaled: Mask  # (m,) the length of the translation was measured; else its direction alone
+    bottom: Mask  # (m, 2) the bottom camera leads at either node
 
 
 def no_links() -> CameraLinks:
-    """Return what a dive without images has."""
+    """Return the links of a dive without images."""
     none = np.zeros(0, np.int64)
     return CameraLinks(
         first=none,
@@ -51,70 +43,56 @@ def no_links() -> CameraLinks:
 
 @dataclass(frozen=True, kw_only=True)
 class NodePairs(Rows):
-    """All pairs that were compared, sorted by (first, second). first < second (m,): nodes; across
-    (m,): of another leg; overlap (m,): of the footprints as predicted, NaN where no depth is known;
-    round (m,): 0 of neighbours, 1, 2, ... across; putative (m,): matches before verification;
-    reason (m,): why it gave nothing, 0 where it matched; rejected (m,): matched, but its motion
-    contradicts other pairs or the path, or lies across an outage on a hull that looks alike
-    elsewhere.
-    """
+    """All pairs that were compared, sorted by (first, second)."""
 
-    first: Ints
-    second: Ints
-    across: Mask
-    overlap: Array
-    round: Ints
-    putative: Ints
-    reason: Ints
+    first: Ints  # (m,) nodes, first < second
+    second: Ints  # (m,) nodes
+    across: Mask  # (m,) of another leg
+    overlap: Array  # (m,) of the footprints as predicted, NaN where no depth is known
+    round: Ints  # (m,) 0 of neighbours, 1, 2, ... across
+    putative: Ints  # (m,) matches before verification
+    reason: Ints  # (m,) why it gave nothing, 0 where it matched
+    # (m,) matched, but its motion contradicts other pairs or the path, or lies across an outage on
+    # a hull that looks alike elsewhere
     rejected: Mask
 
     @property
     def joined(self) -> Mask:
-        """Return which pairs (m,) matched and were kept."""
+        """Which pairs (m,) matched and were kept."""
         return np.asarray((self.reason == 0) & ~self.rejected)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PairFeatures:
-    """Features that the pairs have in common. start (m + 1,): where each pair's rows begin; first,
-    second (k,): rows of the leading camera's features at either node; distance (k,) of their
-    descriptors.
-    """
+    """Features that pairs have in common."""
 
-    start: Ints
-    first: Ints
-    second: Ints
-    distance: Floats32
+    start: Ints  # (m + 1,) where each pair's rows begin
+    first: Ints  # (k,) rows of the leading camera's features at the first node
+    second: Ints  # (k,) and at the second
+    distance: Floats32  # (k,) of their descriptors
 
 
 @dataclass(frozen=True, kw_only=True)
 class NodeStereo:
-    """What the two cameras of each node have in common. features (n,): number of the leading
-    camera's features; start (n + 1,): where each node's rows begin; top, bottom (k,): rows of the
-    cameras' features; point (k, 3) m in the top camera.
-    """
+    """What the two cameras of each node have in common."""
 
-    features: Ints
-    start: Ints
-    top: Ints
-    bottom: Ints
-    point: Array
+    features: Ints  # (n,) number of the leading camera's features
+    start: Ints  # (n + 1,) where each node's rows begin
+    top: Ints  # (k,) rows of the top camera's features
+    bottom: Ints  # (k,) rows of the bottom camera's
+    point: Array  # (k, 3) m in the top camera
 
 
 @dataclass(frozen=True, kw_only=True)
 class LinkedPath:
-    """The vehicle as navigation and links have it: pose (n, 7) T_g_v as x y z qx qy qz qw, tray
-    (n,) rad, covariance (n, 6, 6) of (translation in g, rotation perturbed on the right); part
-    (n,): nodes of one number are tied to each other by images, 0 the largest; -1 where no image of
-    the node matched. part_sigma (parts,) m: of the middle of each part relative to that of the
-    largest.
-    """
+    """The vehicle as navigation and links have it."""
 
-    pose: Array
-    tray: Array
-    covariance: Array
+    pose: Array  # (n, 7) global_from_vehicle as x y z qx qy qz qw
+    tray: Array  # (n,) rad
+    covariance: Array  # (n, 6, 6) of (translation in g, rotation perturbed on the right)
+    # (n,) nodes of one number are tied by images, 0 the largest; -1 where no image matched
     part: Ints
-    part_sigma: Array
+    part_sigma: Array  # (parts,) m, of the middle of each part relative to that of the largest
 
     def path(self) -> VehiclePath:
         """Return the vehicle and its tray."""

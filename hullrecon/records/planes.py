@@ -12,46 +12,37 @@ from hullrecon.typing import Array, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneRanges(Rows):
-    """Returns that measure planes, one row a beam. plane (r,): of the patch that it fell on; node
-    (r,), quaternion (r, 4), translation (r, 3), tray_offset (r,), beam (r, 3) as in Returns;
-    range_m (r,): the range to the plane, the measured one plus how far the patch stands over its
-    plane along the beam; sigma_m (r,).
-    """
+    """Returns that measure planes, one row a beam."""
 
-    plane: Ints
-    node: Ints
+    plane: Ints  # (r,) of the patch that it fell on
+    node: Ints  # (r,) and so on as in Returns
     quaternion: Array
     translation: Array
     tray_offset: Array
     beam: Array
+    # (r,) to the plane: measured, plus how far the patch stands over its plane along the beam
     range_m: Array
-    sigma_m: Array
+    sigma_m: Array  # (r,)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TiedPlanes:
-    """Planes that touch the hull, each in the vehicle frame of its anchor, a node; what measures
-    them; pairs of one surface.
+    """Planes that touch the hull, what measures them, and pairs of one surface."""
 
-    anchor (p,); plane (p, 3) m: unit normal towards the vehicle times its distance from the
-    vehicle's origin. first, second (m,): planes of two passes; difference (m, 3) m: second less
-    first, in the vehicle frame of the first's anchor, as the curvature between them makes it;
-    information (m, 3, 3): square root of that of the difference. point (m, 3) m: the middle of the
-    second's patch in the vehicle frame of its anchor; place (m, 3) m: where it lay in that of the
-    first's anchor; by_place (m, 3, 3): of the difference by that place.
-    """
-
-    anchor: Ints
+    anchor: Ints  # (p,) node in whose vehicle frame a plane is
+    # (p, 3) m: unit normal towards the vehicle times its distance from the vehicle's origin
     plane: Array
     ranges: PlaneRanges
-    first: Ints
-    second: Ints
+    first: Ints  # (m,) planes of two passes
+    second: Ints  # (m,) planes
+    # (m, 3) m: second less first by the curvature between them, in the vehicle frame of the first's
+    # anchor
     difference: Array
-    information: Array
-    point: Array
-    place: Array
-    by_place: Array
+    information: Array  # (m, 3, 3) square root of the information of the difference
+    point: Array  # (m, 3) m: middle of the second's patch in the vehicle frame of its anchor
+    place: Array  # (m, 3) m: where that lay in the vehicle frame of the first's anchor
+    by_place: Array  # (m, 3, 3) derivative of the difference by that place
 
     def __len__(self) -> int:
-        """Return the number of ties."""
+        """Count the pairs."""
         return len(self.first)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hold what each sensor measured: times in int64 nanoseconds since 1970, SI units, NaN for lost
-values.
-"""
+"""What each sensor measured: times in int64 ns since 1970, SI units, NaN for lost values."""
 
 from __future__ import annotations
 
@@ -18,59 +16,55 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class DvlPings(Rows):
-    """velocity (n, 3) m/s of the instrument in `dvl` (NaN when lost), velocity_sigma (n,) m/s,
-    ranges (n, b) m along the beams (NaN when lost), beams (b, 3) unit vectors in `dvl`.
-    """
+    """Pings of a DVL."""
 
     t_ns: Ints
-    velocity: Array
-    velocity_sigma: Array
-    ranges: Array
-    beams: Array
+    velocity: Array  # (n, 3) m/s of the instrument in `dvl`, NaN when lost
+    velocity_sigma: Array  # (n,) m/s
+    ranges: Array  # (n, b) m along the beams, NaN when lost
+    beams: Array  # (b, 3) unit vectors in `dvl`
 
     SHARED: ClassVar = frozenset({"beams"})
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImuSamples(Rows):
-    """quaternion (n, 4): rotation of `vehicle` in `global` (NED-like, converted at ingest); rates
-    (n, 3) rad/s and acceleration (n, 3) m/s2 in `vehicle`, NaN when not logged.
-    """
+    """Attitude and rates."""
 
     t_ns: Ints
-    quaternion: Array
-    angular_velocity: Array
-    acceleration: Array
+    quaternion: Array  # (n, 4) global_from_vehicle (NED-like, converted at ingest)
+    angular_velocity: Array  # (n, 3) rad/s in `vehicle`, NaN when not logged
+    acceleration: Array  # (n, 3) m/s2 in `vehicle`, NaN when not logged
 
 
 @dataclass(frozen=True, kw_only=True)
 class PressureSamples(Rows):
-    """depth (n,) m of the sensor below the surface, positive down."""
+    """Depth by the pressure sensor."""
 
     t_ns: Ints
-    depth: Array
+    depth: Array  # (n,) m of the sensor below the surface, positive down
 
 
 @dataclass(frozen=True, kw_only=True)
 class JointSamples(Rows):
-    """angle (n,) rad of one servo as logged."""
+    """The angle of a servo as logged."""
 
     t_ns: Ints
-    angle: Array
+    angle: Array  # (n,) rad
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImageIndex(Rows):
-    """Images of one camera in time order. file (n,) str: path relative to the package, or "" when
-    the bytes lie in the ingest artifact's images_<camera>.bin at offset (n,), size (n,). usable
-    (n,) bool: it decoded. bits (): that values of images of 16 bits take, 8 to 16.
-    """
+    """Images of one camera in time order."""
 
     t_ns: Ints
+    # (n,) path relative to the package; "" when the bytes lie in the ingest artifact's
+    # images_<camera>.bin
     file: NDArray[np.str_]
-    offset: Ints
-    size: Ints
-    usable: Mask
+    offset: Ints  # (n,) in that file
+    size: Ints  # (n,) bytes
+    usable: Mask  # (n,) it decoded
+    # that values of images of 16 bits take, 8 to 16
     bits: Ints = field(default_factory=lambda: np.array(16))
 
     SHARED: ClassVar = frozenset({"bits"})
@@ -78,27 +72,23 @@ class ImageIndex(Rows):
 
 @dataclass(frozen=True, kw_only=True)
 class SonarPings(Rows):
-    """image (n, beams, ranges) uint8, directions (beams, 3) unit vectors in `sonar`, range_m
-    (ranges,) bin centres.
-    """
+    """Pings of an imaging sonar."""
 
     t_ns: Ints
-    image: NDArray[np.uint8]
-    directions: Array
-    range_m: Array
+    image: NDArray[np.uint8]  # (n, beams, ranges)
+    directions: Array  # (beams, 3) unit vectors in `sonar`
+    range_m: Array  # (ranges,) bin centres
 
     SHARED: ClassVar = frozenset({"directions", "range_m"})
 
 
 @dataclass(frozen=True, kw_only=True)
 class PositionFixes(Rows):
-    """Positions from outside, of GPS or USBL. north_east (n, 2) m of the first fix, north as its
-    frame has it; sigma (n,) m of either.
-    """
+    """Positions from outside, of GPS or USBL."""
 
     t_ns: Ints
-    north_east: Array
-    sigma: Array
+    north_east: Array  # (n, 2) m from the first fix, north as its frame has it
+    sigma: Array  # (n,) m of either
 
 
 SensorRecord = DvlPings | ImuSamples | PressureSamples | JointSamples | SonarPings | PositionFixes
@@ -106,9 +96,7 @@ SensorRecord = DvlPings | ImuSamples | PressureSamples | JointSamples | SonarPin
 
 @dataclass(frozen=True, kw_only=True)
 class SensorRecords:
-    """What the sensors of one dive measured, images apart; None for a sensor of which nothing was
-    read.
-    """
+    """What the sensors of one dive measured, images apart; None for a sensor not read."""
 
     dvl: DvlPings | None = None
     imu: ImuSamples | None = None

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write records as the members of an .npz and read them back: fields by name, those of nested
-records by `part.field`.
+"""Records as the members of an .npz, and back: fields by name, nested ones by `part.field`.
 
 A part that is None has no members, which distinguishes it from an empty one.
 """
@@ -23,7 +22,7 @@ Record = TypeVar("Record")
 
 
 def to_arrays(record: object) -> Arrays:
-    """Return the arrays of a record by name."""
+    """Collect the arrays of a record by name."""
     arrays: Arrays = {}
     for field in fields(record):  # type: ignore[arg-type]  # any dataclass
         value = getattr(record, field.name)
@@ -35,7 +34,7 @@ def to_arrays(record: object) -> Arrays:
 
 
 def from_arrays(kind: type[Record], arrays: Mapping[str, NDArray[np.generic]]) -> Record:
-    """Return the record of that kind. Raises KeyError with the name of a missing member."""
+    """Rebuild a record of that kind. Raises KeyError with the name of a missing member."""
     return _from_arrays(kind, arrays, "")
 
 
@@ -58,7 +57,7 @@ def _from_arrays(
 
 
 def _nested_record(hint: object) -> type | None:
-    """Return the record type of a field that holds one, or one or None; None for an array."""
+    """Return the record type of a field that holds a record or None; None for an array."""
     for candidate in (hint, *typing.get_args(hint)):
         if isinstance(candidate, type) and is_dataclass(candidate):
             return candidate

@@ -21,17 +21,14 @@ LABEL_BOUNDARY_M = 0.05595
 
 @dataclass(frozen=True, kw_only=True)
 class Landmarks:
-    """L landmarks. position (L, 3) in g; covariance (L, 3, 3) in M (g without a CAD model); label
-    (L,): 1 = on the CAD model's surface; deviation (L,) m, signed distance to the CAD model (NaN
-    without one); views (L,); color (L, 3) RGB.
-    """
+    """L landmarks."""
 
-    position: Array
-    covariance: Array
-    label: Ints
-    deviation: Array
-    views: Ints
-    color: NDArray[np.uint8]
+    position: Array  # (L, 3) m in g
+    covariance: Array  # (L, 3, 3) in M (g without a CAD model)
+    label: Ints  # (L,) 1 = on the CAD model's surface
+    deviation: Array  # (L,) m, signed distance to the CAD model, NaN without one
+    views: Ints  # (L,) images that saw it
+    color: NDArray[np.uint8]  # (L, 3) RGB
 
     def __len__(self) -> int:
         return len(self.position)
@@ -39,24 +36,18 @@ class Landmarks:
 
 @dataclass(frozen=True, kw_only=True)
 class HullPose:
-    """T_g_M (a batch of one) and its covariance (6, 6) of (translation in g, rotation
-    right-perturbed in M).
+    """The pose of the hull, about the survey's centre."""
 
-    Both parts are about survey_center (3,) in M. The covariance is that of where the hull lies
-    given the dive's own frame, with the CAD model's error in it; as published, the solve's own
-    marginal.
-    """
-
-    global_from_hull: Poses
+    global_from_hull: Poses  # a batch of one
+    # (6, 6) of (translation in g, rotation right-perturbed in M): of where the hull lies given the
+    # dive's own frame, with the CAD model's error in it
     covariance: Array
-    survey_center: Array
+    survey_center: Array  # (3,) m in M
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mounts:
-    """Where the sensors sit as adjusted, each a batch of one; None where the sensor was not
-    carried.
-    """
+    """Mounts of the sensors, batches of one; None where the sensor was not carried."""
 
     tray_from_dvl: Poses
     tray_from_top: Poses | None
@@ -65,34 +56,27 @@ class Mounts:
 
 @dataclass(frozen=True, kw_only=True)
 class DeviationField:
-    """Normal offsets of the hull from its CAD model, outward positive, at the nodes of a grid on
-    the hull chart.
+    """Normal offsets of the hull from its CAD model, outward positive, on a grid of the chart."""
 
-    origin (2,) m and step (2,) m along and girth; value, sigma (a, g) m.
-    """
-
-    origin: Array
-    step: Array
-    value: Array
-    sigma: Array
+    origin: Array  # (2,) m along and in girth
+    step: Array  # (2,) m
+    value: Array  # (a, g) m
+    sigma: Array  # (a, g) m
 
     def covers(self, along_girth: Array) -> Mask:
-        """Return which of chart points (n, 2) lie within the grid; a point off the chart (NaN) does
-        not.
-        """
+        """Tell which chart points (n, 2) lie within the grid; NaN does not."""
         cell = (along_girth - self.origin) / self.step
         return np.asarray(np.all((cell >= 0) & (cell <= np.array(self.value.shape) - 1), axis=1))
 
     def value_at(self, along_girth: Array) -> Array:
-        """Return the offset (n,) m at chart points (n, 2), bilinear; held beyond the grid's ends,
-        NaN where a point is NaN.
+        """Interpolate the offset (n,) m at chart points (n, 2), bilinear.
+
+        Held beyond the grid's ends, NaN where a point is NaN.
         """
         return self._interpolate(self.value, along_girth)
 
     def sigma_at(self, along_girth: Array) -> Array:
-        """Return one sigma (n,) m of the offset at chart points (n, 2), interpolated as the offset
-        is.
-        """
+        """Interpolate the offset's sigma (n,) m at chart points (n, 2), as the offset is."""
         return self._interpolate(self.sigma, along_girth)
 
     def _interpolate(self, grid: Array, along_girth: Array) -> Array:
@@ -107,36 +91,34 @@ class DeviationField:
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """The adjusted dive. By node: t_ns (n,), image (n, 2) rows in the cameras' indices (-1 where
-    none), global_from_vehicle, tray (n,) rad and its sigma, pose_covariance (n, 6, 6) of T_M_v (of
-    T_g_v without a CAD model): (translation in M, rotation right-perturbed in v). navigation_errors
-    (6,): DVL scale error, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash
-    rad. hull_pose, deviation_field: None without a CAD model.
-    """
+    """The adjusted dive."""
 
-    t_ns: Ints
-    image: Ints
-    global_from_vehicle: Poses
-    tray: Array
-    tray_sigma: Array
+    t_ns: Ints  # (n,) of the nodes
+    image: Ints  # (n, 2) rows in the cameras' indices, -1 where none
+    global_from_vehicle: Poses  # (n,)
+    tray: Array  # (n,) rad
+    tray_sigma: Array  # (n,) rad
+    # (n, 6, 6) of the vehicle in M (g without a CAD model): (translation, rotation right-perturbed
+    # in v)
     pose_covariance: Array
     landmarks: Landmarks
     mounts: Mounts
+    # (6,) DVL scale, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash rad
     navigation_errors: Array
-    hull_pose: HullPose | None
-    deviation_field: DeviationField | None
+    hull_pose: HullPose | None  # None without a CAD model
+    deviation_field: DeviationField | None  # None without a CAD model
 
     @property
     def frame(self) -> Frame:
-        """Return the frame that results are given in: M, or g without a CAD model."""
+        """Frame that results are given in: M, or g without a CAD model."""
         return Frame.GLOBAL if self.hull_pose is None else Frame.HULL
 
     def result_from_global(self) -> Poses:
-        """Return T_M_g (a batch of one); the identity without a CAD model, where results stay in g."""
+        """Return hull_from_global, or the identity without a CAD model."""
         return identity() if self.hull_pose is None else self.hull_pose.global_from_hull.inverse()
 
     def track(self) -> VehicleTrack:
-        """Return the vehicle in the result's frame: T_M_v, or T_g_v without a CAD model."""
+        """Return the vehicle in the result's frame."""
         return VehicleTrack(
             t_ns=self.t_ns,
             poses=self.result_from_global() @ self.global_from_vehicle,

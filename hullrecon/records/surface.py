@@ -12,16 +12,13 @@ from hullrecon.typing import Array, Ints, Ints32
 
 @dataclass(frozen=True, kw_only=True)
 class Surface:
-    """vertices (n, 3) in M (g without a CAD model), faces (m, 3); deviation (n,) m against the CAD
-    model, outward positive, NaN without; sigma (n,) m; support (n,) int: returns (surface) or views
-    (as found) behind a vertex, 0 = unseen.
-    """
+    """A surface with its uncertainty."""
 
-    vertices: Array
-    faces: Ints32
-    deviation: Array
-    sigma: Array
-    support: Ints
+    vertices: Array  # (n, 3) m in M (g without a CAD model)
+    faces: Ints32  # (m, 3)
+    deviation: Array  # (n,) m against the CAD model, outward positive, NaN without
+    sigma: Array  # (n,) m
+    support: Ints  # (n,) returns (surface) or views (as found) behind a vertex, 0 = unseen
 
     def mesh(self) -> Mesh:
         """Return vertices and faces alone."""
@@ -30,18 +27,15 @@ class Surface:
 
 @dataclass(frozen=True, kw_only=True)
 class DeviationSplit:
-    """How a hull as found deviates from its CAD model, parted by how well it is known.
+    """How a hull as found deviates from its CAD model, split by how well it is known.
 
     Where the hull lies in the dive's frame is known to centimetres; an error of it moves and tilts
-    the whole surveyed patch. offset (): m, the patch's mean distance to the CAD model, outward
-    positive, and tilt (2,): its slope along the hull and in girth, m/m, each with such a sigma.
-    form (n,): m, what is left of each vertex's deviation without offset and tilt, and its sigma,
-    which the hull's position hardly enters; NaN where nothing was seen.
+    the whole surveyed patch.
     """
 
-    offset: Array
+    offset: Array  # () m, the patch's mean distance to the CAD model, outward positive
     offset_sigma: Array
-    tilt: Array
+    tilt: Array  # (2,) m/m, slope along the hull and in girth
     tilt_sigma: Array
-    form: Array
-    form_sigma: Array
+    form: Array  # (n,) m, what is left of each vertex's deviation; NaN where nothing was seen
+    form_sigma: Array  # (n,) m, which the hull's position hardly enters

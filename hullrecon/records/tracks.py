@@ -16,17 +16,13 @@ from hullrecon.typing import Array, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class Tracks(Rows):
-    """Observations, sorted by (landmark, node): landmark (m,), node (m,), top (m, 2) and bottom (m,
-    2) pixels in the raw (distorted) images, NaN where that camera did not see it. response (m,): of
-    the feature detector, the mean of both images; NaN for corners, whose detector has another
-    scale. color (landmarks, 3) uint8 RGB.
-    """
+    """Image features followed over images, sorted by (landmark, node)."""
 
-    landmark: Ints
-    node: Ints
-    top: Array
-    bottom: Array
-    response: Array
-    color: NDArray[np.uint8]
+    landmark: Ints  # (m,)
+    node: Ints  # (m,)
+    top: Array  # (m, 2) px in the raw image, NaN where that camera did not see it
+    bottom: Array  # (m, 2) px
+    response: Array  # (m,) of the detector, mean of both images; NaN for corners
+    color: NDArray[np.uint8]  # (landmarks, 3) RGB
 
     SHARED: ClassVar = frozenset({"color"})

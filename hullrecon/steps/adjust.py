@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The dive adjusted: poses, landmarks with labels, the pose of the hull and its deviation from the
-CAD model.
-"""
+"""The step `adjust`: images, DVL ranges and the CAD model adjusted together."""
 
 from __future__ import annotations
 
@@ -10,11 +8,12 @@ import logging
 import tempfile
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
-from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.options import PRODUCT, AdjustOptions, Strategy
 from hullrecon.adjustment.problem.intrinsics import camera_fields
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.triangulation import camera_poses
@@ -34,11 +33,18 @@ from hullrecon.rig import RIG_SECTIONS, rig_with_priors
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.typing import Ints
 
+Options = TypeVar("Options", bound=AdjustOptions)
+
 
 def run(context: Context[AdjustOptions]) -> None:
+    run_adjustment(context, PRODUCT)
+
+
+def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
+    """Adjust the dive by a strategy, and write what the step leaves."""
     refuse_small_address_space(context.parameters.threads)
     measured = _measurements(context)
-    adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info)
+    adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info, strategy)
     outcome = summarise_adjustment(measured, adjusted, context.parameters)
     for sentence in [
         *guess_without_depth(measured.cad_model, measured.attitude),
@@ -62,16 +68,17 @@ def run(context: Context[AdjustOptions]) -> None:
 
 
 def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[str]:
-    """Return what `hull.pose` means where no depth was measured: a sentence, or none."""
+    """Say what `hull.pose` means where no depth was measured."""
     if cad_model is None or attitude.has_depth.any():
         return []
     return [
-        "No depth was measured, so z of hull.pose counts from the depth of the first pose. If it was given from the water "
-        "surface, take that depth off it: else the CAD model is looked for that much too deep, and may be refused for it."
+        "No depth was measured, so z of hull.pose counts from the depth of the first pose. If it "
+        "was given from the water surface, take that depth off it: else the CAD model is looked "
+        "for that much too deep, and may be refused for it."
     ]
 
 
-def _measurements(context: Context[AdjustOptions]) -> Measurements:
+def _measurements(context: Context[Options]) -> Measurements:
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     return Measurements(
@@ -89,7 +96,7 @@ def _measurements(context: Context[AdjustOptions]) -> Measurements:
 
 
 def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
-    """Return the CAD model with the package's guess of its pose; None where the dive has none."""
+    """Build the CAD model with the package's guess of its pose; None where the dive has none."""
     if hull is None or mesh is None:
         return None
     sigma = guess_sigma(hull.pose, hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)]
@@ -104,7 +111,7 @@ def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
     )
 
 
-def _write_colmap(context: Context[AdjustOptions], m: Measurements, adjusted: Adjusted) -> None:
+def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted) -> None:
     state = adjusted.state
     if m.tracks is None or m.rig.top is None or state.mounts.tray_from_top is None:
         return
@@ -127,7 +134,7 @@ def _write_colmap(context: Context[AdjustOptions], m: Measurements, adjusted: Ad
 
 
 def _stamps(ingest: IngestArtifact, image: Ints) -> Ints:
-    """Return the time stamps (n, 2) in ns of the images at the nodes, -1 where there is none."""
+    """Look up the stamps (n, 2) ns of the images at the nodes, -1 where there is none."""
     stamps = np.full(image.shape, -1, np.int64)
     for camera in Camera:
         index = ingest.image_index(camera)
@@ -144,6 +151,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=27,
+    version=28,
     run=run,
 )

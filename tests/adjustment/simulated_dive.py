@@ -315,7 +315,7 @@ def _attitude(rng, poses, sense):
 
 
 def _dead_reckoned(poses, odometry, logged_tray):
-    """From the first true pose, its roll, pitch and depth as the sensors have them, step by step."""
+    """From the first true pose, its roll, pitch and depth as sensors have them, step by step."""
     n = len(poses)
     roll, pitch, yaw = Rotation.from_matrix(poses[0, :3, :3]).as_euler("xyz")
     start = Rotation.from_euler("xyz", [[roll + NAVIGATION[2], pitch + NAVIGATION[3], yaw]])
@@ -337,7 +337,7 @@ def _dead_reckoned(poses, odometry, logged_tray):
 
 
 def cast(origin, direction):
-    """Ranges (n,) of rays in M to the hull as it is with its box: Newton's steps on y - side(x, z)."""
+    """Ranges (n,) of rays in M to the hull with its box: Newton's steps on y - side(x, z)."""
     x0, x1, z0, z1, height = BOX_M
 
     def reach(raised):

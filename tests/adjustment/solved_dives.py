@@ -10,8 +10,8 @@ from adjustment.simulated_dive import GLOBAL_FROM_HULL, SimulatedDive, aligning,
 from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
-from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.results.summary import Outcome, summarise_adjustment
+from hullrecon.studies.methods.adjust_variant import VariantOptions, strategy_of
 
 SCENE = ("stereo", "cad", "ranges", "camera", "per_leg", "landmarks", "seed")
 
@@ -19,7 +19,7 @@ SCENE = ("stereo", "cad", "ranges", "camera", "per_leg", "landmarks", "seed")
 @dataclass(frozen=True, kw_only=True)
 class SolvedDive:
     dive: SimulatedDive
-    options: AdjustOptions
+    options: VariantOptions
     adjusted: Adjusted
     outcome: Outcome
 
@@ -86,10 +86,10 @@ class SolvedDive:
 
 @lru_cache
 def solved(**chosen):
-    """The simulated dive of these arguments, adjusted with the options among them."""
+    """The simulated dive of these arguments, adjusted with the options and variant among them."""
     dive = simulate(**{k: v for k, v in chosen.items() if k in SCENE})
-    options = AdjustOptions(**{k: v for k, v in chosen.items() if k not in SCENE})
-    adjusted = adjust(dive.measured, options, lambda _: None)
+    options = VariantOptions(**{k: v for k, v in chosen.items() if k not in SCENE})
+    adjusted = adjust(dive.measured, options, lambda _: None, strategy_of(options))
     return SolvedDive(
         dive=dive,
         options=options,

@@ -26,7 +26,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from hullrecon import native
-from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.options import PRODUCT
 from hullrecon.adjustment.problem import selection, weighting
 from hullrecon.adjustment.problem.assembly import (
     assemble,
@@ -110,9 +110,11 @@ def true_state(dive):
 
 def problem_at(dive, state, **held):
     chosen = selection.select_measurements(dive.measured, state, 40.0)
-    weights = weighting.initial_weights(dive.measured, AdjustOptions())
+    weights = weighting.initial_weights(dive.measured, PRODUCT)
     return (
-        assemble(dive.measured, state, weights, chosen, held.pop("as_published", False), **held),
+        assemble(
+            dive.measured, state, weights, chosen, held.pop("systematic_errors", True), **held
+        ),
         chosen,
         weights,
     )
@@ -134,8 +136,8 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
     measured = simulate(stereo=stereo, cad=cad, camera=camera, per_leg=3, landmarks=60).measured
     state = some_state(rng, measured, stereo, cad, camera)
     chosen = chosen_from(rng, measured)
-    weights = weighting.initial_weights(measured, AdjustOptions())
-    problem = assemble(measured, state, weights, chosen, as_published=False)
+    weights = weighting.initial_weights(measured, PRODUCT)
+    problem = assemble(measured, state, weights, chosen, systematic_errors=True)
     back = state_from_unknowns(state, problem.unknowns, chosen)
     for name in ("nodes", "mounts.tray_from_top", "mounts.top_from_bottom", "mounts.tray_from_dvl"):
         assert_same_motion(attrgetter(name)(back), attrgetter(name)(state))
@@ -157,10 +159,8 @@ def test_truth_leaves_residuals_of_one_sigma(factor):
     dive = simulate()
     state = with_mounts(true_state(dive), tray_from_dvl=records_poses(TRAY_FROM_DVL))
     chosen = selection.select_measurements(dive.measured, state, 40.0)
-    weights = replace(
-        weighting.initial_weights(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD
-    )
-    found = native.evaluate(assemble(dive.measured, state, weights, chosen, as_published=False))
+    weights = replace(weighting.initial_weights(dive.measured, PRODUCT), tray=TRAY_NOISE_RAD)
+    found = native.evaluate(assemble(dive.measured, state, weights, chosen, systematic_errors=True))
     rows = found.residual[found.factor == native.FACTORS.index(factor)]
     assert np.sqrt(np.mean(rows**2)) == pytest.approx(1.0, abs=0.25)
 
@@ -203,7 +203,7 @@ def test_a_mono_rig_has_no_stereo_rows_and_holds_the_second_camera():
     [
         ({}, {}, {"T_ct_cb"}),
         ({}, {"hold_hull_pose": True}, {"T_ct_cb", "T_g_M"}),
-        ({}, {"as_published": True}, {"T_ct_cb", "T_s_d", "navigation"}),
+        ({}, {"systematic_errors": False}, {"T_ct_cb", "T_s_d", "navigation"}),
         ({"cad": False}, {}, {"T_ct_cb", "T_g_M", "deviation"}),
         ({"camera": False}, {}, {"T_ct_cb", "T_s_ct"}),
     ],
@@ -259,9 +259,9 @@ def test_a_beam_that_misses_the_cad_model_takes_the_field_at_its_measured_end():
     state = true_state(dive)
     chosen, weights = (
         selection.select_measurements(measured, state, 40.0),
-        weighting.initial_weights(measured, AdjustOptions()),
+        weighting.initial_weights(measured, PRODUCT),
     )
-    problem = assemble(measured, state, weights, chosen, as_published=False)
+    problem = assemble(measured, state, weights, chosen, systematic_errors=True)
     np.testing.assert_allclose(problem.ranges.field.weight.sum(1), 1.0)
     assert (problem.ranges.field.index < state.hull.grid.size).all()
 
@@ -280,10 +280,10 @@ def test_weights_go_into_the_tables_of_their_measurements():
     dive = simulate()
     state = true_state(dive)
     chosen = selection.select_measurements(dive.measured, state, 40.0)
-    first = weighting.initial_weights(dive.measured, AdjustOptions())
+    first = weighting.initial_weights(dive.measured, PRODUCT)
     surface = np.linspace(0.1, 1.0, len(state.landmark))
     weights = replace(first, pixel=0.7, depth=0.5, tray=0.003, range_sigma=0.02, surface=surface)
-    problem = assemble(dive.measured, state, weights, chosen, as_published=False)
+    problem = assemble(dive.measured, state, weights, chosen, systematic_errors=True)
     assert problem.sigma_px == 0.7
     np.testing.assert_allclose(problem.attitude.sigma, dive.measured.attitude.sigma * [0.5, 1, 1])
     assert set(problem.tray.sigma) == {0.003}
@@ -322,9 +322,9 @@ def test_motions_that_images_measured_are_left_out_where_landmarks_join_their_no
     problem = assemble(
         measured,
         state,
-        weighting.initial_weights(measured, AdjustOptions()),
+        weighting.initial_weights(measured, PRODUCT),
         chosen,
-        as_published=False,
+        systematic_errors=True,
     )
     used = (chosen.top | chosen.bottom) & np.isin(seen.landmark, chosen.landmarks)
     common = [

@@ -23,8 +23,10 @@ from adjustment.simulated_dive import (
 from adjustment.simulated_dive import GLOBAL_FROM_HULL as TRUTH
 from adjustment.solved_dives import solved
 
+from hullrecon.adjustment import rounds
 from hullrecon.adjustment.bundle_adjustment import adjust
-from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.options import AdjustOptions, Strategy
+from hullrecon.adjustment.problem import weighting
 from hullrecon.adjustment.results.summary import summarise_adjustment
 
 SCALE, DRIFT, ROLL, PITCH, DEPTH, BACKLASH = range(6)
@@ -60,19 +62,16 @@ def test_the_path_and_the_landmarks_come_out_to_millimetres(case):
     assert len(found.outcome.solution.landmarks) > 300
 
 
-def test_the_scale_of_one_camera_is_solved_to_its_minimum():
+def test_the_scale_of_one_camera_is_solved_to_its_minimum(monkeypatch):
     """Damping that holds a mode which all measurements share stopped 2.5e-4 short of it here, and
     5e-3 on a dive of 1,400 images, where its sigma was 5e-4.
     """
     measured = simulate(stereo=False, cad=False, ranges=False, landmarks=4000, per_leg=60).measured
-    found, at_minimum = (
-        adjust(
-            measured,
-            AdjustOptions(function_tolerance=tolerance, max_iterations=200),
-            lambda line: None,
-        )
-        for tolerance in (AdjustOptions().function_tolerance, 1e-12)
-    )
+    options = AdjustOptions(max_iterations=200)
+    found = adjust(measured, options, lambda line: None)
+    monkeypatch.setattr(rounds, "FUNCTION_TOLERANCE", 1e-12)
+    monkeypatch.setattr(rounds, "COARSE_TOLERANCE", 1e-11)
+    at_minimum = adjust(measured, options, lambda line: None)
     assert found.state.navigation[SCALE] == pytest.approx(
         at_minimum.state.navigation[SCALE], abs=2e-5
     )
@@ -90,14 +89,15 @@ def test_no_camera_still_leaves_a_path_better_than_dead_reckoning():
     assert found.adjusted.state.mounts.tray_from_top is None
 
 
-def test_the_last_round_leaves_out_what_lies_beyond_the_outlier_limit():
+def test_the_last_round_leaves_out_what_lies_beyond_the_outlier_limit(monkeypatch):
     dive = simulate(cad=False)
     top, rng = dive.measured.tracks.top.copy(), np.random.default_rng(8)
     wrong = np.flatnonzero(np.isfinite(top[:, 0]) & (rng.random(len(top)) < 0.03))
     top[wrong, 0] += 6 * PIXEL_NOISE_PX  # below the 2 px to which the rounds before it reach
     tracks = replace(dive.measured.tracks, top=top)
-    options = AdjustOptions(min_sigma_px=0.1)
-    chosen = adjust(replace(dive.measured, tracks=tracks), options, lambda line: None).chosen
+    monkeypatch.setattr(weighting, "MIN_SIGMA_PX", 0.1)
+    measured = replace(dive.measured, tracks=tracks)
+    chosen = adjust(measured, AdjustOptions(), lambda line: None).chosen
     assert chosen.top[wrong].mean() < 0.2
     assert chosen.top[np.isfinite(top[:, 0])].mean() > 0.94
 
@@ -161,14 +161,12 @@ def test_the_distance_of_the_boxs_face_is_its_height():
 
 def test_a_model_onto_which_nothing_is_laid_is_left_out():
     measured = replace(simulate(cad=True).measured, returns=None)
-    found = adjust(measured, AdjustOptions(method="naive"), lambda _: None)
+    found = adjust(measured, AdjustOptions(), lambda _: None, Strategy(method="naive"))
     assert (
-        found.refusal == "the method naive lays no landmark onto it, and there is no range of a DVL"
+        found.verdict.reason
+        == "the method naive lays no landmark onto it, and there is no range of a DVL"
     )
-    assert (
-        summarise_adjustment(measured, found, AdjustOptions(method="naive")).solution.hull_pose
-        is None
-    )
+    assert summarise_adjustment(measured, found, AdjustOptions()).solution.hull_pose is None
 
 
 def test_naive_draws_no_landmark_to_the_hull_and_geva_draws_all():

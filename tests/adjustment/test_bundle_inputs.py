@@ -120,7 +120,7 @@ def test_flagged_returns_do_not_enter():
 
 def test_without_returns_the_stereo_landmarks_lay_the_dive_onto_the_cad_model():
     found = solved(ranges=False)
-    assert found.adjusted.registration.fitness > 0.8
+    assert found.adjusted.placement.registration.fitness > 0.8
     assert len(found.adjusted.problem.ranges.measured) == 0
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where on the hull a dive was: from points on it, with the CAD model's error as correlated noise."""
+"""The hull's pose from points on it, with the CAD model's error as correlated noise."""
 
 from dataclasses import replace
 

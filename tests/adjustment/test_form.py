@@ -12,11 +12,11 @@ import pytest
 from adjustment.scenes import TRUTH, cad_model, side
 from scipy.stats import chi2
 
+from hullrecon.adjustment.cad_acceptance import accept_form
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.hull_pose.cad_error import matern32
 from hullrecon.adjustment.hull_pose.form import CHANCE, WIDENING, Form, compare_form
 from hullrecon.adjustment.hull_pose.registration import thin_points
-from hullrecon.adjustment.placement import form_against
 from hullrecon.geometry.meshes.mesh import Mesh
 
 CURVED = side(0.9)
@@ -57,7 +57,7 @@ def stretched(factors):
 
 
 def refused(form, sigmas_off=1.0):
-    return form_against(form, sigmas_off)
+    return accept_form(form, sigmas_off).reason
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -90,7 +90,7 @@ def test_a_plain_side_confirms_nothing_and_is_not_refused_for_it():
     form = compared(plate, surveyed(deviation_m=0.01, flat=True))
     assert not form.contradicts
     assert not form.confirms
-    assert min(form.stretch_sigma) > 0.4  # the patch says nothing of the model's ratios
+    assert min(form.scale_sigma) > 0.4  # the patch says nothing of the model's ratios
     assert refused(form) is None
 
 
@@ -114,7 +114,7 @@ def test_another_ship_s_side_is_refused():
     x, y, z = CURVED.vertices.T
     other = Mesh(np.c_[x, y - 0.02 * (x - 7) ** 2 + 0.12 * (z - 2.5) ** 2, z], CURVED.faces)
     form = compared(other, surveyed(deviation_m=0.01))
-    assert form.contradicts or form.fits_better_stretched
+    assert form.contradicts or form.fits_better_scaled
     assert refused(form) is not None
 
 
@@ -126,14 +126,14 @@ def test_a_model_with_other_proportions_is_refused():
 def test_what_the_points_tell_of_the_ratios_is_their_sigma():
     """A model a tenth too long is within what the points tell of its length."""
     form = compared(stretched([1.05, 1.0, 1.0]), surveyed(deviation_m=0.01))
-    assert len(form.stretch_sigma) == 3
+    assert len(form.scale_sigma) == 3
     assert refused(form) is None
 
 
 def test_each_reason_names_what_speaks():
     assert refused(AGREES) is None
     assert "4.0 times hull.deviation_sigma" in refused(replace(AGREES, deviation=16.0))
-    assert "proportions or its scale" in refused(replace(AGREES, stretch=20.0))
+    assert "proportions or its scale" in refused(replace(AGREES, scale_chi2=20.0))
     # contradicted, but a package may be mistaken by a factor of two
     assert refused(replace(AGREES, deviation=5.0)) is None
     # unless a plane leaves hardly more
@@ -166,7 +166,7 @@ def test_without_a_resolved_pattern_nothing_is_said():
     nothing = Form(patterns=0)
     assert (
         nothing.contradicts,
-        nothing.fits_better_stretched,
+        nothing.fits_better_scaled,
         nothing.confirms,
         nothing.log_odds,
     ) == (

@@ -46,7 +46,7 @@ def record(cost, on_surface):
 
 @pytest.fixture
 def rounds():
-    """Three iterations on a hundred landmarks, then one on four hundred with a finer pixel sigma."""
+    """Three iterations on a hundred landmarks, then one on 400 with a finer pixel sigma."""
     first = Round(
         record=record([90.0, 95.0, 10.0], [50, 50, 80]),
         weights=WEIGHTS,

@@ -76,7 +76,8 @@ def test_a_leg_that_shares_too_little_is_named_with_its_start():
     assert sentence is not None
     start = int(np.flatnonzero(ties.leg == 2)[0])
     assert sentence.startswith(
-        f"Leg 3 (from 09:{30 + start // 60}:{start % 60:02d}) of 3: fewer than 12 landmarks are shared"
+        f"Leg 3 (from 09:{30 + start // 60}:{start % 60:02d}) of 3: fewer than 12 landmarks are "
+        "shared"
     )
 
 

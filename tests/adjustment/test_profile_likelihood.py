@@ -71,7 +71,7 @@ def test_the_tangent_follows_the_valley():
 
 
 def test_the_tangent_does_not_depend_on_where_the_search_starts():
-    """Between two fits alone it does: each ends somewhere in a flat valley, or at a facet's edge."""
+    """Between two fits alone it does: each ends in a flat valley, or at a facet's edge."""
     tangents = np.array(
         [profiled(1.0, start_off_m=off)[0].tangent for off in np.linspace(0, 0.15, 7)]
     )

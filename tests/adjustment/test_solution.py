@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose.form import Form
-from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.records.serialisation import to_arrays
 
@@ -26,7 +25,6 @@ SCENES = {
 }
 KEYS = {
     "method",
-    "as_published",
     "converged",
     "message",
     "iterations",
@@ -259,13 +257,9 @@ def test_beams_that_miss_the_cad_model_are_warned_of():
 
 def test_as_published_the_hulls_covariance_is_the_solves_own():
     found = solved(as_published=True)
-    options = AdjustOptions(as_published=True)
-    settings = native.Options(
-        method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m
-    )
     np.testing.assert_allclose(
         found.outcome.solution.hull_pose.covariance,
-        native.covariance(found.adjusted.problem, settings).T_g_M,
+        native.covariance(found.adjusted.problem, found.adjusted.settings).T_g_M,
         rtol=1e-9,
     )
 
@@ -286,16 +280,16 @@ def test_the_last_problem_stands_at_the_solution():
     ("form", "said"),
     [
         (
-            Form(patterns=20, deviation=0.8, plane=90.0, stretch_sigma=(0.35, 0.1, 0.2)),
+            Form(patterns=20, deviation=0.8, plane=90.0, scale_sigma=(0.35, 0.1, 0.2)),
             "proportions and scale to 35 %",
         ),
-        (Form(patterns=20, deviation=0.8, plane=90.0, stretch_sigma=(0.02, 0.01, 0.03)), None),
+        (Form(patterns=20, deviation=0.8, plane=90.0, scale_sigma=(0.02, 0.01, 0.03)), None),
         (
-            Form(patterns=20, deviation=0.8, plane=1.0, stretch_sigma=(0.5, 0.5, 0.5)),
+            Form(patterns=20, deviation=0.8, plane=1.0, scale_sigma=(0.5, 0.5, 0.5)),
             "too plain to tell",
         ),
         (
-            Form(patterns=40, deviation=3.0, plane=900.0, stretch_sigma=(0.02, 0.01, 0.03)),
+            Form(patterns=40, deviation=3.0, plane=900.0, scale_sigma=(0.02, 0.01, 0.03)),
             "by 1.7 times hull.deviation_sigma",
         ),
     ],

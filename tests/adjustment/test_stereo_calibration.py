@@ -86,8 +86,8 @@ def position_rms_m(dive, outcome):
 def test_a_rig_that_was_turned_is_found_and_said(name, cad):
     dive, adjusted, outcome = _adjusted(name, cad)
     found = adjusted.state.mounts.top_from_bottom.matrix()[0]
-    assert adjusted.refusal is None
-    assert adjusted.stereo.by_images
+    assert adjusted.verdict.accepted
+    assert adjusted.verdict.stereo.by_images
     assert (
         np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude())
         < 0.02
@@ -104,7 +104,7 @@ def test_a_rig_that_was_turned_is_found_and_said(name, cad):
 @pytest.mark.parametrize("name", ["too long", "too long, said to be known"])
 def test_where_only_lengths_disagree_the_depths_tell_that_the_baseline_is_wrong(name, cad):
     _, adjusted, outcome = _adjusted(name, cad)
-    assert not adjusted.stereo.by_images
+    assert not adjusted.verdict.stereo.by_images
     turned = 0.02 if "known" in name else 1e-3  # degrees: what is known to 0.01 may turn by so much
     found, marginal = (
         adjusted.state.mounts.top_from_bottom.matrix()[0],
@@ -124,7 +124,7 @@ def test_where_only_lengths_disagree_the_depths_tell_that_the_baseline_is_wrong(
 
 def test_a_dvl_that_stereo_and_depths_contradict_is_not_taken_for_a_wrong_rig():
     dive, adjusted, outcome = _adjusted("DVL too long", True)
-    assert adjusted.stereo is None
+    assert adjusted.verdict.stereo is None
     sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
     assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.01
     assert position_rms_m(dive, outcome) < 5e-3
@@ -133,7 +133,7 @@ def test_a_dvl_that_stereo_and_depths_contradict_is_not_taken_for_a_wrong_rig():
 def test_a_calibration_that_holds_stays_as_it_is():
     for cad in (True, False):
         found = solved(cad=cad)
-        assert found.adjusted.stereo is None
+        assert found.adjusted.verdict.stereo is None
         np.testing.assert_array_equal(
             found.adjusted.state.mounts.top_from_bottom.translation[0], BASELINE
         )
@@ -143,7 +143,7 @@ def test_a_calibration_that_holds_stays_as_it_is():
 
 def test_a_rig_that_its_package_doubts_needs_no_finding():
     _, adjusted, outcome = _adjusted("doubted by its package", True)
-    assert adjusted.stereo is None
+    assert adjusted.verdict.stereo is None
     found = adjusted.state.mounts.top_from_bottom.matrix()[0]
     assert (
         np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude())

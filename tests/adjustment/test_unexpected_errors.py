@@ -46,7 +46,8 @@ SAID = ("DVL measures", "heading drifts", "Roll is off", "Pitch is off", "Depths
         (
             1,
             -0.005,
-            "The heading drifts by 1031 ± 2 degrees an hour, 5 times imu.heading_drift_deg_per_hour",
+            "The heading drifts by 1031 ± 2 degrees an hour, "
+            "5 times imu.heading_drift_deg_per_hour",
         ),
         (2, 0.0175, "Roll is off by 1.00 ± 0.01 degrees, 6 times imu.bias_sigma_deg"),
         (3, -0.0175, "Pitch is off by -1.00 ± 0.01 degrees, 6 times imu.bias_sigma_deg"),
@@ -143,7 +144,7 @@ def test_two_mounts_that_are_turned_alike_point_at_the_imu():
 
 @lru_cache
 def _turned_camera(cad):
-    """The simulated dive; its camera stands 1.5 degrees off, seven times what its package allows."""
+    """The simulated dive with its camera 1.5 degrees off, seven times what its package allows."""
     dive = simulate(cad=cad)
     off = TRAY_FROM_TOP @ motion(0, 0, 0, 0, 0, 1.5)
     prior = np.diag(1 / np.r_[np.full(3, 0.01), np.radians(np.full(3, 0.2))])
@@ -203,7 +204,7 @@ def _fast_sound(stereo, turned_deg=0.0):
 def test_with_one_camera_a_wrong_speed_of_sound_is_said_and_covered_by_its_sigma():
     """Velocities and ranges agree, and are wrong; depths know better."""
     _, adjusted, outcome = _fast_sound(False)
-    assert adjusted.length_conflict == pytest.approx(0.08, abs=0.03)
+    assert adjusted.verdict.length_conflict == pytest.approx(0.08, abs=0.03)
     (sentence,) = [w for w in outcome.warnings if "contradict all else" in w]
     assert "speed of sound" in sentence
     assert not [w for w in outcome.warnings if SAID[0] in w]
@@ -213,7 +214,7 @@ def test_with_one_camera_a_wrong_speed_of_sound_is_said_and_covered_by_its_sigma
 
 def test_with_two_cameras_a_wrong_speed_of_sound_is_the_dvls_error():
     _, adjusted, outcome = _fast_sound(True)
-    assert adjusted.length_conflict is None
+    assert adjusted.verdict.length_conflict is None
     assert adjusted.problem.priors.navigation_sigma[0] == pytest.approx(0.07, abs=0.01)
     np.testing.assert_array_equal(
         adjusted.problem.priors.navigation_sigma[1:], NAVIGATION_SIGMA[1:]
@@ -225,7 +226,7 @@ def test_with_two_cameras_a_wrong_speed_of_sound_is_the_dvls_error():
 
 def test_a_rig_that_is_turned_as_well_does_not_hide_the_dvls_error():
     _, adjusted, outcome = _fast_sound(True, 0.2)
-    assert adjusted.stereo.by_images
+    assert adjusted.verdict.stereo.by_images
     assert len([w for w in outcome.warnings if "stereo calibration does not hold" in w]) == 1
     assert len([w for w in outcome.warnings if SAID[0] in w]) == 1
     sigma = outcome.summary["navigation_sigma"]["dvl_scale"]

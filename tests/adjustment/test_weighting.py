@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.options import PRODUCT, Strategy
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.problem.weighting import (
     depth_sigma,
@@ -28,7 +28,6 @@ WEIGHTS = Weights(
     tray_direction=np.ones(400),
 )
 GIVEN_M = 0.02
-OPTIONS = AdjustOptions()
 
 
 def dive(scene, depth, noise_m, given_m=GIVEN_M, nodes_per_reading=1):
@@ -67,7 +66,7 @@ def depth_weight(scene, monkeypatch):
 
     def found(*of, **more):
         measured, state = dive(scene, *of, **more)
-        return estimate_weights(measured, state, None, WEIGHTS, OPTIONS).depth
+        return estimate_weights(measured, state, None, WEIGHTS, PRODUCT).depth
 
     return found
 
@@ -94,7 +93,7 @@ def seen_with(scene):
         every = [np.isfinite(pixels[:, 0]) for pixels in (t.top, t.bottom)]
         chosen = SimpleNamespace(top=every[0], bottom=every[1], landmarks=np.unique(t.landmark))
         weights = replace(WEIGHTS, pixel_ratio=np.ones(len(t.node)))
-        pixel, ratio = estimate_pixel_sigmas(measured, state, chosen, weights, 0.03)
+        pixel, ratio = estimate_pixel_sigmas(measured, state, chosen, weights)
         return pixel * ratio
 
     return found
@@ -175,12 +174,12 @@ def test_depths_that_no_pressure_gave_keep_their_sigma(depth_weight) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "camera"), [(AdjustOptions(as_published=True), True), (OPTIONS, False)]
+    ("strategy", "camera"), [(Strategy(estimate_sigmas=False), True), (PRODUCT, False)]
 )
-def test_as_published_and_without_a_camera_all_weights_stay(scene, options, camera) -> None:
+def test_as_published_and_without_a_camera_all_weights_stay(scene, strategy, camera) -> None:
     measured, state = dive(scene, np.full(400, 3.0), 0.004)
     measured.tracks = measured.tracks if camera else None
-    assert estimate_weights(measured, state, None, WEIGHTS, options) is WEIGHTS
+    assert estimate_weights(measured, state, None, WEIGHTS, strategy) is WEIGHTS
 
 
 def test_the_sigma_of_a_depth_is_told_in_metres(scene) -> None:

@@ -52,10 +52,10 @@ def test_a_package_is_opened_with_the_folder_of_its_run(tmp_path: Path) -> None:
 
 
 def test_options_replace_those_of_the_package(tmp_path: Path) -> None:
-    dive = hullrecon.open_dive(DEMO, tmp_path, ["adjust.method=naive"])
-    assert dive.chain.sections["adjust"].method == "naive"
+    dive = hullrecon.open_dive(DEMO, tmp_path, ["adjust.rounds=2"])
+    assert dive.chain.sections["adjust"].rounds == 2
     with pytest.raises(UsageError):
-        hullrecon.open_dive(DEMO, tmp_path, ["adjust.method=gevva"])
+        hullrecon.open_dive(DEMO, tmp_path, ["adjust.rounds=gevva"])
 
 
 def test_a_run_that_does_not_name_its_package_is_refused(tmp_path: Path) -> None:

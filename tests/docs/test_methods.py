@@ -42,7 +42,7 @@ def test_every_section_and_equation_cited_exists() -> None:
 
 
 def test_the_label_boundary_is_the_one_derived() -> None:
-    from hullrecon.adjustment.problem.hard_em import label_boundary
+    from hullrecon.adjustment.problem.selection import label_boundary
 
     assert f"{label_boundary(0.02, 1.0):.5f}" in _methods()
 

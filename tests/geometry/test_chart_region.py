@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Parts of the hull between limits of its chart, on a half cylinder of radius 3 m and length 20 m."""
+"""Parts of the hull between limits of its chart, on a half cylinder of 3 m radius and 20 m."""
 
 from __future__ import annotations
 

@@ -233,11 +233,13 @@ def test_the_bow_lies_where_it_is_said_to(up: tuple[int, int, int], bow: str) ->
     [
         (
             "+y",
-            r"the bow cannot lie at \+y: the CAD model is 20.0 m along x, 4.0 m along y \(hull.bow\): give \"\+x\" or \"-x\"",
+            r"the bow cannot lie at \+y: the CAD model is 20.0 m along x, 4.0 m along y "
+            r"\(hull.bow\): give \"\+x\" or \"-x\"",
         ),
         (
             "-z",
-            r"the bow cannot lie at -z: z is up or down by hull.pose, and the CAD model is 20.0 m along x",
+            r"the bow cannot lie at -z: z is up or down by hull.pose, and the CAD model is 20.0 m "
+            "along x",
         ),
     ],
 )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Every record that goes to disk, with the shapes that its docstring gives, made of random values."""
+"""Every record that goes to disk, in the shapes that its comments give, of random values."""
 
 from __future__ import annotations
 

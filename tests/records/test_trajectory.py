@@ -126,18 +126,30 @@ def random_record(kind: type, shapes: dict[str, tuple[int, ...]]) -> object:
         trajectory(),
         random_record(
             TrajectoryErrorModel,
-            {"by_error": (N, 6, 0), "error_covariance": (0, 0), "walk": (N, 6, 6), "white": (N, 6, 6)},
+            {
+                "by_error": (N, 6, 0),
+                "error_covariance": (0, 0),
+                "walk": (N, 6, 6),
+                "white": (N, 6, 6),
+            },
         ),
         random_record(
             Odometry,
             {
-                "first": (3,), "second": (3,), "quaternion": (3, 4), "translation": (3, 3), "covariance": (3, 6, 6),
-                "by_navigation": (3, 6, 2), "by_mount": (3, 6, 3), "by_tray": (3, 6), "from_images": (3,),
+                "first": (3,),
+                "second": (3,),
+                "quaternion": (3, 4),
+                "translation": (3, 3),
+                "covariance": (3, 6, 6),
+                "by_navigation": (3, 6, 2),
+                "by_mount": (3, 6, 3),
+                "by_tray": (3, 6),
+                "from_images": (3,),
             },
         ),
     ],
     ids=lambda record: type(record).__name__,
-)  # fmt: skip
+)
 def test_a_record_reads_back_as_it_was_written_also_with_empty_axes(record: object) -> None:
     again = from_arrays(type(record), to_arrays(record))
     for field in fields(record):  # type: ignore[arg-type]

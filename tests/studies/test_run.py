@@ -24,6 +24,7 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory
 from hullrecon.studies import compare_methods
+from hullrecon.studies.methods import adjust_variant
 from hullrecon.studies.methods.variants import read_dead_reckoning, read_objects, read_solutions
 
 
@@ -31,16 +32,23 @@ class Nothing(Struct, frozen=True, kw_only=True):
     """No parameters."""
 
 
-class Method(Struct, frozen=True, kw_only=True):
-    method: str = "maxmix"
-    as_published: bool = False
+class Options(Struct, frozen=True, kw_only=True):
     rounds: int = 3
     max_iterations: int = 60
 
 
+class Method(Options, frozen=True, kw_only=True):
+    method: str = "maxmix"
+    as_published: bool = False
+
+
 @pytest.fixture
 def opened(
-    package: Path, solution: Solution, returns: Returns, tmp_path: Path
+    package: Path,
+    solution: Solution,
+    returns: Returns,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> Callable[..., DiveRun]:
     """A dive whose chain is navigate and adjust; the calls of adjust are counted in `calls`."""
 
@@ -59,8 +67,9 @@ def opened(
 
     def adjust(context: Context) -> None:
         p = context.parameters
-        calls.append((p.method, p.as_published))
-        rounds.append((p.as_published, p.rounds, p.max_iterations))
+        as_published = getattr(p, "as_published", False)
+        calls.append((getattr(p, "method", "maxmix"), as_published))
+        rounds.append((as_published, p.rounds, p.max_iterations))
         context.out.arrays("solution.npz", to_arrays(solution))
         context.out.arrays("iterations.npz", record)
         context.out.json("adjust.json", {"registration": {"T_g_M": [1, 2, 3, 0, 0, 0, 1]}})
@@ -68,12 +77,15 @@ def opened(
 
     stages = (
         Stage("navigate", "walk", (), Nothing, 1, navigate),
-        Stage("adjust", "solve", ("navigate",), Method, 1, adjust),
+        Stage("adjust", "solve", ("navigate",), Options, 1, adjust),
     )
+    variant = Stage("adjust", "solve", ("navigate",), Method, 1, adjust)
+    monkeypatch.setattr(adjust_variant, "STAGE", variant)
+    monkeypatch.setattr(adjust_variant, "VariantOptions", Method)
     tray = Tray(origin=(0.45, 0.0, 0.1))
     sections = {
         "navigate": Nothing(),
-        "adjust": Method(),
+        "adjust": Options(),
         "tray": tray,
         "dvl": Dvl(mount=(0, 0, 0.08, 0, 90, 0)),
     }

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How wrong the CAD model is expected to be, as the covariance of distances to it, and which points
-say nothing of it.
+"""Expected error of the CAD model as the covariance of distances to it, and outliers under it.
 
 Sigma and lengths of the smooth error are the package's. Fitted by likelihood instead, they follow
 what the points have in common for other reasons (facets, smoothed landmarks): docs/adr/0010. An
@@ -26,18 +25,16 @@ OUTLIER_SIGMAS = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class CadError:
-    """sigma: of the smooth error, m; length: along and over the girth, m; noise: of a point, m;
-    offset: sigma of an error common to the whole CAD model, m.
-    """
+    """How wrong the CAD model may be."""
 
-    sigma: float
-    length: tuple[float, float]
-    noise: float
-    offset: float
+    sigma: float  # m, of the smooth error
+    length: tuple[float, float]  # m, its correlation length along and over the girth
+    noise: float  # m, sigma of a point
+    offset: float  # m, sigma of an error common to the whole CAD model
 
 
 def expected_cad_error(cad_model: CadModel) -> CadError:
-    """Return what the package states of its CAD model."""
+    """Return the error that the package states of its CAD model."""
     sigma = cad_model.deviation_sigma
     return CadError(
         sigma=sigma,
@@ -48,20 +45,21 @@ def expected_cad_error(cad_model: CadModel) -> CadError:
 
 
 def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Array) -> Array:
-    """Return the covariance (n, n) of the signed distances of points (n, 3) in M to the CAD model:
-    smooth error, offset, facets, noise.
+    """Compute the covariance (n, n) of signed distances of points (n, 3) in M to the CAD model.
 
-    The facets' pattern repeats all over a survey, which no stationary covariance says: the points
-    on one facet share out the information of one (docs/methods.md 9), with three of its sigmas,
-    lest a slide by one facet look like a better pose.
+    It holds smooth error, offset, facets and noise. The facets' pattern repeats all over a survey,
+    which no stationary covariance says: the points on one facet share out the information of one
+    (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better
+    pose.
     """
     along_girth = chart_coordinates(cad_model, at)
     return _covariance(cad_error_model, along_girth, facet_variance(cad_model, at, sigmas=3.0))
 
 
 def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> Array:
-    """Return the covariance (n, n) of a field at chart points (n, 2): sigma^2 (1 + sqrt3 r)
-    exp(-sqrt3 r), r in correlation lengths.
+    """Compute the covariance (n, n) of a Matern 3/2 field at chart points (n, 2).
+
+    sigma^2 (1 + sqrt3 r) exp(-sqrt3 r), with r in correlation lengths.
     """
     scaled = along_girth / np.array(length)
     squared = np.sum(scaled**2, 1)
@@ -70,13 +68,14 @@ def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> A
 
 
 def chart_coordinates(cad_model: CadModel, at: Array) -> Array:
-    """Return along and girth (n, 2) m of points (n, 3) in M, zero where the chart has none."""
+    """Compute along and girth (n, 2) m of points (n, 3) in M, zero where the chart has none."""
     return np.nan_to_num(cad_model.chart.to_chart(at)[:, :2])
 
 
 def facet_variance(cad_model: CadModel, at: Array, sigmas: float) -> float:
-    """Return the variance by the facets of each of the points (n, 3) in M: so many sigmas of one
-    facet, shared out among the points on it.
+    """Compute the variance that the facets give each of points (n, 3) in M.
+
+    It is that of so many sigmas of one facet, shared out among the points on it.
     """
     facets = tessellation_error(cad_model.mesh, at)
     cells = len(
@@ -97,9 +96,10 @@ def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: f
 
 
 def find_outliers(factor: CholeskyFactor, distance: Array) -> Mask:
-    """Return which points (n,) the others do not predict: leave-one-out residuals beyond four of
-    their sigmas, the worst first and the rest without it, lest a point on a structure take its
-    neighbours along.
+    """Find points (n,) that the others do not predict.
+
+    Their leave-one-out residual is beyond four of its sigmas. The worst is found first and the rest
+    without it, lest a point on a structure take its neighbours along.
 
     factor: Cholesky factor of the distances' covariance.
     """

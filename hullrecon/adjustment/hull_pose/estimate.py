@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where on the hull the dive was: T_g_M by its profile along the hull, and its covariance.
+"""The hull's pose by its profile along the hull, and its covariance (docs/methods.md 9).
 
-The solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it
-(docs/methods.md 9). The posterior along the valley, with the CAD model's error as correlated noise,
-is what is known; its mean is the pose that the last round holds.
+A solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it. What
+is known is the posterior along the valley, with the CAD model's error as correlated noise. Its mean
+is the pose that the last round holds.
 """
 
 from __future__ import annotations
@@ -22,53 +22,44 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
-from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32, Mask
+from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32
 
 MAX_PASSES = 3
-# of the surface that one point stands for, at least; of all, at most
-CELL_M, MAX_POINTS = 0.15, 800
+CELL_M = 0.15  # side of the surface cell that one point stands for, at least
+MAX_POINTS = 800
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoosePoints:
-    """Points of a path in stretches: stretch (n,) of each point; step (s, 6, 6): covariance of each
-    stretch relative to the one that was registered, (translation, rotation) in g.
-    """
+    """Points on a path in segments, which are loose relative to each other."""
 
-    stretch: Ints
+    segment: Ints  # (n,) of each point
+    # (s, 6, 6) covariance of a segment relative to the registered one, (translation, rotation) in g
     step: Array
-
-    def rows(self, kept: Mask) -> LoosePoints:
-        """Return some of the points (n,)."""
-        return replace(self, stretch=self.stretch[kept])
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullPoints:
-    """Points that lie on the hull: xyz (n, 3) in g; loose: of which stretch they are, None where
-    the path holds together.
-    """
+    """Points that lie on the hull."""
 
-    xyz: Array
-    loose: LoosePoints | None = None
+    xyz: Array  # (n, 3) m in g
+    loose: LoosePoints | None = None  # None where the path holds together
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullPoseEvidence:
-    """What is known of the hull pose: points (n, 3) in g that lie on the hull, the CAD model and
-    how wrong it may be, and the survey's centre (3,) in M. loose: of which stretch of the path the
-    points are, None where it holds together.
-    """
+    """What the hull's pose is estimated from."""
 
-    points: Array
+    points: Array  # (n, 3) m in g, on the hull
     cad_model: CadModel
-    center: Array
-    cad_error_model: CadError
-    loose: LoosePoints | None = None
+    center: Array  # (3,) m in M, of the survey
+    cad_error_model: CadError  # how wrong the CAD model may be
+    loose: LoosePoints | None = None  # None where the path holds together
 
-    def distances_by_stretches(self, pose: Poses) -> Array:
-        """Return how the points' distances to the CAD model change (n, k) by one sigma of each way
-        in which the path leaves its stretches free; k is 0 where it holds together.
+    def distances_by_segments(self, pose: Poses) -> Array:
+        """Compute how distances to the CAD model change by one sigma of each loose direction.
+
+        (n, k), k = 6 for each segment, or 0 where the path holds together.
         """
         if self.loose is None:
             return np.zeros((len(self.points), 0))
@@ -76,7 +67,7 @@ class HullPoseEvidence:
         to_hull[3:, 3:] = pose.rotation.inv().as_matrix()[0]
         out = np.zeros((len(self.points), len(self.loose.step), 6))
         for k, covariance in enumerate(self.loose.step):
-            own = self.loose.stretch == k
+            own = self.loose.segment == k
             if own.any() and covariance.any():
                 at = self.points[own]
                 middle = pose.inverse().apply(at).mean(axis=0)
@@ -89,9 +80,9 @@ class HullPoseEvidence:
 def collect_hull_points(
     m: Measurements, state: State, chosen: Selection, label: Ints32
 ) -> HullPoints:
-    """Return points that lie on the hull: landmarks labelled so, and DVL returns; thinned to some
-    hundreds, each stretch of a path by itself. Those of no stretch are left out.
+    """Collect landmarks labelled on the hull and DVL returns, thinned to some hundreds.
 
+    Of a path in segments, each segment is thinned by itself, and points of none are left out.
     Raises ValueError without a CAD model in the state.
     """
     hull = state.hull
@@ -106,29 +97,29 @@ def collect_hull_points(
     if m.returns is not None:
         ends = state.mounted(m.rig).dvl_points(m.returns, state.path)
         parts.append(ends.points[chosen.returns])
-    points, stretches = np.vstack(parts), hull.stretches
-    if stretches is None:
+    points, segments = np.vstack(parts), hull.segments
+    if segments is None:
         return HullPoints(xyz=thin_over_surface(points, hull.global_from_hull, hull.cad_model))
     nodes = [
         _first_nodes(m, on_hull),
         *([] if m.returns is None else [m.returns.node[chosen.returns]]),
     ]
-    of_point, most = stretches.of_node[np.concatenate(nodes)], MAX_POINTS // len(stretches)
+    of_point, most = segments.of_node[np.concatenate(nodes)], MAX_POINTS // len(segments)
     thinned = [
         thin_over_surface(points[of_point == k], hull.global_from_hull, hull.cad_model, most)
-        for k in range(len(stretches))
+        for k in range(len(segments))
     ]
     return HullPoints(
         xyz=np.vstack(thinned),
         loose=LoosePoints(
-            stretch=np.repeat(np.arange(len(stretches)), [len(own) for own in thinned]),
-            step=np.stack([stretches.from_reference(k) for k in range(len(stretches))]),
+            segment=np.repeat(np.arange(len(segments)), [len(own) for own in thinned]),
+            step=np.stack([segments.from_reference(k) for k in range(len(segments))]),
         ),
     )
 
 
 def _first_nodes(m: Measurements, landmarks: Ints) -> Ints:
-    """Return the first node (L,) that saw each of some landmarks."""
+    """Find the first node (L,) that saw each of some landmarks."""
     if m.tracks is None:
         return np.zeros(0, np.int64)
     first = np.full(int(m.tracks.landmark.max(initial=-1)) + 1, np.iinfo(np.int64).max)
@@ -139,12 +130,14 @@ def _first_nodes(m: Measurements, landmarks: Ints) -> Ints:
 def thin_over_surface(
     points: Array, pose: Poses, cad_model: CadModel, most: int = MAX_POINTS
 ) -> Array:
-    """Return of points (n, 3) in g one a cell of the CAD model's surface, the mean of the half of
-    them whose distances lie in the middle; cells are grown until at most `most` are left.
+    """Thin points (n, 3) in g to one for each cell of the CAD model's surface.
 
-    Cells in space would give a few points that stand beside the surface cells of their own, and as
-    much weight as all those that are right. Cells of M would hold other points wherever a first
-    pose lies along the hull: they are cells of g.
+    That is the mean of the half of the cell's points whose distances lie in the middle. Cells grow
+    until at most `most` are left.
+
+    Cells in space would give a few points off the surface cells of their own, and as much weight as
+    all those that are right. Cells of M would hold other points wherever a first pose lies along
+    the hull: they are cells of g.
     """
     nearest = cad_model.mesh.index.closest(pose.inverse().apply(points))
     foot, cell_m = (
@@ -160,11 +153,9 @@ def thin_over_surface(
 
 
 def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints) -> Array:
-    """Return of each cell the mean (c, 3) of the points whose distances are neither in its lowest
-    nor in its highest quarter.
+    """Average the points of each cell (c, 3) without its lowest and highest quarter of distances.
 
-    One point of each, the median, would be another one by the last digit of the path, with a noise
-    of its own.
+    The median point would be another one by the last digit of the path, with a noise of its own.
     """
     order = np.lexsort((distance, owner))
     rank = np.arange(len(order)) - np.repeat(np.cumsum(count) - count, count)
@@ -179,8 +170,25 @@ def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints)
 def fit_hull_pose(
     points: Array, pose: Poses, cad_model: CadModel, center: Array, loose: LoosePoints | None = None
 ) -> tuple[HullPoseEvidence, Poses]:
-    """Return points (n, 3) in g without their outliers as evidence, and T_g_M fitted to it from
-    `pose`.
+    """Fit the hull's pose to points (n, 3) in g, and leave out those that the others contradict.
+
+    Parameters
+    ----------
+    points
+        On the hull.
+    pose
+        Start, global_from_hull.
+    cad_model
+        With its prior pose and stated error.
+    center
+        Of the survey (3,) in M.
+    loose
+        Segments of the path that the points are of.
+
+    Returns
+    -------
+    evidence, pose
+        The points that are left, and the pose fitted to them.
     """
     expected = cad_error.expected_cad_error(cad_model)
     evidence = HullPoseEvidence(
@@ -194,21 +202,25 @@ def fit_hull_pose(
         outlier = cad_error.find_outliers(valley.cost.factor, distance)
         if not outlier.any():
             break
-        left = None if evidence.loose is None else evidence.loose.rows(~outlier)
-        evidence = replace(evidence, points=evidence.points[~outlier], loose=left)
+        kept = evidence.points[~outlier]
+        left = evidence.loose
+        if left is not None:
+            left = replace(left, segment=left.segment[~outlier])
+        evidence = replace(evidence, points=kept, loose=left)
     return evidence, pose
 
 
 def profile_mean_pose(evidence: HullPoseEvidence, pose: Poses) -> Poses:
-    """Return T_g_M at the mean of its profile along the hull."""
+    """Compute the hull's pose at the mean of its profile along the hull."""
     return _profile(evidence, pose, evidence.cad_model.chart.ship_axes[0]).global_from_hull
 
 
 def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
-    """Return the covariance (6, 6) of T_g_M about the centre, given the points: what the CAD
-    model's error, its facets and the package's prior leave open; with the variances along the hull
-    and along its weak directions from their profiles, taken as the posterior's second moment about
-    the delivered pose.
+    """Compute the covariance (6, 6) of the hull's pose about the centre, given the points.
+
+    It is what the CAD model's error, its facets and the package's prior leave open. The variances
+    along the hull and along weak directions come from their profiles, as the posterior's second
+    moment about the delivered pose.
     """
     ship_axes = evidence.cad_model.chart.ship_axes
     out = profile_likelihood.posterior_covariance(_valley(evidence, pose, ship_axes[0]), pose)
@@ -221,9 +233,10 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
 
 
 def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
-    """Return the covariance (6, 6) that a contradiction adds: where guess or form contradict the
-    CAD model, it or the guess may be wrong, so the sigma along the line between guess and fit is at
-    least its length (docs/methods.md 20). Else zero.
+    """Compute the covariance (6, 6) that a contradicted guess or CAD model adds, else zero.
+
+    Either of them may be wrong, so the sigma along the line between guess and fit is at least that
+    line's length (docs/methods.md 20).
     """
     if not evidence.cad_model.contradicted:
         return np.zeros((6, 6))
@@ -254,18 +267,13 @@ def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array) -> profil
 
 
 def _factor(evidence: HullPoseEvidence, pose: Poses) -> CholeskyFactor:
-    at, by_stretches = (
-        pose.inverse().apply(evidence.points),
-        evidence.distances_by_stretches(pose),
-    )
+    at, by_segments = pose.inverse().apply(evidence.points), evidence.distances_by_segments(pose)
     covariance = cad_error.distance_covariance(evidence.cad_error_model, evidence.cad_model, at)
-    return cho_factor(covariance + by_stretches @ by_stretches.T, lower=True)
+    return cho_factor(covariance + by_segments @ by_segments.T, lower=True)
 
 
 def _directions(hull_in_axes: Array, ship_axes: Array) -> list[Array]:
-    """Return along the hull, and the weak directions of position (unit vectors in M) that point
-    elsewhere.
-    """
+    """List the direction along the hull, and weak directions of position that point elsewhere."""
     weak = [
         np.array(w["direction"])
         for w in find_weak_directions(hull_in_axes, ship_axes)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Directions that the geometry does not resolve, with a sentence each for the report."""
+"""Directions of the hull's pose that its form does not resolve, with a sentence each."""
 
 from __future__ import annotations
 
@@ -19,13 +19,23 @@ def find_weak_directions(
     least_sigma_m: float = 0.05,
     least_sigma_deg: float = 0.5,
 ) -> list[dict[str, object]]:
-    """Return eigenvectors of T_g_M's covariance (6, 6: translation and rotation in M's axes) beyond
-    the given sigmas, worst first. ship_axes (3, 3): rows forward, port, up in M, of which a model's
-    file may have any order.
+    """Find the directions of the hull's pose whose sigma is beyond a limit, worst first.
 
-    Each: `kind` position or attitude, `direction` unit vector in M, `sigma` (m or rad) and a
-    `sentence` on the ship's axis that lies next to it, another one for each, with that axis's own
-    sigma.
+    Parameters
+    ----------
+    covariance_in_hull
+        Covariance (6, 6) of translation and rotation in M's axes.
+    ship_axes
+        Rows (3, 3) forward, port, up in M, of which a model's file may have any order.
+    least_sigma_m, least_sigma_deg
+        The limits.
+
+    Returns
+    -------
+    list
+        Each with `kind` (position or attitude), `direction` (unit eigenvector in M), `sigma` (m or
+        rad) and a `sentence` on the ship's axis nearest to it, another one for each, with that
+        axis's own sigma.
     """
     found: list[dict[str, object]] = []
     for kind, block, least in (
@@ -59,4 +69,7 @@ def _sentence(kind: str, axis: int, sigma: float) -> str:
             f"The position {_DIRECTIONS[axis]} is uncertain by {sigma:.2f} m (one sigma): "
             "the hull's form does not resolve it better."
         )
-    return f"The {_ANGLES[axis]} of the hull is uncertain by {np.degrees(sigma):.2f} degrees (one sigma)."
+    return (
+        f"The {_ANGLES[axis]} of the hull is uncertain by {np.degrees(sigma):.2f} degrees "
+        "(one sigma)."
+    )

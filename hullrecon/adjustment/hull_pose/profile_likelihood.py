@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The weak direction profiled: how sure the position along the hull really is (docs/methods.md 9).
+"""The weak direction profiled: how well the position along the hull is known (docs/methods.md 9).
 
 The Hessian at the optimum sees the CAD model's curvature at one pose; the valley is flat and not
 parabolic. Here the hull is held at steps along its weak direction while the other five freedoms and
@@ -25,30 +25,28 @@ MIN_DECREASE = 1e-3  # of half the sum of squares, in which one sigma costs 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class Profile:
-    """step (k,) m along `direction` (3,) unit in M; cost (k,), lowest zero; mean and sigma (m) of
-    the posterior; global_from_hull: T_g_M at the mean; tangent (6,): how T_g_M (translation in g,
-    rotation in M, about the centre) moves per metre of step.
-    """
+    """Posterior of a shift of the hull along a direction."""
 
-    direction: Array
-    step: Array
-    cost: Array
-    mean: float
-    sigma: float
-    global_from_hull: Poses
+    direction: Array  # (3,) unit in M
+    step: Array  # (k,) m along it
+    cost: Array  # (k,) lowest is zero
+    mean: float  # m, of the posterior
+    sigma: float  # m, of the posterior
+    global_from_hull: Poses  # at the mean
+    # (6,) motion of the pose per metre of step (translation in g, rotation in M, about the centre)
     tangent: Array
 
 
 @dataclass(frozen=True, kw_only=True)
 class Valley:
-    """A cost of T_g_M and the weak direction (3,), unit in M, along which it is profiled."""
+    """A cost of the hull's pose, and the weak direction along which it is profiled."""
 
     cost: HullPoseCost
-    direction: Array
+    direction: Array  # (3,) unit in M
 
 
 def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
-    """Return the posterior of a shift along the valley within +-`reach` metres of `start` (T_g_M)."""
+    """Compute the posterior of a shift along the valley within +-`reach` metres of `start`."""
     steps = np.linspace(-reach, reach, count)
     walked = _walk(v, start, steps)
     cost = np.array([cost for _, cost in walked])
@@ -73,8 +71,16 @@ def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
 
 
 def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Poses) -> Array:
-    """Return the covariance (6, 6) of T_g_M whose variance along the profiled direction is the
-    profile's, moving along its valley.
+    """Raise the variance along the profiled direction to the profile's, along its valley.
+
+    Parameters
+    ----------
+    covariance
+        (6, 6) of the hull's pose.
+    found
+        The profile.
+    global_from_hull
+        The pose.
     """
     to_hull = global_from_hull.rotation.as_matrix()[0].T
     along = np.r_[to_hull.T @ found.direction, np.zeros(3)]
@@ -85,21 +91,17 @@ def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Pose
 
 
 def minimise_cost(v: Valley, start: Poses) -> tuple[Poses, float]:
-    """Return T_g_M at the optimum of all six freedoms, and half the sum of squares there."""
+    """Find the pose at the optimum of all six freedoms, and half the sum of squares there."""
     return _fit(v, start, held=False)
 
 
 def posterior_covariance(v: Valley, pose: Poses) -> Array:
-    """Return the covariance (6, 6) of T_g_M about the centre, of the points and the package's prior
-    alone.
-    """
+    """Compute the covariance (6, 6) of the pose about the centre, by points and prior alone."""
     return np.asarray(np.linalg.inv(v.cost.linearise(pose).information))
 
 
 def _walk(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
-    """Return fitted poses and costs at the steps, each started from its neighbour nearer to the
-    middle.
-    """
+    """Fit pose and cost at each step, started from the neighbour nearer to the middle."""
     middle = len(steps) // 2
     found: dict[int, tuple[Poses, float]] = {}
     for order in (range(middle, len(steps)), range(middle - 1, -1, -1)):
@@ -118,8 +120,9 @@ def _shift(v: Valley, global_from_hull: Poses, step: float) -> Poses:
 
 
 def _fit(v: Valley, start: Poses, held: bool = True) -> tuple[Poses, float]:
-    """Return T_g_M at the optimum, its shift along the direction `held` or not, and half the sum of
-    squares there.
+    """Find the pose of least cost, and half the sum of squares there.
+
+    held: without a shift along the direction.
     """
 
     def across(pose: Poses) -> Array:
@@ -137,7 +140,7 @@ def _fit(v: Valley, start: Poses, held: bool = True) -> tuple[Poses, float]:
 
 
 def _across(direction: Array) -> Array:
-    """Return a basis (6, 5) of the steps that do not move along a unit direction (3,) in g."""
+    """Make a basis (6, 5) of the steps that do not move along a unit direction (3,) in g."""
     basis = np.linalg.svd(direction[None])[2][1:].T
     out = np.zeros((6, 5))
     out[:3, :2], out[3:, 2:] = basis, np.eye(3)
@@ -145,6 +148,6 @@ def _across(direction: Array) -> Array:
 
 
 def _between(a: Poses, b: Poses, center: Array) -> Array:
-    """Return the step (6,) of `perturb_pose` that takes T_g_M a to b."""
+    """Compute the step (6,) of `perturb_pose` that takes pose a to b."""
     shift = b.apply(center[None])[0] - a.apply(center[None])[0]
     return np.asarray(np.r_[shift, (a.rotation.inv() * b.rotation).as_rotvec()[0]])

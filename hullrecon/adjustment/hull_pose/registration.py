@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Registration of DVL returns to the CAD model [Ozog2016 4.2.5] (docs/methods.md 5): GICP from a
-grid of starts, then a correlated fit.
+"""Registration of DVL returns to the CAD model [Ozog2016 4.2.5] (docs/methods.md 5).
 
-GICP finds the basin. Its information is that of independent points, which a CAD model wrong by
-centimetres over metres does not give; so the last step is a generalised least-squares fit whose
-noise holds the CAD model's error as a Matern 3/2 field over the chart, together with the package's
-prior. Its covariance says what the geometry does and does not resolve.
+Generalised ICP from a grid of starts finds the basin. Its information is that of independent
+points, which a CAD model wrong by centimetres over metres does not give. So the last step is a
+generalised least-squares fit whose noise holds the CAD model's error as a Matern 3/2 field over the
+chart, together with the package's prior. Its covariance says what the geometry resolves.
 """
 
 from __future__ import annotations
@@ -26,9 +25,9 @@ from hullrecon.geometry.pose_solver import LinearisedCost, minimise_over_pose
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, CholeskyFactor
 
-# share of points within three sigma of the CAD model, from which it is the hull that was surveyed
+# Share of points within three sigma of the CAD model from which it is the hull that was surveyed
 GOOD_FITNESS = 0.6
-# m, rad in the ship's axes: how far a guess may be off
+# How far a guess may be off: m, rad in the ship's axes
 DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]
 DISTANT_STARTS = 8
 GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
@@ -36,26 +35,33 @@ GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
 
 @dataclass(frozen=True, kw_only=True)
 class Registration:
-    """global_from_hull: T_g_M (batch of one). covariance (6, 6) of (translation in g, rotation in
-    M) about `center` (3,) in M. residual (n,): signed distances of the points used, metres.
-    fitness: share of points within three sigma. cad_model: with the guess as it was needed: its
-    sigmas are wider where the hull was found farther from the guess than these say, `sigmas_off`
-    times (1 where it was not).
-    """
+    """Where the CAD model fits surveyed points."""
 
-    cad_model: CadModel
-    sigmas_off: float
-    global_from_hull: Poses
-    covariance: Array
-    center: Array
-    residual: Array
-    fitness: float
+    cad_model: CadModel  # with the guess's sigmas widened `sigmas_off` times
+    sigmas_off: float  # how far beyond its sigmas the guess is off; 1 where it is within
+    global_from_hull: Poses  # a batch of one
+    covariance: Array  # (6, 6) of (translation in g, rotation in M) about `center`
+    center: Array  # (3,) m in M, of the survey
+    residual: Array  # (n,) m, signed distances of the points used
+    fitness: float  # share of points within three sigma
 
 
 def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int = 0) -> Registration:
-    """Return T_g_M from returns (n, 3) in g, started from the package's guess and from a grid
-    around it within its sigma; where that does not fit, from wherever within metres the points lie
-    nearest to the CAD model.
+    """Register the CAD model to points (n, 3) in g.
+
+    Starts are the package's guess and a grid around it within its sigma. Where none of them fits,
+    the starts are wherever within metres the points lie nearest to the CAD model.
+
+    Parameters
+    ----------
+    points
+        On the hull, of DVL returns or landmarks.
+    cad_model
+        With the guess of its pose.
+    sigma_range
+        Of a range, m.
+    seed
+        Of the samples that ICP takes from the CAD model.
     """
     kept = thin_points(points, 0.10, 2500)
     center = cad_model.guess.inverse().apply(kept).mean(0)
@@ -80,7 +86,7 @@ def _register_from(
     sigma_range: float,
     seed: int,
 ) -> Registration:
-    """Return the best of what generalised ICP makes of each start, fitted."""
+    """Run generalised ICP from each start, and fit the best of the results."""
     target = _target_cloud(
         cad_model.mesh, np.vstack([start.inverse().apply(points[::10]) for start in starts]), seed
     )
@@ -97,9 +103,7 @@ def _register_from(
 
 
 def _distant_starts(points: Array, cad_model: CadModel, center: Array) -> list[Poses]:
-    """Return the poses of a coarse grid around the guess, metres and degrees wide, on which points
-    lie nearest to the CAD model.
-    """
+    """Find the poses of a coarse grid, metres and degrees wide, at which points fit best."""
     hull_from_ship = cad_model.chart.ship_axes.T
     rotate = cad_model.guess.rotation.as_matrix()[0] @ hull_from_ship
     few = points[:: max(1, len(points) // 400)]
@@ -117,9 +121,10 @@ def _distant_starts(points: Array, cad_model: CadModel, center: Array) -> list[P
 def _with_wider_guess(
     found: Registration, points: Array, cad_model: CadModel, sigma_range: float
 ) -> Registration:
-    """Return the registration about the guess of `cad_model`, whatever guess it was found with.
-    Where it lies farther from it than its sigmas allow, these are scaled so that it lies within
-    one: a guess that is wrong in one direction is not to be believed in the others.
+    """Repeat the fit about the guess of `cad_model`, whatever guess it was found with.
+
+    Where the fit lies farther from the guess than its sigmas allow, these are scaled so that it
+    lies within one: a guess that is wrong in one direction is not to be believed in the others.
     """
     step = prior_step(found.global_from_hull, cad_model, found.center)
     off = float(np.abs(step / cad_model.guess_sigma).max())
@@ -133,9 +138,7 @@ def _with_wider_guess(
 
 
 def thin_points(points: Array, voxel: float, most: int) -> Array:
-    """Return one mean point a voxel (metres), the voxel grown until at most `most` are left; input
-    order decides ties.
-    """
+    """Average points in voxels (m), which grow until at most `most` are left."""
     while True:
         cell = np.floor(points / voxel).astype(np.int64)
         _, owner = np.unique(cell, axis=0, return_inverse=True)
@@ -146,13 +149,14 @@ def thin_points(points: Array, voxel: float, most: int) -> Array:
 
 
 def frame_at(center: Array) -> Poses:
-    """Return T_M_M': the hull frame moved to a point (3,) of M."""
+    """Return the pose in M of the hull frame moved to a point (3,) of M."""
     return Poses(np.array([[0.0, 0, 0, 1]]), center[None])
 
 
 def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
-    """Return T_g_M after a step (6,): translation added in g, rotation on the right, both about
-    `center` in M.
+    """Move a hull pose by a step (6,): translation in g, rotation on the right.
+
+    Both are about `center` (3,) in M.
     """
     moved = global_from_hull @ frame_at(center)
     turned = Poses(moved.quaternion, moved.translation + step[:3]) @ poses.exp(
@@ -162,7 +166,7 @@ def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
 
 
 def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
-    """Return the guess, and what lies one sigma along the hull and in yaw around it."""
+    """Make starts: the guess, and one sigma along the hull and in yaw around it."""
     rotate = cad_model.guess.rotation.as_matrix()[0]
     forward, _, up = cad_model.chart.ship_axes
     starts = []
@@ -175,8 +179,9 @@ def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
 
 
 def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
-    """Sample, by area, the faces within three metres of the guessed survey, some 20,000; none where
-    none is so near.
+    """Sample points by area on the faces within three metres of the guessed survey.
+
+    Some 20,000; none where no face is so near.
     """
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(1)
@@ -198,7 +203,7 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
 
 
 def _gicp(points: Array, target: Array, start: Poses) -> Poses:
-    """Return T_g_M by generalised ICP of points in g onto samples in M."""
+    """Register points in g to samples in M by generalised ICP."""
     import open3d as o3d
 
     def cloud(xyz: Array) -> o3d.geometry.PointCloud:
@@ -220,9 +225,7 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
 
 
 def share_within(points: Array, found: Registration, sigma_range: float) -> float:
-    """Return the share of points (n, 3) in g that lie within three sigma of a CAD model as it is
-    registered.
-    """
+    """Compute the share of points (n, 3) in g within three sigma of the registered CAD model."""
     distance = found.cad_model.mesh.index.closest(
         found.global_from_hull.inverse().apply(points)
     ).distance
@@ -234,8 +237,9 @@ def _share_within(distance: Array, cad_model: CadModel, sigma_range: float) -> f
 
 
 def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> Array:
-    """Return the error (6,) against the guess in M's axes about the centre: what `guess_sigma`
-    whitens.
+    """Compute how far a pose lies from the guess (6,), in M's axes about the centre.
+
+    The step is what `guess_sigma` whitens.
     """
     return np.asarray(
         (
@@ -247,8 +251,9 @@ def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> A
 def trimmed_cost(
     distance: Array, global_from_hull: Poses, cad_model: CadModel, center: Array
 ) -> float:
-    """Return the mean square of the best 80 % of the distances (n,) over the CAD model's sigma,
-    plus the prior's share.
+    """Compute the mean square of the best 80 % of distances, plus the prior's.
+
+    distance (n,) in m; it counts in the CAD model's sigma.
     """
     trimmed = np.sort(distance)[: max(1, int(0.8 * len(distance)))]
     prior = prior_step(global_from_hull, cad_model, center) / cad_model.guess_sigma
@@ -266,11 +271,25 @@ def fit_correlated(
     sigma_range: float,
     iterations: int = 60,
 ) -> Registration:
-    """Return T_g_M that best lays points (n, 3) of g on the CAD model, whose errors are range noise
-    and a correlated deviation.
+    """Fit the hull's pose by generalised least squares with a correlated error of the CAD model.
 
-    Outliers are weighed down by their distance at the start, so that the cost is one function and
+    Outliers are weighted down by their distance at the start, so that the cost is one function and
     its descent ends.
+
+    Parameters
+    ----------
+    points
+        (n, 3) m in g, on the hull.
+    start
+        Pose to start from.
+    cad_model
+        With its guess and stated error.
+    center
+        (3,) m in M, about which steps turn.
+    sigma_range
+        Of a range, m.
+    iterations
+        At most.
     """
     expected = replace(cad_error.expected_cad_error(cad_model), noise=0.0)
     field = cad_error.distance_covariance(expected, cad_model, start.inverse().apply(points))
@@ -302,20 +321,15 @@ def fit_correlated(
 
 @dataclass(frozen=True, kw_only=True)
 class HullPoseCost:
-    """The generalised least-squares cost of T_g_M: distances of points (n, 3) in g to the CAD model
-    and the package's prior.
+    """Generalised least-squares cost of the hull's pose, by distances and its prior."""
 
-    center (3,) in M, about which steps turn; factor: Cholesky factor of the
-    distances' covariance.
-    """
-
-    points: Array
+    points: Array  # (n, 3) m in g
     cad_model: CadModel
-    center: Array
-    factor: CholeskyFactor
+    center: Array  # (3,) m in M, about which steps turn
+    factor: CholeskyFactor  # Cholesky factor of the distances' covariance
 
     def linearise(self, pose: Poses) -> LinearisedCost:
-        """Return the cost at T_g_M with its gradient and information by the step of `perturb_pose`."""
+        """Compute the cost with gradient and information by the step of `perturb_pose`."""
         distance, jacobian = signed_distances(self.points, pose, self.center, self.cad_model.mesh)
         weighted = cho_solve(self.factor, np.c_[jacobian, distance])
         whitened = prior_rows(self.cad_model)
@@ -327,14 +341,12 @@ class HullPoseCost:
         )
 
     def update(self, pose: Poses, step: Array) -> Poses:
-        """Return T_g_M after a step (6,)."""
+        """Move a pose by a step (6,)."""
         return perturb_pose(pose, self.center, step)
 
 
 def prior_rows(cad_model: CadModel) -> Array:
-    """Return the whitened derivative of `prior_step` by the step of `perturb_pose` (translation in
-    g, rotation in M).
-    """
+    """Compute the whitened derivative of `prior_step` by the step of `perturb_pose`."""
     to_hull = cad_model.guess.rotation.as_matrix()[0].T
     rows = np.zeros((6, 6))
     rows[:3, :3], rows[3:, 3:] = to_hull, np.eye(3)
@@ -344,7 +356,7 @@ def prior_rows(cad_model: CadModel) -> Array:
 def signed_distances(
     points: Array, global_from_hull: Poses, center: Array, mesh: Mesh
 ) -> tuple[Array, Array]:
-    """Return signed distances (n,) and their derivatives (n, 6) by the step of `perturb_pose`."""
+    """Compute signed distances (n,) and their derivatives (n, 6) by the step of `perturb_pose`."""
     local = global_from_hull.inverse().apply(points)
     nearest = mesh.index.closest(local)
     rotation = global_from_hull.rotation.as_matrix()[0]
@@ -354,8 +366,9 @@ def signed_distances(
 
 
 def _robust_noise(distance: Array, sigma_range: float, sigma_field: float) -> Array:
-    """Return the noise of ranges (n,), inflated where a distance is beyond what noise and field
-    explain (Huber).
+    """Inflate the noise of ranges (n,) that lie beyond what noise and deviation explain.
+
+    By Huber's weight.
     """
     excess = np.abs(distance - np.median(distance)) / (1.345 * np.hypot(sigma_range, sigma_field))
     return np.asarray(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From records and the present state to the tables of a native problem, and back.
+"""The tables of a native problem from records and the present state, and back.
 
 The native problem's hull frame is M moved to the middle of the survey, so that a small rotation of
 T_g_M moves the hull by millimetres there and not by metres (docs/methods.md 6).
@@ -35,20 +35,17 @@ from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Odometry, Returns
 from hullrecon.typing import Array, Ints, Mask
 
-# landmarks that two nodes both see, from which their relative pose is well determined by them
-MIN_SHARED = 12
+MIN_SHARED = 12  # landmarks seen by two nodes that determine their relative pose well
 
 
 @dataclass(frozen=True)
 class Selection:
-    """Which measurements enter: observation (m,) of the tracks' rows by camera, returns (r,),
-    landmarks of the problem in the tracks' numbering (L_used,).
-    """
+    """Which measurements enter a round."""
 
-    top: Mask
-    bottom: Mask
-    returns: Mask
-    landmarks: Ints
+    top: Mask  # (m,) observations of the tracks' rows in the top camera
+    bottom: Mask  # (m,) and in the bottom camera
+    returns: Mask  # (r,)
+    landmarks: Ints  # (L_used,) of the problem, in the tracks' numbering
 
 
 def assemble(
@@ -56,14 +53,24 @@ def assemble(
     state: State,
     weights: Weights,
     chosen: Selection,
-    as_published: bool,
+    systematic_errors: bool,
     hold_hull_pose: bool = False,
 ) -> native.Problem:
-    """Return the problem of one round, its intrinsics held. hold_hull_pose: T_g_M is held too."""
+    """Assemble the problem of one round, its intrinsics held.
+
+    Parameters
+    ----------
+    m, state, weights, chosen
+        What was measured, the present unknowns, sigmas, and which measurements enter.
+    systematic_errors
+        Errors of navigation and the DVL's mount are unknowns; else they are held.
+    hold_hull_pose
+        Hold the hull's pose too.
+    """
     priors = _priors(m, state)
     problem = native.Problem(
         unknowns=_unknowns(m, state, chosen),
-        constant=_held_blocks(priors, state, as_published, hold_hull_pose),
+        constant=_held_blocks(priors, state, systematic_errors, hold_hull_pose),
         lever_arms=native.LeverArms(tray=m.rig.tray_origin, pressure=m.rig.pressure_origin),
         priors=priors,
         attitude=attitude_table(m.attitude, weights.depth),
@@ -93,8 +100,9 @@ def assemble(
 
 
 def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
-    """Return the odometry without what images measured between nodes that enough landmarks join:
-    images speak once.
+    """Drop image-based odometry between nodes that share MIN_SHARED landmarks or more.
+
+    So no image is used twice.
     """
     if m.tracks is None or not m.odometry.from_images.any():
         return m.odometry
@@ -108,7 +116,7 @@ def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
 
 
 def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection) -> State:
-    """Return the state after a solve; landmarks that did not enter stay NaN."""
+    """Update the state from a solve; landmarks that did not enter stay NaN."""
     pose, mounts = unknowns.pose, state.mounts
     landmark = np.full_like(state.landmark, np.nan)
     landmark[chosen.landmarks] = unknowns.landmark
@@ -166,11 +174,11 @@ def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknow
 
 
 def _held_blocks(
-    priors: native.Priors, state: State, as_published: bool, hold_hull_pose: bool
+    priors: native.Priors, state: State, systematic_errors: bool, hold_hull_pose: bool
 ) -> tuple[str, ...]:
-    """Return the blocks that are not unknown: mounts without a prior among them."""
+    """List the blocks that are not unknown, mounts without a prior among them."""
     held = {"intrinsics_top", "intrinsics_bottom"}
-    if as_published:
+    if not systematic_errors:
         held |= {"navigation", "T_s_d"}
     mounts = {"T_s_d": priors.T_s_d, "T_s_ct": priors.T_s_ct, "T_ct_cb": priors.T_ct_cb}
     held |= {name for name, prior in mounts.items() if prior is None}
@@ -182,8 +190,9 @@ def _held_blocks(
 
 
 def _priors(m: Measurements, state: State) -> native.Priors:
-    """Return the priors of mounts, navigation, hull pose and deviation field, and that which fixes
-    g by the first pose.
+    """Build the priors of mounts, navigation, hull pose and deviation field.
+
+    And the prior that fixes g by the first pose.
     """
     priors = native.Priors(
         T_s_d=mount_prior_table(
@@ -218,9 +227,7 @@ def _priors(m: Measurements, state: State) -> native.Priors:
 def _image_tables(
     tracks: Tracks, state: State, sigma_ratio: Array, chosen: Selection
 ) -> tuple[native.StereoTable, native.MonoTable]:
-    """Return the chosen observations: of landmarks that both cameras saw at a node, and of those
-    that one saw.
-    """
+    """Split the chosen observations of a node into those by both cameras, and by one."""
     number = np.full(len(state.landmark), -1)
     number[chosen.landmarks] = np.arange(len(chosen.landmarks))
     known = number[tracks.landmark] >= 0
@@ -249,7 +256,7 @@ def _image_tables(
 
 
 def _centred_pose(hull: HullState) -> Poses:
-    """Return T_g_M' of the problem's hull frame M', which is M moved to the survey's centre."""
+    """Return the pose in g of the problem's hull frame: M moved to the survey's centre."""
     return hull.global_from_hull @ frame_at(hull.survey_center)
 
 
@@ -301,8 +308,9 @@ def _field_nodes(grid: DeviationGrid, along_girth: Array) -> native.FieldNodes:
 def _hits(
     m: Measurements, returns: Returns, hull: HullState, state: State, chosen: Selection
 ) -> Array:
-    """Return where the beams meet the CAD model, (r, 3) in the problem's hull frame; the measured
-    end where they miss.
+    """Find where the beams meet the CAD model, (r, 3) in the problem's hull frame.
+
+    The measured end where they miss.
     """
     used = returns.take(chosen.returns)
     ends = state.mounted(m.rig).dvl_points(used, state.path)
@@ -317,10 +325,18 @@ def _hits(
 def share_weight_by_cell(
     hull: HullState, landmark: Array, chosen: Ints, cell: tuple[float, float]
 ) -> Array:
-    """Return the weight (L,) of each landmark's surface factor, so that those of one cell of the
-    chart weigh as one observation.
+    """Weight surface factors (L,) so that those of one chart cell weigh as one observation.
 
-    landmark (L, 3) in g; chosen: those that have one; cell: along and girth, m.
+    Parameters
+    ----------
+    hull
+        Of whose chart the cells are.
+    landmark
+        (L, 3) m in g.
+    chosen
+        Those that have a surface factor.
+    cell
+        Size along and in girth, m.
     """
     at = hull.to_chart(landmark[chosen])
     _, owner = np.unique(

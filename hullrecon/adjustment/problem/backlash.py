@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tray's backlash: a bias of the angle that flips with the direction of motion [Ozog2016
-4.2.6], found from the adjusted angles.
+"""The side of its backlash on which the tray hangs, from the adjusted angles [Ozog2016 4.2.6].
 
-The servo hangs on one side of its backlash or on the other. After a solve with a loose tray the
-sides show as two levels of (adjusted - logged); a two-state Viterbi path over time finds them
-better than the noisy logged motion does.
+Backlash is a bias of the angle that flips with the direction of motion. After a solve with a loose
+tray the sides show as two levels of (adjusted - logged); a two-state Viterbi path over time finds
+them better than the noisy logged motion does.
 """
 
 from __future__ import annotations
@@ -17,11 +16,18 @@ from hullrecon.typing import Array, Ints
 
 
 def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0) -> Array:
-    """Return +1 or -1 for each node (n,): the side that explains measured - adjusted = backlash *
-    side.
+    """Estimate on which side of its backlash the tray hangs at each node, +1 or -1 (n,).
 
-    excess (n,): measured minus adjusted, rad. Where no backlash shows (levels closer than their
-    spread) the prior direction is kept.
+    The side explains measured - adjusted = backlash * side.
+
+    Parameters
+    ----------
+    excess
+        Measured minus adjusted angle (n,), rad.
+    prior_direction
+        Kept where no backlash shows (levels closer than their spread).
+    flip_cost
+        Cost of a change of side, in half squares of the excess's sigma.
     """
     low, high = _two_levels(excess)
     sigma = max(
@@ -35,7 +41,7 @@ def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0
 
 
 def _two_levels(values: Array) -> tuple[float, float]:
-    """Return the centres of two clusters by k-means in one dimension, started at the quartiles."""
+    """Find the centres of two clusters by k-means in one dimension, started at the quartiles."""
     low, high = (float(q) for q in np.percentile(values, [25, 75]))
     for _ in range(20):
         upper = np.abs(values - high) < np.abs(values - low)
@@ -46,7 +52,7 @@ def _two_levels(values: Array) -> tuple[float, float]:
 
 
 def _viterbi(cost: Array, flip_cost: float) -> Ints:
-    """Return the path of two states (n, 2) of least cost, each change of state costing `flip_cost`."""
+    """Find the path of two states (n, 2) of least cost; a change of state costs `flip_cost`."""
     n = len(cost)
     best, back = cost[0].copy(), np.zeros((n, 2), np.int64)
     for i in range(1, n):

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The smooth field of normal offsets between the CAD model and the hull as it is (docs/methods.md
-8).
+"""The smooth field of normal offsets between the CAD model and the hull (docs/methods.md 8).
 
 The field stands on a regular grid of the hull chart, bilinear between nodes. Its prior is the
 Gauss-Markov field that solves (1 - Laplace) b = noise in coordinates scaled by the correlation
@@ -23,21 +22,20 @@ from hullrecon.typing import Array, Ints32
 
 @dataclass(frozen=True)
 class DeviationGrid:
-    """Nodes at origin + (i, j) step of the chart (along, girth), metres; node (i, j) is number i *
-    shape[1] + j.
-    """
+    """A regular grid on the hull chart. Node (i, j) has number i * shape[1] + j."""
 
-    origin: Array
-    step: Array
-    shape: tuple[int, int]
+    origin: Array  # (2,) m along and in girth, of node (0, 0)
+    step: Array  # (2,) m
+    shape: tuple[int, int]  # nodes along and in girth
 
     @property
     def size(self) -> int:
         return self.shape[0] * self.shape[1]
 
     def basis(self, along_girth: Array) -> tuple[Ints32, Array]:
-        """Return the four nodes around each point (n, 2) and their bilinear weights, both (n, 4);
-        outside, the edge's value.
+        """Find the four nodes around each point (n, 2) and their bilinear weights, both (n, 4).
+
+        Outside the grid, a point has the edge's value.
         """
         cell = (along_girth - self.origin) / self.step
         cell = np.clip(np.nan_to_num(cell), 0.0, np.array(self.shape) - 1.0 - 1e-9)
@@ -49,7 +47,7 @@ class DeviationGrid:
         return index.astype(np.int32), weight
 
     def value(self, field: Array, along_girth: Array) -> Array:
-        """Return the field (size,) or (a, g) at points (n, 2)."""
+        """Interpolate the field (size,) or (a, g) at points (n, 2)."""
         index, weight = self.basis(along_girth)
         return np.asarray(np.einsum("nk,nk->n", field.reshape(-1)[index], weight))
 
@@ -57,8 +55,9 @@ class DeviationGrid:
 def grid_over(
     along_girth: Array, length: tuple[float, float], nodes_per_length: float = 4.0
 ) -> DeviationGrid:
-    """Return a grid over points (n, 2) and one correlation length beyond them, so that its edge
-    does not bias what is seen.
+    """Make a grid over points (n, 2) and one correlation length beyond them.
+
+    So its edge does not bias what is seen.
     """
     scale = np.array(length)
     step = scale / nodes_per_length
@@ -68,15 +67,16 @@ def grid_over(
 
 
 def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -> sparse.csr_array:
-    """Return whitening rows A (size, size): A b has unit covariance for a field of that sigma and
-    those lengths.
+    """Build whitening rows A (size, size) of a field: A b has unit covariance.
+
+    The field has that sigma and those correlation lengths.
     """
     scaled = grid.step * np.sqrt(2.0) / np.array(length)
     return sparse.csr_array(_operator(grid.shape, scaled) * (_interior_sigma(scaled) / sigma))
 
 
 def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
-    """Return 1 - Laplace on the grid, five points, mirrored at the edges."""
+    """Build 1 - Laplace on the grid, five points, mirrored at the edges."""
     along, girth = (_second_difference(n, float(h)) for n, h in zip(shape, step, strict=True))
     laplace = sparse.kron(along, sparse.eye_array(shape[1])) + sparse.kron(
         sparse.eye_array(shape[0]), girth
@@ -92,9 +92,7 @@ def _second_difference(n: int, step: float) -> sparse.csr_array:
 
 
 def _interior_sigma(step: Array) -> float:
-    """Return the sigma in the middle of a grid of unit rows, wide enough that its edges are not
-    felt.
-    """
+    """Compute the sigma that unit rows give in the middle of a grid too wide to feel its edges."""
     shape = tuple(int(2 * np.ceil(8.0 / h)) + 1 for h in step)
     a = _operator((shape[0], shape[1]), step)
     unit = np.zeros(shape[0] * shape[1])

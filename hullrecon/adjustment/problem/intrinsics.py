@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The cameras' intrinsics as unknowns with priors (docs/methods.md 6): off unless asked for.
+"""The cameras' intrinsics as unknowns with priors (docs/methods.md 6), where asked for.
 
 Every round starts from the calibration, not from what the round before found: the solver's prior
 stands about its start.
@@ -26,8 +26,9 @@ _FAR_SIGMAS = 3.0
 
 
 def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
-    """Return sigmas (9,) of `NAMES`: pixels, then coefficients; the tangential ones are a tenth as
-    free as the radial ones.
+    """Compute the prior sigmas (9,) of `NAMES`: pixels, then coefficients.
+
+    The tangential coefficients are a tenth as free as the radial ones.
     """
     radial, center = options.distortion_sigma, options.center_sigma_px
     focal = options.focal_sigma * np.array([camera.fx, camera.fy])
@@ -39,9 +40,7 @@ def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
 def free_intrinsics(
     problem: native.Problem, calibrated: Rig, options: AdjustOptions
 ) -> native.Problem:
-    """Return the problem with the intrinsics of the cameras that saw something as unknowns, started
-    at their calibration.
-    """
+    """Make unknowns of the intrinsics of cameras that saw something, started at calibration."""
     if not options.refine_intrinsics or calibrated.top is None:
         return problem
     seen = {"top": _saw(problem, 0), "bottom": calibrated.bottom is not None and _saw(problem, 1)}
@@ -57,9 +56,7 @@ def free_intrinsics(
 def apply_intrinsics(
     m: Measurements, problem: native.Problem, result: native.Result
 ) -> Measurements:
-    """Return the measurements seen through the cameras that the solve found; the same where they
-    were held.
-    """
+    """Replace the calibrations by those that the solve found, where they were unknowns."""
     rig = m.rig
     if "intrinsics_top" not in problem.constant and rig.top is not None:
         rig = _with_camera(rig, Camera.TOP, result.unknowns.intrinsics_top)
@@ -71,8 +68,9 @@ def apply_intrinsics(
 def summarise_intrinsics(
     calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions
 ) -> dict[str, Any]:
-    """Return by camera and name: calibrated, found, its sigma, and by how many sigmas of the prior
-    it moved.
+    """Tabulate by camera and parameter: calibrated, found, its sigma, and how far it moved.
+
+    The last is in sigmas of the prior.
     """
     out: dict[str, Any] = {}
     for name, covariance in (
@@ -104,9 +102,7 @@ def summarise_intrinsics(
 
 
 def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
-    """Return a sentence for each camera of which something moved further than its prior lets one
-    expect.
-    """
+    """Warn of each camera with a parameter that moved farther than its prior allows."""
     warnings = []
     for name, values in figures.items():
         far = {key: v for key, v in values.items() if abs(v["moved_in_prior_sigma"]) > _FAR_SIGMAS}
@@ -115,13 +111,14 @@ def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
                 f"{key} from {v['calibrated']:.5g} to {v['found']:.5g}" for key, v in far.items()
             )
             warnings.append(
-                f"The calibration of camera.{name} does not fit the dive ({moved}): check it, or calibrate again."
+                f"The calibration of camera.{name} does not fit the dive ({moved}): check it, or "
+                "calibrate again."
             )
     return warnings
 
 
 def camera_fields(camera: CameraModel) -> dict[str, float]:
-    """Do as cameras.json has it."""
+    """Return the camera's parameters by name, as written to cameras.json."""
     return {name: getattr(camera, name) for name in camera.__dataclass_fields__}
 
 

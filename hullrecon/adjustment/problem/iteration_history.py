@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the solver did, iteration by iteration over all rounds: columns for iterations.npz, lines
-for the log [Ozog2016 4.4.1].
+"""The solver's record over all rounds: columns of iterations.npz, lines of the log.
 
-Costs of two rounds do not compare: each round has the sigmas and the landmarks that the one before
-left it. So every row carries its round, and what the round's cost is whitened with.
+As in [Ozog2016 4.4.1]. Costs of two rounds do not compare: each round has the sigmas and the
+landmarks that the one before left it. So every row carries its round, and what the round's cost is
+whitened with.
 """
 
 from __future__ import annotations
@@ -27,22 +27,21 @@ COUNTS = ("on_surface", "label_changes", "rays_missed")
 
 @dataclass(frozen=True, kw_only=True)
 class Round:
-    """One solve. weights: those that it used; depth_sigma_m: their sigma of a depth (NaN without
-    depths); began_s: when it began, seconds since the adjustment did.
-    """
+    """What is recorded of one solve."""
 
     record: native.IterationRecord
-    weights: Weights
-    depth_sigma_m: float
-    landmarks: int
+    weights: Weights  # that it used
+    depth_sigma_m: float  # sigma of a depth with these weights; NaN without depths
+    landmarks: int  # that entered
     converged: bool
     message: str
-    began_s: float
+    began_s: float  # when it began, seconds since the adjustment did
 
 
 def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
-    """Return arrays with a row an iteration, rounds one after the other; names and meaning in
-    docs/formats.md.
+    """Build the columns of iterations.npz, a row an iteration, rounds one after the other.
+
+    Names and meaning are in docs/formats.md.
     """
     long = [len(r.record.cost) for r in rounds]
     found: dict[str, NDArray[Any]] = {
@@ -63,12 +62,12 @@ def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
 
 
 def seconds(rounds: Sequence[Round]) -> Array:
-    """Return wall-clock seconds (k,) since the adjustment began, at the rows of `columns`."""
+    """Compute seconds (k,) since the adjustment began, at the rows of `columns`."""
     return np.concatenate([r.began_s + r.record.seconds for r in rounds])
 
 
 def summarise_rounds(rounds: Sequence[Round]) -> list[dict[str, Any]]:
-    """Return one entry a round for adjust.json: what it was given and what it reached."""
+    """Summarise each round for adjust.json: what it was given and what it reached."""
     return [
         {
             "iterations": len(r.record.cost) - 1,
@@ -87,7 +86,7 @@ def summarise_rounds(rounds: Sequence[Round]) -> list[dict[str, Any]]:
 
 
 def _sigmas(done: Round) -> dict[str, float]:
-    """Return what the round's cost is whitened with."""
+    """Return the sigmas that whiten the round's cost."""
     w = done.weights
     return {
         "pixel_sigma_px": w.pixel,
@@ -98,14 +97,16 @@ def _sigmas(done: Round) -> dict[str, float]:
 
 
 def lines(number: int, done: Round) -> Iterator[str]:
-    """Return the round's table for the log: a line an iteration, the factors that cost anything as
-    columns.
+    """Format the round as a table for the log, a line an iteration.
+
+    Its columns are the factors that cost anything.
     """
     record, w = done.record, done.weights
     names = [name for name in native.FACTORS if np.any(record.cost_by_factor[name] > 0)]
     yield (
-        f"round {number}, {done.landmarks} landmarks, sigmas {w.pixel:.3g} px, tray {np.degrees(w.tray):.2g} deg, ranges "
-        f"{w.range_sigma:.3g} m, depths {done.depth_sigma_m:.2g} m (costs do not compare with those of other rounds)"
+        f"round {number}, {done.landmarks} landmarks, sigmas {w.pixel:.3g} px, "
+        f"tray {np.degrees(w.tray):.2g} deg, ranges {w.range_sigma:.3g} m, "
+        f"depths {done.depth_sigma_m:.2g} m (costs do not compare with those of other rounds)"
     )
     heads = [
         "iteration",

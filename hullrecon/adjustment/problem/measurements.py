@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the adjustment measures and starts from: records of navigation and vision, the rig with its
-priors, the CAD model.
-"""
+"""Measurements of the adjustment: records of navigation and vision, the rig, the CAD model."""
 
 from __future__ import annotations
 
@@ -27,34 +25,29 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class CadModel:
-    """The ship's CAD model: mesh and chart in M, the package's guess of T_g_M with sigmas (6,) in
-    M's axes (m, rad); contradicted: its sigmas were widened, since the hull lies farther from the
-    guess, or leaves the model by more.
-    """
+    """The ship's CAD model with what the package says of it."""
 
-    mesh: Mesh
-    chart: Chart
-    guess: Poses
-    guess_sigma: Array
-    deviation_sigma: float
-    deviation_length: tuple[float, float]
+    mesh: Mesh  # in M
+    chart: Chart  # of the hull, in M
+    guess: Poses  # global_from_hull, a batch of one
+    guess_sigma: Array  # (6,) in M's axes, m and rad
+    deviation_sigma: float  # m, of the hull off the CAD model
+    deviation_length: tuple[float, float]  # m, correlation length of that along and in girth
+    # sigmas were widened: the hull lies farther from the guess, or leaves the model by more
     contradicted: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class Measurements:
-    """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD; start None:
-    dead reckoning is the path to begin with; planes: what ties passes where there is no CAD model;
-    positions: from outside, None where there are none.
-    """
+    """All that enters the adjustment."""
 
     trajectory: Trajectory
     odometry: Odometry
-    returns: Returns | None
+    returns: Returns | None  # None without a DVL
     attitude: Attitude
-    tracks: Tracks | None
+    tracks: Tracks | None  # None without a camera
     rig: Rig
-    cad_model: CadModel | None
-    start: VehiclePath | None = None
-    planes: TiedPlanes | None = None
-    positions: PositionTies | None = None
+    cad_model: CadModel | None  # None without a CAD model
+    start: VehiclePath | None = None  # path to begin with; None: dead reckoning
+    planes: TiedPlanes | None = None  # tie passes where there is no CAD model
+    positions: PositionTies | None = None  # from outside (GPS, USBL)

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Landmarks that a solve lost: pushed behind their cameras or metres off the hull, where nothing
-determines them.
+"""Landmarks that a solve lost: pushed behind their cameras or metres off the hull.
 
 Mismatches along an epipolar line end so when every landmark is pulled to the hull, or when one
 solve starts from dead reckoning. They hold nothing, but one of them is enough for the covariances
@@ -22,9 +21,7 @@ Table = TypeVar("Table", StereoTable, MonoTable, SurfaceTable)
 
 
 def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
-    """Return the problem of the landmarks `keep` (L,) alone; their factors are renumbered, all
-    other factors stay.
-    """
+    """Keep landmarks `keep` (L,) of a problem alone, and renumber their factors."""
     number = (np.cumsum(keep) - 1).astype(np.int32)
 
     def kept(table: Table) -> Table:
@@ -41,9 +38,7 @@ def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
 
 
 def drop_label_rows(result: Result, surface_rows: Mask) -> Result:
-    """Return the result with these rows (m,) of the surface table alone; its landmarks are those of
-    the problem that goes with it.
-    """
+    """Keep rows (m,) of the surface table in the result of a problem with fewer landmarks."""
     if len(result.label) != len(surface_rows):
         return result
     return replace(result, label=result.label[surface_rows], distance=result.distance[surface_rows])

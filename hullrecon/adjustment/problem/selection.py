@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which observations, landmarks and returns enter a round: loose at first, by sigmas once they are
-known.
-"""
+"""Selection of observations, landmarks and returns that enter a round."""
 
 from __future__ import annotations
 
@@ -20,14 +18,12 @@ from hullrecon.typing import Array, Mask
 
 
 def landmark_count(m: Measurements) -> int:
-    """Return how many landmarks the tracks have."""
+    """Count the landmarks of the tracks."""
     return 0 if m.tracks is None else len(m.tracks.color)
 
 
 def triangulate_landmarks(m: Measurements, state: State) -> Array:
-    """Return landmarks (L, 3) in g triangulated from the present poses; NaN where it cannot be
-    done.
-    """
+    """Triangulate landmarks (L, 3) in g from the present poses; NaN where it cannot be done."""
     if m.tracks is None or state.mounts.tray_from_top is None:
         return np.zeros((0, 3))
     top, bottom = camera_poses(m.rig, state)
@@ -36,8 +32,19 @@ def triangulate_landmarks(m: Measurements, state: State) -> Array:
 
 
 def select_measurements(m: Measurements, state: State, max_px: Array | float) -> Selection:
-    """Return observations whose reprojection error is at most `max_px`, of all or of each (m,),
-    landmarks that keep at least two rays and lie near the hull, returns that were not flagged.
+    """Select observations that agree with the present poses, their landmarks, and returns.
+
+    Parameters
+    ----------
+    m, state
+        What was measured, and the present poses and landmarks.
+    max_px
+        Largest reprojection error, of all observations or of each (m,).
+
+    Returns
+    -------
+    Selection
+        Landmarks keep at least two rays and lie near the hull; flagged returns are left out.
     """
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
     if m.tracks is None or state.mounts.tray_from_top is None:
@@ -55,9 +62,10 @@ def select_measurements(m: Measurements, state: State, max_px: Array | float) ->
 
 
 def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
-    """Return the landmarks seen best, about `most` and one at least of each node that first saw
-    some, spread evenly over these: enough to find poses and sigmas in the rounds before the last,
-    at a fraction of its cost.
+    """Choose about `most` of the landmarks seen best, spread evenly over nodes.
+
+    At least one of each node that first saw some: enough to find poses and sigmas in the rounds
+    before the last, at a fraction of its cost.
     """
     if m.tracks is None or len(chosen.landmarks) <= most:
         return chosen
@@ -76,9 +84,19 @@ def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
 def drop_isolated_landmarks(
     m: Measurements, state: State, chosen: Selection, off: Mask, reach_m: float = 0.15
 ) -> Selection:
-    """Leave out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw
-    and that have no two neighbours off the hull within reach: a mismatch along the epipolar line
-    looks like structure, but stands alone.
+    """Drop landmarks off the hull that stand alone.
+
+    A mismatch along the epipolar line looks like structure, but has no two neighbours off the hull
+    within reach, and at most three rays.
+
+    Parameters
+    ----------
+    m, state, chosen
+        The measurements, and those chosen.
+    off
+        Which chosen landmarks lie off the hull.
+    reach_m
+        Within which neighbours count.
     """
     from scipy.spatial import cKDTree
 
@@ -96,9 +114,18 @@ def drop_isolated_landmarks(
     return Selection(chosen.top, chosen.bottom, chosen.returns, chosen.landmarks[~isolated])
 
 
+def label_boundary(sigma_on: float, sigma_off: float) -> float:
+    """Compute the distance off the hull (m) at which both labels are equally likely.
+
+    [Ozog2016 4.2.3]; sigma_off must be larger than sigma_on.
+    """
+    return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
+
+
 def _near_hull(state: State, reach_m: float = 2.0) -> Mask:
-    """Return which landmarks (L,) lie within reach of the CAD model, or of the path without one:
-    metres off is a mismatch.
+    """Tell which landmarks (L,) lie within reach of the CAD model, or of the path without one.
+
+    Metres off is a mismatch.
     """
     from scipy.spatial import cKDTree
 

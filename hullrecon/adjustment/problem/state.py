@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The unknowns of the adjustment between rounds, and what is held against them: labels, weights,
-the deviation grid.
-"""
+"""Unknowns and weights of the adjustment."""
 
 from __future__ import annotations
 
@@ -10,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.adjustment.hull_pose.stretches import Stretches
+from hullrecon.adjustment.hull_pose.segments import Segments
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
@@ -22,33 +20,31 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class HullState:
-    """The hull as it is estimated: global_from_hull T_g_M (a batch of one), survey_center (3,) in
-    M, and the field (size,) m of its deviation from the CAD model on `grid` (None: no field).
-    stretches: of the path, known loosely to each other (None: it holds together).
-    """
+    """The hull as it is estimated."""
 
     cad_model: CadModel
-    global_from_hull: Poses
-    survey_center: Array
-    grid: DeviationGrid | None
-    field: Array
-    stretches: Stretches | None = None
+    global_from_hull: Poses  # a batch of one
+    survey_center: Array  # (3,) m in M
+    grid: DeviationGrid | None  # of the deviation field; None: no field
+    field: Array  # (size,) m, deviation from the CAD model on the grid
+    segments: Segments | None = None  # of a path that outages cut; None: it holds together
 
     def to_hull(self, points: Array) -> Array:
-        """Return points (n, 3) of g in M."""
+        """Transform points (n, 3) of g to M."""
         return self.global_from_hull.inverse().apply(points)
 
     def to_chart(self, points: Array) -> Array:
-        """Return along and girth (n, 2) m of points (n, 3) in g."""
+        """Compute along and girth (n, 2) m of points (n, 3) in g."""
         return np.asarray(self.cad_model.chart.to_chart(self.to_hull(points))[:, :2])
 
     def cad_distance(self, points: Array) -> Array:
-        """Return signed distances (n,) m of points (n, 3) in g to the CAD model, positive outside."""
+        """Compute signed distances (n,) m of points (n, 3) in g to the CAD model, + outside."""
         return self.cad_model.mesh.index.closest(self.to_hull(points)).distance
 
     def deviation(self, points: Array) -> Array:
-        """Return signed distances (n,) m of points (n, 3) in g to the hull as it is: the CAD model
-        moved by the field.
+        """Compute signed distances (n,) m of points (n, 3) in g to the hull as it is.
+
+        That is the CAD model moved by the field.
         """
         distance = self.cad_distance(points)
         return (
@@ -81,16 +77,12 @@ class State:
 
 @dataclass(frozen=True, kw_only=True)
 class Weights:
-    """One sigma of each kind of measurement as used in a round. pixel_ratio (m,): by which the
-    sigma of each observation of the tracks differs from `pixel`. surface (L,): weight of each
-    landmark's mixture. depth: in the sigma that navigation gave it. range_sigma: metres.
-    tray_direction (n,): +1 or -1, the side of its backlash on which the tray hangs.
-    """
+    """Sigmas and weights of the measurements in a round."""
 
-    pixel: float
-    pixel_ratio: Array
-    depth: float
-    tray: float
-    range_sigma: float
-    surface: Array
-    tray_direction: Array
+    pixel: float  # px
+    pixel_ratio: Array  # (m,) sigma of each observation of the tracks in `pixel`
+    depth: float  # sigma of depths in the sigma that navigation gave them
+    tray: float  # rad
+    range_sigma: float  # m
+    surface: Array  # (L,) weight of each landmark's surface factor
+    tray_direction: Array  # (n,) +1 or -1: side of its backlash on which the tray hangs

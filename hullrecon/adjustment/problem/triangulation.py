@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""First positions of landmarks: the point nearest to all rays that saw it, in batches."""
+"""Landmarks triangulated from their rays, and reprojection errors, in batches."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hullrecon.records.tracks import Tracks
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
-OBSERVATIONS = 1_000_000  # whose rays are laid at a time
+OBSERVATIONS = 1_000_000  # whose rays are computed at a time
 
 
 def camera_poses(rig: Rig, state: State) -> tuple[Poses, Poses | None]:
@@ -29,8 +29,13 @@ def camera_poses(rig: Rig, state: State) -> tuple[Poses, Poses | None]:
 def triangulate(
     tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | None, rig: Rig
 ) -> tuple[Array, Array]:
-    """Return positions (L, 3) in g, NaN where fewer than two rays or no parallax, and the widest
-    angle of rays, rad (L,).
+    """Triangulate landmarks as the points nearest to all rays that saw them.
+
+    Returns
+    -------
+    position, spread
+        (L, 3) m in g, NaN with fewer than two rays or no parallax; and the widest angle of the
+        rays, (L,) rad.
     """
     normal, right, mean_ray, count = (
         np.zeros((n_landmarks, 3, 3)),
@@ -60,16 +65,18 @@ def triangulate(
 def rays_in_global(
     pixels: Array, node: Ints, camera: CameraModel, pose: Poses
 ) -> tuple[Array, Array]:
-    """Return origins and unit directions (n, 3) in g of pixels (n, 2) of a camera whose poses at
-    the nodes are T_g_c.
+    """Compute origins and unit directions (n, 3) in g of pixels (n, 2).
+
+    pose: of the camera at the nodes, in g.
     """
     at = pose[node]
     return at.translation, np.asarray(at.rotation.apply(camera.rays(pixels)))
 
 
 def _ray_spread(mean_ray: Array, count: Array) -> Array:
-    """Return twice the angle whose cosine is the length of the mean ray: the full angle for two
-    rays, its scale for more.
+    """Compute twice the angle whose cosine is the length of the mean ray (L,).
+
+    The full angle for two rays, its scale for more.
     """
     length = np.linalg.norm(mean_ray, axis=1) / np.maximum(count, 1)
     return np.asarray(2 * np.arccos(np.clip(length, -1, 1)))
@@ -78,8 +85,9 @@ def _ray_spread(mean_ray: Array, count: Array) -> Array:
 def reprojection_errors(
     tracks: Tracks, landmark: Array, top: Poses, bottom: Poses | None, rig: Rig
 ) -> tuple[Array, Array]:
-    """Return pixel distances (m,) of each observation in the top and the bottom camera; NaN where
-    it has none.
+    """Compute reprojection errors (m,) in the top and the bottom camera, px.
+
+    NaN where an observation has none.
     """
     errors = []
     for pixels, camera, pose in ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom)):

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One sigma of each kind of measurement: as the package states it at first, then from the residuals
-of a round.
-"""
+"""Sigmas of each kind of measurement: as the package states them, then from a round's residuals."""
 
 from __future__ import annotations
 
@@ -10,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.options import Strategy
 from hullrecon.adjustment.problem import backlash, selection
 from hullrecon.adjustment.problem.assembly import Selection, share_weight_by_cell
 from hullrecon.adjustment.problem.measurements import Measurements
@@ -19,12 +17,16 @@ from hullrecon.adjustment.problem.triangulation import camera_poses, reprojectio
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array, Ints
 
-LEAST_LENGTHS = 100  # residuals from which a sigma is estimated
+MIN_RESIDUALS = 100  # from which a sigma is estimated
 RESPONSE_GROUPS = 12
+MIN_SIGMA_PX = 0.03  # of an estimated pixel sigma: no feature is found better
+MIN_TRAY_SIGMA_DEG = 0.02
+MIN_RAYS = 6  # of a well-seen landmark
+CELL_SHARE = 0.1  # side of a cell whose landmarks share a weight, in the field's correlation length
 
 
-def initial_weights(m: Measurements, options: AdjustOptions) -> Weights:
-    """Return the sigmas of the package."""
+def initial_weights(m: Measurements, strategy: Strategy) -> Weights:
+    """Return the sigmas that the package states."""
     return Weights(
         pixel=m.rig.priors.pixel_sigma_px,
         pixel_ratio=np.ones(0 if m.tracks is None else len(m.tracks.node)),
@@ -32,38 +34,40 @@ def initial_weights(m: Measurements, options: AdjustOptions) -> Weights:
         tray=m.rig.priors.tray_sigma_rad,
         range_sigma=m.rig.priors.range_sigma_m,
         surface=np.ones(selection.landmark_count(m)),
-        tray_direction=np.zeros(len(m.trajectory.t_ns))
-        if options.as_published
-        else m.attitude.tray_direction,
+        tray_direction=m.attitude.tray_direction
+        if strategy.systematic_errors
+        else np.zeros(len(m.trajectory.t_ns)),
     )
 
 
-def surface_weights(state: State, chosen: Selection, options: AdjustOptions) -> Array:
-    """Return the weight (L,) of each landmark's surface factor: full as published. With the field,
-    landmarks of one cell a tenth of its length wide share one observation's weight: what the field
-    does not follow within a cell (plate edges, weld seams) is common to them.
+def surface_weights(state: State, chosen: Selection, strategy: Strategy) -> Array:
+    """Weight each landmark's surface factor (L,).
+
+    With the deviation field, landmarks of one cell a tenth of its length wide share one
+    observation's weight: what the field does not follow within a cell (plate edges, weld seams) is
+    common to them. Without it all have full weight.
     """
-    if state.hull is None or options.as_published or not len(chosen.landmarks):
+    if state.hull is None or not strategy.deviation_field or not len(chosen.landmarks):
         return np.ones(len(state.landmark))
     along, girth = state.hull.cad_model.deviation_length
     return share_weight_by_cell(
-        state.hull, state.landmark, chosen.landmarks, (0.1 * along, 0.1 * girth)
+        state.hull, state.landmark, chosen.landmarks, (CELL_SHARE * along, CELL_SHARE * girth)
     )
 
 
 def estimate_weights(
-    m: Measurements, state: State, chosen: Selection, weights: Weights, options: AdjustOptions
+    m: Measurements, state: State, chosen: Selection, weights: Weights, strategy: Strategy
 ) -> Weights:
-    """Return sigmas from the residuals, and sides of the tray's backlash from the adjusted angles."""
-    if options.as_published or m.tracks is None:
+    """Estimate sigmas from the residuals of a round, and the sides of the tray's backlash."""
+    if not strategy.estimate_sigmas or m.tracks is None:
         return weights
-    pixel, pixel_ratio = estimate_pixel_sigmas(m, state, chosen, weights, options.min_sigma_px)
+    pixel, pixel_ratio = estimate_pixel_sigmas(m, state, chosen, weights)
     side = backlash.estimate_sides(m.trajectory.tray - state.tray, weights.tray_direction)
     excess = (m.trajectory.tray - state.tray - state.navigation[5] * side)[
         m.attitude.tray_sigma == 0
     ]
     read = robust_sigma(excess) if len(excess) else m.rig.priors.tray_sigma_rad
-    tray = float(np.clip(read, np.radians(0.02), m.rig.priors.tray_sigma_rad))
+    tray = float(np.clip(read, np.radians(MIN_TRAY_SIGMA_DEG), m.rig.priors.tray_sigma_rad))
     return replace(
         weights,
         pixel=pixel,
@@ -75,48 +79,53 @@ def estimate_weights(
 
 
 def estimate_pixel_sigmas(
-    m: Measurements, state: State, chosen: Selection, weights: Weights, least: float
+    m: Measurements, state: State, chosen: Selection, weights: Weights
 ) -> tuple[float, Array]:
-    """Return one sigma of a pixel coordinate, and the ratio (m,) of each observation's own to it,
-    from the residuals of well-seen landmarks (at least six rays), freed of the three coordinates
-    that each landmark takes from them.
+    """Estimate the pixel sigma and each observation's ratio to it from residuals.
 
     A feature is found the better the stronger the detector's response to it is: noise moves the
-    extremum of a flat bump farther (docs/methods.md 6). Residuals in groups of like response tell
-    how much, one group the corners, which have none.
+    extremum of a flat bump farther (docs/methods.md 6). So residuals are grouped by response;
+    corners, which have none, are one group. Residuals are those of well-seen landmarks, freed of
+    the three coordinates that each landmark takes from them.
+
+    Returns
+    -------
+    pixel, ratio
+        Sigma of a coordinate, px, and (m,) of each observation in it.
     """
     if m.tracks is None or state.mounts.tray_from_top is None:
-        return least, weights.pixel_ratio
+        return MIN_SIGMA_PX, weights.pixel_ratio
     poses = camera_poses(m.rig, state)
     errors = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
     count, landmark = selection.landmark_count(m), m.tracks.landmark
     seen = chosen.top.astype(float) + chosen.bottom
     rays = np.bincount(landmark, seen, minlength=count)
     known = np.isin(landmark, chosen.landmarks)
-    well = (rays[landmark] >= min(6, np.percentile(rays[chosen.landmarks], 75))) & known
+    well = (rays[landmark] >= min(MIN_RAYS, np.percentile(rays[chosen.landmarks], 75))) & known
     row = np.r_[np.flatnonzero(well & chosen.top), np.flatnonzero(well & chosen.bottom)]
     length = np.r_[errors[0][well & chosen.top], errors[1][well & chosen.bottom]]
-    if len(length) < LEAST_LENGTHS:
-        return max(least, m.rig.priors.pixel_sigma_px), np.ones_like(weights.pixel_ratio)
+    if len(length) < MIN_RESIDUALS:
+        return max(MIN_SIGMA_PX, m.rig.priors.pixel_sigma_px), np.ones_like(weights.pixel_ratio)
     weight = weights.pixel_ratio**-2
     whole = np.bincount(landmark, weight * seen, minlength=count)
     # of the two coordinates of a ray
     freedom = 1 - 1.5 * (weight / np.maximum(whole[landmark], weight))[row]
-    pixel = max(least, _sigma_of_lengths(length, freedom))
+    pixel = max(MIN_SIGMA_PX, _sigma_of_lengths(length, freedom))
     by_response = _sigma_by_response(m.tracks.response, row, length, freedom, pixel)
-    return pixel, np.maximum(by_response, least) / pixel
+    return pixel, np.maximum(by_response, MIN_SIGMA_PX) / pixel
 
 
 def _sigma_by_response(
     response: Array, row: Ints, length: Array, freedom: Array, pixel: float
 ) -> Array:
-    """Return one sigma (m,) of each observation: of its group of like response, linear in the
-    logarithms between groups.
+    """Estimate the sigma (m,) of each observation from its group of like response.
+
+    Between groups it is linear in the logarithms.
     """
     sigma = np.full(len(response), pixel)
     of_length = response[row]
     corner = np.isnan(of_length)
-    if corner.sum() >= LEAST_LENGTHS:
+    if corner.sum() >= MIN_RESIDUALS:
         sigma[np.isnan(response)] = _sigma_of_lengths(length[corner], freedom[corner])
     responds = np.flatnonzero(of_length > 0)
     if not len(responds):
@@ -126,7 +135,7 @@ def _sigma_by_response(
     )
     group = np.searchsorted(edges, of_length[responds], side="right")
     groups = [responds[group == k] for k in range(len(edges) + 1)]
-    groups = [rows for rows in groups if len(rows) >= LEAST_LENGTHS]
+    groups = [rows for rows in groups if len(rows) >= MIN_RESIDUALS]
     if groups:
         found = [_sigma_of_lengths(length[rows], freedom[rows]) for rows in groups]
         center = [np.median(of_length[rows]) for rows in groups]
@@ -136,14 +145,16 @@ def _sigma_by_response(
 
 
 def _sigma_of_lengths(length: Array, freedom: Array) -> float:
-    """Return one sigma of a coordinate from lengths of residuals: the median length of a 2-D normal
-    error is 1.177 sigma.
+    """Estimate the sigma of a coordinate from lengths of residuals.
+
+    The median length of a 2-D normal error is 1.177 sigma. freedom: share of each residual that its
+    landmark leaves.
     """
     return float(np.median(length) / np.sqrt(2 * np.log(2)) / np.sqrt(max(freedom.mean(), 0.2)))
 
 
 def depth_sigma(m: Measurements, weights: Weights) -> float:
-    """Return the sigma of a depth with these weights (m), in the median; NaN without depths."""
+    """Compute the median sigma of a depth with these weights, m; NaN without depths."""
     return (
         weights.depth * float(np.median(m.attitude.sigma[_measured_depths(m), 0]))
         if len(m.attitude.sigma)
@@ -152,9 +163,10 @@ def depth_sigma(m: Measurements, weights: Weights) -> float:
 
 
 def _depth_weight(m: Measurements, state: State) -> float:
-    """Return the sigma of the depths from their residuals, in the sigma that navigation gave them:
-    that of a reading, which nodes that share it do not make smaller. The water's density scales all
-    of them: n readings do not tell the dive's scale better than it is known.
+    """Estimate the sigma of a pressure reading in the sigma that navigation gave it.
+
+    Nodes that share a reading do not make it more certain. The water's density scales all depths: n
+    readings do not tell the dive's scale better than it is known.
     """
     rows = _measured_depths(m)
     if not m.attitude.has_depth.any():
@@ -168,6 +180,6 @@ def _depth_weight(m: Measurements, state: State) -> float:
 
 
 def _measured_depths(m: Measurements) -> Ints:
-    """Return the rows at which the pressure sensor was read; all where it was nowhere."""
+    """List rows at which the pressure sensor was read; all where it never was."""
     rows = np.flatnonzero(m.attitude.has_depth)
     return rows if len(rows) else np.arange(len(m.attitude.sigma))

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The adjusted dive as a sparse COLMAP model: a rigid rig, frames, images, points with their
-tracks.
+"""The adjusted dive as a sparse COLMAP model: a rigid rig, frames, images, points with tracks.
 
 COLMAP's pixel centres lie at 0.5, 0.5, OpenCV's at 0, 0: half a pixel is added to principal points
 and observations.
@@ -27,23 +26,20 @@ TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
 
 @dataclass(frozen=True, kw_only=True)
 class SparseModel:
-    """hull_from_top: T_M_ct at the nodes (T_g_ct without a CAD model); T_ct_cb None for a mono rig.
-    position (L, 3), NaN where a landmark is not in the model. top, bottom (m,) bool: observations
-    that entered. stamps (n, 2): ns by camera, -1 for none.
-    """
+    """The adjusted dive as COLMAP takes it."""
 
     tracks: Tracks
-    top: Mask
-    bottom: Mask
-    hull_from_top: Poses
-    top_from_bottom: Poses | None
-    cameras: tuple[CameraModel, CameraModel | None]
-    stamps: Ints
-    position: Array
+    top: Mask  # (m,) observations of the tracks that entered, of the top camera
+    bottom: Mask  # (m,) and of the bottom camera
+    hull_from_top: Poses  # (n,) poses of the top camera at the nodes, in the frame of the results
+    top_from_bottom: Poses | None  # None for a single camera
+    cameras: tuple[CameraModel, CameraModel | None]  # top and bottom
+    stamps: Ints  # (n, 2) ns by camera, -1 for none
+    position: Array  # (L, 3) m; NaN where a landmark is not in the model
 
 
 def write_model(model: SparseModel, folder: Path) -> None:
-    """Write cameras.bin, rigs.bin, frames.bin, images.bin and points3D.bin into an existing folder."""
+    """Write the model as binary files of COLMAP into an existing folder."""
     reconstruction = build(model)
     reconstruction.write_binary(str(folder))
 
@@ -99,12 +95,12 @@ def _camera(number: int, camera: CameraModel) -> Any:
 
 @dataclass(frozen=True)
 class _Seen:
-    """Observations sorted by (image, landmark): image id, landmark, pixel, number within the image."""
+    """Observations, sorted by (image, landmark)."""
 
-    image: Ints
+    image: Ints  # id
     landmark: Ints
     pixel: Array
-    keypoint: Ints
+    keypoint: Ints  # number within the image
 
 
 def _observations(model: SparseModel) -> _Seen:
@@ -121,8 +117,9 @@ def _observations(model: SparseModel) -> _Seen:
 
 
 def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
-    """Add a frame for each node that has an image; an image without observations is kept: its pose
-    is known all the same.
+    """Add a frame for each node that has an image.
+
+    An image without observations is kept: its pose is known all the same.
     """
     import pycolmap
 

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From the marginals of the solve to covariances of what is delivered: poses and landmarks in the
-hull frame.
+"""Covariances of poses and landmarks in the hull frame, from the marginals of the solve.
 
 With T_M_v = T_g_M^-1 T_g_v and the perturbations of docs/conventions.md (translation added in g,
 rotation on the right, T_g_M about the survey's middle c), first order:
@@ -20,11 +19,22 @@ from hullrecon.typing import Array
 def poses_in_hull(
     pose: Array, pose_hull: Array, hull: Array, nodes: Poses, global_from_hull: Poses, center: Array
 ) -> Array:
-    """Return the covariance (n, 6, 6) of T_M_v (translation in M, rotation right-perturb_pose in
-    v).
+    """Compute the covariance (n, 6, 6) of hull_from_vehicle.
 
-    pose (n, 6, 6) of T_g_v, pose_hull (n, 6, 6) with T_g_M, hull (6, 6) of T_g_M about `center`
-    (3,) in M.
+    Of (translation in M, rotation right-perturbed in v).
+
+    Parameters
+    ----------
+    pose
+        Covariance (n, 6, 6) of global_from_vehicle.
+    pose_hull
+        Its covariance (n, 6, 6) with global_from_hull.
+    hull
+        Covariance (6, 6) of global_from_hull about `center`.
+    nodes, global_from_hull
+        The poses.
+    center
+        (3,) m in M.
     """
     in_hull = global_from_hull.inverse() @ nodes
     to_hull = global_from_hull.rotation.as_matrix()[0].T
@@ -45,8 +55,20 @@ def points_in_hull(
     global_from_hull: Poses,
     center: Array,
 ) -> Array:
-    """Return the covariance (n, 3, 3) in M of points (n, 3) in g: point (n, 3, 3), point_hull (n,
-    3, 6) with T_g_M, hull (6, 6).
+    """Compute the covariance (n, 3, 3) in M of points (n, 3) in g.
+
+    Parameters
+    ----------
+    point
+        Covariance (n, 3, 3) in g.
+    point_hull
+        Its covariance (n, 3, 6) with global_from_hull.
+    hull
+        Covariance (6, 6) of global_from_hull about `center`.
+    position
+        The points.
+    global_from_hull, center
+        The hull's pose, and (3,) m in M.
     """
     to_hull = global_from_hull.rotation.as_matrix()[0].T
     n = len(position)
@@ -58,8 +80,9 @@ def points_in_hull(
 
 
 def _propagate(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: Array) -> Array:
-    """Return J_own S_own J_own^T + J_own S_cross J_hull^T + its transpose + J_hull S_hull J_hull^T,
-    symmetrised.
+    """Propagate covariances to first order, symmetrised.
+
+    J_own S_own J_own^T + J_own S_cross J_hull^T + its transpose + J_hull S_hull J_hull^T.
     """
     mixed = by_own @ cross @ by_hull.transpose(0, 2, 1)
     total = (
@@ -72,7 +95,7 @@ def _propagate(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: Ar
 
 
 def hull_axes(hull: Array, global_from_hull: Poses) -> Array:
-    """Return the covariance (6, 6) of T_g_M with its translation turned into M's axes."""
+    """Turn the translation of the hull pose's covariance (6, 6) into M's axes."""
     turn = np.eye(6)
     turn[:3, :3] = global_from_hull.rotation.as_matrix()[0].T
     return np.asarray(turn @ hull @ turn.T)

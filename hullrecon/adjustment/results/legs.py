@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which legs of a dive share landmarks, and which are tied to no other by images."""
+"""Legs of a dive: which share landmarks, and which are tied to no other by images."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.sparse import coo_array
 
 from hullrecon.typing import Array, Ints
 
-# a leg's length at least: in m, and as a share of the survey's
+# Length of a leg at least: in m, and as a share of the survey's
 LEAST_SWING_M, LEAST_SWING = 1.5, 0.15
 MIN_LANDMARKS = 12  # that two legs share, from which they are tied
 MOST_LISTED = 5
@@ -20,25 +20,21 @@ MOST_LISTED = 5
 
 @dataclass(frozen=True, kw_only=True)
 class LegTies:
-    """leg (n,): of each node, in order of time; shared (l, l): landmarks of two legs, on the
-    diagonal those of each.
-    """
+    """Legs of a dive, and the landmarks they share."""
 
-    leg: Ints
-    shared: Ints
+    leg: Ints  # (n,) of each node, in order of time
+    shared: Ints  # (l, l) landmarks of two legs, on the diagonal those of each
 
     @property
     def untied(self) -> Ints:
-        """Return the legs that see landmarks, but share too few with any other."""
+        """Legs that see landmarks, but share too few with any other."""
         others = self.shared - np.diag(np.diag(self.shared))
         return np.flatnonzero(
             (np.diag(self.shared) > 0) & (others.max(axis=1, initial=0) < MIN_LANDMARKS)
         )
 
     def table(self, t_ns: Ints) -> list[dict[str, object]]:
-        """Return a row a leg, counted from 1: its span, and with which later legs it shares how
-        many landmarks.
-        """
+        """Tabulate the legs, counted from 1: span, and landmarks shared with later legs."""
         rows: list[dict[str, object]] = []
         for k in range(len(self.shared)):
             at = t_ns[self.leg == k]
@@ -60,9 +56,7 @@ class LegTies:
         return rows
 
     def describe_untied(self, t_ns: Ints) -> str | None:
-        """Return a sentence on the legs that images tie to no other; None where there are none, or
-        but one leg.
-        """
+        """Name the legs that images tie to no other; None where there are none, or one leg."""
         legs = self.untied
         if len(self.shared) < 2 or not len(legs):
             return None
@@ -70,14 +64,21 @@ class LegTies:
         more = f" and {len(legs) - MOST_LISTED} more" if len(legs) > MOST_LISTED else ""
         word, lies = ("Leg", "it lies") if len(legs) == 1 else ("Legs", "they lie")
         return (
-            f"{word} {', '.join(spans)}{more} of {len(self.shared)}: fewer than {MIN_LANDMARKS} landmarks are shared with any "
-            f"other leg; navigation and the CAD model, where there is one, tell where {lies}."
+            f"{word} {', '.join(spans)}{more} of {len(self.shared)}: fewer than {MIN_LANDMARKS} "
+            "landmarks are shared with any other leg; navigation and the CAD model, where there "
+            f"is one, tell where {lies}."
         )
 
 
 def tie_legs(positions: Array, node: Ints, landmark: Ints) -> LegTies:
-    """Return which legs share landmarks. positions (n, 3) m of the vehicle; node, landmark (m,):
-    each observation's.
+    """Count the landmarks that legs share.
+
+    Parameters
+    ----------
+    positions
+        Of the vehicle (n, 3) m.
+    node, landmark
+        Of each observation (m,).
     """
     leg = split_legs(positions)
     count = int(leg.max(initial=-1)) + 1
@@ -89,8 +90,9 @@ def tie_legs(positions: Array, node: Ints, landmark: Ints) -> LegTies:
 
 
 def split_legs(positions: Array) -> Ints:
-    """Return the leg (n,) of each position (n, 3): one ends where the vehicle turns back along the
-    survey's long axis.
+    """Split positions (n, 3) into legs (n,).
+
+    A leg ends where the vehicle turns back along the survey's long axis.
     """
     if len(positions) < 2:
         return np.zeros(len(positions), np.int64)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Residuals by factor, in sigmas: a healthy factor has an RMS near one, and few beyond three."""
+"""Statistics of residuals by factor, in sigmas: RMS near one and few beyond three are healthy."""
 
 from __future__ import annotations
 
@@ -12,9 +12,7 @@ from hullrecon.geometry.robust import robust_sigma
 
 
 def by_factor(evaluation: native.Evaluation) -> dict[str, dict[str, float]]:
-    """Return for each factor of a problem: count of residuals, RMS, robust sigma and share beyond
-    three.
-    """
+    """Compute count, RMS, robust sigma and share beyond three of each factor's residuals."""
     found = {}
     for number, name in enumerate(native.FACTORS):
         values = evaluation.residual[evaluation.factor == number]

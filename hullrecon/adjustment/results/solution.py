@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Solution record of an adjusted dive: unknowns with their covariances in the frame that
-results are given in.
-"""
+"""The Solution record of an adjusted dive: unknowns and covariances in the results' frame."""
 
 from __future__ import annotations
 
@@ -13,7 +11,6 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
 from hullrecon.adjustment.hull_pose import estimate
-from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.results.covariance import points_in_hull, poses_in_hull
@@ -22,26 +19,25 @@ from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Solu
 from hullrecon.typing import Array, Ints
 
 
-def marginal_covariances(
-    m: Measurements, adjusted: Adjusted, options: AdjustOptions, settings: native.Options
-) -> native.Covariance:
-    """Return covariances at the solution. As published: the solve's own.
+def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covariance:
+    """Compute the covariances at the solution.
 
-    Else what the measurements leave open with the hull held where and as it was found, and the
-    covariance of its pose by the CAD model's error: in the solve a field and many beams with white
-    noise are surer of the pose than so few cells of the CAD model's error allow (docs/adr/0011).
-    The sensors' errors have the covariance of a hull left free: its height and a bias of the depth
-    are one.
+    They are what the measurements leave open with the hull held as it was found, and the covariance
+    of its pose by the CAD model's error: in the solve a field and many beams with white noise are
+    surer of the pose than so few cells of the CAD model's error allow (docs/adr/0011). The sensors'
+    errors have the covariance of a hull left free: its height and a bias of the depth are one.
+    Without a deviation field, covariances are the solve's own.
     """
     hull = adjusted.state.hull
     if hull is None:
-        return native.covariance(adjusted.problem, settings)
+        return native.covariance(adjusted.problem, adjusted.settings)
     # the last round holds T_g_M where its profile put it; what is unknown about it is still unknown
-    free = native.covariance(adjusted.problem.free("T_g_M"), settings)
-    if options.as_published:
+    free = native.covariance(adjusted.problem.free("T_g_M"), adjusted.settings)
+    if not adjusted.strategy.deviation_field:
         return free
-    known = native.covariance(adjusted.problem.hold("T_g_M", "deviation"), settings)
-    evidence = adjusted.evidence or _evidence_afterwards(m, adjusted, hull)
+    known = native.covariance(adjusted.problem.hold("T_g_M", "deviation"), adjusted.settings)
+    evidence = adjusted.placement.evidence if adjusted.placement is not None else None
+    evidence = evidence or _evidence_afterwards(m, adjusted, hull)
     return replace(
         known,
         navigation=free.navigation,
@@ -55,7 +51,7 @@ def marginal_covariances(
 def _evidence_afterwards(
     m: Measurements, adjusted: Adjusted, hull: HullState
 ) -> estimate.HullPoseEvidence:
-    """Return what a single solve, which held no hull pose, says of it."""
+    """Collect what a single solve, which held no hull pose, says of it."""
     points = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
     return estimate.fit_hull_pose(
         points.xyz, hull.global_from_hull, hull.cad_model, hull.survey_center, points.loose
@@ -63,7 +59,7 @@ def _evidence_afterwards(
 
 
 def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> Solution:
-    """Return the record of the adjusted dive. m: as measured, its rig as calibrated."""
+    """Build the record of the adjusted dive. m: its rig as calibrated."""
     state, used = adjusted.state, adjusted.chosen.landmarks
     position = state.landmark[used]
     pose_covariance, landmark_covariance = _covariances(state, position, marginals)
@@ -115,9 +111,7 @@ def _deviation_field(hull: HullState | None, marginals: native.Covariance) -> De
 def _covariances(
     state: State, position: Array, marginals: native.Covariance
 ) -> tuple[Array, Array]:
-    """Return those of the poses (n, 6, 6) and the landmarks (L, 3, 3), in M when there is a CAD
-    model.
-    """
+    """Compute covariances of poses (n, 6, 6) and landmarks (L, 3, 3), in M with a CAD model."""
     if state.hull is None:
         return marginals.pose[:, :6, :6], marginals.landmark
     pose, center, hull = state.hull.global_from_hull, state.hull.survey_center, marginals.T_g_M
@@ -131,9 +125,10 @@ def _covariances(
 
 
 def _lever_arm(m: Measurements, state: State) -> Array:
-    """Return what the held position of the DVL on the tray adds to the poses' covariance (n, 6, 6):
-    images and ranges see the camera and the DVL; a shift of both on the tray moves the vehicle
-    alone, and nothing measures it.
+    """Compute what the held position of the DVL adds to the poses' covariance (n, 6, 6).
+
+    Images and ranges see camera and DVL; a shift of both on the tray moves the vehicle alone, and
+    nothing measures it.
     """
     tray = state.nodes @ poses.tray_poses(m.rig.tray_origin, state.tray)
     in_hull = tray if state.hull is None else state.hull.global_from_hull.inverse() @ tray
@@ -146,8 +141,9 @@ def _lever_arm(m: Measurements, state: State) -> Array:
 
 
 def _labels(adjusted: Adjusted, count: int) -> tuple[Ints, Array]:
-    """Return label and signed distance to the CAD model of each landmark; without one, label 0 and
-    unknown distance.
+    """Return label and signed distance to the CAD model of each landmark.
+
+    Without one, label 0 and NaN.
     """
     if adjusted.state.hull is None or not count:
         return np.zeros(count, np.int64), np.full(count, np.nan)
@@ -155,7 +151,7 @@ def _labels(adjusted: Adjusted, count: int) -> tuple[Ints, Array]:
 
 
 def _views(m: Measurements, adjusted: Adjusted) -> Ints:
-    """Return how many images saw each landmark (L,) and were used."""
+    """Count the images that saw each landmark (L,) and were used."""
     if m.tracks is None:
         return np.zeros(0, np.int64)
     seen = adjusted.chosen.top.astype(np.int64) + adjusted.chosen.bottom

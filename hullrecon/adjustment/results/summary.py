@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the adjustment reports beside its Solution: the solver's record as arrays, figures for
-adjust.json, warnings.
-"""
+"""What the adjustment reports: its Solution, the solver's record, adjust.json, warnings."""
 
 from __future__ import annotations
 
@@ -12,8 +10,8 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
+from hullrecon.adjustment.cad_acceptance import Placement
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
-from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import intrinsics, iteration_history, weighting
 from hullrecon.adjustment.problem.measurements import Measurements
@@ -34,8 +32,8 @@ from hullrecon.geometry.poses import pose_vector
 from hullrecon.records.solution import Solution
 from hullrecon.typing import Array, Arrays
 
-# a model may be another one's by so much: that is said where the survey cannot tell
-TRUSTED_STRETCH = 0.1
+# Sigma of the CAD model's scale beyond which the report says that the survey cannot tell it
+TRUSTED_SCALE = 0.1
 NAVIGATION = (
     "dvl_scale",
     "heading_drift_rad_s",
@@ -48,21 +46,19 @@ NAVIGATION = (
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """solution; iterations: arrays for iterations.npz, and when each was done (s); summary: for
-    adjust.json; warnings: sentences for the report.
-    """
+    """All that the step writes, but for its COLMAP model."""
 
     solution: Solution
-    iterations: Arrays
-    iterations_s: Array
-    summary: dict[str, object]
-    warnings: list[str]
+    iterations: Arrays  # arrays of iterations.npz
+    iterations_s: Array  # when each of its rows was done
+    summary: dict[str, object]  # adjust.json
+    warnings: list[str]  # sentences for the report
 
 
 def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
-    """Return all that the step writes. m: as measured, its rig as calibrated."""
-    settings = native_settings(options)
-    marginals = marginal_covariances(m, adjusted, options, settings)
+    """Summarise the adjusted dive. m: its rig as calibrated."""
+    settings = adjusted.settings
+    marginals = marginal_covariances(m, adjusted)
     solution = build_solution(m, adjusted, marginals)
     hull = adjusted.state.hull
     ties = _ties(m, adjusted)
@@ -72,7 +68,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
     seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
     stereo = _stereo_sentence(m, adjusted, marginals)
     summary = {
-        **_figures(m, adjusted, options),
+        **_figures(m, adjusted),
         "navigation_sigma": _navigation_sigma(marginals),
         "weak_directions": weak,
         "residuals_before": residual_statistics.by_factor(
@@ -82,12 +78,12 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
             native.evaluate(adjusted.problem, settings, jacobian=False)
         ),
         **_registration(adjusted),
-        "cad_model_refused": adjusted.refusal,
+        "cad_model_refused": adjusted.verdict.reason,
         "legs": [] if ties is None else ties.table(m.trajectory.t_ns),
         **({"intrinsics": seen_with} if seen_with else {}),
         **(
-            {"stereo_contradiction": asdict(adjusted.stereo) | {"sentence": stereo}}
-            if adjusted.stereo is not None
+            {"stereo_contradiction": asdict(adjusted.verdict.stereo) | {"sentence": stereo}}
+            if adjusted.verdict.stereo is not None
             else {}
         ),
         **({"positions": fit.facts()} if fit is not None else {}),
@@ -111,24 +107,22 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
 
 
 def _covariance_in_hull(marginals: native.Covariance, hull: HullState) -> tuple[Array, Array]:
-    """Return the covariance (6, 6) of T_g_M in M's axes, and the ship's axes (3, 3) there."""
+    """Return the covariance (6, 6) of the hull's pose in M's axes, and the ship's axes (3, 3)."""
     return hull_axes(marginals.T_g_M, hull.global_from_hull), hull.cad_model.chart.ship_axes
 
 
 def _stereo_sentence(
     m: Measurements, adjusted: Adjusted, marginals: native.Covariance
 ) -> str | None:
-    """Return what contradicts the stereo rig's calibration; None where nothing does. m: its rig as
-    calibrated.
-    """
+    """Warn of a stereo calibration that the dive contradicts. m: its rig as calibrated."""
     if (
-        adjusted.stereo is None
+        adjusted.verdict.stereo is None
         or adjusted.state.mounts.top_from_bottom is None
         or m.rig.top_from_bottom is None
     ):
         return None
     return stereo_warning(
-        adjusted.stereo,
+        adjusted.verdict.stereo,
         m.rig.top_from_bottom,
         adjusted.state.mounts.top_from_bottom,
         marginals.T_ct_cb,
@@ -138,16 +132,16 @@ def _stereo_sentence(
 def _unexpected_errors(
     m: Measurements, adjusted: Adjusted, marginals: native.Covariance
 ) -> list[str]:
-    """Return a sentence for each sensor's error and each mount beyond what dive.toml allows."""
+    """Warn of each sensor's error and each mount beyond what dive.toml allows."""
     allowed, state = m.rig.priors.navigation_sigma, adjusted.state
-    by_lengths = adjusted.stereo is not None and not adjusted.stereo.by_images
+    by_lengths = adjusted.verdict.stereo is not None and not adjusted.verdict.stereo.by_images
     # then another sentence speaks of the DVL's scale
-    if by_lengths or adjusted.length_conflict is not None:
+    if by_lengths or adjusted.verdict.length_conflict is not None:
         allowed = np.r_[np.inf, allowed[1:]]
     lengths = (
         []
-        if adjusted.length_conflict is None
-        else [length_warning(adjusted.length_conflict, marginals.navigation)]
+        if adjusted.verdict.length_conflict is None
+        else [length_warning(adjusted.verdict.length_conflict, marginals.navigation)]
     )
     mounts = {
         "dvl.mount": MountFit(
@@ -171,7 +165,7 @@ def _unexpected_errors(
 
 
 def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:
-    """Return which legs share landmarks that were adjusted; None without images."""
+    """Count the landmarks that legs share; None without images."""
     if m.tracks is None:
         return None
     chosen = adjusted.chosen
@@ -179,12 +173,11 @@ def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:
     return tie_legs(adjusted.state.nodes.translation, m.tracks.node[used], m.tracks.landmark[used])
 
 
-def _figures(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> dict[str, object]:
+def _figures(m: Measurements, adjusted: Adjusted) -> dict[str, object]:
     state, result = adjusted.state, adjusted.result
     depth = weighting.depth_sigma(m, adjusted.weights)
     return {
-        "method": options.method,
-        "as_published": options.as_published,
+        "method": adjusted.strategy.method,
         "converged": result.converged,
         "message": result.message,
         "iterations": len(result.iterations.cost) - 1,
@@ -206,22 +199,19 @@ def _figures(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> dic
 
 
 def _navigation_sigma(marginals: native.Covariance) -> dict[str, float]:
-    """Return one sigma of each error of navigation, those that were held left out."""
+    """Return the sigma of each error of navigation that was not held."""
     sigma = np.sqrt(np.maximum(np.diag(marginals.navigation), 0))
     return {name: float(value) for name, value in zip(NAVIGATION, sigma, strict=True) if value > 0}
 
 
 def _registration(adjusted: Adjusted) -> dict[str, object]:
-    found = adjusted.registration
-    if found is None:
+    placement = adjusted.placement
+    if placement is None:
         return {}
+    found, compared = placement.registration, placement.form
     rms_m = float(np.sqrt(np.mean(found.residual**2)))
     vector = pose_vector(found.global_from_hull).tolist()
-    form = (
-        {}
-        if adjusted.form is None
-        else {"form": asdict(adjusted.form) | {"log_odds": adjusted.form.log_odds}}
-    )
+    form = {} if compared is None else {"form": asdict(compared) | {"log_odds": compared.log_odds}}
     return {"registration": {"fitness": found.fitness, "rms_m": rms_m, "T_g_M": vector, **form}}
 
 
@@ -245,71 +235,85 @@ def _left_out(m: Measurements, adjusted: Adjusted) -> int:
 
 
 def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
-    """Return what was found of the CAD model against what the package says of it."""
-    if adjusted.refusal is not None:
+    """Warn of what the dive shows of the CAD model against what the package says of it."""
+    if not adjusted.verdict.accepted:
         sources = "images and navigation" if len(solution.landmarks) else "navigation"
         return [
-            f"The CAD model was left out: {adjusted.refusal}. What is delivered comes from {sources} alone, in "
-            "frame g: positions are relative to where the dive began. Check [hull] mesh, units and pose in dive.toml."
+            f"The CAD model was left out: {adjusted.verdict.reason}. What is delivered comes from "
+            f"{sources} alone, in "
+            "frame g: positions are relative to where the dive began. Check [hull] mesh, units "
+            "and pose in dive.toml."
         ]
-    found = adjusted.registration
-    sentences = [*_form_warnings(adjusted), *_stretch_warnings(adjusted)]
-    if found is None or found.sigmas_off <= 1:
+    if adjusted.placement is None:
+        return []
+    found = adjusted.placement.registration
+    sentences = [*_form_warnings(adjusted.placement), *_segment_warnings(adjusted.placement)]
+    if found.sigmas_off <= 1:
         return sentences
     return [
         *sentences,
-        f"The hull lies {found.sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says; the sigmas of that pose "
-        "were widened as much. Where the hull's form does not tell, positions are no better than that.",
+        f"The hull lies {found.sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma "
+        "says; the sigmas of that pose "
+        "were widened as much. Where the hull's form does not tell, positions are no better than "
+        "that.",
     ]
 
 
-def _stretch_warnings(adjusted: Adjusted) -> list[str]:
-    """Return what the CAD model alone ties together."""
-    stretches = adjusted.stretches
-    if stretches is None:
+def _segment_warnings(placement: Placement) -> list[str]:
+    """Warn of segments of the path that the CAD model alone ties together."""
+    segments = placement.segments
+    if segments is None:
         return []
     return [
-        f"Outages cut the path into {len(stretches)} stretches, known to {stretches.loosest_m:.2f} m from one to the next "
-        "(one sigma, the worst axis) before they were laid onto the CAD model. Where the hull's form does not tell, "
+        f"Outages cut the path into {len(segments)} segments, known to {segments.loosest_m:.2f} m "
+        "from one to the next "
+        "(one sigma, the worst axis) before they were laid onto the CAD model. Where the hull's "
+        "form does not tell, "
         "what one shows lies no better to what another shows than that."
     ]
 
 
-def _form_warnings(adjusted: Adjusted) -> list[str]:
-    """Return what the surveyed form says of the CAD model that was believed."""
-    form = adjusted.form
+def _form_warnings(placement: Placement) -> list[str]:
+    """Warn of what the surveyed form says of the CAD model that was accepted."""
+    form = placement.form
     if form is None:
         return []
     if form.contradicts:
         return [
-            f"The hull leaves its CAD model by {np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres; that "
-            "sigma was widened as much. If that is not known of the hull, the CAD model may be another ship's: the sigmas of "
+            f"The hull leaves its CAD model by {np.sqrt(form.deviation):.1f} times "
+            "hull.deviation_sigma over metres; that "
+            "sigma was widened as much. If that is not known of the hull, the CAD model may be "
+            "another ship's: the sigmas of "
             "position reach to where hull.pose has it."
         ]
     if not form.confirms:
         return [
-            "The surveyed part of the hull is too plain to tell whether the CAD model is of this ship and scale: another "
+            "The surveyed part of the hull is too plain to tell whether the CAD model is of this "
+            "ship and scale: another "
             "hull's would fit as well, and where on the hull the dive was is what hull.pose says."
         ]
-    if max(form.stretch_sigma) > TRUSTED_STRETCH:
+    if max(form.scale_sigma) > TRUSTED_SCALE:
         return [
-            f"The surveyed part tells the CAD model's proportions and scale to {100 * max(form.stretch_sigma):.0f} % "
+            "The surveyed part tells the CAD model's proportions and scale to "
+            f"{100 * max(form.scale_sigma):.0f} % "
             "(one sigma): the sigmas of the position on the hull hold for a model that is to scale."
         ]
     return []
 
 
 def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
-    """Return what an inspector should know before trusting the result."""
+    """Warn of what an inspector should know before trusting the result."""
     found = _placement_warnings(adjusted, solution)
     if not adjusted.result.converged:
         found.append(
-            f"The adjustment stopped before it converged ({adjusted.result.message}): raise adjust.max_iterations."
+            f"The adjustment stopped before it converged ({adjusted.result.message}): raise "
+            "adjust.max_iterations."
         )
     missed = float(np.mean(~adjusted.result.ray_hit)) if len(adjusted.result.ray_hit) else 0.0
     if missed > 0.05:
         found.append(
-            f"{100 * missed:.0f} % of the DVL's beams miss the CAD model: it may be incomplete, or the first guess wrong."
+            f"{100 * missed:.0f} % of the DVL's beams miss the CAD model: it may be incomplete, or "
+            "the first guess wrong."
         )
     if (
         len(solution.landmarks)
@@ -317,6 +321,7 @@ def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
         and adjusted.state.hull is not None
     ):
         found.append(
-            "Fewer than half of the landmarks lie on the CAD model's surface: the CAD model or its first guess may be wrong."
+            "Fewer than half of the landmarks lie on the CAD model's surface: the CAD model or "
+            "its first guess may be wrong."
         )
     return found

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sparse COLMAP model with pinhole cameras, for images without distortion: what multi-view stereo
-and splatting take.
+"""A sparse COLMAP model with pinhole cameras, for images without distortion.
+
+Multi-view stereo and Gaussian splatting take it.
 """
 
 from __future__ import annotations
@@ -25,43 +26,38 @@ Reconstruction: TypeAlias = Any  # pycolmap's: it has no types
 
 @dataclass(frozen=True, kw_only=True)
 class ImageNames:
-    """An image by its name in the delivered model and in the undistorted one, which has no folders:
-    trainers of Gaussian splats drop them.
-    """
+    """Names of an image."""
 
-    delivered: str
+    delivered: str  # in the delivered model
+    # in the undistorted one, without folders: trainers of Gaussian splats drop them
     undistorted: str
     camera_id: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class UndistortedModel:
-    """Hold the pinhole model. undistortions: by camera id; images: in the order of their frames;
-    lost_observations: how many observations of the delivered model lie outside the smaller images.
-    """
+    """A pinhole model with what is needed to undistort its images."""
 
     reconstruction: Reconstruction
-    undistortions: dict[int, Undistortion]
-    images: list[ImageNames]
-    lost_observations: int
+    undistortions: dict[int, Undistortion]  # by camera id
+    images: list[ImageNames]  # in the order of their frames
+    lost_observations: int  # of the delivered model, outside the smaller images
 
 
 @dataclass(frozen=True)
 class _Seen:
-    """Hold observations (n,), sorted by image: image id, point id, and pixel (n, 2) in the
-    undistorted image, where COLMAP counts from the corner of the first pixel.
-    """
+    """Observations (n,), sorted by image."""
 
-    image: Ints
-    point: Ints
-    pixel: Array
+    image: Ints  # id
+    point: Ints  # id
+    pixel: Array  # (n, 2) in the undistorted image, from the corner of the first pixel as in COLMAP
 
 
 def undistort_model(folder: Path) -> UndistortedModel:
-    """Return the model of a folder without distortion. Poses and points stay; observations outside
-    the smaller images go, and with them points that fewer than two others saw.
+    """Undistort the COLMAP model of a folder.
 
-    Raises InputError where a camera's distortion cannot be undone.
+    Poses and points stay. Observations outside the smaller images go, and with them points that
+    fewer than two others saw. Raises InputError where a camera's distortion cannot be undone.
     """
     import pycolmap
 
@@ -98,7 +94,7 @@ def undistort_model(folder: Path) -> UndistortedModel:
 
 
 def camera_of(camera: pycolmap.Camera) -> CameraModel:
-    """Return a camera of the delivered model, OPENCV or FULL_OPENCV, with OpenCV's pixel centres."""
+    """Convert a camera of the delivered model, OPENCV or FULL_OPENCV, to OpenCV's pixel centres."""
     values = np.array(camera.params)
     values[2:4] -= 0.5
     return CameraModel(

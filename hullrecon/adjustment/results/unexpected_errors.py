@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of sensors and mounts that came out far larger than dive.toml allows: each in a sentence
-for the report.
-"""
+"""Warnings of errors of sensors and mounts that came out far larger than dive.toml allows."""
 
 from __future__ import annotations
 
@@ -16,18 +14,26 @@ from hullrecon.adjustment.exceeded_priors import MANY_OF_ITS_OWN, MANY_SIGMAS, d
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
-TRAY_AXIS = 0.9  # of a unit turn, along the tray's axis, which is y
-ALIKE = 0.25  # of two turns that are the same: their difference as a share of the greater
-# places among the errors of navigation; the tray's backlash is not judged
+TRAY_AXIS = 0.9  # component of a unit turn along y, the tray's axis
+ALIKE = 0.25  # difference of two turns that count as equal, as a share of the greater
+# Places among the errors of navigation; the tray's backlash is not judged
 SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)
 
 
 def navigation_warnings(correction: Array, allowed: Array, covariance: Array) -> list[str]:
-    """Return a sentence for each error of navigation beyond what was allowed.
+    """Warn of each error of navigation beyond what dive.toml allows.
 
-    correction (6,): as estimated; allowed (6,): prior sigmas; covariance (6, 6): of the estimate.
-    Scale and drift are what corrects the sensor (a share of the true velocity): its error has the
-    other sign.
+    Scale and drift are estimated as what corrects the sensor (a share of the true velocity), so its
+    error has the other sign.
+
+    Parameters
+    ----------
+    correction
+        As estimated (6,).
+    allowed
+        Prior sigmas (6,).
+    covariance
+        Of the estimate (6, 6).
     """
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0))
     many = (np.abs(correction) > MANY_SIGMAS * allowed) & (
@@ -40,37 +46,46 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
         way = "long" if error > 0 else "short"
         out.append(
             f"The DVL measures distances {abs(error):.1f} ± {100 * sigma[SCALE]:.1f} % too {way}, "
-            f"{_times(correction, allowed, SCALE)} dvl.scale_sigma: check the speed of sound that it was set to. "
+            f"{_times(correction, allowed, SCALE)} dvl.scale_sigma: check the speed of sound that "
+            "it was set to. "
             "The error was taken out."
         )
     if many[DRIFT]:
         out.append(
-            f"The heading drifts by {-per_hour:.0f} ± {np.degrees(sigma[DRIFT]) * 3600:.0f} degrees an hour, "
-            f"{_times(correction, allowed, DRIFT)} imu.heading_drift_deg_per_hour. The drift was taken out."
+            f"The heading drifts by {-per_hour:.0f} ± {np.degrees(sigma[DRIFT]) * 3600:.0f} "
+            "degrees an hour, "
+            f"{_times(correction, allowed, DRIFT)} imu.heading_drift_deg_per_hour. The drift was "
+            "taken out."
         )
     for place, name in ((ROLL, "Roll"), (PITCH, "Pitch")):
         if many[place]:
             out.append(
                 f"{name} is off by {degrees[place]:.2f} ± {np.degrees(sigma[place]):.2f} degrees, "
-                f"{_times(correction, allowed, place)} imu.bias_sigma_deg: check imu.mount_deg. The error was taken out."
+                f"{_times(correction, allowed, place)} imu.bias_sigma_deg: check imu.mount_deg. "
+                "The error was taken out."
             )
     if many[DEPTH]:
         way = "deep" if correction[DEPTH] > 0 else "shallow"
         out.append(
-            f"Depths read {abs(correction[DEPTH]):.2f} ± {sigma[DEPTH]:.2f} m too {way}, {_times(correction, allowed, DEPTH)} "
-            "pressure.bias_sigma_m: check the gauge's zero and the draught. The error was taken out."
+            f"Depths read {abs(correction[DEPTH]):.2f} ± {sigma[DEPTH]:.2f} m too {way}, "
+            f"{_times(correction, allowed, DEPTH)} "
+            "pressure.bias_sigma_m: check the gauge's zero and the draught. The error was taken "
+            "out."
         )
     return out
 
 
 def length_warning(conflict: float, covariance: Array) -> str:
-    """Return a sentence on the velocities of a DVL that all else contradicts by that share, one
-    camera's images among it. covariance (6, 6): of navigation.
+    """Warn of a DVL whose velocities contradict all else, one camera's images among it.
+
+    conflict: share of lengths; covariance (6, 6): of navigation.
     """
     sigma = np.sqrt(covariance[SCALE, SCALE])
     return (
-        f"The DVL's velocities contradict all else that was measured about lengths, by {100 * conflict:.1f} %. That became the "
-        f"sigma of velocities and ranges, and lengths are known to {100 * sigma:.2g} % (one sigma). Check the speed of sound "
+        "The DVL's velocities contradict all else that was measured about lengths, by "
+        f"{100 * conflict:.1f} %. That became the "
+        f"sigma of velocities and ranges, and lengths are known to {100 * sigma:.2g} % (one "
+        "sigma). Check the speed of sound "
         "that the DVL was set to, and the camera's calibration under water."
     )
 
@@ -85,12 +100,10 @@ class MountFit(NamedTuple):
 
 
 def mount_warnings(mounts: Mapping[str, MountFit]) -> list[str]:
-    """Return a sentence for each mount that came out far from its place, those left out that were
-    held, and one more where DVL and camera are turned the same way.
+    """Warn of each mount that came out far from its place, and of mounts turned alike.
 
-    mounts: by key of dive.toml the mount, where it was found, and the covariance (6, 6) of
-    (translation in the parent's axes, rotation perturbed on the right). A shift along an
-    instrument's own z is not spoken of: a focal length, or a range, that is off looks the same.
+    A shift along an instrument's own z is not spoken of: a focal length, or a range, that is off
+    looks the same. mounts: by key of dive.toml.
     """
     found = [
         _Displacement.of(key, fit.nominal, fit.sqrt_information, fit.found, fit.covariance)
@@ -103,15 +116,13 @@ def mount_warnings(mounts: Mapping[str, MountFit]) -> list[str]:
 
 @dataclass(frozen=True, kw_only=True)
 class _Displacement:
-    """From where dive.toml has a mount, (6,): translation m and rotation rad in the child's axes,
-    its sigma and what is allowed. in_parent (3,): the rotation in the parent's axes.
-    """
+    """How far a mount was found from where dive.toml has it."""
 
     key: str
-    by: Array
-    sigma: Array
-    allowed: Array
-    in_parent: Array
+    by: Array  # (6,) translation m and rotation rad in the child's axes
+    sigma: Array  # (6,) of that
+    allowed: Array  # (6,) prior sigmas
+    in_parent: Array  # (3,) rotation in the parent's axes
 
     @staticmethod
     def of(key: str, nominal: Poses, rows: Array, found: Poses, covariance: Array) -> _Displacement:
@@ -125,8 +136,9 @@ class _Displacement:
         )
 
     def times_allowed(self) -> Array:
-        """Return (6,) how many times what is allowed, 0 where the dive does not know it, and along
-        the instrument's z.
+        """Compute how many times what is allowed (6,).
+
+        Zero where the dive does not know it, and along the instrument's z.
         """
         over = np.where(
             np.abs(self.by) > MANY_OF_ITS_OWN * self.sigma, np.abs(self.by) / self.allowed, 0.0
@@ -158,14 +170,16 @@ class _Displacement:
             else []
         )
         return (
-            f"The dive fits with {self.key} {' and '.join(parts)} from where dive.toml has it, {over.max():.0f} times what "
+            f"The dive fits with {self.key} {' and '.join(parts)} from where dive.toml has it, "
+            f"{over.max():.0f} times what "
             f"{self.key}_sigma allows. Where it sits was estimated: correct it there."
         )
 
 
 def _turned_alike(found: list[_Displacement]) -> list[str]:
-    """Return a sentence where all mounts, two or more, are turned the same way in their parent's
-    axes: an attitude that is off looks so.
+    """Warn where all mounts, two or more, are turned alike in their parent's axes.
+
+    An attitude that is off looks so.
     """
     if len(found) < 2 or not any(mount.is_turned() for mount in found):
         return []
@@ -177,7 +191,8 @@ def _turned_alike(found: list[_Displacement]) -> list[str]:
     tray = ", or the zero of the tray's angles" if abs(mean[1]) > TRAY_AXIS * size else ""
     keys = " and ".join(mount.key for mount in found)
     return [
-        f"{keys} are turned the same way, by {np.degrees(size):.1f} degrees: it may be the IMU that is "
+        f"{keys} are turned the same way, by {np.degrees(size):.1f} degrees: it may be the IMU "
+        "that is "
         f"turned instead (imu.mount_deg){tray}."
     ]
 

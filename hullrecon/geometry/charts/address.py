@@ -16,10 +16,10 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class AddressSigma:
-    """One sigma of a place, m: along the hull, in girth, in depth."""
+    """Sigma of a place, m."""
 
-    along: float
-    girth: float
+    along: float  # along the hull
+    girth: float  # in girth
     depth: float
 
 
@@ -30,12 +30,22 @@ def address(
     depths_m: ArrayLike | None = None,
     sigma: AddressSigma | None = None,
 ) -> list[str]:
-    """Return points (n, 3) as text: 'frames 52 to 53 (31.4 ± 0.3 m from AP), port, 2.31 ± 0.05 m
-    girth from keel, 1.8 m below waterline'.
+    """Describe points (n, 3) as text.
 
-    depths_m (n,): below the water surface, positive down; left out of the words when absent or NaN.
-    sigma: of all points; digits stop where it begins, and a frame that is not known is a range of
-    them. Without a CAD model the address counts metres on the fitted plane.
+    'frames 52 to 53 (31.4 ± 0.3 m from AP), port, 2.31 ± 0.05 m girth from keel, 1.8 m below
+    waterline'. Digits stop where sigma begins, and a frame that is not known is a range of them.
+    Without a CAD model the address counts metres on the fitted plane.
+
+    Parameters
+    ----------
+    chart, points
+        The hull's chart, and places on it.
+    frame_spacing_m
+        Of the ship's frames.
+    depths_m
+        (n,) below the water surface, positive down; left out when absent or NaN.
+    sigma
+        Of all points.
     """
     at = chart.to_chart(np.atleast_2d(np.asarray(points, float)))
     depths = (
@@ -50,9 +60,7 @@ def address(
 
 
 def is_hull_chart(chart: Chart) -> bool:
-    """Return whether the chart is a ship's own, with stations and girth from the keel; else it is a
-    plane.
-    """
+    """Tell whether the chart is a ship's, with girth from the keel, and not a plane."""
     return str(chart.to_arrays().get("kind", "plane")) == "axis"
 
 
@@ -62,7 +70,7 @@ def side_of(girth_m: float, sigma_m: float = 0.0) -> str:
 
 
 def frame_words(along_m: float, spacing_m: float, sigma_m: float | None) -> str:
-    """Return the frame that a place lies at, or those between which one sigma leaves it."""
+    """Name the frame that a place lies at, or those between which one sigma leaves it."""
     frame, sigma = along_m / spacing_m, 0.0 if sigma_m is None else sigma_m / spacing_m
     if not math.isfinite(sigma) or sigma <= 0.25:
         return f"frame {frame:.{1 if sigma <= 0.1 else 0}f}"
@@ -102,7 +110,7 @@ def _words(
 
 
 def _metres(value: float, sigma: float | None, most: int) -> str:
-    """Return metres with their sigma where it shows at so many digits."""
+    """Format metres with their sigma where it shows at so many digits."""
     if sigma is None or not math.isfinite(sigma):
         return f"{value:.{most}f} m"
     digits = min(most, max(0, -math.floor(math.log10(max(sigma, 1e-9)))))

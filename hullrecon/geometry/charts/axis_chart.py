@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The chart of a CAD model: stations along an axis inside the ship, and the arc of each section
-from the keel.
+"""The chart of a CAD model: stations along an axis inside the ship, and girth from the keel.
 
 A point belongs to the angle phi at which a ray from the axis meets it: 0 straight down, positive to
 port. Its girth is the length of the section from phi = 0 to there. Rays are cast from outside
@@ -30,28 +29,25 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class AxisChart:
-    """axes (3, 3): rows forward, port, up in M (a turn, no shift). The rest is in turned
-    coordinates, metres: the mesh (outward), the sections and the aft perpendicular, from which
-    `along` counts.
-    """
+    """The chart of a CAD model. All but `axes` is in turned coordinates, metres."""
 
-    axes: Array
-    mesh: Mesh
+    axes: Array  # (3, 3) rows forward, port, up in M (a turn, no shift)
+    mesh: Mesh  # faces outward
     sections: Sections
-    aft_perpendicular: float = 0.0
+    aft_perpendicular: float = 0.0  # where `along` is zero
 
     @property
     def ship_axes(self) -> Array:
-        """Return rows forward, port, up (3, 3) in M; see `Chart`."""
+        """See `Chart`."""
         return self.axes
 
     @property
     def along_of_origin(self) -> float:
-        """Return along of the origin of M, m; see `Chart`."""
+        """See `Chart`."""
         return -self.aft_perpendicular
 
     def to_chart(self, points: Array) -> Array:
-        """Return chart coordinates (n, 3) of points (n, 3); see `Chart`."""
+        """See `Chart`."""
         turned = np.atleast_2d(np.asarray(points, float)) @ self.axes.T
         out = np.full(turned.shape, np.nan)
         known = np.isfinite(turned).all(axis=1)
@@ -65,7 +61,7 @@ class AxisChart:
         return out
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """Return points and normals (n, 3) of chart coordinates (n, 2); see `Chart`."""
+        """See `Chart`."""
         at = np.atleast_2d(np.asarray(along_girth, float)) + np.array([self.aft_perpendicular, 0.0])
         angle, radius = self.sections.angle_of(at)
         points, normals = np.full((len(at), 3), np.nan), np.full((len(at), 3), np.nan)
@@ -75,8 +71,9 @@ class AxisChart:
         return points @ self.axes, normals @ self.axes
 
     def _on_skin(self, along: Array, angle: Array, radius: Array) -> tuple[Array, Array]:
-        """Return where the ray meets the mesh; over a small hole, the sections' own point and the
-        closest face's normal.
+        """Find where the ray meets the mesh.
+
+        Over a small hole, the sections' own point and the closest face's normal.
         """
         origin, inward = self.sections.rays(along, angle)
         hit = self.mesh.index.cast(origin, inward)
@@ -113,7 +110,7 @@ class AxisChart:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> AxisChart:
-        """Return the chart that `to_arrays` gave."""
+        """Rebuild the chart that `to_arrays` gave."""
         number = {
             n: np.asarray(arrays[n], float)
             for n in ("axes", "vertices", "axis", "station", "angle", "radius", "girth")
@@ -139,7 +136,7 @@ class AxisChart:
 def build_axis_chart(
     mesh: Mesh, up: Array, bow: str | None = None, aft_perpendicular_m: float = 0.0
 ) -> AxisChart:
-    """Return the chart that `chart_for_hull` describes."""
+    """Build the chart that `chart_for_hull` describes."""
     axes = hull_axes(mesh.vertices, up, bow)
     turned = Mesh(mesh.vertices @ axes.T, mesh.faces)
     sections = cast_sections(turned, choose_axis_height(turned))

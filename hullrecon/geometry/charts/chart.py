@@ -20,29 +20,30 @@ from hullrecon.typing import Array
 
 
 class Chart(Protocol):
-    """Coordinates on a surface. `along` grows forward, `girth` from the keel up, port positive
-    (metres of arc).
+    """Coordinates on a surface.
+
+    `along` grows forward, `girth` from the keel up, port positive (metres of arc).
     """
 
     @property
     def ship_axes(self) -> Array:
-        """Return rows forward, port, up (3, 3) in the chart's frame. Those of a plane are x, -y and
-        -z of g.
-        """
+        """Rows forward, port, up (3, 3) in the chart's frame; x, -y and -z of g for a plane."""
 
     @property
     def along_of_origin(self) -> float:
-        """Return along of the origin of the chart's frame, m."""
+        """`along` of the origin of the chart's frame, m."""
 
     def to_chart(self, points: Array) -> Array:
-        """Return (n, 3) points near the surface, in the chart's frame (M, or g without a CAD
-        model), to (n, 3): along, girth, offset (metres, outward positive). NaN rows where the chart
-        is not defined.
+        """Convert points (n, 3) near the surface to along, girth, offset (n, 3), m.
+
+        Points are in the chart's frame (M, or g without a CAD model). The offset is positive
+        outward. NaN rows where the chart is not defined.
         """
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """Return (n, 2) to points on the surface (n, 3) and outward unit normals (n, 3); NaN rows
-        outside the chart.
+        """Convert along and girth (n, 2) to points on the surface and outward unit normals (n, 3).
+
+        NaN rows outside the chart.
         """
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
@@ -55,12 +56,24 @@ def chart_for_hull(
     bow: str | None = None,
     aft_perpendicular_m: float = 0.0,
 ) -> Chart:
-    """Return the chart of a CAD model: stations along the ship and girth from the keel.
+    """Build the chart of a CAD model: stations along the ship and girth from the keel.
 
-    up (3,): roughly up in the mesh's frame; the nearest axis of the frame is taken. The ship lies
-    along the longer of the two other axes, its bow where that grows, or where `bow` ("+x" to "-z")
-    says. aft_perpendicular_m: where on that axis along is zero. Raises InputError for a bow along
-    another axis, and when no ray from inside meets the mesh.
+    Parameters
+    ----------
+    mesh
+        The CAD model.
+    up
+        (3,) roughly up in its frame; the nearest axis of the frame is taken. The ship lies along
+        the longer of the two other axes.
+    bow
+        Where along that axis the bow is ("+x" to "-z"); where it grows unless given.
+    aft_perpendicular_m
+        Where on that axis along is zero.
+
+    Raises
+    ------
+    InputError
+        For a bow along another axis, and when no ray from inside meets the mesh.
     """
     from hullrecon.geometry.charts.axis_chart import build_axis_chart
 
@@ -70,10 +83,21 @@ def chart_for_hull(
 def chart_for_points(
     points: ArrayLike, toward: ArrayLike, up: ArrayLike = (0.0, 0.0, -1.0)
 ) -> Chart:
-    """Return a plane fitted to points (n, 3), its normal to the side of `toward`: (3,), or the
-    sensors' places (n, 3).
+    """Fit a plane chart to points (n, 3).
 
-    up (3,): in the frame of the points, -z in g. Raises InputError with fewer than three points.
+    Parameters
+    ----------
+    points
+        In g.
+    toward
+        To this side the normal points: (3,), or the sensors' places (n, 3).
+    up
+        (3,) in the frame of the points.
+
+    Raises
+    ------
+    InputError
+        With fewer than three points.
     """
     from hullrecon.geometry.charts.plane_chart import fit_plane_chart
 
@@ -82,7 +106,7 @@ def chart_for_points(
 
 
 def chart_from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> Chart:
-    """Return the chart that `to_arrays` gave."""
+    """Rebuild the chart that `to_arrays` gave."""
     from hullrecon.geometry.charts.axis_chart import AxisChart
     from hullrecon.geometry.charts.plane_chart import PlaneChart
 

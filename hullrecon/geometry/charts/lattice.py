@@ -13,24 +13,25 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Lattice:
-    """Cells along and girth. origin (2,) m: middle of the first; step_m; shape: how many."""
+    """Cells along and in girth."""
 
-    origin: Array
+    origin: Array  # (2,) m, middle of the first
     step_m: float
-    shape: tuple[int, int]
+    shape: tuple[int, int]  # cells along and in girth
 
     def points(self) -> Array:
-        """Return the middles (a, g, 2) of all cells, m."""
+        """Compute the middles (a, g, 2) of all cells, m."""
         along, girth = (self.origin[k] + self.step_m * np.arange(self.shape[k]) for k in (0, 1))
         return np.stack(np.meshgrid(along, girth, indexing="ij"), axis=-1)
 
     def place(self, along_girth: Array) -> Array:
-        """Return chart points (..., 2) as fractional cell numbers."""
+        """Convert chart points (..., 2) to fractional cell numbers."""
         return np.asarray((along_girth - self.origin) / self.step_m)
 
     def cells(self, along_girth: Array) -> tuple[Ints, Mask]:
-        """Return the cell numbers (n, 2) of chart points (n, 2), clipped to the lattice, and which
-        (n,) lie in it.
+        """Find the cells (n, 2) of chart points (n, 2), and which (n,) lie in the lattice.
+
+        Cell numbers are clipped to it.
         """
         place = self.place(along_girth)
         inside = np.asarray(np.isfinite(place).all(axis=1))
@@ -40,7 +41,7 @@ class Lattice:
         return np.clip(number, 0, last), np.asarray(inside)
 
     def polygon(self, outline: Array) -> Mask:
-        """Return the cells (a, g) inside a closed line (k, 2) of chart points."""
+        """Find the cells (a, g) inside a closed line (k, 2) of chart points."""
         import cv2
 
         mask = np.zeros(self.shape, np.uint8)
@@ -50,9 +51,7 @@ class Lattice:
         return mask.astype(bool)
 
     def outline(self, mask: Mask) -> Array:
-        """Return the longest closed line (k, 2) of chart points around a mask (a, g); empty without
-        cells.
-        """
+        """Trace the longest closed line (k, 2) around a mask (a, g); empty without cells."""
         import cv2
 
         lines, _ = cv2.findContours(
@@ -63,7 +62,7 @@ class Lattice:
 
 
 def lattice_around(points: Array, step_m: float, margin_m: float = 0.0) -> Lattice:
-    """Return the cells that hold chart points (n, 2) with a margin; rows with NaN are left out."""
+    """Make cells that hold chart points (n, 2) with a margin; rows with NaN are left out."""
     good = points[np.isfinite(points).all(axis=1)]
     low = np.floor((good.min(axis=0) - margin_m) / step_m)
     high = np.ceil((good.max(axis=0) + margin_m) / step_m)

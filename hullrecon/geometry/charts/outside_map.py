@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Map coordinates of a chart: those of rasters and vector layers, in which the hull is seen from
-outside.
+"""Map coordinates of a chart, in which rasters and vector layers show the hull from outside.
 
 Along to the right and girth upwards show a hull from inside, mirrored. On the map x grows to the
 right and y upwards for a viewer outside, who stands upright: on the port side x is minus along (the
@@ -21,50 +20,51 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class OutsideMap:
-    """x = x_sign along, y = y_sign girth, metres. frame: that of the chart, M or g."""
+    """Map coordinates x = x_sign along, y = y_sign girth, metres."""
 
     x_sign: int
     y_sign: int
-    frame: str
+    frame: str  # of the chart, M or g
 
     @property
     def flips(self) -> tuple[bool, bool]:
-        """Return whether along grows to the left, and girth downwards."""
+        """Whether along grows to the left, and girth downwards."""
         return self.x_sign < 0, self.y_sign < 0
 
     @property
     def name(self) -> str:
-        """Return the name of the coordinate system, with its definition; it names which of the four
-        it is.
-        """
+        """Name of the coordinate system with its definition, which tells the four apart."""
         of = (
             "hull chart of the ship (frame M)"
             if self.frame == "M"
             else "plane through the survey (frame g)"
         )
-        return f"{of} seen from outside: x = {'-' * (self.x_sign < 0)}along, y = {'-' * (self.y_sign < 0)}girth"
+        x, y = ("-" * (sign < 0) for sign in (self.x_sign, self.y_sign))
+        return f"{of} seen from outside: x = {x}along, y = {y}girth"
 
     @property
     def wkt(self) -> str:
-        """Return a local engineering system in WKT 1, which old programs read too: metres, tied to
-        no place on Earth.
+        """Describe a local engineering system in WKT 1, which old programs read too.
+
+        In metres, tied to no place on Earth.
         """
         datum = "the ship" if self.frame == "M" else "start of the dive"
         axes = 'AXIS["x",EAST],AXIS["y",NORTH]'
         return f'LOCAL_CS["{self.name}",LOCAL_DATUM["{datum}",32767],UNIT["metre",1],{axes}]'
 
     def to_map(self, along_girth: Array) -> Array:
-        """Return map coordinates (n, 2) of chart points (n, 2)."""
+        """Convert chart points (n, 2) to map coordinates (n, 2)."""
         return np.asarray(along_girth, float) * [self.x_sign, self.y_sign]
 
     def to_chart(self, xy: Array) -> Array:
-        """Return chart points (n, 2) of map coordinates (n, 2)."""
+        """Convert map coordinates (n, 2) to chart points (n, 2)."""
         return np.asarray(xy, float) * [self.x_sign, self.y_sign]
 
 
 def outside_map(chart: Chart, points: Array, frame: str) -> OutsideMap:
-    """Return the map of a chart for viewers of those points (n, 3). All layers of a dive take the
-    same points: the surface of the survey.
+    """Choose the map of a chart for viewers of points (n, 3).
+
+    All layers of a dive take the same points: the surface of the survey.
     """
     left, down = flips(chart, chart.to_chart(points)[:, :2])
     return OutsideMap(x_sign=-1 if left else 1, y_sign=-1 if down else 1, frame=str(frame))

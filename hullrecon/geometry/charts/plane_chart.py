@@ -20,29 +20,27 @@ STEEP = np.cos(np.radians(30.0))
 
 @dataclass(frozen=True)
 class PlaneChart:
-    """origin (3,); axes (3, 3): rows along, girth, outward normal, in the frame of the points (g).
-    along x girth = -normal.
-    """
+    """A plane as chart, in the frame of its points (g)."""
 
-    origin: Array
-    axes: Array
+    origin: Array  # (3,) m
+    axes: Array  # (3, 3) rows along, girth, outward normal; along x girth = -normal
 
     @property
     def ship_axes(self) -> Array:
-        """Return rows forward, port, up (3, 3) in g, whose z is down; see `Chart`."""
+        """Rows forward, port, up (3, 3) in g, whose z is down; see `Chart`."""
         return np.diag([1.0, -1.0, -1.0])
 
     @property
     def along_of_origin(self) -> float:
-        """Return along of the origin of g, m; see `Chart`."""
+        """See `Chart`."""
         return float(-self.origin @ self.axes[0])
 
     def to_chart(self, points: Array) -> Array:
-        """Return chart coordinates (n, 3) of points (n, 3); see `Chart`."""
+        """See `Chart`."""
         return np.asarray((np.atleast_2d(points) - self.origin) @ self.axes.T)
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """Return points and normals (n, 3) of chart coordinates (n, 2); see `Chart`."""
+        """See `Chart`."""
         at = np.atleast_2d(np.asarray(along_girth, float))
         points = self.origin + at @ self.axes[:2]
         normals = np.tile(self.axes[2], (len(at), 1))
@@ -55,14 +53,12 @@ class PlaneChart:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> PlaneChart:
-        """Return the chart that `to_arrays` gave."""
+        """Rebuild the chart that `to_arrays` gave."""
         return cls(np.asarray(arrays["origin"], float), np.asarray(arrays["axes"], float))
 
 
 def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) -> PlaneChart:
-    """Return the plane through points (n, 3) that are finite, without those beyond 3 robust sigma
-    of it; see `chart_for_points`.
-    """
+    """Fit a plane to finite points (n, 3) within 3 robust sigma of it; see `chart_for_points`."""
     usable = points[np.isfinite(points).all(axis=1)]
     if len(usable) < 3:
         raise InputError(
@@ -81,8 +77,9 @@ def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) ->
 
 
 def _near(off: Array) -> Mask:
-    """Return whether heights (n,) over a plane are within 3 robust sigma of their middle; the
-    nearest three always are.
+    """Tell which heights (n,) over a plane are within 3 robust sigma of their middle.
+
+    The nearest three always are.
     """
     away = np.abs(off - np.median(off))
     return np.asarray(
@@ -91,9 +88,7 @@ def _near(off: Array) -> Mask:
 
 
 def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Array:
-    """Return heights (n,) of the points over the plane, of many through three of them, whose median
-    height is smallest.
-    """
+    """Compute heights (n,) over the plane, of many through three points, of least median height."""
     corner = points[np.random.default_rng(seed).integers(0, len(points), (trials, 3))]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     size = np.linalg.norm(normal, axis=1)
@@ -107,8 +102,9 @@ def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Arra
 
 
 def _principal(points: Array) -> tuple[Array, Array]:
-    """Return the mean (3,) and the principal directions (3, 3), longest first, with signs that do
-    not depend on the library.
+    """Compute the mean (3,) and the principal directions (3, 3), longest first.
+
+    Their signs do not depend on the library.
     """
     center = points.mean(axis=0)
     _, vectors = np.linalg.eigh((points - center).T @ (points - center))
@@ -118,8 +114,9 @@ def _principal(points: Array) -> tuple[Array, Array]:
 
 
 def _girth_axis(normal: Array, longest: Array, up: Array) -> Array:
-    """Return unit vector in the plane: uphill where the plane stands, across the longest direction
-    where it lies flat.
+    """Choose the girth's unit vector in the plane.
+
+    Uphill where the plane stands, across the longest direction where it lies flat.
     """
     rough = up if abs(normal @ up) < STEEP else np.cross(longest, normal)
     flat = rough - normal * (rough @ normal)

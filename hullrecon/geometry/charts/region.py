@@ -22,20 +22,18 @@ Limits = tuple[float, float] | None
 
 @dataclass(frozen=True, kw_only=True)
 class RegionCells:
-    """The middles (n, 3) of n cells on the surface, m in the frame of the chart, outward normals
-    (n, 3) and areas (n,) m2.
-    """
+    """Cells on a surface."""
 
-    middle: Array
-    normal: Array
-    area: Array
+    middle: Array  # (n, 3) m in the frame of the chart
+    normal: Array  # (n, 3) outward unit
+    area: Array  # (n,) m2
 
 
 def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> RegionCells:
-    """Return the surface within limits (low, high) of the chart, m; None: as far as the mesh
-    reaches.
+    """Sample the surface within limits of the chart by cells.
 
-    There are no cells where there is no surface.
+    along, girth: (low, high) m; None: as far as the mesh reaches. No cells where there is no
+    surface.
     """
     given = np.array([(-np.inf, np.inf) if limits is None else limits for limits in (along, girth)])
     reach = chart_limits(chart, mesh)
@@ -54,9 +52,10 @@ def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> Regi
 
 
 def chart_limits(chart: Chart, mesh: Mesh) -> Array:
-    """Return how far the chart of a mesh reaches along and in girth, (2, 2) rows of low and high,
-    m; zeros where it has no place. What is narrower than a LOOK-th of the mesh's size at its ends
-    is left out.
+    """Find how far the chart of a mesh reaches, (2, 2) rows of low and high, m.
+
+    Zeros where it has no place. What is narrower than a LOOK-th of the mesh's size at its ends is
+    left out.
     """
     if not len(mesh.vertices):
         return np.zeros((2, 2))
@@ -77,8 +76,9 @@ def chart_limits(chart: Chart, mesh: Mesh) -> Array:
 
 
 def _near(points: Array, mesh: Mesh) -> Mask:
-    """Return which points (n, 3) are there and lie where the mesh does: a plane as chart goes on
-    without end.
+    """Tell which points (n, 3) are finite and lie where the mesh does.
+
+    A plane as chart goes on without end.
     """
     low, high = mesh.vertices.min(axis=0) - CELL_M, mesh.vertices.max(axis=0) + CELL_M
     return np.asarray(((points >= low) & (points <= high)).all(axis=1))
@@ -89,6 +89,6 @@ def _grid(along: Array, girth: Array) -> Array:
 
 
 def _areas(corner: Array) -> Array:
-    """Return the areas (a, g) of the quadrilaterals between corners (a + 1, g + 1, 3)."""
+    """Compute the areas (a, g) of quadrilaterals between corners (a + 1, g + 1, 3)."""
     diagonals = corner[1:, 1:] - corner[:-1, :-1], corner[1:, :-1] - corner[:-1, 1:]
     return np.asarray(np.linalg.norm(np.cross(*diagonals), axis=-1) / 2)

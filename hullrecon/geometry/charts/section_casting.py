@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sections of a hull: choosing its axis, casting the rays, and telling skin from leaps between
-parts of the ship.
-"""
+"""Casting of a hull's sections: choose the axis, cast rays, tell skin from leaps between parts."""
 
 from __future__ import annotations
 
@@ -24,9 +22,10 @@ OFF_SKIN = 0.1
 
 
 def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
-    """Return rows forward, port, up in the mesh's frame (3, 3): up is its axis nearest to `up`,
-    forward the longer of the others, where it grows or, by `bow` ("-x"), where it falls. Raises
-    InputError for a bow along another axis.
+    """Choose rows forward, port, up in the mesh's frame (3, 3).
+
+    Up is the frame's axis nearest to `up`; forward the longer of the others, where it grows or, by
+    `bow` ("-x"), where it falls. Raises InputError for a bow along another axis.
     """
     size = np.ptp(vertices, axis=0)
     vertical = int(np.argmax(np.abs(up)))
@@ -44,12 +43,14 @@ def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
 
 
 def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str) -> InputError:
-    """Return the error for a bow along an axis that the ship does not lie along; size: m, of the
-    CAD model by axis.
+    """Make the error for a bow along an axis that the ship does not lie along.
+
+    size: m, of the CAD model by axis.
     """
     other = bow[1]
     is_vertical = f"{other} is up or down by hull.pose, and " if other == vertical else ""
-    what = f"the bow cannot lie at {bow}: {is_vertical}the CAD model is {size[forward]:.1f} m along {forward}"
+    what = f"the bow cannot lie at {bow}: {is_vertical}"
+    what += f"the CAD model is {size[forward]:.1f} m along {forward}"
     shorter = "" if is_vertical else f", {size[other]:.1f} m along {other}"
     return InputError(
         what + shorter,
@@ -59,8 +60,9 @@ def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str)
 
 
 def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
-    """Return the mesh with each connected piece turned so that the rays meet its outer side; pieces
-    that no ray meets stay.
+    """Turn each connected piece of the mesh so that the rays meet its outer side.
+
+    Pieces that no ray meets stay.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -85,9 +87,7 @@ def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
 
 
 def choose_axis_height(mesh: Mesh) -> float:
-    """Return the height, of nine between bottom and top, from which rays see most of the sides and
-    the bottom, metres.
-    """
+    """Choose the height of nine, m, from which rays see most of the sides and the bottom."""
     low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
     seen = [_seen_area(mesh, height) for height in heights]
@@ -100,7 +100,7 @@ def choose_axis_height(mesh: Mesh) -> float:
 
 
 def _seen_area(mesh: Mesh, height: float) -> float:
-    """Return skin that rays meet well, m2, without decks (their normals point up)."""
+    """Compute the skin that rays meet well, m2, without decks (their normals point up)."""
     sections = _frame(mesh, height, stations=60, angles=91)
     origin, inward = sections.rays(*_pairs(sections))
     hit = mesh.index.cast(origin, inward)
@@ -112,7 +112,7 @@ def _seen_area(mesh: Mesh, height: float) -> float:
 
 
 def cast_sections(mesh: Mesh, height: float) -> Sections:
-    """Return the sections of a turned mesh about its axis at that height."""
+    """Cast the sections of a turned mesh about its axis at that height."""
     size = np.ptp(mesh.vertices, axis=0)
     step = float(np.clip(size[0] / 400, size[0] / 2000, 0.3 if size[0] > 60 else 0.25))
     empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
@@ -135,8 +135,9 @@ def cast_sections(mesh: Mesh, height: float) -> Sections:
 
 
 def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
-    """Return stations and angles without their rays. A half hull ends at the middle plane: its axis
-    lies there, as for a whole one.
+    """Lay out stations and angles, without their rays.
+
+    A half hull ends at the middle plane: its axis lies there, as for a whole one.
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     beam = high[1] - low[1]
@@ -160,14 +161,15 @@ def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
 
 
 def _pairs(s: Sections) -> tuple[Array, Array]:
-    """Return every station with every angle, flat."""
+    """Pair every station with every angle, flat."""
     along, angle = np.meshgrid(s.station, s.angle, indexing="ij")
     return along.ravel(), angle.ravel()
 
 
 def _bridge_gaps(radius: Array) -> Array:
-    """Return gaps between two hits of a station filled linearly; nothing beyond the outermost hits
-    of a side but the keel.
+    """Fill gaps between two hits of a station linearly.
+
+    Nothing beyond the outermost hits of a side but the keel.
     """
     out = radius.copy()
     place = np.arange(radius.shape[1])
@@ -182,14 +184,14 @@ def _bridge_gaps(radius: Array) -> Array:
 
 
 def _points(s: Sections, radius: Array) -> Array:
-    """Return (k, m, 3) of radii (k, m)."""
+    """Compute points (k, m, 3) of radii (k, m)."""
     y = s.axis_y + radius * np.sin(s.angle)
     z = s.axis_z - radius * np.cos(s.angle)
     return np.stack([np.broadcast_to(s.station[:, None], radius.shape), y, z], axis=2)
 
 
 def _girth(s: Sections, radius: Array) -> Array:
-    """Return arc (k, m) from phi = 0, negative to starboard."""
+    """Compute the arc (k, m) from phi = 0, negative to starboard."""
     chord = np.linalg.norm(np.diff(_points(s, radius)[:, :, 1:], axis=1), axis=2)
     keel = radius.shape[1] // 2
     out = np.zeros_like(radius)
@@ -200,8 +202,9 @@ def _girth(s: Sections, radius: Array) -> Array:
 
 
 def _whole(s: Sections, radius: Array, mesh: Mesh) -> Mask:
-    """Return cells (k - 1, m - 1) whose four sides lie on the skin; one that leaps from one part of
-    the ship to another does not.
+    """Find cells (k - 1, m - 1) whose four sides lie on the skin.
+
+    A cell that leaps from one part of the ship to another does not.
     """
     point = _points(s, radius)
     girthwise = _on_skin(point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], mesh)
@@ -211,8 +214,9 @@ def _whole(s: Sections, radius: Array, mesh: Mesh) -> Mask:
 
 
 def _on_skin(start: Array, stop: Array, radius: Array, turn: float, mesh: Mesh) -> Mask:
-    """Return whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly,
-    where they are much longer than their rays' spacing explains.
+    """Tell whether the middle of lines from start to stop (a, b, 3) lies on the mesh.
+
+    Nearly, where they are much longer than their rays' spacing explains.
     """
     length = np.linalg.norm(stop - start, axis=2)
     good = np.asarray(length * GRAZING <= radius * turn)

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sections of a hull as seen from an axis inside it: where rays meet the skin, and the arc from the
-keel.
+"""Sections of a hull as seen from an axis inside it: where rays meet the skin, and the girth.
 
 Coordinates here are turned: x forward, y port, z up. phi is measured about the axis from straight
 down, port positive.
@@ -18,22 +17,19 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Sections:
-    """Rays of the axis (axis_y, axis_z) at `station` (k,) and `angle` (m,): radius (k, m) where the
-    skin is met (bridged over small gaps, NaN beyond the sheer), girth (k, m) from phi = 0, whole (k
-    - 1, m - 1). reach: rays start that far out.
-    """
+    """Rays from an axis to the skin, in turned coordinates."""
 
-    axis_y: float
-    axis_z: float
-    reach: float
-    station: Array
-    angle: Array
-    radius: Array
-    girth: Array
-    whole: Mask
+    axis_y: float  # m
+    axis_z: float  # m
+    reach: float  # m, rays start that far out
+    station: Array  # (k,) m
+    angle: Array  # (m,) rad
+    radius: Array  # (k, m) m where the skin is met, bridged over small gaps, NaN beyond the sheer
+    girth: Array  # (k, m) m from phi = 0
+    whole: Mask  # (k - 1, m - 1) cells on the skin
 
     def rays(self, along: Array, angle: Array) -> tuple[Array, Array]:
-        """Return origins outside and inward unit directions (n, 3)."""
+        """Compute origins outside and inward unit directions (n, 3)."""
         outward = np.stack([np.zeros_like(angle), np.sin(angle), -np.cos(angle)], axis=1)
         axis = np.stack(
             [along, np.full_like(along, self.axis_y), np.full_like(along, self.axis_z)], axis=1
@@ -41,8 +37,9 @@ class Sections:
         return axis + self.reach * outward, -outward
 
     def girth_at(self, points: Array) -> Array:
-        """Return girth (n,) of points (n, 3) on the skin; NaN outside the whole cells and for
-        points of another, inner skin.
+        """Compute girth (n,) of points (n, 3) on the skin.
+
+        NaN outside the whole cells and for points of another, inner skin.
         """
         y, z = points[:, 1] - self.axis_y, points[:, 2] - self.axis_z
         angle = np.arctan2(y, -z)
@@ -52,7 +49,7 @@ class Sections:
         return np.where(same & self._inside(points[:, 0], angle), girth, np.nan)
 
     def angle_of(self, along_girth: Array) -> tuple[Array, Array]:
-        """Return angle and radius (n,) of chart points (n, 2), NaN outside the whole cells."""
+        """Compute angle and radius (n,) of chart points (n, 2), NaN outside the whole cells."""
         row, share = self._cell(self.station, along_girth[:, 0])
         known = np.isfinite(along_girth).all(axis=1)
         low, high = np.zeros(len(row), int), np.full(len(row), len(self.angle) - 1)
@@ -79,9 +76,10 @@ class Sections:
         return angle, np.where(fits, radius, np.nan)
 
     def slack_at(self, along: Array, angle: Array) -> Array:
-        """Return (n,) m: how far the skin may be from the bilinear radius: the spread of the cell's
-        corners, at least a tenth of a step between stations (a chine or a plate's edge inside the
-        cell).
+        """Bound how far the skin may be from the bilinear radius, (n,) m.
+
+        The spread of the cell's corners, at least a tenth of a step between stations (a chine or a
+        plate's edge inside the cell).
         """
         row, _ = self._cell(self.station, along)
         column, _ = self._cell(self.angle, angle)
@@ -94,8 +92,9 @@ class Sections:
             )
 
     def _line(self, row: Ints, share: Array, column: Ints) -> Array:
-        """Return girth at the angle of a column between two stations; beyond the sheer, -inf or inf
-        so that a search stays inside.
+        """Interpolate the girth at the angle of a column between two stations.
+
+        Beyond the sheer it is -inf or inf, so that a search stays inside.
         """
         girth = self.girth[row, column] * (1 - share) + self.girth[row + 1, column] * share
         return np.where(np.isnan(girth), np.where(self.angle[column] < 0, -np.inf, np.inf), girth)
@@ -117,8 +116,9 @@ class Sections:
 
     @staticmethod
     def _cell(nodes: Array, at: Array) -> tuple[Ints, Array]:
-        """Return cell and share within it of an even grid; clipped to the grid, NaN to the first
-        cell.
+        """Find cell and share within it of an even grid.
+
+        Clipped to the grid, NaN to the first cell.
         """
         place = np.nan_to_num((at - nodes[0]) / (nodes[1] - nodes[0]))
         cell = np.clip(np.floor(place), 0, len(nodes) - 2).astype(np.int64)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How a chart is drawn so that a viewer sees the hull from outside, as a diver does, and lettering
-is not mirrored.
-"""
+"""How a chart is drawn so that the hull is seen from outside and lettering is not mirrored."""
 
 from __future__ import annotations
 
@@ -13,8 +11,7 @@ from hullrecon.typing import Array
 
 
 def flips(chart: Chart, along_girth: Array, step_m: float = 0.05) -> tuple[bool, bool]:
-    """Return whether along has to grow to the left, and girth downwards, for a CAD model of these
-    chart points (n, 2).
+    """Tell whether along has to grow to the left, and girth downwards, for chart points (n, 2).
 
     With along to the right and girth up a hull is seen from inside. On its port side, where girth
     rises, the CAD model is mirrored along; on the starboard side, where girth falls towards the

@@ -14,26 +14,25 @@ from hullrecon.typing import Array, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class ClosestPoints:
-    """distance (n,) m, signed, positive outside; foot (n, 3) on the mesh; normal (n, 3) of the
-    closest triangle, outward; face (n,), -1 where there is no answer.
-    """
+    """Closest points of a mesh."""
 
-    distance: Array
-    foot: Array
-    normal: Array
-    face: Ints
+    distance: Array  # (n,) m, signed, positive outside
+    foot: Array  # (n, 3) on the mesh
+    normal: Array  # (n, 3) of the closest triangle, outward
+    face: Ints  # (n,) -1 where there is no answer
 
 
 class Scene:
-    """Answers for one mesh, exact in double precision."""
+    """Closest points and ray casts on one mesh, exact in double precision."""
 
     def __init__(self, mesh: Mesh) -> None:
         self._index = mesh.index
         self._normal = face_normals(mesh)
 
     def closest(self, points: Array) -> ClosestPoints:
-        """Return the closest point of the mesh for each of (n, 3), the sign by the pseudonormal
-        there; NaN for points not finite.
+        """Find the closest point of the mesh for each of (n, 3).
+
+        The sign is by the pseudonormal there. NaN for points not finite.
         """
         known = np.asarray(np.isfinite(points).all(axis=1))
         distance, foot, normal = (
@@ -49,8 +48,9 @@ class Scene:
         return ClosestPoints(distance=distance, foot=foot, normal=normal, face=face)
 
     def cast(self, origins: Array, directions: Array) -> Array:
-        """Return how far along unit directions (n, 3) from origins (n, 3) or (3,) the mesh is met,
-        (n,) m; inf where it is not.
+        """Measure along unit directions (n, 3) from origins (n, 3) or (3,) to the mesh, (n,) m.
+
+        inf where it is not met.
         """
         if not len(directions):
             return np.zeros(0)

@@ -10,11 +10,10 @@ from hullrecon.typing import Array
 
 
 def gltf_from(up: Array) -> Array:
-    """Return the rotation (4, 4) into glTF of a frame in which the unit vector `up` (3,), an axis
-    of it or against one, is up.
+    """Return the rotation (4, 4) into glTF of a frame in which `up` (3,) is up.
 
-    It depends on up alone, not on the bow: an importer that turns glTF back to z up finds a model
-    with z up where its file has it.
+    up: a unit vector, an axis of the frame or against one. The rotation depends on up alone, not on
+    the bow: an importer that turns glTF back to z up finds a model with z up where its file has it.
     """
     right = np.eye(3)[min(k for k in range(3) if up[k] == 0)]
     turn = np.eye(4)

@@ -27,19 +27,20 @@ class Mesh:
 
 
 def face_areas(mesh: Mesh) -> Array:
-    """Return the area of each face (m,), m2."""
+    """Compute the area of each face (m,), m2."""
     return np.asarray(0.5 * np.linalg.norm(face_cross_products(mesh), axis=1))
 
 
 def face_normals(mesh: Mesh) -> Array:
-    """Return the outward unit normal of each face (m, 3); zero for a degenerate one."""
+    """Compute the outward unit normal of each face (m, 3); zero for a degenerate one."""
     cross = face_cross_products(mesh)
     return np.asarray(cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-15))
 
 
 def vertex_areas(mesh: Mesh) -> Array:
-    """Return a third of the area of the faces around each vertex (n,), m2: what values at vertices
-    are weighted by.
+    """Compute a third of the area of the faces around each vertex (n,), m2.
+
+    Values at vertices are weighted by it.
     """
     third = face_areas(mesh) / 3
     return np.asarray(
@@ -48,8 +49,9 @@ def vertex_areas(mesh: Mesh) -> Array:
 
 
 def vertex_normals(mesh: Mesh) -> Array:
-    """Return outward unit normals (n, 3), the faces' normals weighted by their angles; zero at
-    vertices of no face.
+    """Compute outward unit normals (n, 3), the faces' normals weighted by their angles.
+
+    Zero at vertices of no face.
     """
     corner, normal = mesh.vertices[mesh.faces], face_normals(mesh)
     out = np.zeros_like(mesh.vertices)
@@ -67,6 +69,6 @@ def vertex_normals(mesh: Mesh) -> Array:
 
 
 def face_cross_products(mesh: Mesh) -> Array:
-    """Return (b - a) x (c - a) of each face (m, 3): twice the area along the normal."""
+    """Compute (b - a) x (c - a) of each face (m, 3): twice the area along the normal."""
     a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
     return np.cross(b - a, c - a)

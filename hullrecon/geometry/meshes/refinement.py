@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Midpoint subdivision of a mesh until its edges are short enough where it matters [Ozog2016
-3.2.2.1], without cracks.
-"""
+"""Midpoint subdivision of a mesh, without cracks, until its edges are short [Ozog2016 3.2.2.1]."""
 
 from __future__ import annotations
 
@@ -25,15 +23,24 @@ def refine(
     attributes: Array | None = None,
     spared_m: float = 0.0,
 ) -> tuple[Mesh, Array]:
-    """Return the mesh with edges split at their midpoints until none is longer than wanted.
+    """Split edges at their midpoints until none is longer than wanted.
 
-    longest_m: the longest edge allowed, metres; a function gives it at the edges' midpoints (n, 3),
-    inf where the mesh may stay coarse; no edge up to `spared_m` is asked about. Neighbouring faces
-    split their common edge together, so no crack opens. The longest edges are split first, those of
-    the old faces before those inside them, and inside every old face the new ones are kept a
-    Delaunay triangulation: a long narrow face, as CAD programs export them, is cut across and not
-    into as many narrow ones. attributes (n, k) of the vertices are averaged along; returned with
-    the mesh. The first vertices are the old ones, unmoved.
+    Neighbouring faces split their common edge together, so no crack opens. The longest edges are
+    split first, those of the old faces before those inside them, and inside every old face the new
+    ones are kept a Delaunay triangulation: a long narrow face, as CAD programs export them, is cut
+    across and not into as many narrow ones.
+
+    Parameters
+    ----------
+    mesh
+        Its vertices are the first of the result, unmoved.
+    longest_m
+        The longest edge allowed, or a function of the edges' midpoints (n, 3) that gives it, inf
+        where the mesh may stay coarse.
+    attributes
+        (n, k) of the vertices, averaged along; returned with the mesh.
+    spared_m
+        No edge up to this length is asked about.
     """
     table = np.hstack(
         [mesh.vertices, np.zeros((len(mesh.vertices), 0)) if attributes is None else attributes]
@@ -60,7 +67,7 @@ def refine(
 
 
 class _Limits:
-    """How long edges may be; what was asked about an edge is kept while it stands."""
+    """How long edges may be. What was asked about an edge is kept."""
 
     def __init__(self, longest_m: float | Callable[[Array], Array], spared_m: float) -> None:
         self._longest_m, self._spared_m = longest_m, spared_m
@@ -68,7 +75,7 @@ class _Limits:
         self._limit: Array = np.zeros(0)
 
     def exceeded(self, edge: Ints, ends: Array, length: Array) -> Mask:
-        """Mark the edges (e,) that are too long. edge (e, 2), in order; ends (e, 2, 3)."""
+        """Mark the edges (e, 2) that are too long; ends (e, 2, 3)."""
         if not callable(self._longest_m):
             return np.asarray(length > max(self._longest_m, self._spared_m))
         asked = np.flatnonzero(length > self._spared_m)
@@ -85,7 +92,7 @@ class _Limits:
 
 
 def _edges(faces: Ints) -> tuple[Ints, Ints]:
-    """Return unique edges (e, 2), and for each face the number of the edges 0-1, 1-2, 2-0 (m, 3)."""
+    """Find unique edges (e, 2), and for each face the number of its edges 0-1, 1-2, 2-0 (m, 3)."""
     pairs = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     size = int(faces.max()) + 1 if len(faces) else 1
     key, back = np.unique(pairs[:, 0] * size + pairs[:, 1], return_inverse=True)
@@ -95,8 +102,10 @@ def _edges(faces: Ints) -> tuple[Ints, Ints]:
 def _mark_edges(
     vertices: Array, edge: Ints, of_face: Ints, old_face: Ints, limits: _Limits
 ) -> Mask:
-    """Return the edges to split next (e,): of those too long the longest, to a factor of two; of
-    these those of the old faces, where there are any.
+    """Mark the edges to split next (e,).
+
+    Of those too long the longest, to a factor of two; of these those of the old faces, where there
+    are any.
     """
     ends = vertices[edge]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
@@ -111,9 +120,10 @@ def _mark_edges(
 
 
 def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
-    """Return the edges marked (e,), with them the longest of each face that is more than twice as
-    long as one that it splits: no fan of narrow faces opens towards where the mesh may stay coarse.
-    length (m, 3): of the faces' edges.
+    """Mark also the longest edge of each face that is twice as long as one that it splits.
+
+    So no fan of narrow faces opens towards where the mesh may stay coarse. length (m, 3): of the
+    faces' edges.
     """
     longest = of_face[np.arange(len(of_face)), np.argmax(length, axis=1)]
     steep = length.max(axis=1)[:, None] > 2 * length
@@ -125,8 +135,9 @@ def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
 
 
 def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]:
-    """Return the edges (k,) whose two faces are parts of one old face, and where those have them
-    (k, 2): face * 3 + edge.
+    """Find the edges (k,) inside old faces, and where their two faces have them (k, 2).
+
+    As face * 3 + edge.
     """
     flat = of_face.ravel()
     place = np.argsort(flat, kind="stable")
@@ -138,8 +149,9 @@ def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]
 
 
 def _split_faces(faces: Ints, old_face: Ints, middle: Ints, vertices: Array) -> tuple[Ints, Ints]:
-    """Return the parts (k, 3) of faces (m, 3) split at the new vertices on their edges 0-1, 1-2,
-    2-0 (m, 3), -1 where an edge stays whole; and the old face (k,) of each.
+    """Split faces (m, 3) at the new vertices on their edges 0-1, 1-2, 2-0 (m, 3).
+
+    -1 where an edge stays whole. The second value is the old face (k,) of each part.
     """
     count = (middle >= 0).sum(axis=1)
     one = _turn_faces(faces, middle, count == 1, np.argmax(middle >= 0, axis=1))
@@ -160,7 +172,7 @@ def _split_faces(faces: Ints, old_face: Ints, middle: Ints, vertices: Array) -> 
 
 
 def _turn_faces(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
-    """Return corners and middles of some faces, turned so that edge `first` becomes 0-1: (6, k)."""
+    """Turn corners and middles of some faces so that edge `first` becomes 0-1: (6, k)."""
     turn = (first[which, None] + np.arange(3)) % 3
     return np.hstack(
         [np.take_along_axis(faces[which], turn, 1), np.take_along_axis(middle[which], turn, 1)]
@@ -168,8 +180,9 @@ def _turn_faces(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
 
 
 def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> None:
-    """Flip edges of those faces, in place, until the parts of every old face are Delaunay
-    [Lawson1977]. Parts of one face lie in a plane, so that its shape does not change.
+    """Flip edges of faces, in place, until the parts of every old face are Delaunay [Lawson1977].
+
+    Parts of one face lie in a plane, so its shape does not change.
     """
     for _ in range(MOST_PASSES):
         active = np.flatnonzero(which)
@@ -194,8 +207,9 @@ def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> No
 
 
 def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
-    """Return minus the sine of the sum of the two angles (k,) that look at each edge: positive
-    where the edge is to flip.
+    """Compute minus the sine of the sum of the two angles (k,) opposite each edge.
+
+    Positive where the edge is to flip.
     """
     a, b = vertices[edge[:, 0]], vertices[edge[:, 1]]
     cosine, sine = np.zeros((2, len(edge))), np.zeros((2, len(edge)))
@@ -210,7 +224,7 @@ def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
 
 
 def _one_by_face(face: Ints, count: int) -> Ints:
-    """Return rows (k,) of pairs of faces (n, 2), no face in two of them."""
+    """Choose rows (k,) of pairs of faces (n, 2) so that no face is in two."""
     owner = np.full(count, len(face))
     for side in (0, 1):
         np.minimum.at(owner, face[:, side], np.arange(len(face)))

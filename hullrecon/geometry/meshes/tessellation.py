@@ -25,30 +25,27 @@ SHARPEST_RAD = np.radians(40.0)
 
 @dataclass(frozen=True, kw_only=True)
 class TessellationError:
-    """sigma_m: of the facets' offset from a smooth hull; length_m: the distance over which it stays
-    the same.
-    """
+    """Error of flat facets against a smooth hull."""
 
-    sigma_m: float
-    length_m: float
+    sigma_m: float  # offset
+    length_m: float  # over which it stays the same
 
 
 @dataclass(frozen=True, kw_only=True)
 class _SmoothEdges:
-    """Edges (k,) between faces that stand for one curve: first, second faces; widths of both, angle
-    between them, rad.
-    """
+    """Edges (k,) between faces that stand for one curve."""
 
-    first: Ints
-    second: Ints
-    width_first: Array
-    width_second: Array
-    angle: Array
+    first: Ints  # faces
+    second: Ints  # faces
+    width_first: Array  # m
+    width_second: Array  # m
+    angle: Array  # between them, rad
 
 
 def facet_sagitta(mesh: Mesh) -> Array:
-    """Return for each face (m,) the rise of the arc over it, metres: the largest over its edges,
-    zero beside sharp edges.
+    """Compute the rise of the arc over each face (m,), m.
+
+    The largest over its edges, zero beside sharp edges.
     """
     edges = _smooth_edges(mesh)
     out = np.zeros(len(mesh.faces))
@@ -62,9 +59,7 @@ def facet_sagitta(mesh: Mesh) -> Array:
 
 
 def facet_turn(mesh: Mesh) -> Array:
-    """Return for each face (m,) the largest angle to a neighbour, rad, beyond which sharp edges are
-    left out.
-    """
+    """Compute the largest angle of each face (m,) to a neighbour, rad, but across sharp edges."""
     edges = _smooth_edges(mesh)
     out = np.zeros(len(mesh.faces))
     for face in (edges.first, edges.second):
@@ -73,8 +68,9 @@ def facet_turn(mesh: Mesh) -> Array:
 
 
 def tessellation_error(mesh: Mesh, points: Array, reach_m: float = 1.0) -> TessellationError:
-    """Return the error of the facets within reach of points (n, 3), in the mesh's frame, weighted
-    by area.
+    """Estimate the error of the facets within reach of points (n, 3), weighted by area.
+
+    Points are in the mesh's frame.
     """
     part = Mesh(mesh.vertices, mesh.faces[_faces_near(mesh, points, reach_m)])
     edges = _smooth_edges(part)

@@ -15,32 +15,28 @@ from hullrecon.typing import Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Edges:
-    """Unique edges of a mesh. vertices (e, 2), ascending in each row; of_face (m, 3): the edges
-    0-1, 1-2, 2-0 of each face; face_count (e,): how many faces have the edge; forward (m, 3): the
-    face runs along the edge from its smaller vertex.
-    """
+    """Unique edges of a mesh."""
 
-    vertices: Ints
-    of_face: Ints
-    face_count: Ints
-    forward: Mask
+    vertices: Ints  # (e, 2) ascending in each row
+    of_face: Ints  # (m, 3) edges 0-1, 1-2, 2-0 of each face
+    face_count: Ints  # (e,) faces that have the edge
+    forward: Mask  # (m, 3) the face runs along the edge from its smaller vertex
 
 
 @dataclass(frozen=True, kw_only=True)
 class SharedEdges:
-    """Edges between exactly two faces. vertices (k, 2); first, second (k,): the faces; same_winding
-    (k,): the two run along the edge in opposite senses, as neighbours of a consistently oriented
-    surface do.
-    """
+    """Edges between exactly two faces."""
 
-    vertices: Ints
-    first: Ints
-    second: Ints
+    vertices: Ints  # (k, 2)
+    first: Ints  # (k,) faces
+    second: Ints  # (k,) faces
+    # (k,) the two run along the edge in opposite senses, as neighbours of a consistently oriented
+    # surface do
     same_winding: Mask
 
 
 def find_edges(faces: NDArray[np.integer]) -> Edges:
-    """Return the edges of faces (m, 3), in ascending order of their vertices."""
+    """Find the edges of faces (m, 3), in ascending order of their vertices."""
     ends = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2).astype(np.int64)
     size = int(faces.max()) + 1 if len(faces) else 1
     low, high = ends.min(axis=1), ends.max(axis=1)
@@ -54,7 +50,7 @@ def find_edges(faces: NDArray[np.integer]) -> Edges:
 
 
 def find_shared_edges(faces: NDArray[np.integer]) -> SharedEdges:
-    """Return the edges of faces (m, 3) that exactly two of them have; `first` < `second`."""
+    """Find the edges of faces (m, 3) that exactly two of them have; `first` < `second`."""
     edges = find_edges(faces)
     number = edges.of_face.ravel()
     inner = np.flatnonzero(edges.face_count[number] == 2)
@@ -69,9 +65,7 @@ def find_shared_edges(faces: NDArray[np.integer]) -> SharedEdges:
 
 
 def weld_vertices(mesh: Mesh, tolerance_m: float = 1e-6) -> Mesh:
-    """Return the mesh with vertices at equal coordinates, to the tolerance, as one; faces keep
-    their order.
-    """
+    """Merge vertices at equal coordinates, to the tolerance; faces keep their order."""
     cells = np.round(mesh.vertices / tolerance_m).astype(np.int64)
     _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     return Mesh(mesh.vertices[first], np.asarray(number.reshape(-1)[mesh.faces], np.int32))

@@ -43,19 +43,31 @@ class MethodVariant:
         As published is one solve from the registration on, as [Ozog2016] did it, so that its
         history is that of one function.
         """
-        own = cast("AdjustOptions", whole.sections["adjust"])
-        own = msgspec.structs.replace(own, method=self.method, as_published=self.as_published)
+        from hullrecon.studies.methods.adjust_variant import STAGE, VariantOptions
+
+        if self.is_product:
+            return whole
+        given = msgspec.structs.asdict(cast("AdjustOptions", whole.sections["adjust"]))
+        own = msgspec.convert(
+            {**given, "method": self.method, "as_published": self.as_published}, VariantOptions
+        )
         if self.as_published:
             own = msgspec.structs.replace(
                 own, rounds=1, max_iterations=max(own.max_iterations, WHOLE_SOLVE_ITERATIONS)
             )
-        return replace(whole, sections={**whole.sections, "adjust": own})
+        stages = tuple(STAGE if s.name == STAGE.name else s for s in whole.stages)
+        return replace(whole, stages=stages, sections={**whole.sections, "adjust": own})
+
+    @property
+    def is_product(self) -> bool:
+        """Whether the step `adjust` itself solves it."""
+        return self.method == "maxmix" and not self.as_published
 
     def workspace(self, dive: DiveRun) -> Workspace:
         """Return RUNS/<dive> for the variant that the chain itself solves, else
         RUNS/<dive>/compare/<variant>.
         """
-        if self.chain(dive.chain).sections["adjust"] == dive.chain.sections["adjust"]:
+        if self.is_product:
             return dive.workspace
         return Workspace(
             dive.workspace.root

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The outer loop of hard EM against labels inside the solve, on a plane that most landmarks lie on."""
+"""The outer loop of hard EM against labels inside the solve, on a plane of landmarks."""
 
 import dataclasses
 
@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from hullrecon import native
-from hullrecon.adjustment.problem import hard_em
+from hullrecon.adjustment.problem.selection import label_boundary
 from hullrecon.geometry import poses
+from hullrecon.studies.methods import hard_em
 
 OPTIONS = native.Options(function_tolerance=1e-10)
 
@@ -160,6 +161,6 @@ def test_labels_are_those_that_the_solver_gives_with_a_field_too(wall) -> None:
 
 
 def test_at_the_boundary_both_labels_cost_the_same() -> None:
-    h = hard_em.label_boundary(0.02, 1.0)
+    h = label_boundary(0.02, 1.0)
     assert h == pytest.approx(0.05595, abs=1e-5)
     assert (h / 0.02) ** 2 == pytest.approx((h / 1.0) ** 2 + 2 * np.log(1.0 / 0.02))

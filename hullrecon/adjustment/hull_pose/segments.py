@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A path that an outage cuts into stretches, each laid onto the CAD model for itself
-(docs/methods.md 5).
+"""Segments of a path that outages cut, each registered to the CAD model (docs/methods.md 5).
 
 Where the DVL was silent and no image joins what lies before with what lies after, the two are known
-to metres relative to each other, and no pose of the CAD model fits both. The longest stretch is
+to metres relative to each other, and no pose of the CAD model fits both. The longest segment is
 registered to the CAD model; the others are moved onto it, as far as the path leaves them free. Then
 all is moved so that the first one lies where it did: frame g is where the dive began.
 """
@@ -25,28 +24,27 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import Odometry
 from hullrecon.typing import Array, Ints, Mask
 
-# sigma of the way from one node with returns to the next, from which no pose of the CAD model fits
-# both sides
+# Sigma of the way from one node with returns to the next beyond which a path is cut: no pose of the
+# CAD model fits both sides
 LOOSE_M = 0.3
-MIN_POINTS = 30  # of a stretch that is laid for itself
+MIN_POINTS = 30  # of a segment that is registered
 MOST_POINTS = 800
-# of the guess; m, wider where there would be more steps than these
+# The search for a segment's place: reach in sigmas of its guess, step in m, wider where there would
+# be more steps than MOST_STEPS
 SEARCH_SIGMAS, SEARCH_STEP_M, MOST_STEPS = 2.5, 0.5, 41
 SEARCH_POINTS = 150
-LEAST_SIGMA = np.r_[0.02, 0.02, 0.02, np.radians([0.1, 0.1, 0.1])]
-WRONG_SIDE_M = 1.0  # counts for a point that lies on a face that its beam met from within
+LEAST_SIGMA = np.r_[0.02, 0.02, 0.02, np.radians([0.1, 0.1, 0.1])]  # m, rad
+WRONG_SIDE_M = 1.0  # distance that counts for a point on a face that its beam met from within
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stretches:
-    """The stretches of a path, in the order of time. of_node (n,): the stretch, -1 in an outage or
-    where one has too few returns; reference: the one with most returns. step (s, 6, 6): covariance
-    of the middle of a stretch relative to the end of its neighbour towards the reference,
-    (translation, rotation) in g; of the reference zero.
-    """
+class Segments:
+    """The segments of a path, in the order of time."""
 
-    of_node: Ints
-    reference: int
+    of_node: Ints  # (n,) segment of each node; -1 in an outage, or with too few returns
+    reference: int  # segment with most returns
+    # (s, 6, 6) covariance of the middle of a segment relative to the end of its neighbour towards
+    # the reference, (translation, rotation) in g; zero of the reference
     step: Array
 
     def __len__(self) -> int:
@@ -54,34 +52,48 @@ class Stretches:
 
     @property
     def loosest_m(self) -> float:
-        """Return the largest sigma by which a stretch is known relative to its neighbour, of the
-        axis known worst.
-        """
+        """Largest sigma of a segment relative to its neighbour, along the axis known worst."""
         return float(np.sqrt(np.linalg.eigvalsh(self.step[:, :3, :3])[:, -1].max()))
 
-    def towards_reference(self, stretch: int) -> int:
-        """Return the neighbour of a stretch that lies nearer to the reference."""
-        return stretch + int(np.sign(self.reference - stretch))
+    def towards_reference(self, segment: int) -> int:
+        """Return the neighbour of a segment that is nearer to the reference."""
+        return segment + int(np.sign(self.reference - segment))
 
-    def from_reference(self, stretch: int) -> Array:
-        """Return the covariance (6, 6) of a stretch relative to the reference, in g."""
-        low, high = sorted((stretch, self.reference))
+    def from_reference(self, segment: int) -> Array:
+        """Return the covariance (6, 6) of a segment relative to the reference, in g."""
+        low, high = sorted((segment, self.reference))
         return np.asarray(self.step[low : high + 1].sum(axis=0))
 
     def outwards(self) -> list[int]:
-        """Return all stretches but the reference, each after its neighbour towards it."""
+        """List all segments but the reference, each after its neighbour towards it."""
         return sorted(
             set(range(len(self))) - {self.reference}, key=lambda k: abs(k - self.reference)
         )
 
 
-def find_stretches(
+def find_segments(
     problem: native.Problem, settings: native.Options, odometry: Odometry, node: Ints
-) -> Stretches | None:
-    """Return the stretches of a path that was solved without the CAD model; None where it holds
-    together. node (m,): of each return that counts.
+) -> Segments | None:
+    """Find the segments of a path that was solved without the CAD model.
 
-    Raises StageError where nothing determines the path.
+    Parameters
+    ----------
+    problem, settings
+        The path at its solution, and the options it was solved with.
+    odometry
+        Motion between its nodes: only gaps that it knows badly are looked into.
+    node
+        Node (m,) of each return that counts.
+
+    Returns
+    -------
+    Segments or None
+        None where the path holds together.
+
+    Raises
+    ------
+    StageError
+        Where nothing determines the path.
     """
     count = np.bincount(node, minlength=len(problem.unknowns.pose))
     at = np.flatnonzero(count)
@@ -98,7 +110,7 @@ def find_stretches(
     of_node = np.full(len(count), -1, np.int64)
     of_node[at] = np.where(enough, np.cumsum(enough) - 1, -1)[label]
     size = np.bincount(of_node[at][of_node[at] >= 0], count[at][of_node[at] >= 0])
-    found = Stretches(
+    found = Segments(
         of_node=of_node, reference=int(np.argmax(size)), step=np.zeros((len(size), 6, 6))
     )
     outer = np.array(found.outwards())
@@ -108,17 +120,18 @@ def find_stretches(
     return found
 
 
-def _end_towards(stretches: Stretches, stretch: int, other: int) -> int:
-    """Return the node of a stretch that is nearest in time to another one."""
-    rows = np.flatnonzero(stretches.of_node == stretch)
-    return int(rows[-1] if other > stretch else rows[0])
+def _end_towards(segments: Segments, segment: int, other: int) -> int:
+    """Find the node of a segment that is nearest in time to another segment."""
+    rows = np.flatnonzero(segments.of_node == segment)
+    return int(rows[-1] if other > segment else rows[0])
 
 
 def _relative_covariance(
     problem: native.Problem, settings: native.Options, first: Ints, second: Ints
 ) -> Array:
-    """Return the covariance (m, 6, 6) of the second node's pose less the first one's, (translation,
-    rotation) in g.
+    """Compute the covariance (m, 6, 6) of the second node's pose less the first one's.
+
+    Of (translation, rotation) in g.
     """
     joint = native.pair_covariance(
         problem, np.column_stack([first, second]).astype(np.int32), settings
@@ -133,75 +146,84 @@ def _relative_covariance(
 
 
 @dataclass(frozen=True, kw_only=True)
-class LaidPath:
-    """T_g_v (n) with each stretch moved onto the CAD model, and the CAD model as registered to the
-    reference, moved with it.
-    """
+class RegisteredPath:
+    """A path whose segments were moved onto the CAD model."""
 
-    nodes: Poses
-    registration: registration.Registration
+    nodes: Poses  # (n,) global_from_vehicle
+    registration: registration.Registration  # to the reference, moved with it
 
 
-def lay_stretches(
-    stretches: Stretches,
+def register_segments(
+    segments: Segments,
     nodes: Poses,
     points: Array,
     node: Ints,
     cad_model: CadModel,
     sigma_range: float,
-) -> LaidPath:
-    """Return the path with each stretch moved onto the CAD model where the reference's points have
-    it, and what lies between two stretches moved with both. One that does not fit is moved with its
-    neighbour; where the reference does not fit, none is.
+) -> RegisteredPath:
+    """Register the CAD model to the reference segment, and move the others onto it.
 
-    nodes (n,): T_g_v; points (m, 3) in g and node (m,): of the returns.
+    What lies between two segments is moved with both. A segment that does not fit is moved with its
+    neighbour; where the reference does not fit, none is moved.
+
+    Parameters
+    ----------
+    segments
+        Of the path.
+    nodes
+        The path (n,), global_from_vehicle.
+    points, node
+        Ends of the returns (m, 3) in g, and their nodes (m,).
+    cad_model
+        With the guess of its pose.
+    sigma_range
+        Of a range, m.
     """
     found = registration.register(
-        points[stretches.of_node[node] == stretches.reference],
-        _guess_of_reference(cad_model, stretches),
+        points[segments.of_node[node] == segments.reference],
+        _guess_of_reference(cad_model, segments),
         sigma_range,
     )
     if found.fitness < registration.GOOD_FITNESS:
-        return LaidPath(nodes=nodes, registration=found)
+        return RegisteredPath(nodes=nodes, registration=found)
     in_place = replace(found.cad_model, guess=found.global_from_hull)
-    moved = [poses.identity() for _ in range(len(stretches))]
-    for k in stretches.outwards():
-        before = moved[stretches.towards_reference(k)]
-        here = stretches.of_node[node] == k
+    moved = [poses.identity() for _ in range(len(segments))]
+    for k in segments.outwards():
+        before = moved[segments.towards_reference(k)]
+        here = segments.of_node[node] == k
         at, start = before.apply(points[here]), (before @ nodes[node[here]]).translation
-        sigma = _sigma_in_hull(stretches.step[k], before.inverse() @ found.global_from_hull)
-        moved[k] = _lay(at, at - start, replace(in_place, guess_sigma=sigma), sigma_range) @ before
+        sigma = _sigma_in_hull(segments.step[k], before.inverse() @ found.global_from_hull)
+        moved[k] = (
+            _motion_onto(at, at - start, replace(in_place, guess_sigma=sigma), sigma_range) @ before
+        )
     back = moved[0].inverse()
-    laid = _move(nodes, stretches.of_node, [back @ motion for motion in moved])
-    return LaidPath(
-        nodes=laid, registration=replace(found, global_from_hull=back @ found.global_from_hull)
+    after = _move(nodes, segments.of_node, [back @ motion for motion in moved])
+    return RegisteredPath(
+        nodes=after, registration=replace(found, global_from_hull=back @ found.global_from_hull)
     )
 
 
-def _guess_of_reference(cad_model: CadModel, stretches: Stretches) -> CadModel:
-    """Return the CAD model with the sigmas of its guess as they are for the reference: the guess is
-    one of where the dive began.
-    """
-    by_path = _sigma_in_hull(stretches.from_reference(0), cad_model.guess)
+def _guess_of_reference(cad_model: CadModel, segments: Segments) -> CadModel:
+    """Widen the guess's sigmas by how well the reference is known from where the dive began."""
+    by_path = _sigma_in_hull(segments.from_reference(0), cad_model.guess)
     return (
         replace(cad_model, guess_sigma=np.hypot(cad_model.guess_sigma, by_path))
-        if stretches.reference
+        if segments.reference
         else cad_model
     )
 
 
 def _sigma_in_hull(covariance: Array, global_from_hull: Poses) -> Array:
-    """Return the sigmas (6,) along M's axes of a (translation, rotation) with covariance (6, 6) in
-    g.
-    """
+    """Turn a covariance (6, 6) of (translation, rotation) in g into sigmas (6,) along M's axes."""
     to_hull = np.kron(np.eye(2), global_from_hull.rotation.inv().as_matrix()[0])
     return np.asarray(np.maximum(np.sqrt(np.diag(to_hull @ covariance @ to_hull.T)), LEAST_SIGMA))
 
 
-def _lay(points: Array, beams: Array, cad_model: CadModel, sigma_range: float) -> Poses:
-    """Return the motion in g that lays points (n, 3) of g onto the CAD model where its guess has
-    it, within the guess's sigmas; none where they do not fit. beams (n, 3): from the vehicle to the
-    points.
+def _motion_onto(points: Array, beams: Array, cad_model: CadModel, sigma_range: float) -> Poses:
+    """Find the motion in g that moves points (n, 3) of g onto the CAD model at its guess.
+
+    The identity where they do not fit within the guess's sigmas. beams (n, 3): from the vehicle to
+    the points.
     """
     kept = registration.thin_points(points, 0.10, MOST_POINTS)
     center = cad_model.guess.inverse().apply(kept).mean(axis=0)
@@ -217,8 +239,9 @@ def _lay(points: Array, beams: Array, cad_model: CadModel, sigma_range: float) -
 
 
 def _search(points: Array, beams: Array, cad_model: CadModel, center: Array) -> Poses:
-    """Return the pose of a grid over the ship's horizontal plane at which points lie best on the
-    CAD model's outside.
+    """Search a grid over the ship's horizontal plane for the pose that fits points best.
+
+    Points must lie on the CAD model's outside.
     """
     rotate, level = cad_model.guess.rotation.as_matrix()[0], cad_model.chart.ship_axes[:2]
     sigma = np.abs(level) @ cad_model.guess_sigma[:3]
@@ -239,21 +262,19 @@ def _search(points: Array, beams: Array, cad_model: CadModel, center: Array) -> 
 
 
 def _grid(sigma_m: float) -> Array:
-    """Return offsets around zero, zero among them."""
+    """Make offsets around zero, zero among them."""
     steps = min(int(np.ceil(SEARCH_SIGMAS * sigma_m / SEARCH_STEP_M)), MOST_STEPS // 2)
     return np.linspace(-SEARCH_SIGMAS * sigma_m, SEARCH_SIGMAS * sigma_m, 2 * steps + 1)
 
 
 def _from_within(points: Array, beams: Array, global_from_hull: Poses, mesh: Mesh) -> Mask:
-    """Return which points (n, 3) in g lie nearest to a face whose inside their beams (n, 3) met."""
+    """Tell which points (n, 3) in g lie on a face whose inside their beams (n, 3) met."""
     outward = mesh.index.closest(global_from_hull.inverse().apply(points)).gradient
     return np.asarray(np.sum(global_from_hull.rotation.apply(outward) * beams, axis=1) > 0)
 
 
 def _move(nodes: Poses, of_node: Ints, moved: list[Poses]) -> Poses:
-    """Return T_g_v moved (n): a node of a stretch by its motion, one between two by what lies
-    between theirs.
-    """
+    """Move nodes (n,) by the motion of their segment; between segments, interpolate the motion."""
     known = np.flatnonzero(of_node >= 0)
     at = np.clip(np.arange(len(of_node)), known[0], known[-1])
     after = np.searchsorted(known, at)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A path that an outage cuts in two: each stretch is laid onto the CAD model for itself, unless
+"""A path that an outage cuts in two: each segment is laid onto the CAD model for itself, unless
 images tie the two.
 """
 
@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from adjustment.simulated_dive import aligning, moved, records_poses, simulate
 
-from hullrecon.adjustment.bundle_adjustment import adjust, find_path
-from hullrecon.adjustment.hull_pose import stretches
-from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.placement import register_cad_model, stretches_of_path
+from hullrecon.adjustment.bundle_adjustment import adjust, solve_path
+from hullrecon.adjustment.cad_acceptance import register, segments_of_path
+from hullrecon.adjustment.hull_pose import segments
+from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment
+from hullrecon.adjustment.rounds import RoundSolver
 
 OPTIONS = AdjustOptions()
 PER_LEG = 18
@@ -51,94 +52,97 @@ def errors_m(dive, adjusted):
     return moved(aligning(found, truth), found) - truth
 
 
-def found_stretches(dive):
-    path = find_path(dive.measured, OPTIONS, lambda _: None)
-    return path, stretches_of_path(path.rounds[-1], OPTIONS)
+def found_segments(dive):
+    path = solve_path(dive.measured, solver(dive))
+    return path, segments_of_path(path.rounds[-1], solver(dive))
+
+
+def solver(dive):
+    return RoundSolver(
+        calibrated=dive.measured.rig, options=OPTIONS, strategy=PRODUCT, report=lambda _: None
+    )
 
 
 @pytest.mark.parametrize("shift_m", [(1.1, -0.7), (-0.8, 1.2), (-1.5, -0.6)])
-def test_both_stretches_are_laid_onto_the_model_whatever_the_outage_did(shift_m):
+def test_both_segments_are_laid_onto_the_model_whatever_the_outage_did(shift_m):
     dive = interrupted(shift_m, camera=False)
     adjusted = adjust(dive.measured, OPTIONS, lambda _: None)
     outcome = summarise_adjustment(dive.measured, adjusted, OPTIONS)
-    assert adjusted.refusal is None
-    assert len(adjusted.stretches) == 2
+    assert adjusted.verdict.accepted
+    assert len(adjusted.placement.segments) == 2
     off = errors_m(dive, adjusted)
     assert np.sqrt(np.mean(np.sum(off**2, axis=1))) < 0.05
     sigma = np.sqrt(np.einsum("nii->ni", outcome.solution.pose_covariance)[:, :3])
     assert np.abs(off).max() < 3 * sigma.max()
-    (sentence,) = [w for w in outcome.warnings if "stretches" in w]
-    assert "Outages cut the path into 2 stretches, known to 1.00 m from one to the next" in sentence
-    assert np.abs(shift_m).max() < 3 * adjusted.stretches.loosest_m
+    (sentence,) = [w for w in outcome.warnings if "segments" in w]
+    assert "Outages cut the path into 2 segments, known to 1.00 m from one to the next" in sentence
+    assert np.abs(shift_m).max() < 3 * adjusted.placement.segments.loosest_m
 
 
-def test_without_stretches_no_pose_of_the_model_fits_both():
+def test_without_segments_no_pose_of_the_model_fits_both():
     """What is mended: the two legs, a metre and more apart, were taken for one rigid path."""
     dive = interrupted((1.1, -0.7), camera=False)
-    path, found = found_stretches(dive)
-    rigid = register_cad_model(path.straight, dive.measured.cad_model, OPTIONS, lambda _: None)
-    laid = register_cad_model(
-        path.straight, dive.measured.cad_model, OPTIONS, lambda _: None, found
-    )
-    assert rigid.registration.fitness < 0.7
-    assert laid.registration.fitness > 0.9
+    path, found = found_segments(dive)
+    rigid = register(path.estimate, dive.measured.cad_model, solver(dive))
+    laid = register(path.estimate, dive.measured.cad_model, solver(dive), found)
+    assert rigid.placement.registration.fitness < 0.7
+    assert laid.placement.registration.fitness > 0.9
 
 
-def test_the_first_stretch_stays_where_the_dive_began():
-    """The guess of the hull pose is one in g, which is where the first node is, whichever stretch
+def test_the_first_segment_stays_where_the_dive_began():
+    """The guess of the hull pose is one in g, which is where the first node is, whichever segment
     is the longest.
     """
     dive = interrupted((1.1, -0.7), last=PER_LEG - 6, camera=False)
-    path, found = found_stretches(dive)
-    laid = register_cad_model(
-        path.straight, dive.measured.cad_model, OPTIONS, lambda _: None, found
-    )
+    path, found = found_segments(dive)
+    laid = register(path.estimate, dive.measured.cad_model, solver(dive), found)
     assert found.reference == 1
     np.testing.assert_allclose(
         laid.estimate.state.nodes.translation[0],
-        path.straight.state.nodes.translation[0],
+        path.estimate.state.nodes.translation[0],
         atol=1e-9,
     )
-    assert laid.registration.sigmas_off == 1.0
-    assert laid.refusal is None
-    assert laid.estimate.state.hull.stretches is found
+    assert laid.placement.registration.sigmas_off == 1.0
+    assert laid.verdict.accepted
+    assert laid.estimate.state.hull.segments is found
 
 
-def test_a_path_that_images_tie_is_one_stretch():
-    assert found_stretches(interrupted((0.05, 0.02)))[1] is None
+def test_a_path_that_images_tie_is_one_segment():
+    assert found_segments(interrupted((0.05, 0.02)))[1] is None
 
 
-def test_an_even_path_is_one_stretch():
-    assert found_stretches(simulate(camera=False))[1] is None
+def test_an_even_path_is_one_segment():
+    assert found_segments(simulate(camera=False))[1] is None
 
 
-def test_a_model_of_another_form_is_refused_for_its_stretches_too():
+def test_a_model_of_another_form_is_refused_for_its_segments_too():
     dive = interrupted((1.1, -0.7), camera=False)
     mesh = dive.measured.cad_model.mesh
     other = replace(
         dive.measured.cad_model, mesh=replace(mesh, vertices=mesh.vertices * [0.25, 0.3, 0.35])
     )
-    path, found = found_stretches(dive)
-    refused = register_cad_model(path.straight, other, OPTIONS, lambda _: None, found)
+    path, found = found_segments(dive)
+    refused = register(path.estimate, other, solver(dive), found)
     assert (
-        "wherever it and the 2 stretches that outages leave of the path are laid" in refused.refusal
+        "wherever it and the 2 segments that outages leave of the path are laid"
+        in refused.verdict.reason
     )
 
 
-def test_what_lies_between_two_stretches_moves_with_both():
+def test_what_lies_between_two_segments_moves_with_both():
     nodes = records_poses(np.tile(np.eye(4), (7, 1, 1)))
     of_node = np.array([-1, 0, 0, -1, -1, 1, -1])
     motion = np.tile(np.eye(4), (2, 1, 1))
     motion[1, 0, 3] = 3.0
-    out = stretches._move(nodes, of_node, [records_poses(motion[0]), records_poses(motion[1])])
+    out = segments._move(nodes, of_node, [records_poses(motion[0]), records_poses(motion[1])])
     np.testing.assert_allclose(out.translation[:, 0], [0, 0, 0, 1, 2, 3, 3])
 
 
-def test_a_stretch_is_not_laid_onto_a_face_from_within():
+def test_a_segment_is_not_laid_onto_a_face_from_within():
     """Half a beam away lies the other side of the hull, which has the same form."""
     dive = interrupted((0.3, 0.2), camera=False)
-    path, found = found_stretches(dive)
+    path, found = found_segments(dive)
     far = replace(found, step=found.step * 25)
-    laid = register_cad_model(path.straight, dive.measured.cad_model, OPTIONS, lambda _: None, far)
+    laid = register(path.estimate, dive.measured.cad_model, solver(dive), far)
     truth, at = dive.global_from_vehicle[:, :3, 3], laid.estimate.state.nodes.translation
     assert np.abs(moved(aligning(at, truth), at) - truth).max() < 0.3

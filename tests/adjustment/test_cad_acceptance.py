@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""CAD models laid under a right path: those that fit are found, those that do not are refused in
-words.
-"""
+"""CAD models registered to a right path: good ones are accepted, others refused with a reason."""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -23,24 +21,20 @@ from adjustment.simulated_dive import (
 from adjustment.solved_dives import solved
 
 from hullrecon import native
-from hullrecon.adjustment import placement
+from hullrecon.adjustment import cad_acceptance
 from hullrecon.adjustment.bundle_adjustment import adjust
-from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.placement import (
-    MAX_GROWTH,
-    reason_against,
-    register_cad_model,
-    residual_growth,
-)
+from hullrecon.adjustment.cad_acceptance import MAX_GROWTH, accept, register, residual_growth
+from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.problem import selection, weighting
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.summary import summarise_adjustment
-from hullrecon.adjustment.rounds import Estimate
+from hullrecon.adjustment.rounds import Estimate, RoundSolver, Verdict
 from hullrecon.errors import StageError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.solution import Mounts
 
 OPTIONS = AdjustOptions()
+SOLVER = RoundSolver(calibrated=None, options=OPTIONS, strategy=PRODUCT, report=lambda _: None)
 
 
 @lru_cache
@@ -61,7 +55,7 @@ def true_path(seed=1, **scene):
         hull=None,
     )
     return Estimate(
-        measured=m, state=state, weights=weighting.initial_weights(m, OPTIONS), max_px=40.0
+        measured=m, state=state, weights=weighting.initial_weights(m, PRODUCT), max_px=40.0
     )
 
 
@@ -82,12 +76,12 @@ def guessed(shift_m, yaw_deg, sigmas=1.0):
 
 
 def place(cad_model, estimate=None):
-    return register_cad_model(estimate or true_path(), cad_model, OPTIONS, lambda _: None)
+    return register(estimate or true_path(), cad_model, SOLVER)
 
 
 def off_hull_m(found):
     """How far the survey's centre lies off its true place: along the hull, and across it."""
-    registration = found.registration
+    registration = found.placement.registration
     laid = moved(registration.global_from_hull.matrix()[0], registration.center) - moved(
         GLOBAL_FROM_HULL, registration.center
     )
@@ -99,42 +93,44 @@ def off_hull_m(found):
 def test_a_good_model_is_found_and_never_refused(seed):
     estimate = true_path(seed)
     found = place(estimate.measured.cad_model, estimate)
-    assert found.refusal is None
-    assert found.registration.fitness > 0.9
-    assert found.registration.sigmas_off == 1.0
+    assert found.verdict.accepted
+    assert found.placement.registration.fitness > 0.9
+    assert found.placement.registration.sigmas_off == 1.0
     assert off_hull_m(found)[1] < 0.15
     assert found.estimate.state.hull.grid is not None
 
 
 def test_a_model_in_other_units_is_refused():
     """Nothing of it lies near the survey; far from the guess its large flat side fits."""
-    assert "times farther from hull.pose" in place(stretched(np.full(3, 3.28))).refusal
+    assert "times farther from hull.pose" in place(stretched(np.full(3, 3.28))).verdict.reason
 
 
 def test_a_model_that_nowhere_fits_is_refused_with_the_share_that_does():
     found = place(stretched(np.array([0.25, 0.3, 0.35])))
     assert (
         "% of the surveyed points lie within three sigma of it, wherever it is laid"
-        in found.refusal
+        in found.verdict.reason
     )
-    assert "another ship's, in other units, or far from where hull.pose says" in found.refusal
+    assert (
+        "another ship's, in other units, or far from where hull.pose says" in found.verdict.reason
+    )
 
 
 def test_a_model_a_fifth_too_large_is_refused_where_the_guess_is_sure():
-    """A patch of two metres fits it half a metre farther out: what speaks against it is the guess."""
+    """A patch of two metres fits it half a metre farther out: the guess speaks against it."""
     sure = stretched(np.full(3, 1.2))
     found = place(replace(sure, guess_sigma=0.1 * sure.guess_sigma))
-    assert "times farther from hull.pose than hull.pose_sigma says" in found.refusal
+    assert "times farther from hull.pose than hull.pose_sigma says" in found.verdict.reason
 
 
 def test_a_guess_five_metres_and_fifteen_degrees_off_is_refused_where_it_claims_decimetres():
-    assert "it fits only" in place(guessed(5, 15)).refusal
+    assert "it fits only" in place(guessed(5, 15)).verdict.reason
 
 
 def test_such_a_guess_with_sigmas_to_match_is_found():
     found = place(guessed(5, 15, sigmas=4))
-    assert found.refusal is None
-    assert found.registration.fitness > 0.9
+    assert found.verdict.accepted
+    assert found.placement.registration.fitness > 0.9
     along, across = off_hull_m(found)
     assert across < 0.6
     # the hull's form says little along itself, the guess's sigma there is 1.2 m
@@ -143,19 +139,19 @@ def test_such_a_guess_with_sigmas_to_match_is_found():
 
 def test_a_guess_that_is_contradicted_but_not_absurd_is_widened():
     found = place(guessed(2, 8))
-    assert found.refusal is None
-    assert 3.5 < found.registration.sigmas_off < 8
-    wide = found.registration.cad_model.guess_sigma
-    np.testing.assert_allclose(wide, model().guess_sigma * found.registration.sigmas_off)
-    assert found.registration.cad_model.contradicted
+    assert found.verdict.accepted
+    assert 3.5 < found.placement.registration.sigmas_off < 8
+    wide = found.placement.registration.cad_model.guess_sigma
+    np.testing.assert_allclose(wide, model().guess_sigma * found.placement.registration.sigmas_off)
+    assert found.placement.registration.cad_model.contradicted
     assert not model().contradicted
 
 
 def test_without_ranges_landmarks_are_laid_onto_the_model():
     estimate = true_path(ranges=False)
     found = place(estimate.measured.cad_model, estimate)
-    assert found.refusal is None
-    assert found.registration.fitness > 0.9
+    assert found.verdict.accepted
+    assert found.placement.registration.fitness > 0.9
 
 
 def test_with_neither_ranges_nor_a_camera_there_is_nothing_to_lay_onto_it():
@@ -186,19 +182,19 @@ def round_with(hit, on_hull, problem=None, stated_over_found=1.0):
 
 def test_a_solution_whose_beams_miss_the_model_is_not_believed():
     assert (
-        reason_against(round_with(hit=75, on_hull=90), OPTIONS) == "25 % of the DVL's beams miss it"
+        accept(round_with(hit=75, on_hull=90), SOLVER).reason == "25 % of the DVL's beams miss it"
     )
 
 
 def test_a_solution_with_few_landmarks_on_the_model_is_not_believed():
     assert (
-        reason_against(round_with(hit=100, on_hull=10), OPTIONS)
+        accept(round_with(hit=100, on_hull=10), SOLVER).reason
         == "only 10 % of the landmarks lie on its surface"
     )
 
 
 def test_a_solution_on_a_good_model_is_believed():
-    assert reason_against(round_with(hit=100, on_hull=90), OPTIONS) is None
+    assert accept(round_with(hit=100, on_hull=90), SOLVER) == Verdict()
     growth = residual_growth(solved().adjusted.problem, native.Options())
     # of a dive without positions from outside
     assert set(growth) == set(MAX_GROWTH) - {"positions"}
@@ -252,9 +248,11 @@ def test_attitude_may_grow_within_the_sigmas_that_the_package_states(
     is no worse than stated.
     """
     monkeypatch.setattr(
-        placement, "residual_growth", lambda *_: {"images": 1.0, "odometry": 1.0, "attitude": 1.3}
+        cad_acceptance,
+        "residual_growth",
+        lambda *_: {"images": 1.0, "odometry": 1.0, "attitude": 1.3},
     )
-    reason = reason_against(round_with(100, 90, stated_over_found=stated_over_found), OPTIONS)
+    reason = accept(round_with(100, 90, stated_over_found=stated_over_found), SOLVER).reason
     assert reason == (None if believed else "laid onto it, the residuals grow: attitude by 30 %")
 
 
@@ -267,7 +265,7 @@ def test_growth_is_taken_as_it_is_where_something_is_not_determined(monkeypatch)
 
 
 def test_a_solution_that_a_shifted_model_bends_is_not_believed():
-    """The model held 30 cm along the hull and 3 degrees off: landmarks and beams pull on the path."""
+    """The model held 30 cm along the hull and 3 degrees off: landmarks and beams pull the path."""
     problem = solved().adjusted.problem
     wrong = records_poses(GLOBAL_FROM_HULL @ motion(0.3, 0, 0, 0, 3, 6))
     astray = replace(problem.unknowns, T_g_M=np.r_[wrong.translation[0], wrong.quaternion[0]])
@@ -277,9 +275,7 @@ def test_a_solution_that_a_shifted_model_bends_is_not_believed():
     )
     growth = residual_growth(bent, native.Options())
     assert any(growth[name] > limit for name, limit in MAX_GROWTH.items())
-    assert "laid onto it, the residuals grow: " in reason_against(
-        round_with(100, 90, bent), OPTIONS
-    )
+    assert "laid onto it, the residuals grow: " in accept(round_with(100, 90, bent), SOLVER).reason
 
 
 def test_what_is_delivered_in_place_of_a_refused_model_is_the_path_without_one():
@@ -293,12 +289,12 @@ def test_what_is_delivered_in_place_of_a_refused_model_is_the_path_without_one()
     )
     assert any(line.startswith("the CAD model is left out: only ") for line in told)
     outcome = summarise_adjustment(measured, refused, OPTIONS)
-    assert outcome.summary["cad_model_refused"] == refused.refusal
+    assert outcome.summary["cad_model_refused"] == refused.verdict.reason
     (said,) = [warning for warning in outcome.warnings if "The CAD model was left out" in warning]
     assert "What is delivered comes from images and navigation alone" in said
     blind = solved(camera=False, cad=False)
     outcome = summarise_adjustment(
-        blind.dive.measured, replace(blind.adjusted, refusal=refused.refusal), OPTIONS
+        blind.dive.measured, replace(blind.adjusted, verdict=refused.verdict), OPTIONS
     )
     (said,) = [warning for warning in outcome.warnings if "The CAD model was left out" in warning]
     assert "What is delivered comes from navigation alone" in said

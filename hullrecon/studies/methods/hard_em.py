@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The outer loop of hard EM [Ozog2016 4.2.2], kept to be compared with labels decided inside the
-solve [Ozog2016 4.2.4] (docs/adr/0007).
+"""The outer loop of hard EM [Ozog2016 4.2.2], compared with labels decided inside the solve.
 
-E: each landmark takes the likelier label. M: solve with these labels held. Both steps lower the
-same cost, constants included, so the loop ends where no label changes, or after as many turns as it
-is given.
+Those are [Ozog2016 4.2.4] (docs/adr/0007). E: each landmark takes the likelier label. M: solve with
+these labels held. Both steps lower the same cost, constants included, so the loop ends where no
+label changes, or after as many turns as it is given.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
+from hullrecon.adjustment.problem.selection import label_boundary
 
 MOST_TURNS = 30
 
@@ -24,11 +24,11 @@ MOST_TURNS = 30
 def solve(
     problem: native.Problem, options: native.Options, most_turns: int = MOST_TURNS
 ) -> native.Result:
-    """Do as `native.solve` with the labels held in each solve and refreshed between solves. The
-    record runs over all turns; a turn's start, which repeats the last turn's end under new labels,
-    is left out, its label changes stand in the next row.
+    """Solve with labels held in each solve and refreshed between solves.
 
-    `max_iterations` bounds each turn. converged: the last turn did, and no label wants to change.
+    The record runs over all turns. A turn's start, which repeats the last turn's end under new
+    labels, is left out, and its label changes are in the next row. `max_iterations` bounds each
+    turn; converged: the last turn did, and no label wants to change.
     """
     held, turns, changes = (
         replace(options, labels_in_solve=False),
@@ -47,8 +47,9 @@ def solve(
 
 
 def _calibrated(unknowns: native.Unknowns, start: native.Unknowns) -> native.Unknowns:
-    """Return the unknowns with the intrinsics of the start: their prior is about those that a solve
-    starts from, and would follow them from turn to turn.
+    """Put back the intrinsics of the start.
+
+    Their prior is about those that a solve starts from, and would follow them from turn to turn.
     """
     return replace(
         unknowns, intrinsics_top=start.intrinsics_top, intrinsics_bottom=start.intrinsics_bottom
@@ -58,8 +59,9 @@ def _calibrated(unknowns: native.Unknowns, start: native.Unknowns) -> native.Unk
 def likelier_labels(
     problem: native.Problem, distance: NDArray[np.float64], options: native.Options
 ) -> NDArray[np.int32]:
-    """Return the likelier label (m,) of each surface row; distance (m,): signed, to the CAD model
-    without the field [Ozog2016 eq. 4.4].
+    """Choose the likelier label (m,) of each surface row [Ozog2016 eq. 4.4].
+
+    distance (m,): signed, to the CAD model without the field.
     """
     offset = distance
     nodes = problem.surface.field
@@ -72,13 +74,6 @@ def likelier_labels(
     )
 
 
-def label_boundary(sigma_on: float, sigma_off: float) -> float:
-    """Return how far off the hull (m) the two labels are equally likely [Ozog2016 4.2.3]; sigma_off
-    must be larger than sigma_on.
-    """
-    return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
-
-
 def _join_turns(
     turns: Sequence[native.Result], changes: Sequence[int], label: NDArray[np.int32]
 ) -> native.Result:
@@ -89,7 +84,8 @@ def _join_turns(
         label=label,
         iterations=_record([t.iterations for t in turns], changes),
         converged=last.converged and not changes[-1],
-        message=f"{len(turns)} turns of EM, {changes[-1]} labels changed after the last; {last.message}",
+        message=f"{len(turns)} turns of EM, {changes[-1]} labels changed after the last; "
+        f"{last.message}",
         seconds={part: sum(t.seconds[part] for t in turns) for part in parts},
     )
 

@@ -1,0 +1,385 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The CAD model registered to a path that was solved without it, and whether it is accepted.
+
+Images and navigation know the path to centimetres over the survey. Registered to a path that is
+still bent, a CAD model pulls it into a wrong basin. So the CAD model comes after the path, and is
+accepted only if what the path explained stays as well explained as it was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.adjustment.hull_pose import estimate, registration
+from hullrecon.adjustment.hull_pose.form import Form, compare_form
+from hullrecon.adjustment.hull_pose.segments import Segments, find_segments, register_segments
+from hullrecon.adjustment.problem import selection
+from hullrecon.adjustment.problem.deviation_field import grid_over
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements
+from hullrecon.adjustment.problem.state import HullState, State
+from hullrecon.adjustment.rounds import (
+    ACCEPTED,
+    Estimate,
+    RoundResult,
+    RoundSolver,
+    Stage,
+    Verdict,
+)
+from hullrecon.errors import StageError
+from hullrecon.typing import Array
+
+MIN_POINTS = 30  # that are registered
+MAX_SIGMAS_OFF = 8.0  # of the package's guess of the hull pose
+MAX_MISSED = 0.2  # share of the beams that miss the CAD model
+MIN_ON_HULL = 0.2  # share of the landmarks on its surface
+# The whitened residuals of what the path explained may grow by so much, root mean square, beyond
+# what freed unknowns explain.
+MAX_GROWTH = {"images": 1.02, "odometry": 1.1, "attitude": 1.1, "positions": 1.1}
+GROUPS = {
+    "images": ("stereo", "mono"),
+    "odometry": ("odometry",),
+    "attitude": ("attitude", "tray"),
+    "positions": ("position",),
+}
+# Quantile of the chi-square that unknowns give back which the CAD model determines, not navigation
+FREED_QUANTILE = 0.999
+FREE_ITERATIONS = 15  # of the solve without the CAD model, which starts close to its solution
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placement:
+    """Where the CAD model lies under the path, and how its form fits."""
+
+    registration: registration.Registration
+    segments: Segments | None = None  # of a path that outages cut; None: it holds together
+    evidence: estimate.HullPoseEvidence | None = None  # points that the hull's pose is fitted to
+    form: Form | None = None  # of these points, compared with the CAD model's
+
+
+def place_cad_model(path: Stage, cad_model: CadModel, solver: RoundSolver) -> Stage:
+    """Register the CAD model to a path, solve a round with it, and judge it.
+
+    The hull's pose of the estimate left is the mean of its profile along the hull. Without a round
+    before the last one (`rounds = 1`) nothing but the registration is judged.
+    """
+    segments = segments_of_path(path.rounds[-1], solver) if path.rounds else None
+    placed = register(path.estimate, cad_model, solver, segments)
+    if not placed.verdict.accepted:
+        return placed
+    if nothing_on_cad_model(path.estimate.measured, solver):
+        reason = "the method naive lays no landmark onto it, and there is no range of a DVL"
+        return replace(placed, verdict=Verdict(accepted=False, reason=reason))
+    rounds = solver.coarse_rounds(placed.estimate, min(1, solver.options.rounds - 1))
+    if not rounds:
+        return placed
+    placed = replace(placed, rounds=rounds, verdict=accept(rounds[-1], solver))
+    return estimate_hull_pose(placed, solver) if placed.verdict.accepted else placed
+
+
+def register(
+    solved: Estimate, cad_model: CadModel, solver: RoundSolver, segments: Segments | None = None
+) -> Stage:
+    """Register the CAD model to a solved path.
+
+    Raises StageError where there is nothing to register.
+    """
+    measured, state = solved.measured, solved.state
+    if segments is None:
+        points = _points_to_register(measured, state)
+        found = registration.register(points, cad_model, measured.rig.priors.range_sigma_m)
+    else:
+        found, state = _register_segments(solved, cad_model, segments)
+        points = _points_to_register(measured, state)
+    fitting = f"{100 * found.fitness:.0f} %"
+    solver.report(f"registered {len(points)} points to the CAD model, {fitting} within three sigma")
+    hull = _hull_state(found, points, solver.strategy.deviation_field)
+    state = replace(state, hull=replace(hull, segments=segments))
+    return Stage(
+        rounds=(),
+        estimate=replace(solved, state=state),
+        verdict=_accept_registration(found, segments),
+        placement=Placement(registration=found, segments=segments),
+    )
+
+
+def _accept_registration(found: registration.Registration, segments: Segments | None) -> Verdict:
+    if found.fitness < registration.GOOD_FITNESS:
+        what, besides = "it is laid", ""
+        if segments is not None:
+            what = f"it and the {len(segments)} segments that outages leave of the path are laid"
+            besides = ", or the path of a segment is wrong"
+        return Verdict(
+            accepted=False,
+            reason=f"only {100 * found.fitness:.0f} % of the surveyed points lie within three "
+            f"sigma of it, wherever {what}: it is another ship's, in other units, or far from "
+            f"where hull.pose says{besides}",
+        )
+    if found.sigmas_off > MAX_SIGMAS_OFF:
+        return Verdict(
+            accepted=False,
+            reason=f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than "
+            "hull.pose_sigma says",
+        )
+    return ACCEPTED
+
+
+def segments_of_path(solved: RoundResult, solver: RoundSolver) -> Segments | None:
+    """Find the segments into which outages cut a path that was solved without the CAD model.
+
+    None where it holds together, or carries no ranges.
+    """
+    measured = solved.after.measured
+    if measured.returns is None or not solver.strategy.deviation_field:
+        return None
+    node = measured.returns.node[~measured.returns.flagged]
+    return find_segments(solved.problem, solver.settings, measured.odometry, node)
+
+
+def _register_segments(
+    solved: Estimate, cad_model: CadModel, segments: Segments
+) -> tuple[registration.Registration, State]:
+    """Register the CAD model to the longest segment, and move the others onto it.
+
+    The fitness of the registration is that of all points afterwards.
+    """
+    measured, state = solved.measured, solved.state
+    assert measured.returns is not None
+    sigma_m, node = measured.rig.priors.range_sigma_m, measured.returns.node
+    points = _returns_in_global(measured, state)
+    moved = register_segments(
+        segments, state.nodes, points, node[~measured.returns.flagged], cad_model, sigma_m
+    )
+    found, state = moved.registration, replace(state, nodes=moved.nodes)
+    points = _returns_in_global(measured, state)
+    return replace(found, fitness=registration.share_within(points, found, sigma_m)), state
+
+
+def nothing_on_cad_model(measured: Measurements, solver: RoundSolver) -> bool:
+    """Tell whether nothing measured can lie on a CAD model."""
+    ranges = 0 if measured.returns is None else int((~measured.returns.flagged).sum())
+    return solver.strategy.method == "naive" and not ranges
+
+
+def accept(found: RoundResult, solver: RoundSolver) -> Verdict:
+    """Judge a round with the CAD model.
+
+    It is refused where it misses the hull, or explains images and navigation worse than the same
+    measurements without it do.
+    """
+    reason = next(_reasons_against(found, solver), None)
+    return ACCEPTED if reason is None else Verdict(accepted=False, reason=reason)
+
+
+def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
+    ray_hit, label, settings = found.result.ray_hit, found.result.label, solver.settings
+    missed = float(np.mean(~ray_hit)) if len(ray_hit) else 0.0
+    if missed > MAX_MISSED:
+        yield f"{100 * missed:.0f} % of the DVL's beams miss it"
+    on_hull = float(np.mean(label == 1)) if len(label) else 1.0
+    if settings.method == "maxmix" and on_hull < MIN_ON_HULL:
+        yield f"only {100 * on_hull:.0f} % of the landmarks lie on its surface"
+    if not len(found.problem.stereo.node) + len(found.problem.mono.node):
+        # without images the path is navigation's own: its residuals are nil, and whatever bends it
+        # makes them grow
+        return
+    growth = residual_growth(found.problem, settings)
+    worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
+    if "attitude" in worse and stated_attitude_rms(found, settings) <= 1:
+        worse.remove("attitude")
+    if worse:
+        parts = ", ".join(f"{name} by {100 * (growth[name] - 1):.0f} %" for name in worse)
+        yield f"laid onto it, the residuals grow: {parts}"
+
+
+def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
+    """Compute the RMS residual of depth, roll, pitch and tray in the sigmas that dive.toml states.
+
+    One camera hardly tells the tray's angle from the pitch. The sigma of the tray is estimated from
+    residuals that follow its noise, so it comes out too small, and grows with a right CAD model by
+    more than the freed unknowns explain.
+    """
+    stated = found.after.measured.rig.priors.tray_sigma_rad / found.weights.tray
+    tray = replace(found.problem.tray, sigma=found.problem.tray.sigma * stated)
+    cost = native.evaluate(
+        replace(found.problem, tray=tray), replace(settings, method="naive"), jacobian=False
+    ).cost_by_factor
+    rows = len(tray.node) + 3 * len(found.problem.attitude.node)
+    return float(np.sqrt(2 * (cost["attitude"] + cost["tray"]) / max(rows, 1)))
+
+
+def residual_growth(problem: native.Problem, settings: native.Options) -> dict[str, float]:
+    """Divide the RMS of whitened residuals with the CAD model by that without it, by group.
+
+    Unknowns that the CAD model determines follow navigation's noise no longer, and its residuals
+    grow though all is right: one camera hardly tells the tray's angle from the pitch. Where a ratio
+    is beyond MAX_GROWTH, the residuals without the CAD model are therefore counted with what they
+    lost to such unknowns.
+
+    Parameters
+    ----------
+    problem
+        The round with the CAD model, at its solution.
+    settings
+        Of the solve that found it.
+    """
+    without = replace(problem, ranges=native.RangeTable(), surface=native.SurfaceTable()).hold(
+        "T_g_M", "deviation"
+    )
+    naive = replace(settings, method="naive")
+    free = native.solve(without, replace(naive, max_iterations=FREE_ITERATIONS))
+    without_cad = without.started_from(free.unknowns)
+    here, there = (_squares(p, naive) for p in (without, without_cad))
+    growth = {name: float(np.sqrt(here[name] / there[name])) for name in GROUPS if there[name] > 0}
+    if all(ratio <= MAX_GROWTH[name] for name, ratio in growth.items()):
+        return growth
+    try:
+        freed = _freed_squares(
+            native.covariance(without_cad, naive), native.covariance(problem, settings)
+        )
+    except StageError:
+        return growth  # something is not determined at all: nothing to count
+    return {name: float(np.sqrt(here[name] / (there[name] + freed[name]))) for name in growth}
+
+
+def _squares(problem: native.Problem, settings: native.Options) -> dict[str, float]:
+    """Sum the robust squares of each group's whitened residuals."""
+    cost = native.evaluate(problem, settings, jacobian=False).cost_by_factor
+    return {name: 2 * sum(cost[factor] for factor in factors) for name, factors in GROUPS.items()}
+
+
+def _freed_squares(free: native.Covariance, tied: native.Covariance) -> dict[str, float]:
+    """Compute by how much a group's squares may grow because it determines fewer unknowns.
+
+    That is a chi-square with as many degrees of freedom. Images determine all landmarks either way,
+    so nothing is allowed to them.
+    """
+    from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
+
+    def determined(marginals: native.Covariance, factors: tuple[str, ...]) -> float:
+        return sum(marginals.leverage_by_factor[factor] for factor in factors)
+
+    fewer = {
+        name: determined(free, factors) - determined(tied, factors)
+        for name, factors in GROUPS.items()
+    }
+    return {
+        name: float(chdtri(count, 1 - FREED_QUANTILE)) if count > 0 else 0.0
+        for name, count in fewer.items()
+    }
+
+
+def _hull_state(
+    found: registration.Registration, points: Array, deviation_field: bool
+) -> HullState:
+    hull = HullState(
+        cad_model=found.cad_model,
+        global_from_hull=found.global_from_hull,
+        survey_center=found.center,
+        grid=None,
+        field=np.zeros(0),
+    )
+    if not deviation_field:
+        return hull
+    at = hull.to_chart(points)
+    grid = grid_over(at[np.isfinite(at).all(1)], found.cad_model.deviation_length)
+    return replace(hull, grid=grid, field=np.zeros(grid.size))
+
+
+def _points_to_register(measured: Measurements, state: State) -> Array:
+    """Collect DVL returns in g, or stereo landmarks where no ranges were carried."""
+    if measured.returns is not None and (~measured.returns.flagged).sum() >= MIN_POINTS:
+        return _returns_in_global(measured, state)
+    landmarks = selection.triangulate_landmarks(measured, state)
+    landmarks = landmarks[np.isfinite(landmarks[:, 0])]
+    if len(landmarks) < MIN_POINTS:
+        raise StageError(
+            f"nothing to lay onto the CAD model: fewer than {MIN_POINTS} DVL returns and landmarks",
+            remedy="check topics.dvl and the cameras, or remove [hull] to run without a CAD model",
+        )
+    return landmarks
+
+
+def _returns_in_global(measured: Measurements, state: State) -> Array:
+    """Compute where the DVL's beams end in g, but for flagged ones."""
+    assert measured.returns is not None
+    ends = state.mounted(measured.rig).dvl_points(measured.returns, state.path)
+    return ends.points[~measured.returns.flagged]
+
+
+def estimate_hull_pose(placed: Stage, solver: RoundSolver) -> Stage:
+    """Estimate the hull's pose and form from the points of the last round that lie on it.
+
+    Where the hull leaves the CAD model by more than the package says, the error that the package
+    states is widened to what the points show: a hull may be worse than its builder thinks, or
+    another one.
+    """
+    last, placement = placed.rounds[-1], placed.placement
+    ready = last.after
+    hull = ready.state.hull
+    if hull is None or placement is None or not solver.strategy.deviation_field:
+        return replace(placed, estimate=ready)
+    points = estimate.collect_hull_points(
+        ready.measured, ready.state, last.chosen, last.result.label
+    )
+    evidence, best = estimate.fit_hull_pose(
+        points.xyz, hull.global_from_hull, hull.cad_model, hull.survey_center, points.loose
+    )
+    form = compare_form(evidence, best)
+    if form.contradicts:
+        sigma = hull.cad_model.deviation_sigma * float(np.sqrt(form.deviation))
+        wider = replace(hull.cad_model, deviation_sigma=sigma, contradicted=True)
+        hull = replace(hull, cad_model=wider)
+        evidence, best = estimate.fit_hull_pose(
+            points.xyz, best, wider, hull.survey_center, points.loose
+        )
+    hull = replace(hull, global_from_hull=estimate.profile_mean_pose(evidence, best))
+    return replace(
+        placed,
+        estimate=replace(ready, state=replace(ready.state, hull=hull)),
+        verdict=accept_form(form, placement.registration.sigmas_off),
+        placement=replace(placement, evidence=evidence, form=form),
+    )
+
+
+def accept_form(form: Form, sigmas_off: float) -> Verdict:
+    """Judge whether points near the CAD model are of its hull.
+
+    Parameters
+    ----------
+    form
+        The surveyed form, compared with the CAD model's.
+    sigmas_off
+        How far from the package's guess it was found, in the guess's sigmas.
+    """
+    reason = next(_reasons_against_form(form, sigmas_off), None)
+    return ACCEPTED if reason is None else Verdict(accepted=False, reason=reason)
+
+
+def _reasons_against_form(form: Form, sigmas_off: float) -> Iterator[str]:
+    times = f"{np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres"
+    if form.is_of_another_hull:
+        yield (
+            f"the hull leaves it by {times}: it is another "
+            "ship's, or of another scale, or hull.deviation_sigma is too small"
+        )
+    if form.fits_better_scaled:
+        yield (
+            "its proportions or its scale are not the hull's: stretched along its axes it fits the "
+            f"surveyed part better, by a chi-square of {form.scale_chi2:.0f} with three degrees of "
+            "freedom"
+        )
+    if sigmas_off <= registration.GUESS_SIGMAS:
+        return
+    far = f"it fits {sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says"
+    if not form.confirms:
+        yield f"{far}, and the surveyed part of the hull is too plain to tell that it is this one"
+    if form.is_worse_than_stated:
+        yield (
+            f"{far}, and there the hull leaves it by {times}: a "
+            "package may be mistaken in one of the two, but both point to another ship"
+        )
