@@ -33,8 +33,8 @@ from hullrecon.navigation.planes.planar_graph import planar_graph
 from hullrecon.records.links import LinkedPath, no_links
 from hullrecon.records.trajectory import Trajectory, VehiclePath, VehicleTrack
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts, LinksArtifact
-from hullrecon.steps.links import run as run_links
 from hullrecon.steps.links import pose_graph
+from hullrecon.steps.links import run as run_links
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
 from hullrecon.steps.mosaics import read_mosaic_inputs
 from hullrecon.studies.figure_style import PublishedFigure
