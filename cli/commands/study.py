@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.progress import choose_progress
 
 from ..dives import FOLDER, allow_outside_option, open_dive, runs_option, set_option
@@ -31,6 +32,15 @@ def study(context: click.Context) -> None:
         click.echo(context.get_help())
 
 
+@study.command("list")
+def list_studies() -> None:
+    """List the studies: their ids, what each shows, and its source."""
+    from hullrecon.studies import STUDIES
+
+    document = {s.id: {"source": s.source, "shows": s.shows} for s in STUDIES}
+    state_of().emit(document, (f"{s.id:15} {s.shows} {s.source}" for s in STUDIES))
+
+
 @study.command()
 @click.argument("package", type=FOLDER)
 @_JOBS
@@ -40,19 +50,31 @@ def study(context: click.Context) -> None:
 def methods(
     package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
 ) -> None:
-    """Compare naive, geva and maxmix, each as published and as weighted by us, on one simulated
-    dive, in one table.
+    """Compare naive, geva and maxmix on one simulated dive, in one table.
 
-    The steps before `adjust` run once if they are out of date; `adjust` runs six times. As
-    published is one solve from the registration on, without a deviation field, outliers left to the
-    Huber loss.
+    Each is solved as published and as weighted by us. The steps before `adjust` run once if they
+    are out of date; `adjust` runs six times. As published is one solve from the registration on,
+    without a deviation field, outliers left to the Huber loss.
     """
-    from hullrecon.evaluation.scoring.score import without_nan
-    from hullrecon.studies import compare_methods
+    _print_table("methods", open_dive(package, runs, overrides, allow_outside=allow_outside), jobs)
 
-    dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
-    comparison = compare_methods(dive, jobs=jobs, progress=choose_progress(quiet=state_of().quiet))
-    state_of().emit(without_nan(comparison.figures), _table(comparison.heads, comparison.rows))
+
+@study.command()
+@click.argument("package", type=FOLDER)
+@_JOBS
+@set_option
+@runs_option
+@allow_outside_option
+def surfaces(
+    package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
+) -> None:
+    """Compare surfaces as the sources make them with the product's, on one simulated dive.
+
+    The DVL's surface by linear interpolation, by the radial kernel and Wendland's, and without the
+    CAD model as reference; the hull as found by fusion along rays. The chain runs up to `detect` if
+    it is out of date, `surface` five times more, `detect` once more.
+    """
+    _print_table("surfaces", open_dive(package, runs, overrides, allow_outside=allow_outside), jobs)
 
 
 @study.command()
@@ -64,8 +86,9 @@ def methods(
 def figures(
     package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
 ) -> None:
-    """Draw the sources' figures on one simulated dive: pictures and their tables, in
-    RUNS/<dive>/compare/figures.
+    """Draw the sources' figures on one simulated dive, as pictures and tables.
+
+    They are written to RUNS/<dive>/compare/figures.
 
     Cross-sections of the three methods, labels by iteration, cost by iteration and by time, the
     DVL's residuals before and after, the height of a structure; the sigma along the path and its
@@ -83,8 +106,17 @@ def figures(
     state_of().emit({"folder": str(folder), "figures": {f.name: f.caption for f in drawn}}, lines)
 
 
-for _command in (methods, figures):
+for _command in (list_studies, methods, surfaces, figures):
     add_common_options(_command)
+
+
+def _print_table(name: str, dive: DiveRun, jobs: int) -> None:
+    from hullrecon.evaluation.scoring.score import without_nan
+    from hullrecon.studies import run_studies
+
+    progress = choose_progress(quiet=state_of().quiet)
+    (found,) = run_studies(dive, [name], jobs=jobs, progress=progress)
+    state_of().emit(without_nan(found.values), _table(found.heads, found.rows))
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterable[str]:

@@ -11,7 +11,7 @@ from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.change.options import ChangeOptions
 from hullrecon.errors import StorageError
 from hullrecon.records.change import HullChange
-from hullrecon.steps.hull_survey import FinishedRun, compare_runs, map_of, read_run
+from hullrecon.steps.change import FinishedRun, compare_runs, map_of, read_run
 
 DOCUMENT = "change.json"
 

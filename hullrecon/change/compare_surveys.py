@@ -18,12 +18,15 @@ from hullrecon.change.relief import relief_on, seen_points
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.address import AddressSigma
 from hullrecon.geometry.charts.lattice import Lattice, lattice_around
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.change import ChangeMap, HullChange, HullSurvey
 from hullrecon.typing import Array, Mask
 
 MARGIN_M = 0.3  # around what either survey saw
 MAX_CELLS = 40_000_000  # of the lattice; a larger survey is compared on wider cells
 Address = Callable[[Array, AddressSigma], str]
+SAME_CAD_M = 0.002  # CAD models nowhere farther apart than this are of one hull
 
 
 def compare_surveys(
@@ -118,3 +121,18 @@ def _address_sigma(sigma: Array) -> AddressSigma:
 
 def _area(cells: Mask, options: ChangeOptions) -> float:
     return float(cells.sum() * options.cell_m**2)
+
+
+def cad_model_gap(first: Mesh, second: Mesh) -> float:
+    """Return how far apart the surfaces of two CAD models lie at most, in metres, however they are
+    meshed.
+    """
+    return max(_farthest_vertex(first, second), _farthest_vertex(second, first))
+
+
+def _farthest_vertex(mesh: Mesh, other: Mesh, most: int = 20_000) -> float:
+    """Return the greatest distance in metres of a vertex of a mesh (of some `most` of them) from
+    another mesh.
+    """
+    some = mesh.vertices[:: max(1, len(mesh.vertices) // most)]
+    return float(np.abs(Scene(other).closest(some).distance).max(initial=0.0))

@@ -14,17 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.blend import ViewLimits, blend_tile
+from hullrecon.mosaic.blend import ViewLimits
 from hullrecon.mosaic.grid import grid_around
 from hullrecon.mosaic.imagery.camera_views import Footprints, compute_footprints, footprint_windows
 from hullrecon.mosaic.imagery.sonar_fan import SonarFan, build_fan
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
+from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
 from hullrecon.records.sensors import SonarPings
 from hullrecon.typing import Array, Floats32, Ints
 
 Progress = Callable[[Sequence[Any], str], Iterable[Any]]
+APERTURE_SHARE = 0.9  # of the elevation aperture that is used: little comes back at its edge
+# views more oblique than 82 degrees are not used; an imaging sonar grazes the hull
+LIMITS = ViewLimits(min_cosine=float(np.cos(np.radians(82.0))), slant=0.0)
 LEVEL = 90.0  # gray level that the mean return is brought to
 MIN_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a level of its own
 
@@ -102,7 +105,7 @@ def sonar_mosaic(
 
     Raises ValueError when no ping meets the surface.
     """
-    fan = build_fan(pings.directions, pings.range_m, options.aperture_share * elevation_rad)
+    fan = build_fan(pings.directions, pings.range_m, APERTURE_SHARE * elevation_rad)
     image_views = [
         SonarView(pose=poses[i], fan=fan, image=image) for i, image in enumerate(pings.image)
     ]
@@ -110,9 +113,8 @@ def sonar_mosaic(
     step = options.resolution_m or round(float(np.median(np.diff(pings.range_m))), 4)
     grid = grid_around(footprints.at.reshape(-1, 2), step)
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)
-    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))), slant=0.0)
     levels = (
-        learn_levels(surface, image_views, footprints, limits.min_cosine, scratch)
+        learn_levels(surface, image_views, footprints, LIMITS.min_cosine, scratch)
         if options.even_light
         else None
     )
@@ -121,12 +123,9 @@ def sonar_mosaic(
             replace(s, level=levels.mean, gain=float(gain))
             for s, gain in zip(image_views, levels.gain, strict=True)
         ]
-    windows = footprint_windows(grid, footprints)
-    store = make_tiles(
-        grid, 1, options.tile_px, options.texture_px,
-        lambda window: blend_tile(surface, grid, window, image_views, windows, limits, 1),
-        lambda tiles: progress(tiles, "tiles"),
-    )  # fmt: skip
+    store = blend_tiles(
+        surface, grid, footprints, image_views, LIMITS, 1, options.tile_px, progress
+    )
     return SonarMosaic(store=store, light_corrected=levels is not None, footprints=footprints)
 
 

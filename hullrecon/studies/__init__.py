@@ -3,6 +3,7 @@
 
 """Reproduce the sources: the published variants of the method and the published figures."""
 
-from hullrecon.studies.run import MethodComparison, compare_methods, draw_figures
+from hullrecon.studies.registry import STUDIES, StudyResult
+from hullrecon.studies.run import compare_methods, draw_figures, run_studies
 
-__all__ = ["MethodComparison", "compare_methods", "draw_figures"]
+__all__ = ["STUDIES", "StudyResult", "compare_methods", "draw_figures", "run_studies"]

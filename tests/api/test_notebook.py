@@ -80,7 +80,7 @@ def test_the_example_runs_scores_and_prints_the_comparison(
     """
     import runpy
 
-    from hullrecon.studies import MethodComparison
+    from hullrecon.studies import StudyResult
 
     figures = {
         "trajectory": {"rigid_rmse_m": 0.002},
@@ -89,7 +89,7 @@ def test_the_example_runs_scores_and_prints_the_comparison(
     }
     monkeypatch.setattr("hullrecon.api.dive_run.run", hullrecon.open_dive)
     monkeypatch.setattr("hullrecon.api.dive_run.evaluate", lambda run, package: figures)
-    comparison = MethodComparison(figures={}, heads=["method"], rows=[["maxmix as published"]])
+    comparison = StudyResult(heads=("method",), rows=(("maxmix as published",),))
     monkeypatch.setattr("hullrecon.studies.compare_methods", lambda dive: comparison)
     example = runpy.run_path(str(ROOT / "examples" / "compare_methods.py"))
     example["main"]([str(DEMO), str(tmp_path)])

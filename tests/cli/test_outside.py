@@ -38,7 +38,16 @@ def package(tmp_path) -> Path:
 
 @pytest.mark.parametrize(
     "command",
-    ["check", "run", "ingest", "status", "explain", "study methods", "study figures"],
+    [
+        "check",
+        "run",
+        "ingest",
+        "status",
+        "explain",
+        "study methods",
+        "study surfaces",
+        "study figures",
+    ],
 )
 def test_a_command_that_reads_packages_refuses_a_file_outside_in_one_line(capsys, package, command):
     runs = [] if command == "check" else ["--runs", str(package.parent / "runs")]

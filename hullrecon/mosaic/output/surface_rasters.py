@@ -13,8 +13,8 @@ import numpy as np
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
-from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
 from hullrecon.mosaic.output.raster import RasterBands, RasterLayout
+from hullrecon.mosaic.output.tile_store import CompressedTiles
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Ints
 

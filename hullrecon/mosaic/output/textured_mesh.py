@@ -16,6 +16,8 @@ from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
 from hullrecon.typing import Array, Ints, Mask
 
+_CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
+
 
 @dataclass(frozen=True, kw_only=True)
 class TexturedMesh:
@@ -70,9 +72,6 @@ def _faces(good: Mask) -> Ints:
     cell = good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]
     a, b, c, d = (index[s][cell] for s in _CORNERS)
     return np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
-
-
-_CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
 
 
 def _outward(faces: Ints, patch: SurfacePatch) -> Ints:

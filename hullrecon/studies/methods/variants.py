@@ -87,11 +87,17 @@ def variants() -> list[MethodVariant]:
     ]
 
 
-def solve_all(dive: DiveRun, run_context: RunContext) -> None:
-    """Bring the steps before adjust up to date, then every variant of adjust."""
+def run_before_adjust(dive: DiveRun, run_context: RunContext) -> None:
+    """Bring the steps before adjust up to date."""
     whole = dive.chain.up_to("adjust")
     before = replace(whole, stages=tuple(s for s in whole.stages if s.name != "adjust"))
     run_chain(before, dive.workspace, run_context)
+
+
+def solve_all(dive: DiveRun, run_context: RunContext) -> None:
+    """Bring the steps before adjust up to date, then every variant of adjust."""
+    run_before_adjust(dive, run_context)
+    whole = dive.chain.up_to("adjust")
     with dive.workspace.lock():
         for variant in variants():
             build_step(

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Linear interpolation between returns [Ozog2016 3.2.2.1], on the hull's chart instead of the xy
-plane.
+"""Linear interpolation between returns [Ozog2016 3.2.2.1], on the hull's chart.
+
+[Ozog2016] interpolates over the xy plane.
 """
 
 from __future__ import annotations
@@ -10,7 +11,20 @@ import numpy as np
 
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.surface.build import Facts, SurfacePoints
+from hullrecon.surface.options import SurfaceOptions
+from hullrecon.surface.tiles import cell_means
 from hullrecon.typing import Array
+
+
+def by_triangles(
+    charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
+) -> tuple[Array, Array, Facts]:
+    """Interpolate between means over quarter cells; one sigma by their scatter."""
+    seen = cell_means(charted[:, :2], charted[:, 2], observed.noise, 0.25 * options.cell_m)
+    sigma = scatter_sigma(seen.at, seen.offset)
+    facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
+    return interpolate(seen.at, seen.offset, wanted), np.full(len(wanted), sigma), facts
 
 
 def interpolate(at: Array, values: Array, wanted: Array) -> Array:
