@@ -105,7 +105,7 @@ def log_to_file(line: str) -> None:
 class _LogFile(logging.FileHandler):
     """A log file that says once when it can no longer be written; the run goes on."""
 
-    def handleError(self, record: logging.LogRecord) -> None:
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (of logging.Handler)
         """Say why, and write no more to it."""
         error = sys.exc_info()[1]
         logging.getLogger("hullrecon").removeHandler(self)

@@ -35,10 +35,14 @@ def compare_surveys(
     address: Address,
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> HullChange:
-    """Return what changed from the first survey of a hull to the second. address: of a point (3,)
-    in M, no finer than a sigma.
+    """Compare two surveys of one hull.
 
     Raises StageError where they saw too little of the same hull.
+
+    Parameters
+    ----------
+    address
+        names a point (3,) of M in words no finer than a sigma.
     """
     chart = first.chart
     seen = [seen_points(survey, chart)[0][:, :2] for survey in (first, second)]
@@ -124,15 +128,17 @@ def _area(cells: Mask, options: ChangeOptions) -> float:
 
 
 def cad_model_gap(first: Mesh, second: Mesh) -> float:
-    """Return how far apart the surfaces of two CAD models lie at most, in metres, however they are
-    meshed.
-    """
+    """Return the largest distance between two CAD models, m, however they are meshed."""
     return max(_farthest_vertex(first, second), _farthest_vertex(second, first))
 
 
 def _farthest_vertex(mesh: Mesh, other: Mesh, most: int = 20_000) -> float:
-    """Return the greatest distance in metres of a vertex of a mesh (of some `most` of them) from
-    another mesh.
+    """Return the greatest distance of a mesh's vertices from another mesh, m.
+
+    Parameters
+    ----------
+    most
+        vertices that are looked at.
     """
     some = mesh.vertices[:: max(1, len(mesh.vertices) // most)]
     return float(np.abs(Scene(other).closest(some).distance).max(initial=0.0))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Objects of two surveys side by side: which are one, and which are new, gone, grown or shrunk."""
+"""Objects of two surveys compared: which are the same, new, gone, grown or shrunk."""
 
 from __future__ import annotations
 
@@ -30,15 +30,13 @@ SEEN_SHARE = 0.5  # of a footprint that must have been looked at
 
 @dataclass(frozen=True, kw_only=True)
 class _MovedObject:
-    """An object in the first survey's frame: center (3,), its footprint (a, g) on the lattice, and
-    its outline (k, 2).
-    """
+    """An object in the first survey's frame."""
 
     found: ReportedObject
-    center: Array
-    along_girth: Array
-    outline: Array
-    footprint: Mask
+    center: Array  # (3,)
+    along_girth: Array  # of its center on the chart
+    outline: Array  # (k, 2)
+    footprint: Mask  # (a, g) on the lattice
 
     @property
     def side(self) -> float:
@@ -48,21 +46,22 @@ class _MovedObject:
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectComparison:
-    """What objects are compared on."""
+    """The surveys' difference, on which objects are compared."""
 
     chart: Chart
     lattice: Lattice
     offset: SurveyOffset
     difference: Difference
     options: ChangeOptions
-    places: int
+    places: int  # of the hull that were looked at
 
 
 def compare_objects(
     first: HullSurvey, second: HullSurvey, regions: Sequence[ChangedRegion], on: ObjectComparison
 ) -> tuple[ObjectChange, ...]:
-    """Return all objects of both surveys and the regions that changed without one, what changed
-    most first.
+    """Compare the objects of both surveys, with regions that changed without one.
+
+    What changed most comes first.
     """
     before = [_move_object(found, on, identity()) for found in first.objects]
     after = [_move_object(found, on, on.offset.first_from_second) for found in second.objects]
@@ -100,8 +99,16 @@ def compare_objects(
 
 
 def _at(a: int | None, b: int | None, pairs: dict[int, int]) -> list[tuple[int | None, int | None]]:
-    """Return the objects of the first and of the second survey that changed where a region overlaps
-    these two: a pair of one object, or what stands there in one survey only.
+    """Resolve which objects a changed region belongs to.
+
+    Either a pair of one object, or what stands there in one survey only.
+
+    Parameters
+    ----------
+    a
+        object of the first survey under the region, None without one.
+    b
+        object of the second survey.
     """
     back = {second: first for first, second in pairs.items()}
     if a is not None and b is not None and pairs.get(a) != b:
@@ -119,8 +126,9 @@ def _at(a: int | None, b: int | None, pairs: dict[int, int]) -> list[tuple[int |
 def match_objects(
     before: Sequence[_MovedObject], after: Sequence[_MovedObject], on: ObjectComparison
 ) -> dict[int, int]:
-    """Return which object of the second survey is which of the first's: the best pairs by
-    chi-square of their places, both raised or both sunken, inside the gate.
+    """Pair objects of both surveys by the chi-square of their places, inside the gate.
+
+    Only raised with raised, sunken with sunken; the best pairs first.
     """
     candidates = sorted(_candidates(before, after, on))
     pairs: dict[int, int] = {}
@@ -205,8 +213,9 @@ def _describe_change(
 
 
 def _with_whole_height(row: ObjectChange) -> ObjectChange:
-    """Return what came or went with its whole height as change: the median over the top of a dome
-    is less.
+    """Take the whole height of what came or went as its change.
+
+    The median over the top of a dome is less.
     """
     change, sigma = (
         row.height_after - row.height_before,
@@ -229,9 +238,14 @@ def _stood_in_both(before: float, after: float) -> bool:
 def _describe_rest(
     one: _MovedObject | None, other: _MovedObject | None, compared: int, on: ObjectComparison
 ) -> ObjectChange:
-    """Return what became of an object at which no region changed by more than any place of the hull
-    may; compared: how many objects and pairs both surveys list. What one survey alone lists may be
-    new or gone by that smaller number of places.
+    """Describe an object at which no region changed by more than the hull may anywhere.
+
+    What one survey alone lists may be new or gone by the smaller number of places.
+
+    Parameters
+    ----------
+    compared
+        objects and pairs that both surveys list.
     """
     there = [p for p in (one, other) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
@@ -258,8 +272,9 @@ def _describe_rest(
 
 
 def _at_top(cells: Mask, side: float, places: int, on: ObjectComparison) -> ChangedRegion:
-    """Return what an object changed by where it was a top before and after: edges may be drawn
-    elsewhere.
+    """Measure an object's change where it was a top before and after.
+
+    Elsewhere edges may be drawn otherwise.
     """
     tops = [
         top_of(relief.height, cells, side) for relief in (on.difference.first, on.difference.second)
@@ -315,8 +330,9 @@ def _row(
 def _height(
     moved: _MovedObject | None, surface: float, region: ChangedRegion | None
 ) -> tuple[float, float]:
-    """Return a height and its sigma, m: as the survey lists its object; of one that it does not
-    list, that of its surface, which is known no worse than the change.
+    """Return height and sigma, m: the object's, else of the surface there.
+
+    What a survey does not list is known no worse than the change.
     """
     if moved is not None and moved.found.height_sigma is not None:
         return moved.found.height, moved.found.height_sigma
@@ -325,9 +341,7 @@ def _height(
 
 
 def _position_sigma(center: Array, moved: _MovedObject | None, on: ObjectComparison) -> Array:
-    """Return one sigma (3,) m of a place: as delivered with its object, else as the surveys' hull
-    poses leave it.
-    """
+    """Return one sigma (3,) m of a place: the object's, else what hull poses leave open."""
     found = None if moved is None else moved.found
     if found is not None and None not in (found.sigma_along, found.sigma_girth, found.sigma_normal):
         return np.array([found.sigma_along, found.sigma_girth, found.sigma_normal], float)

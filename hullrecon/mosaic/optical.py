@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The optical mosaic [Ozog2016 3.2.4] (docs/methods.md 13), from posed images and a surface to
-tiles.
-"""
+"""The optical mosaic [Ozog2016 3.2.4] (docs/methods.md 13): images and a surface to tiles."""
 
 from __future__ import annotations
 
@@ -37,13 +35,11 @@ LIMITS = ViewLimits(min_cosine=float(np.cos(np.radians(70.0))))
 
 @dataclass(frozen=True, kw_only=True)
 class OpticalMosaic:
-    """The tiles; gsd_m: a pixel on the hull, in the median; light_corrected: whether the light was
-    evened out.
-    """
+    """The optical mosaic."""
 
     store: TileStore
-    gsd_m: float
-    light_corrected: bool
+    gsd_m: float  # a pixel on the hull, in the median
+    light_corrected: bool  # whether the light was evened out
 
 
 def optical_mosaic(
@@ -52,7 +48,7 @@ def optical_mosaic(
     options: OpticalOptions,
     progress: Progress,
 ) -> OpticalMosaic:
-    """Return the mosaic: footprints, light, then tile by tile.
+    """Make the mosaic: footprints, light, then tile by tile.
 
     Raises ValueError when no image meets the surface or the raster would be too large.
     """
@@ -82,8 +78,9 @@ def optical_mosaic(
 
 
 def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprints) -> float:
-    """Return the median distance over focal length, metres. Raises ValueError when no image meets
-    the surface.
+    """Return the median distance over focal length, metres.
+
+    Raises ValueError when no image meets the surface.
     """
     focal = np.concatenate(
         [np.full(len(s.rows), 0.5 * (s.camera.fx + s.camera.fy)) for s in cameras]

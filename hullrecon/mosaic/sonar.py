@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The mosaic of an imaging sonar [Ozog2016 3.2.3, 3.2.4] (docs/methods.md 14), from posed pings and
-a surface to tiles.
-"""
+"""The mosaic of an imaging sonar [Ozog2016 3.2.3, 3.2.4] (docs/methods.md 14)."""
 
 from __future__ import annotations
 
@@ -34,30 +32,26 @@ MIN_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a lev
 
 @dataclass(frozen=True, kw_only=True)
 class SonarView:
-    """A ping. pose: one T_M_o (T_g_o without a CAD model); image (beams, ranges) uint8; level
-    (beams, ranges): what a mean piece of hull returns there, None to leave the image as it is;
-    gain: by which that ping is brighter.
-    """
+    """A ping."""
 
-    pose: Poses
+    pose: Poses  # one result_from_sonar
     fan: SonarFan
-    image: NDArray[np.uint8]
+    image: NDArray[np.uint8]  # (beams, ranges) uint8
+    # (beams, ranges) what a mean piece of hull returns, None to leave the image as it is
     level: Array | None = None
-    gain: float = 1.0
+    gain: float = 1.0  # by which that ping is brighter
 
     @property
     def center(self) -> Array:
         return np.asarray(self.pose.translation[0])
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Return pixels (range bin, beam) and r/R on the fan as displayed, from u = w/2, v = 3h/4."""
+        """Return pixels (range bin, beam) and r/R on the display, from u = w/2, v = 3h/4."""
         inside = (points - self.center) @ self.pose.rotation.as_matrix()[0]
         return self.fan.locate(inside)
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Return rays all over the aperture; where the surface is met beyond the last range, the
-        point at that range.
-        """
+        """Return ends of rays all over the aperture, at the last range at most."""
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
         gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         gone = np.where(np.isfinite(gone), np.minimum(gone, self.fan.range_m[-1]), np.nan)
@@ -72,23 +66,19 @@ class SonarView:
 
 @dataclass(frozen=True, kw_only=True)
 class SonarMosaic:
-    """The tiles; whether the level of the returns was learnt from the dive; where the pings met the
-    surface.
-    """
+    """The mosaic of a sonar."""
 
     store: TileStore
-    light_corrected: bool
-    footprints: Footprints
+    light_corrected: bool  # whether the level of the returns was learnt from the dive
+    footprints: Footprints  # where the pings met the surface
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReturnLevels:
-    """What the hull returns. mean (beams, ranges): of a dive; gain (pings,): by which each ping is
-    brighter.
-    """
+    """What the hull returns."""
 
-    mean: Array
-    gain: Array
+    mean: Array  # (beams, ranges) of a dive
+    gain: Array  # (pings,) by which each ping is brighter
 
 
 def sonar_mosaic(
@@ -100,10 +90,18 @@ def sonar_mosaic(
     progress: Progress,
     scratch: BinaryIO,
 ) -> SonarMosaic:
-    """Return the mosaic. poses: T_M_o at the pings; elevation_rad: the full aperture out of the
-    fan; scratch: an empty file, for what grows with the dive.
+    """Make the mosaic of posed pings: footprints, levels, then tile by tile.
 
     Raises ValueError when no ping meets the surface.
+
+    Parameters
+    ----------
+    poses
+        result_from_sonar at the pings.
+    elevation_rad
+        the full aperture out of the fan.
+    scratch
+        an empty file, for what grows with the dive.
     """
     fan = build_fan(pings.directions, pings.range_m, APERTURE_SHARE * elevation_rad)
     image_views = [
@@ -136,11 +134,16 @@ def learn_levels(
     min_cosine: float,
     scratch: BinaryIO,
 ) -> ReturnLevels | None:
-    """Return what the hull returns on average at each range and beam, and each ping's gain: beam
-    pattern, spreading, grazing angle. scratch: an empty file.
+    """Learn the mean return at each range and beam, and each ping's gain.
 
-    Only pixels on which the surface lies and is seen are counted, so that neither water before the
-    first return nor shadows darken the mean. None when too little of the hull was seen.
+    That holds beam pattern, spreading and grazing angle. Only pixels on which the surface lies and
+    is seen are counted, so that neither water before the first return nor shadows darken the mean.
+    None when too little of the hull was seen.
+
+    Parameters
+    ----------
+    scratch
+        an empty file.
     """
     grid = grid_around(footprints.at.reshape(-1, 2), 0.05)
     shape = image_views[0].image.shape
@@ -167,8 +170,9 @@ def learn_levels(
 
 
 class _HullCells:
-    """Flat indices into the images of the pixels that hold hull, by ping, in a file: there are
-    thousands a ping.
+    """Flat indices of the pixels that hold hull, by ping, in a file.
+
+    There are thousands a ping.
     """
 
     def __init__(self, file: BinaryIO, pings: int) -> None:
@@ -197,7 +201,7 @@ class _HullCells:
 def _hull_cells(
     surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float
 ) -> Ints:
-    """Return the flat indices into the image of the pixels that hold these pieces of hull."""
+    """Return flat indices into the image of the pixels that hold pieces of hull."""
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
     pixel, ratio = image_view.project(point[rows])
@@ -215,7 +219,7 @@ def _gain(values: NDArray[np.uint8], means: Array) -> float:
 
 
 def _smooth(total: Array, count: Array) -> Array:
-    """Return the local mean over 2 beams and 3 range bins (sigma); wider where nothing was counted."""
+    """Average over 2 beams and 3 range bins (sigma); wider where nothing was counted."""
     from scipy.ndimage import gaussian_filter
 
     wide = gaussian_filter(total, (8, 12), mode="nearest") / np.maximum(

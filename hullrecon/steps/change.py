@@ -42,19 +42,18 @@ NEEDED = tuple(HULL_SURVEY_FILES)
 
 @dataclass(frozen=True, kw_only=True)
 class FinishedRun:
-    """A run as it is compared. frame_spacing_m: of the ship's frames, None where it is not known;
-    last_t_ns: of its path.
-    """
+    """A run as it is compared."""
 
     survey: HullSurvey
     cad_model: Mesh
-    frame_spacing_m: float | None
-    last_t_ns: int
+    frame_spacing_m: float | None  # of the ship's frames, None where it is not known
+    last_t_ns: int  # of its path
 
 
 def read_run(run: Path) -> FinishedRun:
-    """Return a run's survey, given as RUNS/<dive>. Raises InputError, in one line, where the run is
-    not finished, is damaged, or has no CAD model.
+    """Read a run's survey, given as RUNS/<dive>.
+
+    Raises InputError where the run is not finished, is damaged, or has no CAD model.
     """
     workspace = workspace_of(run)
     manifests = finished_steps(workspace, NEEDED)
@@ -72,8 +71,14 @@ def read_run(run: Path) -> FinishedRun:
 def read_survey(
     folders: Mapping[str, Path], name: str, frame_spacing_m: float | None, where: str = ""
 ) -> FinishedRun:
-    """Return the survey that the artifacts of the steps in NEEDED hold. Raises InputError, with
-    `where`, where it has no CAD model or found too little of the hull.
+    """Read a survey from the artifacts of the steps in NEEDED.
+
+    Raises InputError where it has no CAD model or found too little of the hull.
+
+    Parameters
+    ----------
+    where
+        of the run, for errors.
     """
     solution, detect = AdjustArtifact(folders["adjust"]).solution, DetectArtifact(folders["detect"])
     cad_model, as_found, split = (
@@ -108,7 +113,7 @@ def compare_runs(
     after: FinishedRun,
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> HullChange:
-    """Return what changed on a hull from one run to another.
+    """Compare two runs of one hull.
 
     Raises InputError when the CAD models are of different hulls, StageError when the runs saw too
     little of the same hull.
@@ -129,9 +134,7 @@ def compare_runs(
 
 
 def map_of(run: FinishedRun) -> OutsideMap:
-    """Return the map in which the run's rasters lie, which is that of a comparison with a later
-    dive.
-    """
+    """Return the map of the run's rasters, which a comparison with a later dive is drawn in."""
     as_found = run.survey.as_found
     return outside_map(run.survey.chart, as_found.vertices[as_found.support > 0], "M")
 
@@ -157,13 +160,14 @@ class EarlierDive(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     earlier: Annotated[
         FileName | None,
         msgspec.Meta(
-            description="folder of an earlier dive's run (RUNS/<dive>), relative to dive.toml; the report says what changed"
+            description="folder of an earlier dive's run (RUNS/<dive>), relative to dive.toml; "
+            "the report says what changed"
         ),
     ] = None
 
 
 def run(context: Context[EarlierDive]) -> None:
-    """Write what changed since the earlier dive: its files, and the texts of the report's chapter."""
+    """Write what changed since the earlier dive, and the texts of the report's chapter."""
     before, change = _compare(context)
     files = change_files(change, map_of(before), _this_dive(context).last_t_ns)
     for name, data in files.items():
@@ -171,13 +175,13 @@ def run(context: Context[EarlierDive]) -> None:
     context.out.json(CHANGE_CHAPTER, msgspec.to_builtins(change_chapter(change)))
     if not is_foreseen(change.offset):
         context.warn(
-            f"{change.first} and this dive lie farther apart on the CAD model than their hull poses foresaw: one of these is"
-            " worse than it says"
+            f"{change.first} and this dive lie farther apart on the CAD model than their hull "
+            "poses foresaw: one of these is worse than it says"
         )
 
 
 def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
-    """Return the earlier dive and what changed since.
+    """Compare this dive with the earlier one.
 
     Raises StageError for whatever stands against it: all but the chapter on change goes without the
     earlier dive.
@@ -198,8 +202,9 @@ def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
 
 
 def _earlier_dive(context: Context[EarlierDive]) -> FinishedRun:
-    """Return the earlier dive, named by its folder; with the folder above it where both dives have
-    one name.
+    """Read the earlier dive, named by its folder.
+
+    With the folder above it where both dives have one name.
     """
     root = workspace_of(context.source / str(context.parameters.earlier)).root.resolve()
     if root == context.inputs["detect"].resolve().parent:
@@ -216,8 +221,9 @@ def _this_dive(context: Context[EarlierDive]) -> FinishedRun:
 
 
 def files_of_earlier_dive(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the files of the earlier dive's run that are read, as far as they are there: without
-    them the step says why it cannot be done, and the rest of the chain runs.
+    """List the files of the earlier dive's run that are read, if they are there.
+
+    Without them the step says why it cannot be done, and the rest of the chain runs.
     """
     earlier = settings.read("change", EarlierDive).earlier
     if earlier is None:
@@ -236,7 +242,7 @@ def files_of_earlier_dive(settings: StageSettings, package: Path) -> list[Path]:
 
 
 def why_not(settings: StageSettings, package: Path) -> str | None:
-    """Return why a dive is not compared with an earlier one; None where it is."""
+    """Say why a dive is not compared with an earlier one; None where it is."""
     if settings.read("change", EarlierDive).earlier is None:
         return "no earlier dive is named (change.earlier)"
     return "no CAD model was given" if settings["hull.mesh"] is None else None

@@ -17,6 +17,7 @@ from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.surface import Surface
+from hullrecon.rows import Rows
 from hullrecon.surface.gaussian import Kernel, fit_robust, maximise_likelihood
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.surface.tiles import MOST, Observations, cell_means, regress
@@ -36,7 +37,7 @@ LIKELIHOOD_POINTS = 400
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurfacePoints:
+class SurfacePoints(Rows):
     """Points (n) that the surface is regressed on, in the chart's frame, without outliers."""
 
     point: Array  # (n, 3)
@@ -128,7 +129,7 @@ def build_surface(
             where="surface",
             remedy="check hull.pose, dvl.mount and tray.origin",
         )
-    charted, observed = charted[known], _take(observed, known)
+    charted, observed = charted[known], observed.take(known)
     if datum is not None:
         charted[:, 2] = datum.to_chart(observed.point)[:, 2]
     grid = supported_lattice(charted[observed.gives_support, :2], GRID_STEP_M, options.reach_m)
@@ -204,15 +205,6 @@ def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart
     nothing = np.full(len(used), np.nan)
     return Surface(
         vertices=vertices, faces=faces, deviation=nothing, sigma=sigma[used], support=support[used]
-    )
-
-
-def _take(observed: SurfacePoints, which: Mask) -> SurfacePoints:
-    return SurfacePoints(
-        point=observed.point[which],
-        noise=observed.noise[which],
-        pose_sigma=observed.pose_sigma[which],
-        gives_support=observed.gives_support[which],
     )
 
 

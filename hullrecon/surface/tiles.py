@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.rows import Rows
 from hullrecon.surface.gaussian import Kernel, fit_robust
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Ints
 
 MOST = 6000  # observations of a tile, those around it among them: the regression is cubic in them
 MARGIN = 0.5  # of the kernel's lengths, around a tile
@@ -23,21 +24,13 @@ BLEND = 0.25  # of these, to either side of its border
 
 
 @dataclass(frozen=True, kw_only=True)
-class Observations:
+class Observations(Rows):
     """Means of returns over cells of the chart (n)."""
 
     at: Array  # (n, 2) m on the chart
     offset: Array  # (n,) m from the base surface
     noise: Array  # (n,) m
     count: Ints  # (n,) returns behind each
-
-    def take(self, which: Mask | Ints) -> Observations:
-        return Observations(
-            at=self.at[which],
-            offset=self.offset[which],
-            noise=self.noise[which],
-            count=self.count[which],
-        )
 
 
 def cell_means(at: Array, offset: Array, noise: Array, cell_m: float | Array) -> Observations:

@@ -4,18 +4,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from hullrecon.estimation.landmark_variance import variance_along_normals
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.records.solution import HullPose
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.rows import Rows
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurfaceLandmarks:
+class SurfaceLandmarks(Rows):
     """Landmarks (n) that measure the base surface, in its frame."""
 
     row: Ints  # (n,) in the Solution
@@ -27,12 +28,6 @@ class SurfaceLandmarks:
     common: Array  # (n,) m, what it shares with its neighbours: the dive's place on the hull
     covariance: Array  # (n, 3, 3)
     views: Ints  # (n,)
-
-    def __len__(self) -> int:
-        return len(self.row)
-
-    def take(self, which: Mask | Ints) -> SurfaceLandmarks:
-        return SurfaceLandmarks(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
 
 
 def measure_surface(

@@ -51,15 +51,13 @@ class CompressedTiles:
 
 @dataclass(kw_only=True)
 class TileStore:
-    """Tiles in the order of grid.tiles(size). small: RGBA (or LA) of the whole, reduced by
-    `reduction`.
-    """
+    """Tiles in the order of grid.tiles(size)."""
 
     grid: TexelGrid
     size: int
     channels: int
     reduction: int
-    small: NDArray[np.uint8]
+    small: NDArray[np.uint8]  # RGBA (or LA) of the whole, reduced by `reduction`
     histogram: NDArray[np.int64]  # of the variance, by VARIANCE_STEP up to 1024
     views: NDArray[np.int64]  # texels by number of views blended, 0 to 4
     color: CompressedTiles  # (size, size, channels + 1) uint8, the last is alpha
@@ -125,9 +123,15 @@ def make_tiles(
     make: Callable[[Window], Tile],
     progress: Any,
 ) -> TileStore:
-    """Make every tile, as many at a time as there are cores, up to MAX_AT_A_TIME; no more are in
-    memory uncompressed, and the result does not depend on it. make is called from several threads.
-    The small copy is reduced to max_pixels a side, or as often as `size` can be halved.
+    """Make every tile in threads, up to MAX_AT_A_TIME at a time.
+
+    No more are in memory uncompressed, and the result does not depend on it. The small copy is
+    reduced to max_pixels a side, or as often as `size` can be halved.
+
+    Parameters
+    ----------
+    make
+        called from several threads.
     """
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:

@@ -28,9 +28,7 @@ def by_triangles(
 
 
 def interpolate(at: Array, values: Array, wanted: Array) -> Array:
-    """Return values (m,) at (m, 2), linear on the Delaunay triangles of (n, 2); outside them the
-    nearest value.
-    """
+    """Interpolate values at (m, 2), linear on Delaunay triangles; outside, the nearest."""
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
     if len(at) < 4 or np.linalg.matrix_rank(at - at.mean(axis=0), tol=1e-6) < 2:
@@ -40,9 +38,7 @@ def interpolate(at: Array, values: Array, wanted: Array) -> Array:
 
 
 def scatter_sigma(at: Array, values: Array, neighbours: int = 6) -> float:
-    """Return one robust sigma of a value about the surface: its median distance from the mean of
-    its neighbours, scaled.
-    """
+    """Return one robust sigma of values about the mean of their neighbours."""
     count = min(neighbours, len(at) - 1)
     if count < 1:
         return 0.0
