@@ -146,7 +146,8 @@ class EarlierSteps:
             np.savez(navigate / "returns.npz", **to_arrays(self.returns))
         n = len(self.global_from_vehicle)
         track = Trajectory(
-            t_ns=np.arange(n), quaternion=self.global_from_vehicle.quaternion, translation=self.global_from_vehicle.translation,
+            t_ns=np.arange(n), quaternion=self.global_from_vehicle.quaternion,
+            translation=self.global_from_vehicle.translation,
             covariance=np.tile(1e-4 * np.eye(6), (n, 1, 1)), tray=np.zeros(n),
             image=np.full((n, 2), -1),
         )  # fmt: skip
