@@ -64,7 +64,7 @@ def compare_surveys(
     places = max(1, round(float(found.both.sum()) * options.cell_m**2 / options.min_area_m2))
     regions = changed_regions(found, places, options)
     # What that means for objects and for bare hull
-    on = ObjectComparison(
+    context = ObjectComparison(
         chart=chart,
         lattice=lattice,
         offset=offset,
@@ -72,7 +72,7 @@ def compare_surveys(
         options=options,
         places=places,
     )
-    objects = compare_objects(first, second, regions, on)
+    objects = compare_objects(first, second, regions, context)
     moves = surface_moves(found, regions, chart, lattice, offset, options)
     place = AddressSigma(
         along=float(np.sqrt(offset.prior_covariance[0, 0] / 2)), girth=0.05, depth=0.1

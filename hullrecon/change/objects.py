@@ -73,15 +73,12 @@ def compare_objects(
     pairs = match_objects(before, after, context)
     rows: list[ObjectChange] = []
     for region in regions:
-        for a, b in _at(_nearest(region, before, context), _nearest(region, after, context), pairs):
-            rows.append(
-                _describe_change(
-                    region,
-                    None if a is None else before[a],
-                    None if b is None else after[b],
-                    context,
-                )
-            )
+        for a, b in _objects_at(
+            _nearest(region, before, context), _nearest(region, after, context), pairs
+        ):
+            first_object = None if a is None else before[a]
+            second_object = None if b is None else after[b]
+            rows.append(_describe_change(region, first_object, second_object, context))
     rows = _join_parts(rows)
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
     left = [(a, pairs.get(a)) for a in range(len(before))] + [
@@ -89,10 +86,8 @@ def compare_objects(
     ]
     compared = len(left)
     for a, b in left:
-        first_object, second_object = (
-            None if a is None else before[a],
-            None if b is None else after[b],
-        )
+        first_object = None if a is None else before[a]
+        second_object = None if b is None else after[b]
         if (first_object and first_object.found.id in known[0]) or (
             second_object and second_object.found.id in known[1]
         ):
@@ -111,7 +106,9 @@ def compare_objects(
     return tuple(sorted(rows, key=lambda row: (order[row.status], -abs(row.change))))
 
 
-def _at(a: int | None, b: int | None, pairs: dict[int, int]) -> list[tuple[int | None, int | None]]:
+def _objects_at(
+    a: int | None, b: int | None, pairs: dict[int, int]
+) -> list[tuple[int | None, int | None]]:
     """Resolve which objects a changed region belongs to.
 
     Either a pair of one object, or what stands there in one survey only.
@@ -203,7 +200,7 @@ def _nearest(
     wide = binary_dilation(
         region.cells, iterations=max(1, round(context.options.edge_m / context.options.cell_m))
     )
-    shared = [int((wide & first_object.footprint).sum()) for first_object in moved]
+    shared = [int((wide & candidate.footprint).sum()) for candidate in moved]
     best = int(np.argmax(shared)) if shared else 0
     return best if shared and shared[best] >= 4 else None
 
