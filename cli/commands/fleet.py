@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from hullrecon.api.fleet import FleetDive, FleetResult, preview_fleet, run_fleet
-from hullrecon.api.fleet.text import one_line
+from hullrecon.api.fleet.packages import one_line
 from hullrecon.artifacts.progress import choose_progress
 
 from ..dives import FOLDER, allow_outside_option, runs_option

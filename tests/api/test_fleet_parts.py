@@ -17,11 +17,18 @@ import pytest
 from end_to_end.json_schema import violations
 
 from hullrecon.api.fleet import preview_fleet, processes
-from hullrecon.api.fleet.listing import list_folder, program_signature
 from hullrecon.api.fleet.outcome import FleetDive, FleetResult
-from hullrecon.api.fleet.packages import MAX_BYTES, Skipped, find_packages, read_name
+from hullrecon.api.fleet.packages import (
+    MAX_BYTES,
+    Skipped,
+    as_utf8,
+    find_packages,
+    list_folder,
+    one_line,
+    program_signature,
+    read_name,
+)
 from hullrecon.api.fleet.processes import run_each
-from hullrecon.api.fleet.text import as_utf8, one_line
 from hullrecon.artifacts.documents import encode
 from hullrecon.errors import HullreconError, InputError, UsageError
 
@@ -217,7 +224,7 @@ def test_the_signature_of_the_program_is_that_of_its_code(
 ) -> None:
     assert program_signature() == program_signature()
     before = program_signature()
-    monkeypatch.setattr("hullrecon.api.fleet.listing.version", lambda: "another")
+    monkeypatch.setattr("hullrecon.api.fleet.packages.version", lambda: "another")
     assert program_signature() != before
 
 
