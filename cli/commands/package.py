@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""init and check: write the dive.toml of a package, and check a package, a bare log or the folder
-of a run.
-"""
+"""init and check: write a dive.toml, and check a package, a bare log or the folder of a run."""
 
 from __future__ import annotations
 
@@ -214,9 +212,7 @@ def check(context: click.Context, target: Path, read_data: bool) -> None:
 
 @contextmanager
 def _verdict_in_any_case() -> Iterator[None]:
-    """End with a verdict too where an error came before it: of a dive.toml with a mistake, of what
-    holds no log.
-    """
+    """End with a verdict where an error came before it, such as a mistake in dive.toml."""
     try:
         yield
     except HullreconError as error:
@@ -232,7 +228,8 @@ def _check_run(folder: Path, read_data: bool) -> None:
 
     found = check_workspace(Workspace(folder), NAMES, read_data=read_data)
     how = "read" if read_data else "looked at"
-    summary = f"{found.artifacts} artifacts, {found.files} files {how}, {found.read_bytes / 1e6:.1f} MB, {len(found.damaged)} damaged"
+    summary = f"{found.artifacts} artifacts, {found.files} files {how}"
+    summary += f", {found.read_bytes / 1e6:.1f} MB, {len(found.damaged)} damaged"
     document = {
         "artifacts": found.artifacts,
         "files": found.files,
