@@ -157,8 +157,10 @@ def test_a_dive_toml_that_is_no_file_of_the_folder_is_refused_without_opening_it
 @pytest.mark.parametrize(
     "text",
     [
-        "x = [", "", "[dive]", "dive = 3", "[dive]\nname = 3", '[dive]\nname = ".."', '[dive]\nname = "a\\n"', b"\xff\xfe",
-        "a = " + "[" * 3000, "a = " + "9" * 9000, '[dive]\nname = "$(touch here)"', "[[dive]]\nname = 'a'",
+        "x = [", "", "[dive]", "dive = 3", "[dive]\nname = 3", '[dive]\nname = ".."',
+        '[dive]\nname = "a\\n"', b"\xff\xfe",
+        "a = " + "[" * 3000, "a = " + "9" * 9000, '[dive]\nname = "$(touch here)"',
+        "[[dive]]\nname = 'a'",
     ],
 )  # fmt: skip
 def test_a_dive_toml_without_a_valid_name_has_none(text: str | bytes, dives: Path) -> None:
@@ -296,7 +298,8 @@ def test_a_document_lists_the_deliverables_of_what_is_up_to_date_alone(
         ("""print('{"error": {"message": "no IMU"}}'); raise SystemExit(3)""", 3, "no IMU"),
         ("print('[1, 2'); raise SystemExit(3)", 3, "it said nothing"),
         (
-            "print('[1, 2]'); import sys; print('one\\ntwo\\n', file=sys.stderr); raise SystemExit(1)",
+            "print('[1, 2]'); import sys; print('one\\ntwo\\n', file=sys.stderr);"
+            " raise SystemExit(1)",
             1,
             "two",
         ),

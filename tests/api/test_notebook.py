@@ -36,7 +36,8 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
 
 
 def test_importing_the_package_loads_neither_numpy_nor_a_step() -> None:
-    code = "import sys, hullrecon; print([m for m in sys.modules if m in ('numpy', 'hullrecon.api', 'hullrecon.steps')])"
+    heavy = ("numpy", "hullrecon.api", "hullrecon.steps")
+    code = f"import sys, hullrecon; print([m for m in sys.modules if m in {heavy}])"
     said = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     ).stdout
