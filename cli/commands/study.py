@@ -9,7 +9,6 @@ from pathlib import Path
 
 import click
 
-from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.progress import choose_progress
 
 from ..dives import FOLDER, allow_outside_option, open_dive, runs_option, set_option
@@ -41,40 +40,54 @@ def list_studies() -> None:
     state_of().emit(document, (f"{s.id:15} {s.shows} {s.source}" for s in STUDIES))
 
 
-@study.command()
-@click.argument("package", type=FOLDER)
-@_JOBS
-@set_option
-@runs_option
-@allow_outside_option
-def methods(
-    package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
-) -> None:
+def _table_command(name: str, about: str) -> click.Command:
+    """Make the command of a study that ends in a table."""
+
+    @click.argument("package", type=FOLDER)
+    @_JOBS
+    @set_option
+    @runs_option
+    @allow_outside_option
+    def run(
+        package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
+    ) -> None:
+        from hullrecon.evaluation.scoring.score import without_nan
+        from hullrecon.studies import run_studies
+
+        dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
+        progress = choose_progress(quiet=state_of().quiet)
+        (found,) = run_studies(dive, [name], jobs=jobs, progress=progress)
+        state_of().emit(without_nan(found.values), _table(found.heads, found.rows))
+
+    return study.command(name, help=about)(run)
+
+
+methods = _table_command(
+    "methods",
     """Compare naive, geva and maxmix on one simulated dive, in one table.
 
     Each is solved as published and as weighted by us. The steps before `adjust` run once if they
     are out of date; `adjust` runs six times. As published is one solve from the registration on,
     without a deviation field, outliers left to the Huber loss.
-    """
-    _print_table("methods", open_dive(package, runs, overrides, allow_outside=allow_outside), jobs)
-
-
-@study.command()
-@click.argument("package", type=FOLDER)
-@_JOBS
-@set_option
-@runs_option
-@allow_outside_option
-def surfaces(
-    package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
-) -> None:
+    """,
+)
+surfaces = _table_command(
+    "surfaces",
     """Compare surfaces as the sources make them with the product's, on one simulated dive.
 
     The DVL's surface by linear interpolation, by the radial kernel and Wendland's, and without the
     CAD model as reference; the hull as found by fusion along rays. The chain runs up to `detect` if
     it is out of date, `surface` five times more, `detect` once more.
-    """
-    _print_table("surfaces", open_dive(package, runs, overrides, allow_outside=allow_outside), jobs)
+    """,
+)
+links = _table_command(
+    "links",
+    """Compare links of images as the sources find and guard them with the product's.
+
+    With Harris corners beside SIFT features, guarded by switches, and without a guard. The chain
+    runs up to `links` if it is out of date, `features` once more and `links` three times.
+    """,
+)
 
 
 @study.command()
@@ -106,17 +119,8 @@ def figures(
     state_of().emit({"folder": str(folder), "figures": {f.name: f.caption for f in drawn}}, lines)
 
 
-for _command in (list_studies, methods, surfaces, figures):
+for _command in (list_studies, methods, surfaces, links, figures):
     add_common_options(_command)
-
-
-def _print_table(name: str, dive: DiveRun, jobs: int) -> None:
-    from hullrecon.evaluation.scoring.score import without_nan
-    from hullrecon.studies import run_studies
-
-    progress = choose_progress(quiet=state_of().quiet)
-    (found,) = run_studies(dive, [name], jobs=jobs, progress=progress)
-    state_of().emit(without_nan(found.values), _table(found.heads, found.rows))
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterable[str]:

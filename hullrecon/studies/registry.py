@@ -84,6 +84,14 @@ def _compare_surfaces(given: StudyDive) -> StudyResult:
     return _table(values, heads, rows)
 
 
+def _compare_links(given: StudyDive) -> StudyResult:
+    from hullrecon.studies.matching.comparison import compare_links, link_table
+
+    values = compare_links(given.dive, given.truth, given.run_context)
+    heads, rows = link_table(values)
+    return _table(values, heads, rows)
+
+
 def _draw_methods(given: StudyDive) -> StudyResult:
     from hullrecon.studies.methods.figures import draw_method_figures
 
@@ -126,6 +134,12 @@ STUDIES = (
         source="[Ozog2016 3.2.2, 4.3.3 Algorithm 5]",
         shows="the DVL's surface by other kernels, references and interpolation; fusion by rays",
         run=_compare_surfaces,
+    ),
+    Study(
+        id="links",
+        source="[KimEustice2009 III-A; SunderhaufProtzel2012]",
+        shows="links with corners beside SIFT features, with switches for a guard, and unguarded",
+        run=_compare_links,
     ),
     Study(
         id="method-figures",

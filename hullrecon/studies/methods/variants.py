@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, cast
 
 import msgspec
@@ -110,14 +112,25 @@ def find_objects(dive: DiveRun, run_context: RunContext) -> None:
 
 
 def build_step(
-    name: str, chain: Chain, upstream: Workspace, target: Workspace, run_context: RunContext
+    name: str,
+    chain: Chain,
+    upstream: Workspace,
+    target: Workspace,
+    run_context: RunContext,
+    replaced: Mapping[str, Path] = MappingProxyType({}),
 ) -> None:
-    """Bring one step up to date in another workspace than that of its inputs."""
+    """Bring one step up to date in another workspace than that of its inputs.
+
+    Parameters
+    ----------
+    replaced
+        inputs that are not those of `upstream`, by step.
+    """
     stage = chain.stage(name)
     job = make_job(
         stage,
         chain.sections,
-        inputs_of(stage, chain, upstream, chain.skip_reasons()),
+        {**inputs_of(stage, chain, upstream, chain.skip_reasons()), **replaced},
         chain.package,
         run_context.hashes,
     )
