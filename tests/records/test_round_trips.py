@@ -17,6 +17,7 @@ from records.every_record import SHAPES, random_record
 from hullrecon.artifacts.stage import load_arrays
 from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.geometry.poses import Poses
+from hullrecon.native import PlanePairTable, PlaneRangeTable, PlaneTable
 from hullrecon.records import planes, sensors, solution, surface, tracks, trajectory
 from hullrecon.records.sensors import PressureSamples, SensorRecords
 from hullrecon.records.serialisation import from_arrays, to_arrays
@@ -93,7 +94,7 @@ def test_every_record_of_arrays_is_tried() -> None:
     }
     # made of a Solution or a Trajectory, and not stored
     assert defined - set(SHAPES) == {trajectory.VehicleTrack}
-    assert set(SHAPES) - defined == {Poses}
+    assert set(SHAPES) - defined == {Poses, PlaneTable, PlaneRangeTable, PlanePairTable}
 
 
 def test_the_shapes_tried_are_those_of_all_fields() -> None:
