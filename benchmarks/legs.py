@@ -83,9 +83,8 @@ def hullrecon(*words: str) -> int:
 
 
 def simulate(name: str, seed: int, drift: float, folder: Path, like: Path | None = None) -> Path:
-    """Simulate the package unless it exists.
-
-    like: a package of the same dive and seed with another drift, which has the same images.
+    """Return the package, made once. like: one of the same dive and seed with another drift, which
+    has the same images.
     """
     package = folder / f"{name}-{seed}-{drift:g}"
     if (package / "truth").exists():
@@ -204,13 +203,13 @@ def cast(surface: Scene, origin: Array, direction: Array) -> Array:
 
 
 def matched(run: Path, first: Ints, second: Ints, nodes: int) -> Mask:
-    """Mark the pairs that were compared, and those kept."""
+    """Return which of those pairs were compared and kept."""
     pairs = LinksArtifact(run / "links").pairs
     return np.isin(first * nodes + second, (pairs.first * nodes + pairs.second)[pairs.joined])
 
 
 def figures(run: Path, package: Path) -> Figures:
-    """Score one run."""
+    """Return the figures of one run."""
     truth = read_truth(package)
     said = json.loads((run / "adjust" / "adjust.json").read_text())
     navigate, links = (
@@ -234,7 +233,7 @@ def figures(run: Path, package: Path) -> Figures:
 
 
 def dive(package: Path, folder: Path, free: bool) -> Figures:
-    """Score one dive with its CAD model and, if asked, without."""
+    """Return the figures of one dive, with its CAD model and, where asked for, without."""
     runs = folder / "runs"
     run = runs / package.name
     if not run_to_adjust(package, runs):
@@ -256,7 +255,7 @@ def dive(package: Path, folder: Path, free: bool) -> Figures:
 
 
 def line(name: str, row: Figures) -> str:
-    """Format one dive's figures as a line."""
+    """Return one dive's figures as a line."""
     if row.get("failed"):
         return f"{name}: FAILED"
     sigmas = " ".join(f"{x:.2f}" for x in row.get("errors_in_sigmas", []))

@@ -34,7 +34,7 @@ from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.adjustment.rounds import RoundSolver, Stage
 from hullrecon.dive.config import schema
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.hull.pose_guess import guess_sigma
+from hullrecon.dive.config.mounts import guess_sigma
 from hullrecon.errors import StageError
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.geometry import poses
@@ -61,7 +61,7 @@ SHIPS = ((30.0, 6.5, 4.0, 1.0), (90.0, 15.0, 9.0, 2.0), (50.0, 12.0, 5.5, 2.6))
 
 
 def measurements(package: Path, run: Path) -> tuple[Measurements, AdjustOptions]:
-    """Read the inputs of a run's adjustment."""
+    """Return what the adjustment of a run was given."""
     config = load_config(package, {stage.name: stage.parameters for stage in stages()})
     ingest, navigate = IngestArtifact(run / "ingest"), NavigateArtifact(run / "navigate")
     hull = config.value("hull")
@@ -188,7 +188,7 @@ def cases(
 def outcome(
     path: Stage, measured: Measurements, solver: RoundSolver, truth: Truth
 ) -> dict[str, object]:
-    """Adjust a dive with one model and return the outcome."""
+    """Return what became of one model."""
     assert measured.cad_model is not None
     estimate = replace(path.estimate, measured=replace(measured, rig=path.estimate.measured.rig))
     on_path = replace(path, estimate=estimate)

@@ -24,17 +24,21 @@ _LONG = 100  # characters of a path that is shown
 
 @dataclass(kw_only=True)
 class CallState:
-    """How much this call of the program says, and in which form."""
+    """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes.
+    is_emitted: the result has been printed, one document with --json.
+    """
 
     verbose: bool = False
     quiet: bool = False
     json: bool = False
     log_file: Path | None = None
-    workspace: Path | None = None  # RUNS/<dive> once it is known, where a fault's traceback goes
-    is_emitted: bool = False  # the result has been printed
+    workspace: Path | None = None
+    is_emitted: bool = False
 
     def emit(self, document: object, lines: Iterable[str]) -> None:
-        """Print the result: the document with --json, else the lines, nothing when quiet."""
+        """Print the result on standard output: the document with --json, else the lines, nothing
+        when quiet.
+        """
         self.is_emitted = True
         if self.json:
             from hullrecon.artifacts.documents import encode
@@ -71,7 +75,9 @@ class _MessageFormatter(logging.Formatter):
 
 
 def configure_logging(state: CallState) -> None:
-    """Log to standard error as --quiet and --verbose ask, and everything to the log file."""
+    """Set up logging: standard error as --quiet and --verbose ask, the log file with everything and
+    the time.
+    """
     logger = logging.getLogger("hullrecon")
     for handler in logger.handlers[:]:
         logger.removeHandler(handler)
@@ -111,9 +117,8 @@ class _LogFile(logging.FileHandler):
 
 
 def _file_handler(path: Path) -> logging.Handler:
-    """Open the log file.
-
-    Raises UsageError where its folder does not exist, StorageError where it is refused.
+    """Return the handler of a log file. Raises UsageError where its folder does not exist,
+    StorageError where it is refused.
     """
     try:
         handler = _LogFile(path, encoding="utf-8", errors="backslashreplace")
@@ -133,7 +138,9 @@ def _file_handler(path: Path) -> logging.Handler:
 
 
 def add_common_options(command: click.Command) -> None:
-    """Add --verbose, --quiet, --json and --log-file, which may stand before the command too."""
+    """Add --verbose, --quiet, --json and --log-file to a command too, so that they may stand at
+    either place.
+    """
     taken = {name for parameter in command.params for name in parameter.opts}
     for option in common_options():
         if not taken.intersection(option.opts):

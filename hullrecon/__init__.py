@@ -10,9 +10,11 @@ What reproduces the sources is in hullrecon.studies.
 from importlib import import_module
 
 _FUNCTIONS = {  # name: the module that defines it
+    "check": "hullrecon.api.package",
     "diff": "hullrecon.api.change",
     "evaluate": "hullrecon.api.dive_run",
     "export_colmap": "hullrecon.api.export",
+    "init": "hullrecon.api.package",
     "open_dive": "hullrecon.api.dive_run",
     "run": "hullrecon.api.dive_run",
 }

@@ -19,18 +19,18 @@ import numpy as np
 
 from benchmarks.fuzz.seed_files import HEIGHT, WIDTH
 from benchmarks.fuzz.seed_messages import TOPICS
-from hullrecon.dive.config import bounded_yaml
+from hullrecon.dive.config import yaml_files
 from hullrecon.dive.config.calibration import read_camera
-from hullrecon.dive.config.config_template import fill_template
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.hull.load import read_hull
-from hullrecon.dive.images.integrity import size_of
-from hullrecon.dive.images.store import decode
+from hullrecon.dive.images.encoded import check_image, decode
 from hullrecon.dive.ingest import IngestRequest, ingest
+from hullrecon.dive.init.log_summary import summarise_logs
+from hullrecon.dive.init.template import fill_template
 from hullrecon.dive.logs.ping_spool import PingStorage
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.streams import PressureModel, keep_in_memory
-from hullrecon.dive.logs.summary import summarise_logs
+from hullrecon.findings.finding import Finding, sentences
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.chain import stages
 
@@ -78,7 +78,7 @@ def read_log(folder: Path, name: str) -> Reading:
     parts = [("", np.frombuffer(b"".join(f.getvalue() for f in kept.values()), np.uint8))]
     for key, record in {**found.records.by_name(), **found.images}.items():
         parts += [(f"{key}.{field}", array) for field, array in to_arrays(record).items()]
-    return Reading(_digest(parts), frozenset([*found.lost, *found.remarks]))
+    return Reading(_digest(parts), frozenset(sentences([*found.lost, *found.notes])))
 
 
 def look_into_log(folder: Path, name: str) -> Reading:
@@ -95,7 +95,7 @@ def look_into_log(folder: Path, name: str) -> Reading:
     lines = [*found.lines(), text]
     return Reading(
         hashlib.sha256("\n".join(lines).encode()).hexdigest(),
-        frozenset([*found.lost, *found.remarks]),
+        frozenset(sentences([*found.lost, *found.notes])),
     )
 
 
@@ -115,17 +115,18 @@ def read_calibration(folder: Path, name: str) -> Reading:
 
 def read_cad_model(folder: Path, name: str) -> Reading:
     """Read a CAD model: what is said of it beyond its size counts as said."""
-    messages: list[str] = []
-    mesh = read_hull(folder / name, "m", messages)
+    notes: list[Finding] = []
+    mesh = read_hull(folder / name, "m", notes)
     return Reading(
-        _digest([("vertices", mesh.vertices), ("faces", mesh.faces)]), frozenset(messages[1:])
+        _digest([("vertices", mesh.vertices), ("faces", mesh.faces)]),
+        frozenset(sentences(notes[1:])),
     )
 
 
 def read_image(folder: Path, name: str) -> Reading:
     """Read an image: a damaged one is said to be damaged by the count of the images left out."""
     encoded = (folder / name).read_bytes()
-    size = size_of(encoded, (WIDTH, HEIGHT))
+    size = check_image(encoded, (WIDTH, HEIGHT)).size
     image = decode(encoded) if size == (WIDTH, HEIGHT) else None
     if image is None:
         return Reading("", frozenset(["the image is left out"]))
@@ -137,7 +138,7 @@ def parse_each_yaml_once() -> None:
     """Keep what YAML holds by its text in this process: a damaged log comes with the same sound
     calibration each time.
     """
-    bounded_yaml.parse_yaml = lru_cache(maxsize=32)(bounded_yaml.parse_yaml)
+    yaml_files.parse_yaml = lru_cache(maxsize=32)(yaml_files.parse_yaml)
 
 
 def _digest(parts: Iterable[tuple[str, np.ndarray]]) -> str:

@@ -203,7 +203,9 @@ def refuse_unknown(steps: Sequence[str], names: Sequence[str]) -> None:
 
 
 def delivery_lines(deliver: Path) -> list[str]:
-    """Return the findings and the paths of report and deliverables, if there are any."""
+    """Return the findings of the report and the paths of report and deliverables; none when nothing
+    is delivered.
+    """
     if not deliver.is_dir():
         return []
     report = deliver / "report" / "index.html"
@@ -212,7 +214,9 @@ def delivery_lines(deliver: Path) -> list[str]:
 
 
 def _findings(summary: Path) -> list[str]:
-    """Return the sentences at the head of the report, if its summary can be read."""
+    """Return the sentences at the head of the report; none when the summary is missing or of
+    another form.
+    """
     try:
         lines = json.loads(summary.read_text(encoding="utf-8"))["summary"]
     except (OSError, ValueError, KeyError, TypeError):

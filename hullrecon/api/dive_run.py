@@ -208,11 +208,11 @@ def evaluate(run: Path | str, package: Path | str) -> Score:
 
 def _warn_of_defaults(dive: DiveRun) -> None:
     """Log a warning for each lever arm, mount and calibration that dive.toml leaves open."""
-    from hullrecon.dive.check.to_fill_in import configured_sensors, to_fill_in
+    from hullrecon.dive.check.requirements import configured_sensors, to_fill_in
 
     if dive.config is not None:
-        for line in to_fill_in(dive.config, configured_sensors(dive.config)):
-            log.warning("%s", line)
+        for finding in to_fill_in(dive.config, configured_sensors(dive.config)):
+            log.warning("%s", finding.sentence)
 
 
 def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | None) -> None:
@@ -242,7 +242,7 @@ def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | Non
 
 
 def _refuse_wrong_bow(dive: DiveRun) -> None:
-    from hullrecon.dive.check.bow import describe_bow
+    from hullrecon.dive.check.hull_checks import describe_bow
     from hullrecon.dive.config.schema import Hull
     from hullrecon.dive.hull.load import read_hull
 

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Export the undistorted images of a finished run with their COLMAP model."""
+"""export: the undistorted images of a finished run with their COLMAP model, which deliver/ is not
+to be filled with.
+"""
 
 from __future__ import annotations
 
@@ -35,26 +37,28 @@ SOURCES = "__auto__, 20"  # COLMAP's own setting: the 20 images that share most 
 
 @dataclass(frozen=True, kw_only=True)
 class ExportedModel:
-    """What was written, in numbers."""
+    """What was written: numbers of images, points and observations, and how many of these the
+    smaller images lost.
+    """
 
     folder: Path
     images: int
     points: int
     observations: int
-    lost_observations: int  # outside the undistorted images, which show less
+    lost_observations: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImageWork:
-    """One image to resample."""
+    """One image to resample: its row in a camera's index, and its new name."""
 
     store: ImageStore
-    row: int  # in the camera's index
+    row: int
     undistortion: Undistortion
-    name: str  # its new one
+    name: str
 
     def encoded(self) -> bytes:
-        """Undistort the image, as JPEG. Raises InputError where it cannot be read any more."""
+        """Return the undistorted image as JPEG. Raises InputError where it cannot be read any more."""
         import cv2
 
         image = self.store.read(self.row)
@@ -78,22 +82,12 @@ def export_colmap(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> ExportedModel:
-    """Write a COLMAP workspace of a finished run (RUNS/<dive>) into a new or empty folder.
+    """Write a COLMAP workspace of a finished run (RUNS/<dive>): undistorted images, the model with
+    pinhole cameras, and what COLMAP's stereo asks for. The folder must be new or empty and appears
+    when all of it is written. jobs: worker processes, all cores for None.
 
-    It holds undistorted images, the model with pinhole cameras, and what COLMAP's stereo asks for,
-    and appears when all of it is written.
-
-    Parameters
-    ----------
-    jobs
-        Worker processes, all usable cores if None.
-
-    Raises
-    ------
-    InputError
-        The run is not finished, has no camera, or its images are gone.
-    StorageError
-        The folder is not empty or cannot be written.
+    Raises InputError when the run is not finished, has no camera, or its images are gone;
+    StorageError when the folder is not empty or cannot be written.
     """
     from hullrecon.adjustment.results.undistorted_model import undistort_model
 
@@ -156,7 +150,9 @@ def _work_of(
 
 
 def _write_stereo(folder: Path, names: Sequence[str]) -> None:
-    """Write what COLMAP's patch_match_stereo and stereo_fusion read, and the folders they fill."""
+    """Write the lists that COLMAP's patch_match_stereo and stereo_fusion read, and the folders that
+    they fill.
+    """
     for name in STEREO:
         (folder / name).mkdir(parents=True)
     (folder / "patch-match.cfg").write_text("".join(f"{name}\n{SOURCES}\n" for name in names))

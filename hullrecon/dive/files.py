@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read files that other people wrote: regular files only, and no more of them than they may hold."""
+"""Read files that other people wrote: regular files only, up to a largest size."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ KINDS = (
 
 
 def open_regular(path: Path) -> BinaryIO:
-    """Return the file, opened to be read.
+    """Open a file to be read.
 
     Raises OSError, without waiting, for what cannot be opened and for a FIFO, a socket or a device.
     """
@@ -41,21 +41,21 @@ def open_regular(path: Path) -> BinaryIO:
     return stream
 
 
-def special_kind(path: Path) -> str:
-    """Return "a FIFO", "a socket" or "a device" for what is none of file and folder; "" for those
-    and for what is not there.
-    """
-    try:
-        mode = path.stat().st_mode
-    except (OSError, ValueError):
-        return ""
+def special_kind(mode: int) -> str:
+    """Name what a file's mode says it is: "a FIFO", "a socket", "a device"; "" for all others."""
     return next((kind for is_kind, kind in KINDS if is_kind(mode)), "")
 
 
+def special_file(path: Path) -> str:
+    """Name what lies at a path if that is neither file nor folder; "" for what is not there."""
+    try:
+        return special_kind(path.stat().st_mode)
+    except (OSError, ValueError):
+        return ""
+
+
 def read_regular(path: Path, largest_bytes: int) -> bytes:
-    """Return the bytes of a file. Raises OSError as open_regular does, and for a file of more than
-    `largest_bytes`.
-    """
+    """Read a file; OSError as of open_regular, and for a file of more than `largest_bytes`."""
     with open_regular(path) as stream:
         size = os.fstat(stream.fileno()).st_size
         if size > largest_bytes:
@@ -70,7 +70,7 @@ def read_regular(path: Path, largest_bytes: int) -> bytes:
 
 
 def read_text(path: Path, largest_bytes: int) -> str:
-    """Return the text of a UTF-8 file, its line ends as newlines.
+    """Read a UTF-8 file, its line ends as newlines.
 
     Raises OSError as read_regular does, and UnicodeDecodeError.
     """
@@ -83,8 +83,7 @@ def too_large(path: Path, largest_bytes: int) -> OSError:
 
 
 def gunzip(data: bytes, largest_bytes: int) -> bytes:
-    """Return the unpacked bytes of a gzip file, its checksums compared. They are counted before
-    they are kept.
+    """Unpack a gzip file, comparing its checksums; bytes are counted before they are kept.
 
     Raises ValueError when the file is damaged or holds more than `largest_bytes`.
     """
@@ -102,6 +101,6 @@ def gunzip(data: bytes, largest_bytes: int) -> bytes:
 
 
 def _refuse_special(path: Path, found: os.stat_result) -> None:
-    for is_kind, name in KINDS:
-        if is_kind(found.st_mode):
-            raise OSError(errno.EINVAL, f"it is {name}, not a file", str(path))
+    kind = special_kind(found.st_mode)
+    if kind:
+        raise OSError(errno.EINVAL, f"it is {kind}, not a file", str(path))

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hold a dive package to its own folder: what dive.toml and the tables name must be files that lie
-inside it.
-"""
+"""Hold a dive package to its folder: what dive.toml and tables name must be files inside it."""
 
 from __future__ import annotations
 
@@ -11,8 +9,8 @@ from pathlib import Path
 
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
-from hullrecon.dive.files import special_kind
-from hullrecon.dive.images.header import IMAGE_SUFFIXES
+from hullrecon.dive.files import special_file
+from hullrecon.dive.images.encoded import IMAGE_SUFFIXES
 from hullrecon.dive.logs.readers.file_log import require_regular_file
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.plain import PlainLog
@@ -29,27 +27,28 @@ REMEDY = "put it into the package, or give --allow-outside if you trust who wrot
 def check_files(
     loaded: LoadedConfig, *, allow_outside: bool = False, trusted_keys: Collection[str] = ()
 ) -> None:
-    """Raise InputError, with the key, for a file of a package that is a FIFO, a socket or a device,
-    or that lies outside of it.
+    """Raise InputError, with the key, for special files and for files outside the package.
 
-    Links are followed. allow_outside: files may lie anywhere; so may those of trusted_keys, which
-    the package did not set. Files that are missing are left to their readers. Reads nothing but
-    tables.
+    Links are followed. Files that are missing are left to their readers. Only tables are read.
+
+    Parameters
+    ----------
+    loaded : the configuration
+    allow_outside : files may lie anywhere
+    trusted_keys : keys that the package did not set, whose files may lie anywhere
     """
     for key, path in _named_files(loaded):
         _check_file(key, path, loaded.package, allow_outside or key in trusted_keys)
 
 
 def check_log(path: Path, root: Path, *, allow_outside: bool = False) -> None:
-    """Raise InputError, as check_files does, for a log in the folder `root` and for what its own
-    folder and tables name.
-    """
+    """Raise InputError, as check_files does, for a log in the folder `root` and its files."""
     for key, file in _files_of_log("the log", path, root):
         _check_file(key, file, root, allow_outside)
 
 
 def _check_file(key: str, path: Path, package: Path, allow_outside: bool) -> None:
-    kind = special_kind(path)
+    kind = special_file(path)
     if kind:
         raise InputError(
             f"{key} names {kind}, not a file: {shorten(path.name)}",
@@ -61,8 +60,9 @@ def _check_file(key: str, path: Path, package: Path, allow_outside: bool) -> Non
 
 
 def lies_inside(path: Path, package: Path) -> bool:
-    """Return whether a file, its links followed, lies in the package's folder; a name that no file
-    can have does.
+    """Tell whether a file, its links followed, lies in the package's folder.
+
+    So does a name that no file can have: its reader says what is wrong.
     """
     try:
         return path.resolve().is_relative_to(package.resolve())
@@ -72,9 +72,9 @@ def lies_inside(path: Path, package: Path) -> bool:
 
 
 def log_files(package: Path, name: str) -> list[Path]:
-    """Return the files of one log, relative to the package where they lie in it. Of a folder only
-    those that are read: a run may keep its own folder below it. Raises InputError for a folder that
-    holds no log.
+    """List the files of one log that are read, relative to the package where they lie in it.
+
+    Raises InputError for a folder that holds no log.
     """
     folder = package / name
     try:
@@ -97,9 +97,7 @@ def log_files(package: Path, name: str) -> list[Path]:
 
 
 def named_images(package: Path, logs: Collection[str]) -> list[Path]:
-    """Return the image files that the tables of a package's logs name, relative to the package
-    where they lie in it.
-    """
+    """List the image files that tables name, relative to the package where they lie in it."""
     tables = [PlainLog(package / name, package) for name in logs if _is_folder(package / name)]
     return sorted(
         file
@@ -129,17 +127,13 @@ def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
 
 
 def logo_of(loaded: LoadedConfig) -> str | None:
-    """Return the file that [report] names as logo; None where it names none, or the chain has no
-    such section.
-    """
+    """Return the file that [report] names as logo, if any."""
     logo: object = getattr(loaded.sections.get("report"), "logo", None)
     return logo if isinstance(logo, str) else None
 
 
 def earlier_dive_of(loaded: LoadedConfig) -> str | None:
-    """Return the run that [change] names; None where it names none, or the chain has no such
-    section.
-    """
+    """Return the run that [change] names, if any."""
     earlier: object = getattr(loaded.sections.get("change"), "earlier", None)
     return earlier if isinstance(earlier, str) else None
 
@@ -152,7 +146,7 @@ def _files_of_run(key: str, run: Path) -> Iterator[tuple[str, Path]]:
 
 
 def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Path]]:
-    """Yield a log, what lies in its folder, and then what its tables name, each before it is read."""
+    """Yield a log, what its folder holds, and what its tables name, each before it is read."""
     yield key, log
     if not _is_folder(log):
         yield key, write_ahead_log(log)
@@ -183,7 +177,7 @@ def _is_plain(folder: Path, package: Path) -> bool:
 
 
 def _shown(path: Path, package: Path) -> str:
-    """Return a path as the package names it, and where it leads if that is by a link."""
+    """Show a path as the package names it, and where it leads if it is a link."""
     name = str(path.relative_to(package)) if path.is_relative_to(package) else str(path)
     return (
         f"{shorten(name, 100)} (a link to {shorten(str(path.resolve()), 100)})"

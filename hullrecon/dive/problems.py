@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stop at the first part of a package that cannot be used, as a run does, or go on and list all of
-them, as `check` does.
-"""
+"""Stop at the first part of a package that cannot be used, as a run does, or list them all."""
 
 from __future__ import annotations
 
@@ -10,14 +8,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 
 
 class Problems:
-    """found: what could not be used, in the order of reading; empty where the first one is raised."""
+    """Raises the first InputError, or collects all of them for `check`."""
 
     def __init__(self, *, go_on: bool = False) -> None:
         self._go_on = go_on
-        self.found: list[InputError] = []
+        self.found: list[Finding] = []  # what could not be used, in the order of reading
 
     @contextmanager
     def collect(self) -> Iterator[None]:
@@ -27,5 +26,7 @@ class Problems:
         except InputError as error:
             if not self._go_on:
                 raise
-            if all(error.line() != known.line() for known in self.found):
-                self.found.append(error)
+            values = {"what": error.what, "where": error.where, "remedy": error.remedy}
+            finding = Finding("unusable", values)
+            if finding not in self.found:
+                self.found.append(finding)

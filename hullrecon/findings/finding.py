@@ -8,18 +8,23 @@ tables of this package (one module a subject), for `check`, the log and the repo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from hullrecon.findings import sensors
+from hullrecon.findings import logs, package, sensors
+from hullrecon.findings.logs import Words
 
 # error: no run is possible; warning: a run goes on, and its result may be wrong;
 # note: what was read, assumed, repaired or lost
 Severity = Literal["error", "warning", "note"]
-# a template for str.format, or a function where the sentence depends on the values
-Words = str | Callable[..., str]
-TABLES: tuple[tuple[Severity, Mapping[str, Words]], ...] = (("warning", sensors.WARNINGS),)
+TABLES: tuple[tuple[Severity, Mapping[str, Words]], ...] = (
+    ("error", package.ERRORS),
+    ("warning", package.WARNINGS),
+    ("warning", sensors.WARNINGS),
+    ("note", package.NOTES),
+    ("note", logs.NOTES),
+)
 SEVERITY: Mapping[str, Severity] = {code: level for level, table in TABLES for code in table}
 WORDS: Mapping[str, Words] = {code: words for _, table in TABLES for code, words in table.items()}
 

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
-WARNINGS = {
+from hullrecon.findings.logs import Words
+
+WARNINGS: dict[str, Words] = {
     "clocks-apart": "{stream} and {other} do not overlap in time: one of the clocks is off by "
     "{seconds:.1f} s or more",
     "imu-single-reading": "the IMU gave a single reading, which tells no attitude",

@@ -24,7 +24,7 @@ class LogFindings(StepDocument, frozen=True):
 
     lost: tuple[str, ...] = ()
     hull: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 class NavigationFacts(StepDocument, frozen=True):

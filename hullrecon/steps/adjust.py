@@ -22,7 +22,7 @@ from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.artifacts.machine import refuse_small_address_space
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.dive.config import schema
-from hullrecon.dive.hull.pose_guess import guess_sigma
+from hullrecon.dive.config.mounts import guess_sigma
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.frames import Camera

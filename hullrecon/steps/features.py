@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import ImageStore
-from hullrecon.dive.logs.summary import WITHOUT_CAMERAS
 from hullrecon.dive.package_files import named_images
 from hullrecon.errors import InputError, StageError
+from hullrecon.findings.package import WITHOUT_CAMERAS
 from hullrecon.geometry.frames import Camera
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.typing import Array, Ints, Mask, Pixels

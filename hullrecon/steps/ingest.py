@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""ingest: read the package's logs, calibrations and CAD model once, check them, and keep them as
-tables.
-"""
+"""ingest: read the package's logs, calibrations and CAD model once, and keep them as tables."""
 
 from __future__ import annotations
 
@@ -65,7 +63,7 @@ class IngestOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 def request_of(settings: StageSettings) -> IngestRequest:
-    """Return what ingest needs, from the dotted keys of `USES`."""
+    """Collect what ingest needs from the dotted keys of `USES`."""
     topics = settings.read("topics", Topics)
     named: dict[str, str | None] = {
         name: getattr(topics, name) for name in topics.__struct_fields__
@@ -110,7 +108,7 @@ def request_of(settings: StageSettings) -> IngestRequest:
 
 
 def _needs_logged_calibration(settings: StageSettings, camera: Camera) -> bool:
-    """Return whether a camera was carried whose calibration dive.toml leaves to the log."""
+    """Tell whether a camera was carried whose calibration dive.toml leaves to the log."""
     return (
         settings[f"{camera.section}.{CARRIED}"] is not None
         and settings[f"{camera.section}.calibration"] is None
@@ -124,9 +122,7 @@ def _instant(settings: StageSettings, name: str) -> Instant:
 
 
 def _beams(settings: StageSettings) -> Array | None:
-    """Return (b, 3) unit vectors of the DVL's beams as dive.toml has them, either way; None where
-    it has none.
-    """
+    """Compute the DVL's beams (b, 3), which dive.toml has as angles or as unit vectors."""
     angle_deg = settings.read_optional("dvl.beam_angle_deg", float)
     if angle_deg is not None:
         return tilted_beams(angle_deg, settings.read("dvl.beam_azimuth_deg", tuple))
@@ -135,8 +131,9 @@ def _beams(settings: StageSettings) -> Array | None:
 
 
 def external(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the files that ingest reads, relative to the package: logs, files that tables name,
-    calibrations, CAD model.
+    """List the files that ingest reads, relative to the package.
+
+    These are logs, files that tables name, calibrations and the CAD model.
     """
     request = request_of(settings)
     names = [*request.calibration.values(), *([request.mesh] if request.mesh else [])]
@@ -164,12 +161,12 @@ def run(context: Context[IngestOptions]) -> None:
             pings=PingStorage(spool, keep_pings),
         )
     _write(context, found)
-    for message in [*found.lost, *found.remarks]:
-        context.warn(message)
+    for finding in (*found.lost, *found.notes):
+        context.warn(finding.sentence)
 
 
 def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
-    """Write images one after the other as one .npy, and return them mapped."""
+    """Write images one after the other as one .npy, and map it."""
     with path.open("wb") as file:
         description = {"descr": np.dtype(np.uint8).str, "fortran_order": False, "shape": shape}
         np.lib.format.write_array_header_1_0(file, description)
@@ -197,11 +194,11 @@ def _write(context: Context[IngestOptions], found: IngestResult) -> None:
         context.out.json(MOUNTS, {sensor: asdict(fixed) for sensor, fixed in found.sensors.items()})
     if found.hull is not None:
         context.out.arrays("hull.npz", {"vertices": found.hull.vertices, "faces": found.hull.faces})
-    context.out.json("findings.json", found.findings())
+    context.out.json("findings.json", found.document())
 
 
 def _drop_empty(values: Mapping[str, str | None]) -> dict[str, str]:
-    """Return the values that are neither None nor empty."""
+    """Drop values that are None or empty."""
     return {name: value for name, value in values.items() if value}
 
 
@@ -210,7 +207,7 @@ STAGE = Stage(
     summary="read the logs, the calibration and the CAD model",
     inputs=(),
     parameters=IngestOptions,
-    version=10,
+    version=11,
     run=run,
     uses=USES,
     external=external,

@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 
 from hullrecon.artifacts.stage import Context, Stage, StageSettings
-from hullrecon.dive.check.messages import Stream
+from hullrecon.dive.check.contents import Stream
 from hullrecon.dive.config.mounts import describe_mounts
 from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import ImageStore
@@ -98,8 +98,8 @@ def external(settings: StageSettings, package: Path) -> list[Path]:
 def run(context: Context[NavigateOptions]) -> None:
     """Leave trajectory, error model, odometry, attitude, returns and navigation.json."""
     ingest = InputArtifacts(context.inputs).ingest
-    for line in describe_mounts(InputArtifacts(context.inputs).mounts(context.settings)):
-        context.warn(line)
+    for mount in describe_mounts(InputArtifacts(context.inputs).mounts(context.settings)):
+        context.warn(mount.sentence)
     _refuse_wrong_rig(context)
     has_stereo = all(ingest.image_index(camera) is not None for camera in Camera)
     if ingest.dvl is None and not has_stereo:

@@ -8,10 +8,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hullrecon.dive.check.sampled_images import SampledImages
 from hullrecon.dive.config.load import LoadedConfig
-from hullrecon.dive.images.store import decode
+from hullrecon.dive.images.encoded import decode
+from hullrecon.dive.images.sink import SampledImages
 from hullrecon.dive.ingest import IngestResult
+from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
@@ -68,8 +69,8 @@ def find_rig_problem(
 
 def describe_rig_problem(
     loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
-) -> list[str]:
-    """Say where the images that `check` kept contradict the stereo rig; nothing where they fit."""
+) -> list[Finding]:
+    """Compare the stereo rig with the images that `check` kept."""
     bottom = loaded.config.camera.bottom
     if bottom is None or any(camera.key not in found.images for camera in Camera):
         return []
@@ -90,4 +91,6 @@ def describe_rig_problem(
     rig = rig_from_settings({key: loaded.value(key) for key in RIG_KEYS}, models)
     sigma_rad = float(np.radians(max(bottom.pose_sigma[3:])))
     problem = find_rig_problem(rig, index, read, sigma_rad, found.records.dvl)
-    return [] if problem is None else [f"{problem.what}: {problem.remedy}"]
+    if problem is None:
+        return []
+    return [Finding("stereo-rig", {"problem": f"{problem.what}: {problem.remedy}"})]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hullrecon.dive.check.messages import count_noun
+from hullrecon.findings.logs import count_noun
 from hullrecon.errors import UsageError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import DiveSpec, Survey

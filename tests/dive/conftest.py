@@ -291,7 +291,8 @@ def write_calibration(path: Path, width: int = 64, height: int = 48, **more: Any
         "camera_name": "x",
         "camera_matrix": "\n  rows: 3\n  cols: 3\n  data: [50.0, 0, 31.5, 0, 51.0, 23.5, 0, 0, 1]",
         "distortion_model": "plumb_bob",
-        "distortion_coefficients": "\n  rows: 1\n  cols: 5\n  data: [-0.1, 0.02, 0.001, -0.002, 0.003]",
+        "distortion_coefficients": "\n  rows: 1\n  cols: 5\n  data: [-0.1, 0.02, 0.001, -0.002, "
+        "0.003]",
         **more,
     }
     path.parent.mkdir(parents=True, exist_ok=True)

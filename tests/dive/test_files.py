@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.dive.files import MIB, gunzip, open_regular, read_regular, read_text, special_kind
+from hullrecon.dive.files import MIB, gunzip, open_regular, read_regular, read_text, special_file
 
 
 @pytest.fixture
@@ -30,13 +30,13 @@ def test_a_file_is_read_whole(tmp_path):
     assert read_regular(tmp_path / "x", 3) == b"abc"
     with open_regular(tmp_path / "x") as stream:
         assert stream.read() == b"abc"
-    assert special_kind(tmp_path / "x") == ""
+    assert special_file(tmp_path / "x") == ""
 
 
 def test_a_fifo_is_refused_without_waiting_for_a_writer(fifo):
     with pytest.raises(OSError, match="it is a FIFO, not a file"):
         open_regular(fifo)
-    assert special_kind(fifo) == "a FIFO"
+    assert special_file(fifo) == "a FIFO"
 
 
 def test_a_link_to_a_fifo_is_one(fifo, tmp_path):
@@ -48,7 +48,7 @@ def test_a_link_to_a_fifo_is_one(fifo, tmp_path):
 def test_a_socket_is_refused(listening):
     with pytest.raises(OSError, match="a socket"):
         open_regular(listening)
-    assert special_kind(listening) == "a socket"
+    assert special_file(listening) == "a socket"
 
 
 @pytest.mark.parametrize("name", ["zero", "null"])
@@ -62,7 +62,7 @@ def test_a_folder_and_a_missing_file_are_what_the_system_says(tmp_path):
         read_regular(tmp_path, 10)
     with pytest.raises(FileNotFoundError):
         open_regular(tmp_path / "x")
-    assert special_kind(tmp_path) == special_kind(tmp_path / "x") == ""
+    assert special_file(tmp_path) == special_file(tmp_path / "x") == ""
 
 
 def test_a_file_that_holds_more_than_it_may_is_refused_by_its_size(tmp_path):

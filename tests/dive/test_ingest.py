@@ -13,6 +13,7 @@ from benchmarks.fuzz.seed_ad2cp import dvl_file
 from hullrecon.dive.ingest import IngestRequest, ingest, offset_ns
 from hullrecon.dive.logs.streams import PressureModel
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 from tests.dive.readers.test_pd0 import ensemble_bytes
 
 REQUEST = IngestRequest(
@@ -57,7 +58,7 @@ def test_every_sensor_becomes_a_record(package):
     assert len(found.images["camera_top"].t_ns) == 8
     assert files["camera_top"].getbuffer().nbytes == found.images["camera_top"].size.sum()
     assert found.cameras["camera_top"].fx == 50.0
-    assert found.lost == []
+    assert sentences(found.lost) == []
 
 
 START = datetime(2026, 5, 4, 9, 30, tzinfo=UTC)
@@ -80,9 +81,9 @@ def test_only_what_lies_in_the_time_window_is_used(package, form):
     assert 0 < len(images.t_ns) < len(whole.images["camera_top"].t_ns)
     assert files["camera_top"].getbuffer().nbytes == images.size.sum()
     said = [
-        remark
-        for remark in part.findings()["remarks"]
-        if remark.startswith("dive: only what was measured from")
+        note
+        for note in part.document()["notes"]
+        if note.startswith("dive: only what was measured from")
     ]
     assert len(said) == 1
     assert "from 2026-05-04T09:30:01.000Z to 2026-05-04T09:30:02.000Z" in said[0]
@@ -154,7 +155,7 @@ def test_a_joint_is_at_the_start_of_a_window_as_it_was_last_read(tmp_path, rows)
     assert found.records.tray.angle.tolist() == [rad for _, rad in expected]
     assert (
         "joint tray: at the start of the time window as last read, at 2026-05-04T09:30:02.000Z"
-        in found.remarks
+        in sentences(found.notes)
     )
 
 
@@ -173,7 +174,7 @@ def test_a_window_that_ends_before_it_begins_is_an_input_error(package):
 
 
 def test_the_findings_say_in_words_what_was_read(package):
-    spans = run(package)[0].findings()["spans"]
+    spans = run(package)[0].document()["spans"]
     assert "dvl: 8 pings in 3.5 s from 2026-05-04T09:30:00.000Z, 2.0 Hz" in spans
     assert "depth runs from 0.0 to 38.0 m" in spans
     assert "DVL ranges run from 1.00 to 4.00 m" in spans
@@ -191,8 +192,8 @@ def test_a_topic_that_is_absent_from_a_damaged_log_is_only_remarked(package):
     path = package / "logs" / "dive.mcap"
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     found, _ = run(package, topics={**REQUEST.topics, "imu": "/ahrs"})
-    assert any("nothing of /ahrs is left" in remark for remark in found.remarks)
-    assert found.lost
+    assert any("nothing of /ahrs is left" in note for note in sentences(found.notes))
+    assert sentences(found.lost)
     assert found.records.imu is None
 
 
@@ -200,9 +201,10 @@ def test_a_truncated_log_names_the_lost_span_of_each_topic(package):
     path = package / "logs" / "dive.mcap"
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     found, _ = run(package)
-    assert len(found.lost) == 5
+    assert len(sentences(found.lost)) == 5
     assert all(
-        line.startswith("dive.mcap: /") and "to the end is lost" in line for line in found.lost
+        line.startswith("dive.mcap: /") and "to the end is lost" in line
+        for line in sentences(found.lost)
     )
     assert 0 < len(found.records.imu.t_ns) < 40
 
@@ -286,7 +288,7 @@ def test_a_clock_that_jumps_is_named(kit, package):
     ]
     kit.mcap(package / "logs" / "dive.mcap", moved)
     found, _ = run(package)
-    assert any("imu: the clock jumps by +7.000 s" in remark for remark in found.remarks)
+    assert any("imu: the clock jumps by +7.000 s" in note for note in sentences(found.notes))
 
 
 def test_records_have_the_stamps_of_a_clock_that_was_put_right(kit, package):
@@ -304,13 +306,15 @@ def test_records_have_the_stamps_of_a_clock_that_was_put_right(kit, package):
     found, _ = run(package)
     np.testing.assert_array_equal(found.records.imu.t_ns, before.records.imu.t_ns)
     assert any(
-        "stamps were put right by the logger" in r for r in found.remarks if r.startswith("imu")
+        "stamps were put right by the logger" in r
+        for r in sentences(found.notes)
+        if r.startswith("imu")
     )
     # too few images to tell: they keep their stamps, and that is said
     assert found.images["camera_top"].t_ns[-1] == before.images["camera_top"].t_ns[-1] + 7 * 10**9
     assert any(
         "camera_top: the clock jumps by +7.000 s" in r and "cannot be trusted" in r
-        for r in found.remarks
+        for r in sentences(found.notes)
     )
 
 
@@ -372,13 +376,13 @@ def test_a_dvl_s_own_attitude_and_another_start_do_not_move_the_imu(tmp_path, or
     found, _ = run(tmp_path, logs=order, topics={}, calibration={})
     assert found.records.imu.t_ns.tolist() == [int(start_s + 3 + k) * 10**9 for k in range(20)]
     assert (
-        found.remarks.count(
-            "imu: 210 attitudes by the DVL's own sensors were left aside for those of the IMU"
+        sentences(found.notes).count(
+            "imu: 210 attitudes by the DVL's own sensors were ignored, as the IMU was logged"
         )
         == 1
     )
     assert not found.attitude_is_dvls
-    assert not [remark for remark in found.remarks if "jumps" in remark]
+    assert not [note for note in sentences(found.notes) if "jumps" in note]
 
 
 def test_two_recordings_that_overlap_keep_their_stamps(tmp_path):
@@ -390,8 +394,8 @@ def test_two_recordings_that_overlap_keep_their_stamps(tmp_path):
     t_s = (found.records.pressure.t_ns - int(START.timestamp()) * 10**9) / 1e9
     assert t_s[-1] == pytest.approx(25.3 + 29.5, abs=1e-3)
     assert any(
-        "logs were read in another order than they were recorded, or overlap" in remark
-        for remark in found.remarks
+        "logs were read in another order than they were recorded, or overlap" in note
+        for note in sentences(found.notes)
     )
 
 
@@ -399,7 +403,9 @@ def test_a_dvl_topic_wins_over_a_pd0_file_and_that_is_said(package):
     pd0(package / "logs" / "dvl.pd0")
     found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.pd0"))
     assert len(found.records.dvl.t_ns) == 8
-    assert "Teledyne PD0: its 1 readings were left aside, as topics.dvl is set" in found.remarks
+    assert "Teledyne PD0: its 1 readings were ignored, as topics.dvl is set" in sentences(
+        found.notes
+    )
 
 
 def test_topics_do_not_apply_to_plain_files(package):
@@ -435,7 +441,7 @@ def test_a_joint_that_a_damaged_log_lost_is_only_remarked(package):
     path = package / "logs" / "dive.mcap"
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     found, _ = run(package, joints={"tray": "tary"})
-    assert any("no reading of tary" in remark for remark in found.remarks)
+    assert any("no reading of tary" in note for note in sentences(found.notes))
 
 
 def test_a_sonar_joint_without_any_joint_message_is_remarked(package):
@@ -443,7 +449,7 @@ def test_a_sonar_joint_without_any_joint_message_is_remarked(package):
     found, _ = run(package, topics=topics)
     assert (
         "sonar.joint: no reading of other is in the log; it is taken as fixed at 0 degrees"
-        in found.remarks
+        in sentences(found.notes)
     )
 
 
@@ -454,7 +460,7 @@ def test_a_reading_of_another_millennium_is_left_out_and_counted(kit, package):
         [*entries, dataclasses.replace(entries[-1], t_ns=(1 << 63) + 1)],
     )
     found, _ = run(package)
-    assert any("beyond the year 2116" in remark for remark in found.remarks)
+    assert any("beyond the year 2116" in note for note in sentences(found.notes))
 
 
 def csv_package(folder: Path, stamps: list[float]) -> Path:

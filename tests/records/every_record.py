@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.native import PlanePairTable, PlaneRangeTable, PlaneTable
-from hullrecon.records.planes import TiedPlanes
+from hullrecon.records.planes import PlaneRanges, TiedPlanes
 from hullrecon.records.sensors import (
     DvlPings,
     ImageIndex,
@@ -108,26 +107,28 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
         "flagged": "m",
     },
     PositionTies: {"t_ns": "m", "node": "m", "antenna": "m 3", "north_east": "m 2", "sigma": "m"},
-    PlaneTable: {"anchor": "p"},
-    PlaneRangeTable: {
-        "node": "r",
+    PlaneRanges: {
         "plane": "r",
-        "offset": "r 7",
+        "node": "r",
+        "quaternion": "r 4",
+        "translation": "r 3",
         "tray_offset": "r",
         "beam": "r 3",
-        "measured": "r",
-        "sigma": "r",
+        "range_m": "r",
+        "sigma_m": "r",
     },
-    PlanePairTable: {
+    TiedPlanes: {
+        "anchor": "p",
+        "plane": "p 3",
+        "ranges": {},
         "first": "m",
         "second": "m",
-        "measured": "m 3",
-        "sqrt_information": "m 3 3",
+        "difference": "m 3",
+        "information": "m 3 3",
         "point": "m 3",
         "place": "m 3",
         "by_place": "m 3 3",
     },
-    TiedPlanes: {"plane": "p 3", "table": {}, "ranges": {}, "pairs": {}},
     Attitude: {
         "node": "m",
         "depth": "m",

@@ -56,7 +56,7 @@ def test_pairs_are_counted_by_reason_singular_and_plural(bare: Survey) -> None:
 def test_what_the_log_lost_and_what_the_check_of_the_cad_model_found_are_apart(
     bare: Survey,
 ) -> None:
-    log = LogFindings(lost=("2 s of /dvl",), hull=("22 boundary edges",), remarks=("no sonar",))
+    log = LogFindings(lost=("2 s of /dvl",), hull=("22 boundary edges",), notes=("no sonar",))
     groups = groups_of(replace(bare, facts=replace(bare.facts, log=log)))
     assert groups["Lost data"] == ["2 s of /dvl"]
     assert groups["CAD model, as checked"] == ["22 boundary edges"]

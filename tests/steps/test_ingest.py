@@ -118,12 +118,12 @@ def test_cameras_hull_and_findings_lie_beside_them(package, tmp_path):
     assert hull["faces"].shape == (4, 3)
     assert hull["faces"].dtype == np.int32
     findings = json.loads((out / "findings.json").read_text())
-    assert set(findings) == {"spans", "lost", "hull", "remarks"}
+    assert set(findings) == {"spans", "lost", "hull", "notes"}
     assert (
-        "camera_top: 1 of 2 images are missing or damaged and are left out" in findings["remarks"]
+        "camera_top: 1 of 2 images are missing or damaged and are left out" in findings["notes"]
     )
     warnings = json.loads((out / "manifest.json").read_text())["warnings"]
-    assert warnings == [*findings["lost"], *findings["remarks"]]
+    assert warnings == [*findings["lost"], *findings["notes"]]
 
 
 def test_images_that_are_files_are_read_from_the_package(package, tmp_path):

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The smooth offset of the hull from its base surface, from which heights are counted."""
+"""The hull as found, without its structures: the smooth offset from the base surface that heights
+are counted from.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ class Background(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class FieldBackground:
-    """The adjustment's deviation field; zero with its largest sigma outside the grid."""
+    """The adjustment's deviation field on the chart; outside its grid the offset is 0 with the
+    field's largest sigma.
+    """
 
     chart: Chart
     field: DeviationField
@@ -43,7 +47,9 @@ class FieldBackground:
 
 @dataclass(frozen=True, kw_only=True)
 class MedianBackground:
-    """Median offsets of the landmarks around nodes, smooth between them."""
+    """Without a field: at each of the nodes the median offset of the landmarks around it, smooth
+    between nodes.
+    """
 
     node: Array
     value: Array
@@ -58,19 +64,11 @@ class MedianBackground:
 
 
 def median_background(feet: Array, offset: Array, width_m: float) -> Background:
-    """Estimate the hull by running medians over discs `width_m` wide.
+    """Return the hull by running medians over discs `width_m` wide: what covers less than half a
+    disc is not hull.
 
-    What covers less than half a disc is not hull. Landmarks are first thinned to medians of small
-    cells, so that a richly textured structure does not outvote the hull around it.
-
-    Parameters
-    ----------
-    feet
-        of the landmarks on the base (n, 3).
-    offset
-        of the landmarks from the base (n,) m.
-    width_m
-        of a disc.
+    feet (n, 3) of the landmarks on the base, offset (n,) m. Landmarks are first thinned to medians
+    of small cells, so that a richly textured structure does not outvote the hull around it.
     """
     from scipy.spatial import cKDTree
 

@@ -13,14 +13,15 @@ from hullrecon.typing import Array
 
 
 def roughness(found: HullAsFound) -> float:
-    """Return one robust sigma of the measured heights: hull and noise without structures, m."""
+    """Return one robust sigma of the measured heights: what hull and noise do without structures,
+    m.
+    """
     height = found.height[found.measured]
     return robust_sigma(height) if len(height) else 0.0
 
 
 def height_sigma(found: HullAsFound, region: Region) -> float:
-    """Return one sigma of a region's height, m: of its top and of the hull beneath it.
-
+    """Return one sigma of a region's height: of a vertex at its top and of the hull beneath it.
     Neighbouring vertices share landmarks, so the top counts as one vertex.
     """
     top = float(np.median(found.sigma[region.core]))
@@ -29,10 +30,9 @@ def height_sigma(found: HullAsFound, region: Region) -> float:
 
 
 def relief_left(over_m: Array, sigma_m: Array) -> float:
-    """Estimate the relief that smoothing left out, m; zero without landmarks.
-
-    It is the scatter of landmarks' heights (n,) over the surface beyond their own sigmas (n,).
-    Where landmarks are too far apart for the relief, the surface passes between them.
+    """Return what smoothing left out, m: the scatter of landmarks' heights (n,) over the surface,
+    beyond their own sigmas (n,). Where they are too far apart for the relief, the surface passes
+    between them. Zero without landmarks.
     """
     if not len(over_m):
         return 0.0
@@ -42,12 +42,8 @@ def relief_left(over_m: Array, sigma_m: Array) -> float:
 
 
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
-    """Return the two-sided probability that bare hull reaches this height at any place.
-
-    Parameters
-    ----------
-    places
-        how many were looked at.
+    """Return two-sided probability that the highest of so many places of bare hull reaches this
+    height.
     """
     from scipy.special import ndtr  # not scipy.stats, which takes seconds to load
 

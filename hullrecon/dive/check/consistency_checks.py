@@ -9,11 +9,10 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.check.messages import Stream
+from hullrecon.dive.check.contents import Stream
 from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.findings.finding import Finding
-from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
 from hullrecon.records.clock import NS, nearest
 from hullrecon.records.sensors import (
@@ -58,16 +57,6 @@ def check_consistency(
         out += _check_returns_below_water(dvl, pressure, global_from_dvl)
         out += _check_depth_rate(dvl, pressure, global_from_dvl)
     return out + _check_mounts(config)
-
-
-def describe_start_offset(records: SensorRecords, images: Mapping[str, ImageIndex]) -> list[str]:
-    """Say how much later or earlier than the first DVL ping the first image is."""
-    top = images.get(Camera.TOP.key)
-    if records.dvl is None or top is None:
-        return []
-    seconds = (int(top.t_ns[0]) - int(records.dvl.t_ns[0])) / NS
-    side = "after" if seconds >= 0 else "before"
-    return [f"the first camera image is {abs(seconds):.1f} s {side} the first DVL ping"]
 
 
 def check_mount_of_attitude(config: DiveConfig, tray: JointSamples | None) -> list[Finding]:

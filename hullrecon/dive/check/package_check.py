@@ -12,34 +12,29 @@ import msgspec
 import numpy as np
 from msgspec import Struct
 
-from hullrecon.dive.check.bow import describe_bow
-from hullrecon.dive.check.consistency_checks import (
-    check_consistency,
-    check_mount_of_attitude,
-    describe_start_offset,
-)
-from hullrecon.dive.check.hull_regions import describe_regions
-from hullrecon.dive.check.messages import Stream
-from hullrecon.dive.check.sampled_images import SampledImages
-from hullrecon.dive.check.to_fill_in import to_fill_in
+from hullrecon.dive.check.consistency_checks import check_consistency, check_mount_of_attitude
+from hullrecon.dive.check.contents import Stream, describe_start_offset
+from hullrecon.dive.check.hull_checks import describe_bow, describe_regions
+from hullrecon.dive.check.requirements import missing, needs, to_fill_in
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.mounts import (
     DEFAULTS,
+    ChosenMount,
     choose_mounts,
     describe_mounts,
     filled_in,
+    guess_sigma,
     refuse_parted_tray,
 )
 from hullrecon.dive.config.schema import DiveConfig, Hull
-from hullrecon.dive.hull.pose_guess import guess_sigma
+from hullrecon.dive.images.sink import SampledImages
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
-from hullrecon.dive.logs.summary import WITHOUT_CAMERAS, missing, needs
 from hullrecon.dive.package_files import earlier_dive_of, logo_of
 from hullrecon.dive.problems import Problems
-from hullrecon.findings.finding import sentences
+from hullrecon.findings.finding import Finding, sentences
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.clock import rate_hz
@@ -54,39 +49,43 @@ VEHICLE_SECTIONS = (
     "sonar",
     "hull",
 )
-
-
-CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]], list[str]]
+# looks at some of the images, by camera, and tells what contradicts the configuration
+CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]], list[Finding]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class PackageCheck:
-    """What `check` reports about a package. missing_files: those that dive.toml names and that are
-    not there, with their keys; unusable: what is there but cannot be used, and what to do; needs:
-    sensors without which nothing can be computed; missing: what the absence of sensors means;
-    warnings: contradictions; bow: which end of the CAD model is taken for it, None without a model;
-    regions: how much hull each of dive.toml holds; mounts: those that the log gave; defaults:
-    values by key that nobody gave.
-    """
+    """What `check` found out about a package."""
 
-    name: str
+    name: str  # of the dive
     vessel: str
-    found: IngestResult
-    missing_files: list[str]
-    unusable: list[str]
-    needs: list[str]
-    missing: list[str]
-    to_fill_in: list[str]
-    warnings: list[str]
-    bow: str | None
-    regions: list[str]
-    mounts: list[str]
-    defaults: dict[str, object]
+    found: IngestResult  # what was read
+    missing_files: list[Finding]  # those that dive.toml names and that are not there
+    unusable: list[Finding]  # what is there but cannot be used, and what to do
+    needs: list[Finding]  # required sensors that are absent
+    missing: list[Finding]  # what the absence of other sensors means
+    to_fill_in: list[Finding]  # keys that the sensors need and dive.toml leaves open
+    warnings: list[Finding]  # contradictions
+    start_offset: list[Finding]  # of the first image relative to the first ping
+    bow: list[Finding]  # which end of the CAD model is taken for it
+    regions: list[Finding]  # how much hull each of dive.toml holds
+    mounts: list[Finding]  # those that the log gave
+    defaults: dict[str, object]  # keys left at their default, with the value used
+
+    @property
+    def findings(self) -> list[Finding]:
+        """Return all findings, in the order in which they are told."""
+        found = self.found
+        return [
+            *(*found.spans, *self.start_offset, *found.hull_notes, *self.bow, *self.regions),
+            *(*self.missing_files, *self.unusable, *self.needs, *found.lost, *found.notes),
+            *(*self.mounts, *found.unused, *self.missing, *self.to_fill_in, *self.warnings),
+        ]
 
     @property
     def reasons(self) -> list[str]:
-        """Return all that stands against a run; none where one is possible."""
-        return [*(f"missing: {file}" for file in self.missing_files), *self.unusable, *self.needs]
+        """Tell all that stands against a run; none where one is possible."""
+        return sentences(f for f in self.findings if f.severity == "error")
 
     @property
     def run_is_possible(self) -> bool:
@@ -94,42 +93,37 @@ class PackageCheck:
 
     @property
     def verdict(self) -> str:
-        """Return one line: ready, and what a run would have to believe; or not, and all that is in
-        its way.
-        """
+        """Say in one line whether a run is possible, and what it has to believe or what bars it."""
         if self.reasons:
             return f"not ready: {'; '.join(self.reasons)}"
-        keys = ", ".join(line.split(": ")[1] for line in self.to_fill_in)
         remaining = [f"{len(self.warnings)} above"] if self.warnings else []
-        remaining += [f"to fill in: {keys}"] if keys else []
+        if self.to_fill_in:
+            remaining.append(
+                f"to fill in: {', '.join(str(f.values['key']) for f in self.to_fill_in)}"
+            )
         return f"ready, with warnings ({'; '.join(remaining)})" if remaining else "ready"
 
     def lines(self) -> list[str]:
-        """Return the report, a sentence a line."""
-        findings = self.found.findings()
+        """Tell the report, a sentence a line."""
         defaults = ", ".join(
             f"{key} = {_toml(value)}" for key, value in sorted(self.defaults.items())
         )
+        notes = (*self.found.notes, *self.mounts, *self.found.unused)
         return [
             f"{self.name}: {self.vessel}" if self.vessel else self.name,
-            *findings["spans"],
-            *describe_start_offset(self.found.records, self.found.images),
-            *findings["hull"],
-            *([] if self.bow is None else [self.bow]),
-            *self.regions,
-            *(f"missing: {file}" for file in self.missing_files),
-            *(f"not usable: {line}" for line in self.unusable),
-            *(f"lost: {line}" for line in findings["lost"]),
-            *(f"note: {line}" for line in (*findings["remarks"], *self.mounts, *self.found.unused)),
-            *self.missing,
-            *self.to_fill_in,
-            *(f"warning: {line}" for line in self.warnings),
+            *sentences((*self.found.spans, *self.start_offset, *self.found.hull_notes)),
+            *sentences((*self.bow, *self.regions, *self.missing_files)),
+            *(f"not usable: {line}" for line in sentences(self.unusable)),
+            *(f"lost: {line}" for line in sentences(self.found.lost)),
+            *(f"note: {line}" for line in sentences(notes)),
+            *sentences((*self.missing, *self.to_fill_in)),
+            *(f"warning: {line}" for line in sentences(self.warnings)),
             f"defaults used: {defaults}",
             f"verdict: {self.verdict}",
         ]
 
     def document(self) -> dict[str, object]:
-        """Return the report as --json prints it."""
+        """Return the report as `--json` prints it."""
         streams: Mapping[str, Stream] = {**self.found.records.by_name(), **self.found.images}
         return {
             "name": self.name,
@@ -139,19 +133,22 @@ class PackageCheck:
                 for name, stream in streams.items()
                 if len(stream.t_ns)
             },
-            **self.found.findings(),
-            "missing_files": self.missing_files,
-            "unusable": self.unusable,
-            "missing": self.missing,
-            "to_fill_in": self.to_fill_in,
-            "warnings": self.warnings,
-            "bow": self.bow,
-            "regions": self.regions,
-            "mounts": self.mounts,
+            **self.found.document(),
+            "missing_files": [
+                f"{f.values['file']} ({f.values['key']})" for f in self.missing_files
+            ],
+            "unusable": sentences(self.unusable),
+            "missing": sentences(self.missing),
+            "to_fill_in": sentences(self.to_fill_in),
+            "warnings": sentences(self.warnings),
+            "bow": next(iter(sentences(self.bow)), None),
+            "regions": sentences(self.regions),
+            "mounts": sentences(self.mounts),
             "topics": self.found.counts,
-            "unused": self.found.unused,
-            "offset": describe_start_offset(self.found.records, self.found.images),
+            "unused": sentences(self.found.unused),
+            "offset": sentences(self.start_offset),
             "defaults": self.defaults,
+            "findings": [finding.document() for finding in self.findings],
             "run_is_possible": self.run_is_possible,
             "verdict": self.verdict,
         }
@@ -163,17 +160,19 @@ def check_package(
     watch: Watch = iter,
     check_images: CheckImages | None = None,
 ) -> PackageCheck:
-    """Return what the package holds and lacks, all of it read. What cannot be used is listed, all
-    of it.
+    """Read a whole package, and list what it holds, what it lacks and what cannot be used.
 
-    check_images: looks at some of the images, by camera, and returns what contradicts the
-    configuration.
+    Parameters
+    ----------
+    loaded : the configuration
+    request : what ingest needs of it
+    watch : sees every message pass (progress)
+    check_images : looks at some of the images
     """
     request, missing_files = _leave_out_missing(loaded.package, request)
     logo = logo_of(loaded)
-    missing_files += (
-        [f"{logo} (report.logo)"] if logo is not None and not _exists(loaded.package / logo) else []
-    )
+    if logo is not None and not _exists(loaded.package / logo):
+        missing_files.append(_file_missing(logo, "report.logo"))
     sampled: dict[str, SampledImages] = {}
     problems = Problems(go_on=True)
     found = ingest(
@@ -183,24 +182,23 @@ def check_package(
         watch,
         problems,
     )
-    declared = {key: loaded.value(key) for key in DEFAULTS}
-    if found.records.tray is not None and len(found.records.tray.t_ns):
-        with problems.collect():
-            refuse_parted_tray(declared, found.sensors)
-    mounts = choose_mounts(declared, found.sensors)
-    taken = {key: mount for key, mount in mounts.items() if mount.source}
-    loaded = filled_in(loaded, mounts)
+    loaded, mounts = _fill_mounts(loaded, found, problems)
     streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
     present = {
         "joints" if name == "tray" else name for name, stream in streams.items() if len(stream.t_ns)
     }
     named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
     logged = named | (TYPES.keys() & found.counts.keys())
-    known = present | logged if problems.found else present  # of what cannot be used it is said why
-    bow, not_aft = _bow(loaded.config.hull, found.hull, problems)
-    regions, empty_regions = describe_regions(
-        loaded.config.hull, found.hull if bow is not None else None
-    )
+    # where something cannot be used, the reason is told elsewhere
+    known = present | logged if problems.found else present
+    bow, stations_off = _bow(loaded.config.hull, found.hull, problems)
+    regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow else None)
+    warnings = check_consistency(loaded.config, found.records, found.images)
+    if found.attitude_is_dvls:
+        warnings += check_mount_of_attitude(loaded.config, found.records.tray)
+    if check_images is not None:
+        warnings += check_images(loaded, found, sampled)
+    defaults = defaults_of(loaded, with_positions="position" in logged | known)
     return PackageCheck(
         name=loaded.config.dive.name,
         vessel=loaded.config.dive.vessel,
@@ -208,90 +206,81 @@ def check_package(
         missing_files=missing_files,
         unusable=[
             *_lost_velocities(found.records.dvl, found.images),
-            *(error.line() for error in problems.found),
+            *problems.found,
         ],
         needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
-        to_fill_in=to_fill_in(loaded, logged, taken.keys()),
-        warnings=[
-            *sentences(check_consistency(loaded.config, found.records, found.images)),
-            *sentences(
-                check_mount_of_attitude(loaded.config, found.records.tray)
-                if found.attitude_is_dvls
-                else []
-            ),
-            *(check_images(loaded, found, sampled) if check_images is not None else []),
-            *not_aft,
-            *empty_regions,
-            *_no_earlier_dive(loaded),
-        ],
+        to_fill_in=to_fill_in(loaded, logged, mounts.keys()),
+        warnings=[*warnings, *stations_off, *empty_regions, *_no_earlier_dive(loaded)],
+        start_offset=describe_start_offset(found.records, found.images),
         bow=bow,
         regions=regions,
-        mounts=describe_mounts(taken),
-        defaults={
-            key: value
-            for key, value in defaults_of(
-                loaded, with_positions="position" in logged | known
-            ).items()
-            if key not in taken
-        },
+        mounts=describe_mounts(mounts),
+        defaults={key: value for key, value in defaults.items() if key not in mounts},
     )
 
 
-def _bow(hull: Hull | None, mesh: Mesh | None, problems: Problems) -> tuple[str | None, list[str]]:
-    """Return what `describe_bow` says; nothing without a CAD model, or for a bow that it does not
-    have, which is a problem.
-    """
+def _fill_mounts(
+    loaded: LoadedConfig, found: IngestResult, problems: Problems
+) -> tuple[LoadedConfig, Mapping[str, ChosenMount]]:
+    """Fill in the mounts that tf_static gives; return the configuration and these mounts by key."""
+    declared = {key: loaded.value(key) for key in DEFAULTS}
+    if found.records.tray is not None and len(found.records.tray.t_ns):
+        with problems.collect():
+            refuse_parted_tray(declared, found.sensors)
+    mounts = choose_mounts(declared, found.sensors)
+    of_log = {key: mount for key, mount in mounts.items() if mount.source}
+    return filled_in(loaded, mounts), of_log
+
+
+def _bow(
+    hull: Hull | None, mesh: Mesh | None, problems: Problems
+) -> tuple[list[Finding], list[Finding]]:
+    """Describe the bow; nothing without a CAD model, a problem where the model does not have it."""
     if hull is not None and mesh is not None:
         with problems.collect():
-            return describe_bow(hull, mesh)
-    return None, []
+            bow, stations_off = describe_bow(hull, mesh)
+            return [bow], stations_off
+    return [], []
 
 
-def _no_earlier_dive(loaded: LoadedConfig) -> list[str]:
-    """Return a sentence where the earlier dive that dive.toml names is not there: a run goes
-    without the chapter on change.
-    """
+def _no_earlier_dive(loaded: LoadedConfig) -> list[Finding]:
+    """Warn where the earlier dive is not there: a run goes without the chapter on change."""
     earlier = earlier_dive_of(loaded)
     if earlier is None or (loaded.package / earlier).is_dir():
         return []
-    return [
-        f"change.earlier names no folder: {shorten(earlier, 100)}; the report will not say what changed"
-    ]
+    return [Finding("earlier-dive-missing", {"folder": shorten(earlier, 100)})]
 
 
-def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[str]:
-    """Return a sentence where dive.toml has a camera that leads, and the logs no image of it."""
-    top = config.camera.top
-    if top is None or Camera.TOP.key in known:
-        return []
-    return [f"no image of camera.top was logged: {WITHOUT_CAMERAS}"]
+def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[Finding]:
+    """Refuse a leading camera of which the logs have no image."""
+    is_missing = config.camera.top is not None and Camera.TOP.key not in known
+    return [Finding("images-not-logged")] if is_missing else []
 
 
-def _lost_velocities(dvl: DvlPings | None, images: Mapping[str, ImageIndex]) -> list[str]:
-    """Return a sentence where a DVL measured no velocity at all: nothing could be reckoned from it."""
+def _lost_velocities(dvl: DvlPings | None, images: Mapping[str, ImageIndex]) -> list[Finding]:
+    """Refuse a DVL without any velocity: nothing could be reckoned from it."""
     if dvl is None or np.isfinite(dvl.velocity).any():
         return []
     stereo = all(camera.key in images for camera in Camera)
-    other = (
-        "leave the DVL away (topics.dvl, or its file in logs.files)"
-        if stereo
-        else "give two cameras instead"
-    )
-    return [
-        f"the DVL's {len(dvl.t_ns)} pings have no velocity over ground: log its bottom track, or {other}"
-    ]
+    return [Finding("dvl-without-velocity", {"pings": len(dvl.t_ns), "stereo": stereo})]
 
 
-def _leave_out_missing(package: Path, request: IngestRequest) -> tuple[IngestRequest, list[str]]:
-    """Return the request without the files that are not there, and those with their keys."""
+def _file_missing(file: str, key: str) -> Finding:
+    return Finding("file-missing", {"file": file, "key": key})
+
+
+def _leave_out_missing(
+    package: Path, request: IngestRequest
+) -> tuple[IngestRequest, list[Finding]]:
+    """Take the files that are not there out of a request."""
     named = [("logs.files", name) for name in request.logs]
     named += [
         (f"{Camera(name.removeprefix('camera_')).section}.calibration", f)
         for name, f in request.calibration.items()
     ]
     named += [("hull.mesh", request.mesh)] if request.mesh is not None else []
-    missing_files = [f"{file} ({key})" for key, file in named if not _exists(package / file)]
+    missing_files = [_file_missing(file, key) for key, file in named if not _exists(package / file)]
     left = replace(
         request,
         logs=tuple(name for name in request.logs if _exists(package / name)),
@@ -309,7 +298,7 @@ def _leave_out_missing(package: Path, request: IngestRequest) -> tuple[IngestReq
 
 
 def _exists(path: Path) -> bool:
-    """Return whether there is something; a name that no file can have is left to its reader."""
+    """Tell whether something lies there; a name that no file can have is left to its reader."""
     try:
         return path.exists()
     except OSError:
@@ -327,8 +316,9 @@ def _describe_stream(stream: Stream) -> dict[str, int | float]:
 
 
 def defaults_of(loaded: LoadedConfig, with_positions: bool = False) -> dict[str, object]:
-    """Return the keys of the vehicle's sections that dive.toml leaves to their defaults, with these
-    values; with_positions: there are some from outside, by [position].
+    """Return the keys of the vehicle's sections that dive.toml leaves to defaults, with the values.
+
+    with_positions: positions from outside were logged, so that [position] counts.
     """
     names = (*VEHICLE_SECTIONS, "position") if with_positions else VEHICLE_SECTIONS
     sections, hull = {name: loaded.sections[name] for name in names}, loaded.config.hull
@@ -347,7 +337,7 @@ def defaults_of(loaded: LoadedConfig, with_positions: bool = False) -> dict[str,
 
 
 def _toml(value: object) -> str:
-    """Return a number, a text or a list of them as dive.toml has it."""
+    """Format a number, a text or a list of them as dive.toml has it."""
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(_toml, value))}]"
     return f"{value:g}" if isinstance(value, int | float) else f'"{value}"'

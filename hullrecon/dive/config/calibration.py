@@ -10,25 +10,21 @@ from pathlib import Path
 import numpy as np
 
 from hullrecon.dive.config.config_errors import shorten, show_value
-from hullrecon.dive.files import MIB, read_text
-from hullrecon.dive.images.header import fits
+from hullrecon.dive.config.yaml_files import read_yaml
+from hullrecon.dive.images.encoded import fits
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 
-# bytes; a calibration has a thousand, the metadata of a long recording some hundred thousand
-LARGEST_YAML = 4 * MIB
 PINHOLE = ("plumb_bob", "none", "rational_polynomial", "")
 
 
 def read_camera(path: Path) -> CameraModel:
-    """Return a pinhole with plumb_bob distortion. Raises InputError that names the key for anything
-    else.
-    """
+    """Read a pinhole camera with plumb_bob distortion; InputError, with the key, for any other."""
     return camera_of(read_yaml(path), str(path))
 
 
 def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
-    """Return the camera of the keys of such a YAML; where: what an InputError names as their place."""
+    """Build the camera of the keys of such a YAML. where: their place, for errors."""
     width, height = (_whole(data, key, where) for key in ("image_width", "image_height"))
     if not fits((width, height)):
         raise InputError(
@@ -44,28 +40,6 @@ def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
         )
     k1, k2, p1, p2, k3 = _distortion(data, where)
     return CameraModel(width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3)
-
-
-def read_yaml(path: Path) -> Mapping[str, object]:
-    """Return the table of a YAML file. Raises InputError when it holds none."""
-    from hullrecon.dive.config.bounded_yaml import parse_yaml
-
-    where = str(path.parent)
-    try:
-        data = parse_yaml(read_text(path, LARGEST_YAML))
-    except FileNotFoundError:
-        raise InputError(
-            f"{path.name} is missing", where=where, remedy="correct the path in dive.toml"
-        ) from None
-    except OSError as error:
-        raise InputError(f"{path.name} cannot be read: {error.strerror}", where=where) from None
-    except ValueError as error:
-        raise InputError(
-            f"{path.name} is not YAML: {shorten(str(error), 160)}", where=where
-        ) from None
-    if not isinstance(data, Mapping):
-        raise InputError(f"{path.name} holds no table", where=where)
-    return data
 
 
 def _distortion(data: Mapping[str, object], where: str) -> list[float]:
@@ -88,9 +62,7 @@ def _distortion(data: Mapping[str, object], where: str) -> list[float]:
 
 
 def _numbers(data: Mapping[str, object], key: str, count: int | None, where: str) -> list[float]:
-    """Return the `data` of a matrix, or the list itself. Raises InputError unless they are so many
-    finite numbers.
-    """
+    """Read the `data` of a matrix, or a list; InputError unless it is `count` finite numbers."""
     found = data.get(key)
     found = found.get("data") if isinstance(found, Mapping) else found
     try:

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Explain errors of msgspec in a configuration: the key's path, its value and the nearest known
-key.
-"""
+"""Explain msgspec's errors in a configuration by the key, its value and the nearest known key."""
 
 from __future__ import annotations
 
@@ -29,10 +27,16 @@ DEEPEST = 30  # tables and lists within each other; the schema has five
 def explain_error(
     message: str, raw: object, kind: type, prefix: str, more: Sequence[str], file: str
 ) -> UsageError:
-    """Return the UsageError for a msgspec message about `raw` decoded as `kind`.
+    """Convert a message of msgspec to a UsageError.
 
-    prefix: dotted name of the table; more: further known keys of the top level; file: where the
-    keys stand.
+    Parameters
+    ----------
+    message : of msgspec
+    raw : what was decoded
+    kind : as what
+    prefix : dotted name of the table
+    more : further known keys of the top level
+    file : where the keys are
     """
     text, _, at = message.partition(" - at `")
     path = re.findall(r"[^.\[\]]+|\[\d+\]", at.rstrip("`").removeprefix("$").lstrip("."))
@@ -132,7 +136,7 @@ def _unknown(
 
 
 def _same_last_name(key: str, known: Sequence[str]) -> list[str]:
-    """Return a known key of that last name: the key is right but stands in the wrong section."""
+    """Find a known key of that last name, in another section."""
     return [name for name in known if name.rpartition(".")[2] == key][:1]
 
 
@@ -150,7 +154,7 @@ def _look_up(raw: object, path: Sequence[str]) -> object:
 
 
 def show_value(value: object) -> str:
-    """Return a foreign value as a message may show it."""
+    """Format a foreign value for a message."""
     try:
         return "a table" if isinstance(value, Mapping) else shorten(repr(value))
     except ValueError:  # Python prints no whole number of more than some thousand digits
@@ -158,8 +162,6 @@ def show_value(value: object) -> str:
 
 
 def shorten(text: str, longest: int = LONGEST_SHOWN) -> str:
-    """Return foreign text as a message may show it: no longer than that, and control characters and
-    line breaks escaped.
-    """
+    """Shorten foreign text for a message, escaping control characters and line breaks."""
     cut = text if len(text) < longest else text[: longest - 3] + "..."
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in cut)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read dive.toml strictly: an unknown key, a wrong type or a value out of bounds is an error that
-names key and value.
-"""
+"""Read dive.toml strictly: unknown keys, wrong types and values out of bounds are errors."""
 
 from __future__ import annotations
 
@@ -39,20 +37,16 @@ Kind = TypeVar("Kind")
 
 @dataclass(frozen=True, kw_only=True)
 class LoadedConfig:
-    """A decoded dive.toml. sections: structs by dotted name ("dvl", "camera.top", a step's name),
-    None when absent; given: the dotted keys that the file or an override set, everything else is a
-    default.
-    """
+    """A decoded dive.toml."""
 
-    package: Path
+    package: Path  # its folder
     config: DiveConfig
+    # structs by dotted name ("dvl", "camera.top", a step's name), None when absent
     sections: Mapping[str, object]
-    given: frozenset[str]
+    given: frozenset[str]  # the dotted keys that the file or an override set; others are defaults
 
     def value(self, dotted: str) -> object:
-        """Return the section or key of a dotted name, "camera.top" or "imu.frame"; None where a
-        section on it is absent.
-        """
+        """Return the section or key of a dotted name, "camera.top"; None in an absent section."""
         if dotted in self.sections:
             return self.sections[dotted]
         parent, _, key = dotted.rpartition(".")
@@ -70,8 +64,7 @@ def load_config(
     step_sections: Mapping[str, type[Struct]] = MappingProxyType({}),
     overrides: Sequence[str] = (),
 ) -> LoadedConfig:
-    """Return dive.toml of a package folder, decoded, with `a.b=value` overrides applied before
-    decoding.
+    """Decode the dive.toml of a package, with `a.b=value` overrides applied before.
 
     Raises InputError when there is no dive.toml, UsageError for anything wrong inside it or in an
     override.
@@ -186,9 +179,7 @@ def _check_whole(config: DiveConfig) -> None:
 
 
 def _check_topics(topics: Topics) -> None:
-    """Check that a topic is one sensor's, but poses and odometry may be the velocity, the attitude
-    and the depth.
-    """
+    """Check that each topic is one sensor's; a pose may be velocity, attitude and depth."""
     sensors_of: dict[str, list[str]] = {}
     for sensor in topics.__struct_fields__:
         topic = getattr(topics, sensor)
@@ -229,9 +220,7 @@ def _check_regions(regions: Sequence[HullRegion]) -> None:
 
 
 def _check_tilt(dvl: Dvl) -> None:
-    """Check that the angle of the beams comes with their azimuths, and both in place of unit
-    vectors.
-    """
+    """Check that the beams' angle comes with their azimuths, and both without unit vectors."""
     given = [
         name for name in ("beam_angle_deg", "beam_azimuth_deg") if getattr(dvl, name) is not None
     ]

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Lever arms and mounts that dive.toml leaves out: those of the log's tf_static, else the defaults."""
+"""Lever arms, mounts and the guess of the hull's pose that dive.toml leaves out."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -16,7 +16,9 @@ from hullrecon.dive.config.schema import FROM_LOG, DiveConfig
 from hullrecon.dive.logs.fixed_frames import FixedSensor
 from hullrecon.dive.logs.messages.descriptions import mount_of
 from hullrecon.errors import InputError
-from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.findings.finding import Finding
+from hullrecon.geometry.poses import Poses, from_mount, up_in
+from hullrecon.typing import Array
 
 Numbers = tuple[float, ...]
 DEFAULTS: Mapping[str, Numbers] = MappingProxyType(
@@ -31,27 +33,36 @@ DEFAULTS: Mapping[str, Numbers] = MappingProxyType(
         "sonar.mount": (0.0, 0.0, 0.0, 0.0, 90.0, 0.0),
     }
 )
-ON_SERVO = {"dvl.mount": ("dvl", "tray.origin"), "camera.top.mount": ("camera_top", "tray.origin"),
-            "sonar.mount": ("sonar", "sonar.origin")}  # fmt: skip
+ON_SERVO = {  # sensor and servo of each mount
+    "dvl.mount": ("dvl", "tray.origin"),
+    "camera.top.mount": ("camera_top", "tray.origin"),
+    "sonar.mount": ("sonar", "sonar.origin"),
+}
+LEVEL_M, VERTICAL_M = 1.0, 0.3  # the draught is known better than the berth
+# heel and trim are small and read off; the heading is a compass's beside steel
+TILT_DEG, HEADING_DEG = 1.0, 5.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenMount:
-    """The numbers of a key of DEFAULTS; source: where in the log they come from, "" for a default."""
+    """The numbers of a key of DEFAULTS."""
 
     value: Numbers
-    source: str = ""
+    source: str = ""  # where in the log they come from; "" for a default
 
 
 def choose_mounts(
     values: Mapping[str, object], sensors: Mapping[str, FixedSensor]
 ) -> dict[str, ChosenMount]:
-    """Return the mounts that stand in for the keys of DEFAULTS among `values` that are left to the
-    log.
+    """Choose the mounts of the keys of DEFAULTS that dive.toml leaves to the log.
 
-    values: by dotted key, as dive.toml has them; sensors: where tf_static has each ("dvl",
-    "camera_top", ...). A mount on a servo is counted from where that turns, by dive.toml, else by
-    the servo's own frame, else from the vehicle's origin.
+    A mount on a servo is counted from where that turns, by dive.toml, else by the servo's own
+    frame, else from the vehicle's origin.
+
+    Parameters
+    ----------
+    values : by dotted key, as dive.toml has them
+    sensors : where tf_static has each ("dvl", "camera_top", ...)
     """
     chosen: dict[str, ChosenMount] = {}
     for key in ("tray.origin", "sonar.origin"):
@@ -102,8 +113,9 @@ def choose_mounts(
 
 
 def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, FixedSensor] | None:
-    """Return of DVL and upper camera the one that tf_static has on the tray's servo and the one
-    that it fixes to the vehicle; None where there are no such two.
+    """Find DVL and upper camera of which tf_static has one on the tray's servo, one on the vehicle.
+
+    Returns the one that turns and the one that is fixed; None where both are alike.
     """
     both = [
         sensors[sensor]
@@ -118,12 +130,10 @@ def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, Fix
 
 
 def refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, FixedSensor]) -> None:
-    """Raise InputError where one of DVL and upper camera is on the tray's servo, which turns, and
-    the other one is not.
+    """Raise InputError where tf_static has DVL or upper camera on the tray's servo, but not both.
 
-    One tray carries both, so that what is fixed would turn as well.
-
-    values, sensors: as of choose_mounts. Where dive.toml gives the mounts, it is taken to know.
+    One tray carries both, so that what is fixed would turn as well. Where dive.toml gives the
+    mounts, it is taken to know. Parameters as of choose_mounts.
     """
     parted = parted_on_tray(sensors)
     if parted is not None and FROM_LOG in [
@@ -131,25 +141,27 @@ def refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, Fixed
     ]:
         turning, fixed = parted
         raise InputError(
-            f"tf_static has {turning.frame} on the tray's servo and {fixed.frame} fixed to the vehicle; one tray carries DVL "
-            "and cameras, so that both would turn",
+            f"tf_static has {turning.frame} on the tray's servo and {fixed.frame} fixed to the "
+            "vehicle; one tray carries DVL and cameras, so that both would turn",
             where="dvl.mount, camera.top.mount",
-            remedy="give both mounts and tray.origin where tf_static is wrong; where it is right, the dive can be used only if "
-            'the servo stood still: tray.joint = "" and both mounts as they were',
+            remedy="give both mounts and tray.origin where tf_static is wrong; where it is right, "
+            'the dive can be used only if the servo stood still: tray.joint = "" and both mounts '
+            "as "
+            "they were",
         )
 
 
-def describe_mounts(mounts: Mapping[str, ChosenMount]) -> list[str]:
-    """Return a sentence for each mount that the log gave."""
+def describe_mounts(mounts: Mapping[str, ChosenMount]) -> list[Finding]:
+    """Tell each mount that the log gave."""
     return [
-        f"{key} = [{', '.join(f'{v:g}' for v in mount.value)}] by {mount.source}"
+        Finding("mount-of-log", {"key": key, "value": list(mount.value), "source": mount.source})
         for key, mount in mounts.items()
         if mount.source
     ]
 
 
 def filled_in(loaded: LoadedConfig, mounts: Mapping[str, ChosenMount]) -> LoadedConfig:
-    """Return a configuration with those mounts in place."""
+    """Put mounts into a configuration."""
     sections = dict(loaded.sections)
     for key, mount in mounts.items():
         section, _, name = key.rpartition(".")
@@ -163,14 +175,12 @@ def filled_in(loaded: LoadedConfig, mounts: Mapping[str, ChosenMount]) -> Loaded
 
 
 def with_value(section: object, name: str, value: Numbers) -> object:
-    """Return a section with another value."""
+    """Change one value of a section."""
     return structs.replace(section, **{name: value}) if isinstance(section, Struct) else section
 
 
 def numbers_of(value: object) -> Numbers:
-    """Return a lever arm or mount that is given or was filled in. Raises TypeError for one that is
-    still left to the log.
-    """
+    """Return the numbers of a lever arm or mount; TypeError for one still left to the log."""
     if not isinstance(value, tuple | list):
         raise TypeError(f"a list of numbers is expected, not {value!r}")
     return tuple(float(v) for v in value)
@@ -181,8 +191,21 @@ def _is_given(value: object) -> bool:
 
 
 def _on_servo(sensor: FixedSensor, origin: Numbers) -> Numbers:
-    """Return the sensor's mount in the frame of a servo at zero that turns about `origin`."""
+    """Compute a sensor's mount in the frame of a servo at zero that turns about `origin`."""
     if sensor.on_servo:
         return sensor.pose
     shift = Poses(np.array([[0.0, 0.0, 0.0, 1.0]]), np.array([origin], float))
     return tuple(mount_of(shift.inverse() @ from_mount(sensor.pose)))
+
+
+def guess_sigma(pose: Sequence[float], given: Sequence[float] | None) -> Array:
+    """Return the sigma (6,) of `hull.pose`, m and deg, in the CAD model's axes.
+
+    As given, else by the axis of the file that the pose turns up.
+    """
+    if given is not None:
+        return np.array(given, float)
+    vertical = int(np.argmax(np.abs(up_in(from_mount(pose)))))
+    sigma: Array = np.r_[np.full(3, LEVEL_M), np.full(3, TILT_DEG)]
+    sigma[[vertical, 3 + vertical]] = VERTICAL_M, HEADING_DEG
+    return sigma

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""dive.toml as frozen structs: what was dived and how the sensors are mounted. Steps add a section
-each of their own.
+"""dive.toml as frozen structs: what was dived and how the sensors are mounted.
 
-Every key has a description, which begins with its unit where it has one; angles are degrees where a
-key ends in `_deg` (docs/conventions.md). Six-number mounts are x, y, z in metres, roll, pitch, yaw
-in degrees; their sigmas are metres and a small rotation vector in degrees.
+Steps add a section each of their own. Every key has a description, which begins with its unit
+where it has one. Angles are degrees where a key ends in `_deg` (docs/conventions.md). Six-number
+mounts are x, y, z in metres, roll, pitch, yaw in degrees; their sigmas are metres and a small
+rotation vector in degrees.
 """
 
 from __future__ import annotations
@@ -39,14 +39,16 @@ Origin = Annotated[
 MountSigma = Annotated[
     Six,
     Meta(
-        description="m and deg, sigma of x, y, z and of a small rotation vector, in the parent frame"
+        description="m and deg, sigma of x, y, z and of a small rotation vector, in the parent "
+        "frame"
     ),
 ]
 FileName = Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=1000)]
 Calibration = Annotated[
     FileName | None,
     Meta(
-        description="camera_info YAML of the camera, relative to dive.toml; absent: the CameraInfo that was logged beside its "
+        description="camera_info YAML of the camera, relative to dive.toml; absent: the CameraInfo "
+        "that was logged beside its "
         "images"
     ),
 ]
@@ -56,7 +58,8 @@ Hour = Annotated[datetime, Meta(tz=True)]
 WindowLimit = Annotated[
     Hour | Annotated[float, Meta(ge=0, le=4e9)] | None,
     Meta(
-        description="s, from the first message of the logs, or a date and time with its zone: what is used begins or ends there"
+        description="s, from the first message of the logs, or a date and time with its zone: what "
+        "is used begins or ends there"
     ),
 ]
 Topic = Annotated[TopicName | None, Meta(description="topic; absent: not carried")]
@@ -92,14 +95,17 @@ class Logs(Section, frozen=True):
         tuple[FileName, ...],
         Meta(
             min_length=1,
-            description="bags, MCAP, ROS 2 folders, PD0, AD2CP, ARIS, ViewPoint, Water Linked JSON or a folder of CSVs",
+            description="bags, MCAP, ROS 2 folders, PD0, AD2CP, ARIS, ViewPoint, Water Linked JSON "
+            "or a folder of CSVs",
         ),
     ]
 
 
 class Topics(Section, frozen=True):
-    """An absent topic: that sensor was not carried. Where no log but CSVs and files of one
-    instrument is given, the keys are ignored: these say themselves which sensor they are.
+    """The topic of each sensor that was carried.
+
+    Where all logs are CSVs and files of one instrument, the keys are ignored: these say themselves
+    which sensor they are.
     """
 
     dvl: Topic = None
@@ -138,7 +144,8 @@ class Imu(Section, frozen=True):
     mount_deg: Annotated[
         Three | None,
         Meta(
-            description="deg, roll, pitch, yaw of the IMU (axes forward, starboard, down) in the vehicle; absent: aligned. "
+            description="deg, roll, pitch, yaw of the IMU (axes forward, starboard, down) in the "
+            "vehicle; absent: aligned. "
             "To be given where attitude comes from a DVL's own sensors: then of the frame dvl"
         ),
     ] = None
@@ -160,14 +167,16 @@ class Pressure(Section, frozen=True):
     z_axis: Annotated[
         Literal["up", "down"] | None,
         Meta(
-            description="sign of logged depths and poses; absent: as their type has it (poses up, REP 103, depths down)"
+            description="sign of logged depths and poses; absent: as their type has it (poses up, "
+            "REP 103, depths down)"
         ),
     ] = None
     density: Annotated[Positive, Meta(description="kg/m3, of the water")] = 1025.0
     density_sigma: Annotated[
         NotNegative,
         Meta(
-            description="kg/m3, sigma of the density, also of the one behind logged depths; smaller where it was measured"
+            description="kg/m3, sigma of the density, also of the one behind logged depths; "
+            "smaller where it was measured"
         ),
     ] = 2.05
     gravity: Annotated[Positive, Meta(description="m/s2, of gravity")] = 9.81
@@ -186,7 +195,8 @@ class Dvl(Section, frozen=True):
     mount: Annotated[
         MountNumbers,
         Meta(
-            description="m and deg, T_s_d: the DVL on the tray; by the log's tf_static, else 0, 0, 0, 0, 90, 0"
+            description="m and deg, T_s_d: the DVL on the tray; by the log's tf_static, else 0, 0, "
+            "0, 0, 90, 0"
         ),
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
@@ -212,7 +222,8 @@ class CameraTop(Section, frozen=True):
     mount: Annotated[
         MountNumbers,
         Meta(
-            description="m and deg, T_s_ct: the camera on the tray; by the log's tf_static, else 0, 0, 0, 90, 0, 90"
+            description="m and deg, T_s_ct: the camera on the tray; by the log's tf_static, else "
+            "0, 0, 0, 90, 0, 90"
         ),
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
@@ -229,7 +240,8 @@ class CameraBottom(Section, frozen=True):
     pose_in_top: Annotated[
         MountNumbers,
         Meta(
-            description="m and deg, T_ct_cb: the camera in the top camera's frame; by the log's tf_static, else 0, 0.1, 0, 0, "
+            description="m and deg, T_ct_cb: the camera in the top camera's frame; by the log's "
+            "tf_static, else 0, 0.1, 0, 0, "
             "0, 0"
         ),
     ] = FROM_LOG
@@ -263,7 +275,8 @@ class Sonar(Section, frozen=True):
     mount: Annotated[
         MountNumbers,
         Meta(
-            description="m and deg, frame of that servo to sonar; by the log's tf_static, else 0, 0, 0, 0, 90, 0"
+            description="m and deg, frame of that servo to sonar; by the log's tf_static, else 0, "
+            "0, 0, 0, 90, 0"
         ),
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
@@ -273,7 +286,8 @@ class Sonar(Section, frozen=True):
     beam_azimuth_deg: Annotated[
         tuple[Annotated[float, Meta(gt=-90, lt=90)], ...] | None,
         Meta(
-            description="deg, of each beam from the middle of the fan, growing from port to starboard, for logs that do not "
+            description="deg, of each beam from the middle of the fan, growing from port to "
+            "starboard, for logs that do not "
             "say where the beams point"
         ),
     ] = None
@@ -281,9 +295,7 @@ class Sonar(Section, frozen=True):
 
 
 class Position(Section, frozen=True):
-    """Positions from outside, by USBL or by GPS at the surface: they bound the drift of the path,
-    and place nothing.
-    """
+    """Positions by USBL, or by GPS at the surface: they bound the drift of the path."""
 
     origin: Origin = FROM_LOG
     frame: Annotated[
@@ -303,9 +315,7 @@ Limits = tuple[Offset, Offset]
 
 
 class HullRegion(Section, frozen=True):
-    """A part of the hull that coverage is counted against, one `[[hull.region]]` each; at least one
-    pair of limits is given.
-    """
+    """A part of the hull that coverage is counted against; at least one pair of limits is given."""
 
     name: Annotated[
         str,
@@ -325,7 +335,8 @@ class HullRegion(Section, frozen=True):
     girth: Annotated[
         Limits | None,
         Meta(
-            description="m, from and to, of arc from the keel, port positive and starboard negative; absent: the whole girth"
+            description="m, from and to, of arc from the keel, port positive and starboard "
+            "negative; absent: the whole girth"
         ),
     ] = None
 
@@ -346,20 +357,24 @@ class Hull(Section, frozen=True):
     pose_sigma: Annotated[
         Six | None,
         Meta(
-            description="m and deg, of the guess, in M's axes: the translation is that of the middle of the survey; absent: "
-            "1 m, vertically 0.3 m, 1 degree of heel and trim, 5 of heading, by the axis that `hull.pose` turns up"
+            description="m and deg, of the guess, in M's axes: the translation is that of the "
+            "middle of the survey; absent: "
+            "1 m, vertically 0.3 m, 1 degree of heel and trim, 5 of heading, by the axis that "
+            "`hull.pose` turns up"
         ),
     ] = None
     bow: Annotated[
         Literal["+x", "-x", "+y", "-y", "+z", "-z"] | None,
         Meta(
-            description="where along the mesh's long axis the bow lies; absent: where that axis grows"
+            description="where along the mesh's long axis the bow lies; absent: where that axis "
+            "grows"
         ),
     ] = None
     aft_perpendicular: Annotated[
         Offset,
         Meta(
-            description="m, where on the mesh's long axis the aft perpendicular lies: stations and frames count from it"
+            description="m, where on the mesh's long axis the aft perpendicular lies: stations and "
+            "frames count from it"
         ),
     ] = 0.0
     frame_spacing: Annotated[
@@ -379,8 +394,9 @@ class Hull(Section, frozen=True):
 
 
 class DiveConfig(Section, frozen=True):
-    """The sections that describe the vehicle and the dive. `hull` absent: no CAD model;
-    `camera.top` absent: no camera.
+    """The sections that describe the vehicle and the dive.
+
+    `hull` absent: no CAD model; `camera.top` absent: no camera.
     """
 
     dive: Dive

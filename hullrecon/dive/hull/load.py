@@ -1,61 +1,79 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read the CAD model: its mesh in metres, cleaned, with outward normals."""
+"""Read the CAD model: its mesh in metres, cleaned, with outward normals.
+
+trimesh believes what a file claims. Files that claim far more than they hold, or that its parsers
+would take the square of, are refused or rewritten before it sees them.
+"""
 
 from __future__ import annotations
 
 import io
+import json
+import re
+import struct
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hullrecon.dive.check.messages import count_noun
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.files import MIB, gunzip, read_regular
-from hullrecon.dive.hull.cleaning import clean_mesh
 from hullrecon.dive.hull.mirrors import ends_at_a_plane, find_boundary
 from hullrecon.dive.hull.orientation import orient_outward
-from hullrecon.dive.hull.parser_limits import check_instances, prepare
 from hullrecon.errors import InputError
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.findings.finding import Finding
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 from hullrecon.geometry.meshes.units import METRES_PER_UNIT, UNIT_NAMES
-from hullrecon.typing import Array, Ints, Ints32
+from hullrecon.typing import Array, Ints, Ints32, Mask
+
+if TYPE_CHECKING:
+    from trimesh import Scene
 
 FORMATS = ("stl", "ply", "obj", "off", "glb")
 LARGEST_BYTES = 2048 * MIB  # of a file, unpacked: 40 million triangles of a binary STL
 # what any small file may unpack to, and how tightly; hulls pack by 2 to 15
 FREE_BYTES, PACKED_BY = 64 * MIB, 50
 SHORTEST_M, LONGEST_M = 5.0, 500.0  # of a ship hull
+MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
+FINEST_M = 1e-6  # no CAD model is finer
+# magic, version, length; length and type of the first chunk, which is JSON
+GLB_HEAD = struct.Struct("<4sIIII")
+ROOM = 1_000_000  # values or faces beyond one a byte
+MOST_PROPERTIES = 200  # and elements of a PLY; its parser takes the square of their number
+PROPERTY = re.compile(rb"^[ \t]*(?:property|element)\b", re.MULTILINE)
+# of an OBJ, solids of an STL; each becomes a mesh of its own, at the square of their number
+MOST_GROUPS = 1000
+GROUPS = {
+    "obj": re.compile(rb"^[ \t]*(?:o|g|usemtl)\b[^\n]*", re.MULTILINE),
+    "stl": re.compile(rb"^[ \t]*(?:end)?solid\b[^\n]*", re.MULTILINE | re.IGNORECASE),
+}
 
 
-def read_hull(path: Path, units: str, messages: list[str]) -> Mesh:
-    """Return the mesh, in metres with outward normals, of an STL, PLY, OBJ, OFF or GLB file,
-    gzipped or not.
+def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
+    """Read an STL, PLY, OBJ, OFF or GLB file, gzipped or not, in metres with outward normals.
 
-    What was found and repaired is added to messages. Raises InputError for a file that is no mesh
-    or of a wrong size.
+    What was found and repaired is added to notes. Raises InputError for a file that is no mesh or
+    of a wrong size.
     """
     vertices, faces = _load(path)
     vertices = vertices * METRES_PER_UNIT[units]
-    _check_extent(vertices[faces].reshape(-1, 3), units, path, messages)
-    mesh = clean_mesh(Mesh(vertices, faces), messages)
+    _check_extent(vertices[faces].reshape(-1, 3), units, path, notes)
+    mesh = clean_mesh(Mesh(vertices, faces), notes)
     if not len(mesh.faces):
         raise InputError("the CAD model has no face with an area", where=str(path))
-    mesh = orient_outward(mesh, messages)
+    mesh = orient_outward(mesh, notes)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    size = " x ".join(f"{s:.2f}" for s in high - low)
-    messages.insert(
-        0, f"{path.name}: {len(mesh.faces)} faces, {size} m, from {_point(low)} to {_point(high)}"
-    )
+    values = {"file": path.name, "faces": len(mesh.faces)}
+    corners = {"low_m": low.tolist(), "high_m": high.tolist()}
+    notes.insert(0, Finding("mesh-read", {**values, **corners}))
     open_edges = len(find_boundary(mesh.faces))
     if open_edges:
-        messages.append(f"the mesh is not watertight: {count_noun(open_edges, 'boundary edge')}")
+        notes.append(Finding("mesh-open", {"edges": open_edges}))
         if ends_at_a_plane(mesh):
-            messages.append(
-                "the mesh ends open along a plane: what lies beyond, as a half hull's other half, is not added"
-            )
+            notes.append(Finding("mesh-cut"))
     else:
-        messages.append("the mesh is watertight")
+        notes.append(Finding("mesh-closed"))
     return mesh
 
 
@@ -94,9 +112,7 @@ def _load(path: Path) -> tuple[Array, Ints32]:
 
 
 def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
-    """Return vertices (n, 3) and faces (m, 3) of a file's bytes. Raises InputError where they are
-    none.
-    """
+    """Parse a mesh file's bytes into vertices (n, 3) and faces (m, 3)."""
     import trimesh
 
     try:
@@ -118,7 +134,7 @@ def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
     return vertices, faces
 
 
-def _check_extent(corners: Array, units: str, path: Path, messages: list[str]) -> None:
+def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) -> None:
     if not np.isfinite(corners).all():
         raise InputError(
             f"the CAD model {path.name} has coordinates that are not finite", where=str(path.parent)
@@ -136,17 +152,90 @@ def _check_extent(corners: Array, units: str, path: Path, messages: list[str]) -
         if SHORTEST_M <= in_file * metres <= LONGEST_M
     ]
     if not fits:
-        messages.append(
-            f"{length_text}; a ship hull has {SHORTEST_M:.0f} to {LONGEST_M:.0f} m: is it a model?"
-        )
+        values = {"file": path.name, "length_m": length, "units": UNIT_NAMES[units]}
+        limits = {"shortest_m": SHORTEST_M, "longest_m": LONGEST_M}
+        notes.append(Finding("mesh-small", {**values, **limits}))
         return
     guess = fits[0]
     raise InputError(
-        f"{length_text}, which looks like {UNIT_NAMES[guess]} (it would be {in_file * METRES_PER_UNIT[guess]:.1f} m)",
+        f"{length_text}, which looks like {UNIT_NAMES[guess]} (it would be "
+        f"{in_file * METRES_PER_UNIT[guess]:.1f} m)",
         where="hull.units",
         remedy=f'set units = "{guess}" in [hull]',
     )
 
 
-def _point(p: Array) -> str:
-    return "(" + ", ".join(f"{c:.2f}" for c in p) + ")"
+def clean_mesh(mesh: Mesh, notes: list[Finding]) -> Mesh:
+    """Merge equal corners; remove degenerate and duplicate faces, and corners of no face.
+
+    What was removed is added to notes.
+    """
+    tolerance = max(FINEST_M, MERGE * float(np.ptp(mesh.vertices, axis=0).max()))
+    vertices, faces = merge_corners(mesh.vertices, mesh.faces, tolerance)
+    flat = find_degenerate(Mesh(vertices, faces), tolerance)
+    faces = faces[~flat]
+    first = np.sort(np.unique(np.sort(faces, axis=1), axis=0, return_index=True)[1])
+    for count, name in ((int(flat.sum()), "degenerate"), (len(faces) - len(first), "duplicate")):
+        if count:
+            notes.append(Finding("mesh-faces-removed", {"count": count, "kind": name}))
+    used, renumbered = np.unique(faces[first], return_inverse=True)
+    return Mesh(vertices[used], renumbered.reshape(-1, 3).astype(np.int32))
+
+
+def merge_corners(vertices: Array, faces: Ints32, tolerance: float) -> tuple[Array, Ints32]:
+    """Merge corners that lie in one cell of the tolerance's size, m, into the first of them."""
+    cells = np.round((vertices - vertices.min(axis=0)) / tolerance).astype(np.int64)
+    _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first, kind="stable")  # corners keep the order of the file
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    return vertices[first[order]], rank[number.ravel()][faces].astype(np.int32)
+
+
+def find_degenerate(mesh: Mesh, tolerance: float) -> Mask:
+    """Find the faces (m,) whose height over their longest side is below the tolerance, m."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    longest = np.max([np.linalg.norm(e, axis=1) for e in (b - a, c - b, a - c)], axis=0)
+    return np.asarray(2 * face_areas(mesh) <= tolerance * longest)
+
+
+def prepare(data: bytes, kind: str) -> bytes:
+    """Check a mesh file's claims before it is parsed, and join very many groups or solids into one.
+
+    Raises ValueError for a file that claims far more than it holds, and whatever damaged JSON of a
+    GLB leads to.
+    """
+    if kind == "glb":
+        _check_accessors(data)
+    if kind == "ply" and len(PROPERTY.findall(data.partition(b"end_header")[0])) > MOST_PROPERTIES:
+        raise ValueError(f"its header has more than {MOST_PROPERTIES} properties")
+    if kind == "obj" or (kind == "stl" and data[:5].lower() == b"solid"):
+        return _join_groups(data, kind)
+    return data
+
+
+def check_instances(scene: Scene, size: int) -> None:
+    """Raise ValueError for a scene that places its meshes so often that a small file is huge."""
+    placed = [scene.graph[name][1] for name in scene.graph.nodes_geometry]
+    faces = sum(len(getattr(scene.geometry.get(name), "faces", ())) for name in placed)
+    if faces > size + ROOM:
+        raise ValueError(f"it places meshes of {faces} faces in all")
+
+
+def _check_accessors(data: bytes) -> None:
+    """Raise ValueError where accessors without bytes (they are zeros) exceed the file's size."""
+    if len(data) < GLB_HEAD.size:
+        raise ValueError("it ends in its header")
+    length = GLB_HEAD.unpack_from(data)[3]
+    accessors = json.loads(data[GLB_HEAD.size : GLB_HEAD.size + length]).get("accessors", [])
+    zeros = sum(max(0, accessor["count"]) for accessor in accessors if "bufferView" not in accessor)
+    if zeros > len(data) + ROOM:
+        raise ValueError(f"it claims {zeros} values that it does not hold")
+
+
+def _join_groups(data: bytes, kind: str) -> bytes:
+    groups = GROUPS[kind]
+    if sum(1 for _ in groups.finditer(data)) <= MOST_GROUPS:
+        return data
+    joined = groups.sub(b"", data)
+    return b"solid\n" + joined + b"\nendsolid\n" if kind == "stl" else joined

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reflect half hulls and hulls cut at a plane while rays tell inside from outside; the mesh itself
-stays as it is.
-"""
+"""Complete half hulls and cut hulls by reflection, for the rays that tell inside from outside."""
 
 from __future__ import annotations
 
@@ -22,8 +20,7 @@ PLATED_SHARE = 0.01
 
 
 def reflect_mesh(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
-    """Return the mesh with its reflections in the planes, one after the other; its own faces stay
-    first.
+    """Add the reflections of a mesh in the planes, one after the other, behind its own faces.
 
     Reflected faces keep their winding: only what rays hit matters.
     """
@@ -37,9 +34,7 @@ def reflect_mesh(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
 
 
 def find_possible_cuts(mesh: Mesh) -> list[Plane]:
-    """Return the sides of the bounding box where the mesh may have been cut: open boundary lies
-    there, and no plating.
-    """
+    """Find the sides of the bounding box with open boundary and no plating: it may be cut there."""
     edges = find_boundary(mesh.faces)
     if not len(edges):
         return []
@@ -61,8 +56,9 @@ def find_possible_cuts(mesh: Mesh) -> list[Plane]:
 
 
 def ends_at_a_plane(mesh: Mesh) -> bool:
-    """Return whether the mesh was cut at a plane across most of its own size there, as a half hull
-    is; a seam at the bow lies in such a plane too, but is narrow.
+    """Tell whether the mesh was cut at a plane across most of its size, as a half hull is.
+
+    A seam at the bow lies in such a plane too, but is narrow.
     """
     edges, extent = find_boundary(mesh.faces), np.ptp(mesh.vertices, axis=0)
     for axis, level in find_possible_cuts(mesh):
@@ -74,8 +70,6 @@ def ends_at_a_plane(mesh: Mesh) -> bool:
 
 
 def find_boundary(faces: Ints32) -> Ints:
-    """Return the edges (k, 2) that only one of the faces (m, 3) has, in ascending order of their
-    vertices.
-    """
+    """Find the edges (k, 2) of one face alone, in ascending order of their vertices."""
     edges = find_edges(faces)
     return np.asarray(edges.vertices[edges.face_count == 1])

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turn normals outward: unify the winding within each connected piece, then turn each piece towards
-its open side.
+"""Turn normals outward: one winding within each connected piece, then each piece to its open side.
 
 A closed piece has a signed volume. An open one (a half hull, a hull without deck, a patch of bottom
 plate) has not; but rays from its outer side escape in more directions than rays from its inner
@@ -14,8 +13,8 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from hullrecon.dive.check.messages import count_noun
 from hullrecon.dive.hull.mirrors import Plane, find_possible_cuts, reflect_mesh
+from hullrecon.findings.finding import Finding
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas, face_normals
 from hullrecon.geometry.meshes.topology import SharedEdges, find_edges, find_shared_edges
 from hullrecon.typing import Array, Ints, Ints32, Mask
@@ -28,10 +27,10 @@ LIFT = 1e-5  # of the largest extent: how far from its face a ray starts
 CLEAR = 0.05  # difference of the escaping shares below which a piece's outer side is unclear
 
 
-def orient_outward(mesh: Mesh, messages: list[str]) -> Mesh:
-    """Return the mesh with every face counter-clockwise seen from outside.
+def orient_outward(mesh: Mesh, notes: list[Finding]) -> Mesh:
+    """Wind every face counter-clockwise as seen from outside.
 
-    How many faces were turned, and which pieces have no clear outer side, is added to messages.
+    How many faces were turned, and which pieces have no clear outer side, is added to notes.
     """
     shared = find_shared_edges(mesh.faces)
     piece, sign = _unify_winding(len(mesh.faces), shared)
@@ -41,20 +40,16 @@ def orient_outward(mesh: Mesh, messages: list[str]) -> Mesh:
     turned, unclear = int(((sign < 0) ^ flip).sum()), int((np.abs(side) < CLEAR).sum())
     twisted = int(((sign[shared.first] == sign[shared.second]) != shared.same_winding).sum())
     if turned:
-        messages.append(f"{turned} of {len(faces)} faces had their normals inward and were turned")
+        notes.append(Finding("mesh-faces-turned", {"turned": turned, "count": len(faces)}))
     if unclear:
-        messages.append(f"{unclear} of {len(side)} separate pieces have no clear outer side")
+        notes.append(Finding("mesh-pieces-unclear", {"unclear": unclear, "count": len(side)}))
     if twisted:
-        messages.append(
-            f"{count_noun(twisted, 'edge')} cannot have a consistent winding on both sides"
-        )
+        notes.append(Finding("mesh-edges-twisted", {"count": twisted}))
     return Mesh(mesh.vertices, _flip_faces(faces, flip))
 
 
 def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
-    """Return the connected piece of each face (count,), and the sign (count,) that winds every
-    piece like its first face.
-    """
+    """Find the connected piece of each face, and the sign that winds it like the piece's first."""
     pairs = np.stack([shared.first, shared.second], axis=1)
     agree = np.where(shared.same_winding, 1, -1)
     graph = coo_matrix(
@@ -76,9 +71,7 @@ def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
 
 
 def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
-    """Return for each piece a number in -1 to 1: positive where its normals point outward, negative
-    where inward.
-    """
+    """Judge each piece by a number from -1 (normals point inward) to 1 (outward)."""
     corners = mesh.vertices[mesh.faces] - 0.5 * (
         mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)
     )
@@ -99,8 +92,7 @@ def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
 
 
 def _measure_sides(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
-    """Return for each piece the share of rays that escape in front of its picked faces minus that
-    behind them.
+    """Compare the shares of rays that escape in front of each piece's picked faces and behind.
 
     A hull that was cut at a plane is completed there by reflection, if that makes the difference
     clearer.
@@ -130,7 +122,7 @@ def _measure_sides(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
 
 
 def _sample_faces(mesh: Mesh, piece: Ints32, wanted: Ints) -> Ints:
-    """Return up to SAMPLES faces of each wanted piece, evenly over its area."""
+    """Pick up to SAMPLES faces of each wanted piece, evenly over its area."""
     area = face_areas(mesh)
     order = np.argsort(piece, kind="stable")
     start = np.searchsorted(piece[order], np.arange(int(piece.max()) + 2))
@@ -143,8 +135,9 @@ def _sample_faces(mesh: Mesh, piece: Ints32, wanted: Ints) -> Ints:
 
 
 def _share_escaping(whole: Mesh, picked: Ints, way: float) -> Array:
-    """Return for each picked face the share of rays from one side (way: 1 front, -1 back) that hit
-    nothing of the hull.
+    """Measure the share of rays from each picked face that hit nothing of the hull.
+
+    way: 1 for the faces' front, -1 for their back.
     """
     normal = way * face_normals(Mesh(whole.vertices, whole.faces[picked]))
     lift = LIFT * float(np.ptp(whole.vertices, axis=0).max())
@@ -156,9 +149,7 @@ def _share_escaping(whole: Mesh, picked: Ints, way: float) -> Array:
 
 
 def _hemisphere(normal: Array) -> Array:
-    """Return unit directions (n * RAYS, 3) about normals (n, 3), cosine-weighted, in the same
-    pattern about each.
-    """
+    """Spread directions (n * RAYS, 3) about normals (n, 3), cosine-weighted, in one pattern."""
     k = np.arange(RAYS) + 0.5
     radius, angle = np.sqrt(k / RAYS), np.pi * (1 + 5**0.5) * k
     local = np.stack(
@@ -172,7 +163,7 @@ def _hemisphere(normal: Array) -> Array:
 
 
 def _flip_faces(faces: Ints32, which: Mask) -> Ints32:
-    """Return faces (m, 3) with those of the mask wound the other way."""
+    """Wind the faces of the mask the other way."""
     out = faces.copy()
     out[which] = out[which][:, ::-1]
     return out

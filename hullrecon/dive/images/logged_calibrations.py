@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Take the calibration of a camera from the CameraInfo that was logged beside its images, where
-dive.toml leaves it out.
-"""
+"""Take a camera's calibration from the CameraInfo that was logged with its images."""
 
 from __future__ import annotations
 
@@ -15,6 +13,7 @@ from hullrecon.dive.logs.readers.protocol import Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 
@@ -25,20 +24,18 @@ Keys = Mapping[str, object]
 
 
 class LoggedCalibrations:
-    """The calibrations that a log holds, of the cameras ("camera_top") whose image topics are
-    given; None where none is named. topics: those of the CameraInfo by camera, once found.
-    """
+    """The calibrations that a log holds of the cameras that dive.toml does not calibrate."""
 
     def __init__(self, image_topics: Mapping[str, str | None]) -> None:
+        """Take the image topics by camera ("camera_top"), None where none is named."""
         self._image_topics = image_topics
         self._keys: dict[str, Keys] = {}
         # by camera, the topic of a CameraInfo that says something else
         self._changes: dict[str, str] = {}
-        self.topics: dict[str, str] = {}
+        self.topics: dict[str, str] = {}  # of the CameraInfo by camera, once found
 
     def find(self, logs: Sequence[Log], problems: Problems) -> dict[str, CameraModel]:
-        """Return the cameras by the first CameraInfo beside their images; logs are read as far as
-        the last of these.
+        """Find the first CameraInfo of each camera; logs are read as far as the last of these.
 
         Raises InputError for a camera that has none, or one that is not filled in, unless
         `problems` takes it.
@@ -55,9 +52,7 @@ class LoggedCalibrations:
         return found
 
     def watch(self, messages: Iterable[Message]) -> Iterator[Message]:
-        """Yield the messages on, and note where a CameraInfo says something else than the first
-        one.
-        """
+        """Pass messages on, noting a CameraInfo that says something else than the first one."""
         for message in messages:
             for camera, keys in self._read(message):
                 if repr(keys) != repr(self._keys.get(camera, keys)):  # NaN is unlike itself
@@ -65,7 +60,7 @@ class LoggedCalibrations:
             yield message
 
     def check_constant(self, problems: Problems) -> None:
-        """Raise InputError where a calibration did not stay the same, unless `problems` takes it."""
+        """Raise InputError where a calibration changed, unless `problems` takes it."""
         for camera, topic in self._changes.items():
             first = self.topics[camera]
             what = (
@@ -76,10 +71,10 @@ class LoggedCalibrations:
                     f"the CameraInfo on {first} {what}", where=_key(camera), remedy=REMEDY
                 )
 
-    def remarks(self, cameras: Mapping[str, CameraModel]) -> list[str]:
-        """Return a sentence for each camera that is calibrated by the log."""
+    def notes(self, cameras: Mapping[str, CameraModel]) -> list[Finding]:
+        """Tell each camera that is calibrated by the log."""
         return [
-            f"{camera}: its calibration is the CameraInfo on {topic}; see that it is that of the camera in water"
+            Finding("calibration-of-log", {"topic": topic}, camera)
             for camera, topic in self.topics.items()
             if camera in cameras
         ]
@@ -93,9 +88,7 @@ class LoggedCalibrations:
                 return
 
     def _read(self, message: Message) -> Iterator[tuple[str, Keys]]:
-        """Yield the cameras whose CameraInfo the message is, with what it says; none where it
-        cannot be decoded.
-        """
+        """Yield the cameras whose CameraInfo the message is, with what it says."""
         channel = message.channel
         if (
             channel.encoding not in ENCODINGS

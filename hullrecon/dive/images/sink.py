@@ -1,32 +1,33 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Take the images of one camera as they stream by: check each, write its bytes on, keep its offset."""
+"""Take the images of one camera as they stream by: check each, keep its bytes and their offset."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from hullrecon.dive.files import read_regular
-from hullrecon.dive.images.deep import significant_bits
-from hullrecon.dive.images.integrity import check_image
+from hullrecon.dive.images.encoded import check_image, significant_bits
 from hullrecon.dive.images.store import LARGEST_BYTES
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.logs.timeline import put_in_order
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 from hullrecon.records.sensors import ImageIndex
 
 PATIENCE = 5  # images of another size than the calibration's, with none right, before giving up
+RUN = 8  # neighbouring images that are sampled together, so that both cameras keep the same ones
+MOST = 128  # sampled images: some tens of megabytes
 
 
 class ImageSink:
-    """size: (width, height) of the calibration. open_file: called once, when the first bytes are to
-    be kept.
-    """
+    """Takes the images of one camera."""
 
     def __init__(
         self,
@@ -36,6 +37,16 @@ class ImageSink:
         package: Path,
         open_file: Callable[[], BinaryIO],
     ) -> None:
+        """Take nothing yet.
+
+        Parameters
+        ----------
+        camera : "camera_top" or "camera_bottom"
+        size : (width, height) of the calibration
+        offset_ns : added to the stamps
+        package : the folder that files are relative to
+        open_file : called once, when the first bytes are to be kept
+        """
         self._camera, self._size, self._offset_ns, self._package = camera, size, offset_ns, package
         self._open_file, self._at = open_file, 0
         self._file: BinaryIO | None = None
@@ -44,8 +55,9 @@ class ImageSink:
         self._largest: int | None = None  # value of the images of 16 bits
 
     def take(self, sample: ImageSample, logged_ns: int, log: int) -> None:
-        """Check one image of the log of that number and keep its bytes, unless they lie in a file
-        of the package.
+        """Check one image and keep its bytes, unless they lie in a file of the package.
+
+        logged_ns: when it was logged. log: the number of its log.
         """
         encoded = self._bytes(sample)
         found = check_image(encoded, self._size)
@@ -62,8 +74,8 @@ class ImageSink:
         if len(self._rows) == PATIENCE:
             self._check_size()
 
-    def finish(self, remarks: list[str]) -> ImageIndex | None:
-        """Return the index in order of time; None without images.
+    def finish(self, notes: list[Finding]) -> ImageIndex | None:
+        """Index the images in order of time; None without any.
 
         Raises InputError when none can be read or has the calibration's size.
         """
@@ -83,7 +95,7 @@ class ImageSink:
         )
         line = put_in_order(self._camera, stamp, logged, log)
         bits = significant_bits(self._largest)
-        remarks += line.remarks + self._bad(usable) + self._deep(bits)
+        notes += line.notes + self._describe(usable, bits)
         rows = line.keep
         return ImageIndex(
             t_ns=line.t_ns,
@@ -113,26 +125,50 @@ class ImageSink:
         if self._sizes and not self._sizes[self._size]:
             logged = "{} x {}".format(*self._sizes.most_common(1)[0][0])
             raise InputError(
-                f"the images of {self._camera} have {logged} pixels, its calibration is for {self._size[0]} x {self._size[1]}",
+                f"the images of {self._camera} have {logged} pixels, its calibration is for "
+                f"{self._size[0]} x {self._size[1]}",
                 remedy="give the calibration of this camera at this size",
             )
 
-    def _deep(self, bits: int) -> list[str]:
-        if self._largest is None:
-            return []
-        what = f"its images have 16 bits with values up to {self._largest}; the upper 8 of {bits} bits are used"
-        return [f"{self._camera}: {what}"]
+    def _describe(self, usable: list[bool], bits: int) -> list[Finding]:
+        """Tell images that are left out, and how those of 16 bits are read."""
+        count, others = len(usable), sum(self._sizes.values()) - self._sizes[self._size]
+        bad = usable.count(False) - others
+        out = []
+        if bad:
+            out.append(Finding("images-bad", {"bad": bad, "count": count}, self._camera))
+        if others:
+            values = {"others": others, "count": count}
+            out.append(Finding("images-other-size", values, self._camera))
+        if self._largest is not None:
+            deep = {"largest": self._largest, "bits": bits}
+            out.append(Finding("images-deep", deep, self._camera))
+        return out
 
-    def _bad(self, usable: list[bool]) -> list[str]:
-        count, other = len(usable), sum(self._sizes.values()) - self._sizes[self._size]
-        broken = usable.count(False) - other
-        lines = (
-            [f"{self._camera}: {broken} of {count} images are missing or damaged and are left out"]
-            if broken
-            else []
-        )
-        return lines + (
-            [f"{self._camera}: {other} of {count} images have another size and are left out"]
-            if other
-            else []
-        )
+
+class SampledImages(BytesIO):
+    """Keeps some images in memory by their offset: runs of RUN, spread over the dive."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._kept: dict[int, tuple[int, bytes]] = {}
+        self._count, self._at, self._stride = 0, 0, 1
+
+    def write(self, data: object, /) -> int:
+        """Keep one image, or let it go: the more there are, the fewer runs of them are kept."""
+        assert isinstance(data, bytes)
+        if (self._count // RUN) % self._stride == 0:
+            self._kept[self._at] = (self._count, data)
+        if len(self._kept) > MOST:
+            self._stride *= 2
+            self._kept = {
+                at: kept for at, kept in self._kept.items() if (kept[0] // RUN) % self._stride == 0
+            }
+        self._count += 1
+        self._at += len(data)
+        return len(data)
+
+    def image_at(self, offset: int) -> bytes | None:
+        """Return the image that was written at that offset; None where it was let go."""
+        kept = self._kept.get(offset)
+        return None if kept is None else kept[1]

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read images of a dive by index: their bytes lie in the ingest artifact or, for plain files, in
-the package.
-"""
+"""Read images of a dive by index, from the ingest artifact or from files of the package."""
 
 from __future__ import annotations
 
@@ -13,8 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from hullrecon.dive.files import read_regular
-from hullrecon.dive.images.deep import decode_deep, is_deep, upper_eight
-from hullrecon.dive.images.header import LARGEST_PIXELS, fits, header_size
+from hullrecon.dive.images.encoded import LARGEST_PIXELS, decode
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import ImageIndex
@@ -27,15 +24,11 @@ LARGEST_BYTES = 4 * LARGEST_PIXELS  # of one image in a file, unpacked pixels wi
 
 @dataclass(frozen=True)
 class ImageStore:
-    """The images of one camera ("camera_top" or "camera_bottom"). Opens nothing until read; pickles
-    to its paths.
+    """The images of one camera. Opens nothing until read; pickles to its paths."""
 
-    ingest: the ingest artifact. package: the package's folder, needed where images are plain files.
-    """
-
-    ingest: Path
-    package: Path | None
-    camera: str
+    ingest: Path  # the ingest artifact
+    package: Path | None  # its folder, needed where images are plain files
+    camera: str  # "camera_top" or "camera_bottom"
 
     @property
     def index(self) -> ImageIndex:
@@ -69,40 +62,12 @@ class ImageStore:
             ) from error
 
     def read(self, i: int) -> Pixels | None:
-        """Return image i (h, w, 3) RGB; None for one that ingest found unusable or that does not
-        decode.
-        """
+        """Decode image i into (h, w, 3) RGB; None for one that is unusable or does not decode."""
         return decode(self.bytes(i), int(self.index.bits)) if self.index.usable[i] else None
-
-
-def decode(encoded: bytes, bits: int = 16) -> Pixels | None:
-    """Return the image (h, w, 3) RGB of JPEG, PNG, TIFF, BMP, PNM, WebP, GIF or JPEG 2000, without
-    EXIF rotation.
-
-    bits: of samples of 16 bits the upper 8 of so many lower ones are returned, larger values as
-    255. None for bytes that are none of these, that are damaged beyond decoding, or that say a size
-    of more than LARGEST_PIXELS.
-    """
-    import cv2
-
-    size = header_size(encoded)
-    if size is None or not fits(size):
-        return None
-    deep = decode_deep(encoded) if bits < 16 and is_deep(encoded) else None
-    if deep is not None:
-        return upper_eight(deep, bits)
-    flags = cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION
-    try:
-        image = cv2.imdecode(np.frombuffer(encoded, np.uint8), flags)
-    except cv2.error:
-        return None
-    return None if image is None else np.asarray(image, np.uint8)
 
 
 @lru_cache(maxsize=8)
 def _index(path: Path, mtime_ns: int) -> ImageIndex:
-    """Return the index from memory; an artifact that was rewritten has another `mtime_ns` and is
-    read again.
-    """
+    """Read an index once; an artifact that was rewritten has another `mtime_ns`."""
     with np.load(path, allow_pickle=False) as arrays:
         return from_arrays(ImageIndex, arrays)

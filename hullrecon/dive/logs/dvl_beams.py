@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the beams of a DVL point: from the messages, else from dive.toml, else from the one
-instrument their type names.
-"""
+"""Where the beams of a DVL point: by the messages, else by dive.toml, else by the type's maker."""
 
 from __future__ import annotations
 
@@ -12,6 +10,7 @@ import numpy as np
 
 from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 from hullrecon.typing import Array
 
 A50 = "Water Linked A50"
@@ -19,8 +18,10 @@ A50_ANGLE_DEG = 22.5
 A50_AZIMUTH_DEG = (135.0, -135.0, -45.0, 45.0)  # of beams 1 to 4 about z of `dvl`, from x towards y
 SAME_DEG = 0.5  # directions that differ by less are the same
 ADVICE = (
-    "give [dvl] beams as unit vectors, or beam_angle_deg with beam_azimuth_deg, from the instrument's manual; "
-    f"a guess would cost several per cent of every distance (a {A50} has beam_angle_deg = {A50_ANGLE_DEG:g}, "
+    "give [dvl] beams as unit vectors, or beam_angle_deg with beam_azimuth_deg, from the "
+    "instrument's manual; "
+    f"a guess would cost several per cent of every distance (a {A50} has beam_angle_deg = "
+    f"{A50_ANGLE_DEG:g}, "
     f"beam_azimuth_deg = [{', '.join(f'{a:g}' for a in A50_AZIMUTH_DEG)}])"
 )
 # no DVL's beams stand farther off its axis: they are built with 15 to 30 degrees
@@ -32,9 +33,7 @@ FEW = 10  # pings whose ranges and altitude are compared
 
 
 def tilted_beams(angle_deg: float, azimuth_deg: Sequence[float]) -> Array:
-    """Return (b, 3) unit vectors in `dvl`, tilted from its z axis by one angle, each towards its
-    azimuth (from x towards y).
-    """
+    """Compute beams (b, 3) in `dvl`, tilted off its z axis by one angle at azimuths from x to y."""
     tilt, azimuth = np.radians(angle_deg), np.radians(np.asarray(azimuth_deg, float))
     across = np.sin(tilt)
     return np.stack(
@@ -44,15 +43,26 @@ def tilted_beams(angle_deg: float, azimuth_deg: Sequence[float]) -> Array:
 
 
 def a50_beams() -> Array:
-    """Return (4, 3) unit vectors in `dvl` of a Water Linked A50."""
+    """Return the beams (4, 3) in `dvl` of a Water Linked A50."""
     return tilted_beams(A50_ANGLE_DEG, A50_AZIMUTH_DEG)
 
 
 def choose_beams(
-    samples: Sequence[DvlSample], configured: Array | None, width: int, remarks: list[str]
+    samples: Sequence[DvlSample], configured: Array | None, width: int, notes: list[Finding]
 ) -> Array:
-    """Return (width, 3) unit vectors in `dvl`. InputError where neither messages nor dive.toml
-    (`configured`) nor type say.
+    """Choose the beams (width, 3) in `dvl`: of the messages, else of dive.toml, else of the type.
+
+    Parameters
+    ----------
+    samples : pings
+    configured : (b, 3) directions of dive.toml
+    width : number of beams that the log has ranges of
+    notes : what was assumed is added
+
+    Raises
+    ------
+    InputError
+        Nothing says where the beams point, or dive.toml describes another number of them.
     """
     if not width:
         return np.zeros((0, 3))
@@ -64,30 +74,31 @@ def choose_beams(
     described = [s for s in samples if s.beams is not None and len(s.beams) == width]
     logged = [s.beams for s in described if not s.instrument and s.beams is not None]
     if logged:
-        return _logged_beams(logged, configured, remarks)
+        return _logged_beams(logged, configured, notes)
     if configured is not None:
         return unit(configured)
     if described and described[0].beams is not None:
-        remarks.append(
-            f"dvl: the messages have no beam directions; those of a {described[0].instrument} were used"
-        )
+        values = {"instrument": described[0].instrument}
+        notes.append(Finding("beams-of-type", values, "dvl"))
         return unit(described[0].beams)
     raise ask_for_beams(width)
 
 
 def ask_for_beams(count: int) -> InputError:
-    """Return the error that asks where so many beams point."""
+    """Return the error that asks where the DVL's beams point."""
     return InputError(
         f"nothing says where the DVL's {count} beams point", where="dvl.beams", remedy=ADVICE
     )
 
 
-def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[str]:
-    """Return a sentence for each thing that is wrong with where beams point: far off the axis, or
-    against the altitude.
+def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
+    """Find beams that point far off the axis or contradict the altitude.
 
-    beams (b, 3) unit vectors in `dvl`; ranges (n, b) m along them; altitude (n,) m along z of
-    `dvl`; NaN where lost.
+    Parameters
+    ----------
+    beams : (b, 3) unit vectors in `dvl`
+    ranges : (n, b) along the beams, m; NaN where lost
+    altitude : (n,) along z of `dvl`, m, as the DVL computed it; NaN where lost
     """
     if not len(beams):
         return []
@@ -96,41 +107,34 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[str]:
     middle = beams.mean(axis=0)
     leaning = float(np.degrees(np.arctan2(np.linalg.norm(middle[:2]), middle[2])))
     if off.max() > FAR_OFF_DEG:
-        out.append(
-            f"dvl: beams stand up to {off.max():.0f} degrees off the z axis of dvl: are they right?"
-        )
+        out.append(Finding("beams-off-axis", {"degrees": float(off.max())}, "dvl"))
     elif leaning > LEANING_DEG:
-        out.append(
-            f"dvl: the beams' mean direction is {leaning:.0f} degrees off the z axis of dvl: are they right?"
-        )
+        out.append(Finding("beams-leaning", {"degrees": leaning}, "dvl"))
     whole = np.isfinite(ranges).all(axis=1) & np.isfinite(altitude)
     if np.count_nonzero(whole) >= FEW:
         ratio = float(np.median((ranges[whole] * beams[:, 2]).mean(axis=1) / altitude[whole]))
         if abs(ratio - 1) > SAME_ALTITUDE:
             side = "longer" if ratio > 1 else "shorter"
-            out.append(
-                f"dvl: along these beams the ranges reach {100 * abs(ratio - 1):.0f} % {side} than the altitude that the DVL "
-                "computed: are the beams' directions right?"
-            )
+            values = {"percent": 100 * abs(ratio - 1), "side": side}
+            out.append(Finding("beams-against-altitude", values, "dvl"))
     return out
 
 
-def _logged_beams(logged: Sequence[Array], configured: Array | None, remarks: list[str]) -> Array:
+def _logged_beams(logged: Sequence[Array], configured: Array | None, notes: list[Finding]) -> Array:
+    """Average the directions that the messages have, and compare them with dive.toml's."""
     if max(float(np.abs(b - logged[0]).max()) for b in logged) > 1e-6:
-        remarks.append("dvl: the beams' directions change during the dive; their mean was used")
+        notes.append(Finding("beams-change", where="dvl"))
     beams = unit(np.mean(logged, axis=0))
     if configured is not None:
         apart = float(
             np.degrees(np.arccos(np.clip(np.sum(beams * unit(configured), axis=1), -1, 1))).max()
         )
         if apart > SAME_DEG:
-            remarks.append(
-                f"dvl: the beams of dive.toml are up to {apart:.1f} degrees off those of the messages, which were used"
-            )
+            notes.append(Finding("beams-unlike-toml", {"degrees": apart}, "dvl"))
     return beams
 
 
 def unit(vectors: Array) -> Array:
-    """Return the vectors (n, 3) at length 1."""
+    """Scale vectors (n, 3) to length 1."""
     v = np.asarray(vectors, float)
     return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True))

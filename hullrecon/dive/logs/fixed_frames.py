@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find in tf_static where the sensors sit: on the vehicle, or on a servo's frame that is not fixed
-to it.
-"""
+"""Find in tf_static where the sensors sit: on the vehicle, or on a servo that turns."""
 
 from __future__ import annotations
 
@@ -29,38 +27,36 @@ ENDINGS = ("", "_link", "_frame")  # of the frame that a joint turns
 
 @dataclass(frozen=True, kw_only=True)
 class FixedSensor:
-    """A sensor's frame by its name in the log, and where it is: x, y, z in m, roll, pitch, yaw in
-    degrees in the vehicle with its servo at zero, or on that servo (`on_servo`) where tf_static
-    leads no farther. servo_origin: where the servo turns, m in the vehicle; None where no frame on
-    the way is the servo's.
-    """
+    """Where tf_static has a sensor."""
 
-    frame: str
+    frame: str  # its name in the log
+    # x, y, z in m, roll, pitch, yaw in degrees: in the vehicle with its servo at zero, or on the
+    # servo where tf_static leads no farther
     pose: tuple[float, ...]
     on_servo: bool = False
+    # where the servo turns, m in the vehicle; None where no frame on the way is the servo's
     servo_origin: tuple[float, ...] | None = None
 
 
 @dataclass
 class FrameListener:
-    """Collect tf_static and the frames of the sensors (by topic) from the messages that pass.
-    frames: names by sensor.
-    """
+    """Collects tf_static and the names of the sensors' frames from the messages that pass."""
 
-    topics: Mapping[str, str]
+    topics: Mapping[str, str]  # by sensor
     tree_messages: list[Fields] = field(default_factory=list)
-    frames: dict[str, str] = field(default_factory=dict)
+    frames: dict[str, str] = field(default_factory=dict)  # names by sensor
     _asked: set[str] = field(default_factory=set)
 
     def watch(self, messages: Iterable[Message]) -> Iterator[Message]:
-        """Yield the messages on."""
+        """Pass the messages on."""
         for message in messages:
             self._note(message)
             yield message
 
     def sensors(self, joints: Mapping[str, str]) -> dict[str, FixedSensor]:
-        """Return the sensors that tf_static leads to; joints: names of the servos ("tray",
-        "sonar_tray").
+        """Locate the sensors that tf_static leads to.
+
+        joints: names of the servos by record ("tray", "sonar_tray").
         """
         return fixed_sensors(frame_tree(self.tree_messages), self.frames, joints)
 
@@ -86,9 +82,7 @@ class FrameListener:
 def fixed_sensors(
     tree: Tree, frames: Mapping[str, str], joints: Mapping[str, str]
 ) -> dict[str, FixedSensor]:
-    """Return where the sensors of those frames are, by sensor; those that no way leads from are
-    left out.
-    """
+    """Locate the sensors whose frames tf_static reaches, by sensor."""
     found = {}
     for sensor, frame in frames.items():
         servo = joints.get(SERVO_OF.get(sensor, ""), "")
@@ -110,7 +104,7 @@ def fixed_sensors(
 
 
 def is_static(channel: Channel) -> bool:
-    """Return whether a topic holds the fixed frames."""
+    """Tell whether a topic holds the fixed frames."""
     return (
         channel.encoding in ENCODINGS
         and type_name(channel) in TRANSFORMS
@@ -119,9 +113,7 @@ def is_static(channel: Channel) -> bool:
 
 
 def frame_of(message: object) -> str | None:
-    """Return the frame of a message's header, None where the log's own definition of the type gives
-    it none.
-    """
+    """Return the frame of a message's header; None where the log's own type gives it none."""
     frame = getattr(getattr(message, "header", None), "frame_id", None)
     return None if frame is None else str(frame)
 

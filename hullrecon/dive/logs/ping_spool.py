@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The images of an imaging sonar while a log is read: in a file, as those of a long dive do not fit
-into memory.
-"""
+"""Spool the images of an imaging sonar to a file: those of a long dive do not fit into memory."""
 
 from __future__ import annotations
 
@@ -25,27 +23,21 @@ KeepImages = Callable[[tuple[int, int, int], Iterator[Images]], Images]
 
 @dataclass(frozen=True)
 class PingStorage:
-    """Where the images of a sonar go. spool: an empty file that may be read and written, for them
-    as they were logged; keep: keeps them as they are used.
-    """
+    """Where the images of a sonar go."""
 
-    spool: BinaryIO
-    keep: KeepImages
+    spool: BinaryIO  # an empty file that may be read and written, for images as they were logged
+    keep: KeepImages  # keeps them as they are used
 
 
 @dataclass(frozen=True, slots=True)
 class SpooledPing(SonarSample):
-    """A ping whose image lies in a spool from byte `at` on. What stands for it has its shape, type
-    and bright pixel, and no memory.
-    """
+    """A ping whose image lies in a spool; `image` has its shape, type and bright pixel alone."""
 
-    at: int = 0
+    at: int = 0  # byte of the spool at which its image begins
 
 
 class PingSpool:
-    """Takes pings as they are read and gives them back from the file. Without a file, images are
-    left aside.
-    """
+    """Keeps pings in a file and gives them back. Without a file, their images are dropped."""
 
     def __init__(self, file: BinaryIO | None) -> None:
         self._file = file
@@ -54,9 +46,7 @@ class PingSpool:
         self._range_m: Array | None = None
 
     def keep(self, sample: SonarSample) -> SpooledPing:
-        """Write a ping's image to the file; directions and ranges are those of the ping before
-        where they are equal.
-        """
+        """Write a ping's image to the file; share directions and ranges with the ping before."""
         image = np.ascontiguousarray(sample.image)
         if (
             self._directions is None
@@ -75,7 +65,7 @@ class PingSpool:
         return SpooledPing(sample.t_ns, stand_in, self._directions, self._range_m, at)
 
     def load(self, ping: SonarSample) -> SonarSample:
-        """Return the ping with its image read from the file; one that was not kept here as it is."""
+        """Read a ping's image back; a ping that was not kept here stays as it is."""
         if self._file is None or not isinstance(ping, SpooledPing):
             return ping
         self._file.seek(ping.at)
@@ -85,9 +75,9 @@ class PingSpool:
 
 
 def bright_pixel(image: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Return the pixel () that is brighter than nearly all that are not black of an image (beams,
-    ranges), 0 where none is; of one of 8 bits, which need no scale, the brightest. Of what stands
-    for an image in a spool it is its one value.
+    """Find the pixel () at BRIGHT_PERCENT of an image's pixels that are not black; 0 without any.
+
+    Of 8 bits, which need no scale, it is the brightest. A spooled ping's stand-in has this value.
     """
     pixels = np.asarray(image[:1, :1] if not any(image.strides) else image)
     if pixels.dtype == np.uint8:

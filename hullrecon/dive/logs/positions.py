@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turn positions from outside, of GPS and USBL, into metres north and east; leave out what cannot
-be one.
-"""
+"""Turn positions by GPS and USBL into metres north and east, leaving out those that cannot be."""
 
 from __future__ import annotations
 
@@ -11,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hullrecon.dive.logs.samples import PositionSample
+from hullrecon.findings.finding import Finding
 from hullrecon.geometry.geodesy import north_east
 from hullrecon.records.clock import seconds_to_nearest
 from hullrecon.records.sensors import PositionFixes, PressureSamples
@@ -27,29 +26,31 @@ def position_fixes(
     sigma_m: float,
     frame: str,
     pressure: PressureSamples | None,
-    remarks: list[str],
+    notes: list[Finding],
 ) -> PositionFixes | None:
-    """Return the fixes about the first of them, None without any. sigma_m: where a message has
-    none; frame: "enu" or "ned", of x and y in a local frame; pressure: tells where an antenna was
-    under water.
+    """Convert fixes to metres relative to the first of them; None without any.
+
+    Parameters
+    ----------
+    samples : in order of time
+    sigma_m : of either axis, where a message has none
+    frame : "enu" or "ned", of x and y in a local frame
+    pressure : tells when an antenna was under water
+    notes : what was left out is added
     """
     fixed = [s for s in samples if _is_position(s)]
     if len(fixed) < len(samples):
-        remarks.append(
-            f"position: {len(samples) - len(fixed)} of {len(samples)} messages have no fix and were left out"
-        )
+        values = {"lacking": len(samples) - len(fixed), "count": len(samples)}
+        notes.append(Finding("positions-without-fix", values, "position"))
     of_one_form = [s for s in fixed if s.geographic == fixed[0].geographic]
     if len(of_one_form) < len(fixed):
-        remarks.append(
-            f"position: {len(fixed) - len(of_one_form)} of {len(fixed)} fixes are not of the form of the first "
-            "(latitude and longitude, or metres) and were left out"
-        )
+        values = {"others": len(fixed) - len(of_one_form), "count": len(fixed)}
+        notes.append(Finding("positions-other-form", values, "position"))
     drowned = _under_water(of_one_form, pressure)
     if drowned.any():
-        remarks.append(
-            f"position: {drowned.sum()} of {len(drowned)} GPS fixes are of a vehicle deeper than {DEEPEST_RECEPTION_M:g} m, "
-            "where no antenna receives: they are not used"
-        )
+        count = {"drowned": int(drowned.sum()), "count": len(drowned)}
+        limit = {"deepest_m": DEEPEST_RECEPTION_M}
+        notes.append(Finding("positions-under-water", {**count, **limit}, "position"))
     kept = [s for s, is_drowned in zip(of_one_form, drowned, strict=True) if not is_drowned]
     if not kept:
         return None
@@ -62,8 +63,9 @@ def position_fixes(
 
 
 def _is_position(sample: PositionSample) -> bool:
-    """Return whether a sample has a place; latitude and longitude of zero are what receivers send
-    before they know.
+    """Tell whether a sample has a place.
+
+    Latitude and longitude of zero are what receivers send before they know.
     """
     first, second = sample.place[:2]
     if not np.isfinite([first, second]).all():
@@ -74,9 +76,7 @@ def _is_position(sample: PositionSample) -> bool:
 
 
 def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | None) -> Mask:
-    """Return which samples (n,) are of satellites while the vehicle was under water; none where no
-    depth is known then.
-    """
+    """Find the satellite fixes (n,) of a vehicle that was under water by the nearest depth."""
     t_ns = np.array([s.t_ns for s in samples], np.int64)
     by_satellite = np.array([s.by_satellite for s in samples], bool)
     if pressure is None or not len(pressure.t_ns) or not len(samples):
@@ -87,7 +87,7 @@ def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | 
 
 
 def _in_metres(place: Array, geographic: bool, frame: str) -> Array:
-    """Return metres north and east (n, 2) of the first place (n, 3)."""
+    """Convert places (n, 3) to metres north and east (n, 2) relative to the first."""
     if geographic:
         return north_east(place[:, 0], place[:, 1])
     shift = place[:, :2] - place[0, :2]

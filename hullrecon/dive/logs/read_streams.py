@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stream every log once and sort what comes by sensor."""
+"""Read every log once and sort the samples by sensor."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from hullrecon.dive.logs.time_window import TimeWindow
 from hullrecon.dive.logs.timeline import GAP_S
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 from hullrecon.records.clock import NS, format_time
 
 # the sample, when it was logged, ns, and the number of its log
@@ -34,27 +35,26 @@ SENSORS = tuple(TYPES)
 
 @dataclass(kw_only=True)
 class LogContents:
-    """What the logs held. samples, logged_ns and log (the number of the log that holds it) by
-    sensor ("dvl", ...; images go to their sinks); counts by topic; used: topics of which a message
-    could be used; inside, outside: samples in and outside of the time window; joints_before: by
-    name, the last angle of a joint before it, when that was logged, and its log; definitions: the
-    channels by which a topic was decoded.
-    """
+    """What the logs held."""
 
+    # by sensor ("dvl", ...), in the order of the logs: samples (images go to their sinks), when
+    # each was logged, ns, and the number of its log
     samples: dict[str, list[Sample]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     logged_ns: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     log: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
-    counts: Counter[Channel] = field(default_factory=Counter)
-    undecoded: Counter[tuple[str, str]] = field(default_factory=Counter)
-    unstamped: Counter[str] = field(default_factory=Counter)
-    passed_over: Counter[Channel] = field(default_factory=Counter)
-    losses: list[tuple[str, Loss]] = field(default_factory=list)
-    inside: int = 0
+    counts: Counter[Channel] = field(default_factory=Counter)  # messages
+    undecoded: Counter[tuple[str, str]] = field(default_factory=Counter)  # by topic and reason
+    unstamped: Counter[str] = field(default_factory=Counter)  # messages without a stamp, by topic
+    ignored: Counter[Channel] = field(default_factory=Counter)  # for a topic of the same sensor
+    losses: list[tuple[str, Loss]] = field(default_factory=list)  # with the name of the file
+    inside: int = 0  # samples in the time window
     outside: int = 0
+    # by joint, the last angle before the time window, when that was logged, and its log
     joints_before: dict[str, tuple[JointSample, int, int]] = field(default_factory=dict)
-    used: set[str] = field(default_factory=set)
+    used: set[str] = field(default_factory=set)  # topics of which a message could be used
+    # the channels by which a topic was decoded
     definitions: dict[str, set[Channel]] = field(default_factory=dict)
-    remarks: list[str] = field(default_factory=list)
+    notes: list[Finding] = field(default_factory=list)
 
 
 def read_streams(
@@ -67,14 +67,25 @@ def read_streams(
     keep_ping: KeepPing = lambda ping: ping,
     offset_ns: Mapping[str, int] = MappingProxyType({}),
 ) -> LogContents:
-    """Return what the logs hold, or what of it lies in the time window, read once.
+    """Read the logs once and collect the samples that lie in the time window.
 
-    topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that
-    topic, not from a log beside it that gives samples (tables, the file of one instrument).
-    offset_ns: by sensor, what its stamps have to be corrected by before they are held against the
-    window; the samples are left as they are. Only small samples are kept; of a sonar's ping what
-    `keep_ping` returns. `watch` sees every message pass (progress). Raises InputError for a topic
-    of a type that is not read and for a log of which nothing is, unless `problems` takes it.
+    Parameters
+    ----------
+    logs : in the order in which they are read
+    topics : sensors by topic (a pose has attitude and depth). A sensor named there comes from
+        that topic, not from a further log that gives samples (tables, an instrument's file).
+    take_image : called with each image
+    watch : sees every message pass (progress)
+    problems : takes what would be raised, if given
+    window : what is used; None for all
+    keep_ping : what is kept of a sonar's ping
+    offset_ns : by sensor, added to stamps before they are compared with the window; the samples
+        themselves stay as they are
+
+    Raises
+    ------
+    InputError
+        A topic of a type that is not read, or a log of which nothing can be read.
     """
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()
@@ -91,23 +102,22 @@ def read_streams(
                     refused.add(message.channel)
         name = printable(log.path.name)
         out.losses += [(name, loss) for loss in log.losses()]
-        out.remarks += [f"{name}: {remark}" for remark in log.remarks]
-    out.remarks += [
-        f"{topic}: {n} messages could not be used: {why}"
+        out.notes += [note.inside(name) for note in log.notes]
+    out.notes += [
+        Finding("messages-unusable", {"count": n, "why": why}, topic)
         for (topic, why), n in sorted(out.undecoded.items())
     ]
-    out.remarks += [
-        f"{topic}: {n} messages have no stamp; their logging time was used"
+    out.notes += [
+        Finding("messages-unstamped", {"count": n}, topic)
         for topic, n in sorted(out.unstamped.items())
     ]
     if window is not None:
         _start_joints(out, window)
-        out.remarks.append(
-            f"dive: only what was measured {window.describe()} is used; {out.outside} readings were left aside"
-        )
-    out.remarks += [
-        f"{c.type}: its {n} readings were left aside, as topics.{c.topic} is set"
-        for c, n in out.passed_over.items()
+        values = {"window": window.describe(), "count": out.outside}
+        out.notes.append(Finding("outside-window", values, "dive"))
+    out.notes += [
+        Finding("readings-ignored", {"count": n, "sensor": c.topic}, c.type)
+        for c, n in out.ignored.items()
     ]
     return out
 
@@ -122,9 +132,7 @@ def _sort(
     keep_ping: KeepPing,
     offset_ns: Mapping[str, int],
 ) -> None:
-    """Put the samples of a message of that log where those of their sensor go; those outside the
-    time window are counted.
-    """
+    """Sort the samples of a message by sensor, and count those outside the time window."""
     for sensor, sample in _samples(message, topics, out):
         if window is not None and not window.holds(sample.t_ns + offset_ns.get(sensor, 0)):
             out.outside += 1
@@ -145,7 +153,7 @@ def _sort(
 def _note_joint_before(
     sample: JointSample, logged_ns: int, log: int, out: LogContents, window: TimeWindow
 ) -> None:
-    """Keep a reading of a joint outside of the window where it is the last one before it."""
+    """Keep a joint's reading if it is the last one before the window."""
     known = out.joints_before.get(sample.name)
     if (
         window.first_ns is not None
@@ -156,9 +164,10 @@ def _note_joint_before(
 
 
 def _start_joints(out: LogContents, window: TimeWindow) -> None:
-    """Put the last reading of each joint before the window at its start: a joint that is logged
-    once, or as it turns, stands there since. Where nothing was measured in the window they tell
-    nothing.
+    """Put the last reading of each joint before the window at the window's start.
+
+    A joint that is logged once, or as it turns, stands there since. Where nothing was measured
+    in the window, joints tell nothing.
     """
     if not out.inside:
         return
@@ -175,21 +184,18 @@ def _start_joints(out: LogContents, window: TimeWindow) -> None:
         out.logged_ns["joints"].insert(0, logged_ns + start_ns - sample.t_ns)
         out.log["joints"].insert(0, log)
         if start_ns - sample.t_ns > GAP_S * NS:
-            out.remarks.append(
-                f"joint {name}: at the start of the time window as last read, at {format_time(sample.t_ns)}"
-            )
+            values = {"time": format_time(sample.t_ns)}
+            out.notes.append(Finding("joint-before-window", values, f"joint {name}"))
 
 
 def _samples(
     message: Message, topics: Mapping[str, Sequence[str]], out: LogContents
 ) -> Iterator[tuple[str, Sample]]:
-    """Yield the samples of a message with their sensor. A message that cannot be used costs itself,
-    and is counted.
-    """
+    """Yield a message's samples with their sensor; count a message that cannot be used."""
     channel = message.channel
     is_sample = not isinstance(message.data, bytes)
     if is_sample and any(channel.topic in sensors for sensors in topics.values()):
-        out.passed_over[channel] += 1
+        out.ignored[channel] += 1
         return
     for sensor in (channel.topic,) if is_sample else topics.get(channel.topic, ()):
         try:
@@ -210,10 +216,10 @@ def _samples(
 
 
 def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> Sequence[Sample]:
-    """Return the samples of a serialised message.
+    """Decode a serialised message into samples.
 
-    Raises DamagedError where it gives none, and InputError for a topic of a type that is not read,
-    unless others of its messages were: then the type is what is damaged.
+    Raises DamagedError where it gives none, and InputError for a topic of a type that is not read.
+    Where other messages of the topic were read, it is the type that is damaged.
     """
     channel = message.channel
     translate = TYPES[sensor].get(type_name(channel))
@@ -247,9 +253,7 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
 
 
 def _reason(topic: str, reason: str, out: LogContents) -> str:
-    """Return the reason, or a common one where a topic has too many: each damaged message may have
-    one of its own.
-    """
+    """Limit the reasons told of one topic: each damaged message may have one of its own."""
     if (topic, reason) in out.undecoded or sum(t == topic for t, _ in out.undecoded) < MOST_REASONS:
         return reason
     return "for other reasons"

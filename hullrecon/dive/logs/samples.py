@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One reading of one sensor, as every reader hands it on: SI units, int64 nanoseconds since 1970,
-NaN for what is lost.
+"""One reading of one sensor, as every reader hands it on.
+
+SI units, stamps in int64 nanoseconds since 1970, NaN for what is lost.
 """
 
 from __future__ import annotations
@@ -16,22 +17,18 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, slots=True)
 class DvlSample:
-    """velocity (3,) m/s of the instrument in `dvl`; sigma m/s (NaN: not given); ranges (b,) m along
-    the beams; beams (b, 3) unit vectors in `dvl`, None where the log does not carry them. ranges is
-    empty where the log has none. instrument: set where the beams are not logged but those of the
-    one instrument that the message's type names. altitude: m along z of `dvl` to what the beams
-    meet, as the instrument computed it; NaN where the log has none, or one that means something
-    else. along_axis: the ranges are along z of `dvl`, wherever the beams turn out to point.
-    """
+    """One ping of a DVL."""
 
     t_ns: int
-    velocity: Array
-    sigma: float
-    ranges: Array
-    beams: Array | None
-    instrument: str = ""
+    velocity: Array  # (3,) m/s, of the instrument over ground in `dvl`
+    sigma: float  # m/s, of the velocity; NaN: not given
+    ranges: Array  # (b,) m along the beams; empty where the log has none
+    beams: Array | None  # (b, 3) unit vectors in `dvl`; None where the log does not carry them
+    instrument: str = ""  # that the type names, where `beams` are that instrument's and not logged
+    # m along z of `dvl` to what the beams meet, as the instrument computed it; NaN where the log
+    # has none, or one that means something else
     altitude: float = float("nan")
-    along_axis: bool = False
+    along_axis: bool = False  # ranges are along z of `dvl`, wherever the beams turn out to point
 
     def __post_init__(self) -> None:
         _require(self.velocity.shape == (3,) and self.ranges.ndim == 1)
@@ -40,15 +37,13 @@ class DvlSample:
 
 @dataclass(frozen=True, slots=True)
 class ImuSample:
-    """quaternion (4,) x y z w as logged; rates (3,) rad/s, acceleration (3,) m/s2, NaN when not
-    logged. of_dvl: the attitude of the frame `dvl` in north-east-down (any north), by sensors
-    inside of the DVL.
-    """
+    """One reading of an attitude sensor, in its own convention."""
 
     t_ns: int
-    quaternion: Array
-    rates: Array
-    acceleration: Array
+    quaternion: Array  # (4,) x, y, z, w as logged
+    rates: Array  # (3,) rad/s; NaN when not logged
+    acceleration: Array  # (3,) m/s2; NaN when not logged
+    # the attitude of the frame `dvl` in north-east-down (any north), by sensors inside the DVL
     of_dvl: bool = False
 
     def __post_init__(self) -> None:
@@ -59,24 +54,26 @@ class ImuSample:
 
 @dataclass(frozen=True, slots=True)
 class PressureSample:
+    """One reading of a pressure sensor."""
+
     t_ns: int
     pascal: float  # absolute
 
 
 @dataclass(frozen=True, slots=True)
 class DepthSample:
-    """height: as logged, m, from the water's surface; is_up: it grows upward, by the convention of
-    its type. of_dvl: by a sensor inside of the DVL.
-    """
+    """One depth or height."""
 
     t_ns: int
-    height: float
-    is_up: bool
-    of_dvl: bool = False
+    height: float  # m from the water's surface, as logged
+    is_up: bool  # it grows upward, by the convention of its type
+    of_dvl: bool = False  # by a sensor inside the DVL
 
 
 @dataclass(frozen=True, slots=True)
 class JointSample:
+    """One angle of one servo."""
+
     t_ns: int
     name: str
     angle: float  # rad
@@ -84,26 +81,22 @@ class JointSample:
 
 @dataclass(frozen=True, slots=True)
 class ImageSample:
-    """encoded: bytes of a JPEG, PNG, ...; or file: a path relative to the package, whose bytes stay
-    there.
-    """
+    """One image, encoded, or the file that holds it."""
 
     t_ns: int
-    camera: str
-    encoded: bytes
-    file: str = ""
+    camera: str  # "camera_top", "camera_bottom"
+    encoded: bytes  # of a JPEG, PNG, ...
+    file: str = ""  # relative to the package; its bytes stay there
 
 
 @dataclass(frozen=True, slots=True)
 class SonarSample:
-    """image (beams, ranges) of the logged type; directions (beams, 3) unit vectors in `sonar`, None
-    where nothing says where the beams point; range_m (ranges,).
-    """
+    """One ping of an imaging sonar."""
 
     t_ns: int
-    image: NDArray[np.generic]
-    directions: Array | None
-    range_m: Array
+    image: NDArray[np.generic]  # (beams, ranges), of the logged type
+    directions: Array | None  # (beams, 3) unit vectors in `sonar`; None where nothing says
+    range_m: Array  # (ranges,)
 
     def __post_init__(self) -> None:
         beams = len(self.image) if self.directions is None else len(self.directions)
@@ -116,25 +109,22 @@ class SonarSample:
 
 @dataclass(frozen=True, slots=True)
 class PositionSample:
-    """place (3,): latitude, longitude deg, height m where geographic, else x, y, z m in a local
-    frame; NaN without a fix. sigma_m: of either horizontal axis, NaN where it is not given.
-    by_satellite: by an antenna that receives above water.
-    """
+    """One position by GPS or USBL."""
 
     t_ns: int
+    # (3,) latitude and longitude in degrees and height in m where geographic, else x, y, z in m in
+    # a local frame; NaN without a fix
     place: Array
-    sigma_m: float
+    sigma_m: float  # of either horizontal axis; NaN: not given
     geographic: bool
-    by_satellite: bool = False
+    by_satellite: bool = False  # by an antenna that receives above water only
 
     def __post_init__(self) -> None:
         _require(self.place.shape == (3,))
 
 
 def _require(holds: bool) -> None:
-    """Refuse fields of other shapes: a damaged definition gives them, which would fail far from
-    here.
-    """
+    """Refuse fields of other shapes, which a damaged type definition gives."""
     if not holds:
         raise ValueError("its values are not of the shape of such a reading")
 

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What pings of an imaging sonar have in common: where their beams point, and the ranges of their
-samples.
-"""
+"""Find what the pings of an imaging sonar have in common: directions of the beams, ranges."""
 
 from __future__ import annotations
 
@@ -16,6 +14,7 @@ from hullrecon.dive.logs.dvl_beams import unit
 from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 from hullrecon.typing import Array
 
 # share of the range by which windows of one setting differ, as the water's temperature changes
@@ -28,13 +27,12 @@ MEANING = (
 
 
 def pings_of_one_window(
-    samples: Sequence[SonarSample], remarks: list[str]
+    samples: Sequence[SonarSample], notes: list[Finding]
 ) -> tuple[list[SonarSample], Array]:
-    """Return the pings of the most common number of beams and window, of those the ones whose beams
-    point where most do, and the most common of their ranges; [] without any.
+    """Select the pings of the most common window and fan; return them and their ranges (ranges,).
 
-    Windows whose ends differ by 1 % at most are one: the speed of sound that a sonar reckons with
-    changes with the temperature.
+    A window is a number of beams and a span of ranges. Windows whose ends differ by 1 % at most
+    are one, as the speed of sound that a sonar reckons with changes with the temperature.
     """
     if not samples:
         return [], np.zeros(0)
@@ -47,31 +45,29 @@ def pings_of_one_window(
     kept = [samples[i] for i in best]
     first = next(s for s in kept if round(float(s.range_m[-1]), 6) == common)
     if len(agreed) < len(samples):
-        remarks.append(
-            f"sonar: {len(samples) - len(agreed)} of {len(samples)} pings have another range or number of beams than "
-            f"{first.image.shape[0]} beams to {first.range_m[-1]:.1f} m and were left out"
-        )
+        values: dict[str, object] = {
+            "others": len(samples) - len(agreed),
+            "count": len(samples),
+            "beams": first.image.shape[0],
+            "range_m": float(first.range_m[-1]),
+        }
+        notes.append(Finding("sonar-other-windows", values, "sonar"))
     elsewhere = len(agreed) - len(best)
     if elsewhere:
-        remarks.append(
-            f"sonar: the beams of {elsewhere} of {len(agreed)} pings point elsewhere, as in another mode of the sonar, than "
-            "those of the others; they were left out"
-        )
+        values = {"others": elsewhere, "count": len(agreed)}
+        notes.append(Finding("sonar-other-fans", values, "sonar"))
     others = len(kept) - windows[common]
     if others:
-        remarks.append(
-            f"sonar: {others} of {len(kept)} pings have ranges that differ by up to "
-            f"{1e3 * np.abs(reach[best] - first.range_m[-1]).max():.0f} mm, as by another speed of sound, and were put onto one"
-        )
+        differ_mm = 1e3 * float(np.abs(reach[best] - first.range_m[-1]).max())
+        values = {"others": others, "count": len(kept), "differ_mm": differ_mm}
+        notes.append(Finding("sonar-other-ranges", values, "sonar"))
     return kept, first.range_m
 
 
 def _widest_agreement(
     samples: Sequence[SonarSample], reach: Array, shape: tuple[int, ...]
 ) -> list[int]:
-    """Return the rows of the pings of a shape whose window agrees with that of the ping that most
-    others agree with.
-    """
+    """Find the rows of the largest group of pings of one shape whose windows agree."""
     rows = np.array([i for i, s in enumerate(samples) if s.image.shape == shape])
     value = np.sort(reach[rows])
     margin = SAME_REACH / 2 * np.abs(reach[rows])
@@ -91,8 +87,9 @@ def _widest_agreement(
 
 
 def _of_one_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> list[int]:
-    """Return the rows of the pings whose beams point where the most common ones do; pings that do
-    not say are one fan.
+    """Select the rows whose beams point as the most common fan does.
+
+    Pings that do not say where their beams point are one fan.
     """
     # pings share the arrays
     fans: dict[int, Array | None] = {id(samples[i].directions): samples[i].directions for i in rows}
@@ -113,7 +110,7 @@ def _is_one_fan(directions: Array | None, other: Array | None) -> bool:
 
 
 def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
-    """Return a ping's image with its samples put where the ranges are nearest; 0 beyond its own."""
+    """Resample a ping's image to other ranges by the nearest sample; 0 beyond its own ranges."""
     own = sample.range_m
     if np.array_equal(own, range_m) or len(own) < 2 or not (np.diff(own) > 0).all():
         return sample.image
@@ -129,24 +126,25 @@ def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
     return np.where(nearest >= 0, sample.image[:, nearest], 0).astype(sample.image.dtype)
 
 
-def choose_directions(sample: SonarSample, azimuth_deg: Array | None, remarks: list[str]) -> Array:
-    """Return (beams, 3) vectors in `sonar` of a ping's beams: its own, else by azimuth_deg (beams,)
-    of dive.toml.
+def choose_directions(
+    sample: SonarSample, azimuth_deg: Array | None, notes: list[Finding]
+) -> Array:
+    """Choose the directions (beams, 3) in `sonar` of a ping's beams: its own, else dive.toml's.
 
-    Raises InputError where neither says, or where dive.toml describes another number of beams.
+    Raises InputError where neither says, or where azimuth_deg (beams,) of dive.toml describes
+    another number of beams.
     """
     if sample.directions is not None:
         if azimuth_deg is not None:
-            remarks.append(
-                "sonar: the log says where the beams point; sonar.beam_azimuth_deg was not used"
-            )
+            notes.append(Finding("sonar-azimuths-unused", where="sonar"))
         return sample.directions
     beams = len(sample.image)
     if azimuth_deg is None:
         raise ask_for_azimuths(beams)
     if len(azimuth_deg) != beams or not (np.diff(azimuth_deg) > 0).all():
         raise InputError(
-            f"sonar.beam_azimuth_deg has {len(azimuth_deg)} angles for {beams} beams, or they do not grow",
+            f"sonar.beam_azimuth_deg has {len(azimuth_deg)} angles for {beams} beams, or they do "
+            "not grow",
             where="sonar.beam_azimuth_deg",
             remedy=f"give {MEANING}",
         )
@@ -154,8 +152,9 @@ def choose_directions(sample: SonarSample, azimuth_deg: Array | None, remarks: l
 
 
 def ask_for_azimuths(beams: int) -> InputError:
-    """Return the error that asks where so many beams point."""
+    """Return the error that asks where the sonar's beams point."""
     return InputError(
-        f"nothing says where the sonar's {beams} beams point", where="sonar.beam_azimuth_deg",
+        f"nothing says where the sonar's {beams} beams point",
+        where="sonar.beam_azimuth_deg",
         remedy=f"give {MEANING}, from the manufacturer; lenses do not space beams evenly",
-    )  # fmt: skip
+    )

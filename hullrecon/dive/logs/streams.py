@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turn samples into records: one set of units and conventions, NaN for lost values, remarks on what
-was assumed.
+"""Stack samples into records: one set of units and conventions, NaN for lost values.
+
+What was assumed or left out is added to `notes`.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from hullrecon.dive.logs.sonar_geometry import (
     pings_of_one_window,
 )
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 from hullrecon.records.sensors import (
     DvlPings,
     ImuSamples,
@@ -39,17 +41,21 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.typing import Array, Ints, Mask
 
-# ROS 2's default; as many alike, to the last digit, are no measurement
+# ROS 2's default orientation; as many alike, to the last digit, are no measurement
 UNFILLED, LEAST_ATTITUDES = (0.0, 0.0, 0.0, 1.0), 50
-# of pings have no brighter bright pixel than the one that is white: a few may be disturbed
+UNIT_QUATERNION = 0.05  # how far the length of an attitude's quaternion may be off 1
+# of the pings have a bright pixel at most as bright as the one scaled to white: a few are disturbed
 BRIGHT_PINGS_PERCENT = 99.0
-FASTEST = 15.0  # m/s; no vehicle at a hull is faster
+FASTEST_M_S = 15.0  # no vehicle at a hull is faster
+HIGHEST_M = 1.0  # median height over the water, beyond which depths are wrong
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
 
 
 @dataclass(frozen=True)
 class PressureModel:
+    """How depth follows from what was logged."""
+
     density: float  # kg/m3
     gravity: float  # m/s2
     atmosphere: float  # Pa
@@ -58,41 +64,49 @@ class PressureModel:
 
 @np.errstate(all="ignore")  # values of any size: what is absurd is left out below
 def dvl_pings(
-    samples: Sequence[DvlSample], beams: Array | None, sigma: float, remarks: list[str]
+    samples: Sequence[DvlSample], beams: Array | None, sigma: float, notes: list[Finding]
 ) -> DvlPings:
-    """Return the pings. beams: those of dive.toml, for messages without (docs/configuration.md);
-    sigma: m/s, where a message has none. Raises InputError for ranges along beams that nothing
-    describes.
+    """Stack the pings of a DVL.
+
+    Parameters
+    ----------
+    samples : pings in order of time
+    beams : (b, 3) directions of dive.toml, for messages without
+    sigma : of a velocity, m/s, where a message has none
+    notes : what was assumed or left out is added
+
+    Raises
+    ------
+    InputError
+        Ranges along beams that nothing describes.
     """
-    count = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
-    width = count[0][0] if count else 0
+    counts = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
+    width = counts[0][0] if counts else 0
     ranges = np.full((len(samples), width), np.nan)
     for row, sample in enumerate(samples):
         if len(sample.ranges) == width:
             ranges[row] = sample.ranges
     ranges[~(ranges > 0)] = np.nan
     if width and not np.isfinite(ranges).any():
-        remarks.append("dvl: every range is lost; it measures no distance to the hull")
+        notes.append(Finding("ranges-all-lost", where="dvl"))
         ranges, width = ranges[:, :0], 0
     velocity = np.array([s.velocity for s in samples]).reshape(-1, 3)
     velocity[~np.isfinite(velocity).all(axis=1)] = np.nan
-    absurd = np.linalg.norm(np.nan_to_num(velocity), axis=1) > FASTEST
+    absurd = np.linalg.norm(np.nan_to_num(velocity), axis=1) > FASTEST_M_S
     if absurd.any():
         velocity[absurd] = np.nan
-        remarks.append(
-            f"dvl: {absurd.sum()} velocities above {FASTEST:.0f} m/s were taken as lost (are they in mm/s?)"
-        )
+        values = {"count": int(absurd.sum()), "limit_m_s": FASTEST_M_S}
+        notes.append(Finding("velocities-absurd", values, "dvl"))
     given = np.array([s.sigma for s in samples])
-    used = np.where(np.isfinite(given) & (given > 0), given, sigma)
-    directions = choose_beams(samples, beams, width, remarks)
+    directions = choose_beams(samples, beams, width, notes)
     along_axis = np.array([s.along_axis for s in samples], bool)
     along_beams = ranges[along_axis] / directions[:, 2]
     ranges[along_axis] = np.where(np.isfinite(along_beams) & (along_beams > 0), along_beams, np.nan)
-    remarks += check_beams(directions, ranges, np.array([s.altitude for s in samples]))
+    notes += check_beams(directions, ranges, np.array([s.altitude for s in samples]))
     return DvlPings(
         t_ns=_times(samples),
         velocity=velocity,
-        velocity_sigma=used,
+        velocity_sigma=np.where(np.isfinite(given) & (given > 0), given, sigma),
         ranges=ranges,
         beams=directions,
     )
@@ -102,35 +116,42 @@ def dvl_pings(
 def imu_samples(
     samples: Sequence[ImuSample],
     frame: str,
-    remarks: list[str],
+    notes: list[Finding],
     mount_deg: tuple[float, float, float] | None = None,
 ) -> ImuSamples:
-    """Return attitudes and rates. frame: "ned" for body forward-starboard-down in north-east-down,
-    "enu" for body forward-port-up in east-north-up; mount_deg: of the IMU in the vehicle. Rows
-    without an attitude are left out. All samples are those of an IMU, or all of a DVL's own
-    sensors.
+    """Stack attitudes and rates of the vehicle, leaving out rows without an attitude.
 
-    Raises InputError when no row has an attitude or all have one that is not filled in, and for a
-    DVL's attitude without mount_deg.
+    Parameters
+    ----------
+    samples : all of an IMU, or all of a DVL's own sensors
+    frame : "ned" (body forward-starboard-down in north-east-down) or "enu" (body
+        forward-port-up in east-north-up)
+    notes : what was assumed or left out is added
+    mount_deg : roll, pitch, yaw of the IMU in the vehicle
+
+    Raises
+    ------
+    InputError
+        No row has an attitude, all have one that is not filled in, or it is a DVL's and
+        mount_deg is missing.
     """
     quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
-    length = np.linalg.norm(quaternion, axis=1)
-    good = np.abs(length - 1) < 0.05
+    good = np.abs(np.linalg.norm(quaternion, axis=1) - 1) < UNIT_QUATERNION
     if len(samples) and not good.any():
         raise InputError(
             "the IMU's messages hold no attitude (no unit quaternion)",
             remedy="log an IMU that gives orientation",
         )
     if not good.all():
-        remarks.append(
-            f"imu: {np.count_nonzero(~good)} of {len(good)} readings have no attitude and were left out"
-        )
+        lacking = {"lacking": int(np.count_nonzero(~good)), "count": len(good)}
+        notes.append(Finding("attitudes-lacking", lacking, "imu"))
     rates = np.array([s.rates for s in samples]).reshape(-1, 3)[good]
     _refuse_unfilled(quaternion[good], rates)
     rotation = Rotation.from_quat(quaternion[good])
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
     if any(s.of_dvl for s in samples):
-        mount_deg = _mount_of_dvl(mount_deg, remarks)
+        mount_deg = _require_mount_of_dvl(mount_deg)
+        notes.append(Finding("attitude-of-dvl", where="imu"))
     elif frame == "enu":
         rotation = NED_FROM_ENU * rotation * FRD_FROM_FLU.inv()
         rates, acceleration = rates * [1, -1, -1], acceleration * [1, -1, -1]
@@ -147,83 +168,65 @@ def imu_samples(
 
 
 def _refuse_unfilled(quaternion: Array, rates: Array) -> None:
-    """Raise InputError for orientations (n, 4) that are a constant that nobody has measured: a
-    message's default, or one that stands still while the rates (n, 3) do not. A simulated vehicle
-    at rest has neither.
+    """Raise InputError for orientations (n, 4) that are a constant which nobody measured.
+
+    Such are a message's default, and an orientation that stands still while the rates (n, 3) do
+    not. A simulated vehicle at rest has neither.
     """
     if len(quaternion) < LEAST_ATTITUDES or (quaternion != quaternion[0]).any():
         return
     turns = bool((np.nan_to_num(rates) != 0).any())
     if turns or np.array_equal(np.abs(quaternion[0]), UNFILLED):
         shown = ", ".join(f"{value:g}" for value in quaternion[0])
-        why = (
-            "while its rates are not zero"
-            if turns
-            else "which is the default of a message that is not filled in"
-        )
+        why = "which is the default of a message that is not filled in"
+        if turns:
+            why = "while its rates are not zero"
         raise InputError(
-            f"the IMU's orientation is the same, ({shown}), in all {len(quaternion)} readings, {why}",
+            f"the IMU's orientation is the same, ({shown}), in all {len(quaternion)} readings, "
+            f"{why}",
             remedy="log an IMU that gives orientation, or the topic of the filter that computes it",
         )
 
 
-def _mount_of_dvl(
-    mount_deg: tuple[float, float, float] | None, remarks: list[str]
+def _require_mount_of_dvl(
+    mount_deg: tuple[float, float, float] | None,
 ) -> tuple[float, float, float]:
-    """Return it: the attitude of the frame `dvl` says nothing of the vehicle's without it."""
+    """Return `mount_deg`, required here: a DVL's attitude sensor is aligned with the DVL alone."""
     if mount_deg is None:
         raise InputError(
-            "the only attitude is that of the DVL's own sensors, and nothing says how the DVL sits in the vehicle",
+            "the only attitude is that of the DVL's own sensors, and nothing says how the DVL sits "
+            "in the vehicle",
             where="imu.mount_deg",
-            remedy="give roll, pitch, yaw of the frame dvl there: [0, 0, 0] where it looks down with its x forward, [0, 90, 0] "
-            "where it looks ahead",
+            remedy="give roll, pitch, yaw of the frame dvl there: [0, 0, 0] where it looks down "
+            "with its x forward, [0, 90, 0] where it looks ahead",
         )
-    remarks.append(
-        "imu: attitude comes from the DVL's own sensors; a compass beside a steel hull can be off by tens of degrees, which "
-        "imu.heading_drift_deg_per_hour has to cover"
-    )
     return mount_deg
 
 
 def is_of_dvl(sample: object) -> bool:
-    """Return whether a sample is an attitude or a depth by sensors inside of the DVL."""
+    """Tell whether a sample is an attitude or a depth by sensors inside the DVL."""
     return isinstance(sample, ImuSample | DepthSample) and sample.of_dvl
-
-
-def describe_left_aside(sensor: str, count: int) -> str:
-    """Return a sentence on samples by the DVL's own sensors where the sensor ("imu", "pressure")
-    was logged too.
-    """
-    what, other = ("attitudes", "the IMU") if sensor == "imu" else ("depths", "the pressure sensor")
-    return f"{sensor}: {count} {what} by the DVL's own sensors were left aside for those of {other}"
 
 
 @np.errstate(all="ignore")
 def pressure_samples(
-    samples: Sequence[PressureSample | DepthSample], model: PressureModel, remarks: list[str]
+    samples: Sequence[PressureSample | DepthSample], model: PressureModel, notes: list[Finding]
 ) -> PressureSamples | None:
-    """Return the depth of the sensor, positive down; readings that are not finite are left out,
-    None where all are. All samples are those of one sensor.
-    """
+    """Stack the depths of one sensor, positive down; None where no reading is finite."""
     if any(is_of_dvl(s) for s in samples):
-        remarks.append(
-            "pressure: depth comes from the DVL's own sensor; pressure.origin is that sensor's"
-        )
+        notes.append(Finding("depth-of-dvl", where="pressure"))
     depth = np.array([_depth(s, model) for s in samples])
     good = np.isfinite(depth)
-    remarks += _describe_lost("pressure", good)
+    notes += _describe_lost("pressure", good)
     if not good.any():
         return None
     depth = depth[good]
-    if np.median(depth) < -1.0:
-        advice = (
-            "is pressure.z_axis right?"
-            if isinstance(samples[0], DepthSample)
-            else "is the pressure absolute and in pascal?"
-        )
-        remarks.append(
-            f"pressure: the median depth is {np.median(depth):.1f} m, above the water: {advice}"
-        )
+    if np.median(depth) < -HIGHEST_M:
+        advice = "is the pressure absolute and in pascal?"
+        if isinstance(samples[0], DepthSample):
+            advice = "is pressure.z_axis right?"
+        values = {"depth_m": float(np.median(depth)), "advice": advice}
+        notes.append(Finding("depth-above-water", values, "pressure"))
     return PressureSamples(t_ns=_times(samples)[good], depth=depth)
 
 
@@ -236,33 +239,28 @@ def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:
 
 @np.errstate(all="ignore")
 def joint_samples(
-    samples: Sequence[JointSample], name: str, remarks: list[str]
+    samples: Sequence[JointSample], name: str, notes: list[Finding]
 ) -> JointSamples | None:
-    """Return one servo's angle; readings that are not finite are left out, None where all are."""
+    """Stack the angles of one servo; None where no reading is finite."""
     angle = np.array([s.angle for s in samples])
     good = np.isfinite(angle)
-    remarks += _describe_lost(f"joint {name}", good)
+    notes += _describe_lost(f"joint {name}", good)
     if not good.any():
         return None
-    if np.abs(angle[good]).max() > 2 * np.pi:
-        remarks.append(
-            f"joint {name}: angles reach {np.abs(angle[good]).max():.1f} rad; are they in degrees?"
-        )
+    largest_rad = float(np.abs(angle[good]).max())
+    if largest_rad > 2 * np.pi:
+        notes.append(Finding("angles-in-degrees", {"largest_rad": largest_rad}, f"joint {name}"))
     return JointSamples(t_ns=_times(samples)[good], angle=angle[good])
 
 
-def _describe_lost(name: str, good: Mask) -> list[str]:
-    """Return a sentence on readings (n,) that are not finite."""
+def _describe_lost(name: str, good: Mask) -> list[Finding]:
     lost = int(np.count_nonzero(~good))
-    return (
-        [f"{name}: {lost} of {len(good)} readings are no finite numbers and were left out"]
-        if lost
-        else []
-    )
+    values = {"lost": lost, "count": len(good)}
+    return [Finding("readings-not-finite", values, name)] if lost else []
 
 
 def keep_in_memory(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
-    """Return the images as one array."""
+    """Stack the images into one array."""
     kept = np.empty(shape, np.uint8)
     for row, image in zip(kept, images, strict=True):
         row[:] = image
@@ -277,21 +275,31 @@ def leave_black(shape: tuple[int, int, int], images: Iterator[Images]) -> Images
 @np.errstate(all="ignore")
 def sonar_pings(
     samples: Sequence[SonarSample],
-    remarks: list[str],
+    notes: list[Finding],
     azimuth_deg: Array | None = None,
     keep: KeepImages = keep_in_memory,
     load: Callable[[SonarSample], SonarSample] = lambda sample: sample,
 ) -> SonarPings | None:
-    """Return pings of the most common geometry, as 8 bits; None without any. azimuth_deg (beams,):
-    of dive.toml, for logs that do not say where the beams point; keep: keeps the images; load:
-    gives a ping with its image, where samples have another of the same shape and bright pixel.
-    Raises InputError for beams that nothing describes.
+    """Stack pings of the most common geometry as images of 8 bits; None without any.
+
+    Parameters
+    ----------
+    samples : pings in order of time
+    notes : what was assumed or left out is added
+    azimuth_deg : (beams,) of dive.toml, for logs that do not say where the beams point
+    keep : keeps the images
+    load : gives a ping with its image, where `samples` hold stand-ins (ping_spool)
+
+    Raises
+    ------
+    InputError
+        Nothing says where the beams point.
     """
-    kept, range_m = pings_of_one_window(samples, remarks)
+    kept, range_m = pings_of_one_window(samples, notes)
     if not kept:
         return None
-    directions = choose_directions(kept[0], azimuth_deg, remarks)
-    scale = _scale_to_eight_bits(kept, remarks)
+    directions = choose_directions(kept[0], azimuth_deg, notes)
+    scale = _scale_to_eight_bits(kept, notes)
     shape = (len(kept), len(directions), len(range_m))
     image = keep(
         shape, (_eight_bits(image_in_ranges(load(sample), range_m), scale) for sample in kept)
@@ -304,20 +312,20 @@ def sonar_pings(
     )
 
 
-def _scale_to_eight_bits(samples: Sequence[SonarSample], remarks: list[str]) -> float | None:
-    """Return the factor that brings the bright pixel of nearly all pings to 255; None where all
-    pixels have 8 bits.
+def _scale_to_eight_bits(samples: Sequence[SonarSample], notes: list[Finding]) -> float | None:
+    """Find the factor that brings the bright pixel of nearly all pings to 255.
+
+    None where all pixels have 8 bits.
     """
     if all(sample.image.dtype == np.uint8 for sample in samples):
         return None
     bright = np.array([float(bright_pixel(sample.image)) for sample in samples])
     bright = bright[bright > 0]
-    white = (
-        float(np.percentile(bright, BRIGHT_PINGS_PERCENT, method="higher")) if len(bright) else 0.0
-    )
-    remarks.append(
-        f"sonar: {samples[0].image.dtype} pixels were scaled to 8 bits, {white:g} and more to 255"
-    )
+    white = 0.0
+    if len(bright):
+        white = float(np.percentile(bright, BRIGHT_PINGS_PERCENT, method="higher"))
+    values = {"dtype": str(samples[0].image.dtype), "white": white}
+    notes.append(Finding("sonar-scaled", values, "sonar"))
     return 255.0 / white if white > 0 else 0.0
 
 

@@ -20,29 +20,28 @@ EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 @dataclass(frozen=True, kw_only=True)
 class TimeWindow:
-    """The stamps that are used, both limits among them, ns; None: no limit."""
+    """The stamps that are used, both limits included; None: no limit."""
 
     first_ns: int | None
     last_ns: int | None
 
     def holds(self, t_ns: int) -> bool:
-        """Return whether a stamp lies in the window."""
+        """Tell whether a stamp lies in the window."""
         return (self.first_ns is None or t_ns >= self.first_ns) and (
             self.last_ns is None or t_ns <= self.last_ns
         )
 
     def describe(self) -> str:
-        """Return the window in words."""
+        """Say the window in words."""
         limits = (("from", self.first_ns), ("to", self.last_ns))
         return " ".join(f"{word} {format_time(t_ns)}" for word, t_ns in limits if t_ns is not None)
 
 
 def time_window(start: Instant, end: Instant, logs: Sequence[Log]) -> TimeWindow | None:
-    """Return the window of a dive; None where it has no limits. Raises InputError where it ends
-    before it begins.
+    """Compute the window of a dive from dive.from and dive.to; None without limits.
 
-    Seconds count from the first message of all logs, as it was logged; of tables, from the earliest
-    first row.
+    Seconds count from the first message of all logs, as it was logged (of tables, from the
+    earliest first row). Raises InputError where the window ends before it begins.
     """
     if start is None and end is None:
         return None
@@ -71,9 +70,7 @@ def _limit_ns(limit: Instant, origin_ns: int) -> int | None:
 
 
 def _first_message_ns(logs: Sequence[Log]) -> int:
-    """Return when the earliest of the logs' first messages was logged, ns. Raises InputError where
-    there is none.
-    """
+    """Find when the first message of all logs was logged, ns; InputError without any."""
     first = [message.t_ns for log in logs for message in _first_messages(log)]
     if not first:
         raise InputError(

@@ -51,15 +51,17 @@ class TrueMounts(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class TrueStructure(msgspec.Struct, frozen=True, kw_only=True):
-    """A row of truth/objects.json: what was put on the hull, or painted on it."""
+    """A row of truth/objects.json: what was put on the hull, or painted on it. Centre in M, lengths
+    in m; views: frames that see it.
+    """
 
     id: int
     kind: str
-    center: Point  # m in M
+    center: Point
     normal: Point
-    height: float  # m
-    extent: tuple[float, float]  # m
-    views: int = 0  # frames that see it
+    height: float
+    extent: tuple[float, float]
+    views: int = 0
     painted: bool = False
 
 
@@ -78,17 +80,20 @@ class _HullSection(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, kw_only=True)
 class Truth:
-    """What is true of a dive."""
+    """What is true of a dive. t_s (n,) and poses T_M_v (n) at the camera frames; the servo's angle
+    (rad) at servo_t_s; built_mesh: the hull as it is, in M; cad_model: None for a dive without one;
+    objects: structures and painted marks.
+    """
 
-    t_s: Array  # (n,) of the camera frames
-    poses: Poses  # hull_from_vehicle (n) at these
+    t_s: Array
+    poses: Poses
     servo_t_s: Array
-    servo_rad: Array  # angle of the servo at servo_t_s
+    servo_rad: Array
     global_from_hull: Poses
     mounts: TrueMounts
-    objects: Sequence[TrueStructure]  # structures and painted marks
-    built_mesh: Mesh  # the hull as it is, in M
-    cad_model: Scene | None  # None for a dive without one
+    objects: Sequence[TrueStructure]
+    built_mesh: Mesh
+    cad_model: Scene | None
 
     @cached_property
     def built(self) -> Scene:
@@ -102,9 +107,8 @@ class Truth:
         return cKDTree(self.built_mesh.vertices)
 
     def near(self, points: Array, reach_m: float) -> Mask:
-        """Mark points (n, 3) close to a vertex of the true surface.
-
-        Elsewhere nothing is known of it.
+        """Return which points (n, 3) lie that close to a vertex of the true surface: elsewhere
+        nothing is known of it.
         """
         distance, _ = self._vertices.query(points, distance_upper_bound=reach_m)
         return np.asarray(np.isfinite(distance))
@@ -118,9 +122,8 @@ class Truth:
         )
 
     def beyond(self, feet: Array) -> Mask:
-        """Mark closest points (n, 3) on the rim of the true surface.
-
-        What they belong to may lie beyond it.
+        """Return which closest points (n, 3) lie on the rim of the true surface: what they belong
+        to may lie beyond it.
         """
         distance, _ = self._rim.query(feet, distance_upper_bound=RIM_M)
         return np.asarray(np.isfinite(distance))
@@ -145,15 +148,16 @@ class Truth:
         return [o for o in self.objects if not o.painted and abs(o.height) > 0]
 
     def due(self) -> list[TrueStructure]:
-        """Return the structures that must be found.
-
-        They are at least 0.08 m high and seen in at least six frames.
+        """Return the structures that must be found: at least 0.08 m high and seen in at least six
+        frames.
         """
         return [o for o in self.structures() if abs(o.height) >= 0.08 and o.views >= 6]
 
 
 def read_truth(package: Path) -> Truth:
-    """Read the truth of a package. Raises InputError when it has none that can be read."""
+    """Return the truth of a package. Raises InputError when it has none, or when a file of it
+    cannot be read.
+    """
     folder = package / "truth"
     if not (folder / "poses.csv").exists():
         raise InputError(

@@ -23,19 +23,15 @@ class ImageView(Protocol):
     def center(self) -> Array: ...
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Project points (n, 3) into the picture; NaN where it does not hold them.
-
-        Returns
-        -------
-        pixel
-            (n, 2).
-        ratio
-            r / R (n,), distance from the best place in the image over the largest considered
-            (docs/methods.md 13, 14).
+        """Return, of points (n, 3): pixel (n, 2) in the picture, and r / R (n,), the distance from
+        the best place in the image over the largest one considered (docs/methods.md 13, 14); NaN
+        where the image does not hold the point.
         """
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Return points (n, 3) of the surface all over the image; NaN where it is missed."""
+        """Return points (n, 3) of the surface all over the image, NaN rows where it does not meet
+        the surface.
+        """
 
     def picture(self) -> Floats32 | None:
         """Return the image (h, w, channels), corrected, 0 to 255; None when it cannot be read."""
@@ -43,11 +39,13 @@ class ImageView(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class CameraView:
-    """A camera's image."""
+    """A camera's image. pose: one T_M_c (T_g_c without a CAD model); load gives the correct
+    picture.
+    """
 
-    pose: Poses  # one result_from_camera
+    pose: Poses
     camera: CameraModel
-    load: Callable[[], Floats32 | None]  # gives the correct picture
+    load: Callable[[], Floats32 | None]
 
     @property
     def center(self) -> Array:
@@ -81,7 +79,9 @@ class CameraView:
         return self.load()
 
     def _widest(self) -> float:
-        """Return the tangent beyond which the distortion would fold points back."""
+        """Return the tangent beyond which the distortion polynomial would fold points back into the
+        image.
+        """
         c = self.camera
         return 1.5 * max(
             c.cx / c.fx, (c.width - c.cx) / c.fx, c.cy / c.fy, (c.height - c.cy) / c.fy

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a mosaic is delivered as, apart from its rasters."""
+"""What a finished mosaic is handed over as, apart from its rasters: mosaic.json, the preview and
+the textured mesh.
+"""
 
 from __future__ import annotations
 
@@ -24,23 +26,26 @@ MIN_GAP_M2 = 0.005  # smaller ones are shadows at the foot of structures
 
 @dataclass(frozen=True, kw_only=True)
 class MosaicDeliverables:
-    """The files of a mosaic, apart from its rasters."""
+    """document: mosaic.json; preview: PNG; textured_mesh: GLB, None where too little was seen for a
+    mesh.
+    """
 
-    document: dict[str, object]  # mosaic.json
-    preview: bytes  # PNG
-    textured_mesh: bytes | None  # GLB, None where too little was seen for a mesh
+    document: dict[str, object]
+    preview: bytes
+    textured_mesh: bytes | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Presentation:
-    """How a mosaic is shown."""
+    """How a mosaic is shown. frame_spacing_m: between the ship's frames, None where unknown; facts:
+    more for mosaic.json, among them `surface`: which surface it was laid on.
+    """
 
     title: str
     frame: Frame
     outside: OutsideMap
-    frame_spacing_m: float | None  # between the ship's frames, None where unknown
+    frame_spacing_m: float | None
     max_faces: int
-    # more for mosaic.json, among them `surface`: which surface it was draped on
     facts: Mapping[str, object]
 
 
@@ -52,8 +57,7 @@ def make_deliverables(
     document = mosaic_document(store, frame, presentation.facts)
     caption = Caption(
         title=presentation.title,
-        legend=f"{document['caption']} Seen from outside; contrast stretched; "
-        "light gray: not seen.",
+        legend=f"{document['caption']} Seen from outside; contrast stretched; light gray: not seen.",
         frame=frame,
         frame_spacing_m=presentation.frame_spacing_m if frame is Frame.HULL else None,
         flips=presentation.outside.flips,
@@ -85,10 +89,7 @@ def mosaic_document(
     area = seen * grid.step_m**2
     spread = dict(zip((f"p{p}" for p in PERCENT), store.variance_percentiles(PERCENT), strict=True))
     gaps = gap_area_m2(store.small[..., -1], grid.step_m * store.reduction)
-    caption = (
-        f"{1000 * grid.step_m:.1f} mm a pixel, at most four best views a pixel, "
-        f"laid on the surface {facts['surface']}."
-    )
+    caption = f"{1000 * grid.step_m:.1f} mm a pixel, at most four best views a pixel, laid on the surface {facts['surface']}."
     caption += f" Gaps inside its outline: {gaps:.2f} m²." if gaps else ""
     known = facts.get("position_sigma_m")
     if isinstance(known, float):
@@ -112,16 +113,9 @@ def mosaic_document(
 
 
 def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
-    """Sum the area on the chart, m2, of gaps inside the outline of what was seen.
-
-    Gaps of at least MIN_GAP_M2 count; those up to GAP_BRIDGE_M wide at the rim are inside.
-
-    Parameters
-    ----------
-    alpha
-        (h, w).
-    step_m
-        side of its pixels.
+    """Return the area on the chart, m2, of parts of at least MIN_GAP_M2 that nothing was seen of
+    inside the outline of what was seen; alpha (h, w), step_m: side of its pixels. Gaps up to
+    GAP_BRIDGE_M wide at the rim count as inside.
     """
     from scipy import ndimage
 

@@ -47,7 +47,7 @@ def rejected_groups(survey: Survey) -> list[tuple[str, list[str]]]:
             [_region(r) for r in survey.findings.not_reported],
         ),
         ("Warnings of the steps", survey.provenance.warnings()),
-        ("Remarks on the log", list(facts.log.remarks)),
+        ("Remarks on the log", list(facts.log.notes)),
     ]
     return [(heading, items) for heading, items in groups if items]
 

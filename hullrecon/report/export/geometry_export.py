@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.config.mounts import guess_sigma
 from hullrecon.dive.config.schema import Hull
-from hullrecon.dive.hull.pose_guess import guess_sigma
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.solution import HullPose, Solution
 from hullrecon.records.surface import DeviationSplit, Surface

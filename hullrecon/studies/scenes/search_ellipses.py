@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Do transferred points spread as the ellipses that are searched? [Ozog2016 Fig. D.4]."""
+"""Whether points transferred from one image to another spread as the ellipses that are searched
+[Ozog2016 Fig. D.4].
+"""
 
 from __future__ import annotations
 
@@ -30,11 +32,13 @@ MOST_DRAWN = 250  # samples of a point
 
 @dataclass(frozen=True, kw_only=True)
 class TransferredPoints:
-    """Points (p) in the second image, px."""
+    """p points in the second image, px: mean (p, 2) and covariance (p, 2, 2) as predicted, samples
+    (p, s, 2) of where they come to lie.
+    """
 
-    mean: Array  # (p, 2) predicted
-    covariance: Array  # (p, 2, 2) predicted
-    samples: Array  # (p, s, 2) of where they come to lie
+    mean: Array
+    covariance: Array
+    samples: Array
 
     def share_within(self) -> Array:
         """Return the share (p,) of the samples within the 99 % ellipse."""
@@ -58,14 +62,8 @@ class TransferredPoints:
 def search_ellipses(
     sizes: Mapping[str, TransferredPoints], image_px: tuple[int, int]
 ) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. D.4]: samples and 99 % ellipses in the second image.
-
-    A panel a size of the relative pose's sigmas.
-
-    Parameters
-    ----------
-    image_px
-        width and height.
+    """Draw [Ozog2016 Fig. D.4]: samples and 99 % ellipses in the second image, of width and height
+    image_px, a panel a size of the relative pose's sigmas.
     """
     figure, axes = new_canvas(4.4 * len(sizes), 4.4, 1, len(sizes))
     table, words = ["size,point,u_px,v_px,semi_axis_short_px,semi_axis_long_px,share_within_99"], []
@@ -88,17 +86,13 @@ def search_ellipses(
         frameon=False,
         markerscale=4,
     )
-    caption = (
-        "Median share of the transferred points within their 99 % ellipses, by sigmas of the "
-        f"pose: {'; '.join(words)}."
-    )
+    caption = f"Median share of the transferred points within their 99 % ellipses, by sigmas of the pose: {'; '.join(words)}."
     return finish_figure("search_ellipses", figure, table, caption)
 
 
 def _draw_points(axis: Axes, points: TransferredPoints, image_px: tuple[int, int]) -> None:
-    """Draw samples and ellipses in four colours, and the image's border.
-
-    Neighbours of a 4 x 4 grid are told apart.
+    """Draw samples and ellipses, in four colours so that neighbours of a 4 x 4 grid are told apart,
+    and the image's border.
     """
     from matplotlib.patches import Rectangle
 

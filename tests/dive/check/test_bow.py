@@ -5,9 +5,10 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.check.bow import describe_bow
+from hullrecon.dive.check.hull_checks import describe_bow
 from hullrecon.dive.config.schema import Hull
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 from hullrecon.geometry.meshes.mesh import Mesh
 
 
@@ -18,52 +19,59 @@ def box(low, high):
 SHIP = box((0, -4.5, 0), (50, 4.5, 5.5))
 
 
+def told(*words):
+    bow, warnings = describe_bow(*words)
+    return bow.sentence, sentences(warnings)
+
+
 def hull(**more):
     return Hull(mesh="h.stl", **more)
 
 
 def test_the_end_that_is_taken_for_the_bow_is_named_with_the_reason():
-    line, warnings = describe_bow(hull(), SHIP)
+    line, warnings = told(hull(), SHIP)
     assert line == (
-        "bow: at x = +50.0 m of the CAD model (where x grows, as hull.bow is not given); stations count from its x = 0, "
+        "bow: at x = +50.0 m of the CAD model (where x grows, as hull.bow is not given); stations "
+        "count from its x = 0, "
         "0.0 m forward of its aft end"
     )
     assert warnings == []
 
 
 def test_a_bow_at_zero_has_no_minus_sign():
-    line, _ = describe_bow(hull(bow="-x"), box((0.02, -4.5, 0), (50, 4.5, 5.5)))
+    line, _ = told(hull(bow="-x"), box((0.02, -4.5, 0), (50, 4.5, 5.5)))
     assert line.startswith("bow: at x = +0.0 m")
 
 
 def test_a_bow_on_the_negative_axis_is_the_other_end():
-    line, warnings = describe_bow(
+    line, warnings = told(
         hull(bow="-x", aft_perpendicular=-1.5), box((-50, -4.5, 0), (0, 4.5, 5.5))
     )
     assert line == (
-        "bow: at x = -50.0 m of the CAD model (hull.bow); stations count from its x = -1.5 m, 1.5 m forward of its aft end"
+        "bow: at x = -50.0 m of the CAD model (hull.bow); stations count from its x = -1.5 m, 1.5 "
+        "m forward of its aft end"
     )
     assert warnings == []
 
 
 def test_the_ships_axis_is_the_long_one_of_those_that_are_level_by_the_pose():
     # y up, a tall rig
-    line, _ = describe_bow(hull(pose=(0, 0, 0, -90, 0, 0)), box((-4.5, -60, -1), (4.5, 60, 49)))
+    line, _ = told(hull(pose=(0, 0, 0, -90, 0, 0)), box((-4.5, -60, -1), (4.5, 60, 49)))
     assert line.startswith("bow: at z = +49.0 m of the CAD model")
     assert line.endswith("stations count from its z = 0, 1.0 m forward of its aft end")
 
 
 def test_a_zero_amidships_is_no_aft_perpendicular():
-    line, (warning,) = describe_bow(hull(), box((-25, -4.5, 0), (25, 4.5, 5.5)))
+    line, (warning,) = told(hull(), box((-25, -4.5, 0), (25, 4.5, 5.5)))
     assert line.endswith("stations count from its x = 0, 25.0 m forward of its aft end")
     assert warning.endswith(
         "give hull.bow; if its aft perpendicular lies elsewhere, hull.aft_perpendicular"
     )
-    assert describe_bow(hull(aft_perpendicular=-25), box((-25, -4.5, 0), (25, 4.5, 5.5)))[1] == []
-    _, (turned,) = describe_bow(hull(bow="-x"), SHIP)
+    assert told(hull(aft_perpendicular=-25), box((-25, -4.5, 0), (25, 4.5, 5.5)))[1] == []
+    _, (turned,) = told(hull(bow="-x"), SHIP)
     assert "50.0 m forward of its aft end" in turned
 
 
 def test_a_bow_across_the_ship_is_an_error():
     with pytest.raises(InputError, match=r"the bow cannot lie at \+y"):
-        describe_bow(hull(bow="+y"), SHIP)
+        told(hull(bow="+y"), SHIP)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.check.consistency_checks import check_consistency, describe_start_offset
+from hullrecon.dive.check.consistency_checks import check_consistency
+from hullrecon.dive.check.contents import describe_start_offset
 from hullrecon.dive.config.schema import (
     CameraBottom,
     Cameras,
@@ -191,13 +192,13 @@ def test_a_baseline_in_millimetres_or_of_nothing_is_named(metres, shown):
 
 def test_the_first_image_is_told_against_the_first_ping():
     records = dive()
-    assert describe_start_offset(SensorRecords(**records), {"camera_top": index(T[2:])}) == [
-        "the first camera image is 0.4 s after the first DVL ping"
-    ]
-    assert describe_start_offset(SensorRecords(**records), {"camera_top": index(T - NS)}) == [
-        "the first camera image is 1.0 s before the first DVL ping"
-    ]
-    assert describe_start_offset(SensorRecords(**records), {}) == []
+    assert sentences(
+        describe_start_offset(SensorRecords(**records), {"camera_top": index(T[2:])})
+    ) == ["the first camera image is 0.4 s after the first DVL ping"]
+    assert sentences(
+        describe_start_offset(SensorRecords(**records), {"camera_top": index(T - NS)})
+    ) == ["the first camera image is 1.0 s before the first DVL ping"]
+    assert sentences(describe_start_offset(SensorRecords(**records), {})) == []
 
 
 def test_an_imu_that_ended_midway_is_a_warning_where_no_image_carries_on():
@@ -218,7 +219,8 @@ def test_a_dvl_that_ended_midway_is_a_warning_but_for_a_logger_on_deck():
     records["dvl"].velocity[30:] = np.nan
     (words,) = told(config(), SensorRecords(**records), {})
     assert words.startswith(
-        "the IMU was read for 14.0 s under water before the first or after the last velocity of the DVL"
+        "the IMU was read for 14.0 s under water before the first or after the last velocity of "
+        "the DVL"
     )
     records["pressure"].depth[30:] = 0.1
     assert not [

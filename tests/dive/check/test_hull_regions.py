@@ -5,12 +5,18 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.check.hull_regions import describe_regions
+from hullrecon.dive.check.hull_checks import describe_regions
 from hullrecon.dive.config.schema import Hull, HullRegion
+from hullrecon.findings.finding import sentences
 from hullrecon.geometry.meshes.mesh import Mesh
 from tests.geometry.conftest import barge
 
 BOW = HullRegion(name="bow", along=(15.0, 19.0), girth=(0.0, 2.0))
+
+
+def told(*words):
+    areas, empty = describe_regions(*words)
+    return sentences(areas), sentences(empty)
 
 
 def hull(*regions, **more):
@@ -21,18 +27,18 @@ def test_a_model_with_y_up_is_counted_by_the_pose_that_says_so():
     mesh = barge()
     # y of the file is up
     turned = Mesh(mesh.vertices @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), mesh.faces)
-    lines, _ = describe_regions(hull(BOW, pose=(0, 0, 0, -90, 0, 0)), turned)
+    lines, _ = told(hull(BOW, pose=(0, 0, 0, -90, 0, 0)), turned)
     assert lines == ["region bow: 8.0 m2 of the CAD model"]
 
 
 def test_each_region_is_named_with_its_area():
-    lines, warnings = describe_regions(hull(BOW), barge())
+    lines, warnings = told(hull(BOW), barge())
     assert lines == ["region bow: 8.0 m2 of the CAD model"]
     assert warnings == []
 
 
 def test_a_region_without_hull_is_suspected_with_how_far_the_hull_reaches():
-    lines, (warning,) = describe_regions(hull(HullRegion(name="far", along=(30.0, 40.0))), barge())
+    lines, (warning,) = told(hull(HullRegion(name="far", along=(30.0, 40.0))), barge())
     assert lines == []
     assert warning.startswith("hull.region far holds no hull: the CAD model reaches from 0.")
     assert warning.endswith("4.7 m in girth")
@@ -40,7 +46,7 @@ def test_a_region_without_hull_is_suspected_with_how_far_the_hull_reaches():
 
 @pytest.mark.parametrize("mesh", [None, Mesh(np.zeros((3, 3)), np.array([[0, 1, 2]], np.int32))])
 def test_without_a_hull_nothing_is_counted(mesh):
-    lines, warnings = describe_regions(hull(BOW), mesh)
+    lines, warnings = told(hull(BOW), mesh)
     assert lines == []
     assert len(warnings) == (mesh is not None)
 
@@ -48,8 +54,8 @@ def test_without_a_hull_nothing_is_counted(mesh):
 def test_a_region_lies_on_the_side_that_the_bow_says():
     mesh = barge()
     turned = Mesh(mesh.vertices @ np.diag([-1.0, -1.0, 1.0]), mesh.faces)
-    lines, warnings = describe_regions(hull(BOW, bow="-x"), turned)
+    lines, warnings = told(hull(BOW, bow="-x"), turned)
     assert (lines, warnings) == (["region bow: 8.0 m2 of the CAD model"], [])
-    assert describe_regions(hull(BOW), turned)[0] == []
+    assert told(hull(BOW), turned)[0] == []
     astern = HullRegion(name="bow", along=(19.0, 23.0), girth=(0.0, 2.0))
-    assert describe_regions(hull(astern, bow="-x", aft_perpendicular=4.0), turned)[0] == lines
+    assert told(hull(astern, bow="-x", aft_perpendicular=4.0), turned)[0] == lines

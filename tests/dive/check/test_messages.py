@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.check.messages import count_noun, describe_losses, describe_streams
+from hullrecon.dive.check.contents import describe_losses, describe_streams
 from hullrecon.dive.logs.readers.loss_tracker import LossTracker
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
+from hullrecon.findings.finding import sentences
+from hullrecon.findings.logs import count_noun
 from hullrecon.records.sensors import DvlPings, JointSamples, PressureSamples, SensorRecords
 
 A, B = Channel("/a", "x/msg/A", "cdr"), Channel("/b", "x/msg/B", "cdr")
@@ -13,8 +15,9 @@ A, B = Channel("/a", "x/msg/A", "cdr"), Channel("/b", "x/msg/B", "cdr")
 
 def test_a_loss_is_told_with_its_file_topic_span_count_and_reason():
     found = [("x.mcap", Loss("its checksum is wrong", "/a", 1_000_000_000, 2_500_000_000, 7))]
-    assert describe_losses(found) == [
-        "x.mcap: /a: from 1970-01-01T00:00:01.000Z to 1970-01-01T00:00:02.500Z is lost (7 messages): its checksum is wrong"
+    assert sentences(describe_losses(found)) == [
+        "x.mcap: /a: from 1970-01-01T00:00:01.000Z to 1970-01-01T00:00:02.500Z is lost (7 "
+        "messages): its checksum is wrong"
     ]
 
 
@@ -24,7 +27,7 @@ def test_an_open_loss_runs_from_the_start_or_to_the_end():
         ("x", Loss("w", "", None, 10**9)),
         ("x", Loss("w", "/a")),
     ]
-    assert [line.split(": ", 2)[1:] for line in describe_losses(found)] == [
+    assert [line.split(": ", 2)[1:] for line in sentences(describe_losses(found))] == [
         ["/a", "from 1970-01-01T00:00:01.000Z to the end is lost: w"],
         ["every topic", "from the start to 1970-01-01T00:00:01.000Z is lost: w"],
         ["/a", "an unknown part is lost: w"],
@@ -59,12 +62,14 @@ def test_counts_of_the_log_tell_how_many_messages_a_loss_took():
 
 def test_a_silent_spell_and_the_range_of_a_servo_are_told():
     t = np.array([0, 1, 2, 30, 31], np.int64) * 1_000_000_000
-    lines = describe_streams(
-        SensorRecords(
-            pressure=PressureSamples(t_ns=t, depth=np.arange(5.0)),
-            tray=JointSamples(t_ns=t, angle=np.radians([0, 10, 20, 30, 45])),
-        ),
-        {},
+    lines = sentences(
+        describe_streams(
+            SensorRecords(
+                pressure=PressureSamples(t_ns=t, depth=np.arange(5.0)),
+                tray=JointSamples(t_ns=t, angle=np.radians([0, 10, 20, 30, 45])),
+            ),
+            {},
+        )
     )
     assert (
         "pressure: nothing for 28.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:00:30.000Z"
@@ -82,7 +87,7 @@ def test_a_single_reading_is_told_in_the_singular_and_without_a_rate():
         ranges=np.array([[2.0]]),
         beams=np.array([[0.0, 0.0, 1.0]]),
     )
-    lines = describe_streams(SensorRecords(dvl=ping), {})
+    lines = sentences(describe_streams(SensorRecords(dvl=ping), {}))
     assert lines[0] == "dvl: 1 ping in 0.0 s from 1970-01-01T00:00:05.000Z"
     assert "DVL ranges run from 2.00 to 2.00 m" in lines
     assert "DVL speeds reach 0.00 m/s" in lines
@@ -90,8 +95,8 @@ def test_a_single_reading_is_told_in_the_singular_and_without_a_rate():
 
 def test_rates_are_in_hertz():
     t = np.arange(5, dtype=np.int64) * 500_000_000
-    (line, _) = describe_streams(
-        SensorRecords(pressure=PressureSamples(t_ns=t, depth=np.arange(5.0))), {}
+    (line, _) = sentences(
+        describe_streams(SensorRecords(pressure=PressureSamples(t_ns=t, depth=np.arange(5.0))), {})
     )
     assert line == "pressure: 5 readings in 2.0 s from 1970-01-01T00:00:00.000Z, 2.0 Hz"
 
@@ -99,7 +104,10 @@ def test_rates_are_in_hertz():
 def test_sensors_without_readings_are_not_described():
     none = np.zeros(0, np.int64)
     assert (
-        describe_streams(SensorRecords(tray=JointSamples(t_ns=none, angle=np.zeros(0))), {}) == []
+        sentences(
+            describe_streams(SensorRecords(tray=JointSamples(t_ns=none, angle=np.zeros(0))), {})
+        )
+        == []
     )
     lost = DvlPings(
         t_ns=none,
@@ -108,7 +116,7 @@ def test_sensors_without_readings_are_not_described():
         ranges=np.zeros((0, 4)),
         beams=np.zeros((4, 3)),
     )
-    assert describe_streams(SensorRecords(dvl=lost), {}) == []
+    assert sentences(describe_streams(SensorRecords(dvl=lost), {})) == []
 
 
 @pytest.mark.parametrize(("count", "text"), [(0, "0 edges"), (1, "1 edge"), (22, "22 edges")])

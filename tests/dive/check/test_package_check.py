@@ -9,8 +9,9 @@ import pytest
 from benchmarks.fuzz.seed_aris import aris_file
 from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.check.package_check import check_package, defaults_of
+from hullrecon.dive.check.requirements import missing, needs
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.logs.summary import missing, needs
+from hullrecon.findings.finding import sentences
 from hullrecon.steps.change import EarlierDive
 from hullrecon.steps.ingest import USES, request_of
 from hullrecon.steps.report import ReportOptions
@@ -71,7 +72,8 @@ def test_a_topic_that_dive_toml_does_not_name_is_told_with_the_reason(package, k
     found = check(package)
     (line,) = found.document()["unused"]
     assert line.startswith(
-        "a run would not use /altimeter (sensor_msgs/msg/Range): ranges are taken along the beams of a DVL"
+        "a run would not use /altimeter (sensor_msgs/msg/Range): ranges are taken along the beams "
+        "of a DVL"
     )
     assert f"note: {line}" in found.lines()
 
@@ -156,8 +158,8 @@ def test_positions_are_told_with_their_number_span_and_sigma(count, alone, packa
     found = check(package, "topics.position=/usbl", "position.sigma_m=0.5")
     assert any(line.startswith(f"position: {count} position") for line in found.lines())
     assert (
-        f"positions from outside span 0.0 m north and {2 * count - 2:.1f} m east, sigma 0.5 m{alone}"
-        in found.lines()
+        f"positions from outside span 0.0 m north and {2 * count - 2:.1f} m east, sigma 0.5 "
+        f"m{alone}" in found.lines()
     )
     assert "position.time_offset" in found.defaults
     assert any(
@@ -181,9 +183,9 @@ def test_the_document_has_every_stream_with_its_rate(package):
 
 def test_the_simulated_dive_raises_no_suspicion(data):
     found = check(data / "dive-a")
-    assert found.warnings == []
-    assert found.missing == []
-    assert found.found.lost == []
+    assert sentences(found.warnings) == []
+    assert sentences(found.missing) == []
+    assert sentences(found.found.lost) == []
     assert "depth runs from 1.1 to 4.2 m" in found.lines()
     assert "the mesh is watertight" in found.lines()
 
@@ -197,14 +199,14 @@ def test_the_simulated_dive_raises_no_suspicion(data):
     ],
 )
 def test_a_wrong_entry_for_the_simulated_dive_is_suspected(data, override, suspicion):
-    assert any(suspicion in line for line in check(data / "dive-a", override).warnings)
+    assert any(suspicion in line for line in sentences(check(data / "dive-a", override).warnings))
 
 
 def test_lever_arms_that_are_left_to_defaults_are_asked_for(package):
     found = check(package)
     asked = [line.split(": ")[1] for line in found.lines() if line.startswith("to fill in: ")]
     assert asked == ["tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"]
-    assert found.document()["to_fill_in"] == found.to_fill_in
+    assert found.document()["to_fill_in"] == sentences(found.to_fill_in)
 
 
 def test_a_camera_that_is_logged_without_a_calibration_is_asked_for(package):
@@ -225,14 +227,14 @@ def test_a_dvl_without_an_imu_is_said_to_be_no_run(package):
 def test_a_package_whose_files_are_there_can_be_run(package):
     found = check(package)
     assert found.run_is_possible
-    assert found.missing_files == []
+    assert sentences(found.missing_files) == []
 
 
 def test_files_that_are_missing_are_listed_with_their_keys_and_forbid_a_run(package):
     text = (package / "dive.toml").read_text()
     (package / "dive.toml").write_text(text + '[hull]\nmesh = "nowhere.stl"\n')
     found = check(package)
-    assert found.missing_files == ["nowhere.stl (hull.mesh)"]
+    assert found.document()["missing_files"] == ["nowhere.stl (hull.mesh)"]
     assert not found.run_is_possible
     assert found.found.records.dvl is not None
     assert "missing: nowhere.stl (hull.mesh)" in found.lines()
@@ -250,8 +252,8 @@ def test_files_that_are_missing_are_listed_with_their_keys_and_forbid_a_run(pack
     ],
 )
 def test_a_run_needs_velocities_with_a_heading_or_stereo_images(sensors, runnable):
-    assert (needs(sensors) == []) == runnable
-    assert any("no run is possible" in line for line in missing(sensors)) != runnable
+    assert (sentences(needs(sensors)) == []) == runnable
+    assert any("no run is possible" in line for line in sentences(missing(sensors))) != runnable
 
 
 def test_a_camera_of_which_no_image_was_logged_is_in_the_way_of_a_run(package, kit):
@@ -305,12 +307,14 @@ def test_all_that_is_in_the_way_of_a_run_is_listed_at_once(package):
         "topic /nothing is not in the log",
         "not read as sonar",
     ):
-        assert any(part in line for line in found.unusable), part
+        assert any(part in line for line in sentences(found.unusable)), part
         assert part in found.verdict
     assert found.found.records.dvl is not None
     assert found.found.records.imu is not None
     assert (
-        sum(line.startswith("not usable: ") for line in found.lines()) == len(found.unusable) == 4
+        sum(line.startswith("not usable: ") for line in found.lines())
+        == len(sentences(found.unusable))
+        == 4
     )
 
 
@@ -325,7 +329,7 @@ def test_a_dvl_without_any_velocity_is_in_the_way_of_a_run(package, kit):
         for e in entries
     ]
     kit.mcap(package / "logs" / "dive.mcap", entries)
-    (line,) = check(package).unusable
+    (line,) = sentences(check(package).unusable)
     assert line.endswith(
         "pings have no velocity over ground: log its bottom track, or give two cameras instead"
     )
@@ -337,7 +341,7 @@ def test_a_profiler_s_lost_velocities_are_told_before_how_it_sits(tmp_path):
         b"".join(ensemble_bytes(n, velocity=(-32768,) * 4, heading=100) for n in range(20))
     )
     (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["x.pd0"]\n')
-    first, second = check(tmp_path).unusable
+    first, second = sentences(check(tmp_path).unusable)
     assert "20 pings have no velocity over ground" in first
     assert "imu.mount_deg" in second
 
@@ -348,12 +352,14 @@ def test_two_statements_on_how_the_dvl_sits_are_compared_where_its_attitude_is_u
 ):
     (tmp_path / "x.pd0").write_bytes(b"".join(ensemble_bytes(n, heading=100) for n in range(20)))
     (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["x.pd0"]\n')
-    warnings = check(tmp_path, "imu.mount_deg=[0,0,0]", f"dvl.mount={mount}").warnings
+    warnings = sentences(check(tmp_path, "imu.mount_deg=[0,0,0]", f"dvl.mount={mount}").warnings)
     assert any("turn the DVL's axes 90 degrees apart" in line for line in warnings) == is_told
 
 
 def test_an_imu_of_its_own_may_sit_otherwise_than_the_dvl(package):
-    assert check(package, "imu.mount_deg=[0,0,0]").warnings == check(package).warnings
+    assert sentences(check(package, "imu.mount_deg=[0,0,0]").warnings) == sentences(
+        check(package).warnings
+    )
 
 
 def test_a_sensor_that_cannot_be_used_is_not_called_missing_as_well(package, kit):
@@ -365,9 +371,9 @@ def test_a_sensor_that_cannot_be_used_is_not_called_missing_as_well(package, kit
     ]
     kit.mcap(package / "logs" / "dive.mcap", entries)
     found = check(package)
-    assert [line for line in found.unusable if "no attitude" in line]
-    assert not any(line.startswith("no imu") for line in found.missing)
-    assert found.needs == []
+    assert [line for line in sentences(found.unusable) if "no attitude" in line]
+    assert not any(line.startswith("no imu") for line in sentences(found.missing))
+    assert sentences(found.needs) == []
 
 
 def test_a_package_of_which_no_sensor_is_named_gets_a_verdict_too(package):
@@ -381,9 +387,11 @@ def test_a_package_of_which_no_sensor_is_named_gets_a_verdict_too(package):
 def test_a_logo_that_is_not_there_is_missed(package):
     loaded = load_config(package, {"report": ReportOptions}, ["report.logo=logo.png"])
     request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
-    assert check_package(loaded, request).missing_files == ["logo.png (report.logo)"]
+    assert sentences(check_package(loaded, request).missing_files) == [
+        "missing: logo.png (report.logo)"
+    ]
     (package / "logo.png").write_bytes(b"")
-    assert check_package(loaded, request).missing_files == []
+    assert sentences(check_package(loaded, request).missing_files) == []
 
 
 def test_an_earlier_dive_that_is_not_there_is_warned_of_and_hinders_no_run(package):
@@ -392,11 +400,13 @@ def test_an_earlier_dive_that_is_not_there_is_warned_of_and_hinders_no_run(packa
     found = check_package(loaded, request)
     assert (
         "change.earlier names no folder: runs/may; the report will not say what changed"
-        in found.warnings
+        in sentences(found.warnings)
     )
     assert found.run_is_possible
     (package / "runs" / "may").mkdir(parents=True)
-    assert not any("change.earlier" in line for line in check_package(loaded, request).warnings)
+    assert not any(
+        "change.earlier" in line for line in sentences(check_package(loaded, request).warnings)
+    )
 
 
 def test_a_dvl_of_a_type_that_is_not_read_is_named_in_the_verdict(package, kit):
@@ -412,7 +422,7 @@ def test_a_dvl_of_a_type_that_is_not_read_is_named_in_the_verdict(package, kit):
     assert check(package).run_is_possible
     text = (package / "dive.toml").read_text()
     (package / "dive.toml").write_text(text.replace('dvl = "/dvl"\n', ""))
-    (line,) = check(package).needs
+    (line,) = sentences(check(package).needs)
     assert (
         "/nortek/raw (sensor_msgs/msg/Temperature) is a DVL's but of a type that is not read"
         in line

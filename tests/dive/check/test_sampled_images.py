@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-from hullrecon.dive.check.sampled_images import MOST, RUN, SampledImages
+from hullrecon.dive.images.sink import MOST, RUN, SampledImages
 
 
 def sampled(count):

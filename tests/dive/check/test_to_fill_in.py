@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.dive.check.to_fill_in import MEANING, configured_sensors, to_fill_in
+from hullrecon.dive.check.requirements import configured_sensors, to_fill_in
 from hullrecon.dive.config.load import LoadedConfig, load_config
+from hullrecon.findings.finding import sentences
+from hullrecon.findings.package import MEANING
 
 EVERYTHING = {"dvl", "imu", "pressure", "camera_top", "camera_bottom", "sonar", "position"}
 MOUNT = "[1, 2, 3, 4, 5, 6]"
@@ -21,8 +23,9 @@ def keys(lines: list[str]) -> set[str]:
 
 
 def test_every_key_that_the_sensors_need_is_asked_for_with_its_meaning_and_default(tmp_path):
-    text = '[camera.top]\ncalibration = "a"\n[camera.bottom]\ncalibration = "b"\n[sonar]\n[hull]\nmesh = "h.stl"\n'
-    lines = to_fill_in(load(tmp_path, text), EVERYTHING)
+    cameras = '[camera.top]\ncalibration = "a"\n[camera.bottom]\ncalibration = "b"\n'
+    text = cameras + '[sonar]\n[hull]\nmesh = "h.stl"\n'
+    lines = sentences(to_fill_in(load(tmp_path, text), EVERYTHING))
     assert keys(lines) == set(MEANING)
     (line,) = [line for line in lines if "pressure.origin" in line]
     assert line.endswith("until then what the log's tf_static says, else [0, 0, 0] is used")
@@ -30,17 +33,17 @@ def test_every_key_that_the_sensors_need_is_asked_for_with_its_meaning_and_defau
 
 
 def test_a_key_that_is_given_is_not_asked_for(tmp_path):
-    lines = to_fill_in(load(tmp_path, f"[dvl]\nmount = {MOUNT}\n"), {"dvl"})
+    lines = sentences(to_fill_in(load(tmp_path, f"[dvl]\nmount = {MOUNT}\n"), {"dvl"}))
     assert keys(lines) == {"tray.origin"}
 
 
 def test_a_key_of_a_sensor_that_was_not_logged_is_not_asked_for(tmp_path):
-    assert to_fill_in(load(tmp_path), {"imu"}) == []
+    assert sentences(to_fill_in(load(tmp_path), {"imu"})) == []
 
 
 @pytest.mark.parametrize("camera", ["camera_top", "camera_bottom"])
 def test_a_camera_without_a_section_needs_a_calibration(tmp_path, camera):
-    lines = to_fill_in(load(tmp_path), {camera})
+    lines = sentences(to_fill_in(load(tmp_path), {camera}))
     section = camera.replace("_", ".")
     (line,) = [
         line

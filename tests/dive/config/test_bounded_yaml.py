@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from hullrecon.dive.config.bounded_yaml import ROOM, parse_yaml
+from hullrecon.dive.config.yaml_files import ROOM, parse_yaml
 
 
 def doubling(levels: int) -> str:
@@ -66,9 +66,18 @@ def test_nesting_that_python_gives_up_on_is_refused(text):
 
 
 @pytest.mark.parametrize(
-    "text", ["x: " + "1" * 10_000, "? {a: [1]}\n: 2", "!!python/object/apply:os.system [ls]", "a: !!timestamp 1",
-             "a: [", "\0", "%TAG ! x", "<<: 1"],
-)  # fmt: skip
+    "text",
+    [
+        "x: " + "1" * 10_000,
+        "? {a: [1]}\n: 2",
+        "!!python/object/apply:os.system [ls]",
+        "a: !!timestamp 1",
+        "a: [",
+        "\0",
+        "%TAG ! x",
+        "<<: 1",
+    ],
+)
 def test_what_the_parser_stumbles_over_is_a_value_error_of_one_line(text):
     with pytest.raises(ValueError, match=r".") as caught:
         parse_yaml(text)

@@ -6,20 +6,21 @@ import numpy as np
 
 from benchmarks.fuzz.seed_ad2cp import DF21, block, dvl_file, dvl_record
 from benchmarks.fuzz.seed_aris import aris_file
-from hullrecon.dive.config.config_template import fill_template
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.config.log_proposals import (
+from hullrecon.dive.config.mounts import ChosenMount
+from hullrecon.dive.init.log_summary import guess_topics, summarise_log, summarise_logs
+from hullrecon.dive.init.proposals import (
     imu_frame,
     missing_calibrations,
     proposed_mounts,
     questions,
 )
-from hullrecon.dive.config.mounts import ChosenMount
+from hullrecon.dive.init.template import fill_template
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
 from hullrecon.dive.logs.readers.sound_metrics.aris import ArisLog
-from hullrecon.dive.logs.summary import guess_topics, summarise_log, summarise_logs
+from hullrecon.findings.finding import sentences
 from tests.dive.logs.test_descriptions import info
 
 
@@ -142,7 +143,7 @@ def test_frames_that_do_not_lead_to_the_vehicle_leave_the_mounts_to_be_filled_in
 
 def test_what_no_log_says_is_asked_for(data, tmp_path):
     summary = summarise_log(Pd0Log(data / "dvl-pd0-slocum" / "LA100204.PD0"))
-    (line,) = questions(summary)
+    (line,) = sentences(questions(summary))
     assert line.startswith("to fill in: imu.mount_deg: ")
     (tmp_path / "dive.toml").write_text(fill_template(summary, [tmp_path / "x.pd0"], tmp_path))
     assert "# mount_deg = " in (tmp_path / "dive.toml").read_text()
@@ -154,7 +155,10 @@ def test_a_nortek_dvl_that_does_not_say_where_its_beams_point_is_asked_about_the
         (tmp_path / "x.ad2cp").write_bytes(content)
         summary = summarise_log(Ad2cpLog(tmp_path / "x.ad2cp"))
         assert (
-            any("nothing says where the DVL's 4 beams point" in line for line in questions(summary))
+            any(
+                "nothing says where the DVL's 4 beams point" in line
+                for line in sentences(questions(summary))
+            )
             == asked
         )
         (tmp_path / "dive.toml").write_text(
@@ -179,7 +183,7 @@ def test_a_file_of_a_dvl_beside_a_log_takes_no_topic_from_it(kit, data, tmp_path
         "/pressure",
         "/joints",
     )
-    assert questions(summary) == []
+    assert sentences(questions(summary)) == []
 
 
 def test_of_two_imus_the_one_with_an_attitude_is_chosen(kit, tmp_path):
@@ -195,20 +199,19 @@ def test_of_two_imus_the_one_with_an_attitude_is_chosen(kit, tmp_path):
     assert guess_topics(summary.topics)["imu"] == "/z/imu/data"
 
 
-def test_a_sonar_file_beside_the_log_is_the_sonar_and_its_beams_are_asked_for_where_nothing_is_published(
-    kit, tmp_path
-):
+def test_sonar_file_without_published_beams_is_asked_about_them(kit, tmp_path):
     log = McapLog(kit.mcap(tmp_path / "x.mcap", entries_of(kit)))
     (tmp_path / "known.aris").write_bytes(aris_file(1))
     (tmp_path / "telephoto.aris").write_bytes(aris_file(1, lens=1))
     known, unknown = (
         summarise_logs([log, ArisLog(tmp_path / f"{name}.aris")]) for name in ("known", "telephoto")
     )
-    assert questions(known) == []
+    assert sentences(questions(known)) == []
     assert "beam_azimuth_deg" not in fill_template(known, [tmp_path / "x.mcap"], tmp_path)
-    (line,) = questions(unknown)
+    (line,) = sentences(questions(unknown))
     assert line.startswith(
-        "to fill in: nothing says where the sonar's 64 beams point (sonar.beam_azimuth_deg): give the azimuth"
+        "to fill in: nothing says where the sonar's 64 beams point (sonar.beam_azimuth_deg): give "
+        "the azimuth"
     )
     config = written(unknown, tmp_path)
     assert config.value("sonar.elevation_deg") == 14.0

@@ -19,6 +19,7 @@ from hullrecon.dive.config.mounts import (
 from hullrecon.dive.config.schema import FROM_LOG
 from hullrecon.dive.logs.fixed_frames import FixedSensor
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 
 LEFT = dict.fromkeys(DEFAULTS, FROM_LOG)
 ORIGIN = (0.45, 0.0, 0.1)
@@ -32,14 +33,14 @@ def values(mounts):
 def test_without_tf_static_the_defaults_stand():
     chosen = choose_mounts(LEFT, {})
     assert values(chosen) == DEFAULTS
-    assert describe_mounts(chosen) == []
+    assert sentences(describe_mounts(chosen)) == []
 
 
 def test_a_mount_is_counted_from_where_the_servo_on_its_way_turns():
     chosen = choose_mounts(LEFT, {"dvl": DVL})
     assert chosen["tray.origin"].value == ORIGIN
     assert chosen["dvl.mount"].value == (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
-    assert describe_mounts(chosen) == [
+    assert sentences(describe_mounts(chosen)) == [
         "tray.origin = [0.45, 0, 0.1] by tf_static, on the way to d",
         "dvl.mount = [0, 0, 0.08, 0, 90, 0] by tf_static, frame d",
     ]

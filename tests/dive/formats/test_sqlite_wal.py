@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.dive.logs.formats.sqlite_wal import FRAME_HEAD, HEADER, describe_damage
+from hullrecon.dive.logs.formats.db3_tables import FRAME_HEAD, HEADER, describe_damage
 
 FRAME = FRAME_HEAD + 4096
 

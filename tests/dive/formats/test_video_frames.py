@@ -48,7 +48,10 @@ def test_what_is_no_video_is_refused(tmp_path, content):
 
 def test_a_table_names_frames_of_a_video_with_their_times(tmp_path):
     write_video(tmp_path / "dive.avi")
-    rows = "t,file,frame\n1.0,dive.avi,0\n1.2,dive.avi,2\n1.3,dive.avi,2\n1.4,dive.avi,\n1.5,dive.avi,4\n1.9,dive.avi,40\n"
+    rows = (
+        "t,file,frame\n1.0,dive.avi,0\n1.2,dive.avi,2\n1.3,dive.avi,2\n"
+        "1.4,dive.avi,\n1.5,dive.avi,4\n1.9,dive.avi,40\n"
+    )
     (tmp_path / "camera_top.csv").write_text(rows)
     log = PlainLog(tmp_path)
     for _ in range(2):  # reading twice gives the same

@@ -9,11 +9,11 @@ import trimesh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.hull.cleaning import clean_mesh, find_degenerate, merge_corners
-from hullrecon.dive.hull.load import read_hull
+from hullrecon.dive.hull.load import clean_mesh, find_degenerate, merge_corners, read_hull
 from hullrecon.dive.hull.mirrors import find_boundary, find_possible_cuts, reflect_mesh
 from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.errors import HullreconError, InputError
+from hullrecon.findings.finding import Finding, sentences
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import Ship
 from hullrecon.synthetic.world.hull_shapes import hull_shape
@@ -55,8 +55,13 @@ def tube(
         ends = np.array([[-length / 2, 0, 0], [length / 2, 0, 0]])
         last = (sections - 1) * (around + 1)
         k, n = np.arange(around), len(points)
-        faces = np.vstack([faces, np.stack([np.full(around, n), k + 1, k], 1),
-                           np.stack([np.full(around, n + 1), last + k, last + k + 1], 1)])  # fmt: skip
+        faces = np.vstack(
+            [
+                faces,
+                np.stack([np.full(around, n), k + 1, k], 1),
+                np.stack([np.full(around, n + 1), last + k, last + k + 1], 1),
+            ]
+        )
         points = np.vstack([points, ends])
     return Mesh(points, faces.astype(np.int32))
 
@@ -78,11 +83,11 @@ def save(path: Path, mesh: Mesh, scale: float = 1.0) -> Path:
 
 @pytest.mark.parametrize("kind", ["stl", "ply", "obj", "off", "glb"])
 def test_every_format_gives_the_same_hull(tmp_path, kind):
-    messages = []
-    mesh = read_hull(save(tmp_path / f"hull.{kind}", tube()), "m", messages)
+    notes = []
+    mesh = read_hull(save(tmp_path / f"hull.{kind}", tube()), "m", notes)
     assert len(mesh.faces) == len(clean_mesh(tube(), []).faces)
     assert np.ptp(mesh.vertices, axis=0) == pytest.approx([40, 8, 8], abs=0.1)
-    assert "the mesh is watertight" in messages
+    assert "the mesh is watertight" in sentences(notes)
     assert faces_away(mesh) > 0.99
 
 
@@ -117,9 +122,9 @@ def test_a_cad_model_in_other_units_than_declared_is_refused_with_the_likely_one
 
 
 def test_a_small_model_is_remarked_not_refused(tmp_path):
-    messages = []
-    read_hull(save(tmp_path / "hull.stl", tube(), 1 / 40), "m", messages)
-    assert any("is it a model?" in line for line in messages)
+    notes = []
+    read_hull(save(tmp_path / "hull.stl", tube(), 1 / 40), "m", notes)
+    assert any("is it a model?" in line for line in sentences(notes))
 
 
 def test_corners_within_single_precision_become_one():
@@ -134,14 +139,14 @@ def test_corners_within_single_precision_become_one():
 
 def test_degenerate_and_duplicate_faces_are_removed_and_counted():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]], float)
-    messages = []
+    notes = []
     mesh = clean_mesh(
         Mesh(vertices, np.array([[0, 1, 2], [2, 0, 1], [0, 2, 1], [0, 1, 3], [1, 1, 2]], np.int32)),
-        messages,
+        notes,
     )
     assert mesh.faces.tolist() == [[0, 1, 2]]
     assert len(mesh.vertices) == 3
-    assert messages == ["2 degenerate faces were removed", "2 duplicate faces were removed"]
+    assert sentences(notes) == ["2 degenerate faces were removed", "2 duplicate faces were removed"]
 
 
 def test_a_sliver_is_degenerate_by_its_height_not_by_its_area():
@@ -153,13 +158,13 @@ def test_a_sliver_is_degenerate_by_its_height_not_by_its_area():
 
 def test_holes_are_counted(tmp_path):
     mesh = tube()
-    messages = []
+    notes = []
     read_hull(
         save(tmp_path / "hull.stl", Mesh(mesh.vertices, np.delete(mesh.faces, 500, axis=0))),
         "m",
-        messages,
+        notes,
     )
-    assert "the mesh is not watertight: 3 boundary edges" in messages
+    assert "the mesh is not watertight: 3 boundary edges" in sentences(notes)
 
 
 def flipped(mesh: Mesh, which: np.ndarray) -> Mesh:
@@ -172,9 +177,9 @@ def flipped(mesh: Mesh, which: np.ndarray) -> Mesh:
 def test_faces_wound_any_way_come_out_outward(share):
     mesh = clean_mesh(tube(), [])
     which = np.random.default_rng(3).random(len(mesh.faces)) < share
-    messages = []
-    assert faces_away(orient_outward(flipped(mesh, which), messages)) > 0.99
-    assert (messages == []) == (share == 0.0)
+    notes = []
+    assert faces_away(orient_outward(flipped(mesh, which), notes)) > 0.99
+    assert (notes == []) == (share == 0.0)
 
 
 @pytest.mark.parametrize(
@@ -203,17 +208,17 @@ def test_separate_patches_of_one_hull_each_come_out_outward():
 
 def test_a_half_hull_stays_one_and_that_is_said(tmp_path):
     half = tube(arc=(-np.pi / 2, np.pi / 2), caps=False)
-    said = "the mesh ends open along a plane: what lies beyond, as a half hull's other half, is not added"
-    messages = []
-    mesh = read_hull(save(tmp_path / "half.stl", half), "m", messages)
+    cut = Finding("mesh-cut")
+    notes = []
+    mesh = read_hull(save(tmp_path / "half.stl", half), "m", notes)
     assert len(mesh.faces) == len(clean_mesh(half, []).faces)
-    assert said in messages
-    messages = []
-    read_hull(save(tmp_path / "whole.stl", tube()), "m", messages)
+    assert cut in notes
+    notes = []
+    read_hull(save(tmp_path / "whole.stl", tube()), "m", notes)
     # open at its bow, by faces without an area
-    read_hull(save(tmp_path / "seam.stl", hull_shape(Ship())), "m", messages)
-    assert any("not watertight" in message for message in messages)
-    assert said not in messages
+    read_hull(save(tmp_path / "seam.stl", hull_shape(Ship())), "m", notes)
+    assert any("not watertight" in message for message in sentences(notes))
+    assert cut not in notes
 
 
 def test_a_half_hull_was_cut_at_its_middle_plane_and_is_whole_when_reflected_there():
@@ -302,18 +307,18 @@ def outer_share(mesh: Mesh, middle_y: float) -> float:
     ],
 )
 def test_real_hulls_open_half_messy_or_inverted_come_out_clean_and_outward(data, name, faces, said):
-    messages = []
-    mesh = read_hull(data / "hulls" / name, "m", messages)
+    notes = []
+    mesh = read_hull(data / "hulls" / name, "m", notes)
     assert len(mesh.faces) == faces
-    assert any(said in line for line in messages)
+    assert any(said in line for line in sentences(notes))
     assert outer_share(mesh, 0.0) > 0.998
 
 
 def test_one_removed_face_is_told_in_the_singular():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
-    messages = []
-    clean_mesh(Mesh(vertices, np.array([[0, 1, 2], [1, 2, 3], [0, 1, 1]], np.int32)), messages)
-    assert messages == ["1 degenerate face was removed"]
+    notes = []
+    clean_mesh(Mesh(vertices, np.array([[0, 1, 2], [1, 2, 3], [0, 1, 1]], np.int32)), notes)
+    assert sentences(notes) == ["1 degenerate face was removed"]
 
 
 def test_a_strip_with_half_a_twist_has_an_edge_without_a_consistent_winding():
@@ -328,6 +333,8 @@ def test_a_strip_with_half_a_twist_has_an_edge_without_a_consistent_winding():
     for k in range(10):
         low, high = (k, k + 10), (k + 1, k + 11) if k < 9 else (10, 0)
         faces += [[low[0], high[0], high[1]], [low[0], high[1], low[1]]]
-    messages = []
-    orient_outward(Mesh(vertices, np.array(faces, np.int32)), messages)
-    assert any("cannot have a consistent winding on both sides" in line for line in messages)
+    notes = []
+    orient_outward(Mesh(vertices, np.array(faces, np.int32)), notes)
+    assert any(
+        "cannot have a consistent winding on both sides" in line for line in sentences(notes)
+    )

@@ -10,15 +10,17 @@ import numpy as np
 import pytest
 import trimesh
 
-from hullrecon.dive.hull import load, parser_limits
-from hullrecon.dive.hull.load import read_hull
+from hullrecon.dive.hull import load
+from hullrecon.dive.hull.load import MOST_GROUPS, prepare, read_hull
 from hullrecon.dive.hull.orientation import orient_outward
-from hullrecon.dive.hull.parser_limits import MOST_GROUPS, prepare
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 
 TRIANGLE = "v 0 0 0\nv 20 0 0\nv 0 9 0\n"
-FACET = "facet normal 0 0 1\nouter loop\nvertex 0 0 0.{0}\nvertex 20 0 0.{0}\nvertex 0 9 0.{0}\nendloop\nendfacet\n"
+FACET = (
+    "facet normal 0 0 1\nouter loop\nvertex 0 0 0.{0}\nvertex 20 0 0.{0}\n"
+    "vertex 0 9 0.{0}\nendloop\nendfacet\n"
+)
 SOLID = f"solid {{0}}\n{FACET}endsolid {{0}}\n"
 
 
@@ -68,9 +70,15 @@ def placed(times: int) -> bytes:
 
 @pytest.mark.parametrize(
     "text",
-    ["v 0 0 0\nv 20 0\nv 0 9 0 1\nf 1 2 3\nf 1 2\n", "v 0 0\nv 20 0\nv 0 9\nf 1 2 3\n", TRIANGLE + "f 1 2\nf 1 3\n",
-     TRIANGLE + "f 1\n", TRIANGLE + "f 1 2 3 x\n", TRIANGLE + "f 1/2 2/ 3//4\nf 1 2 3 1 2\n"],
-)  # fmt: skip
+    [
+        "v 0 0 0\nv 20 0\nv 0 9 0 1\nf 1 2 3\nf 1 2\n",
+        "v 0 0\nv 20 0\nv 0 9\nf 1 2 3\n",
+        TRIANGLE + "f 1 2\nf 1 3\n",
+        TRIANGLE + "f 1\n",
+        TRIANGLE + "f 1 2 3 x\n",
+        TRIANGLE + "f 1/2 2/ 3//4\nf 1 2 3 1 2\n",
+    ],
+)
 def test_an_obj_with_uneven_rows_is_a_mesh_or_an_input_error(tmp_path, text):
     (tmp_path / "h.obj").write_text(text)
     with contextlib.suppress(InputError):
@@ -161,7 +169,7 @@ def test_a_sound_file_is_parsed_as_it_is(kind):
 
 def test_a_short_glb_is_refused():
     with pytest.raises(ValueError, match="header"):
-        parser_limits.prepare(b"glTF", "glb")
+        load.prepare(b"glTF", "glb")
 
 
 def test_a_mesh_of_thousands_of_separate_faces_is_oriented_in_one_search():
@@ -171,8 +179,8 @@ def test_a_mesh_of_thousands_of_separate_faces_is_oriented_in_one_search():
     count = 20_000
     corners = np.random.default_rng(0).normal(size=(count, 1, 3)) * [20, 4, 4]
     vertices = (corners + np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])).reshape(-1, 3)
-    messages: list[str] = []
+    notes: list[str] = []
     mesh = orient_outward(
-        Mesh(vertices, np.arange(3 * count).reshape(-1, 3).astype(np.int32)), messages
+        Mesh(vertices, np.arange(3 * count).reshape(-1, 3).astype(np.int32)), notes
     )
     assert np.sort(mesh.faces, axis=1).tolist() == np.arange(3 * count).reshape(-1, 3).tolist()

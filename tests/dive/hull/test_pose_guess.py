@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
-from hullrecon.dive.hull.pose_guess import guess_sigma
+from hullrecon.dive.config.mounts import guess_sigma
 
 Z_UP = [1, 1, 0.3, 1, 1, 5]
 Y_UP = [1, 0.3, 1, 1, 5, 1]

@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from hullrecon.artifacts.writer import ArtifactWriter
-from hullrecon.dive.images import deep as deep_images
-from hullrecon.dive.images.deep import decode_deep, is_deep
+from hullrecon.dive.images import encoded as deep_images
+from hullrecon.dive.images.encoded import decode, decode_deep, is_deep
 from hullrecon.dive.images.sink import ImageSink
-from hullrecon.dive.images.store import ImageStore, decode
+from hullrecon.dive.images.store import ImageStore
 from hullrecon.dive.logs.samples import ImageSample
+from hullrecon.findings.finding import sentences
 from hullrecon.records.serialisation import to_arrays
 
 
@@ -50,14 +51,14 @@ def deep(largest: int, suffix: str = ".png", color: bool = False) -> bytes:
 
 def stored(folder, *encoded: bytes) -> tuple[ImageStore, list[str]]:
     folder.mkdir(exist_ok=True)
-    file, remarks = BytesIO(), []
+    file, notes = BytesIO(), []
     filled = ImageSink("camera_top", (64, 48), 0, folder, lambda: file)
     for t, data in enumerate(encoded):
         filled.take(ImageSample(t, "camera_top", data), t, 0)
-    index = filled.finish(remarks)
+    index = filled.finish(notes)
     ArtifactWriter(folder).arrays("images_camera_top.npz", to_arrays(index))
     (folder / "images_camera_top.bin").write_bytes(file.getvalue())
-    return ImageStore(folder, None, "camera_top"), remarks
+    return ImageStore(folder, None, "camera_top"), notes
 
 
 @pytest.mark.parametrize("suffix", [".png", ".tif", ".pgm"])
@@ -65,13 +66,13 @@ def stored(folder, *encoded: bytes) -> tuple[ImageStore, list[str]]:
     ("largest", "bits"), [(255, 8), (1023, 10), (4095, 12), (16383, 14), (65535, 16)]
 )
 def test_values_of_sixteen_bits_are_those_of_as_many_as_they_fill(tmp_path, largest, bits, suffix):
-    store, remarks = stored(tmp_path, deep(largest, suffix))
+    store, notes = stored(tmp_path, deep(largest, suffix))
     read = store.read(0)
     assert (read.min(), read.max(), len(np.unique(read))) == (0, 255, 64)
     what = (
         f"its images have 16 bits with values up to {largest}; the upper 8 of {bits} bits are used"
     )
-    assert remarks == [f"camera_top: {what}"]
+    assert sentences(notes) == [f"camera_top: {what}"]
 
 
 def test_all_images_of_a_camera_have_one_scale(tmp_path, kit):
@@ -90,9 +91,9 @@ def test_a_value_beyond_the_scale_is_white():
 
 
 def test_images_of_eight_bits_have_no_scale(tmp_path, kit):
-    store, remarks = stored(tmp_path, kit.jpeg(0), kit.jpeg(1))
+    store, notes = stored(tmp_path, kit.jpeg(0), kit.jpeg(1))
     assert int(store.index.bits) == 16
-    assert remarks == []
+    assert sentences(notes) == []
 
 
 def test_numbers_with_a_sign_are_left_to_the_plain_decoder():
@@ -103,6 +104,6 @@ def test_numbers_with_a_sign_are_left_to_the_plain_decoder():
 
 
 def test_an_image_too_large_for_sixteen_bits_is_read_with_eight(monkeypatch):
-    monkeypatch.setattr(deep_images, "MOST_PIXELS", 64 * 48 - 1)
+    monkeypatch.setattr(deep_images, "MOST_DEEP_PIXELS", 64 * 48 - 1)
     assert not is_deep(deep(4095))
     assert decode(deep(4095), 12).max() == 4095 >> 8

@@ -11,10 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from hullrecon.dive.images import integrity
-from hullrecon.dive.images.header import LARGEST_PIXELS, fits, header_size
-from hullrecon.dive.images.integrity import size_of
-from hullrecon.dive.images.store import decode
+from hullrecon.dive.images import encoded as encoded_images
+from hullrecon.dive.images.encoded import LARGEST_PIXELS, check_image, decode, fits, header_size
 
 SUFFIXES = [".jpg", ".png", ".bmp", ".ppm", ".tif", ".webp", ".jp2", ".gif"]
 
@@ -49,7 +47,7 @@ def no_decoder(monkeypatch):
     def fail(*_):
         raise AssertionError("it was decoded")
 
-    monkeypatch.setattr(integrity, "_decoded", fail)
+    monkeypatch.setattr(encoded_images, "_decode", fail)
     monkeypatch.setattr(cv2, "imdecode", fail)
 
 
@@ -81,20 +79,20 @@ def test_every_format_decodes_as_before(suffix):
     image = decode(encoded(suffix))
     assert image is not None
     assert image.shape == (24, 36, 3)
-    assert size_of(encoded(suffix)) == (36, 24)
+    assert check_image(encoded(suffix)).size == (36, 24)
 
 
 def test_a_png_of_another_size_than_the_cameras_is_not_decoded(no_decoder):
-    assert size_of(encoded(".png"), (640, 480)) == (36, 24)
+    assert check_image(encoded(".png"), (640, 480)).size == (36, 24)
 
 
 def test_a_png_that_claims_a_billion_pixels_is_never_decoded(no_decoder):
     bomb = png_of_zeros(30_000, 30_000)
     assert len(bomb) < 200_000
     assert (
-        size_of(bomb)
-        == size_of(bomb, (640, 480))
-        == size_of(bomb, (30_000, 30_000))
+        check_image(bomb).size
+        == check_image(bomb, (640, 480)).size
+        == check_image(bomb, (30_000, 30_000)).size
         == (30_000, 30_000)
     )
     assert decode(bomb) is None
@@ -106,7 +104,7 @@ def test_a_png_with_a_chunk_longer_than_the_file_is_not_decoded(no_decoder):
     at = data.find(b"IDAT")
     data[at - 4] = 0xFF
     assert header_size(bytes(data)) is None
-    assert size_of(bytes(data)) is None
+    assert check_image(bytes(data)).size is None
     assert decode(bytes(data)) is None
 
 

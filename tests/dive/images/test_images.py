@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hullrecon.artifacts.writer import ArtifactWriter
-from hullrecon.dive.images.header import IMAGE_SUFFIXES
-from hullrecon.dive.images.integrity import jpeg_is_whole, size_of
+from hullrecon.dive.images.encoded import IMAGE_SUFFIXES, check_image, decode, jpeg_is_whole
 from hullrecon.dive.images.sink import ImageSink
-from hullrecon.dive.images.store import CAMERAS, ImageStore, decode
+from hullrecon.dive.images.store import CAMERAS, ImageStore
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 from hullrecon.records.serialisation import to_arrays
 
 
@@ -32,8 +32,8 @@ def sink(tmp_path, size=(64, 48), offset_ns=0):
 def take(sink: ImageSink, *samples: ImageSample):
     for sample in samples:
         sink.take(sample, sample.t_ns, 0)
-    remarks = []
-    return sink.finish(remarks), remarks
+    notes = []
+    return sink.finish(notes), notes
 
 
 def image(t, encoded=b"", file=""):
@@ -42,12 +42,12 @@ def image(t, encoded=b"", file=""):
 
 def test_images_keep_their_bytes_and_are_indexed_in_time_order(tmp_path, jpegs):
     store, file = sink(tmp_path)
-    index, remarks = take(store, image(20, jpegs[0]), image(10, jpegs[1]))
+    index, notes = take(store, image(20, jpegs[0]), image(10, jpegs[1]))
     assert index.t_ns.tolist() == [10, 20]
     for row, encoded in ((0, jpegs[1]), (1, jpegs[0])):
         assert file.getvalue()[index.offset[row] : index.offset[row] + index.size[row]] == encoded
     assert index.usable.all()
-    assert remarks == ["camera_top: 1 readings stood out of order and were sorted"]
+    assert sentences(notes) == ["camera_top: 1 readings stood out of order and were sorted"]
 
 
 def test_the_cameras_time_offset_is_added(tmp_path, jpegs):
@@ -58,17 +58,15 @@ def test_the_cameras_time_offset_is_added(tmp_path, jpegs):
 @pytest.mark.parametrize("bad", [b"", b"no image", "half", "turned"])
 def test_a_corrupt_image_among_good_ones_survives_unusable_and_is_counted(tmp_path, jpegs, bad):
     spoilt = {"half": jpegs[1][: len(jpegs[1]) // 2], "turned": jpegs[1][:-2]}.get(bad, bad)
-    index, remarks = take(
-        sink(tmp_path)[0], image(0, jpegs[0]), image(1, spoilt), image(2, jpegs[2])
-    )
+    index, notes = take(sink(tmp_path)[0], image(0, jpegs[0]), image(1, spoilt), image(2, jpegs[2]))
     assert index.usable.tolist() == [True, False, True]
-    assert remarks == ["camera_top: 1 of 3 images are missing or damaged and are left out"]
+    assert sentences(notes) == ["camera_top: 1 of 3 images are missing or damaged and are left out"]
 
 
 def test_an_image_of_another_size_among_good_ones_is_unusable_and_counted(tmp_path, kit, jpegs):
-    index, remarks = take(sink(tmp_path)[0], image(0, jpegs[0]), image(1, kit.jpeg(1, 32, 24)))
+    index, notes = take(sink(tmp_path)[0], image(0, jpegs[0]), image(1, kit.jpeg(1, 32, 24)))
     assert index.usable.tolist() == [True, False]
-    assert remarks == ["camera_top: 1 of 2 images have another size and are left out"]
+    assert sentences(notes) == ["camera_top: 1 of 2 images have another size and are left out"]
 
 
 def test_images_of_another_size_than_the_calibration_are_refused_with_both_sizes_early(
@@ -89,11 +87,11 @@ def test_few_images_of_another_size_are_refused_at_the_end(tmp_path, jpegs):
 def test_files_stay_where_they_are(tmp_path, jpegs):
     (tmp_path / "a.jpg").write_bytes(jpegs[0])
     store, file = sink(tmp_path)
-    index, remarks = take(store, image(0, file="a.jpg"), image(1, file="gone.jpg"))
+    index, notes = take(store, image(0, file="a.jpg"), image(1, file="gone.jpg"))
     assert index.file.tolist() == ["a.jpg", "gone.jpg"]
     assert index.usable.tolist() == [True, False]
     assert file.getvalue() == b""
-    assert "missing or damaged" in remarks[0]
+    assert "missing or damaged" in notes[0].sentence
 
 
 def test_no_images_are_no_index(tmp_path):
@@ -142,11 +140,11 @@ def test_a_gray_png_reads_as_rgb():
 @given(st.binary(max_size=100))
 def test_any_bytes_are_an_image_or_none(content):
     assert decode(content) is None or decode(content).shape[2] == 3
-    assert size_of(b"\xff\xd8" + content) is None
+    assert check_image(b"\xff\xd8" + content).size is None
 
 
 def test_a_whole_jpeg_is_whole_with_bytes_behind_it_too(jpegs):
-    assert size_of(jpegs[0]) == (64, 48)
+    assert check_image(jpegs[0]).size == (64, 48)
     assert jpeg_is_whole(jpegs[0] + b"\0\0")
 
 
@@ -170,7 +168,7 @@ def test_a_restart_out_of_order_is_damage():
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.data())
 def test_any_cut_of_a_jpeg_is_noticed(jpegs, data):
-    assert size_of(jpegs[0][: data.draw(st.integers(0, len(jpegs[0]) - 1))]) is None
+    assert check_image(jpegs[0][: data.draw(st.integers(0, len(jpegs[0]) - 1))]).size is None
 
 
 @pytest.mark.parametrize("suffix", [".jpg", ".jpeg", ".png", ".tif", ".bmp"])

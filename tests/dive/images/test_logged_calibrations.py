@@ -9,6 +9,7 @@ from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.check.package_check import check_package
 from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.config.load import load_config
+from hullrecon.findings.finding import sentences
 from hullrecon.steps.ingest import USES, request_of
 
 KIND = "sensor_msgs/msg/CameraInfo"
@@ -83,10 +84,12 @@ def test_the_camera_info_beside_the_images_is_the_calibration(package, kit, form
     )
     assert len(found.found.images["camera_top"].t_ns) == 8
     assert (
-        "note: camera_top: its calibration is the CameraInfo on /camera_info; see that it is that of the camera in water"
-        in (found.lines())
+        "note: camera_top: its calibration is the CameraInfo on /camera_info; see that it is that "
+        "of the camera in water" in (found.lines())
     )
-    assert not any("/camera_info" in line for line in found.found.unused if "/other" not in line)
+    assert not any(
+        "/camera_info" in line for line in sentences(found.found.unused) if "/other" not in line
+    )
 
 
 def test_a_calibration_of_dive_toml_goes_before_that_of_the_log(package, kit):
@@ -122,7 +125,7 @@ def test_a_camera_info_that_is_no_calibration_is_refused_in_words(package, kit, 
     kit.mcap(
         package / "logs" / "dive.mcap", entries_of(kit, [("/camera_info", 0.0, info(kit, **more))])
     )
-    (line,) = check(package).unusable
+    (line,) = sentences(check(package).unusable)
     assert words in line
 
 
@@ -140,7 +143,7 @@ def test_a_calibration_that_changes_within_the_log_is_refused(package, kit):
         for s in (0.0, 1.0, 3.0)
     ]
     kit.mcap(package / "logs" / "dive.mcap", entries_of(kit, infos))
-    (line,) = check(package).unusable
+    (line,) = sentences(check(package).unusable)
     assert line.startswith(
         "the CameraInfo on /camera_info changes within the log (camera.top.calibration)"
     )
@@ -152,7 +155,7 @@ def test_two_calibrations_beside_one_camera_are_refused(package, kit):
         ("/other_info", 0.5, info(kit, k=(60.0, 0, 31.5, 0, 51.0, 23.5, 0, 0, 1))),
     ]
     kit.mcap(package / "logs" / "dive.mcap", entries_of(kit, infos))
-    assert "is another than that on /other_info" in check(package).unusable[0]
+    assert "is another than that on /other_info" in sentences(check(package).unusable)[0]
 
 
 def test_two_cameras_in_one_namespace_cannot_share_a_calibration(package, kit):
@@ -160,7 +163,7 @@ def test_two_cameras_in_one_namespace_cannot_share_a_calibration(package, kit):
     below = [type(e)("/cam2", e.kind, e.t_ns, e.message) for e in entries if e.topic == "/cam"]
     kit.mcap(package / "logs" / "dive.mcap", [*entries, *below])
     found = check(package, "topics.camera_bottom=/cam2", "camera.bottom.time_offset=0")
-    assert found.unusable[0].startswith(
+    assert sentences(found.unusable)[0].startswith(
         "/camera_info lies beside the images of camera_top and camera_bottom"
     )
 
@@ -174,13 +177,13 @@ def test_images_that_were_rectified_are_not_taken_by_what_describes_the_raw_ones
     kit.mcap(package / "logs" / "dive.mcap", renamed)
     assert (
         "/c/image_rect is rectified"
-        in check(package, "topics.camera_top=/c/image_rect").unusable[0]
+        in sentences(check(package, "topics.camera_top=/c/image_rect").unusable)[0]
     )
 
 
 def test_where_neither_has_it_the_calibration_is_missing(package):
     found = check(package)
-    (line,) = found.unusable
+    (line,) = sentences(found.unusable)
     assert line.startswith(
         "camera.top.calibration is missing, and no CameraInfo was logged beside /cam (dive.toml)"
     )
@@ -189,5 +192,5 @@ def test_where_neither_has_it_the_calibration_is_missing(package):
 
 def test_of_a_missing_log_nothing_is_said_of_its_calibrations(package):
     found = check(package, 'logs.files=["logs/dive.mcap","logs/none.mcap"]')
-    assert found.missing_files == ["logs/none.mcap (logs.files)"]
-    assert found.unusable == []
+    assert sentences(found.missing_files) == ["missing: logs/none.mcap (logs.files)"]
+    assert sentences(found.unusable) == []

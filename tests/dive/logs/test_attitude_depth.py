@@ -19,6 +19,7 @@ from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import DepthSample, ImuSample
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 
 T = 1_777_887_000_123_456_789
 LOST = np.full(3, np.nan)
@@ -26,11 +27,9 @@ MODEL = streams.PressureModel(1025.0, 9.81, 101325.0)
 UP = streams.PressureModel(1025.0, 9.81, 101325.0, "up")
 
 
-def depth_of(sensor_type, message, model=MODEL, remarks=None):
+def depth_of(sensor_type, message, model=MODEL, notes=None):
     samples = TYPES["pressure"][sensor_type](message, T, "pressure")
-    return streams.pressure_samples(
-        samples, model, [] if remarks is None else remarks
-    ).depth.tolist()
+    return streams.pressure_samples(samples, model, [] if notes is None else notes).depth.tolist()
 
 
 def pose(kit, z=-3.5, quaternion=(0.0, 0.0, 0.0, 1.0)):
@@ -78,11 +77,11 @@ def test_a_number_is_a_depth_and_a_head_up_display_has_an_altitude(kit):
 
 
 def test_the_sign_of_a_logged_depth_can_be_given_and_a_wrong_one_is_doubted(kit):
-    remarks = []
+    notes = []
     number = kit.make("std_msgs/msg/Float64", data=-2.25)
     assert depth_of("std_msgs/msg/Float64", number, UP) == [2.25]
-    assert depth_of("std_msgs/msg/Float64", number, MODEL, remarks) == [-2.25]
-    assert "is pressure.z_axis right?" in remarks[0]
+    assert depth_of("std_msgs/msg/Float64", number, MODEL, notes) == [-2.25]
+    assert "is pressure.z_axis right?" in notes[0].sentence
 
 
 def test_a_depth_of_the_deep_submergence_laboratory_is_read_and_its_gaps_are_damage():
@@ -102,7 +101,7 @@ def test_a_depth_number_takes_the_time_of_logging(kit, tmp_path):
     )
     found = read_streams([McapLog(log)], {"/depth": ("pressure",)}, lambda *_: None)
     assert found.samples["pressure"] == [DepthSample(T, 1.5, is_up=False)]
-    assert "/depth: 1 messages have no stamp; their logging time was used" in found.remarks
+    assert "/depth: 1 messages have no stamp; their logging time was used" in sentences(found.notes)
 
 
 def test_one_odometry_gives_velocity_attitude_and_depth(kit, tmp_path):
@@ -146,17 +145,17 @@ def test_a_dvl_s_own_attitude_needs_its_mount_and_is_said_to_be_one():
     ) as caught:
         streams.imu_samples([attitude(truth * ahead, of_dvl=True)], "ned", [])
     assert caught.value.where == "imu.mount_deg"
-    remarks = []
+    notes = []
     found = streams.imu_samples(
-        [attitude(truth * ahead, of_dvl=True)], "enu", remarks, (0.0, 90.0, 0.0)
+        [attitude(truth * ahead, of_dvl=True)], "enu", notes, (0.0, 90.0, 0.0)
     )
     assert (Rotation.from_quat(found.quaternion[0]).inv() * truth).magnitude() < 1e-9
-    assert "compass beside a steel hull" in remarks[0]
+    assert "compass near a steel hull" in notes[0].sentence
 
 
 def test_a_depth_by_the_dvl_s_own_sensor_is_said_to_be_one():
-    remarks = []
+    notes = []
     assert streams.pressure_samples(
-        [DepthSample(T, 9.0, is_up=False, of_dvl=True)], MODEL, remarks
+        [DepthSample(T, 9.0, is_up=False, of_dvl=True)], MODEL, notes
     ).depth.tolist() == [9.0]
-    assert "the DVL's own sensor" in remarks[-1]
+    assert "the DVL's own sensor" in notes[-1].sentence

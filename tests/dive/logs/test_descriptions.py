@@ -11,7 +11,7 @@ from hullrecon.dive.logs.messages.descriptions import (
     calibration_yaml,
     frame_tree,
     mount_of,
-    vehicle_from,
+    way_up,
 )
 from hullrecon.geometry.poses import Poses, from_mount
 
@@ -45,7 +45,7 @@ def test_a_sensor_s_frame_is_turned_into_the_vehicle_s_axes():
         transform("base_link", "frame", (0.2, 0.1, 0.3)),
         transform("frame", "dvl", (0.05, 0.0, 0.0)),
     )
-    pose = vehicle_from("/dvl", frames)
+    pose = way_up("/dvl", frames).vehicle
     np.testing.assert_allclose(pose.translation[0], [0.25, -0.1, -0.3])
     np.testing.assert_allclose(pose.rotation.apply([0, 0, 1])[0], [0, 0, -1], atol=1e-12)
 
@@ -54,7 +54,7 @@ def test_a_camera_that_looks_ahead_has_the_mount_that_the_template_has():
     # REP 103: x right, y down, z ahead
     optical = Rotation.from_matrix([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])
     mount = mount_of(
-        vehicle_from("camera", tree(transform("base_link", "camera", (0.4, 0, 0), optical)))
+        way_up("camera", tree(transform("base_link", "camera", (0.4, 0, 0), optical))).vehicle
     )
     assert mount[:3] == [0.4, 0.0, 0.0]
     ahead = from_mount([0, 0, 0, 90.0, 0.0, 90.0]).rotation
@@ -71,9 +71,9 @@ def test_a_mount_gives_back_its_pose_at_any_pitch(roll, pitch):
 
 
 def test_a_frame_without_a_way_to_the_vehicle_has_no_mount():
-    assert vehicle_from("dvl", tree(transform("map", "dvl"))) is None
-    assert vehicle_from("a", tree(transform("b", "a"), transform("a", "b"))) is None  # a circle
-    assert vehicle_from("dvl", {}) is None
+    assert way_up("dvl", tree(transform("map", "dvl"))).vehicle is None
+    assert way_up("a", tree(transform("b", "a"), transform("a", "b"))).vehicle is None  # a circle
+    assert way_up("dvl", {}).vehicle is None
 
 
 def test_transforms_of_no_rotation_or_no_number_are_left_out():

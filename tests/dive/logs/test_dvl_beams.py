@@ -19,6 +19,7 @@ from hullrecon.dive.logs.messages.samples import DVL_TYPES
 from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.dive.logs.streams import dvl_pings
 from hullrecon.errors import InputError, UsageError
+from hullrecon.findings.finding import sentences
 from hullrecon.steps.ingest import USES, request_of
 
 JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
@@ -55,24 +56,25 @@ def test_five_beams_that_nothing_describes_are_asked_for():
 
 
 def test_the_beams_of_the_configuration_stand_in_for_those_of_messages_without():
-    remarks = []
-    assert choose_beams([ping()], 2 * JANUS, 4, remarks) == pytest.approx(JANUS)
-    assert remarks == []
+    notes = []
+    assert choose_beams([ping()], 2 * JANUS, 4, notes) == pytest.approx(JANUS)
+    assert sentences(notes) == []
 
 
 def test_the_beams_of_the_message_win_over_those_of_the_configuration_and_that_is_said():
-    remarks = []
+    notes = []
     turned = tilted_beams(25.0, (180.0, 0.0, 90.0, -90.0))
-    assert choose_beams([ping(JANUS)], turned, 4, remarks) == pytest.approx(JANUS)
-    assert remarks == [
-        "dvl: the beams of dive.toml are up to 5.0 degrees off those of the messages, which were used"
+    assert choose_beams([ping(JANUS)], turned, 4, notes) == pytest.approx(JANUS)
+    assert sentences(notes) == [
+        "dvl: the beams of dive.toml are up to 5.0 degrees off those of the messages, which were "
+        "used"
     ]
 
 
 def test_beams_that_agree_with_the_messages_are_not_remarked():
-    remarks = []
-    choose_beams([ping(JANUS)], JANUS, 4, remarks)
-    assert remarks == []
+    notes = []
+    choose_beams([ping(JANUS)], JANUS, 4, notes)
+    assert sentences(notes) == []
 
 
 def test_the_configuration_wins_over_the_instrument_that_the_type_names():
@@ -80,9 +82,9 @@ def test_the_configuration_wins_over_the_instrument_that_the_type_names():
 
 
 def test_the_instrument_that_the_type_names_is_used_last_and_said():
-    remarks = []
-    assert choose_beams([ping(a50_beams(), A50)], None, 4, remarks) == pytest.approx(a50_beams())
-    assert remarks == [
+    notes = []
+    assert choose_beams([ping(a50_beams(), A50)], None, 4, notes) == pytest.approx(a50_beams())
+    assert sentences(notes) == [
         "dvl: the messages have no beam directions; those of a Water Linked A50 were used"
     ]
 
@@ -92,11 +94,11 @@ def test_a_dvl_without_ranges_needs_no_beams():
 
 
 def test_a_dvl_that_lost_every_range_needs_no_beams_and_that_is_said():
-    remarks = []
-    pings = dvl_pings([ping(ranges=[np.nan, 0.0, -1.0, np.nan])], None, 0.003, remarks)
+    notes = []
+    pings = dvl_pings([ping(ranges=[np.nan, 0.0, -1.0, np.nan])], None, 0.003, notes)
     assert pings.ranges.shape == (1, 0)
     assert pings.beams.shape == (0, 3)
-    assert remarks == ["dvl: every range is lost; it measures no distance to the hull"]
+    assert sentences(notes) == ["dvl: every range is lost; it measures no distance to the hull"]
 
 
 def test_another_number_of_beams_than_the_log_has_is_refused():
@@ -169,19 +171,22 @@ def pings(beams, altitude, count=12, stand_off=2.0):
 def test_beams_that_contradict_the_altitude_are_named():
     truth, guess = a50_beams(), tilted_beams(30.0, (0, 90, 180, -90))
     ranges, altitude = pings(truth, 2.0)
-    assert check_beams(truth, ranges, altitude) == []
-    (line,) = check_beams(guess, ranges, altitude)
+    assert sentences(check_beams(truth, ranges, altitude)) == []
+    (line,) = sentences(check_beams(guess, ranges, altitude))
     assert "6 % shorter than the altitude" in line
-    assert check_beams(guess, ranges[:5], altitude[:5]) == []  # too few to say
-    assert check_beams(guess, ranges, np.full(12, np.nan)) == []
+    assert sentences(check_beams(guess, ranges[:5], altitude[:5])) == []  # too few to say
+    assert sentences(check_beams(guess, ranges, np.full(12, np.nan))) == []
 
 
 def test_beams_that_stand_far_off_or_lean_to_one_side_are_named():
     nothing = np.zeros((0, 4)), np.zeros(0)
-    assert "up to 67 degrees off" in check_beams(tilted_beams(67.0, (0, 90, 180, -90)), *nothing)[0]
-    assert "up to 158 degrees off" in check_beams(a50_beams() * [1, 1, -1], *nothing)[0]
+    assert (
+        "up to 67 degrees off"
+        in sentences(check_beams(tilted_beams(67.0, (0, 90, 180, -90)), *nothing))[0]
+    )
+    assert "up to 158 degrees off" in sentences(check_beams(a50_beams() * [1, 1, -1], *nothing))[0]
     assert (
         "mean direction is 16 degrees off"
-        in check_beams(tilted_beams(30.0, (0, 0, 90, -90)), *nothing)[0]
+        in sentences(check_beams(tilted_beams(30.0, (0, 0, 90, -90)), *nothing))[0]
     )
-    assert check_beams(tilted_beams(30.0, (0, 90, 180, -90)), *nothing) == []
+    assert sentences(check_beams(tilted_beams(30.0, (0, 90, 180, -90)), *nothing)) == []

@@ -10,6 +10,7 @@ from hullrecon.dive.check.package_check import check_package
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.fixed_frames import FixedSensor, fixed_sensors
 from hullrecon.dive.logs.messages.descriptions import frame_tree
+from hullrecon.findings.finding import sentences
 from hullrecon.steps.ingest import USES, request_of
 from tests.dive.config.test_log_proposals import entries_of, static
 
@@ -67,14 +68,14 @@ def log_with_frames(package, kit, *steps):
 def test_check_says_which_mounts_are_the_logs_and_asks_for_the_others(package, kit):
     log_with_frames(package, kit, ("base_link", "tray_link", 0.3), ("tray_link", "x", 0.1))
     found = check(package, "dvl.mount=[0, 0, 0.08, 0, 90, 0]")
-    assert found.mounts == [
+    assert sentences(found.mounts) == [
         "tray.origin = [0.3, -0.1, 0] by tf_static, on the way to x",
         "pressure.origin = [0.4, -0.2, 0] by tf_static, frame x",
         "camera.top.mount = [0.1, -0.1, 0, 180, 0, 0] by tf_static, frame x",
     ]
-    assert {f"note: {line}" for line in found.mounts} <= set(found.lines())
-    assert found.to_fill_in == []
-    assert not any("tf_static" in line for line in found.found.unused)
+    assert {f"note: {line}" for line in sentences(found.mounts)} <= set(found.lines())
+    assert sentences(found.to_fill_in) == []
+    assert not any("tf_static" in line for line in sentences(found.found.unused))
     assert not found.defaults.keys() & {
         "tray.origin",
         "pressure.origin",
@@ -87,9 +88,9 @@ def test_without_a_way_to_the_vehicle_the_defaults_are_used_and_named(package, k
     log_with_frames(package, kit, ("odom", "x", 0.1))
     found = check(package)
     assert found.mounts == []
-    assert len(found.to_fill_in) == 4
+    assert len(sentences(found.to_fill_in)) == 4
     assert found.defaults["dvl.mount"] == (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
-    assert any("tf_static" in line for line in found.found.unused)
+    assert any("tf_static" in line for line in sentences(found.found.unused))
 
 
 def test_the_mounts_of_the_log_are_looked_at_as_those_of_dive_toml_are(package, kit):
@@ -97,6 +98,6 @@ def test_the_mounts_of_the_log_are_looked_at_as_those_of_dive_toml_are(package, 
     log_with_frames(package, kit, ("base_link", "x", 0.1))
     assert any(
         "camera.top looks 90 degrees away" in line
-        for line in check(package, "dvl.mount=[0,0,0,0,90,0]").warnings
+        for line in sentences(check(package, "dvl.mount=[0,0,0,0,90,0]").warnings)
     )
     assert np.isfinite(check(package).found.records.dvl.ranges).all()

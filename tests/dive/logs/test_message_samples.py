@@ -248,9 +248,11 @@ def test_what_cannot_be_decoded_is_damaged_and_nothing_else(channel):
 
 VENDOR = {
     "vendor/msg/Beam": "float64 range\nfloat64 range_covariance\n",
-    "stonefish_ros/msg/DVL": "std_msgs/Header header\ngeometry_msgs/Vector3 velocity\nfloat64[9] velocity_covariance\n"
+    "stonefish_ros/msg/DVL": "std_msgs/Header header\ngeometry_msgs/Vector3 velocity\nfloat64[9] "
+    "velocity_covariance\n"
     "float64 altitude\nvendor/Beam[] beams\n",
-    "nortek_dvl/msg/Dvl": "std_msgs/Header header\ngeometry_msgs/Vector3 velocity\nfloat64 figureOfMerit\n"
+    "nortek_dvl/msg/Dvl": "std_msgs/Header header\ngeometry_msgs/Vector3 velocity\nfloat64 "
+    "figureOfMerit\n"
     "float64[4] beamDistance\n",
 }
 

@@ -10,6 +10,7 @@ from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.positions import position_fixes
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.samples import PositionSample
+from hullrecon.findings.finding import sentences
 from hullrecon.records.sensors import PressureSamples
 
 T = 1_777_887_000_123_456_789
@@ -151,28 +152,29 @@ def test_latitude_and_longitude_become_metres():
     "place", [(np.nan, 9.0), (45.0, np.inf), (0.0, 0.0), (91.0, 9.0), (45.0, 4e5)]
 )
 def test_a_message_without_a_fix_is_left_out_and_counted(place):
-    remarks = []
-    fixes = position_fixes([by_gps(0, 45.0, 9.0), by_gps(1, *place)], 2.0, "enu", None, remarks)
+    notes = []
+    fixes = position_fixes([by_gps(0, 45.0, 9.0), by_gps(1, *place)], 2.0, "enu", None, notes)
     assert len(fixes.t_ns) == 1
-    assert remarks == ["position: 1 of 2 messages have no fix and were left out"]
+    assert sentences(notes) == ["position: 1 of 2 messages have no fix and were left out"]
 
 
 def test_no_fix_at_all_is_no_record():
-    remarks = []
-    assert position_fixes([by_gps(0, np.nan, np.nan)] * 3, 2.0, "enu", None, remarks) is None
-    assert remarks == ["position: 3 of 3 messages have no fix and were left out"]
-    assert position_fixes([], 2.0, "enu", None, remarks) is None
+    notes = []
+    assert position_fixes([by_gps(0, np.nan, np.nan)] * 3, 2.0, "enu", None, notes) is None
+    assert sentences(notes) == ["position: 3 of 3 messages have no fix and were left out"]
+    assert position_fixes([], 2.0, "enu", None, notes) is None
 
 
 def test_a_gps_fix_under_water_is_refused_and_usbl_is_not():
     depth = PressureSamples(t_ns=np.arange(0, 100, 10) * 10**9, depth=np.linspace(0.2, 9.2, 10))
-    remarks = []
+    notes = []
     fixes = position_fixes(
-        [by_gps(t, 45.0 + 1e-5 * t, 9.0) for t in (1, 5, 40, 80)], 2.0, "enu", depth, remarks
+        [by_gps(t, 45.0 + 1e-5 * t, 9.0) for t in (1, 5, 40, 80)], 2.0, "enu", depth, notes
     )
     assert len(fixes.t_ns) == 2
-    assert remarks == [
-        "position: 2 of 4 GPS fixes are of a vehicle deeper than 1 m, where no antenna receives: they are not used"
+    assert sentences(notes) == [
+        "position: 2 of 4 GPS fixes are of a vehicle deeper than 1 m, where no antenna receives: "
+        "they are not used"
     ]
     assert (
         len(position_fixes([local(t, t, 0.0) for t in (1, 5, 40, 80)], 2.0, "enu", depth, []).t_ns)
@@ -182,18 +184,18 @@ def test_a_gps_fix_under_water_is_refused_and_usbl_is_not():
 
 def test_where_no_depth_is_known_a_gps_fix_is_believed():
     depth = PressureSamples(t_ns=np.arange(100, 110) * 10**9, depth=np.full(10, 5.0))
-    remarks = []
+    notes = []
     assert (
-        len(position_fixes([by_gps(t, 45.0, 9.0) for t in (1, 2)], 2.0, "enu", depth, remarks).t_ns)
+        len(position_fixes([by_gps(t, 45.0, 9.0) for t in (1, 2)], 2.0, "enu", depth, notes).t_ns)
         == 2
     )
-    assert remarks == []
+    assert sentences(notes) == []
 
 
 def test_fixes_of_another_form_than_the_first_are_left_out():
-    remarks = []
+    notes = []
     fixes = position_fixes(
-        [local(0, 0, 0), by_gps(1, 45.0, 9.0), local(2, 1, 1)], 2.0, "enu", None, remarks
+        [local(0, 0, 0), by_gps(1, 45.0, 9.0), local(2, 1, 1)], 2.0, "enu", None, notes
     )
     assert len(fixes.t_ns) == 2
-    assert "1 of 3 fixes are not of the form of the first" in remarks[0]
+    assert "1 of 3 fixes are not of the form of the first" in notes[0].sentence

@@ -13,6 +13,7 @@ from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.samples import PressureSample
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 
 TOPICS = {
     "/imu": ("imu",),
@@ -62,7 +63,7 @@ def test_messages_without_a_stamp_take_the_time_of_logging_and_are_counted(kit, 
     ]
     found, _ = run(kit.mcap(tmp_path / "x.mcap", entries))
     assert found.samples["imu"][1].t_ns == kit.start_ns + 100_000_000
-    assert "/imu: 40 messages have no stamp; their logging time was used" in found.remarks
+    assert "/imu: 40 messages have no stamp; their logging time was used" in sentences(found.notes)
 
 
 def test_messages_that_do_not_decode_are_counted_with_the_reason(kit, tmp_path):
@@ -81,7 +82,7 @@ def test_messages_that_do_not_decode_are_counted_with_the_reason(kit, tmp_path):
     ]
     found, _ = run(kit.mcap(tmp_path / "x.mcap", entries + sonar), {"/sonar": ("sonar",)})
     assert len(found.samples["sonar"]) == 1
-    assert found.remarks == [
+    assert sentences(found.notes) == [
         "/sonar: 1 messages could not be used: a sonar image of 4 pixels for 2 beams and 3 ranges"
     ]
 
@@ -104,7 +105,7 @@ class Recording:
             if isinstance(edit(""), str)
             else edit(definition_of(kit, kind))
         )
-        self.remarks = []
+        self.notes = []
         self._messages = [
             Message(
                 Channel("/t", kind, "cdr", texts[n % len(texts)]),
@@ -152,8 +153,8 @@ def test_messages_whose_carried_definition_is_damaged_cost_themselves_and_are_na
     assert not found.samples[sensor]
     assert sum(found.undecoded.values()) == 3
     assert all(
-        remark.startswith("/t: 3 messages could not be used: ") and remark.isprintable()
-        for remark in found.remarks
+        note.startswith("/t: 3 messages could not be used: ") and note.isprintable()
+        for note in sentences(found.notes)
     )
 
 
@@ -172,7 +173,7 @@ def test_reasons_of_one_topic_do_not_grow_with_its_messages(kit):
     pings = [kit.sonar(n, np.ones((n, 2), np.uint8)) for n in range(4, 40)]
     log = Recording(kit, "marine_acoustic_msgs/msg/ProjectedSonarImage", pings)
     found = read_streams([log], {"/t": ("sonar",)}, lambda *_: None)
-    assert len(found.remarks) <= MOST_REASONS + 1
+    assert len(sentences(found.notes)) <= MOST_REASONS + 1
     assert sum(found.undecoded.values()) == 36
 
 
@@ -199,7 +200,7 @@ def test_a_time_beyond_int64_costs_its_message(kit, t_ns):
     log = Recording(kit, "sensor_msgs/msg/FluidPressure", readings, times=[5, t_ns])
     found = read_streams([log], {"/t": ("pressure",)}, lambda *_: None)
     assert [s.pascal for s in found.samples["pressure"]] == [1e5]
-    assert any("beyond the year 2116" in remark for remark in found.remarks)
+    assert any("beyond the year 2116" in note for note in sentences(found.notes))
 
 
 def test_a_sample_of_a_table_beyond_int64_is_left_out_too():
@@ -207,7 +208,7 @@ def test_a_sample_of_a_table_beyond_int64_is_left_out_too():
         gives_samples = True
 
         def __init__(self):
-            self.remarks = []
+            self.notes = []
             channel = Channel("pressure", "pressure.csv", "sample")
             self._messages = [Message(channel, t, PressureSample(t, 1e5)) for t in (5, -(1 << 70))]
 
@@ -222,8 +223,8 @@ def test_a_damaged_type_among_good_messages_costs_those_messages(kit):
     found = read_streams([log], {"/t": ("pressure",)}, lambda *_: None)
     assert len(found.samples["pressure"]) == 1
     assert (
-        "/t: 1 messages could not be used: they are sensor_msgs/msg/FluidPressurf, unlike those before"
-        in found.remarks
+        "/t: 1 messages could not be used: they are sensor_msgs/msg/FluidPressurf, unlike those "
+        "before" in sentences(found.notes)
     )
 
 

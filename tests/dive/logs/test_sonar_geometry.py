@@ -10,6 +10,7 @@ from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.dive.logs.sonar_geometry import image_in_ranges, pings_of_one_window
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding, sentences
 
 BEAMS = 3
 AZIMUTH_DEG = np.array([-10.0, 1.0, 9.0])
@@ -23,15 +24,16 @@ def ping(t, last=5.0, bins=50, first=None, *, known=True):
 
 
 def test_pings_of_another_speed_of_sound_are_put_onto_the_same_ranges():
-    remarks: list[str] = []
-    found = streams.sonar_pings([ping(0), ping(1), ping(2, 5.02), ping(3, 4.98)], remarks)
+    notes: list[Finding] = []
+    found = streams.sonar_pings([ping(0), ping(1), ping(2, 5.02), ping(3, 4.98)], notes)
     np.testing.assert_array_equal(found.range_m, ping(0).range_m)
     np.testing.assert_array_equal(found.image[1, 0], np.arange(50))
     for row, last in ((2, 5.02), (3, 4.98)):
         ranges = np.linspace(last / 50, last, 50)[found.image[row, 0]]
         assert np.abs(ranges - found.range_m).max() <= 0.051  # half a bin
-    assert remarks == [
-        "sonar: 2 of 4 pings have ranges that differ by up to 20 mm, as by another speed of sound, and were put onto one"
+    assert sentences(notes) == [
+        "sonar: 2 of 4 pings have ranges that differ by up to 20 mm, as by another speed of sound, "
+        "and were put onto one"
     ]
 
 
@@ -45,11 +47,12 @@ def test_samples_beyond_a_pings_own_ranges_are_dark():
 
 
 def test_a_window_that_was_set_anew_is_left_out_and_counted():
-    remarks: list[str] = []
+    notes: list[Finding] = []
     samples = [ping(0), ping(1), ping(2, 5.0, first=2.0), ping(3, 8.0), ping(4, bins=40)]
-    assert [s.t_ns for s in pings_of_one_window(samples, remarks)[0]] == [0, 1]
-    assert remarks == [
-        "sonar: 3 of 5 pings have another range or number of beams than 3 beams to 5.0 m and were left out"
+    assert [s.t_ns for s in pings_of_one_window(samples, notes)[0]] == [0, 1]
+    assert sentences(notes) == [
+        "sonar: 3 of 5 pings have another range or number of beams than 3 beams to 5.0 m and were "
+        "left out"
     ]
 
 
@@ -64,12 +67,13 @@ def test_pings_of_another_mode_s_fan_are_left_out_and_counted():
         dataclasses.replace(ping(t), directions=in_fan(np.radians(6 * AZIMUTH_DEG))) for t in (0, 2)
     ]
     nearly = dataclasses.replace(ping(5), directions=in_fan(np.radians(AZIMUTH_DEG + 0.1)))
-    remarks: list[str] = []
-    found = streams.sonar_pings([wide[0], ping(1), wide[1], ping(3), ping(4), nearly], remarks)
+    notes: list[Finding] = []
+    found = streams.sonar_pings([wide[0], ping(1), wide[1], ping(3), ping(4), nearly], notes)
     assert found.t_ns.tolist() == [1, 3, 4, 5]
     np.testing.assert_allclose(found.directions, ping(1).directions)
-    assert remarks == [
-        "sonar: the beams of 2 of 6 pings point elsewhere, as in another mode of the sonar, than those of the others; "
+    assert sentences(notes) == [
+        "sonar: the beams of 2 of 6 pings point elsewhere, as in another mode of the sonar, than "
+        "those of the others; "
         "they were left out"
     ]
 
@@ -108,10 +112,10 @@ def test_beams_of_dive_toml_serve_where_the_log_has_none():
 
 
 def test_beams_of_the_log_come_before_those_of_dive_toml():
-    remarks: list[str] = []
-    found = streams.sonar_pings([ping(0)], remarks, AZIMUTH_DEG + 1)
+    notes: list[Finding] = []
+    found = streams.sonar_pings([ping(0)], notes, AZIMUTH_DEG + 1)
     np.testing.assert_allclose(found.directions, in_fan(np.radians(AZIMUTH_DEG)))
-    assert remarks == [
+    assert sentences(notes) == [
         "sonar: the log says where the beams point; sonar.beam_azimuth_deg was not used"
     ]
 

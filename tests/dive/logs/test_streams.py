@@ -13,6 +13,7 @@ from hullrecon.dive.logs.samples import (
     SonarSample,
 )
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 
 S, C = 0.5, np.sqrt(0.75)
 BEAMS = np.array([[-S, 0, C], [S, 0, C], [0, S, C], [0, -S, C]])
@@ -23,11 +24,11 @@ def ping(t=0, velocity=(0.1, 0.2, 0.3), sigma=np.nan, ranges=(1, 2, 3, 4), beams
 
 
 def test_beams_that_change_are_averaged_and_remarked():
-    remarks = []
+    notes = []
     tilted = BEAMS @ Rotation.from_euler("z", 0.02).as_matrix()
-    found = streams.dvl_pings([ping(0), ping(1, beams=tilted)], None, 0.003, remarks).beams
+    found = streams.dvl_pings([ping(0), ping(1, beams=tilted)], None, 0.003, notes).beams
     assert np.linalg.norm(found, axis=1) == pytest.approx(np.ones(4))
-    assert "change during the dive" in remarks[0]
+    assert "change during the dive" in notes[0].sentence
 
 
 def test_the_sigma_of_the_file_stands_where_the_message_has_none():
@@ -36,12 +37,12 @@ def test_the_sigma_of_the_file_stands_where_the_message_has_none():
 
 
 def test_a_half_lost_velocity_and_a_senseless_one_are_lost_whole():
-    remarks = []
+    notes = []
     pings = streams.dvl_pings(
-        [ping(0, (0.1, np.nan, 0)), ping(1, (300, 0, 0)), ping(2)], None, 0.003, remarks
+        [ping(0, (0.1, np.nan, 0)), ping(1, (300, 0, 0)), ping(2)], None, 0.003, notes
     )
     assert np.isnan(pings.velocity).all(axis=1).tolist() == [True, True, False]
-    assert "1 velocities above 15 m/s" in remarks[0]
+    assert "1 velocities above 15 m/s" in notes[0].sentence
 
 
 def test_ranges_that_are_not_positive_are_lost():
@@ -89,13 +90,13 @@ def test_in_enu_nose_up_is_a_negative_pitch_and_becomes_a_positive_one():
 
 
 def test_readings_without_attitude_are_left_out_and_counted():
-    remarks = []
+    notes = []
     found = streams.imu_samples(
-        [imu(0, [0, 0, 0, 0]), imu(1, [0, 0, 0, 1.001]), imu(2, [np.nan] * 4)], "ned", remarks
+        [imu(0, [0, 0, 0, 0]), imu(1, [0, 0, 0, 1.001]), imu(2, [np.nan] * 4)], "ned", notes
     )
     assert found.t_ns.tolist() == [1]
     assert np.linalg.norm(found.quaternion[0]) == pytest.approx(1)
-    assert "2 of 3 readings" in remarks[0]
+    assert "2 of 3 readings" in notes[0].sentence
 
 
 def test_an_imu_without_any_attitude_is_refused():
@@ -133,44 +134,46 @@ def test_few_attitudes_alike_and_those_of_a_vehicle_at_rest_are_taken():
 
 
 def test_a_hundredth_of_a_megapascal_is_a_metre_of_sea_water():
-    remarks = []
+    notes = []
     found = streams.pressure_samples(
-        [PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, remarks
+        [PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, notes
     )
     assert found.depth == pytest.approx([2.0])
     assert found.t_ns.tolist() == [0]
-    assert remarks == ["pressure: 1 of 2 readings are no finite numbers and were left out"]
+    assert sentences(notes) == ["pressure: 1 of 2 readings are no finite numbers and were left out"]
 
 
 def test_a_sensor_of_which_no_reading_is_a_number_has_no_record():
-    remarks = []
+    notes = []
     assert (
         streams.pressure_samples(
-            [PressureSample(0, np.nan), PressureSample(1, np.inf)], MODEL, remarks
+            [PressureSample(0, np.nan), PressureSample(1, np.inf)], MODEL, notes
         )
         is None
     )
-    assert streams.joint_samples([JointSample(0, "tray", np.nan)], "tray", remarks) is None
-    assert remarks == [
+    assert streams.joint_samples([JointSample(0, "tray", np.nan)], "tray", notes) is None
+    assert sentences(notes) == [
         "pressure: 2 of 2 readings are no finite numbers and were left out",
         "joint tray: 1 of 1 readings are no finite numbers and were left out",
     ]
 
 
 def test_a_gauge_pressure_or_another_unit_is_suspected():
-    remarks = []
-    streams.pressure_samples([PressureSample(0, 1013.25)], MODEL, remarks)
-    assert "absolute and in pascal" in remarks[0]
+    notes = []
+    streams.pressure_samples([PressureSample(0, 1013.25)], MODEL, notes)
+    assert "absolute and in pascal" in notes[0].sentence
 
 
 def test_joint_angles_in_degrees_are_suspected_and_lost_ones_left_out():
-    remarks = []
+    notes = []
     found = streams.joint_samples(
-        [JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", remarks
+        [JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", notes
     )
     assert found.angle.tolist() == [45.0]
-    assert remarks[0] == "joint tray: 1 of 2 readings are no finite numbers and were left out"
-    assert "in degrees?" in remarks[1]
+    assert (
+        notes[0].sentence == "joint tray: 1 of 2 readings are no finite numbers and were left out"
+    )
+    assert "in degrees?" in notes[1].sentence
 
 
 def sonar(t, image, reach=3.0):
@@ -182,21 +185,19 @@ def sonar(t, image, reach=3.0):
 
 
 def test_sonar_pings_of_another_range_are_left_out_and_counted():
-    remarks = []
+    notes = []
     pixels = np.zeros((2, 3), np.uint8)
-    found = streams.sonar_pings(
-        [sonar(0, pixels), sonar(1, pixels, 5.0), sonar(2, pixels)], remarks
-    )
+    found = streams.sonar_pings([sonar(0, pixels), sonar(1, pixels, 5.0), sonar(2, pixels)], notes)
     assert found.t_ns.tolist() == [0, 2]
     assert found.directions[0] == pytest.approx([0, 0, 1])
-    assert "1 of 3 pings" in remarks[0]
+    assert "1 of 3 pings" in notes[0].sentence
 
 
 def test_sonar_pixels_of_more_bits_are_scaled_to_eight_by_the_brightest():
-    remarks = []
-    found = streams.sonar_pings([sonar(0, np.array([[0, 500], [1000, 250]], np.uint16))], remarks)
+    notes = []
+    found = streams.sonar_pings([sonar(0, np.array([[0, 500], [1000, 250]], np.uint16))], notes)
     assert found.image.tolist() == [[[0, 128], [255, 64]]]
-    assert "scaled to 8 bits" in remarks[0]
+    assert "scaled to 8 bits" in notes[0].sentence
 
 
 @pytest.mark.parametrize("dtype", [np.uint16, np.uint32, np.float32])

@@ -5,20 +5,20 @@ import pytest
 from dive.conftest import Entry
 
 from benchmarks.fuzz.seed_ad2cp import TEXT, block
-from hullrecon.dive.check.to_fill_in import to_fill_in
-from hullrecon.dive.config.config_template import beams_to_ask_for, fill_template
+from hullrecon.dive.check.requirements import missing, to_fill_in
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.logs.readers.open import find_logs, open_log
-from hullrecon.dive.logs.readers.protocol import Channel
-from hullrecon.dive.logs.readers.unpack import printable
-from hullrecon.dive.logs.summary import (
+from hullrecon.dive.init.log_summary import (
     LogSummary,
     TopicNote,
     guess_topics,
-    missing,
     summarise_log,
     summarise_logs,
 )
+from hullrecon.dive.init.template import beams_to_ask_for, fill_template
+from hullrecon.dive.logs.readers.open import find_logs, open_log
+from hullrecon.dive.logs.readers.protocol import Channel
+from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.findings.finding import sentences
 
 IMAGE = "sensor_msgs/msg/CompressedImage"
 
@@ -119,30 +119,35 @@ def test_an_imu_whose_orientation_is_never_filled_in_is_passed_over(
 
 
 def test_what_is_missing_depends_on_what_else_there_is():
-    stereo = missing({"camera_top", "camera_bottom"})
+    stereo = sentences(missing({"camera_top", "camera_bottom"}))
     assert "no dvl: motion comes from stereo images" in stereo
-    alone = missing({"sonar"})
+    alone = sentences(missing({"sonar"}))
     assert any("no run is possible" in line for line in alone)
     assert not any(line.startswith("no camera_bottom") for line in alone)
     everything = {"dvl", "imu", "pressure", "joints", "camera_top", "camera_bottom", "sonar"}
-    assert missing(everything, hull=True) == []
-    assert "without a CAD model" in missing(everything, hull=False)[0]
+    assert sentences(missing(everything, hull=True)) == []
+    assert "without a CAD model" in sentences(missing(everything, hull=False))[0]
 
 
 def test_a_dvl_without_an_imu_can_not_be_run_even_with_stereo():
     stereo = {"dvl", "camera_top", "camera_bottom"}
     assert any(
-        line.startswith("no imu: ") and "no run is possible" in line for line in missing(stereo)
+        line.startswith("no imu: ") and "no run is possible" in line
+        for line in sentences(missing(stereo))
     )
-    assert "no imu: attitude comes from stereo images and drifts" in missing(stereo - {"dvl"})
-    assert "no imu: there is no attitude: no run is possible" in missing({"camera_top"})
+    assert "no imu: attitude comes from stereo images and drifts" in sentences(
+        missing(stereo - {"dvl"})
+    )
+    assert "no imu: there is no attitude: no run is possible" in sentences(missing({"camera_top"}))
 
 
 def test_scale_is_said_to_come_from_a_dvl_only_where_there_is_one():
-    assert "no camera_bottom: one camera: scale and depth come from the DVL" in missing(
-        {"camera_top", "dvl"}
+    assert "no camera_bottom: one camera: scale and depth come from the DVL" in sentences(
+        missing({"camera_top", "dvl"})
     )
-    assert "no camera_bottom: one camera: no scale without a DVL" in missing({"camera_top", "imu"})
+    assert "no camera_bottom: one camera: no scale without a DVL" in sentences(
+        missing({"camera_top", "imu"})
+    )
 
 
 def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_read(kit, tmp_path):
@@ -160,8 +165,8 @@ def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_r
     )
     lines = summarise_log(open_log(log)).lines()
     assert (
-        "not chosen, though of a type that is read: /second_imu (could be imu); name it in [topics] to use it"
-        in lines
+        "not chosen, though of a type that is read: /second_imu (could be imu); name it in "
+        "[topics] to use it" in lines
     )
     assert "a run would not use /talk: of other types than it reads" in lines
 
@@ -235,7 +240,9 @@ def test_cameras_without_a_calibration_stand_in_comments(kit, tmp_path):
     loaded = load_config(tmp_path)
     assert loaded.config.camera.top is None
     assert "# [camera.top]" in (tmp_path / "dive.toml").read_text()
-    assert any("camera.top.calibration" in line for line in to_fill_in(loaded, {"camera_top"}))
+    assert any(
+        "camera.top.calibration" in line for line in sentences(to_fill_in(loaded, {"camera_top"}))
+    )
 
 
 def test_what_no_log_tells_is_asked_for_and_not_written(kit, tmp_path, calibration):
@@ -244,7 +251,7 @@ def test_what_no_log_tells_is_asked_for_and_not_written(kit, tmp_path, calibrati
     (tmp_path / "dive.toml").write_text(
         fill_template(summarise_log(open_log(path)), [path], tmp_path)
     )
-    lines = to_fill_in(load_config(tmp_path), {"dvl", "imu", "pressure", "camera_top"})
+    lines = sentences(to_fill_in(load_config(tmp_path), {"dvl", "imu", "pressure", "camera_top"}))
     keys = [line.split(": ")[1] for line in lines]
     assert keys == ["tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"]
     assert lines[1].endswith("until then what the log's tf_static says, else [0, 0, 0] is used")
@@ -252,7 +259,9 @@ def test_what_no_log_tells_is_asked_for_and_not_written(kit, tmp_path, calibrati
 
 def test_what_is_given_or_not_carried_is_not_asked_for(package):
     assert (
-        to_fill_in(load_config(package, {}, ["pressure.origin=[0, 0, 1]"]), {"pressure", "imu"})
+        sentences(
+            to_fill_in(load_config(package, {}, ["pressure.origin=[0, 0, 1]"]), {"pressure", "imu"})
+        )
         == []
     )
 
@@ -281,16 +290,19 @@ def test_what_readers_say_of_several_files_is_told_with_the_file(tmp_path):
         (tmp_path / name).write_bytes(block(TEXT, b"x" * 20))
     logs = [open_log(path) for path in find_logs(tmp_path)]
     assert [
-        line.split(": ")[0] for line in summarise_logs(logs).remarks if "bottom-track" in line
+        line.split(": ")[0]
+        for line in sentences(summarise_logs(logs).notes)
+        if "bottom-track" in line
     ] == ["a.ad2cp", "b.ad2cp"]
-    assert not any(line.startswith("a.ad2cp") for line in summarise_logs(logs[:1]).remarks)
+    assert not any(line.startswith("a.ad2cp") for line in sentences(summarise_logs(logs[:1]).notes))
 
 
 def test_a_log_without_a_dvl_that_is_read_names_the_one_that_is_not():
     note = TopicNote(
         channel=Channel("/teledyne/ensemble", "teledyne_navigator/Ensemble", "ros1"), count=3
     )
-    (line,) = LogSummary(kind="ROS 1 bag", topics=[note]).needs()
+    (line,) = sentences(LogSummary(kind="ROS 1 bag", topics=[note]).needs())
     assert line.startswith(
-        "missing: a DVL with an IMU, or two cameras; /teledyne/ensemble (teledyne_navigator/Ensemble) is a DVL's"
+        "missing: a DVL with an IMU, or two cameras; /teledyne/ensemble "
+        "(teledyne_navigator/Ensemble) is a DVL's"
     )

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from hullrecon.dive.logs.timeline import describe_ends, describe_gaps, put_in_order
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 from hullrecon.records.clock import NS
 
 
@@ -19,29 +20,29 @@ def ns(*seconds):
 def test_rows_in_order_stay_and_nothing_is_said():
     line = put_in_order("imu", ns(0, 1, 2), ns(0, 1, 2))
     assert line.keep.tolist() == [0, 1, 2]
-    assert line.remarks == []
+    assert sentences(line.notes) == []
 
 
 def test_rows_out_of_order_are_sorted_and_counted():
     line = put_in_order("imu", ns(0, 0.2, 0.1, 0.3), ns(0, 0.1, 0.2, 0.3))
     assert line.keep.tolist() == [0, 2, 1, 3]
-    assert line.remarks == ["imu: 1 readings stood out of order and were sorted"]
+    assert sentences(line.notes) == ["imu: 1 readings stood out of order and were sorted"]
 
 
 def test_of_duplicate_stamps_the_first_stays():
     line = put_in_order("imu", ns(0, 1, 1, 1, 2), ns(0, 1, 2, 3, 4) // 10)
     assert line.keep.tolist() == [0, 1, 4]
-    assert any("2 of 5 stamps are duplicates" in remark for remark in line.remarks)
+    assert any("2 of 5 stamps are duplicates" in note for note in sentences(line.notes))
 
 
 def test_a_clock_that_jumps_against_the_loggers_is_named_with_its_size_and_moment():
-    (words,) = put_in_order("dvl", ns(0, 1, 2, 12.5, 13.5), ns(0, 1, 2, 3, 4)).remarks
+    (words,) = sentences(put_in_order("dvl", ns(0, 1, 2, 12.5, 13.5), ns(0, 1, 2, 3, 4)).notes)
     assert "jumps by +9.500 s at 1970-01-01T00:00:02.000Z" in words
 
 
 def test_a_clock_that_falls_back_is_named_without_a_logger_too():
     stamps = ns(10, 11, 12, 5, 6)
-    (words,) = put_in_order("dvl", stamps, stamps).remarks
+    (words,) = sentences(put_in_order("dvl", stamps, stamps).notes)
     assert "jumps by -7.000 s" in words
 
 
@@ -51,9 +52,9 @@ def test_a_clock_that_was_set_back_goes_on_where_no_logger_has_a_clock():
     line = put_in_order("dvl", stamps, stamps)
     assert line.keep.tolist() == list(range(300))
     np.testing.assert_allclose(line.t_ns / NS, true, atol=1e-6)
-    assert len(line.remarks) == 1
-    assert "jumps by -1.930 s" in line.remarks[0]
-    assert "150 stamps were put right as if it had been set back" in line.remarks[0]
+    assert len(sentences(line.notes)) == 1
+    assert "jumps by -1.930 s" in sentences(line.notes)[0]
+    assert "150 stamps were put right as if it had been set back" in sentences(line.notes)[0]
 
 
 @pytest.mark.parametrize(
@@ -71,10 +72,10 @@ def test_two_recordings_that_overlap_are_sorted_and_not_moved():
     stamps = ns(*first, *second)
     line = put_in_order("pressure", stamps, stamps, [0] * len(first) + [1] * len(second))
     np.testing.assert_array_equal(line.t_ns, np.sort(stamps))
-    (words,) = line.remarks
+    (words,) = sentences(line.notes)
     assert (
-        "logs were read in another order than they were recorded, or overlap: 29.9 s back to 1970-01-01T00:05:00.020Z"
-        in words
+        "logs were read in another order than they were recorded, or overlap: 29.9 s back to "
+        "1970-01-01T00:05:00.020Z" in words
     )
 
 
@@ -82,8 +83,8 @@ def test_logs_that_are_listed_in_another_order_show_no_clock_that_jumps():
     stamps = ns(*np.arange(300, 600, 0.1), *np.arange(0, 300, 0.1))
     line = put_in_order("dvl", stamps, stamps + 2_000_000, np.repeat([0, 1], 3000))
     assert (np.diff(line.t_ns) == NS // 10).all()
-    assert [remark for remark in line.remarks if "jump" in remark] == []
-    assert "read in another order" in line.remarks[0]
+    assert [note for note in sentences(line.notes) if "jump" in note] == []
+    assert "read in another order" in sentences(line.notes)[0]
 
 
 @pytest.mark.parametrize("delay_ms", [0, 3], ids=["no logger's clock", "logged by that computer"])
@@ -95,7 +96,7 @@ def test_a_computer_s_clock_that_was_set_back_mixes_no_two_times(delay_ms):
     line = put_in_order("dvl", stamps, stamps + delay_ns)
     assert line.keep.tolist() == list(range(6000))
     np.testing.assert_allclose(line.t_ns / NS, true, atol=0.02)
-    assert "3000 stamps were put right as if it had been set back" in line.remarks[0]
+    assert "3000 stamps were put right as if it had been set back" in sentences(line.notes)[0]
 
 
 def test_a_computer_s_clock_set_back_by_whole_periods_drops_no_reading():
@@ -113,9 +114,9 @@ def test_a_few_stamps_of_another_day_are_left_out_and_counted(count):
     stamps[:count] -= ns(200 * 86400)[0]
     line = put_in_order("imu", stamps, stamps + 2_000_000)
     assert line.keep.tolist() == list(range(count, 20_000))
-    assert f"imu: {count} reading" in line.remarks[0]
-    assert "stamped a day or more from all others" in line.remarks[0]
-    assert "2025-10-16T09:30:00.000Z" in line.remarks[0]
+    assert f"imu: {count} reading" in sentences(line.notes)[0]
+    assert "stamped a day or more from all others" in sentences(line.notes)[0]
+    assert "2025-10-16T09:30:00.000Z" in sentences(line.notes)[0]
 
 
 def test_another_day_s_dive_and_the_few_readings_of_a_joint_are_kept():
@@ -131,31 +132,32 @@ def test_what_a_logger_that_stalled_wrote_late_is_no_jump():
     logged[3000:3050] = stamps[3050] - 30_000_000 + 10_000 * np.arange(50)
     line = put_in_order("dvl", stamps, logged)
     np.testing.assert_array_equal(line.t_ns, stamps)
-    assert line.remarks == [
-        "dvl: 40 readings were logged late, by up to 5.0 s, the first at 1970-01-01T00:05:00.000Z; their stamps were kept"
+    assert sentences(line.notes) == [
+        "dvl: 40 readings were logged late, by up to 5.0 s, the first at 1970-01-01T00:05:00.000Z; "
+        "their stamps were kept"
     ]
 
 
 def test_several_jumps_are_counted():
-    words = put_in_order("dvl", ns(0, 5, 0, 5), ns(0, 0.1, 0.2, 0.3)).remarks[0]
+    words = sentences(put_in_order("dvl", ns(0, 5, 0, 5), ns(0, 0.1, 0.2, 0.3)).notes)[0]
     assert "and 2 more times" in words
 
 
 def test_a_dropout_is_a_gap_not_a_jump():
     stamps = ns(0, 1, 2, 60, 61)
-    assert put_in_order("dvl", stamps, stamps).remarks == []
-    assert describe_gaps("dvl", stamps) == [
+    assert sentences(put_in_order("dvl", stamps, stamps).notes) == []
+    assert sentences(describe_gaps("dvl", stamps)) == [
         "dvl: nothing for 58.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:01:00.000Z"
     ]
 
 
 def test_a_missing_message_or_two_is_no_gap():
-    assert describe_gaps("imu", ns(0, 0.1, 0.2, 0.5, 0.6)) == []
+    assert sentences(describe_gaps("imu", ns(0, 0.1, 0.2, 0.5, 0.6))) == []
 
 
 def test_many_gaps_are_summed_up():
     stamps = ns(*[t + 20 * (t // 5) for t in range(50)])
-    words = describe_gaps("imu", stamps)
+    words = sentences(describe_gaps("imu", stamps))
     assert len(words) == 6
     assert words[-1] == "imu: 4 more gaps, shorter"
 
@@ -180,7 +182,9 @@ def test_a_clock_that_stands_still_is_refused():
 def test_two_readings_of_one_stamp_are_duplicates():
     line = put_in_order("imu", [5, 5], [1, 2])
     assert line.keep.tolist() == [0]
-    assert line.remarks == ["imu: 1 of 2 stamps are duplicates; the first of each was kept"]
+    assert sentences(line.notes) == [
+        "imu: 1 of 2 stamps are duplicates; the first of each was kept"
+    ]
 
 
 def clock(count=200, jump_s=2.0, at=100, rate_s=0.04, delay_s=0.003):
@@ -198,10 +202,10 @@ def test_after_a_jump_the_stamps_are_put_right_by_the_loggers_clock(jump_s):
     line = put_in_order("imu", stamps, logged)
     assert np.abs(line.t_ns - true).max() < 0.003 * NS
     assert line.keep.tolist() == list(range(200))
-    named = re.search(r"jumps by ([-+][.0-9]+) s", line.remarks[0])
+    named = re.search(r"jumps by ([-+][.0-9]+) s", sentences(line.notes)[0])
     assert named is not None
     assert float(named[1]) == pytest.approx(jump_s, abs=0.02)
-    assert "100 stamps were put right by the logger's clock" in line.remarks[0]
+    assert "100 stamps were put right by the logger's clock" in sentences(line.notes)[0]
 
 
 def test_a_clock_that_was_wrong_before_its_jump_is_put_right_there():
@@ -252,7 +256,7 @@ def test_whatever_clocks_do_the_stamps_kept_grow_and_belong_to_rows(stamps, jump
 
 
 def test_a_sensor_that_began_late_or_ended_early_is_named() -> None:
-    assert describe_ends("pressure", ns(6.5, 7, 8), 0, 10 * NS) == [
+    assert sentences(describe_ends("pressure", ns(6.5, 7, 8), 0, 10 * NS)) == [
         "pressure: begins 6.5 s after the log does", "pressure: ends 2.0 s before the log does",
     ]  # fmt: skip
-    assert describe_ends("imu", ns(0.5, 7, 9), 0, 10 * NS) == []
+    assert sentences(describe_ends("imu", ns(0.5, 7, 9), 0, 10 * NS)) == []

@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
-from hullrecon.dive.logs.readers.protocol import Channel
-from hullrecon.dive.logs.unused_topics import (
+from hullrecon.dive.check.topics import (
     CLOUDS,
     COMMANDS,
     DEPTHS,
@@ -13,6 +12,8 @@ from hullrecon.dive.logs.unused_topics import (
     describe_unused,
     unread_dvls,
 )
+from hullrecon.dive.logs.readers.protocol import Channel
+from hullrecon.findings.finding import sentences
 
 POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 
@@ -38,10 +39,10 @@ def channel(topic, kind, encoding="cdr"):
         ("/goal", "geometry_msgs/msg/PoseStamped", COMMANDS),
     ],
 )
-def test_a_topic_of_no_use_is_named_with_its_type_and_the_reason(topic, kind, reason):
-    assert describe_unused([channel(topic, kind)], set()) == [
-        f"a run would not use {topic} ({kind}): {reason}"
-    ]
+def test_topic_of_no_use_is_told_with_type_and_reason(topic, kind, reason):
+    (found,) = describe_unused([channel(topic, kind)], set())
+    assert found.code == reason
+    assert found.sentence.startswith(f"a run would not use {topic} ({kind}): ")
 
 
 @pytest.mark.parametrize(
@@ -60,10 +61,11 @@ def test_a_topic_of_no_use_is_named_with_its_type_and_the_reason(topic, kind, re
     ],
 )
 def test_a_topic_of_a_type_that_is_read_is_told_as_what(topic, kind, sensors):
-    (line,) = describe_unused([channel(topic, kind)], set())
+    (line,) = sentences(describe_unused([channel(topic, kind)], set()))
     assert (
         line
-        == f"not chosen, though of a type that is read: {topic} (could be {sensors}); name it in [topics] to use it"
+        == f"not chosen, though of a type that is read: {topic} (could be {sensors}); name it in "
+        "[topics] to use it"
     )
 
 
@@ -74,13 +76,13 @@ def test_topics_that_are_used_are_not_told_and_others_share_a_line():
         channel("/a", "x/msg/Y"),
         channel("/b", ""),
     ]
-    assert describe_unused(found, {"/usbl", "/b"}) == [
+    assert sentences(describe_unused(found, {"/usbl", "/b"})) == [
         "a run would not use /a, /rosout: of other types than it reads"
     ]
 
 
 def test_messages_in_an_encoding_that_is_not_read_are_of_no_type_that_is():
-    assert describe_unused([channel("/imu", "sensor_msgs/msg/Imu", "json")], set()) == [
+    assert sentences(describe_unused([channel("/imu", "sensor_msgs/msg/Imu", "json")], set())) == [
         "a run would not use /imu: of other types than it reads"
     ]
 

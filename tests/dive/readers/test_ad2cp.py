@@ -26,13 +26,13 @@ from benchmarks.fuzz.seed_ad2cp import (
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.readers.ad2cp import blocks as ad2cp_blocks
 from hullrecon.dive.logs.readers.ad2cp import bottom_track
-from hullrecon.dive.logs.readers.ad2cp.beam_list import read_beams, velocity_from_beams
 from hullrecon.dive.logs.readers.ad2cp.blocks import Block, blocks, checksum
 from hullrecon.dive.logs.readers.ad2cp.bottom_track import parse
-from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
+from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog, read_beams, velocity_from_beams
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 
 QUICK = settings(
     max_examples=60,
@@ -71,7 +71,7 @@ def test_a_dvl_s_record_reads_back_in_the_instruments_own_axes(tmp_path):
     assert ping.beams[1] == pytest.approx([SIN * np.sqrt(0.5), -SIN * np.sqrt(0.5), COS])
     assert (attitudes, log.losses()) == ([], [])
     assert any(
-        "pressure was left aside" in r and "clock was taken as UTC" in r for r in log.remarks
+        "pressure was ignored" in r and "clock was taken as UTC" in r for r in sentences(log.notes)
     )
 
 
@@ -164,7 +164,7 @@ def test_velocities_along_beams_that_nothing_describes_are_lost_and_that_is_said
     assert np.isnan(ping.velocity).all()
     assert any(
         "1 velocities along the beams were lost" in r and "have the instrument write XYZ" in r
-        for r in log.remarks
+        for r in sentences(log.notes)
     )
 
 
@@ -177,7 +177,7 @@ def test_a_velocity_in_xyz_is_taken_as_it_is_with_the_mean_of_its_two_z(tmp_path
     (ping,), _, log = read(tmp_path / "x.ad2cp", signature(velocity=(100, -200, 300, 310)))
     assert ping.velocity == pytest.approx([0.1, -0.2, 0.305])
     assert len(ping.ranges) == 0
-    assert any("(DF20) were left aside" in r for r in log.remarks)
+    assert any("(DF20) were ignored" in r for r in sentences(log.notes))
     three = signature(velocity=(100, -200, 300), physical=0x321)
     assert read(tmp_path / "x.ad2cp", three)[0][0].velocity == pytest.approx([0.1, -0.2, 0.3])
 
@@ -186,7 +186,9 @@ def test_one_lost_beam_spoils_a_velocity_that_was_made_of_all(tmp_path):
     for lost in ({"merit": (12, 12, -1012, 12)}, {"distance": (3000, -1022, 3000, 3000)}):
         (ping,), _, log = read(tmp_path / "x.ad2cp", signature(**lost))
         assert np.isnan(ping.velocity).all()
-        assert "no bottom track of it is valid: it gives no velocity over ground" in log.remarks
+        assert "no bottom track of it is valid: it gives no velocity over ground" in sentences(
+            log.notes
+        )
 
 
 @pytest.mark.parametrize("orientation", [4, 5, 7])
@@ -229,7 +231,7 @@ def test_angles_of_another_axis_or_without_compass_or_tilt_are_no_attitude(tmp_p
     (ping,), attitudes, log = read(tmp_path / "x.ad2cp", signature(code=ENU, **more))
     assert attitudes == []
     assert np.isnan(ping.velocity).all()
-    assert any("1 velocities east, north, up were lost" in r for r in log.remarks)
+    assert any("1 velocities east, north, up were lost" in r for r in sentences(log.notes))
 
 
 @pytest.mark.parametrize(
@@ -261,7 +263,7 @@ def test_a_record_that_is_not_what_its_kind_has_is_a_named_loss(tmp_path, kind, 
     pings, _, log = read(tmp_path / "x.ad2cp", block(kind, record))
     assert pings == []
     assert log.losses()[0].why.startswith("the bottom track at byte 0 cannot be read: ")
-    assert "no bottom-track record was read from it" in log.remarks[0]
+    assert "no bottom-track record was read from it" in sentences(log.notes)[0]
 
 
 @pytest.mark.parametrize("kind", [0x15, WATER_TRACK])
@@ -272,7 +274,9 @@ def test_a_kind_that_nobody_entered_is_not_parsed_as_another(tmp_path, kind):
         parse(kind, dvl_record())
     pings, _, log = read(tmp_path / "x.ad2cp", block(kind, dvl_record()), block(DF21, dvl_record()))
     assert len(pings) == 1
-    assert any(r.startswith("1 blocks of other kinds were passed over") for r in log.remarks)
+    assert any(
+        r.startswith("1 blocks of other kinds were passed over") for r in sentences(log.notes)
+    )
 
 
 def test_a_kind_that_is_entered_goes_to_its_own_parser_and_counts_under_its_own_name(
@@ -285,7 +289,9 @@ def test_a_kind_that_is_entered_goes_to_its_own_parser_and_counts_under_its_own_
     )
     pings, _, log = read(tmp_path / "x.ad2cp", block(0x15, dvl_record()), block(DF21, dvl_record()))
     assert [p.velocity[0] for p in pings] == pytest.approx([7.0, 0.1])
-    assert not any("no bottom-track record" in r or "passed over" in r for r in log.remarks)
+    assert not any(
+        "no bottom-track record" in r or "passed over" in r for r in sentences(log.notes)
+    )
 
 
 def test_a_wrong_checksum_loses_that_block_alone_and_says_where(tmp_path):
@@ -296,7 +302,8 @@ def test_a_wrong_checksum_loses_that_block_alone_and_says_where(tmp_path):
     (loss,) = log.losses()
     assert (
         loss.why
-        == f"{len(content[0])} bytes from byte {2 * len(content[0])} on hold no whole block: a checksum is wrong"
+        == f"{len(content[0])} bytes from byte {2 * len(content[0])} on hold no whole block: a "
+        "checksum is wrong"
     )
     assert (loss.start_ns, loss.end_ns) == (pings[1].t_ns, pings[2].t_ns)
 
@@ -403,7 +410,7 @@ def test_reading_twice_gives_the_same_and_other_blocks_are_counted(tmp_path):
     first = [(m.t_ns, m.data.velocity.tolist()) for m in log.messages()]
     assert first == [(m.t_ns, m.data.velocity.tolist()) for m in log.messages()]
     assert len(first) == 4
-    assert log.remarks[0] == "2 blocks of other kinds were passed over (1 water tracks)"
+    assert sentences(log.notes)[0] == "2 blocks of other kinds were passed over (1 water tracks)"
 
 
 def test_beams_are_read_from_the_configuration_alone():

@@ -4,15 +4,16 @@ import numpy as np
 import pytest
 
 from benchmarks.fuzz.seed_aris import aris_file, didson_file
-from hullrecon.dive.config.log_proposals import questions
+from hullrecon.dive.init.log_summary import summarise_log
+from hullrecon.dive.init.proposals import questions
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.formats.sonar_file import read_ping
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.logs.readers.sound_metrics.didson_frames import read_frame
 from hullrecon.dive.logs.readers.unpack import DamagedError
-from hullrecon.dive.logs.summary import summarise_log
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 
 HEADERS = {3: (512, 256), 4: (1024, 1024)}
 
@@ -44,14 +45,21 @@ def test_rows_give_the_stamp_and_the_window_and_dive_toml_the_beams(tmp_path):
     assert streams.sonar_pings(pings, [], azimuth).directions[0] == pytest.approx(
         [0, np.sin(np.radians(-14)), np.cos(np.radians(14))]
     )
-    assert "nothing says where the sonar's 48 beams point" in questions(summarise_log(log))[0]
+    assert (
+        "nothing says where the sonar's 48 beams point"
+        in sentences(questions(summarise_log(log)))[0]
+    )
 
 
 @pytest.mark.parametrize(
     ("window", "why"),
-    [(None, "states no ranges in metres"), ((6.0, 1.0), "a window from 6 to 1 m"), ((0.0, 1e6), "a window"),
-     ((np.nan, 3.0), "a window")],
-)  # fmt: skip
+    [
+        (None, "states no ranges in metres"),
+        ((6.0, 1.0), "a window from 6 to 1 m"),
+        ((0.0, 1e6), "a window"),
+        ((np.nan, 3.0), "a window"),
+    ],
+)
 def test_a_window_that_is_not_given_is_asked_for(tmp_path, window, why):
     (tmp_path / "p.ddf").write_bytes(didson_file(3))
     with pytest.raises(ValueError, match=why):

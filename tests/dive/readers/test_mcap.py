@@ -19,6 +19,7 @@ from hullrecon.dive.logs.read_streams import read_streams
 from hullrecon.dive.logs.readers import mcap as mcap_module
 from hullrecon.dive.logs.readers.mcap import McapLog, find_chunk, read_chunk
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 
 QUICK = settings(
     max_examples=60,
@@ -48,7 +49,7 @@ def test_a_whole_file_gives_every_message_in_order(kit, whole):
     messages, log = read(whole)
     assert [(m.channel.topic, m.t_ns) for m in messages] == [(e.topic, e.t_ns) for e in kit.dive()]
     assert log.losses() == []
-    assert log.remarks == []
+    assert sentences(log.notes) == []
 
 
 def test_messages_decode_by_the_definition_in_the_file(whole):
@@ -105,7 +106,7 @@ def test_a_cut_file_gives_its_whole_chunks_and_says_from_when_on_each_topic_is_l
     last = {m.channel.topic: m.t_ns for m in messages}
     assert {loss.topic: loss.start_ns for loss in log.losses()} == last
     assert all(loss.end_ns is None for loss in log.losses())
-    assert any("cut short" in remark for remark in log.remarks)
+    assert any("cut short" in note for note in sentences(log.notes))
 
 
 @pytest.mark.parametrize(("share", "least"), [(0.25, 1510), (0.5, 3095), (0.95, 6128)])
@@ -147,9 +148,9 @@ def test_a_damaged_summary_is_done_without(kit, tmp_path, whole):
     assert len(messages) == len(kit.dive())
     assert log.losses() == []
     assert [
-        remark
-        for remark in log.remarks
-        if "summary is damaged or does not fit its records" in remark
+        note
+        for note in sentences(log.notes)
+        if "summary is damaged or does not fit its records" in note
     ]
 
 
@@ -158,12 +159,12 @@ def test_a_chunk_that_was_cut_out_whole_is_no_silence(kit, tmp_path, whole):
     start, end = next((a, b) for a, b in pairwise(record_starts(data)) if data[a] == 6)
     messages, log = read(broken(tmp_path, data[:start] + data[end:]))
     assert len(messages) < len(kit.dive())
-    assert any("whole chunks may be missing" in remark for remark in log.remarks)
+    assert any("whole chunks may be missing" in note for note in sentences(log.notes))
 
 
 def test_chunks_without_a_checksum_are_remarked(kit, tmp_path):
     _, log = read(kit.mcap(tmp_path / "x.mcap", kit.dive(), enable_crcs=False))
-    assert sum("no checksum" in remark for remark in log.remarks) == 1
+    assert sum("no checksum" in note for note in sentences(log.notes)) == 1
 
 
 def test_reading_twice_gives_the_same(whole):
@@ -235,7 +236,7 @@ def test_a_cut_file_whose_record_is_taken_for_another_kind_loses_nothing_unsaid(
         damaged[at] = opcode
         messages, log = read(broken(tmp_path, bytes(damaged)))
         assert [m.data for m in messages] == [m.data for m in expected]
-        assert any(f"byte {at}" in remark for remark in log.remarks)
+        assert any(f"byte {at}" in note for note in sentences(log.notes))
 
 
 def test_an_end_of_data_inside_a_cut_file_is_a_gap_and_what_follows_comes_through(

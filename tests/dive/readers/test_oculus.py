@@ -16,6 +16,7 @@ from hullrecon.dive.logs.readers.oculus.log_items import parse_file_header, pars
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 
 QUICK = settings(
     max_examples=60,
@@ -43,7 +44,7 @@ def test_a_ping_reads_back_with_its_stamp_ranges_and_beams(tmp_path, compression
     pings, log = read(tmp_path / "x.oculus", oculus_file(2, compression=compression))
     assert [p.t_ns for p in pings] == [round(1e9 * START_S), round(1e9 * (START_S + 0.2))]
     assert log.losses() == []
-    assert log.remarks[0] == "1 items were passed over: they hold no ping with an image"
+    assert sentences(log.notes)[0] == "1 items were passed over: they hold no ping with an image"
     sent = parse_ping(oculus_ping())
     np.testing.assert_array_equal(pings[0].image, sent.image)
     np.testing.assert_array_equal(pings[0].range_m, sent.range_m)
@@ -66,11 +67,15 @@ def test_a_header_says_itself_where_its_payload_begins(tmp_path):
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"size": 36}, {"size": 5000}, {"time_s": 0.0}, {"time_s": float("nan")}, {"time_s": 1e300}, {"compression": 2},
-        {"original": 1 << 30}, {"claimed": 1 << 31},
+        {"size": 5000},
+        {"time_s": float("nan")},
+        {"time_s": 1e300},
+        {"compression": 2},
+        {"original": 1 << 30},
+        {"claimed": 1 << 31},
     ],
     ids=str,
-)  # fmt: skip
+)
 def test_an_item_that_viewpoint_does_not_write_is_damage(wrong):
     with pytest.raises(DamagedError):
         parse_item_header(item(b"", **{"claimed": 0, **wrong}))
@@ -103,7 +108,7 @@ def test_what_is_no_ping_is_counted_and_a_log_without_any_says_so(tmp_path):
         tmp_path / "x.oculus", file_header(), item(bytes(other)), item(b"\0" * 30, 1, kind=500)
     )
     assert pings == []
-    assert log.remarks == [
+    assert sentences(log.notes) == [
         "2 items were passed over: they hold no ping with an image",
         "no ping of it could be read",
     ]
@@ -212,7 +217,11 @@ def test_a_changed_byte_ends_in_pings_and_losses_twice_the_same(tmp_path, at, ch
     assert [(p.t_ns, p.image.tobytes()) for p in first] == [
         (p.t_ns, p.image.tobytes()) for p in second
     ]
-    assert len(first) == 3 or log.losses() or log.remarks[0].startswith("2 items were passed over")
+    assert (
+        len(first) == 3
+        or log.losses()
+        or sentences(log.notes)[0].startswith("2 items were passed over")
+    )
 
 
 def test_a_log_is_known_by_its_first_bytes_or_its_name(tmp_path):

@@ -15,6 +15,7 @@ from hullrecon.dive.logs.formats import pd0_ensemble
 from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles, parse
 from hullrecon.dive.logs.readers.pd0 import Pd0Log, earth_from_instrument, from_beams, to_sample
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+from hullrecon.findings.finding import sentences
 
 QUICK = settings(
     max_examples=80,
@@ -195,7 +196,7 @@ def test_velocity_over_ground_and_attitude_of_a_glider_agree(data):
 def test_a_file_without_bottom_track_says_so(tmp_path):
     (tmp_path / "x.pd0").write_bytes(ensemble_bytes(1, ranges=(0, 0, 0, 0), velocity=(-32768,) * 4))
     _, log = read(tmp_path / "x.pd0")
-    assert log.remarks[0].startswith("no ensemble has a bottom track")
+    assert sentences(log.notes)[0].startswith("no ensemble has a bottom track")
 
 
 def test_a_wrong_checksum_loses_that_ensemble_alone_and_says_where(tmp_path):

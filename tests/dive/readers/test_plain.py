@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import sentences
 
 QUICK = settings(
     max_examples=60,
@@ -393,4 +394,4 @@ def test_a_table_of_another_name_is_named_as_not_read(tmp_path):
     (tmp_path / "usbl.csv").write_text("t,x,y\n")
     log = PlainLog(tmp_path)
     assert len(list(log.messages())) == 1
-    assert [remark.partition(";")[0] for remark in log.remarks] == ["not read: usbl.csv"]
+    assert [note.partition(";")[0] for note in sentences(log.notes)] == ["not read: usbl.csv"]

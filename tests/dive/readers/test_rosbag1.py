@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from hullrecon.dive.logs.formats.bag_records import record
 from hullrecon.dive.logs.messages.decode import decode
 from hullrecon.dive.logs.readers import rosbag1
-from hullrecon.dive.logs.readers.rosbag1 import NO_CHECKSUM, Rosbag1Log, find_chunk
+from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log, find_chunk
+from hullrecon.findings.finding import Finding, sentences
 
 QUICK = settings(
     max_examples=60,
@@ -19,6 +20,8 @@ QUICK = settings(
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,
 )
+
+NO_CHECKSUM = [Finding("bag-no-checksum")]
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +44,7 @@ def test_a_whole_bag_gives_every_message_in_order(kit, whole):
     messages, log = read(whole)
     assert [(m.channel.topic, m.t_ns) for m in messages] == [(e.topic, e.t_ns) for e in kit.dive()]
     assert log.losses() == []
-    assert log.remarks == [NO_CHECKSUM]
+    assert log.notes == NO_CHECKSUM
 
 
 def test_messages_decode_by_the_definition_in_the_bag(whole):
@@ -69,7 +72,7 @@ def test_a_cut_bag_gives_its_whole_chunks_and_says_from_when_on_each_topic_is_lo
     assert {loss.topic: loss.start_ns for loss in log.losses()} == {
         m.channel.topic: m.t_ns for m in messages
     }
-    assert any("cut short" in remark for remark in log.remarks)
+    assert any("cut short" in note for note in sentences(log.notes))
 
 
 def test_a_bag_without_its_index_loses_nothing_else(kit, tmp_path, whole):
@@ -123,7 +126,7 @@ def test_any_cut_is_survived_and_loses_nothing_unsaid(whole, tmp_path, data):
     assert (
         len(messages) == len(original)
         or log.losses()
-        or any("cut short" in remark for remark in log.remarks)
+        or any("cut short" in note for note in sentences(log.notes))
     )
 
 
@@ -201,7 +204,7 @@ def test_an_index_that_names_a_chunk_again_and_again_is_not_followed(kit, tmp_pa
     data[positions[1] : positions[1] + 8] = data[positions[0] : positions[0] + 8]
     messages, log = read(broken(tmp_path, bytes(data)))
     assert len(messages) == len(kit.dive())
-    assert any("no usable index" in remark for remark in log.remarks)
+    assert any("no usable index" in note for note in sentences(log.notes))
 
 
 @pytest.mark.parametrize("op", [1, 4, 7, 2])
@@ -232,8 +235,11 @@ def test_a_compressed_chunk_that_stops_before_its_checksum_is_damaged(kit, tmp_p
 
 
 def test_a_bag_says_that_its_chunks_carry_no_checksum_where_they_do_not(kit, tmp_path):
-    assert read(kit.bag1(tmp_path / "a.bag", kit.dive(ros=1)))[1].remarks == [NO_CHECKSUM]
-    assert read(kit.bag1(tmp_path / "b.bag", kit.dive(ros=1), compression="BZ2"))[1].remarks == []
+    assert read(kit.bag1(tmp_path / "a.bag", kit.dive(ros=1)))[1].notes == NO_CHECKSUM
+    assert (
+        sentences(read(kit.bag1(tmp_path / "b.bag", kit.dive(ros=1), compression="BZ2"))[1].notes)
+        == []
+    )
 
 
 def test_a_bag_that_ends_between_two_records_is_a_gap_to_the_end(tmp_path, whole):

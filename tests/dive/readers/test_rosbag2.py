@@ -11,11 +11,12 @@ import zstandard
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.check.messages import describe_losses
+from hullrecon.dive.check.contents import describe_losses
 from hullrecon.dive.logs.messages.decode import decode
 from hullrecon.dive.logs.readers.rosbag2 import Rosbag2Log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.errors import HullreconError, InputError
+from hullrecon.findings.finding import sentences
 
 QUICK = settings(
     max_examples=40,
@@ -62,7 +63,7 @@ def test_without_metadata_the_files_are_read_by_name_and_that_is_said(kit, folde
     (folder / "metadata.yaml").unlink()
     messages, log = read(Rosbag2Log(folder))
     assert len(messages) == len(kit.dive())
-    assert any("metadata.yaml" in remark for remark in log.remarks)
+    assert any("metadata.yaml" in note for note in sentences(log.notes))
 
 
 def test_a_file_that_the_metadata_names_but_is_gone_is_a_loss(folder):
@@ -165,8 +166,10 @@ def test_any_flipped_bit_is_survived_or_a_typed_error(kit, folders, tmp_path, da
     "text",
     [
         "rosbag2_bagfile_information:\n  compression_mode: 5\n  relative_file_paths: bag.db3\n",
-        "rosbag2_bagfile_information:\n  compression_mode:\n  relative_file_paths:\n  topics_with_message_count:\n",
-        "rosbag2_bagfile_information:\n  relative_file_paths: [[a], {b: c}, 3]\n  topics_with_message_count: [1, {a: b}]\n",
+        "rosbag2_bagfile_information:\n  compression_mode:\n  relative_file_paths:\n  "
+        "topics_with_message_count:\n",
+        "rosbag2_bagfile_information:\n  relative_file_paths: [[a], {b: c}, 3]\n  "
+        "topics_with_message_count: [1, {a: b}]\n",
         "rosbag2_bagfile_information: [1, 2]\n",
         "- a list\n",
         "rosbag2_bagfile_information:\n  compress",
@@ -181,7 +184,7 @@ def test_metadata_that_is_half_written_or_of_other_shape_is_done_without(kit, fo
     messages, log = read(Rosbag2Log(folder))
     assert len(messages) == len(kit.dive())
     assert log.losses() == []
-    assert all(remark.isprintable() and len(remark) < 500 for remark in log.remarks)
+    assert all(note.isprintable() and len(note) < 500 for note in sentences(log.notes))
 
 
 def test_aliases_that_would_blow_up_are_not_followed(kit, folder):
@@ -191,7 +194,9 @@ def test_aliases_that_would_blow_up_are_not_followed(kit, folder):
     (folder / "metadata.yaml").write_text(merges)
     messages, log = read(Rosbag2Log(folder))
     assert len(messages) == len(kit.dive())
-    assert "metadata.yaml merges aliases; the folder's files were read by name" in log.remarks
+    assert "metadata.yaml merges aliases; the folder's files were read by name" in sentences(
+        log.notes
+    )
     lists = "a0: &a0 [x, x]\n" + "".join(
         f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 12)
     )
@@ -205,7 +210,7 @@ def test_metadata_of_megabytes_is_not_parsed(kit, folder):
     (folder / "metadata.yaml").write_text("a: b\n" * 200_000)
     messages, log = read(Rosbag2Log(folder))
     assert len(messages) == len(kit.dive())
-    assert any("has 1000000 bytes" in remark for remark in log.remarks)
+    assert any("has 1000000 bytes" in note for note in sentences(log.notes))
 
 
 def test_a_file_that_is_named_twice_is_read_once(kit, folder):
@@ -236,7 +241,7 @@ def test_a_count_of_thousands_of_digits_is_a_loss_of_an_unknown_number(folder):
     assert {loss.messages for loss in losses} == {None}
     assert all(
         "an unknown part is lost: metadata.yaml" in line
-        for line in describe_losses([("log", loss) for loss in losses])
+        for line in sentences(describe_losses([("log", loss) for loss in losses]))
     )
 
 
@@ -247,7 +252,8 @@ def test_a_pipe_in_the_folder_is_named_and_not_waited_for(kit, folder, name):
     messages, log = read(Rosbag2Log(folder))
     assert len(messages) == len(kit.dive())
     assert any(
-        f"{name} is a pipe" in text for text in [*log.remarks, *(loss.why for loss in log.losses())]
+        f"{name} is a pipe" in text
+        for text in [*sentences(log.notes), *(loss.why for loss in log.losses())]
     )
 
 

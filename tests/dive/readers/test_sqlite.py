@@ -12,8 +12,9 @@ import pytest
 
 from hullrecon.dive.logs.read_streams import read_streams
 from hullrecon.dive.logs.readers.open import open_log
-from hullrecon.dive.logs.readers.sqlite import NO_CHECKSUM, SqliteLog
+from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding, sentences
 
 
 @pytest.fixture(scope="module")
@@ -65,14 +66,14 @@ def test_a_database_carries_no_checksums_and_that_is_said(kit, whole):
     messages, log = read(whole)
     assert len(messages) == len(kit.dive())
     assert log.losses() == []
-    assert log.remarks == [NO_CHECKSUM]
+    assert log.notes == [Finding("database-no-checksum")]
 
 
 def test_messages_of_an_unmerged_write_ahead_log_are_read(kit, unmerged):
     messages, log = read(unmerged)
     assert Counter(m.channel.topic for m in messages) == Counter(e.topic for e in kit.dive())
     assert log.losses() == []
-    assert any("write-ahead log" in remark for remark in log.remarks)
+    assert any("write-ahead log" in note for note in sentences(log.notes))
 
 
 def test_reading_a_write_ahead_log_changes_nothing_in_the_package(kit, unmerged):
@@ -135,7 +136,7 @@ def test_a_pipe_in_place_of_a_write_ahead_log_is_a_loss_and_not_waited_for(kit, 
 
 def test_a_journal_beside_a_database_is_named(database):
     database.with_name("dive.db3-journal").write_bytes(b"x")
-    assert any("journal" in remark for remark in read(database)[1].remarks)
+    assert any("journal" in note for note in sentences(read(database)[1].notes))
 
 
 def test_row_numbers_far_apart_are_no_work(kit, database):
@@ -209,7 +210,8 @@ def test_names_that_are_not_utf8_are_read_all_the_same(kit, database):
     [
         "CREATE VIEW messages AS WITH RECURSIVE n(id) AS (SELECT 1 UNION ALL SELECT id + 1 FROM n)"
         " SELECT id, 1 AS topic_id, id AS timestamp, x'00' AS data FROM n",
-        "CREATE TABLE messages (id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data AS (zeroblob(100000000)))",
+        "CREATE TABLE messages (id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data "
+        "AS (zeroblob(100000000)))",
     ],
 )
 def test_tables_that_are_code_are_refused(database, schema):
@@ -230,7 +232,8 @@ def test_a_database_without_its_first_page_is_one_line(database):
 def test_a_damaged_definition_costs_its_topic_alone(database):
     change(
         database,
-        "UPDATE message_definitions SET encoded_message_definition = x'ff00' WHERE topic_type LIKE '%Imu'",
+        "UPDATE message_definitions SET encoded_message_definition = x'ff00' WHERE topic_type LIKE "
+        "'%Imu'",
     )
     log = open_log(database)
     found = read_streams([log], {"/imu": ("imu",), "/pressure": ("pressure",)}, lambda *_: None)
@@ -241,4 +244,4 @@ def test_row_numbers_that_are_missing_are_counted(database):
     """A page that lost its cells without a trace shows in nothing else."""
     change(database, "DELETE FROM messages WHERE id IN (1, 7, 8)")
     _, log = read(database)
-    assert "3 row numbers are missing: rows were deleted, or lost by damage" in log.remarks
+    assert "3 row numbers are missing: rows were deleted, or lost by damage" in sentences(log.notes)

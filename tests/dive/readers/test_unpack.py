@@ -112,10 +112,16 @@ def test_a_frame_unpacks_with_and_without_its_size():
 @pytest.mark.parametrize(
     ("name", "shown"),
     [
-        ("/cam/Å", "/cam/Å"), ("\x1b[31m", "\\x1b[31m"), ("a\nb\r", "a\\nb\\r"), ("\u202eabc", "\\u202eabc"), ("\x9b", "\\x9b"),
-        ("a" * 2000, "a" * 397 + "..."), ("\x00" * 5000, None), ("\ud800", "\\ud800"),
+        ("/cam/Å", "/cam/Å"),
+        ("\x1b[31m", "\\x1b[31m"),
+        ("a\nb\r", "a\\nb\\r"),
+        ("\u202eabc", "\\u202eabc"),
+        ("\x9b", "\\x9b"),
+        ("a" * 2000, "a" * 397 + "..."),
+        ("\x00" * 5000, None),
+        ("\ud800", "\\ud800"),
     ],
-)  # fmt: skip
+)
 def test_what_a_terminal_would_obey_is_escaped(name, shown):
     assert printable(name).isprintable()
     assert len(printable(name)) <= LONGEST_NAME  # so that dive.toml takes it

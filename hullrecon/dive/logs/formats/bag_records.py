@@ -35,27 +35,23 @@ Head = dict[str, bytes]
 
 @dataclass(frozen=True, kw_only=True)
 class BagChunk:
-    """What the index says about one chunk: where it is, its span in log time, messages by
-    connection.
-    """
+    """What the index says about one chunk."""
 
-    offset: int
-    start_ns: int
+    offset: int  # bytes
+    start_ns: int  # in log time
     end_ns: int
-    counts: dict[int, int]
+    counts: dict[int, int]  # messages by connection
 
 
 class Connections(dict[int, Channel]):
-    """The connections met so far; unknown: messages of those whose definition was lost; unchecked:
-    whether a chunk without a checksum was met.
-    """
+    """The connections met so far."""
 
-    unknown = 0
-    unchecked = False
+    unknown = 0  # messages of connections whose definition was lost
+    unchecked = False  # a chunk without a checksum was met
 
 
 def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
-    """Return head and data of the record at byte `at`, and the byte behind it."""
+    """Read head and data of the record at byte `at`, and the byte behind it."""
     if at >= size:
         raise DamagedError(f"it would lie behind the end of the file, {size} bytes")
     stream.seek(at)
@@ -77,9 +73,7 @@ def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
 def messages_of(
     head: Head, data: bytes, connections: Connections, budget: UnpackBudget | None = None
 ) -> list[Message]:
-    """Return the messages of a chunk, or of a message record that stands alone; connections met on
-    the way are learnt.
-    """
+    """Read the messages of a chunk or of a lone message record, learning connections on the way."""
     op = op_of(head)
     if op == CHUNK:
         how = text(head.get("compression", b""))
@@ -117,9 +111,7 @@ def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
 
 
 def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[BagChunk] | None:
-    """Return the chunks that the index at the end of the bag names, in the order of the file; None
-    when there is none to trust.
-    """
+    """Read the index at a bag's end, in the order of the file; None if it cannot be trusted."""
     try:
         head, _, _ = record(stream, len(MAGIC), size)
         (at,) = fields("<Q", head.get("index_pos", b""))
@@ -140,7 +132,7 @@ def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[Ba
 
 
 def parse_head(data: bytes) -> Head:
-    """Return the fields of a record's head: each with its length in front, name=value."""
+    """Parse a record's head: fields name=value, each with its length in front."""
     out, at = {}, 0
     while at < len(data):
         (length,) = fields("<I", data, at)

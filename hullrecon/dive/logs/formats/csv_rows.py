@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rows of a CSV with a header, each line for itself: what is wrong with one line costs that line."""
+"""Rows of a CSV with a header; what is wrong with one line costs that line alone."""
 
 from __future__ import annotations
 
@@ -22,11 +22,10 @@ Row = Mapping[str, str]  # cells by column; those that a short line lacks are em
 
 
 def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | None]]:
-    """Yield line numbers and rows; None for a line that is too long or no CSV. Blank lines are
-    passed over.
+    """Yield line numbers and rows; None for a line that is too long or no CSV.
 
-    Raises InputError when the file cannot be read or a column that every row needs is not in the
-    header.
+    Blank lines are passed over. Raises InputError when the file cannot be read or a column that
+    every row needs is not in the header.
     """
     try:
         require_regular_file(path)
@@ -64,9 +63,7 @@ def _check_header(path: Path, header: Sequence[str], needed: Sequence[str]) -> N
 
 
 def _lines(stream: TextIO) -> Iterator[str | None]:
-    """Yield lines without zero bytes; None for one that is too long, whose rest is passed over
-    piece by piece.
-    """
+    """Yield lines without zero bytes; None for one that is too long."""
     while line := stream.readline(LONGEST_LINE):
         if len(line) < LONGEST_LINE or line.endswith(ENDS):
             yield line.replace("\0", "")
@@ -77,9 +74,7 @@ def _lines(stream: TextIO) -> Iterator[str | None]:
 
 
 def _cells(line: str | None) -> list[str] | None:
-    """Return the cells of one line; None where there are none to be had. A quote that is not closed
-    ends with its line.
-    """
+    """Split one line into cells; None where it is no CSV. An open quote ends with its line."""
     if line is None:
         return None
     try:

@@ -1,19 +1,24 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a rosbag2 database: its topics, and its rows one by one, past damaged pages as far
-as SQLite reaches.
+"""The tables of a rosbag2 database, row by row past damaged pages, and its write-ahead log.
+
+SQLite stops at the first damaged frame of a write-ahead log without a word, so that the log is
+checked first. Layout and checksum: sqlite.org/fileformat2.html, section 4.
 """
 
 from __future__ import annotations
 
 import sqlite3
+import struct
 from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import BinaryIO
 
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError
 
 ROWS = "SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid >= ? ORDER BY rowid"
-HIGHEST = (1 << 63) - 1
+HIGHEST = (1 << 63) - 1  # row number
 NEIGHBOURS = 512  # rows behind a damaged one that are asked for one by one; then the step doubles
 ROWS_A_PAGE = 64  # of damaged pages: so many failures a page are followed
 # of SQLite's machine; a sound row takes some ten steps and has at least 20 bytes
@@ -23,12 +28,14 @@ HANDLER_STEPS = 1000
 READ_ERRORS = (sqlite3.Error, UnicodeDecodeError, OverflowError, DamagedError)
 
 Row = tuple[object, object, object]  # topic, time, data
+HEADER, FRAME_HEAD = 32, 24  # bytes, of a write-ahead log and of each of its frames
+MAGICS = {0x377F0682: "<", 0x377F0683: ">"}  # byte order of the checksums
+WORD = 0xFFFFFFFF
+BLOCK = 1 << 20
 
 
 class Database:
-    """A connection that takes no code from the file and gives up on statements that a file of that
-    size cannot need.
-    """
+    """A connection that runs no code of the file and limits the steps of each statement."""
 
     def __init__(self, address: str, size: int) -> None:
         self.connection = sqlite3.connect(address, uri=True)
@@ -42,9 +49,7 @@ class Database:
             self.connection.execute(f"PRAGMA {pragma}")
 
     def channels(self) -> dict[int, Channel]:
-        """Return the topics by their number. Raises DamagedError for a database that is none of
-        rosbag2.
-        """
+        """Read the topics by their number; DamagedError for a database that is none of rosbag2."""
         tables = {name: kind for _, name, kind, *_ in self.connection.execute("PRAGMA table_list")}
         for name in ("topics", "messages"):
             if tables.get(name) != "table" or self._is_computed(name):
@@ -69,9 +74,7 @@ class Database:
         return out
 
     def rows(self, open_gap: Callable[[str], None]) -> Iterator[Row]:
-        """Yield the rows in the order of their numbers; behind one that cannot be read the next
-        that can is looked for.
-        """
+        """Yield the rows by number; behind one that cannot be read, look for the next that can."""
         at = bad = self._first()
         self.skipped = max(0, at - 1) if at < HIGHEST else 0
         patience, misses, left = NEIGHBOURS + ROWS_A_PAGE * self._pages(), 0, 2 * self._size
@@ -103,9 +106,7 @@ class Database:
         self.connection.execute(f"{ROWS} LIMIT 1", (at,)).fetchall()
 
     def _first_readable(self, bad: int, good: int) -> int:
-        """Return the first number from which rows can be read, between one from which they cannot
-        and one where they can.
-        """
+        """Bisect for the first row that can be read, between one that cannot and one that can."""
         while good - bad > 1:
             middle = (good + bad) // 2
             try:
@@ -116,7 +117,7 @@ class Database:
         return good
 
     def _first(self) -> int:
-        """Return the first row's number; 1, where rosbag2 starts, in a database too damaged to say."""
+        """Find the first row's number; 1, where rosbag2 starts, if damage hides it."""
         try:
             (low,) = self.connection.execute("SELECT min(rowid) FROM messages").fetchone()
         except READ_ERRORS:
@@ -130,9 +131,7 @@ class Database:
             return 0
 
     def _is_computed(self, table: str) -> bool:
-        """Tell whether a table has columns that are computed, by code in the file, instead of
-        stored.
-        """
+        """Tell whether a table has columns that code in the file computes."""
         return any(hidden for *_, hidden in self.connection.execute(f"PRAGMA table_xinfo({table})"))
 
     def _step(self) -> bool:
@@ -142,3 +141,55 @@ class Database:
 
 def _text(value: object) -> str:
     return value if isinstance(value, str) else ""
+
+
+def describe_damage(path: Path) -> str:
+    """Say what of a write-ahead log SQLite will ignore, though it was written; "" for nothing.
+
+    Frames of an older generation (another salt) behind those of the last one are sound, and belong
+    to nobody.
+    """
+    with path.open("rb") as stream:
+        header = stream.read(HEADER)
+        order = MAGICS.get(int.from_bytes(header[:4], "big"))
+        if len(header) < HEADER or order is None:
+            return "its header is damaged"
+        page = int.from_bytes(header[8:12], "big")
+        sums = _checksum(header[:24], order, (0, 0))
+        if (
+            sums != struct.unpack(">II", header[24:])
+            or not 512 <= page <= 65536
+            or page & (page - 1)
+        ):
+            return "its header is damaged"
+        count = finished = 0
+        while len(frame := stream.read(FRAME_HEAD + page)) == FRAME_HEAD + page:
+            found = _checksum(frame[FRAME_HEAD:], order, _checksum(frame[:8], order, sums))
+            if frame[8:16] != header[16:24] or found != struct.unpack(">II", frame[16:24]):
+                break
+            sums, count = found, count + 1
+            finished = count if any(frame[4:8]) else finished
+        if _holds(stream, frame, header[16:24]):
+            return f"it is damaged from frame {count + 1} on"
+    if frame and len(frame) < FRAME_HEAD + page:
+        return "it is cut off"
+    return "its last transaction was not finished" if count > finished else ""
+
+
+def _holds(stream: BinaryIO, start: bytes, salt: bytes) -> bool:
+    """Tell whether frames of the last generation follow anywhere, by their salt."""
+    while start:
+        if salt in start:
+            return True
+        following = stream.read(BLOCK)
+        start = start[-len(salt) + 1 :] + following if following else b""
+    return False
+
+
+def _checksum(data: bytes, order: str, sums: tuple[int, int]) -> tuple[int, int]:
+    first, second = sums
+    words = iter(struct.unpack(f"{order}{len(data) // 4}I", data))
+    for one, two in zip(words, words, strict=True):
+        first = (first + one + second) & WORD
+        second = (second + two + first) & WORD
+    return first, second

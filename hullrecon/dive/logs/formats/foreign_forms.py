@@ -8,13 +8,19 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
-from hullrecon.dive.images.header import IMAGE_SUFFIXES
+from hullrecon.dive.images.encoded import IMAGE_SUFFIXES
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.readers.water_linked import holds_reports
 
 VIDEOS = (".mp4", ".mov", ".mkv", ".avi", ".ts", ".mpg")
-TABLES = "tables dvl.csv, imu.csv, pressure.csv, camera_top.csv, ... with the columns of docs/dive_package.md"
-TO_PHOTOS = "camera_top.csv with columns t (s since 1970) and file, and camera_bottom.csv for a second camera"
+TABLES = (
+    "tables dvl.csv, imu.csv, pressure.csv, camera_top.csv, ... with the columns of "
+    "docs/dive_package.md"
+)
+TO_PHOTOS = (
+    "camera_top.csv with columns t (s since 1970) and file, and camera_bottom.csv for a second "
+    "camera"
+)
 TO_TABLES = f"write {TABLES}"
 TO_MCAP = f"convert it to MCAP, or {TO_TABLES}"
 PACKED = "packed by gzip"
@@ -33,7 +39,8 @@ BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
     (
         b"DDF",
         "a recording of a DIDSON, which states neither ranges in metres nor where its beams point",
-        "name file and frame in sonar.csv, with columns t, file, ping, range_from, range_to, and give sonar.beam_azimuth_deg",
+        "name file and frame in sonar.csv, with columns t, file, ping, range_from, range_to, and "
+        "give sonar.beam_azimuth_deg",
     ),
     (b"\xa3\x95", "a data-flash log of ArduPilot", TO_MCAP),
     (
@@ -58,9 +65,7 @@ BY_SUFFIX = {
 
 
 def describe_file(path: Path, start: bytes) -> tuple[str, str]:
-    """Return what a file is and what to do with it, by its first bytes and its name; two empty
-    texts where nobody knows.
-    """
+    """Name what a file is and what to do with it; two empty texts where that is not known."""
     suffix = path.suffix.lower()
     if suffix in IMAGE_SUFFIXES or suffix in VIDEOS:
         kind = "a photo" if suffix in IMAGE_SUFFIXES else "a video"
@@ -77,16 +82,15 @@ def describe_file(path: Path, start: bytes) -> tuple[str, str]:
 
 
 def describe_folder(names: Iterable[str]) -> tuple[str, str]:
-    """Return what lies in a folder without a log, and what to do with it; two empty texts where
-    nobody knows.
-    """
+    """Name what lies in a folder without a log and what to do with it, if that is known."""
     names = sorted(names)
     suffixes = Counter(Path(name.lower().removesuffix(".gz")).suffix for name in names)
     photos = sum(suffixes[suffix] for suffix in IMAGE_SUFFIXES)
     if any(suffixes[suffix] for suffix in VIDEOS):
         return (
             "videos without times",
-            f"put beside them {TO_PHOTOS} (a row names the video and, in a column frame, its frame)",
+            f"put beside them {TO_PHOTOS} (a row names the video and, in a column frame, "
+            "its frame)",
         )
     if photos > 1:
         return f"{photos} photos without times", f"put beside them {TO_PHOTOS}"

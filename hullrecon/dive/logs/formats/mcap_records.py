@@ -44,7 +44,7 @@ LONGEST_DEFINITION = 1 << 20  # bytes
 
 @dataclass(frozen=True, kw_only=True)
 class Chunk:
-    """Its span in log time and its records, still packed."""
+    """A chunk: its span in log time and its records, still packed."""
 
     start_ns: int
     end_ns: int
@@ -63,9 +63,7 @@ class Definitions:
         self.unknown = 0  # messages of channels whose definition was lost
 
     def take(self, opcode: int, body: bytes) -> Message | None:
-        """Learn a schema or a channel, or return a message. Raises DamagedError when the record
-        does not hold together.
-        """
+        """Learn a schema or a channel, or return a message; DamagedError for an invalid record."""
         if opcode == SCHEMA:
             name, at = _string(body, 2)
             form, at = _string(body, at)
@@ -94,9 +92,7 @@ class Definitions:
 
 
 def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
-    """Return opcode and length of the record at byte `at`. Raises DamagedError when it is none or
-    reaches beyond `end`.
-    """
+    """Read opcode and length of the record at byte `at`, which has to end before `end`."""
     stream.seek(at)
     opcode, length = fields("<BQ", stream.read(HEAD))
     if not (HEADER <= opcode <= DATA_END or opcode >= PRIVATE):
@@ -107,11 +103,11 @@ def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
 
 
 def packed_at(body: bytes, length: int) -> int | None:
-    """Return where the packed records of a chunk's body of that length start; None when the body is
-    none of a chunk.
+    """Find where the packed records of a chunk's body start; None when it is no chunk's body.
 
-    body: its first bytes suffice. A chunk's lengths agree with each other, which no other record's
-    bytes do by chance.
+    A chunk's lengths agree with each other, which no other record's bytes do by chance.
+
+    body: its first bytes suffice. length: of the whole body.
     """
     if len(body) < 40:
         return None
@@ -127,9 +123,7 @@ def packed_at(body: bytes, length: int) -> int | None:
 
 
 def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
-    """Return the chunk at byte `at`, whatever its opcode says; its lengths must agree with each
-    other.
-    """
+    """Read the chunk at byte `at`, whatever its opcode says; its lengths have to agree."""
     _, length = head(stream, at, end)
     start = packed_at(stream.read(min(length, CHUNK_HEAD)), length)
     if start is None:
@@ -152,7 +146,7 @@ def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
 def messages_of(
     chunk: Chunk, definitions: Definitions, budget: UnpackBudget | None = None
 ) -> list[Message]:
-    """Return all messages of a whole chunk. Raises DamagedError."""
+    """Read all messages of a whole chunk. Raises DamagedError."""
     data = decompress(chunk.packed, chunk.compression, chunk.size, budget)
     if chunk.crc and zlib.crc32(data) != chunk.crc:
         raise DamagedError("its checksum is wrong")
@@ -178,7 +172,7 @@ def records(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _string(body: bytes, at: int) -> tuple[str, int]:
-    """Return a string with its length in front, and the byte behind it."""
+    """Read a string with its length in front, and the byte behind it."""
     (length,) = fields("<I", body, at)
     if at + 4 + length > len(body):
         raise DamagedError("a string reaches beyond its record")

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The closing records of an MCAP file: where its data ends, and what its summary says about the
-chunks.
-"""
+"""The closing records of an MCAP file: the end of its data, and its summary of the chunks."""
 
 from __future__ import annotations
 
@@ -33,32 +31,29 @@ from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, fiel
 
 @dataclass(frozen=True, kw_only=True)
 class ChunkNote:
-    """What the summary says about one chunk. end: the byte behind it and its indices. topics: those
-    it holds, empty when the writer did not say.
-    """
+    """What the summary says about one chunk."""
 
-    offset: int
-    end: int
-    start_ns: int
+    offset: int  # bytes
+    end: int  # the byte behind it and its indices
+    start_ns: int  # in log time
     end_ns: int
-    topics: tuple[str, ...]
+    topics: tuple[str, ...]  # that it holds; empty when the writer did not say
 
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
-    """chunks in the order of the file; counts of messages by topic (empty without statistics);
-    start: its first byte.
-    """
+    """The summary of a file."""
 
-    chunks: tuple[ChunkNote, ...]
-    counts: dict[str, int]
+    chunks: tuple[ChunkNote, ...]  # in the order of the file
+    counts: dict[str, int]  # messages by topic; empty without statistics
     definitions: Definitions
-    start: int
+    start: int  # its first byte
 
 
 def read_summary(stream: BinaryIO, size: int) -> Summary | None:
-    """Return the summary; None when there is none that can be trusted (its checksum, where it has
-    one, must hold, and no message may stand where it names no chunk).
+    """Read the summary; None when there is none that can be trusted.
+
+    Its checksum, where it has one, must hold, and no message may lie where it names no chunk.
     """
     try:
         start, section = _section(stream, size)
@@ -69,9 +64,10 @@ def read_summary(stream: BinaryIO, size: int) -> Summary | None:
 
 
 def is_end_of_data(stream: BinaryIO, opcode: int, length: int, at: int, size: int) -> bool:
-    """Return whether the record at byte `at` ends the data: a DATA_END of four bytes, behind it the
-    summary if any, the footer and the magic. Anything else that looks like an end is damage: data
-    may follow.
+    """Tell whether the record at byte `at` ends the data.
+
+    That is a DATA_END of four bytes, behind it the summary if any, the footer and the magic.
+    Anything else that looks like an end is damage: data may follow.
     """
     footer = _footer(stream, size)
     if footer is None:
@@ -86,15 +82,13 @@ def is_end_of_data(stream: BinaryIO, opcode: int, length: int, at: int, size: in
 
 
 def claims_summary(stream: BinaryIO, size: int) -> bool:
-    """Return whether the file ends with a footer that says where its summary starts."""
+    """Tell whether the file ends with a footer that says where its summary starts."""
     footer = _footer(stream, size)
     return footer is not None and footer[0] != 0
 
 
 def _footer(stream: BinaryIO, size: int) -> tuple[int, int] | None:
-    """Return the start of the summary as the footer has it, and the footer's own byte; None where
-    none ends the file.
-    """
+    """Read where the summary starts, and where the footer; None without a footer."""
     at = size - FOOTER_SIZE - len(MAGIC)
     try:
         if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
@@ -114,9 +108,7 @@ def _is_summary(stream: BinaryIO, at: int, foot: int) -> bool:
 
 
 def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]]:
-    """Yield opcode, byte and length of the records from `at` to `end`; DamagedError where they do
-    not end there.
-    """
+    """Yield opcode, byte and length of the records that fill `at` to `end`, else DamagedError."""
     while at < end:
         opcode, length = head(stream, at, end)
         yield opcode, at, length
@@ -124,9 +116,7 @@ def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]
 
 
 def _names_all(stream: BinaryIO, summary: Summary) -> bool:
-    """Tell whether no chunk and no message lies where the summary names none; an index of another
-    kind may be damaged there.
-    """
+    """Tell whether no chunk and no message lies where the summary names none."""
     edges = [
         len(MAGIC),
         *(edge for note in summary.chunks for edge in (note.offset, note.end)),

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The simple ping result that an Oculus sonar sends, versions 1 and 2: its image, bearings and
-ranges.
+"""The simple ping result of an Oculus sonar, versions 1 and 2: its image, bearings and ranges.
 
 Layout: Blueprint Subsea's Oculus.h, as liboculus (University of Washington) publishes it, packed,
 little-endian. A message has no time of day: its clock counts from power-up.
@@ -34,19 +33,15 @@ FARTHEST_M, WIDEST_DEG = 500.0, 90.0
 
 @dataclass(frozen=True, kw_only=True)
 class OculusPing:
-    """image (beams, ranges); azimuth_rad (beams,) as sent, growing from left to right; range_m
-    (ranges,) of bin centres.
-    """
+    """One ping."""
 
-    image: NDArray[np.unsignedinteger]
-    azimuth_rad: Array
-    range_m: Array
+    image: NDArray[np.unsignedinteger]  # (beams, ranges)
+    azimuth_rad: Array  # (beams,) as sent, growing from left to right
+    range_m: Array  # (ranges,) of bin centres
 
 
 def message_bytes(data: bytes) -> int:
-    """Return the length of the message that starts there, header included. Raises DamagedError
-    where none does.
-    """
+    """Read the length of a message, header included. Raises DamagedError where none starts."""
     check, *_, payload, _ = fields(HEADER, data)
     if check != int.from_bytes(MAGIC, "little"):
         raise DamagedError("no Oculus message starts there")
@@ -54,14 +49,12 @@ def message_bytes(data: bytes) -> int:
 
 
 def is_ping(data: bytes) -> bool:
-    """Return whether a message is a simple ping result."""
+    """Tell whether a message is a simple ping result."""
     return int(fields(HEADER, data)[3]) == SIMPLE_PING
 
 
 def parse_ping(data: bytes) -> OculusPing:
-    """Return the ping of one whole message. Raises DamagedError for any other message and where
-    sizes do not fit.
-    """
+    """Parse one whole message; DamagedError for any other message and where sizes do not fit."""
     length = message_bytes(data)
     if not is_ping(data) or length > len(data):
         raise DamagedError("it is no whole ping of an Oculus")

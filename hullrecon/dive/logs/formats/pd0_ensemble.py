@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Teledyne PD0 ensembles: where they lie in a file, and what stands in each.
+"""Find and parse the ensembles of a Teledyne PD0 file.
 
 Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format [TeledynePD0]; the
 Explorer DVL writes the same.
@@ -30,18 +30,11 @@ BLOCK, REACH = 1 << 20, 65535 + 2  # bytes read at a time; of the longest ensemb
 
 @dataclass(frozen=True, kw_only=True)
 class Ensemble:
-    """One ping as the instrument wrote it, in SI units; NaN where it is marked lost or was not
-    measured.
-
-    frame: of every velocity, one of FRAMES. range_m (4,): to the bottom along the instrument's axis
-    (not along the beam). bottom (4,) m/s: of the bottom relative to the instrument (fourth: error
-    velocity; of four beams in frame "beam"). water (cells, 4) m/s, likewise, at cell_m (cells,)
-    along the axis.
-    """
+    """One ping as the instrument wrote it, in SI units; NaN where lost or not measured."""
 
     number: int
     t_ns: int
-    frame: str
+    frame: str  # of every velocity, one of FRAMES
     tilts_applied: bool
     faces_up: bool
     beam_angle_rad: float
@@ -50,23 +43,21 @@ class Ensemble:
     pitch_rad: float
     roll_rad: float
     depth_m: float
-    range_m: Array
+    range_m: Array  # (4,) to the bottom along the instrument's axis, not along the beam
+    # (4,) m/s, of the bottom relative to the instrument: x, y, z and error velocity; in frame
+    # "beam" of the four beams
     bottom: Array
-    water: Array
-    cell_m: Array
+    water: Array  # (cells, 4) m/s, likewise
+    cell_m: Array  # (cells,) along the axis
 
     @property
     def has_attitude(self) -> bool:
-        """Tell whether heading or a tilt is other than zero: where an instrument lacks the sensors,
-        all three are zero.
-        """
+        """Tell whether heading or a tilt is not zero: without the sensors all three are."""
         return any((self.heading_rad, self.pitch_rad, self.roll_rad))
 
 
 def is_pd0(start: bytes) -> bool:
-    """Return whether a file that begins so starts with an ensemble: its first data type lies right
-    behind its list of them.
-    """
+    """Tell whether a file starts with an ensemble: the first data type follows the list of them."""
     return (
         len(start) >= 8
         and start.startswith(MAGIC)
@@ -75,9 +66,7 @@ def is_pd0(start: bytes) -> bool:
 
 
 def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
-    """Yield (start, end, ensemble) where a checksum holds, between them (start, end, why) of bytes
-    of no ensemble.
-    """
+    """Yield (start, end, ensemble), and (start, end, why) of bytes of no ensemble between them."""
     at = bad = 0
     why = ""
     while True:
@@ -106,9 +95,9 @@ def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
 
 
 def _checked_starts(data: bytes) -> NDArray[np.intp]:
-    """Return the bytes where something starts that has an ensemble's magic, length and checksum.
+    """Find the bytes where something has an ensemble's magic, length and checksum.
 
-    Sums of stretches are differences of one running sum: each byte is added once, however many
+    Sums over ensembles are differences of one running sum: each byte is added once, however many
     heads claim it.
     """
     values = np.frombuffer(data, np.uint8).astype(np.uint32)
@@ -123,7 +112,7 @@ def _checked_starts(data: bytes) -> NDArray[np.intp]:
 
 
 def _ensemble_at(data: bytes, at: int) -> tuple[Ensemble | None, str]:
-    """Return the ensemble at a byte, or None and why there is none."""
+    """Parse the ensemble at a byte, or say why there is none."""
     try:
         return parse(data[at : _end_of(data, at)]), ""
     except DamagedError as error:
@@ -131,9 +120,7 @@ def _ensemble_at(data: bytes, at: int) -> tuple[Ensemble | None, str]:
 
 
 def parse(data: bytes) -> Ensemble:
-    """Parse one whole ensemble without its checksum. Raises DamagedError when a part that every
-    ensemble has is missing.
-    """
+    """Parse one whole ensemble without its checksum. Raises DamagedError without its leaders."""
     parts = _parts(data)
     if FIXED not in parts or VARIABLE not in parts:
         raise DamagedError("its leaders are missing")
@@ -165,12 +152,12 @@ def parse(data: bytes) -> Ensemble:
 
 
 def _size(data: bytes, at: int) -> int:
-    """Return how many bytes an ensemble has with its checksum, as its head says."""
+    """Read how many bytes an ensemble has with its checksum."""
     return int(fields("<H", data, at + 2)[0]) + 2
 
 
 def _end_of(data: bytes, at: int) -> int:
-    """Return the byte behind the ensemble at `at`, its checksum counted and right."""
+    """Find the byte behind the ensemble at `at`, whose checksum has to hold."""
     if data[at : at + 2] != MAGIC:
         raise DamagedError("no ensemble starts there")
     end = at + _size(data, at)
@@ -185,7 +172,7 @@ def _end_of(data: bytes, at: int) -> int:
 
 
 def _parts(data: bytes) -> dict[int, bytes]:
-    """Return the data types of an ensemble by their number."""
+    """Split an ensemble into its data types, by number."""
     (count,) = fields("<B", data, 5)
     offsets = fields(f"<{count}H", data, 6)
     ends = sorted({*offsets, len(data)})
@@ -197,7 +184,7 @@ def _parts(data: bytes) -> dict[int, bytes]:
 
 
 def _clock(variable: bytes) -> int:
-    """Return the instrument's clock as UTC; the one with a century where it is there."""
+    """Read the instrument's clock as UTC; the one with a century where it is there."""
     year, *rest = fields("<7B", variable, 4)
     year += 2000 if year < 80 else 1900
     if len(variable) >= 65 and fields("<B", variable, 57)[0] in (19, 20):
@@ -220,9 +207,7 @@ def _beam_angle(system: int, fixed: bytes) -> float:
 
 
 def _ranges(bottom: bytes | None) -> Array:
-    """Return the ranges (4,) m; a range of 0 is lost. Their high bytes stand at the end, where the
-    record is long enough.
-    """
+    """Read the ranges (4,) m; 0 is lost. Their high bytes are at the end of long records."""
     if bottom is None:
         return np.full(4, np.nan)
     high = fields("<4B", bottom, 77) if len(bottom) >= 81 else (0, 0, 0, 0)

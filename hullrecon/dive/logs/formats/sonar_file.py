@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sonar ping of plain files: an .npz with `image`, `azimuth` and `range`, whose sizes are looked
-at before it is unpacked, or one of those that an Oculus sent and a file keeps as they came, or a
-frame of a DIDSON.
+"""A sonar ping of plain files: an .npz, a ping among an Oculus' messages, or a frame of a DIDSON.
+
+An .npz holds `image`, `azimuth` and `range`, whose sizes are checked before it is unpacked.
 """
 
 from __future__ import annotations
@@ -34,12 +34,18 @@ Ping = tuple[NDArray[np.generic], Array | None, Array]
 
 
 def read_ping(path: Path, number: int = 0, window_m: tuple[float, float] | None = None) -> Ping:
-    """Return the image [beams, ranges], azimuth (beams,) rad and range (ranges,) m of a ping; no
-    azimuth of a DIDSON's.
+    """Read image (beams, ranges), azimuth (beams,) rad and range (ranges,) m of a ping.
 
-    number: which ping, from 0, of a file of what an Oculus sent or a DIDSON recorded; window_m:
-    where the samples of a DIDSON begin and end. Raises ValueError that says what is wrong with the
-    file.
+    Parameters
+    ----------
+    path : of the file
+    number : which ping, from 0, of a file of an Oculus or a DIDSON
+    window_m : where the samples of a DIDSON begin and end; a DIDSON has no azimuths
+
+    Raises
+    ------
+    ValueError
+        What is wrong with the file.
     """
     try:
         require_regular_file(path)
@@ -99,9 +105,7 @@ def _oculus(path: Path, number: int) -> tuple[NDArray[np.generic], Array, Array]
 
 @lru_cache(maxsize=4)
 def _ping_offsets(path: Path, size: int, mtime_ns: int) -> list[int]:
-    """Return where the pings begin: heads are passed by the lengths that they tell. A file that has
-    changed is read anew.
-    """
+    """Find where the pings begin. A file that has changed is read anew."""
     offsets, at = [], 0
     with path.open("rb") as stream:
         while len(head := stream.read(oculus_ping.HEADER_BYTES)) == oculus_ping.HEADER_BYTES:
@@ -129,9 +133,7 @@ def _arrays(path: Path) -> list[NDArray[np.generic]]:
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[np.generic]:
-    """Return one array of numbers. What its head says of its size must be what the archive says,
-    before either is believed.
-    """
+    """Read one array of numbers, whose head has to state the size that the archive states."""
     if member.file_size > min(LARGEST_FILE, FREE_BYTES + RATIO * member.compress_size):
         raise ValueError(f"{member.filename} would unpack to {member.file_size} bytes")
     with archive.open(member) as stream:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from hullrecon.dive.images.header import fits
+from hullrecon.dive.images.encoded import fits
 from hullrecon.dive.logs.readers.file_log import require_regular_file
 
 SUFFIXES = (".mp4", ".mov", ".mkv", ".avi", ".ts")
@@ -18,9 +18,7 @@ QUALITY = 95  # of the JPEG: the video's own losses are larger
 
 
 class VideoFrames:
-    """A video that is read forward. Raises ValueError that says what is wrong, in the constructor
-    and in `jpeg`.
-    """
+    """A video that is read forward. Raises ValueError, here and in `jpeg`, with what is wrong."""
 
     def __init__(self, path: Path) -> None:
         import cv2
@@ -43,7 +41,7 @@ class VideoFrames:
         self._next = 0
 
     def jpeg(self, number: int) -> bytes:
-        """Return the frame of that number, from 0, which has to be larger than the last one's."""
+        """Encode a frame by its number from 0, which has to be larger than the last one's."""
         import cv2
 
         if not self._next <= number < MOST_FRAMES:

@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.dive.logs.messages.decode import Fields
-from hullrecon.dive.logs.messages.vectors import LOST, vector
+from hullrecon.dive.logs.messages.decode import LOST, Fields, vector
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import DepthSample, ImuSample, PressureSample, Sample
 
@@ -60,9 +59,7 @@ def depth_of_pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def depth_of_pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read z of geometry_msgs/PoseWithCovarianceStamped and of nav_msgs/Odometry, up as REP 103 has
-    it.
-    """
+    """Read z of PoseWithCovarianceStamped and nav_msgs/Odometry, up as REP 103 has it."""
     return [DepthSample(t_ns, float(message.pose.pose.position.z), is_up=True)]
 
 
@@ -77,9 +74,7 @@ def depth_of_head_up_display(message: Fields, t_ns: int, role: str) -> list[Samp
 
 
 def deep_submergence_depth(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read ds_sensor_msgs/DepthPressure: its depth, which has the latitude in it already; -9999 is
-    no data.
-    """
+    """Read the depth of ds_sensor_msgs/DepthPressure, which has the latitude in it already."""
     if message.depth <= NO_DATA:
         raise DamagedError("a DepthPressure without a depth")
     return [DepthSample(t_ns, float(message.depth), is_up=False)]

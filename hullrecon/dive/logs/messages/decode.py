@@ -1,24 +1,26 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decode serialised messages by the definition that the log carries, else by a bundled or a
-standard one.
-"""
+"""Decode serialised messages by the definition that the log carries, else by a bundled one."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from hullrecon.dive.logs.messages.definition_limits import check_idl, check_text, check_types
 from hullrecon.dive.logs.messages.definitions import BUNDLED
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import LONGEST_REASON, DamagedError, printable
+from hullrecon.typing import Array
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 Fields = Any  # an instance of the class that rosbags makes for a message type
 ENCODINGS = ("cdr", "ros1")
+LOST = np.full(3, np.nan)  # a vector that was not measured
 
 
 def type_name(channel: Channel) -> str:
@@ -28,9 +30,7 @@ def type_name(channel: Channel) -> str:
 
 
 def decode(channel: Channel, data: bytes) -> Fields:
-    """Return the message's fields. Raises DamagedError for bytes that are no such message or a type
-    without a definition.
-    """
+    """Decode a message; DamagedError for damaged bytes and for a type without a definition."""
     store = _store(channel)
     if isinstance(store, str):
         raise DamagedError(store)
@@ -44,16 +44,14 @@ def decode(channel: Channel, data: bytes) -> Fields:
 
 
 def describe(error: Exception) -> str:
-    """Return an exception of a library as a short piece of one line."""
+    """Shorten an exception of a library to a piece of one line."""
     reason = printable(str(error).strip().partition("\n")[0], LONGEST_REASON)
     return reason if isinstance(error, DamagedError) else f"{type(error).__name__} {reason}"
 
 
 @lru_cache(maxsize=64)
 def _store(channel: Channel) -> Typestore | str:
-    """Return the types by which a channel's messages are decoded, or why there are none, found out
-    once for all messages.
-    """
+    """Compile the types by which a channel's messages are decoded, or say why that fails."""
     if channel.encoding not in ENCODINGS:
         return f"messages in the encoding {channel.encoding!r} are not read"
     try:
@@ -89,3 +87,8 @@ def _standard(encoding: str) -> Typestore:
     for name, text in BUNDLED.items():
         store.register(get_types_from_msg(text, name))
     return store
+
+
+def vector(v: Fields) -> Array:
+    """Return x, y, z of a geometry_msgs/Vector3 or Point."""
+    return np.array([v.x, v.y, v.z], float)

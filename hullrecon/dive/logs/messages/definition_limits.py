@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Refuse definitions of message types that would take hours or gigabytes to parse, to compile or to
-decode by.
+"""Refuse definitions of message types that would take hours or gigabytes to compile or decode by.
 
 A log carries its types' definitions as text, and rosbags compiles them: each element of an array of
 messages becomes lines of code, each nested type a call for each message. Real definitions stay far
@@ -44,9 +43,7 @@ def check_text(text: str) -> None:
 
 
 def check_idl(text: str) -> None:
-    """Raise DamagedError for IDL that the parser would take for ever over: what nests or does not
-    end, or shifts into the millions.
-    """
+    """Raise DamagedError for IDL that the parser would not finish: nested, open or computed."""
     if len(text) > LONGEST_IDL:
         raise DamagedError(f"it has {len(text)} characters")
     code = TEXT.sub(_blank, text)
@@ -61,9 +58,7 @@ def check_idl(text: str) -> None:
 
 
 def _blank(match: re.Match[str]) -> str:
-    """Return what stands for a string or a comment where only the code matters. Raises DamagedError
-    for one without an end.
-    """
+    """Blank a string or a comment; DamagedError for one without an end."""
     found = match.group()
     if found.startswith("//"):
         return " "
@@ -74,8 +69,9 @@ def _blank(match: re.Match[str]) -> str:
 
 
 def check_types(types: Types, name: str) -> None:
-    """Raise DamagedError for types that cannot be compiled or decoded by in reasonable time. name:
-    of the message itself.
+    """Raise DamagedError for types that cannot be compiled or decoded by in reasonable time.
+
+    name: of the message itself.
     """
     fields = [kind for _, members in types.values() for _, kind in members]
     if len(types) > MOST_TYPES or len(fields) > MOST_FIELDS:
@@ -96,8 +92,10 @@ def check_types(types: Types, name: str) -> None:
 
 
 def _check_bounds(kind: int, inner: Any) -> None:
-    """Raise DamagedError for a bound that is no number: constants of IDL may be text, and rosbags
-    before 0.11.9 wrote bounds into the code that it runs as they were.
+    """Raise DamagedError for a bound that is no number.
+
+    Constants of IDL may be text, and rosbags before 0.11.9 wrote bounds unchanged into the code
+    that it runs.
     """
     bound = 0 if kind == NAME else inner[1]
     if not isinstance(bound, int | None):
@@ -107,9 +105,7 @@ def _check_bounds(kind: int, inner: Any) -> None:
 
 
 class _Sizes:
-    """The least bytes of each type, and the calls that one of it takes; calls that no byte pays for
-    are refused.
-    """
+    """The least bytes of each type and the calls to decode it; calls without bytes are refused."""
 
     def __init__(self, types: Types) -> None:
         self._types = types
@@ -129,7 +125,7 @@ class _Sizes:
         return self._known[name]
 
     def _field(self, kind: FieldKind, depth: int) -> tuple[int, int]:
-        """Return the bytes and calls of a field. Of an array of numbers one call reads all."""
+        """Count the bytes and calls of a field; one call reads an array of numbers."""
         form, inner = kind
         if form == BASE:
             return WIDTHS.get(str(inner[0]), 1), 1

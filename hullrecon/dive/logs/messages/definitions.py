@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Definitions of the message types that logs may use without carrying their text, as their packages
-publish them.
-"""
+"""Definitions of message types that logs may use without carrying their text, as published."""
 
 from __future__ import annotations
 
@@ -148,10 +146,12 @@ BUNDLED: dict[str, str] = {
     "mavros_msgs/msg/VfrHud": HEAD_UP_DISPLAY,
     "acoustic_msgs/msg/SonarImage": SONAR_IMAGE,
     "geographic_msgs/msg/GeoPoint": GEO_POINT,
-    "geographic_msgs/msg/GeoPointStamped": "std_msgs/Header header\ngeographic_msgs/GeoPoint position\n",
+    "geographic_msgs/msg/GeoPointStamped": "std_msgs/Header header\ngeographic_msgs/GeoPoint "
+    "position\n",
     "geographic_msgs/msg/GeoPose": GEO_POSE,
     "geographic_msgs/msg/GeoPoseStamped": "std_msgs/Header header\ngeographic_msgs/GeoPose pose\n",
-    "geographic_msgs/msg/GeoPoseWithCovariance": "geographic_msgs/GeoPose pose\nfloat64[36] covariance\n",
+    "geographic_msgs/msg/GeoPoseWithCovariance": "geographic_msgs/GeoPose pose\nfloat64[36] "
+    "covariance\n",
     "geographic_msgs/msg/GeoPoseWithCovarianceStamped": (
         "std_msgs/Header header\ngeographic_msgs/GeoPoseWithCovariance pose\n"
     ),

@@ -10,14 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.messages.decode import Fields
-from hullrecon.dive.logs.messages.vectors import vector
+from hullrecon.dive.logs.messages.decode import Fields, vector
 from hullrecon.geometry.poses import Poses, identity
 
-CAMERA_INFO, TRANSFORMS = (
-    "sensor_msgs/msg/CameraInfo",
-    ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"),
-)
+CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
+TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 COMPRESSED = "/compressed"  # what image_transport adds to a topic's name
 BASE_FRAMES = ("base_link", "base_footprint")  # REP 105: on the vehicle, x forward, y to port, z up
 FRD_FROM_FLU = Poses(Rotation.from_euler("x", 180, degrees=True).as_quat()[None], np.zeros((1, 3)))
@@ -27,9 +24,9 @@ Tree = Mapping[str, tuple[str, Poses]]  # child frame: its parent, and T_parent_
 
 
 def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
-    """Return the fixed frames of tf_static messages, by child. Frames of lengths that are no
-    rotation are left out, and so are those that the log's own definition of the type leaves parts
-    of out.
+    """Collect the fixed frames of tf_static messages, by child.
+
+    Frames without a rotation are left out, as are those whose logged type lacks a part.
     """
     tree: dict[str, tuple[str, Poses]] = {}
     for transform in (t for message in messages for t in getattr(message, "transforms", ())):
@@ -54,19 +51,17 @@ def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
 
 @dataclass(frozen=True, kw_only=True)
 class WayUp:
-    """Where a frame is. vehicle: T_v_frame, None where no way leads there; servo: its pose in the
-    first frame of a servo on the way, None without one; vehicle_from_servo: that of the servo's
-    frame.
-    """
+    """Where a frame is."""
 
-    vehicle: Poses | None
-    servo: Poses | None = None
+    vehicle: Poses | None  # vehicle_from_frame; None where no way leads there
+    servo: Poses | None = None  # its pose in the first frame of a servo on the way
     vehicle_from_servo: Poses | None = None
 
 
 def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
-    """Return where a frame is by the way up to base_link; the vehicle's axes are forward,
-    starboard, down. servos: names of frames that a servo turns.
+    """Locate a frame by the way up to base_link; the vehicle's axes are forward, starboard, down.
+
+    servos: names of frames that a servo turns.
     """
     pose, at = identity(), _frame(frame)
     servo = above = None
@@ -83,13 +78,8 @@ def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
     return WayUp(vehicle=None, servo=servo)
 
 
-def vehicle_from(frame: str, tree: Tree) -> Poses | None:
-    """Return T_v_frame by the way up to base_link; None where there is no way."""
-    return way_up(frame, tree).vehicle
-
-
 def mount_of(pose: Poses) -> list[float]:
-    """Return x, y, z in m, roll, pitch, yaw in degrees, as dive.toml has them."""
+    """Convert a pose to x, y, z in m, roll, pitch, yaw in degrees, as dive.toml has them."""
     matrix = pose.rotation.as_matrix()[0]
     pitch = np.arcsin(np.clip(-matrix[2, 0], -1, 1))
     # at 90 degrees roll and yaw are one: all of it is roll, yaw is 0
@@ -102,14 +92,12 @@ def mount_of(pose: Poses) -> list[float]:
 
 
 def lies_beside(topic: str, images: str) -> bool:
-    """Return whether a topic of CameraInfo is in the namespace of that topic of images, as
-    image_transport puts it.
-    """
+    """Tell whether a CameraInfo has the namespace of an image topic, as image_transport puts it."""
     return topic.rpartition("/")[0] == images.removesuffix(COMPRESSED).rpartition("/")[0]
 
 
 def calibration_keys(info: Fields) -> dict[str, object]:
-    """Return a CameraInfo of ROS 1 or 2 as the keys of the YAML of ROS's camera_calibration."""
+    """Convert a CameraInfo of ROS 1 or 2 to the keys of camera_calibration's YAML."""
     fields = info.__dataclass_fields__
     return {
         "image_width": int(info.width),
@@ -121,9 +109,7 @@ def calibration_keys(info: Fields) -> dict[str, object]:
 
 
 def calibration_yaml(info: Fields, topic: str) -> str | None:
-    """Return the YAML of ROS's camera_calibration for a CameraInfo; None where that is not filled
-    in.
-    """
+    """Write camera_calibration's YAML for a CameraInfo; None where that is not filled in."""
     keys = calibration_keys(info)
     matrix, distortion = np.array(keys["camera_matrix"]), np.array(keys["distortion_coefficients"])
     if not (
@@ -134,14 +120,17 @@ def calibration_yaml(info: Fields, topic: str) -> str | None:
         and matrix[4] > 0
     ):
         return None
+    model = str(info.distortion_model)
     return "\n".join(
         [
-            f"# From the CameraInfo on {topic}. It has to be the calibration in water: see that it is.",
+            f"# From the CameraInfo on {topic}. It has to be the calibration in water: see that it "
+            "is.",
             f"image_width: {int(info.width)}",
             f"image_height: {int(info.height)}",
             f"camera_matrix: {{rows: 3, cols: 3, data: {matrix.tolist()}}}",
-            f"distortion_model: {info.distortion_model if str(info.distortion_model).isidentifier() else 'plumb_bob'}",
-            f"distortion_coefficients: {{rows: 1, cols: {len(distortion)}, data: {distortion.tolist()}}}",
+            f"distortion_model: {model if model.isidentifier() else 'plumb_bob'}",
+            f"distortion_coefficients: {{rows: 1, cols: {len(distortion)}, "
+            f"data: {distortion.tolist()}}}",
             "",
         ]
     )

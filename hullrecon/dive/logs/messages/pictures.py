@@ -34,9 +34,7 @@ QUICK = 1  # PNG's compression level: images are written once, and read a few ti
 
 
 def encode_raw(message: Fields) -> bytes:
-    """Return PNG bytes. Raises DamagedError when the pixels are not all there or the encoding is
-    not known.
-    """
+    """Encode an image as PNG; DamagedError for missing pixels or an unknown encoding."""
     import cv2
 
     pixels = _pixels(message)
@@ -49,7 +47,7 @@ def encode_raw(message: Fields) -> bytes:
 
 
 def _pixels(message: Fields) -> NDArray[np.integer]:
-    """Return pixels (h, w) or (h, w, channels), rows freed of their padding."""
+    """Read pixels (h, w) or (h, w, channels), rows freed of their padding."""
     encoding = message.encoding.lower()
     if encoding not in CHANNELS:
         raise DamagedError(f"an image in the encoding {message.encoding!r}")
@@ -78,9 +76,7 @@ def _pixels(message: Fields) -> NDArray[np.integer]:
 
 
 def _to_bgr(pixels: NDArray[np.integer], encoding: str) -> NDArray[np.integer]:
-    """Return it as OpenCV writes it: gray, or blue, green, red. How many of 16 bits a camera uses
-    only all its images tell.
-    """
+    """Convert pixels to gray or blue, green, red, as OpenCV writes them; 16 bits stay."""
     import cv2
 
     if pixels.dtype.itemsize == 2:

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages to samples, one small function a type; the tables at the end say which topics
-take which types.
-"""
+"""Translate messages to samples; the tables at the end say which topics take which types."""
 
 from __future__ import annotations
 
@@ -16,7 +14,7 @@ from hullrecon.dive.logs.samples import ImageSample, JointSample, Sample
 
 
 def stamp_ns(header: Fields) -> int:
-    """Return the stamp of a message's header, ns."""
+    """Read the stamp of a message's header, ns."""
     return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
 
 

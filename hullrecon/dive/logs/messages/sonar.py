@@ -7,8 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.dive.logs.formats.oculus_ping import parse_ping
-from hullrecon.dive.logs.messages.decode import Fields
-from hullrecon.dive.logs.messages.vectors import vector
+from hullrecon.dive.logs.messages.decode import Fields, vector
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import Sample, SonarSample
 from hullrecon.typing import Array
@@ -39,8 +38,9 @@ def projected_sonar(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def sonar_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read acoustic_msgs/SonarImage, the forerunner of ProjectedSonarImage: pixel (r, b) lies at r
-    * beams + b, azimuth grows from z towards y.
+    """Read acoustic_msgs/SonarImage, the forerunner of ProjectedSonarImage.
+
+    Pixel (r, b) lies at r * beams + b, azimuth grows from z towards y.
     """
     if int(message.data_size) not in WIDTHS:
         raise DamagedError(f"a sonar image of {message.data_size} bytes a pixel")
@@ -49,24 +49,21 @@ def sonar_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
     pixels = np.frombuffer(bytes(message.intensities), order + WIDTHS[int(message.data_size)])
     if pixels.size != len(azimuth) * len(range_m) or not pixels.size:
         raise DamagedError(
-            f"a sonar image of {pixels.size} pixels for {len(azimuth)} beams and {len(range_m)} ranges"
+            f"a sonar image of {pixels.size} pixels for {len(azimuth)} beams and {len(range_m)} "
+            "ranges"
         )
     image = np.ascontiguousarray(pixels.reshape(len(range_m), len(azimuth)).T)
     return [SonarSample(t_ns, image, in_fan(azimuth), range_m)]
 
 
 def oculus_raw(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read a message that holds what an Oculus sent, byte by byte; bearings grow from port to
-    starboard.
-    """
+    """Read a message that holds an Oculus' bytes; bearings grow from port to starboard."""
     ping = parse_ping(bytes(message.data))
     return [SonarSample(t_ns, ping.image, in_fan(ping.azimuth_rad), ping.range_m)]
 
 
 def oculus_ping(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read oculus_interfaces/Ping: rows of ranges, each behind four bytes of its gain where it has
-    gains.
-    """
+    """Read oculus_interfaces/Ping: rows of ranges, each behind four bytes of any gain."""
     beams, ranges, row, width = (
         int(v) for v in (message.n_beams, message.n_ranges, message.step, message.sample_size)
     )
@@ -91,5 +88,5 @@ def oculus_ping(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def in_fan(azimuth_rad: Array) -> Array:
-    """Return (b, 3) unit vectors in `sonar` of beams in the plane of its fan, from z towards y."""
+    """Compute unit vectors (b, 3) in `sonar` of beams in the fan's plane, from z towards y."""
     return np.stack([np.zeros(len(azimuth_rad)), np.sin(azimuth_rad), np.cos(azimuth_rad)], axis=1)

@@ -7,8 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.dive.logs.dvl_beams import A50, a50_beams
-from hullrecon.dive.logs.messages.decode import Fields
-from hullrecon.dive.logs.messages.vectors import LOST, vector
+from hullrecon.dive.logs.messages.decode import LOST, Fields, vector
 from hullrecon.dive.logs.samples import DvlSample, Sample
 from hullrecon.typing import Array
 
@@ -44,8 +43,9 @@ def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def deep_submergence_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read ds_sensor_msgs/Dvl, whose altitude is the mean of the ranges. A velocity along the
-    earth's axes is lost.
+    """Read ds_sensor_msgs/Dvl, whose altitude is the mean of the ranges.
+
+    A velocity along the earth's axes is lost.
     """
     covariance = np.asarray(message.velocity_covar, float)
     ranges = np.asarray(message.range, float)
@@ -98,9 +98,7 @@ def transducer_report(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def unnamed_transducer_report(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read waterlinked_dvl/TransducerReportStamped, of any DVL of Water Linked: dive.toml has to
-    say where its beams point.
-    """
+    """Read waterlinked_dvl/TransducerReportStamped, whose beams dive.toml has to give."""
     return [_transducers(message.report, t_ns, "")]
 
 
@@ -117,8 +115,9 @@ def _transducers(report: Fields, t_ns: int, instrument: str) -> DvlSample:
 def _water_linked(
     report: Fields, velocity: Array, distances: list[float], t_ns: int, instrument: str
 ) -> DvlSample:
-    """Return what the reports of all of Water Linked's drivers have: x forward, y right, z out of
-    the transducers. A velocity whose figure of merit is too large is lost.
+    """Read what the reports of all drivers share: x forward, y right, z out of the transducers.
+
+    A velocity whose figure of merit is too large is lost.
     """
     ranges = np.array(distances, float)
     ranges[~(ranges > 0)] = np.nan
@@ -144,9 +143,7 @@ def girona_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read DVLs of UUV Simulator and Stonefish: as Girona's, with one message a beam; a covariance
-    of -1 marks a lost one.
-    """
+    """Read DVLs of UUV Simulator and Stonefish: one message a beam, covariance -1 where lost."""
     covariance = np.asarray(message.velocity_covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.velocity)
     ranges = [
@@ -156,7 +153,7 @@ def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read nortek_dvl/Dvl: figure of merit as sigma; a lost velocity is -32.768, a lost distance 0."""
+    """Read nortek_dvl/Dvl: figure of merit as sigma, lost velocity -32.768, lost distance 0."""
     velocity, merit = vector(message.velocity), float(message.figureOfMerit)
     lost = bool(np.any(velocity <= NORTEK_LOST)) or merit >= NORTEK_BAD_MERIT
     ranges = np.asarray(message.beamDistance, float)
@@ -169,15 +166,13 @@ def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def _sigma(variances: Array) -> float:
-    """Return one sigma of a velocity from the diagonal of its covariance; NaN where that is zero or
-    senseless.
-    """
+    """Average variances into one sigma; NaN where they are zero or senseless."""
     mean = float(np.mean(variances))
     return float(np.sqrt(mean)) if np.isfinite(mean) and mean > 0 else float("nan")
 
 
 def _positive(altitude: float) -> float:
-    """Return an altitude, NaN for one of -1 or 0, which is none."""
+    """Replace an altitude of -1 or 0, which is none, by NaN."""
     return float(altitude) if altitude > 0 else float("nan")
 
 

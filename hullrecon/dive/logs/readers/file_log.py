@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the readers of single files share: a pass over the file, its remarks and its losses."""
+"""What the readers of single files share: a pass over the file, its notes and its losses."""
 
 from __future__ import annotations
 
@@ -12,26 +12,23 @@ from hullrecon.dive.logs.readers.loss_tracker import LossTracker
 from hullrecon.dive.logs.readers.protocol import Loss, Message
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 
 
 class FileLog:
-    """A file that is opened anew for each pass. Its readers fill `remarks` and `_tracker` in
-    `_read`.
-    """
+    """A file that is opened anew for each pass. Readers fill `notes` and `_tracker` in `_read`."""
 
     kind: str
     gives_samples = False
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.remarks: list[str] = []
+        self.notes: list[Finding] = []
         self._tracker = LossTracker()
 
     def messages(self) -> Iterator[Message]:
-        """Yield every whole message, in the order of the file. Raises InputError when nothing can
-        be read.
-        """
-        self.remarks, self._tracker = [], LossTracker()
+        """Yield every whole message, in the order of the file; InputError when there is none."""
+        self.notes, self._tracker = [], LossTracker()
         try:
             require_regular_file(self.path)
             yield from self._read()
@@ -58,9 +55,7 @@ def unreadable(path: Path, error: OSError) -> InputError:
 
 
 def require_regular_file(path: Path) -> None:
-    """Raise InputError for a pipe, a socket or a device, which would be waited for, and OSError for
-    what is not there.
-    """
+    """Raise InputError for a pipe, a socket or a device, and OSError for what is not there."""
     mode = path.stat().st_mode
     if not stat.S_ISREG(mode):
         kinds = {stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket"}

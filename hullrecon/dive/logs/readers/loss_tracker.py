@@ -15,9 +15,7 @@ MOST_REASONS = 16  # for one and the same gap
 
 
 class LossTracker:
-    """One pass over one log. `gap` opens a loss whose end is known only once the next message
-    comes.
-    """
+    """Losses of one pass over one log. A gap is open until the next message tells its end."""
 
     def __init__(self) -> None:
         self.losses: list[Loss] = []
@@ -42,22 +40,22 @@ class LossTracker:
         self._add(why, dict.fromkeys(topics or self._last, start_ns), end_ns, start_ns)
 
     def open_gap(self, why: str) -> None:
-        """Open the loss of a part of unknown content: of each topic what lies between its last
-        message and the next message of the log.
+        """Open the loss of a part of unknown content.
+
+        Of each topic it reaches from its last message to the next message of the log.
         """
         if len(self._open) < MOST_REASONS and not self._is_full():
             self._open.append((why, dict(self._last)))
 
     def count_lost(self, why: str, count: int) -> None:
-        """Add the loss of so many messages of which nothing else is known; of none when the count
-        is 0.
-        """
+        """Add the loss of messages of which nothing but the count is known."""
         if count:
             self.losses.append(Loss(why, messages=count))
 
     def finish(self, expected: Mapping[str, int] | None = None) -> None:
-        """Close what is open; `expected` counts by topic, where the log tells them, turn into
-        numbers of lost messages.
+        """Close what is open, and count lost messages.
+
+        expected: messages by topic, where the log tells them.
         """
         self._close(None)
         rows: dict[str, list[int]] = {}
@@ -95,9 +93,7 @@ class LossTracker:
     def _add(
         self, why: str, starts: Mapping[str, int], end_ns: int | None, start_ns: int | None
     ) -> None:
-        """Add a loss of each topic from its start on; one of all topics where there are none, or
-        too many to be told apart.
-        """
+        """Add a loss of each topic from its start on; one of all where they are too many."""
         named = sorted(starts.items()) if len(starts) <= MOST_TOPICS else []
         self.losses += [Loss(why, topic, start, end_ns) for topic, start in named] or [
             Loss(why, "", start_ns, end_ns)

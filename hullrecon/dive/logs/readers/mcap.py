@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""MCAP, chunk by chunk with the CRC of each: what whole chunks hold comes through, whatever lies
-between them.
-"""
+"""MCAP, chunk by chunk with the CRC of each: whole chunks are read, whatever lies between them."""
 
 from __future__ import annotations
 
@@ -32,7 +30,7 @@ from hullrecon.dive.logs.formats.mcap_records import (
     messages_of,
     packed_at,
     read_chunk,
-)  # fmt: skip
+)
 from hullrecon.dive.logs.formats.mcap_summary import (
     Summary,
     claims_summary,
@@ -42,22 +40,17 @@ from hullrecon.dive.logs.formats.mcap_summary import (
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Message
 from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, fields
+from hullrecon.findings.finding import Finding
 
 BLOCK = 1 << 20
 # no chunk is longer than 2^40 bytes
 LIKE_A_CHUNK = re.compile(rb"\x06(?=.{5}\x00\x00\x00)", re.DOTALL)
 # times the file's size: so much of chunks that turn out damaged is read before the rest is given up
 PATIENCE = 4
-UNFIT_SUMMARY = (
-    "the MCAP's summary is damaged or does not fit its records: whole chunks may be missing"
-)
-NO_CHECKSUM = "chunks of the MCAP carry no checksum: damage inside them may go unseen"
 
 
 class McapLog(FileLog):
-    """Walks the chunks that the summary names; without a usable summary, the file from its start,
-    past every damage.
-    """
+    """Walks the chunks that the summary names, else the file from its start, past every damage."""
 
     kind = "MCAP"
 
@@ -79,12 +72,12 @@ class McapLog(FileLog):
                 self._definitions = Definitions()
                 yield from self._from_start(stream, size)
                 if summary is None and claims_summary(stream, size):
-                    self.remarks.append(UNFIT_SUMMARY)
+                    self.notes.append(Finding("mcap-no-summary"))
         self._tracker.count_lost(
             "they belong to topics whose definition was lost", self._definitions.unknown
         )
         if self._seen.private:
-            self.remarks.append(f"{self._seen.private} records of a private kind were left aside")
+            self.notes.append(Finding("mcap-private", {"count": self._seen.private}))
         self._tracker.finish(summary.counts if summary is not None else None)
 
     def _by_summary(self, stream: BinaryIO, size: int, summary: Summary) -> Iterator[Message]:
@@ -102,7 +95,7 @@ class McapLog(FileLog):
         self._check_data(stream, summary.start - DATA_END_SIZE)
 
     def _from_start(self, stream: BinaryIO, size: int) -> Iterator[Message]:
-        """Record by record; behind damage the next chunk is looked for."""
+        """Read record by record; behind damage look for the next chunk."""
         at, patience = len(MAGIC), PATIENCE * size
         while at < size:
             length = 0
@@ -124,23 +117,17 @@ class McapLog(FileLog):
             at += HEAD + length
         else:
             self._tracker.open_gap(f"the file ends at byte {size} without its closing records")
-        self.remarks.append(
-            "the MCAP has no closing records: its recording or its copy was cut short"
-        )
+        self.notes.append(Finding("mcap-no-end"))
         self._check_data(stream, size)
 
     def _messages_at(
         self, stream: BinaryIO, opcode: int, length: int, at: int, size: int
     ) -> list[Message]:
-        """Return the messages of the record at byte `at`. Raises DamagedError for a record that
-        cannot stand there.
-        """
+        """Read the messages of the record at a byte; DamagedError for one out of place."""
         stream.seek(at + HEAD)
         if opcode == CHUNK or packed_at(stream.read(min(length, CHUNK_HEAD)), length) is not None:
             if opcode != CHUNK:
-                self.remarks.append(
-                    f"the record at byte {at} is a chunk whose kind is damaged; it was read all the same"
-                )
+                self.notes.append(Finding("mcap-chunk-kind", {"byte": at}))
             return self._open(read_chunk(stream, at, size))
         if opcode >= PRIVATE:
             self._seen.private += 1
@@ -164,9 +151,7 @@ class McapLog(FileLog):
         return messages_of(chunk, self._definitions, self._budget)
 
     def _check_data(self, stream: BinaryIO, at: int) -> None:
-        """Compare what no chunk's checksum covers with the one checksum over all data, and say
-        where there is none.
-        """
+        """Compare the checksum over all data where no chunk's covers it; note if there is none."""
         stream.seek(at)
         closing = stream.read(DATA_END_SIZE)
         crc = (
@@ -181,23 +166,21 @@ class McapLog(FileLog):
                 "the checksum over all messages is wrong: some may be damaged", 0, 0
             )
         elif not crc and self._seen.chunks:
-            self.remarks.append(NO_CHECKSUM)
+            self.notes.append(Finding("mcap-no-checksum"))
 
 
 @dataclass(kw_only=True)
 class _Unchecked:
-    """What was met on the way: definitions or messages outside chunks, chunks without a checksum,
-    damage, private records.
-    """
+    """What was met on the way."""
 
-    loose: bool = False
-    chunks: bool = False
+    loose: bool = False  # definitions or messages outside chunks
+    chunks: bool = False  # chunks without a checksum
     damaged: bool = False
-    private: int = 0
+    private: int = 0  # records of somebody's own kind
 
 
 def checksum(stream: BinaryIO, end: int) -> int:
-    """Return the CRC32 of the bytes before `end`."""
+    """Compute the CRC32 of the bytes before `end`."""
     crc, left = 0, end
     stream.seek(0)
     while left > 0:
@@ -209,10 +192,9 @@ def checksum(stream: BinaryIO, end: int) -> int:
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Return the first byte at or after `start` where a chunk lies whose lengths agree; `size` when
-    there is none.
+    """Find the next chunk, from `start` on, whose lengths agree; `size` without any.
 
-    Only heads are looked at: bodies that are read for each head that looks like one would take the
+    Only heads are looked at: reading bodies for each head that looks like one would take the
     square of the file.
     """
     at = start

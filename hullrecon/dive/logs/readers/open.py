@@ -42,22 +42,27 @@ BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
     log_items.MAGIC: OculusLog,
 }
 BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
-    ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log, ".ad2cp": Ad2cpLog,
-    ".aris": ArisLog, ".oculus": OculusLog,
-}  # fmt: skip
+    ".mcap": McapLog,
+    ".bag": Rosbag1Log,
+    ".db3": SqliteLog,
+    ".pd0": Pd0Log,
+    ".ad2cp": Ad2cpLog,
+    ".aris": ArisLog,
+    ".oculus": OculusLog,
+}
 SONAR_SUFFIXES = (".aris", ".oculus")
 # not sqlite's: others use it too
 TELLING = (mcap_records.MAGIC, bag_records.MAGIC, aris_frames.MAGIC, log_items.MAGIC)
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
 FORMS = (
-    "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP, ARIS or ViewPoint file, the JSON lines of a Water Linked DVL or a"
+    "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP, ARIS or ViewPoint file, the JSON lines of "
+    "a Water Linked DVL or a"
     " folder of CSVs"
 )
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:
-    """Return the log's reader. Raises InputError when nothing lies there, or nothing that any
-    reader knows.
+    """Choose the reader of a log. Raises InputError for what is missing or that no reader knows.
 
     package: the folder that paths in plain files may be relative to.
     """
@@ -101,9 +106,7 @@ def _open_folder(path: Path, package: Path | None) -> Log:
 
 
 def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
-    """Return the error for what no reader knows, with what it is and what to do where that is
-    known.
-    """
+    """Return the error for what no reader knows, with what it is and what to do if known."""
     state = "holds no log" if name.startswith("the folder ") else "is no log"
     kind = f": {what}" if what else ""
     return InputError(
@@ -112,9 +115,7 @@ def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
 
 
 def find_logs(path: Path) -> list[Path]:
-    """Return the log that a path is, or those that lie in a folder or in its folder `logs`.
-    InputError when there is none.
-    """
+    """Find the log that a path is, or those in a folder or its `logs`, else InputError."""
     try:
         return _find_logs(path)
     except OSError as error:
@@ -150,9 +151,7 @@ def _is_log(path: Path) -> bool:
 
 
 def is_log_of_any_name(start: bytes) -> bool:
-    """Return whether the first bytes alone tell a log, whatever its name: a PD0 file is often
-    called .000, .ENR or .bin.
-    """
+    """Tell a log by its first bytes alone: a PD0 file is often called .000, .ENR or .bin."""
     return (
         pd0_ensemble.is_pd0(start)
         or is_ad2cp(start)
@@ -161,8 +160,9 @@ def is_log_of_any_name(start: bytes) -> bool:
 
 
 def is_of_sonar(path: Path) -> bool:
-    """Return whether a log holds an imaging sonar without a topic: the file of one, or a folder of
-    CSVs with a table of its pings. A log that is not there holds none.
+    """Tell whether a log holds an imaging sonar without a topic.
+
+    That is the file of a sonar, or a folder of CSVs with a table of pings.
     """
     if path.is_dir():
         return (path / "sonar.csv").exists()
@@ -172,9 +172,7 @@ def is_of_sonar(path: Path) -> bool:
 
 
 def _describe(inside: Sequence[Path]) -> tuple[str, str]:
-    """Describe what lies in a folder without a log: by the names, else by the first bytes of a
-    file.
-    """
+    """Describe a folder without a log by the names of its files, else by their first bytes."""
     found = describe_folder(p.name for p in inside)
     if found[0]:
         return found
@@ -198,9 +196,7 @@ def _holds_log(folder: Path) -> bool:
 
 
 def _peek(path: Path) -> bytes:
-    """Return the first bytes of a file that lies beside logs; none where it cannot be read, which
-    is no reason to stop.
-    """
+    """Read the first bytes of a file among logs; none where it cannot be read."""
     try:
         return _start(path)
     except (OSError, InputError):

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A Teledyne .pd0 file as a DVL: every ensemble's bottom track in the frame `dvl`; heading, tilts,
-depth of its sensors.
+"""A Teledyne .pd0 file as a DVL: bottom tracks in the frame `dvl`, its attitude and depth.
 
 `dvl` of a PD0 file: z out of the transducers, x towards beam 3, y towards beam 2. The instrument's
 own axes are x towards beam 2, y towards beam 3, z into the housing (Teledyne RD Instruments,
@@ -19,6 +18,7 @@ from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample
+from hullrecon.findings.finding import Finding
 from hullrecon.typing import Array
 
 CHANNEL, ATTITUDE, DEPTH = (
@@ -58,19 +58,12 @@ class Pd0Log(FileLog):
                     )
         self._tracker.finish()
         if frames and not has_bottom:
-            self.remarks.append(
-                "no ensemble has a bottom track (a current profiler's file?): it gives no velocity over ground"
-            )
-        self.remarks.append(
-            f"velocities in {' and '.join(sorted(frames)) or 'no'} coordinates were turned into the frame dvl (x to beam 3); "
-            "ranges along the axis were divided by the cosine of the beam angle; the instrument's clock was taken as UTC"
-        )
+            self.notes.append(Finding("pd0-no-bottom"))
+        self.notes.append(Finding("pd0-read", {"frames": " and ".join(sorted(frames)) or "no"}))
 
 
 def to_sample(ping: Ensemble) -> DvlSample:
-    """Return the bottom track: velocity of the instrument (that of the bottom, reversed), ranges
-    along the beams.
-    """
+    """Convert a bottom track: velocity (the bottom's, reversed), ranges along the beams."""
     velocity = -DVL_FROM_INSTRUMENT @ instrument_velocity(ping)
     tilt = ping.beam_angle_rad
     beams = np.stack(
@@ -85,9 +78,7 @@ def to_sample(ping: Ensemble) -> DvlSample:
 
 
 def attitude(ping: Ensemble) -> ImuSample:
-    """Return the attitude of the frame `dvl` in north-east-down, by the instrument's compass and
-    tilt sensors.
-    """
+    """Compute the attitude of `dvl` in north-east-down, by the instrument's compass and tilts."""
     enu_from_instrument = earth_from_instrument(ping.heading_rad, *_tilts(ping))
     ned_from_dvl = NED_FROM_ENU @ enu_from_instrument @ DVL_FROM_INSTRUMENT.T
     return ImuSample(
@@ -96,7 +87,7 @@ def attitude(ping: Ensemble) -> ImuSample:
 
 
 def instrument_velocity(ping: Ensemble) -> Array:
-    """Return the velocity (3,) m/s of the bottom in the instrument's axes; NaN when lost."""
+    """Turn the bottom's velocity (3,) m/s into the instrument's axes; NaN when lost."""
     if ping.frame == "beam":
         return from_beams(ping.bottom, ping.beam_angle_rad)
     vector = ping.bottom[:3]
@@ -110,8 +101,9 @@ def instrument_velocity(ping: Ensemble) -> Array:
 
 
 def from_beams(beams: Array, angle_rad: float) -> Array:
-    """Return the instrument's velocity from four beam velocities (positive towards the transducer);
-    with one lost, the error velocity that would show it is taken as zero; NaN with more lost.
+    """Compute the instrument's velocity from four beams' (positive towards the transducer).
+
+    With one lost, the error velocity is taken as zero; NaN with more lost.
     """
     b = beams.copy()
     lost = np.flatnonzero(np.isnan(b))
@@ -124,8 +116,9 @@ def from_beams(beams: Array, angle_rad: float) -> Array:
 
 
 def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
-    """Return east, north, up of the instrument's x, y, z (3, 3): Teledyne RD Instruments,
-    Coordinate Transformation, 18.
+    """Build the rotation (3, 3) from the instrument's axes to east, north, up.
+
+    Teledyne RD Instruments, Coordinate Transformation, (18).
     """
     ch, sh, cp, sp, cr, sr = (
         np.cos(heading),
@@ -145,8 +138,9 @@ def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
 
 
 def _tilts(ping: Ensemble) -> tuple[float, float]:
-    """Return pitch as a rotation (the sensor measures the tilt of an axis) and roll, turned over
-    where it faces up.
+    """Convert the tilts to rotations: the sensor of pitch measures the tilt of an axis.
+
+    Roll is turned over where the instrument faces up.
     """
     pitch = float(np.arctan(np.tan(ping.pitch_rad) * np.cos(ping.roll_rad)))
     return pitch, ping.roll_rad + (np.pi if ping.faces_up else 0.0)

@@ -27,6 +27,7 @@ from hullrecon.dive.logs.samples import (
     SonarSample,
 )
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 
 COLUMNS = {
     "dvl": ("t", "vx", "vy", "vz"),
@@ -50,14 +51,14 @@ WINDOW = ("range_from", "range_to")
 
 
 class PlainLog:
-    """package: files named in the CSVs are looked for beside the CSV, then below the package."""
+    """A folder of CSVs; files that they name lie next to them, or in the package."""
 
     kind = "plain files"
     gives_samples = True
 
     def __init__(self, path: Path, package: Path | None = None) -> None:
         self.path, self.package = path, package or path
-        self.remarks: list[str] = []
+        self.notes: list[Finding] = []
         self._losses: list[Loss] = []
         self._pings: set[tuple[Path, int]] = set()
         self._ping_files: set[Path] = set()
@@ -65,24 +66,18 @@ class PlainLog:
         self._videos: dict[str, tuple[Path, video_frames.VideoFrames]] = {}
 
     def messages(self) -> Iterator[Message]:
-        """Yield the rows of all tables, table by table. Raises InputError for a table of which
-        nothing can be read.
-        """
-        self.remarks, self._losses, self._pings, self._ping_bytes_left = (
-            [],
-            [],
-            set(),
-            PING_FREE_BYTES,
-        )
-        self._ping_files, self._videos = set(), {}
+        """Yield the rows of all tables, table by table; InputError for a table without any."""
+        self.notes, self._losses = [], []
+        self._pings, self._ping_files, self._videos = set(), set(), {}
+        self._ping_bytes_left = PING_FREE_BYTES
         others = sorted(p.name for p in self.path.glob("*.csv") if p.stem not in COLUMNS)
         if others:
             shown = ", ".join(others[:LISTED_LINES]) + (
                 ", ..." if len(others) > LISTED_LINES else ""
             )
-            self.remarks.append(
-                f"not read: {printable(shown)}; the tables of sensors are {', '.join(f'{s}.csv' for s in COLUMNS)}"
-            )
+            tables = ", ".join(f"{sensor}.csv" for sensor in COLUMNS)
+            values = {"files": printable(shown), "tables": tables}
+            self.notes.append(Finding("tables-not-read", values))
         for table in self.tables():
             yield from self._table(table.removesuffix(".csv"))
 
@@ -100,9 +95,7 @@ class PlainLog:
         return [f"{sensor}.csv" for sensor in COLUMNS if (self.path / f"{sensor}.csv").exists()]
 
     def named_files(self) -> list[Path]:
-        """Return the files that a CSV of images or pings names and that exist, relative to the
-        package if they lie in it.
-        """
+        """List the existing files that tables name, relative to the package if inside."""
         names = {
             row["file"]
             for sensor in ("camera_top", "camera_bottom", "sonar")
@@ -188,7 +181,7 @@ class PlainLog:
         return ImageSample(_ns(row), camera, b"", self._in_package(path).as_posix())
 
     def _frame(self, camera: str, path: Path, row: Row) -> bytes:
-        """Return a frame of a video, whose rows follow each other."""
+        """Read a frame of a video, whose rows follow each other."""
         if not (row.get("frame") or "").strip().isdecimal():
             raise ValueError("a video needs the number of its frame in column frame")
         name, video = self._videos.get(camera, (None, None))
@@ -203,7 +196,7 @@ class PlainLog:
         )
 
     def _sonar(self, row: Row) -> SonarSample:
-        """Return a ping; beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
+        """Read a ping; beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
         name = printable(row["file"], LONGEST_REASON)
         path = Path(os.path.realpath(self._locate(row["file"])))  # of links in a circle, too
         number = int(row.get("ping") or 0)
@@ -245,7 +238,7 @@ class _BadLines:
 
 
 def is_there(path: Path) -> bool:
-    """Return whether something lies at a path; False for a path that no file can have."""
+    """Tell whether something lies at a path; False for a path that no file can have."""
     try:
         return path.exists()
     except (OSError, ValueError):
@@ -253,7 +246,7 @@ def is_there(path: Path) -> bool:
 
 
 def is_file(path: Path) -> bool:
-    """Return whether a file lies at a path, and no pipe, device or folder."""
+    """Tell whether a file lies at a path, and no pipe, device or folder."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -267,9 +260,7 @@ class _LateStampError(ValueError):
 
 
 def unit_of_stamp(value: float) -> str:
-    """Return the name of the unit in which a stamp that is none in seconds would be one; "" where
-    none fits.
-    """
+    """Guess the unit of a stamp that cannot be in seconds; "" where none fits."""
     fits = [name for name, size in UNITS.items() if EARLIEST_S <= value / size <= LATEST_S]
     return f", which look like {fits[0]}" if fits else ""
 
@@ -295,9 +286,7 @@ def _imu(row: Row) -> ImuSample:
 
 
 def _position(row: Row) -> PositionSample:
-    """Return a place by latitude and longitude, or by x and y east and north; an empty one is no
-    fix.
-    """
+    """Read a place: latitude and longitude, or x and y; an empty one is no fix."""
     geographic = "latitude" in row
     names = ("latitude", "longitude", "altitude") if geographic else ("x", "y", "z")
     if not geographic and not {"x", "y"} <= row.keys():
@@ -307,18 +296,18 @@ def _position(row: Row) -> PositionSample:
 
 
 def _window(row: Row) -> tuple[float, float] | None:
-    """Return where a DIDSON's samples begin and end; None where the row has neither."""
+    """Read where a DIDSON's samples begin and end; None where the row has neither."""
     near, far = ((row.get(name) or "").strip() for name in WINDOW)
     return (_number(near), _number(far)) if near or far else None
 
 
 def _number(value: str, lost: bool = False) -> float:
-    """Return a cell's number; an empty one is a lost value where that may be."""
+    """Read a cell's number; an empty one is a lost value where that may be."""
     return float("nan") if lost and not (value or "").strip() else float(value)
 
 
 def _ns(row: Row) -> int:
-    """Return nanoseconds of seconds since 1970, exact to the digits written."""
+    """Read seconds since 1970 as nanoseconds, exact to the digits written."""
     seconds = float(row["t"])
     if seconds > LATEST_S:
         raise _LateStampError(seconds)

@@ -11,19 +11,19 @@ from typing import Protocol
 
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.samples import Sample
+from hullrecon.findings.finding import Finding
 
 
 @dataclass(frozen=True)
 class Channel:
-    """One topic of a log. encoding: "cdr", "ros1", or "sample" where messages hold samples already,
-    as those of every log with `gives_samples` do; any other is listed but not decoded. definition:
-    the type's text as the log carries it, "" where it does not.
-    """
+    """One topic of a log."""
 
     topic: str
     type: str
+    # "cdr", "ros1", or "sample" where messages hold samples already, as those of every log with
+    # `gives_samples` do; any other is listed but not decoded
     encoding: str
-    definition: str = ""
+    definition: str = ""  # the type's text as the log carries it, "" where it does not
     definition_format: str = "ros2msg"
 
     def __post_init__(self) -> None:
@@ -34,27 +34,22 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """t_ns: when it was logged. data: the serialised bytes, or the sample itself where the
-    channel's encoding says so.
-    """
+    """One message of a log."""
 
     channel: Channel
-    t_ns: int
-    data: bytes | Sample
+    t_ns: int  # when it was logged
+    data: bytes | Sample  # serialised, or the sample where the channel's encoding is "sample"
 
 
 @dataclass(frozen=True)
 class Loss:
-    """A part of a log that could not be read. topic "": every topic may be touched. start_ns,
-    end_ns: its span in log time, None where unknown (the start of the log, its end). messages: how
-    many are gone, None where nobody can tell.
-    """
+    """A part of a log that could not be read."""
 
     why: str
-    topic: str = ""
-    start_ns: int | None = None
-    end_ns: int | None = None
-    messages: int | None = None
+    topic: str = ""  # "": every topic may be touched
+    start_ns: int | None = None  # in log time; None where unknown: the start of the log
+    end_ns: int | None = None  # None where unknown: its end
+    messages: int | None = None  # how many are gone; None where nobody can tell
 
 
 class Log(Protocol):
@@ -63,7 +58,7 @@ class Log(Protocol):
     path: Path
     kind: str  # its name, "MCAP"
     gives_samples: bool  # its messages are samples of known sensors: no topics apply
-    remarks: list[str]  # what a reader should know; filled while reading
+    notes: list[Finding]  # what was assumed or is missing; filled while reading
 
     def messages(self) -> Iterator[Message]:
         """Yield every whole message, in the order of the file. Raises HullreconError only."""

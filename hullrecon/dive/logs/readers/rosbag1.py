@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""ROS 1 bags, chunk by chunk: by the index at the end, or from the start when the bag was cut
-short.
-"""
+"""ROS 1 bags, chunk by chunk: by the index at the end, or from the start of a bag cut short."""
 
 from __future__ import annotations
 
@@ -22,10 +20,11 @@ from hullrecon.dive.logs.formats.bag_records import (
     parse_head,
     read_index,
     record,
-)  # fmt: skip
+)
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Message
 from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget
+from hullrecon.findings.finding import Finding
 
 OP_CHUNK = b"\x04\x00\x00\x00op=\x05"
 HEAD_REACH = 64  # a chunk's head starts at most so many bytes before its `op` field
@@ -34,13 +33,10 @@ LIKE_A_LENGTH = re.compile(rb"(?=[\x09-\xff]\x00\x00\x00)", re.DOTALL)  # of a c
 BLOCK = 1 << 20
 # times the file's size: so much of chunks that turn out damaged is read before the rest is given up
 PATIENCE = 4
-NO_CHECKSUM = "chunks of the bag carry no checksum: damage inside them may go unseen"
 
 
 class Rosbag1Log(FileLog):
-    """A bag has no checksums (bz2 and most lz4 chunks apart): damage shows where lengths or types
-    no longer fit.
-    """
+    """A bag. Few chunks have checksums: damage shows where lengths or types no longer fit."""
 
     kind = "ROS 1 bag"
 
@@ -50,14 +46,12 @@ class Rosbag1Log(FileLog):
         with self.path.open("rb") as stream:
             notes = read_index(stream, size, connections)
             if notes is None:
-                self.remarks.append(
-                    "the bag has no usable index (was its recording cut short?): it was read from its start"
-                )
+                self.notes.append(Finding("bag-no-index"))
                 yield from self._from_start(stream, size, connections, budget)
             else:
                 yield from self._by_index(stream, size, connections, notes, budget)
         if connections.unchecked:
-            self.remarks.append(NO_CHECKSUM)
+            self.notes.append(Finding("bag-no-checksum"))
         self._tracker.count_lost(
             "they belong to topics whose definition was lost", connections.unknown
         )
@@ -118,11 +112,10 @@ class Rosbag1Log(FileLog):
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Return the first byte at or after `start` where a chunk's head lies whose data fits into the
-    file; `size` when there is none.
+    """Find the next chunk, from `start` on, whose data fits into the file; `size` without any.
 
-    Only heads are looked at: data that is read for each head that looks like one would take the
-    square of the file.
+    Only heads are looked at: reading data for each head that looks like one would take the square
+    of the file.
     """
     at = start
     while at < size:

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A ROS 2 folder: its storage files, MCAP or SQLite, one after the other, with or without
-metadata.yaml.
-"""
+"""A ROS 2 folder: its storage files, MCAP or SQLite, in order, with or without metadata.yaml."""
 
 from __future__ import annotations
 
@@ -11,39 +9,35 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from hullrecon.dive.config.calibration import read_yaml
+from hullrecon.dive.config.yaml_files import read_yaml
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.protocol import Log, Loss, Message
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.dive.logs.readers.unpack import DamagedError, UnpackBudget, printable, unpack_frame
 from hullrecon.errors import HullreconError, InputError
+from hullrecon.findings.finding import Finding
 
 METADATA = "metadata.yaml"
 STORAGE: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".db3": SqliteLog}
 LARGEST_METADATA = 1 << 18  # bytes; a topic has some 400
 MOST_MESSAGES = 1 << 63  # a recorder's integers; those of YAML may have thousands of digits
-BY_NAME = "the folder's files were read by name"
 
 
 class Rosbag2Log:
-    """Files in the order of the metadata; files that it does not name (a recording that was cut
-    short) follow by name.
-    """
+    """Files in the order of the metadata, then by name those of a recording that was cut short."""
 
     kind = "ROS 2 folder"
     gives_samples = False
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.remarks: list[str] = []
+        self.notes: list[Finding] = []
         self._losses: list[Loss] = []
 
     def messages(self) -> Iterator[Message]:
-        """Yield every whole message of the folder's files. Raises InputError for a folder that
-        cannot be read at all.
-        """
-        self.remarks, self._losses = [], []
+        """Yield every whole message of the folder's files; InputError where none can be read."""
+        self.notes, self._losses = [], []
         seen: Counter[str] = Counter()
         info = self._metadata()
         for log in self._parts(info):
@@ -55,7 +49,7 @@ class Rosbag2Log:
             except HullreconError as error:
                 self._losses.append(Loss(error.what))
             self._losses += log.losses()
-            self.remarks += [f"{printable(log.path.name)}: {remark}" for remark in log.remarks]
+            self.notes += [note.inside(printable(log.path.name)) for note in log.notes]
         self._losses += [
             Loss(
                 f"{METADATA} counts more of them than could be read",
@@ -100,7 +94,7 @@ class Rosbag2Log:
         return False
 
     def _metadata(self) -> _Metadata:
-        """Return what metadata.yaml holds; nothing, with a remark, when it is missing or damaged."""
+        """Read metadata.yaml; nothing, with a note, when it is missing or damaged."""
         path = self.path / METADATA
         try:
             if path.exists():
@@ -108,29 +102,26 @@ class Rosbag2Log:
                 _refuse_bombs(path)
             table = read_yaml(path)
         except HullreconError as error:
-            self.remarks.append(f"{error.what}; {BY_NAME}")
+            self.notes.append(Finding("folder-by-name", {"why": error.what}))
             return _Metadata()
         except Exception as error:  # the parser fails in a dozen ways over a half-written file
-            self.remarks.append(f"{METADATA} cannot be read: {type(error).__name__}; {BY_NAME}")
+            why = f"{METADATA} cannot be read: {type(error).__name__}"
+            self.notes.append(Finding("folder-by-name", {"why": why}))
             return _Metadata()
         return _parse(table.get("rosbag2_bagfile_information"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Metadata:
-    """compression: "", "FILE" or "MESSAGE"; files in their order, each once; counts of messages by
-    topic.
-    """
+    """What metadata.yaml tells."""
 
-    compression: str = ""
-    files: tuple[str, ...] = ()
-    counts: Mapping[str, int] = field(default_factory=dict)
+    compression: str = ""  # "", "FILE" or "MESSAGE"
+    files: tuple[str, ...] = ()  # in their order, each once
+    counts: Mapping[str, int] = field(default_factory=dict)  # messages by topic
 
 
 def _parse(info: object) -> _Metadata:
-    """Return what is there in the shape that it should have; a half-written file has the rest in
-    none.
-    """
+    """Take what has its proper shape: a half-written file lacks the rest."""
     table = info if isinstance(info, Mapping) else {}
     mode, files, topics = (
         table.get(k)
@@ -156,14 +147,12 @@ def _parse(info: object) -> _Metadata:
 
 
 def _lost_messages(counted: int, read: int) -> int | None:
-    """Return how many messages are missing; None where what was counted is no number of messages."""
+    """Count missing messages; None where what was counted is no number of messages."""
     return counted - read if counted < MOST_MESSAGES else None
 
 
 def _refuse_bombs(path: Path) -> None:
-    """Raise InputError for a file that YAML could blow up: too long, or with merges of aliases.
-    Recorders write neither.
-    """
+    """Raise InputError for a file that is too long or merges aliases: recorders write neither."""
     size = path.stat().st_size
     if size > LARGEST_METADATA:
         raise InputError(f"{METADATA} has {size} bytes")
@@ -179,9 +168,7 @@ class _MessageUnpacker:
         self._budget = UnpackBudget(path.stat().st_size)
 
     def unpack(self, message: Message) -> Message:
-        """Return the message unpacked; as it is when that fails: the decoder will say that it is
-        damaged.
-        """
+        """Unpack a message; where that fails the decoder will find it damaged."""
         if not isinstance(message.data, bytes):
             return message
         try:

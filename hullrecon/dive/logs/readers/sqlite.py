@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The .db3 files of rosbag2, row by row, with the write-ahead log that a recorder which was cut
-short leaves beside them.
-"""
+"""The .db3 files of rosbag2, row by row, with the write-ahead log of an unfinished recording."""
 
 from __future__ import annotations
 
@@ -12,15 +10,14 @@ from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from hullrecon.dive.logs.formats.db3_tables import READ_ERRORS, Database
-from hullrecon.dive.logs.formats.sqlite_wal import describe_damage
+from hullrecon.dive.logs.formats.db3_tables import READ_ERRORS, Database, describe_damage
 from hullrecon.dive.logs.readers.file_log import FileLog, require_regular_file
 from hullrecon.dive.logs.readers.protocol import Message
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 
 MAGIC = b"SQLite format 3\0"
-NO_CHECKSUM = "the database carries no checksums: damage inside its messages may go unseen"
 
 
 class SqliteLog(FileLog):
@@ -54,10 +51,8 @@ class SqliteLog(FileLog):
                 f"the database is cut off: {missing} bytes of its pages are missing"
             )
         if self.path.with_name(f"{self.path.name}-journal").is_file():
-            self.remarks.append(
-                "a journal lies beside the database: its last transaction was not finished"
-            )
-        self.remarks.append(NO_CHECKSUM)
+            self.notes.append(Finding("database-journal"))
+        self.notes.append(Finding("database-no-checksum"))
         self._tracker.finish()
 
     def _messages(self, database: Database) -> Iterator[Message]:
@@ -75,13 +70,10 @@ class SqliteLog(FileLog):
         )
         self._tracker.count_lost("they belong to no topic of the database", foreign)
         if database.skipped:
-            self.remarks.append(
-                f"{database.skipped} row numbers are missing: rows were deleted, or lost by damage"
-            )
+            self.notes.append(Finding("database-rows-missing", {"count": database.skipped}))
 
     def _merge(self, stack: ExitStack) -> Path | None:
-        """Return a copy of database and write-ahead log that SQLite may merge; None where there is
-        no such log.
+        """Copy database and write-ahead log for SQLite to merge; None where there is no such log.
 
         SQLite reads a write-ahead log only where it may write beside it, and the package is not
         written to.
@@ -104,17 +96,17 @@ class SqliteLog(FileLog):
             self._tracker.add_loss(
                 f"the write-ahead log beside the database is not whole: {damage}", 0, 0
             )
-        self.remarks.append("the write-ahead log beside the database was read with it")
+        self.notes.append(Finding("database-wal"))
         return copy
 
 
 def write_ahead_log(path: Path) -> Path:
-    """Return where the write-ahead log of a database lies, if it has one."""
+    """Return the path of a database's write-ahead log."""
     return path.with_name(f"{path.name}-wal")
 
 
 def bytes_missing(path: Path) -> int:
-    """Return how many bytes the file is shorter than its header says."""
+    """Count the bytes by which a file is shorter than its header says."""
     with path.open("rb") as stream:
         head = stream.read(32)
     if len(head) < 32:

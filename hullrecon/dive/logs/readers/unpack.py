@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decompression, headers and text of damaged files: what is wrong with the bytes comes back as one
-error, `DamagedError`.
-"""
+"""Decompression, headers and text of damaged files; what is wrong is one error, `DamagedError`."""
 
 from __future__ import annotations
 
@@ -30,9 +28,7 @@ class DamagedError(ValueError):
 
 
 class UnpackBudget:
-    """How many bytes a log of a given size may still unpack to; a few kilobytes must not become
-    hours of work.
-    """
+    """Limits what a log of a given size unpacks to: kilobytes must not become hours of work."""
 
     def __init__(self, size: int) -> None:
         self._left = FREE_BYTES + RATIO * size
@@ -47,8 +43,9 @@ class UnpackBudget:
 
 
 def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = None) -> bytes:
-    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4", "bz2" or "zlib";
-    DamagedError when they are not there, or not whole.
+    """Unpack a chunk packed as "", "none", "zstd", "lz4", "bz2" or "zlib" to `size` bytes.
+
+    Raises DamagedError when they are not there, or not whole.
     """
     if size > LARGEST_CHUNK:
         raise DamagedError(f"it claims {size} bytes")
@@ -74,7 +71,7 @@ def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = N
 
 
 def unpack_frame(data: bytes, budget: UnpackBudget) -> bytes:
-    """Return what one zstd frame holds. Raises DamagedError."""
+    """Unpack one zstd frame. Raises DamagedError."""
     import zstandard
 
     try:
@@ -91,7 +88,7 @@ def unpack_frame(data: bytes, budget: UnpackBudget) -> bytes:
 
 
 def text(data: bytes) -> str:
-    """Return a name; DamagedError when it is not UTF-8."""
+    """Decode a name; DamagedError when it is not UTF-8."""
     try:
         return data.decode()
     except UnicodeDecodeError:
@@ -99,9 +96,7 @@ def text(data: bytes) -> str:
 
 
 def printable(name: str, longest: int = LONGEST_NAME) -> str:
-    """Return a name as one line that a terminal shows and does not obey: what is no printable
-    character is escaped.
-    """
+    """Escape what is not printable: a name is shown on one line and never obeyed."""
     shown = (
         name
         if name.isprintable()
@@ -111,7 +106,7 @@ def printable(name: str, longest: int = LONGEST_NAME) -> str:
 
 
 def fields(layout: str, data: bytes, offset: int = 0) -> tuple[int, ...]:
-    """Unpack fields as struct.unpack_from does; raises DamagedError when the bytes end too early."""
+    """Unpack fields as struct.unpack_from does; DamagedError when the bytes end too early."""
     try:
         return struct.unpack_from(layout, data, offset)
     except struct.error:
@@ -144,9 +139,7 @@ class _Decompressor(Protocol):
 
 
 def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
-    """Read to the end, where the stream's own checksum stands: what does not reach it was not
-    checked.
-    """
+    """Unpack to the end, where the stream's own checksum stands."""
     out = bytes(decompressor.decompress(data, size + 1))
     if len(out) == size and not decompressor.eof:
         raise DamagedError("it is cut off before its checksum")
@@ -155,19 +148,18 @@ def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
 
 @dataclass(frozen=True)
 class HeaderMark:
-    """How a header is known. magic: bytes that stand `magic_at` bytes behind its start; parse:
-    raises DamagedError for none.
-    """
+    """How a header is known."""
 
     magic: bytes
-    magic_at: int
+    magic_at: int  # bytes behind the header's start
     header_bytes: int
-    parse: Callable[[bytes], object]
+    parse: Callable[[bytes], object]  # raises DamagedError for what is no header
 
 
 def find_header(stream: BinaryIO, at: int, end: int, window: int, mark: HeaderMark) -> int:
-    """Return where the next header begins, from a byte on, or `end`. window: bytes to read at a
-    time, at most.
+    """Find where the next header begins, from byte `at` on, or `end`.
+
+    window: bytes to read at a time, at most.
     """
     step = min(FIRST_STEP, window)
     while at < end:

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a DVL of Water Linked sends over TCP, kept line by line in a file: velocity with ranges, and
-the DVL's own attitude.
+"""The JSON lines that a Water Linked DVL sends over TCP: velocity with ranges, its own attitude.
 
 Protocol: [WaterLinkedJSON], json_v3 (before it, reports had no time). Axes: x forward, y right, z
 out of the transducers; velocities are turned by the mounting rotation offset, ranges are those of
@@ -11,20 +10,25 @@ the DVL was started: by its gyroscope, not a compass.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import BinaryIO
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.formats.json_reports import Report, number_of, read_reports
 from hullrecon.dive.logs.messages.velocity import FIGURE_OF_MERIT_LIMIT
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import DvlSample, ImuSample
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 from hullrecon.typing import Array
 
+LONGEST_LINE = 1 << 16  # bytes; a report of four beams has 1,100
+LARGEST = 10**18  # microseconds since 1970 have sixteen digits
+Report = Mapping[str, object]
 # one of them stands in the first report
 MARKS = (b'"transducers"', b'"position_local"', b'"response_to"')
 START_BYTES = 4096
@@ -33,6 +37,41 @@ VELOCITY, ATTITUDE = (Channel(sensor, "Water Linked JSON", "sample") for sensor 
 LOST = np.full(3, np.nan)
 NS_PER_US = 1000
 MOST_BEAMS = 8
+
+
+def read_reports(stream: BinaryIO) -> Iterator[tuple[int, Report | None]]:
+    """Yield line numbers and JSON objects; None for a line that is too long or holds none."""
+    number = 0
+    while line := stream.readline(LONGEST_LINE):
+        number += 1
+        whole = len(line) < LONGEST_LINE or line.endswith(b"\n")
+        while not whole and (piece := stream.readline(LONGEST_LINE)):
+            whole = piece.endswith(b"\n")
+            line = b""  # too long to be kept
+        if line.strip():
+            yield number, _parse(line)
+        elif not line:
+            yield number, None
+
+
+def number_of(report: Report, key: str) -> float:
+    """Read a finite number of a report. Raises DamagedError where there is none."""
+    value = report.get(key)
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | float)
+        or not -LARGEST <= value <= LARGEST
+    ):
+        raise DamagedError(f"{key} is no number")
+    return float(value)
+
+
+def _parse(line: bytes) -> Report | None:
+    try:
+        found = json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) else None
 
 
 class WaterLinkedLog(FileLog):
@@ -64,18 +103,18 @@ class WaterLinkedLog(FileLog):
                     self._tracker.open_gap(f"line {number} cannot be read: {error}")
         if timeless and not self._tracker.seen:
             raise InputError(
-                f"{printable(self.path.name)}: its {timeless} reports carry no time_of_validity (older than json_v3)",
+                f"{printable(self.path.name)}: its {timeless} reports carry no time_of_validity "
+                "(older than json_v3)",
                 where=printable(str(self.path.parent)),
-                remedy="update the DVL's software (2.1 or later), or log it through a driver that stamps its reports",
+                remedy="update the DVL's software (2.1 or later), or log it through a driver that "
+                "stamps its reports",
             )
         self._tracker.finish()
-        self.remarks += describe(timeless, offset_deg)
+        self.notes += describe(timeless, offset_deg)
 
 
 def is_water_linked(start: bytes) -> bool:
-    """Return whether a file that begins so holds such reports, one a line: other JSON lies in many
-    folders.
-    """
+    """Tell whether a file holds such reports, one a line: other JSON lies in many folders."""
     return (
         holds_reports(start)
         and start.lstrip().startswith(b"{")
@@ -84,35 +123,25 @@ def is_water_linked(start: bytes) -> bool:
 
 
 def holds_reports(start: bytes) -> bool:
-    """Return whether a file that begins so holds such reports, one a line or as somebody rewrote
-    them: a list, indented.
-    """
+    """Tell whether a file holds such reports, one a line or rewritten as an indented list."""
     return start.lstrip()[:1] in (b"{", b"[") and any(mark in start for mark in MARKS)
 
 
-def describe(timeless: int, offset_deg: float | None) -> list[str]:
-    """Return a sentence for what the reports of a file lack; offset_deg: None where its
-    configuration was not logged.
+def describe(timeless: int, offset_deg: float | None) -> list[Finding]:
+    """Tell what the reports of a file lack.
+
+    offset_deg: mounting rotation offset; None where the configuration was not logged.
     """
-    out = []
-    if timeless:
-        out.append(
-            f"{timeless} reports have no time_of_validity (a protocol older than json_v3): they cannot be used"
-        )
-    if offset_deg:
-        out.append(
-            f"velocities were turned by the DVL's mounting rotation offset of {offset_deg:g} degrees, its ranges were not: "
-            "add it to each of dvl.beam_azimuth_deg"
-        )
+    out = [Finding("water-linked-timeless", {"count": timeless})] if timeless else []
     if offset_deg is None:
-        out.append(
-            "its mounting rotation offset is not in the file: where it is not 0, add it to each of dvl.beam_azimuth_deg"
-        )
+        out.append(Finding("water-linked-no-offset"))
+    elif offset_deg:
+        out.append(Finding("water-linked-offset", {"degrees": offset_deg}))
     return out
 
 
 def to_velocity(report: Report) -> DvlSample:
-    """Return velocity and ranges of a report of type velocity. Raises DamagedError."""
+    """Convert a report of type velocity. Raises DamagedError."""
     is_valid = (
         report.get("velocity_valid") is True and report.get("tracking_mode", "bottom") == "bottom"
     )
@@ -133,14 +162,14 @@ def to_velocity(report: Report) -> DvlSample:
 
 
 def to_attitude(report: Report) -> ImuSample:
-    """Return the attitude of a report of type position_local. Raises DamagedError."""
+    """Convert a report of type position_local. Raises DamagedError."""
     angles = [number_of(report, key) for key in ("yaw", "pitch", "roll")]
     quaternion = Rotation.from_euler("ZYX", angles, degrees=True).as_quat()
     return ImuSample(round(number_of(report, "ts") * 1e9), quaternion, LOST, LOST, of_dvl=True)
 
 
 def _ranges(transducers: object) -> Array:
-    """Return the distances in the order of the transducers' numbers, NaN for one that is not valid."""
+    """Read the distances in the order of the transducers' numbers, NaN for invalid ones."""
     if not isinstance(transducers, Sequence) or len(transducers) > MOST_BEAMS:
         raise DamagedError("it has no list of transducers")
     if not all(isinstance(t, dict) for t in transducers):

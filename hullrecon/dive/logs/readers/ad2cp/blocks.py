@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Nortek AD2CP blocks: where they lie in a file. Each has a header with a checksum of its own and
-one of the data behind it.
+"""Find Nortek AD2CP blocks in a file. A header has a checksum of its own and one of its data.
 
 Layout: Nortek, Signature Integrator's Guide 6.1 [NortekAD2CP].
 """
@@ -27,18 +26,14 @@ WINDOW, REACH = 1 << 20, LARGEST_DATA + LONG  # bytes read at a time; of the lon
 
 @dataclass(frozen=True)
 class Block:
-    """One block whose two checksums hold. kind: the number of its data series; data: what lies
-    behind its header.
-    """
+    """One block whose two checksums hold."""
 
-    kind: int
-    data: bytes
+    kind: int  # the number of its data series
+    data: bytes  # what lies behind its header
 
 
 def is_ad2cp(start: bytes) -> bool:
-    """Return whether a file that begins so starts with a block of this family (Nortek's Nucleus has
-    another).
-    """
+    """Tell whether a file starts with a block of this family (Nortek's Nucleus has another)."""
     return (
         len(start) >= SHORT
         and start[0] == SYNC
@@ -48,9 +43,7 @@ def is_ad2cp(start: bytes) -> bool:
 
 
 def blocks(stream: BinaryIO) -> Iterator[tuple[int, int, Block | str]]:
-    """Yield (start, end, block) where both checksums hold, between them (start, end, why) of bytes
-    of no whole block.
-    """
+    """Yield (start, end, block), and (start, end, why) of bytes of no block between them."""
     at = bad = 0
     why = ""
     while True:
@@ -81,7 +74,7 @@ def blocks(stream: BinaryIO) -> Iterator[tuple[int, int, Block | str]]:
 
 
 def checksum(data: bytes) -> int:
-    """Return Nortek's sum of 16-bit words; an odd last byte is the high half of a word."""
+    """Compute Nortek's checksum of 16-bit words; an odd last byte is the high half of a word."""
     values = np.frombuffer(data, np.uint8)
     return (
         int(
@@ -95,16 +88,14 @@ def checksum(data: bytes) -> int:
 
 
 def _odd(data: bytes) -> int:
-    """Return what the last byte of an odd number of them counts more than as the low half of a
-    word.
-    """
+    """Correct a sum of an odd number of bytes: the last one counts as the high half of a word."""
     return 255 * data[-1] if len(data) % 2 else 0
 
 
 def _whole_blocks(data: bytes) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the starts and ends of all that has a block's header, length and both checksums.
+    """Find starts and ends of all that has a block's header, length and both checksums.
 
-    Sums of stretches are differences of two running sums: each byte is added once, however many
+    Sums over blocks are differences of two running sums: each byte is added once, however many
     headers claim it.
     """
     sums = _RunningSums(data)
@@ -135,9 +126,7 @@ class _RunningSums:
         self.running = np.cumsum(every, axis=1)
 
     def headers(self, size: int) -> NDArray[np.int64]:
-        """Return where sync, header size and family of a header of that size stand, with room for
-        it.
-        """
+        """Find where a header of that size may begin, by its sync, size and family."""
         v = self.values
         if len(v) < size:
             return np.zeros(0, np.int64)
@@ -147,11 +136,11 @@ class _RunningSums:
         ).astype(np.int64)
 
     def word(self, at: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the 16-bit words at these bytes."""
+        """Read the 16-bit words at these bytes."""
         return self.values[at] + 256 * self.values[at + 1]
 
     def total(self, start: NDArray[np.int64], end: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the checksum of each stretch."""
+        """Compute the checksum from each start to its end."""
         parity = start % 2
         low = self.running[parity, end] - self.running[parity, start]
         high = self.running[1 - parity, end] - self.running[1 - parity, start]
@@ -160,7 +149,7 @@ class _RunningSums:
 
 
 def _why_none(data: bytes, at: int) -> str:
-    """Return why no whole block starts at a byte."""
+    """Explain why no whole block starts at a byte."""
     try:
         sync, size, _, family = fields("<4B", data, at)
         if sync != SYNC or size not in (SHORT, LONG):

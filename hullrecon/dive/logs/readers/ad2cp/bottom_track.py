@@ -44,29 +44,22 @@ LOST = np.full(3, np.nan)
 
 @dataclass(frozen=True, kw_only=True)
 class BottomTrack:
-    """One ping in SI units; NaN where it is lost or was not measured.
-
-    frame: of the velocity of the instrument over ground, one of FRAMES. velocity: m/s, (3,) in
-    "xyz" and "enu", one a beam in "beam", positive where the beam closes in on the ground. beams:
-    number of each, as the instrument numbers them. distance_m (4,): along z to where each beam
-    meets the ground; empty in DF20. sigma: m/s. angles_rad (3,): heading, pitch, roll. orientation:
-    which axis the angles are of (Z_UP ...).
-    """
+    """One ping in SI units; NaN where it is lost or was not measured."""
 
     t_ns: int
-    frame: str
+    frame: str  # of the velocity, one of FRAMES
+    # m/s, of the instrument over ground: (3,) in "xyz" and "enu"; one a beam in "beam", positive
+    # where the beam closes in on the ground
     velocity: Array
-    beams: tuple[int, ...]
-    distance_m: Array
-    sigma: float
-    angles_rad: Array
-    orientation: int
+    beams: tuple[int, ...]  # number of each, as the instrument numbers them
+    distance_m: Array  # (4,) along z to where each beam meets the ground; empty in DF20
+    sigma: float  # m/s
+    angles_rad: Array  # (3,) heading, pitch, roll
+    orientation: int  # which axis the angles are of (Z_UP ...)
 
 
 def parse(kind: int, data: bytes) -> BottomTrack:
-    """Parse the data of a block of one of KINDS. Raises DamagedError for any other, and where they
-    are not what it has.
-    """
+    """Parse the data of a block of one of KINDS; DamagedError for any other or damaged data."""
     if kind not in KINDS:
         raise DamagedError(f"blocks of kind {kind:#04x} are not read as bottom tracks")
     version, start = fields("<BB", data)
@@ -146,22 +139,18 @@ def _has_angles(config: int) -> bool:
 
 
 def _vector(values: Array, tracked: Array) -> Array:
-    """Return (3,) of a velocity that comes with one z, or with two of different beams; a lost beam
-    is in all of them.
-    """
+    """Average the z of different beams of a velocity; a lost beam spoils all of it."""
     return np.array([*values[:2], values[2:].mean()]) if tracked.all() else LOST
 
 
 def _mean(values: Array) -> float:
-    """Return the mean of those that are not lost; NaN of none."""
+    """Average the values that are not lost; NaN of none."""
     good = values[np.isfinite(values)]
     return float(good.mean()) if len(good) else float("nan")
 
 
 def _clock(stamp: tuple[int, ...]) -> int:
-    """Return the instrument's clock as UTC: years since 1900, months from 0, the last in 100
-    microseconds.
-    """
+    """Read the instrument's clock as UTC: years since 1900, months from 0, last units of 100 us."""
     year, month, *rest, ticks = stamp
     try:
         whole = datetime(1900 + year, 1 + month, *rest, tzinfo=UTC)  # type: ignore[arg-type,misc]
@@ -174,12 +163,10 @@ def _clock(stamp: tuple[int, ...]) -> int:
 
 @dataclass(frozen=True)
 class Kind:
-    """How a kind of record is called, and what parses its data from the byte on at which its values
-    start.
-    """
+    """A kind of record."""
 
     name: str
-    parse: Callable[[bytes, int], BottomTrack]
+    parse: Callable[[bytes, int], BottomTrack]  # of its data and the byte where its values start
 
 
 # of bottom tracks, by the blocks' kind

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A Nortek .ad2cp file as a DVL: every bottom track in the frame `dvl`, and the attitude by the
-instrument's own sensors.
+"""A Nortek .ad2cp file as a DVL: bottom tracks in the frame `dvl`, attitude by its own sensors.
 
 `dvl` of an AD2CP file are Nortek's axes: z out of the transducers, x and y as marked on the
 housing.
@@ -9,25 +8,60 @@ housing.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.readers.ad2cp import bottom_track as tracks
-from hullrecon.dive.logs.readers.ad2cp.beam_list import directions, read_beams, velocity_from_beams
 from hullrecon.dive.logs.readers.ad2cp.blocks import Block, blocks
 from hullrecon.dive.logs.readers.ad2cp.bottom_track import BottomTrack
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import DvlSample, ImuSample
+from hullrecon.findings.finding import Finding
 from hullrecon.typing import Array
 
+# THETA: degrees off z; PHI: degrees about z from x towards y.
+BEAM = re.compile(
+    rb"^BEAMCFGLIST,BEAM=([1-9]),THETA=(\d{1,3}\.?\d{0,6}),PHI=(-?\d{1,3}\.?\d{0,6}),", re.MULTILINE
+)
+FARTHEST_DEG = 60.0  # a beam that leaves the axis by more is a damaged number
+# smallest singular value of directions that still make a velocity of three components
+FLATTEST = 0.05
 CHANNEL, ATTITUDE = (Channel(sensor, "Nortek AD2CP", "sample") for sensor in ("dvl", "imu"))
 NED_FROM_ENU = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 TURNED_OVER = np.diag([1.0, -1.0, -1.0])
+
+
+def read_beams(text: bytes) -> dict[int, Array]:
+    """Read unit vectors (3,) by the beams' numbers from a configuration."""
+    found = ((int(number), float(theta), float(phi)) for number, theta, phi in BEAM.findall(text))
+    return {
+        number: tilted_beams(theta, [phi])[0]
+        for number, theta, phi in found
+        if theta <= FARTHEST_DEG and abs(phi) <= 360
+    }
+
+
+def directions(beams: Mapping[int, Array], numbers: Sequence[int]) -> Array | None:
+    """Stack the beams (n, 3) of these numbers; None where one is not described."""
+    return np.array([beams[n] for n in numbers]) if all(n in beams for n in numbers) else None
+
+
+def velocity_from_beams(closing: Array, units: Array) -> Array:
+    """Solve for the velocity (3,) m/s whose parts along units (n, 3) are `closing` (n,).
+
+    Least squares; NaN with less than three beams left, or with beams that leave a direction open.
+    """
+    good = np.isfinite(closing)
+    if np.count_nonzero(good) < 3 or np.linalg.svd(units[good], compute_uv=False)[-1] < FLATTEST:
+        return np.full(3, np.nan)
+    return np.asarray(np.linalg.lstsq(units[good], closing[good], rcond=None)[0])
 
 
 class Ad2cpLog(FileLog):
@@ -52,12 +86,12 @@ class Ad2cpLog(FileLog):
                 else:
                     seen["water track" if found.kind == tracks.WATER_TRACK else "other"] += 1
         self._tracker.finish()
-        self.remarks += describe(seen)
+        self.notes += describe(seen)
 
     def _pings(
         self, block: Block, start: int, beams: dict[int, Array], seen: Counter[str]
     ) -> Iterator[Message]:
-        """Yield the readings of one record, or the loss of it; what was met is counted in `seen`."""
+        """Yield the readings of one record, or note its loss; count in `seen` what was met."""
         try:
             ping = tracks.parse(block.kind, block.data)
         except DamagedError as error:
@@ -78,8 +112,9 @@ class Ad2cpLog(FileLog):
 
 
 def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None) -> DvlSample:
-    """Return velocity and distances along z. units (n, 3): of the beams, None where the file does
-    not describe them.
+    """Convert a bottom track to velocity and distances along z.
+
+    units (n, 3): of the beams; None where the file does not describe them.
     """
     velocity = ping.velocity
     if ping.frame == "beam":
@@ -90,9 +125,7 @@ def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None
 
 
 def enu_from_dvl(ping: BottomTrack) -> Array | None:
-    """Return east, north, up of the axes of `dvl` (3, 3), by the angles of the record; None where
-    it has none of z.
-    """
+    """Build the rotation (3, 3) from `dvl` to east, north, up; None without angles of z."""
     if not np.isfinite(ping.angles_rad).all() or ping.orientation not in (
         tracks.Z_UP,
         tracks.Z_DOWN,
@@ -105,7 +138,7 @@ def enu_from_dvl(ping: BottomTrack) -> Array | None:
 
 
 def attitude(t_ns: int, turn: Array) -> ImuSample:
-    """Return the attitude of the frame `dvl` in north-east-down. turn: that of enu_from_dvl."""
+    """Convert the rotation of enu_from_dvl to an attitude of `dvl` in north-east-down."""
     return ImuSample(
         t_ns,
         Rotation.from_matrix(NED_FROM_ENU @ turn).as_quat(),
@@ -115,35 +148,16 @@ def attitude(t_ns: int, turn: Array) -> ImuSample:
     )
 
 
-def describe(seen: Counter[str]) -> list[str]:
-    """Return sentences: what a file lacks, what was left aside, what was assumed."""
-    out = []
-    if seen["bottom track"] and not seen["tracked"]:
-        out.append("no bottom track of it is valid: it gives no velocity over ground")
-    if not seen["bottom track"]:
-        out.append(
-            "no bottom-track record was read from it (a current profiler's file?): it gives no velocity over ground"
-        )
-    if seen["without beams"]:
-        out.append(
-            f"{seen['without beams']} velocities along the beams were lost: the file does not say where its beams point "
-            "(the configuration at its start is missing); have the instrument write XYZ"
-        )
-    if seen["without attitude"]:
-        out.append(
-            f"{seen['without attitude']} velocities east, north, up were lost: their records have no attitude of the z axis"
-        )
-    if seen["DF20"]:
-        out.append(
-            "distances and figures of merit of its bottom tracks (DF20) were left aside, as no public document says whether "
-            "those are along the beams or along z, and in which unit these are"
-        )
-    if seen["water track"] + seen["other"]:
-        out.append(
-            f"{seen['water track'] + seen['other']} blocks of other kinds were passed over ({seen['water track']} water tracks)"
-        )
-    out.append(
-        "its frame dvl has Nortek's axes (z out of the transducers); its pressure was left aside; the instrument's clock was "
-        "taken as UTC"
-    )
-    return out
+def describe(seen: Counter[str]) -> list[Finding]:
+    """Tell what a file lacks, what was ignored, what was assumed."""
+    others = seen["water track"] + seen["other"]
+    found: list[tuple[object, str, dict[str, object]]] = [
+        (seen["bottom track"] and not seen["tracked"], "ad2cp-not-tracked", {}),
+        (not seen["bottom track"], "ad2cp-no-bottom", {}),
+        (seen["without beams"], "ad2cp-no-beams", {"count": seen["without beams"]}),
+        (seen["without attitude"], "ad2cp-no-attitude", {"count": seen["without attitude"]}),
+        (seen["DF20"], "ad2cp-df20", {}),
+        (others, "ad2cp-others", {"count": others, "water_tracks": seen["water track"]}),
+        (True, "ad2cp-read", {}),
+    ]
+    return [Finding(code, values) for holds, code, values in found if holds]

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""An .oculus file as an imaging sonar: each simple ping is a ping in the frame `sonar` of a sonar
-that stands upright.
-"""
+"""An .oculus file as an imaging sonar: simple pings in the frame `sonar` of an upright sonar."""
 
 from __future__ import annotations
 
@@ -23,14 +21,10 @@ from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, UnpackBudget, printable
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
 
 CHANNEL = Channel("sonar", "Blueprint Oculus", "sample")
 OCULUS = 10  # kind of the items that hold what the sonar sent
-ALWAYS = (
-    "a log of ViewPoint has no checksums; stamps are those of the computer that recorded it, taken as UTC (sonar.time_offset "
-    "corrects its clock); beams are those of a sonar that stands upright (one upside down has roll 180 in sonar.mount); "
-    "heading, tilts and depth in its pings were left aside"
-)
 
 
 class OculusLog(FileLog):
@@ -60,11 +54,11 @@ class OculusLog(FileLog):
                 yield self._tracker.record(Message(CHANNEL, sample.t_ns, sample))
         self._tracker.finish()
         if others:
-            self.remarks.append(f"{others} items were passed over: they hold no ping with an image")
-        self.remarks.append(ALWAYS if pings else "no ping of it could be read")
+            self.notes.append(Finding("oculus-others", {"count": others}))
+        self.notes.append(Finding("oculus-read" if pings else "oculus-empty"))
 
     def _first_item(self, stream: BinaryIO) -> int:
-        """Return where items begin. Raises InputError where they are encrypted."""
+        """Find where items begin. Raises InputError where they are encrypted."""
         try:
             size, is_encrypted = parse_file_header(stream.read(FILE_HEADER_BYTES))
         except DamagedError as error:
@@ -80,9 +74,7 @@ class OculusLog(FileLog):
 
 
 def to_sample(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> SonarSample | None:
-    """Return the ping of an item; None where it holds something else. Raises DamagedError for a
-    damaged one.
-    """
+    """Read the ping of an item; None where it holds something else, else DamagedError."""
     if header.kind != OCULUS:
         return None
     data = unpacked(header, payload, budget)

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Items of an .oculus file, which ViewPoint records: each a header and a payload; where they lie,
-also behind damage.
+"""Find the items of an .oculus file of ViewPoint, also behind damage: each a header and a payload.
 
 Layout: [OculusDriver], little-endian, fields aligned by their size. Each header states its own
 length. Nothing of it has a checksum.
@@ -40,21 +39,20 @@ PATIENCE = 4
 
 @dataclass(frozen=True, kw_only=True)
 class ItemHeader:
-    """What stands before a payload. size: bytes of the header itself; t_ns: by the clock of the
-    computer that recorded it.
-    """
+    """What stands before a payload."""
 
-    size: int
+    size: int  # bytes of the header itself
     kind: int
-    t_ns: int
+    t_ns: int  # by the clock of the computer that recorded it
     is_packed: bool
     original_bytes: int
     payload_bytes: int
 
 
 def parse_file_header(data: bytes) -> tuple[int, bool]:
-    """Return how long the file's header is, and whether what follows is encrypted. Raises
-    DamagedError where it is none.
+    """Read how long the file's header is, and whether what follows is encrypted.
+
+    Raises DamagedError where it is no header.
     """
     if data[: len(MAGIC)] != MAGIC:
         raise DamagedError("no log of ViewPoint begins there")
@@ -65,9 +63,7 @@ def parse_file_header(data: bytes) -> tuple[int, bool]:
 
 
 def parse_item_header(data: bytes) -> ItemHeader:
-    """Return what an item's header says. Raises DamagedError where it is none, or says what
-    ViewPoint does not write.
-    """
+    """Read an item's header. Raises DamagedError where it says what ViewPoint does not write."""
     if data[: len(ITEM_MAGIC)] != ITEM_MAGIC:
         raise DamagedError("no item begins there")
     _, size, kind, _, time_s, compression, original, payload, _ = fields(ITEM_HEADER, data)
@@ -92,8 +88,7 @@ def parse_item_header(data: bytes) -> ItemHeader:
 def items(
     stream: BinaryIO, at: int, budget: UnpackBudget
 ) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
-    """Yield (start, end, header and payload as stored) from a byte on, between them (start, end,
-    why) of bytes that hold no whole item.
+    """Yield (start, end, header and payload) of items, and (start, end, why) of bytes between them.
 
     An item counts whose bytes end where another begins or the file does, or that holds one whole
     message of an Oculus. False headers may each claim the rest of the file; PATIENCE bounds what is
@@ -120,9 +115,7 @@ def items(
 
 
 def unpacked(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bytes:
-    """Return the payload as it was before it was packed. Raises DamagedError where it does not
-    unpack to what is stated, and beyond the log's budget.
-    """
+    """Unpack a payload; DamagedError for one of another size, and beyond the log's budget."""
     return (
         decompress(payload[4:], "zlib", header.original_bytes, budget)
         if header.is_packed
@@ -131,7 +124,7 @@ def unpacked(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bytes:
 
 
 def _header_at(stream: BinaryIO, at: int, end: int) -> ItemHeader:
-    """Return the header at a byte of the file, whose payload lies in the file."""
+    """Read the header at a byte, whose payload lies in the file."""
     stream.seek(at)
     header = parse_item_header(stream.read(ITEM_HEADER_BYTES))
     if at + header.size + header.payload_bytes > end:
@@ -140,7 +133,7 @@ def _header_at(stream: BinaryIO, at: int, end: int) -> ItemHeader:
 
 
 def _payload_at(stream: BinaryIO, at: int, header: ItemHeader, budget: UnpackBudget) -> bytes:
-    """Return the payload at a byte of the file."""
+    """Read the payload at a byte of the file."""
     stream.seek(at)
     payload = stream.read(header.payload_bytes)
     following = stream.read(len(ITEM_MAGIC))
@@ -150,7 +143,7 @@ def _payload_at(stream: BinaryIO, at: int, header: ItemHeader, budget: UnpackBud
 
 
 def _is_whole_message(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bool:
-    """Return whether a payload is as long as the message in it says."""
+    """Tell whether a payload is as long as the message in it says."""
     try:
         data = unpacked(header, payload, budget)
         return message_bytes(data) == len(data)

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Frames of an .aris file (DDF_05): each a header of 1024 bytes and an image; where they lie, also
-behind damage.
+"""Find the frames of an .aris file (DDF_05), also behind damage: each a header and an image.
 
 Layout: Sound Metrics, ARIS File SDK [ArisFileSDK]. Nothing of it has a checksum.
 """
@@ -34,18 +33,15 @@ WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
 
 @dataclass(frozen=True, kw_only=True)
 class FrameHeader:
-    """What is read of a frame's header. t_ns: by the clock of the computer that recorded it;
-    range_m (samples,): of the middles of the samples; rotator_deg (3,): pan, tilt and roll of a
-    rotator, 0 without one; is_sounding: its transmitter was on.
-    """
+    """What is read of a frame's header."""
 
-    t_ns: int
+    t_ns: int  # by the clock of the computer that recorded it
     model: int
     beams: int
-    range_m: Array
+    range_m: Array  # (samples,) of the middles of the samples
     is_telephoto: bool
-    is_sounding: bool
-    rotator_deg: Array
+    is_sounding: bool  # its transmitter was on
+    rotator_deg: Array  # (3,) pan, tilt and roll of a rotator, 0 without one
 
     @property
     def image_bytes(self) -> int:
@@ -54,18 +50,15 @@ class FrameHeader:
 
 @dataclass(frozen=True, kw_only=True)
 class ArisFrame:
-    """image (beams, samples): beams from port to starboard of an upright sonar (files have them
-    from starboard to port).
-    """
+    """One frame."""
 
     header: FrameHeader
+    # (beams, samples), beams from port to starboard of an upright sonar (files have the reverse)
     image: NDArray[np.uint8]
 
 
 def parse_header(data: bytes) -> FrameHeader:
-    """Return what a frame's header says. Raises DamagedError where it is none, or says what no ARIS
-    does.
-    """
+    """Read a frame's header. Raises DamagedError where it says what no ARIS does."""
     if data[MAGIC_AT : MAGIC_AT + len(MAGIC)] != MAGIC:
         raise DamagedError("no frame begins there")
     (time_us,) = fields("<Q", data, 4)
@@ -97,7 +90,7 @@ def parse_header(data: bytes) -> FrameHeader:
 
 
 def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
-    """Yield (start, end, frame), between them (start, end, why) of bytes that hold no whole frame.
+    """Yield (start, end, frame) of whole frames, and (start, end, why) of the bytes between them.
 
     A frame counts whose bytes end where another begins, where the file does, or where those of the
     last frame would.
@@ -118,9 +111,7 @@ def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
 
 
 def _frame_at(stream: BinaryIO, at: int, end: int, last: int) -> ArisFrame:
-    """Return the frame at a byte of the file. last: bytes of the image of the one before, 0 for
-    none.
-    """
+    """Read the frame at a byte. last: bytes of the image of the one before, 0 for none."""
     stream.seek(at)
     header = parse_header(stream.read(HEADER))
     size = header.image_bytes
@@ -136,5 +127,5 @@ def _frame_at(stream: BinaryIO, at: int, end: int, last: int) -> ArisFrame:
 
 
 def _is_header(data: bytes) -> bool:
-    """Return whether bytes look like the beginning of a frame's header, or of one that is cut off."""
+    """Tell whether bytes look like the beginning of a frame's header, or of one that is cut off."""
     return len(data) < MAGIC_AT + len(MAGIC) or data[MAGIC_AT:] == MAGIC

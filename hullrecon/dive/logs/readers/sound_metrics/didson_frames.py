@@ -27,11 +27,10 @@ BEAMS = (48, 96)
 
 
 def read_frame(path: Path, number: int) -> NDArray[np.uint8]:
-    """Return the image (beams, samples) of a frame by its number from 0, beams from port to
-    starboard of an upright sonar.
+    """Read the image (beams, samples) of a frame by its number from 0.
 
-    Raises DamagedError for a file of another version, a frame that is not there, and one that is
-    damaged.
+    Beams run from port to starboard of an upright sonar. Raises DamagedError for a file of another
+    version, a frame that is not there, and one that is damaged.
     """
     with path.open("rb") as stream:
         head = stream.read(20)

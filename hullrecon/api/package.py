@@ -1,0 +1,163 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""`hullrecon.init` and `hullrecon.check`: write the dive.toml of a package, and check a package."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from hullrecon.artifacts.disk import storage_errors, write_file
+from hullrecon.artifacts.progress import Progress
+from hullrecon.artifacts.stage import StageSettings
+from hullrecon.dive.check.package_check import PackageCheck, check_package
+from hullrecon.dive.check.requirements import to_fill_in
+from hullrecon.dive.config.load import FILE, LoadedConfig, load_config
+from hullrecon.dive.init.log_summary import LogSummary, guess_topics, summarise_logs
+from hullrecon.dive.init.proposals import missing_calibrations, questions
+from hullrecon.dive.init.template import fill_template
+from hullrecon.dive.logs.readers.open import find_logs, open_log
+from hullrecon.dive.package_files import check_files, check_log, lies_inside
+from hullrecon.errors import InputError, UsageError
+from hullrecon.findings.finding import Finding
+from hullrecon.findings.package import A_RUN_NEEDS
+from hullrecon.steps.chain import stages
+from hullrecon.steps.ingest import STAGE, USES, request_of
+from hullrecon.steps.stereo_check import describe_rig_problem
+
+
+@dataclass(frozen=True, kw_only=True)
+class InitResult:
+    """What `init` read and wrote."""
+
+    log: LogSummary  # what the logs hold
+    folder: Path  # the package
+    calibrations: list[Path]  # written
+    dive_toml: Path  # written
+    to_fill_in: list[Finding]  # what no log could tell
+
+
+def init(
+    log: Path | str,
+    out: Path | str | None = None,
+    *,
+    force: bool = False,
+    allow_outside: bool = False,
+) -> InitResult:
+    """Write a commented dive.toml by looking into a log.
+
+    Parameters
+    ----------
+    log : a file, or a folder with one
+    out : the package's folder; None: the log where that is a folder, else the current one
+    force : replace a dive.toml that is there
+    allow_outside : the log may lie outside the package
+
+    Raises
+    ------
+    InputError
+        There is no log, or nothing can be read of it.
+    UsageError
+        A dive.toml is there already.
+    """
+    log = Path(log)
+    logs = _find_logs(log, allow_outside)
+    _require_utf8([log, *logs])
+    found = summarise_logs([open_log(path) for path in logs])
+    if not found.topics:
+        raise InputError(found.why_nothing(), where=str(log), remedy=A_RUN_NEEDS)
+    folder = Path(out) if out is not None else (log if log.is_dir() else Path())
+    path = folder / FILE
+    if path.exists() and not force:
+        raise UsageError(
+            f"{FILE} is there already", where=str(folder), remedy="--force replaces it"
+        )
+    with storage_errors(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        calibrations = missing_calibrations(found, folder)
+        if calibrations:
+            (folder / "calibration").mkdir(exist_ok=True)
+    for name, text in calibrations.items():
+        write_file(folder / name, text.encode())
+    write_file(path, fill_template(found, logs, folder).encode())
+    outside = [] if allow_outside else [path for path in logs if not lies_inside(path, folder)]
+    return InitResult(
+        log=found,
+        folder=folder,
+        calibrations=[folder / name for name in calibrations],
+        dive_toml=path,
+        to_fill_in=[
+            *to_fill_in(load_config(folder), guess_topics(found.topics).keys(), frozenset()),
+            *(Finding("log-outside", {"file": str(file)}) for file in outside),
+            *questions(found),
+            *(Finding("calibration-in-water", {"file": name}) for name in calibrations),
+        ],
+    )
+
+
+def check(
+    package: Path | str, *, allow_outside: bool = False, progress: Progress | None = None
+) -> PackageCheck:
+    """Read a whole package, and list what it holds, what it lacks and what cannot be used.
+
+    Raises UsageError for a mistake in dive.toml, InputError where there is none.
+    """
+    loaded = load_config(
+        Path(package), {stage.name: stage.parameters for stage in (*stages(), STAGE)}
+    )
+    return check_loaded(loaded, allow_outside=allow_outside, progress=progress)
+
+
+def check_loaded(
+    loaded: LoadedConfig,
+    *,
+    allow_outside: bool = False,
+    trusted_keys: Sequence[str] = (),
+    progress: Progress | None = None,
+) -> PackageCheck:
+    """Check the package of a configuration.
+
+    Parameters
+    ----------
+    loaded : with the sections of all steps
+    allow_outside : files may lie outside the package
+    trusted_keys : keys that the package did not set, whose files may lie outside
+    progress : shows the messages that pass
+    """
+    check_files(loaded, allow_outside=allow_outside, trusted_keys=trusted_keys)
+    request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))
+    if progress is None:
+        return check_package(loaded, request, check_images=describe_rig_problem)
+    return check_package(
+        loaded,
+        request,
+        lambda messages: progress.track(messages, "check: messages", None),
+        describe_rig_problem,
+    )
+
+
+def summarise(path: Path | str, *, allow_outside: bool = False) -> LogSummary:
+    """Summarise a bare log, or the logs of a folder without a dive.toml."""
+    return summarise_logs([open_log(log) for log in _find_logs(Path(path), allow_outside)])
+
+
+def _find_logs(path: Path, allow_outside: bool) -> list[Path]:
+    logs = find_logs(path)
+    for log in logs if path.is_dir() else ():
+        check_log(log, path, allow_outside=allow_outside)
+    return logs
+
+
+def _require_utf8(paths: list[Path]) -> None:
+    """Raise InputError for a name that dive.toml, which is UTF-8, cannot hold."""
+    for path in paths:
+        try:
+            str(path).encode()
+        except UnicodeEncodeError:
+            raise InputError(
+                "the name is not UTF-8, and dive.toml could not tell it",
+                where=os.fsencode(path).decode(errors="replace"),
+                remedy="rename it",
+            ) from None

@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Describe what was read of each sensor, and what was lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from hullrecon.dive.logs.readers.protocol import Loss
+from hullrecon.dive.logs.timeline import describe_ends, describe_gaps
+from hullrecon.findings.finding import Finding
+from hullrecon.geometry.frames import Camera
+from hullrecon.records.clock import NS, format_time, rate_hz
+from hullrecon.records.sensors import ImageIndex, SensorRecords
+from hullrecon.typing import Ints
+
+NOUNS = {
+    "dvl": "ping",
+    "imu": "reading",
+    "pressure": "reading",
+    "tray": "angle",
+    "sonar_tray": "angle",
+    "sonar": "ping",
+    "position": "position",
+    Camera.TOP.key: "image",
+    Camera.BOTTOM.key: "image",
+}
+
+
+class Stream(Protocol):
+    """Any record with stamps."""
+
+    @property
+    def t_ns(self) -> Ints:
+        """Return the stamps (n,), ns since 1970."""
+
+
+def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -> list[Finding]:
+    """Describe each sensor's readings, rate and gaps, and the values of all of them."""
+    streams: Iterable[tuple[str, Stream]] = [*records.by_name().items(), *images.items()]
+    logged = [(name, record.t_ns) for name, record in streams if len(record.t_ns)]
+    start_ns = min((int(t[0]) for _, t in logged), default=0)
+    stop_ns = max((int(t[-1]) for _, t in logged), default=0)
+    out = []
+    for name, t_ns in logged:
+        values = {
+            "count": len(t_ns),
+            "noun": NOUNS[name],
+            "seconds": float(t_ns[-1] - t_ns[0]) / NS,
+            "start": format_time(int(t_ns[0])),
+            "rate_hz": rate_hz(t_ns) if len(t_ns) > 1 else None,
+        }
+        out.append(Finding("stream-read", values, name))
+        out += describe_gaps(name, t_ns) + describe_ends(name, t_ns, start_ns, stop_ns)
+    return out + _describe_values(records)
+
+
+def _describe_values(records: SensorRecords) -> list[Finding]:
+    """Describe the spans of depths, ranges, speeds, positions and joint angles."""
+    out = []
+    pressure, dvl, fixes = records.pressure, records.dvl, records.position
+    if pressure is not None and len(pressure.depth):
+        low, high = float(pressure.depth.min()), float(pressure.depth.max())
+        out.append(Finding("depth-span", {"low_m": low, "high_m": high}))
+    if dvl is not None and np.isfinite(dvl.ranges).any():
+        low, high = float(np.nanmin(dvl.ranges)), float(np.nanmax(dvl.ranges))
+        out.append(Finding("range-span", {"low_m": low, "high_m": high}))
+    if dvl is not None and np.isfinite(dvl.velocity).any():
+        speed = float(np.nanmax(np.linalg.norm(dvl.velocity, axis=1)))
+        out.append(Finding("speed-span", {"high_m_s": speed}))
+    if fixes is not None and len(fixes.t_ns):
+        north_m, east_m = np.ptp(fixes.north_east, axis=0).tolist()
+        values = {
+            "north_m": north_m,
+            "east_m": east_m,
+            "sigma_m": [float(fixes.sigma.min()), float(fixes.sigma.max())],
+            "single": len(fixes.t_ns) == 1,
+        }
+        out.append(Finding("position-span", values))
+    for name, joint in (("tray", records.tray), ("sonar_tray", records.sonar_tray)):
+        if joint is not None and len(joint.angle):
+            low, high = np.degrees([joint.angle.min(), joint.angle.max()]).tolist()
+            angles = {"joint": name, "low_deg": low, "high_deg": high}
+            out.append(Finding("angle-span", angles))
+    return out
+
+
+def describe_start_offset(
+    records: SensorRecords, images: Mapping[str, ImageIndex]
+) -> list[Finding]:
+    """Compare the first camera image with the first DVL ping."""
+    top = images.get(Camera.TOP.key)
+    if records.dvl is None or top is None:
+        return []
+    seconds = (int(top.t_ns[0]) - int(records.dvl.t_ns[0])) / NS
+    side = "after" if seconds >= 0 else "before"
+    return [Finding("first-image", {"seconds": abs(seconds), "side": side})]
+
+
+def describe_losses(found: Sequence[tuple[str, Loss]]) -> list[Finding]:
+    """Describe each loss of a file: its span and topic."""
+    return [
+        Finding(
+            "data-lost",
+            {
+                "topic": loss.topic,
+                "start": format_time(loss.start_ns) if loss.start_ns else None,
+                "end": format_time(loss.end_ns) if loss.end_ns else None,
+                "messages": loss.messages,
+                "why": loss.why,
+            },
+            file,
+        )
+        for file, loss in found
+    ]

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Describe where the CAD model has its bow, and how much of it each region of dive.toml holds."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon.dive.config.schema import Hull
+from hullrecon.errors import InputError
+from hullrecon.findings.finding import Finding
+from hullrecon.geometry.charts.chart import chart_for_hull
+from hullrecon.geometry.charts.region import chart_limits, region_cells
+from hullrecon.geometry.charts.section_casting import AXES, hull_axes
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import from_mount, up_in
+
+AFT_SHARE = 0.25  # of the length: farther from the aft end no aft perpendicular lies
+
+
+def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:
+    """Tell which end is taken for the bow, and warn where stations count from no aft perpendicular.
+
+    Raises InputError for a bow that the CAD model does not have.
+    """
+    forward = hull_axes(mesh.vertices, up_in(from_mount(hull.pose)), hull.bow)[0]
+    axis = AXES[int(np.argmax(np.abs(forward)))]
+    aft_m, bow_m = np.sort(mesh.vertices @ forward)[[0, -1]]
+    zero_m = hull.aft_perpendicular
+    ahead_m = float(zero_m * forward.sum() - aft_m)
+    values: dict[str, object] = {"axis": axis, "zero_m": zero_m, "ahead_m": ahead_m}
+    at_m = round(float(bow_m * forward.sum()), 1) + 0.0  # no "-0.0"
+    bow = Finding("bow", {**values, "bow_m": at_m, "given": hull.bow is not None})
+    is_aft = abs(ahead_m) <= AFT_SHARE * (bow_m - aft_m)
+    return bow, [] if is_aft else [Finding("stations-off", values)]
+
+
+def describe_regions(hull: Hull | None, mesh: Mesh | None) -> tuple[list[Finding], list[Finding]]:
+    """Measure the area of each region of dive.toml, and warn of those that hold no hull."""
+    regions = () if hull is None else hull.region or ()
+    if not regions or hull is None or mesh is None:
+        return [], []
+    try:
+        chart = chart_for_hull(mesh, up_in(from_mount(hull.pose)), hull.bow, hull.aft_perpendicular)
+    except InputError as error:
+        return [], [Finding("regions-uncounted", {"count": len(regions), "why": error.what})]
+    along_m, girth_m = ((low + 0.0, high + 0.0) for low, high in chart_limits(chart, mesh).round(1))
+    limits = {"along_m": list(map(float, along_m)), "girth_m": list(map(float, girth_m))}
+    areas, empty = [], []
+    for region in regions:
+        area_m2 = float(region_cells(chart, mesh, region.along, region.girth).area.sum())
+        if area_m2:
+            areas.append(Finding("region-area", {"region": region.name, "area_m2": area_m2}))
+        else:
+            empty.append(Finding("region-empty", {"region": region.name, **limits}))
+    return areas, empty

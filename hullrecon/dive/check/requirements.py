@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a run needs of the sensors, what the absence of others means, what is left to fill in.
+
+`init`, `check` and `run` tell it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Set
+from pathlib import Path
+
+from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.config.mounts import DEFAULTS
+from hullrecon.dive.logs.messages.samples import TYPES
+from hullrecon.findings.finding import Finding
+from hullrecon.findings.package import MEANING
+from hullrecon.geometry.frames import Camera
+
+CAMERAS = frozenset(camera.key for camera in Camera)
+ON_TRAY = CAMERAS | {"dvl"}
+SENSORS = {  # those that a key is needed for
+    "tray.origin": ON_TRAY,
+    "pressure.origin": {"pressure"},
+    "dvl.mount": {"dvl"},
+    "camera.top.mount": {"camera_top"},
+    "camera.bottom.pose_in_top": {"camera_bottom"},
+    "sonar.origin": {"sonar"},
+    "sonar.mount": {"sonar"},
+    "position.origin": {"position"},
+}
+EXPECTED = ("dvl", "imu", "pressure", "joints", "camera_top", "camera_bottom", "sonar")
+
+
+def needs(sensors: Set[str], unread_dvls: Sequence[str] = ()) -> list[Finding]:
+    """List what is missing for the vehicle's motion, by a DVL with an IMU or by stereo images.
+
+    unread_dvls: topics that are a DVL's, of types that are not read.
+    """
+    if "dvl" in sensors:
+        return [] if "imu" in sensors else [Finding("needs-attitude")]
+    lacking = CAMERAS - sensors
+    values = {"imu": "imu" in sensors, "unread_dvls": list(unread_dvls)}
+    if len(lacking) == 1:
+        return [Finding("needs-second-camera", {"camera": next(iter(lacking)), **values})]
+    return [Finding("needs-sensors", values)] if lacking else []
+
+
+def missing(sensors: Set[str], hull: bool | None = None) -> list[Finding]:
+    """List the absent sensors with what their absence means for a run.
+
+    hull: whether there is a CAD model; None where that is not known yet.
+    """
+    absent = [name for name in EXPECTED if name not in sensors]
+    if "camera_top" in absent and "camera_bottom" in absent:
+        absent.remove("camera_bottom")
+    if hull is False:
+        absent.append("hull")
+    values = {"dvl": "dvl" in sensors, "stereo": sensors >= CAMERAS}
+    return [Finding("sensor-absent", {"sensor": name, **values}) for name in absent]
+
+
+def to_fill_in(
+    loaded: LoadedConfig, sensors: Set[str], logged: Set[str] | None = None
+) -> list[Finding]:
+    """List the keys that the logged sensors need and dive.toml leaves to a default.
+
+    Parameters
+    ----------
+    loaded : the configuration
+    sensors : those that were logged
+    logged : keys that the log's tf_static fills in; None where it was not looked for
+    """
+    out = []
+    for key in MEANING:
+        value = loaded.value(key)
+        is_needed = bool(sensors & SENSORS.get(key, sensors))
+        if value is None or not is_needed or key in loaded.given | (logged or set()):
+            continue
+        default = DEFAULTS.get(key, value)
+        shown = list(default) if isinstance(default, tuple) else default
+        by_log = logged is None and key in DEFAULTS
+        out.append(Finding("key-open", {"key": key, "default": shown, "log_first": by_log}))
+    return out + [
+        Finding("calibration-open", {"key": f"{c.section}.calibration", "camera": c.key})
+        for c in Camera
+        if c.key in sensors and loaded.value(c.section) is None
+    ]
+
+
+def configured_sensors(loaded: LoadedConfig) -> set[str]:
+    """Find the sensors that a run will read, by dive.toml and the names of tables alone."""
+    topics = loaded.config.topics
+    named = {name for name in topics.__struct_fields__ if getattr(topics, name)}
+    folders = [loaded.package / name for name in loaded.config.logs.files]
+    return named | {
+        name for name in TYPES for folder in folders if _is_file(folder / f"{name}.csv")
+    }
+
+
+def _is_file(path: Path) -> bool:
+    """Tell whether a file lies there; a name that no file can have is refused by its reader."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False

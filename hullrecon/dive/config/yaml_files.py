@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Read YAML files, refusing nesting, values and aliases beyond what such files have."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from ruamel.yaml import YAML
+from ruamel.yaml.constructor import SafeConstructor
+from ruamel.yaml.nodes import Node
+
+from hullrecon.dive.config.config_errors import shorten
+from hullrecon.dive.files import MIB, read_text
+from hullrecon.errors import InputError
+
+# bytes; a calibration has a thousand, the metadata of a long recording some hundred thousand
+LARGEST_YAML = 4 * MIB
+ROOM = 10_000  # values beyond one a character, which no file without aliases has
+MOST_VALUES = 20_000  # the parser takes some 60 us for each: more than a second in all
+DEEPEST = 100  # it looks through all open brackets at every value
+BRACKETS = re.compile(r"[\[{\]}]")
+
+
+def read_yaml(path: Path) -> Mapping[str, object]:
+    """Read the table of a YAML file. Raises InputError when it holds none."""
+    where = str(path.parent)
+    try:
+        data = parse_yaml(read_text(path, LARGEST_YAML))
+    except FileNotFoundError:
+        raise InputError(
+            f"{path.name} is missing", where=where, remedy="correct the path in dive.toml"
+        ) from None
+    except OSError as error:
+        raise InputError(f"{path.name} cannot be read: {error.strerror}", where=where) from None
+    except ValueError as error:
+        raise InputError(
+            f"{path.name} is not YAML: {shorten(str(error), 160)}", where=where
+        ) from None
+    if not isinstance(data, Mapping):
+        raise InputError(f"{path.name} holds no table", where=where)
+    return data
+
+
+def parse_yaml(text: str) -> object:
+    """Parse YAML text, also with the head that OpenCV writes.
+
+    Raises ValueError for text that is no YAML, nests too deeply, holds too many values or names its
+    aliases too often.
+    """
+    refuse_floods(text)
+    yaml = YAML(typ="safe", pure=True)
+    yaml.Constructor = _BoundedConstructor
+    yaml.constructor.largest_count = len(text) + ROOM
+    try:
+        data: object = yaml.load(text.removeprefix("%YAML:1.0\n"))
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
+    # ruamel raises whatever damaged text leads it to, beside its own errors
+    except Exception as error:
+        first = (str(error).splitlines() or [type(error).__name__])[0]
+        raise ValueError(first) from None
+    return data
+
+
+def refuse_floods(text: str) -> None:
+    """Raise ValueError for more values or nested brackets than the parser reads in a second."""
+    if text.count(",") + text.count("\n") > MOST_VALUES:
+        raise ValueError(f"it holds more than {MOST_VALUES} lines and values")
+    depth = 0
+    for bracket in BRACKETS.finditer(text):
+        depth += 1 if bracket[0] in "[{" else -1
+        if depth > DEEPEST:
+            raise ValueError("nested too deeply")
+
+
+class _BoundedConstructor(SafeConstructor):
+    """Counts the values of a document before it makes them."""
+
+    largest_count = ROOM
+
+    def construct_document(self, node: Node) -> object:
+        if count_values(node, {}) > self.largest_count:
+            raise ValueError("its aliases stand for more values than a file of its size could hold")
+        return super().construct_document(node)
+
+
+def count_values(node: Node, known: dict[int, int]) -> int:
+    """Count the values at and below a node, those of an alias at each place that names it.
+
+    known: counts of nodes that were met before; 0 for those that are being counted. Raises
+    ValueError for an alias of what it lies in.
+    """
+    if id(node) in known:
+        count = known[id(node)]
+        if not count:
+            raise ValueError("an alias names what it lies in")
+        return count
+    known[id(node)], count = 0, 1
+    members = node.value if isinstance(node.value, list) else ()
+    for member in members:
+        for part in member if isinstance(member, tuple) else (member,):
+            count += count_values(part, known)
+    known[id(node)] = count
+    return count

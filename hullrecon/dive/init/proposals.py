@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Find the frames, calibrations and mounts that a log tells, and those that it leaves open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts, parted_on_tray
+from hullrecon.dive.config.schema import FROM_LOG
+from hullrecon.dive.init.log_summary import LogSummary, TopicNote, guess_topics
+from hullrecon.dive.logs.dvl_beams import ask_for_beams
+from hullrecon.dive.logs.fixed_frames import fixed_sensors, frame_of
+from hullrecon.dive.logs.messages.decode import ENCODINGS, type_name
+from hullrecon.dive.logs.messages.descriptions import (
+    CAMERA_INFO,
+    calibration_yaml,
+    frame_tree,
+    lies_beside,
+)
+from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER
+from hullrecon.dive.logs.samples import DvlSample, ImuSample, SonarSample
+from hullrecon.dive.logs.sonar_geometry import ask_for_azimuths
+from hullrecon.dive.logs.streams import UNIT_QUATERNION
+from hullrecon.findings.finding import Finding
+
+GRAVITY_FELT_M_S2 = 5.0  # less upward acceleration tells no convention
+
+
+def questions(summary: LogSummary) -> list[Finding]:
+    """List what the log does not say and a run cannot do without."""
+    beams, fan = beams_to_ask_for(summary), azimuths_to_ask_for(summary)
+    out = [Finding("question", {"question": ask_for_beams(beams).line()})] if beams else []
+    out += [Finding("question", {"question": ask_for_azimuths(fan).line()})] if fan else []
+    return out + ([Finding("mount-of-dvl-open")] if has_attitude_of_dvl(summary) else [])
+
+
+def _note_of(summary: LogSummary, sensor: str) -> TopicNote | None:
+    """Return the topic that is guessed to be a sensor's."""
+    topic = guess_topics(summary.topics).get(sensor)
+    return next((note for note in summary.topics if note.channel.topic == topic), None)
+
+
+def has_attitude_of_dvl(summary: LogSummary) -> bool:
+    """Tell whether the only attitude is one of the DVL's own sensors."""
+    topic = guess_topics(summary.topics).get("imu")
+    return any(
+        isinstance(t.first, ImuSample) and t.first.of_dvl
+        for t in summary.topics
+        if t.channel.topic == topic
+    )
+
+
+def imu_frame(summary: LogSummary) -> tuple[str, str]:
+    """Guess the convention of the logged attitude, by gravity where it was logged, and say why."""
+    note = _note_of(summary, "imu")
+    first = None if note is None else note.first
+    is_message = note is not None and note.channel.encoding != "sample"
+    if note is not None and is_message and first is not None:
+        first = next(iter(TYPES["imu"][type_name(note.channel)](first, 0, "imu")), None)
+    if isinstance(first, ImuSample) and abs(np.linalg.norm(first.quaternion) - 1) < UNIT_QUATERNION:
+        up = Rotation.from_quat(first.quaternion).apply(first.acceleration)[2]
+        if abs(up) > GRAVITY_FELT_M_S2:
+            return ("enu" if up > 0 else "ned"), "by gravity in the first message"
+    if is_message:
+        return "enu", "REP 145, as no gravity is logged; or ned"
+    return "ned", "or enu: the convention of the orientation"
+
+
+def beams_to_ask_for(summary: LogSummary) -> int:
+    """Count the DVL's beams where the first message has ranges but no directions, else 0."""
+    note = _note_of(summary, "dvl")
+    first = None if note is None else note.first
+    if note is not None and first is not None and not isinstance(first, DvlSample):
+        first = next(iter(TYPES["dvl"][type_name(note.channel)](first, 0, "dvl")), None)
+    return len(first.ranges) if isinstance(first, DvlSample) and first.beams is None else 0
+
+
+def azimuths_to_ask_for(summary: LogSummary) -> int:
+    """Count the beams of an imaging sonar where nothing says where they point, else 0."""
+    note = _note_of(summary, "sonar")
+    first = None if note is None else note.first
+    return len(first.image) if isinstance(first, SonarSample) and first.directions is None else 0
+
+
+def missing_calibrations(summary: LogSummary, folder: Path) -> dict[str, str]:
+    """Write the YAML, by path in the package, of cameras that have a CameraInfo but no file yet."""
+    out = {}
+    for camera in ("camera_top", "camera_bottom"):
+        topic = guess_topics(summary.topics).get(camera)
+        if topic is None or find_calibration(folder, camera) is not None:
+            continue
+        infos = [
+            t for t in summary.topics if type_name(t.channel) == CAMERA_INFO and t.first is not None
+        ]
+        beside = [t for t in infos if lies_beside(t.channel.topic, topic)]
+        text = calibration_yaml(beside[0].first, beside[0].channel.topic) if beside else None
+        if text is not None:
+            out[f"calibration/{camera}.yaml"] = text
+    return out
+
+
+def proposed_mounts(
+    summary: LogSummary, joints: Mapping[str, str] = MappingProxyType({})
+) -> dict[str, ChosenMount]:
+    """Propose mounts, by key of dive.toml, where tf_static leads from base_link to a sensor.
+
+    joints: names of the servos ("tray", "sonar_tray").
+    """
+    frames = {
+        sensor: frame
+        for sensor, topic in guess_topics(summary.topics).items()
+        for note in summary.topics
+        if note.channel.topic == topic
+        and note.channel.encoding in ENCODINGS
+        and note.first is not None
+        and type_name(note.channel) not in WITHOUT_HEADER
+        and (frame := frame_of(note.first)) is not None
+    }
+    tree = frame_tree(message for note in summary.topics for message in note.frames)
+    sensors = fixed_sensors(tree, frames, joints)
+    found = choose_mounts(dict.fromkeys(DEFAULTS, FROM_LOG), sensors)
+    # Proposed, they would be taken for what somebody has looked at; left to the log, `check` says
+    # what is wrong with them.
+    doubtful = (
+        () if parted_on_tray(sensors) is None else ("tray.origin", "dvl.mount", "camera.top.mount")
+    )
+    return {key: mount for key, mount in found.items() if mount.source and key not in doubtful}
+
+
+def find_calibration(folder: Path, camera: str) -> str | None:
+    """Find the YAML file of a package that is named after a camera, relative to the package."""
+    side = camera.removeprefix("camera_")
+    patterns = ("*.yaml", "*.yml", "*/*.yaml", "*/*.yml")
+    found = sorted(
+        p for pattern in patterns for p in folder.glob(pattern) if side in p.stem.lower()
+    )
+    return found[0].relative_to(folder).as_posix() if found else None

@@ -1,0 +1,234 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Words: what a dive package holds, what it lacks for a run, and what is left to fill in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from hullrecon.findings.logs import Words, count_noun
+
+WITHOUT_CAMERAS = (
+    "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
+)
+A_RUN_NEEDS = "a run needs a DVL with an IMU, or two cameras"
+MOST_SHOWN = 2  # topics of unread DVLs in one line
+
+_IN_VEHICLE = "x, y, z in m in the vehicle's frame (x forward, y starboard, z down)"
+_MOUNT = "x, y, z in m, roll, pitch, yaw in degrees"
+MEANING = {  # of the keys that no log can tell
+    "tray.origin": f"where the tray turns, {_IN_VEHICLE}",
+    "pressure.origin": f"the pressure sensor, {_IN_VEHICLE}",
+    "dvl.mount": f"the DVL on the tray, {_MOUNT}",
+    "camera.top.mount": f"the camera on the tray, {_MOUNT}",
+    "camera.bottom.pose_in_top": "the lower camera in the upper one's frame, from the stereo "
+    f"calibration, {_MOUNT}",
+    "sonar.origin": f"where the sonar's servo turns, {_IN_VEHICLE}",
+    "sonar.mount": f"the sonar on its servo, {_MOUNT}",
+    "position.origin": f"transponder of USBL or antenna of GPS, {_IN_VEHICLE}",
+    "hull.pose": f"first guess of the CAD model in the global frame, {_MOUNT}",
+}
+
+
+def _numbers(values: object) -> str:
+    return ", ".join(f"{v:g}" for v in values) if isinstance(values, list | tuple) else str(values)
+
+
+def _unusable(what: str, where: str, remedy: str) -> str:
+    place = f" ({where})" if where else ""
+    return f"{what}{place}{f': {remedy}' if remedy else ''}"
+
+
+def _needs_second_camera(camera: str, imu: bool, unread_dvls: Sequence[str]) -> str:
+    dvl = "a DVL" if imu else "a DVL with an IMU"
+    return f"missing: {camera} (a second camera), or {dvl}{_unread(unread_dvls)}"
+
+
+def _needs_sensors(imu: bool, unread_dvls: Sequence[str]) -> str:
+    dvl = "a DVL" if imu else "a DVL with an IMU"
+    return f"missing: {dvl}, or two cameras{_unread(unread_dvls)}"
+
+
+def _unread(topics: Sequence[str]) -> str:
+    if not topics:
+        return ""
+    shown = ", ".join(topics[:MOST_SHOWN]) + (", ..." if len(topics) > MOST_SHOWN else "")
+    return (
+        f"; {shown} is a DVL's but of a type that is not read: log one of those in "
+        "docs/dive_package.md"
+    )
+
+
+def _no_velocity(pings: int, stereo: bool) -> str:
+    other = "give two cameras instead"
+    if stereo:
+        other = "leave the DVL away (topics.dvl, or its file in logs.files)"
+    return f"the DVL's {pings} pings have no velocity over ground: log its bottom track, or {other}"
+
+
+def _absent(sensor: str, dvl: bool, stereo: bool) -> str:
+    """Say what the absence of a sensor means, with or without a DVL and two cameras."""
+    imu = "there is no attitude: no run is possible"
+    if dvl:
+        imu = "the DVL's velocities have no heading: no run is possible"
+        if stereo:
+            imu += "; without the DVL it could take motion and attitude from stereo images"
+    elif stereo:
+        imu = "attitude comes from stereo images and drifts"
+    consequences: Mapping[str, str] = {
+        "dvl": "motion comes from stereo images"
+        if stereo
+        else "and no stereo images either: no motion, no run is possible",
+        "imu": imu,
+        "pressure": "depth comes from dead reckoning and drifts",
+        "joints": "the tray is taken as fixed at 0 degrees",
+        "camera_top": "there will be no images, landmarks or optical mosaic",
+        "camera_bottom": "one camera: "
+        + ("scale and depth come from the DVL" if dvl else "no scale without a DVL"),
+        "sonar": "there will be no sonar mosaic",
+        "hull": "without a CAD model the run maps onto its own surface, in the frame global",
+    }
+    return f"no {sensor}: {consequences[sensor]}"
+
+
+def _open_key(key: str, default: object, log_first: bool) -> str:
+    until = "what the log's tf_static says, else " if log_first else ""
+    return f"to fill in: {key}: {MEANING[key]}; until then {until}[{_numbers(default)}] is used"
+
+
+def _open_calibration(key: str, camera: str) -> str:
+    section = key.rpartition(".")[0]
+    return (
+        f"to fill in: {key}: the camera_info YAML of {camera}, or [{section}] alone where the log "
+        "has its CameraInfo; until then its images are not used"
+    )
+
+
+def _not_chosen(topics: Mapping[str, Sequence[str]]) -> str:
+    shown = ", ".join(f"{name} (could be {' or '.join(kinds)})" for name, kinds in topics.items())
+    return f"not chosen, though of a type that is read: {shown}; name it in [topics] to use it"
+
+
+def _mount(key: str, value: object, source: str) -> str:
+    return f"{key} = [{_numbers(value)}] by {source}"
+
+
+def _bow(axis: str, bow_m: float, given: bool, zero_m: float, ahead_m: float) -> str:
+    why = "hull.bow" if given else f"where {axis} grows, as hull.bow is not given"
+    counted = f"its {axis} = {zero_m:g}{' m' if zero_m else ''}"
+    return (
+        f"bow: at {axis} = {bow_m:+.1f} m of the CAD model ({why}); stations count from {counted}, "
+        f"{_from_aft_end(ahead_m)}"
+    )
+
+
+def _stations(axis: str, zero_m: float, ahead_m: float) -> str:
+    return (
+        f"stations and frames count from {axis} = {zero_m:g} m of the CAD model, "
+        f"{_from_aft_end(ahead_m)}: if its bow is the other end, give hull.bow; if its aft "
+        "perpendicular lies elsewhere, hull.aft_perpendicular"
+    )
+
+
+def _from_aft_end(ahead_m: float) -> str:
+    return f"{abs(ahead_m):.1f} m {'forward' if ahead_m >= 0 else 'aft'} of its aft end"
+
+
+def _removed(count: int, kind: str) -> str:
+    return f"{count} {kind} faces were removed" if count > 1 else f"1 {kind} face was removed"
+
+
+def _span(limits_m: Sequence[float]) -> str:
+    return f"{limits_m[0]:.1f} to {limits_m[1]:.1f} m"
+
+
+def _empty_region(region: str, along_m: Sequence[float], girth_m: Sequence[float]) -> str:
+    return (
+        f"hull.region {region} holds no hull: the CAD model reaches from {_span(along_m)} along, "
+        f"{_span(girth_m)} in girth"
+    )
+
+
+def _point(place: Sequence[float]) -> str:
+    return "(" + ", ".join(f"{c:.2f}" for c in place) + ")"
+
+
+def _mesh(file: str, faces: int, low_m: Sequence[float], high_m: Sequence[float]) -> str:
+    size = " x ".join(f"{high - low:.2f}" for low, high in zip(low_m, high_m, strict=True))
+    return f"{file}: {faces} faces, {size} m, from {_point(low_m)} to {_point(high_m)}"
+
+
+def _unused(reason: str) -> str:
+    return "a run would not use {topics}: " + reason
+
+
+ERRORS: dict[str, Words] = {
+    "file-missing": "missing: {file} ({key})",
+    "unusable": _unusable,
+    "needs-attitude": "missing: an IMU with attitude, for the DVL's velocities",
+    "needs-second-camera": _needs_second_camera,
+    "needs-sensors": _needs_sensors,
+    "dvl-without-velocity": _no_velocity,
+    "images-not-logged": "no image of camera.top was logged: " + WITHOUT_CAMERAS,
+}
+WARNINGS: dict[str, Words] = {
+    "key-open": _open_key,
+    "calibration-open": _open_calibration,
+    "question": "to fill in: {question}",
+    "mount-of-dvl-open": "to fill in: imu.mount_deg: roll, pitch, yaw in degrees of the frame dvl "
+    "in the vehicle: the only attitude is that of the DVL's own sensors",
+    "log-outside": "outside the package: {file}; put it there, or give --allow-outside to check "
+    "and run",
+    "calibration-in-water": "to see to: {file} is the log's CameraInfo; it has to be that of the "
+    "camera in water",
+    "stereo-rig": "{problem}",
+    "stations-off": _stations,
+    "region-empty": _empty_region,
+    "regions-uncounted": lambda count, why: (
+        f"{count_noun(count, 'hull.region')} cannot be counted: {why}"
+    ),
+    "earlier-dive-missing": "change.earlier names no folder: {folder}; the report will not say "
+    "what changed",
+}
+NOTES: dict[str, Words] = {
+    "sensor-absent": _absent,
+    "mount-of-log": _mount,
+    "bow": _bow,
+    "region-area": "region {region}: {area_m2:.1f} m2 of the CAD model",
+    # topics that no sensor was given
+    "topics-not-chosen": _not_chosen,
+    "topics-of-ranges": _unused(
+        "ranges are taken along the beams of a DVL alone, a single beam has no mount of its own"
+    ),
+    "topics-of-echoes": _unused(
+        "echoes of a sonar that turns beam by beam, which never saw a whole fan at one time; those "
+        "of imaging sonars are read"
+    ),
+    "topics-of-clouds": _unused(
+        "points of a 3-D sonar or another scanner, which no step takes; DVL and IMU, or cameras, "
+        "measure the hull"
+    ),
+    "topics-of-depths": _unused(
+        "a depth is read from sensor_msgs/FluidPressure, ds_sensor_msgs/DepthPressure or "
+        "std_msgs/Float64: log one of these"
+    ),
+    "topics-of-positions": _unused(
+        "positions from outside (GPS, USBL) of other types than are read"
+    ),
+    "topics-of-commands": _unused("by the name a command, no measurement"),
+    "topics-of-other-types": _unused("of other types than it reads"),
+    # the CAD model
+    "mesh-read": _mesh,
+    "mesh-faces-removed": _removed,
+    "mesh-faces-turned": "{turned} of {count} faces had their normals inward and were turned",
+    "mesh-pieces-unclear": "{unclear} of {count} separate pieces have no clear outer side",
+    "mesh-edges-twisted": lambda count: (
+        f"{count_noun(count, 'edge')} cannot have a consistent winding on both sides"
+    ),
+    "mesh-open": lambda edges: f"the mesh is not watertight: {count_noun(edges, 'boundary edge')}",
+    "mesh-cut": "the mesh ends open along a plane: what lies beyond, as a half hull's other half, "
+    "is not added",
+    "mesh-closed": "the mesh is watertight",
+    "mesh-small": "the CAD model {file} is {length_m:.4g} m long when read in {units}; a ship hull "
+    "has {shortest_m:.0f} to {longest_m:.0f} m: is it a model?",
+}

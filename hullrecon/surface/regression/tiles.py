@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Regression of a large survey in tiles that overlap: exact Gaussian processes whose memory and
+time do not grow with the dive.
+
+A kernel that ends at its length lets an observation be outweighed by nearer ones long before that:
+a tile sees those within half a length around it, and where tiles meet their predictions are blended
+(docs/methods.md 11).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.surface.regression.gaussian import fit_robust
+from hullrecon.surface.regression.kernels import Kernel
+from hullrecon.surface.regression.thinning import Observations
+from hullrecon.typing import Array, Ints
+
+MOST = 6000  # observations of a tile, those around it among them: the regression is cubic in them
+MARGIN = 0.5  # of the kernel's lengths, around a tile
+BLEND = 0.25  # of these, to either side of its border
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """mean, sigma (m,) m at the places asked for; tiles: how many gave them."""
+
+    mean: Array
+    sigma: Array
+    tiles: int
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle of the chart, low and high (2,) m."""
+
+    low: Array
+    high: Array
+
+    def around(self, at: Array, by: Array) -> Ints:
+        """Return the rows of points (n, 2) inside it or within (2,) m of it."""
+        return np.flatnonzero(((at >= self.low - by) & (at <= self.high + by)).all(axis=1))
+
+    def weight(self, at: Array, by: Array) -> Array:
+        """Return weights (n,) that fall from 1 inside to 0 at (2,) m beyond its border."""
+        inside = np.minimum(at - (self.low - by), (self.high + by) - at) / (2 * by)
+        return np.asarray(np.clip(inside, 0, 1).prod(axis=1))
+
+
+def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST) -> Prediction:
+    """Return the field of a zero mean at places (m, 2) of the chart; seen: its observations,
+    outliers are weighed down.
+
+    Raises NotPositiveDefiniteError as `fit` does.
+    """
+    lengths = np.array(kernel.length)
+    corners = np.vstack([seen.at, wanted])
+    whole = Box(corners.min(axis=0), corners.max(axis=0))
+    boxes = list(_split(whole, seen.at, MARGIN * lengths, most))
+    total, mean, sigma = np.zeros((3, len(wanted)))
+    for box in boxes:
+        rows, near = (
+            box.around(wanted, BLEND * lengths),
+            seen.take(box.around(seen.at, MARGIN * lengths)),
+        )
+        if not len(rows):
+            continue
+        weight = box.weight(wanted[rows], BLEND * lengths) if len(boxes) > 1 else np.ones(len(rows))
+        found = _predict(kernel, near, wanted[rows])
+        total[rows] += weight
+        mean[rows] += weight * found[0]
+        sigma[rows] += weight * found[1]
+    return Prediction(mean=mean / total, sigma=sigma / total, tiles=len(boxes))
+
+
+def _predict(kernel: Kernel, seen: Observations, wanted: Array) -> tuple[Array, Array]:
+    """Return mean and sigma (m,); where nothing was seen, what the kernel says."""
+    if not len(seen.at):
+        return np.zeros(len(wanted)), np.full(len(wanted), kernel.sigma)
+    found = fit_robust(kernel, seen.at, seen.offset, seen.noise)
+    return found.mean(wanted), found.sigma(wanted)
+
+
+def _split(box: Box, at: Array, margin: Array, most: int) -> Iterator[Box]:
+    """Yield boxes that hold `most` observations with those around them, or are no larger than their
+    margins.
+    """
+    size = (box.high - box.low) / margin
+    if len(box.around(at, margin)) <= most or size.max() <= 1:
+        yield box
+        return
+    axis = int(np.argmax(size))
+    middle = 0.5 * (box.low[axis] + box.high[axis])
+    for low, high in ((box.low[axis], middle), (middle, box.high[axis])):
+        part = Box(box.low.copy(), box.high.copy())
+        part.low[axis], part.high[axis] = low, high
+        yield from _split(part, at, margin, most)

@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon.detection.as_found.fusion import fuse_shapes
+from hullrecon.detection.options import DetectOptions
+
+OPTIONS = DetectOptions()
+
+
+def _plate(height: float, n: int = 9) -> np.ndarray:
+    """Features on a plate 0.24 m wide, `height` above the wall at (2, 1)."""
+    x, z = np.meshgrid(np.linspace(-0.12, 0.12, n), np.linspace(-0.12, 0.12, n))
+    return np.column_stack([2 + x.ravel(), np.full(x.size, 2 + height), 1 + z.ravel()])
+
+
+VERTEX = np.array([[2.0, 2, 1], [2.05, 2, 1.02], [2.6, 2, 1.0]])
+
+
+def test_the_first_observation_replaces_the_prior(views_at) -> None:
+    features = _plate(0.1)
+    fused = fuse_shapes(views_at([2.0]), features, np.full(len(features), 0.1), VERTEX, OPTIONS)
+    assert fused.count.tolist() == [1, 1, 0]
+    assert np.allclose(fused.vertex[0], [2, 2.1, 1], atol=1e-9)
+
+
+def test_the_vertex_moves_along_the_ray_from_the_camera(views_at) -> None:
+    features = _plate(0.1)
+    fused = fuse_shapes(views_at([2.3]), features, np.full(len(features), 0.1), VERTEX[:1], OPTIONS)
+    assert np.allclose(fused.vertex, [[2 + 0.3 * 0.1 / 1.3, 2.1, 1]], atol=1e-9)
+
+
+def test_many_views_give_the_mean_of_their_intersections(views_at) -> None:
+    features, views = _plate(0.1), views_at([1.9, 2.0, 2.3])
+    fused = fuse_shapes(views, features, np.full(len(features), 0.1), VERTEX[:1], OPTIONS)
+    each = [
+        fuse_shapes(
+            views_at([x]), features, np.full(len(features), 0.1), VERTEX[:1], OPTIONS
+        ).vertex[0]
+        for x in (1.9, 2.0, 2.3)
+    ]
+    assert fused.count.tolist() == [3]
+    assert np.allclose(fused.vertex[0], np.mean(each, axis=0))
+
+
+def test_a_vertex_that_no_ray_needs_stays_where_the_cad_model_has_it(views_at) -> None:
+    features = _plate(0.1)
+    fused = fuse_shapes(views_at([2.0]), features, np.full(len(features), 0.1), VERTEX, OPTIONS)
+    assert np.array_equal(fused.vertex[2], VERTEX[2])
+
+
+def test_features_on_the_hull_move_nothing(views_at) -> None:
+    features = _plate(0.01)
+    fused = fuse_shapes(views_at([2.0]), features, np.full(len(features), 0.01), VERTEX, OPTIONS)
+    assert fused.count.sum() == 0
+    assert np.array_equal(fused.vertex, VERTEX)
+
+
+def test_a_recess_moves_vertices_inward(views_at) -> None:
+    features = _plate(-0.06)
+    fused = fuse_shapes(
+        views_at([2.0]), features, np.full(len(features), -0.06), VERTEX[:1], OPTIONS
+    )
+    assert np.allclose(fused.vertex, [[2, 1.94, 1]], atol=1e-9)
