@@ -64,7 +64,7 @@ def ranked(scores: Array, candidate: Mask, true: Mask) -> Figures:
 
 
 def at_random(candidate: Mask, true: Mask) -> Figures:
-    """Return what a rank drawn at random gives in the mean."""
+    """Return the mean score of a random ranking."""
     count, right = candidate.sum(axis=1), (true & candidate).sum(axis=1)
     out: Figures = {}
     for k in RANKS:
@@ -83,7 +83,7 @@ def _log_choose(n: Ints, k: int) -> Array:
 
 
 def retrieval(dive: Dive, scene: LinkedScene, keyframes: Ints) -> Figures:
-    """Return how the true revisits of keyframes rank."""
+    """Rank the true revisits of keyframes."""
     vocabulary, words = learn_words(scene.worker, [scene.nodes[k] for k in keyframes])
     n = len(keyframes)
     a, b = np.triu_indices(n, 1)
@@ -114,7 +114,7 @@ def retrieval(dive: Dive, scene: LinkedScene, keyframes: Ints) -> Figures:
 
 
 def closed(dive: Dive, scene: LinkedScene, keyframes: Ints, solved: GraphSolution) -> Figures:
-    """Return what the step would take, and how much of that is false."""
+    """Count the pairs that the step would accept, and the false ones among them."""
     track = scene.track(solved.path, solved.relative_errors(scene.bottom))
     found = recognise_places(scene, track, keyframes, np.zeros(0, np.int64))
     if found is None:
@@ -131,7 +131,7 @@ def closed(dive: Dive, scene: LinkedScene, keyframes: Ints, solved: GraphSolutio
 
 
 def false_links(dive: Dive, found: Recognition) -> Mask:
-    """Return which pairs (m,) gave a relative position that is not the true one."""
+    """Mark the pairs (m,) whose relative position is wrong."""
     first, second = found.proposal.first, found.proposal.second
     true = (dive.cameras[second].inverse() @ dive.cameras[first]).matrix()
     out = np.zeros(len(first), bool)
@@ -142,7 +142,7 @@ def false_links(dive: Dive, found: Recognition) -> Mask:
 
 
 def truly_overlapping(dive: Dive, scene: LinkedScene, found: Recognition) -> Mask:
-    """Return which of the pairs offered (m,) have anything in common."""
+    """Mark the offered pairs (m,) that share any hull."""
     track = CameraTrack(global_from_camera=dive.cameras, errors=NoErrors())
     first, second = found.proposal.first, found.proposal.second
     return np.asarray(footprint_overlap(track, first, second, dive.depth_m, scene.camera) > 0)

@@ -44,7 +44,7 @@ Truth = dict[str, list[tuple[np.ndarray, float]]]
 
 
 def simulate(folder: Path, seed: int, options: dict[str, Any]) -> tuple[Path, Path]:
-    """Return the packages of a hull's two dives, made where they are not there."""
+    """Simulate a hull's two dives unless their packages exist."""
     packages = []
     for part, drawn in (
         ("a", {"seed": seed}),
@@ -58,7 +58,7 @@ def simulate(folder: Path, seed: int, options: dict[str, Any]) -> tuple[Path, Pa
 
 
 def true_changes(first: Path, second: Path) -> Truth:
-    """Return what truly changed, by status: centers in M and the change of height, m."""
+    """Return the true changes by status: centers in M and change of height, m."""
     before, after = (structures(package) for package in (first, second))
     out: Truth = {"new": [], "gone": [], "grown": []}
     for place, height in before:
@@ -72,7 +72,7 @@ def true_changes(first: Path, second: Path) -> Truth:
 
 
 def structures(package: Path) -> list[tuple[np.ndarray, float]]:
-    """Return center in M and height, m, of what stands on the hull of a package, or is sunken into
+    """Return center in M and height, m, of what stands on a package's hull or is sunken into
     it.
     """
     rows = json.loads((package / "truth" / "objects.json").read_text())["objects"]
@@ -80,9 +80,10 @@ def structures(package: Path) -> list[tuple[np.ndarray, float]]:
 
 
 def score(change: HullChange, truth: Truth, placed: Poses) -> dict[str, Any]:
-    """Return how many true changes were found, those missed, and what was found that is none.
-    placed: from the true hull frame to that in which the first dive reports, which lies off it by
-    its hull pose's error.
+    """Match the changes found with the true ones.
+
+    placed: from the true hull frame to that in which the first dive reports; they differ by the
+    error of its hull pose.
     """
     found, missed, growth = 0, [], []
     left = list(change.changed())
@@ -123,13 +124,13 @@ def score(change: HullChange, truth: Truth, placed: Poses) -> dict[str, Any]:
 
 
 def reported_from_true(survey: HullSurvey, package: Path) -> Poses:
-    """Return where a dive reports what lies at a place of the true hull frame."""
+    """Return the transform from the true hull frame to that of a dive's report."""
     stated = json.loads((package / "truth" / "alignment.json").read_text())["T_g_M"]["matrix"]
     return survey.hull_pose.global_from_hull.inverse() @ from_matrix(np.array(stated))
 
 
 def run_both(folder: Path, seed: int, options: dict[str, Any]) -> RunComparison:
-    """Return what changed between one hull's two dives, run where they have not been."""
+    """Run a hull's two dives, unless they have been, and compare them."""
     packages = simulate(folder, seed, options)
     first, second = (
         run(package, folder / "runs", last_step="detect").workspace.root for package in packages
@@ -138,7 +139,7 @@ def run_both(folder: Path, seed: int, options: dict[str, Any]) -> RunComparison:
 
 
 def compare(folder: Path, seed: int, options: dict[str, Any]) -> dict[str, Any]:
-    """Return the figures of one hull's two dives, run where they have not been."""
+    """Score the changes found between a hull's two dives."""
     result, packages = run_both(folder, seed, options), simulate(folder, seed, options)
     return {
         "seed": seed,

@@ -138,7 +138,7 @@ def heading_step(topic: str, since_s: float, data: bytes) -> bytes | None:
 
 
 def late(part: str) -> Disturbance:
-    """Return what stamps the messages of topics with that in their name LATE_S late, all along."""
+    """Stamp messages of topics whose name holds a word LATE_S late."""
     return lambda topic, since_s, data: (
         with_stamp(data, stamp(data) + round(LATE_S * NS)) if part in topic else data
     )
@@ -218,7 +218,7 @@ def disturb(package: Path, copy: Path, change: Disturbance, about_ns: int | None
 
 
 def said(run: Path) -> list[str]:
-    """Return what the steps warned of, as the report has it."""
+    """Return the warnings of a run's steps."""
     steps = [
         run / name / "manifest.json"
         for name in ("ingest", "navigate", "links", "matches", "adjust")
@@ -232,7 +232,7 @@ def said(run: Path) -> list[str]:
 
 
 def line(name: str, row: Figures) -> str:
-    """Return one disturbance's figures as a line."""
+    """Format one disturbance's figures as a line."""
     sigmas = " ".join(f"{x:.2f}" for x in row["errors_in_sigmas"])
     return (
         f"{name}: rigid rms {row['adjust_mm']:.1f} mm (dead reckoning "

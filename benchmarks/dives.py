@@ -179,7 +179,7 @@ def nees(adjust: Path, package: Path) -> float:
 
 
 def dive(package: Path, folder: Path, mono: bool, jobs: int) -> dict[str, Any]:
-    """Return the figures of one simulated dive, run."""
+    """Run one simulated dive and score it."""
     package = without_lower_camera(package) if mono else package
     _hullrecon("run", "-q", str(package), "--runs", str(folder / "runs"), "--jobs", str(jobs))
     run = folder / "runs" / package.name
@@ -192,7 +192,7 @@ def figure(row: dict[str, Any], name: str) -> float:
 
 
 def table(rows: dict[str, dict[str, Any]]) -> list[str]:
-    """Return a line a figure, a column a dive; a star marks what breaks its limit."""
+    """Tabulate figures by dive; a star marks a broken limit."""
     lines = [f"{'':30s}" + "".join(f"{name:>9s} " for name in rows) + "   median     worst"]
     for name, limit in FIGURES:
         values = [figure(row, name) for row in rows.values()]

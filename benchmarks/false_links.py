@@ -119,11 +119,7 @@ def read_dive(package: Path, run: Path) -> Dive:
     track = track_cameras(
         reckoned, navigate.error_model, worker.rig, float(np.radians(tray.sigma_deg)), bottom
     )
-    depths = (
-        [None] * len(track)
-        if returns is None
-        else depth_priors(track, reckoned, returns, rig)
-    )
+    depths = [None] * len(track) if returns is None else depth_priors(track, reckoned, returns, rig)
     bare = [
         MatchNode(image=i, depth=d, stereo=no_matches())
         for i, d in zip(images, depths, strict=True)
@@ -143,7 +139,7 @@ def read_dive(package: Path, run: Path) -> Dive:
 
 
 def true_cameras(truth: Truth, t_s: Array) -> Poses:
-    """Return where the cameras truly were at the frames nearest to those times (n,)."""
+    """Return the true camera poses at the frames nearest to times (n,)."""
     return truth.cameras_at(nearest_frames(truth.t_s, t_s))
 
 
@@ -213,7 +209,7 @@ def false_offer(
 
 
 def true_offer(dive: Dive, count: int, rng: np.random.Generator) -> Offer:
-    """Return true revisits, known as a false pair pretends to be."""
+    """Draw true revisits with the covariance that false pairs pretend to have."""
     first, second, _ = true_revisits(dive.run, read_truth(dive.package))
     first, second = chosen(np.column_stack([first, second]), count, rng)
     return Offer(
@@ -222,7 +218,7 @@ def true_offer(dive: Dive, count: int, rng: np.random.Generator) -> Offer:
 
 
 def compare(dive: Dive, offer: Offer, what: str) -> list[PairMatch]:
-    """Return what came of each pair."""
+    """Return the outcome of each pair."""
     out: list[PairMatch] = []
     for start in range(0, len(offer), BLOCK):
         rows = range(start, min(start + BLOCK, len(offer)))
@@ -257,7 +253,7 @@ def row_of(matches: Sequence[PairMatch]) -> dict[str, object]:
 
 
 def as_run(dive: Dive, offer: Offer, solved: GraphSolution) -> Offer:
-    """Return the pairs with what the path that images and navigation give says of them."""
+    """Predict the pairs from the path of images and navigation."""
     poses = leading_cameras(dive.worker.rig, solved.path, dive.bottom)
     track = CameraTrack(global_from_camera=poses, errors=solved.relative_errors(dive.bottom))
     return replace(offer, expected=track.motions(offer.first, offer.second))

@@ -100,7 +100,7 @@ class Bench:
 
 
 def judge(fault: str, code: int, err: str, due: int) -> Case:
-    """Return the case: right where the code is due and at most one line was said."""
+    """Judge a case: the exit code must be the one due, with at most one line of error."""
     lines = [line for line in err.splitlines() if line.strip()]
     wrong = [] if code == due else [f"exit code {code}, not {due}"]
     wrong += [] if len(lines) == (due != 0) else [f"{len(lines)} lines"]

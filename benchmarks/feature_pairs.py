@@ -31,7 +31,7 @@ Found = tuple[Ints, Floats32]
 
 
 def scene(features: int) -> Scene:
-    """Return where features are sought (n, 2), its covariance, where features are (n, 2), and the
+    """Draw where features are sought (n, 2), its covariance, where features are (n, 2), and the
     descriptors of both.
     """
     rng = np.random.default_rng(1)

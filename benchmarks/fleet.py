@@ -151,7 +151,7 @@ def _counts(document: dict[str, Any]) -> dict[str, Any]:
 def measure(
     folder: Path, tiny: Path, count: int, jobs: int, program: Sequence[str] = PROGRAM
 ) -> dict[str, Any]:
-    """Return how the fleet of `count` copies of a package went, killed twice."""
+    """Run a fleet of `count` copies of a package, killed twice."""
     dives, runs = folder / "dives", folder / "runs"
     broken = make_dives(tiny, dives, count)
     fleet = Fleet(program, dives, runs, jobs)

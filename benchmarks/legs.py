@@ -83,8 +83,9 @@ def hullrecon(*words: str) -> int:
 
 
 def simulate(name: str, seed: int, drift: float, folder: Path, like: Path | None = None) -> Path:
-    """Return the package, made once. like: one of the same dive and seed with another drift, which
-    has the same images.
+    """Simulate the package unless it exists.
+
+    like: a package of the same dive and seed with another drift, which has the same images.
     """
     package = folder / f"{name}-{seed}-{drift:g}"
     if (package / "truth").exists():
@@ -203,13 +204,13 @@ def cast(surface: Scene, origin: Array, direction: Array) -> Array:
 
 
 def matched(run: Path, first: Ints, second: Ints, nodes: int) -> Mask:
-    """Return which of those pairs were compared and kept."""
+    """Mark the pairs that were compared, and those kept."""
     pairs = LinksArtifact(run / "links").pairs
     return np.isin(first * nodes + second, (pairs.first * nodes + pairs.second)[pairs.joined])
 
 
 def figures(run: Path, package: Path) -> Figures:
-    """Return the figures of one run."""
+    """Score one run."""
     truth = read_truth(package)
     said = json.loads((run / "adjust" / "adjust.json").read_text())
     navigate, links = (
@@ -233,7 +234,7 @@ def figures(run: Path, package: Path) -> Figures:
 
 
 def dive(package: Path, folder: Path, free: bool) -> Figures:
-    """Return the figures of one dive, with its CAD model and, where asked for, without."""
+    """Score one dive with its CAD model and, if asked, without."""
     runs = folder / "runs"
     run = runs / package.name
     if not run_to_adjust(package, runs):
@@ -255,7 +256,7 @@ def dive(package: Path, folder: Path, free: bool) -> Figures:
 
 
 def line(name: str, row: Figures) -> str:
-    """Return one dive's figures as a line."""
+    """Format one dive's figures as a line."""
     if row.get("failed"):
         return f"{name}: FAILED"
     sigmas = " ".join(f"{x:.2f}" for x in row.get("errors_in_sigmas", []))

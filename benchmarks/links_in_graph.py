@@ -39,7 +39,7 @@ def solved_graph(run: Path, config: LoadedConfig) -> GraphSolution:
 
 
 def kept_by_graph(run: Path, solved: GraphSolution, false: CameraLinks) -> dict[str, int]:
-    """Return how many false links were added to those of the run, one to RIGHT of these, and how
+    """Count the false links added to those of the run, one to RIGHT of these, and how
     many are left when cycles and the solved path have had their say.
     """
     right, pairs = solved.links, LinksArtifact(run / "links").pairs
@@ -73,12 +73,12 @@ def links_of(first: Ints, second: Ints, matches: Sequence[PairMatch]) -> CameraL
 
 
 def select(links: CameraLinks, rows: Ints | Mask) -> CameraLinks:
-    """Return some of the links."""
+    """Select some of the links."""
     return CameraLinks(**{f.name: getattr(links, f.name)[rows] for f in fields(CameraLinks)})
 
 
 def joined(first: CameraLinks, second: CameraLinks) -> CameraLinks:
-    """Return these links and those."""
+    """Join two tables of links."""
     names = [f.name for f in fields(CameraLinks)]
     return CameraLinks(
         **{name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in names}

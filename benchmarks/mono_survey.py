@@ -49,7 +49,7 @@ MOST_MM, MOST_SIGMA_RATIO, LEAST_RECALL = 50.0, 0.3, 0.9
 
 
 def simulate(folder: Path, legs: int, length_m: float, seed: int, more: list[str]) -> Path:
-    """Return the package, made once."""
+    """Simulate the package unless it exists."""
     package = folder / f"survey-{legs}x{length_m:g}-{seed}"
     whole = package.with_name(f"whole-{package.name}")
     if not (whole / "truth").exists():
@@ -121,7 +121,7 @@ def shared(built: Scene, camera: CameraModel, cameras: Poses, first: Ints, secon
 
 
 def measure(package: Path, run: Path) -> dict[str, object]:
-    """Return the figures of a run."""
+    """Score a run."""
     truth, dive, row = read_truth(package), read_dive(package, run), figures(run, package)
     navigate, links = NavigateArtifact(run / "navigate"), LinksArtifact(run / "links")
     first, second = links.pairs.first[links.pairs.joined], links.pairs.second[links.pairs.joined]
@@ -160,7 +160,7 @@ def measure(package: Path, run: Path) -> dict[str, object]:
 
 
 def asked(row: dict[str, object]) -> dict[str, bool]:
-    """Return whether the figures are as they are asked to be."""
+    """Test the figures against their limits."""
     return {
         f"vehicle at most {MOST_MM:g} mm": float(str(row["adjust_mm"])) <= MOST_MM,
         "no link between images that share nothing": row["linked_sharing_nothing"] == 0,

@@ -28,7 +28,7 @@ from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
 
 
 def outage(from_s: float, to_s: float) -> Disturbance:
-    """Return what leaves out the DVL and all cameras between two times."""
+    """Drop the DVL and all cameras between two times."""
 
     def lost(topic: str, since_s: float, data: bytes) -> bytes | None:
         return None if (topic == "/dvl" or "camera" in topic) and from_s <= since_s < to_s else data
@@ -37,7 +37,7 @@ def outage(from_s: float, to_s: float) -> Disturbance:
 
 
 def figures(package: Path, run: Path) -> Figures:
-    """Return how far off the path of a run is."""
+    """Score the path of a run."""
     truth, links = read_truth(package), LinksArtifact(run / "links")
     navigate, pairs = NavigateArtifact(run / "navigate").trajectory, links.pairs
     facts = json.loads((run / "links" / "links.json").read_text())

@@ -180,7 +180,7 @@ def plain_reduced(
 
 
 def compared(data: Scene) -> dict[str, tuple[Callable[[], list[Array]], Callable[[], list[Array]]]]:
-    """Return what is timed by name: in C++, in plain NumPy."""
+    """Return the functions to time by name, in C++ and in plain NumPy."""
     xy = data.seen[:, 4:6]
     counts = np.isfinite(xy[:, 0])
     steps = 0.02 * np.random.default_rng(2).standard_normal((HYPOTHESES, 6))

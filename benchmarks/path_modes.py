@@ -72,14 +72,14 @@ def modes_of(positions: Array) -> list[Mode]:
 
 
 def component(mode: Mode, displacement: Array) -> float:
-    """Return how much of a mode, m rms, displacements (n, 3) of the poses hold."""
+    """Project displacements (n, 3) of the poses on a mode, m rms."""
     return float((mode.displacement * displacement).sum() / len(displacement))
 
 
 def how_well_known(
     problem: native.Problem, settings: native.Options, modes: list[Mode]
 ) -> list[Known]:
-    """Return of each mode how well the problem, at its solution, knows its component."""
+    """Return the sigma of each mode's component at a problem's solution."""
     at = native.evaluate(problem, settings)
     rows = sparse.csr_matrix(
         (at.jacobian_value, at.jacobian_column, at.jacobian_start),
@@ -113,7 +113,7 @@ def how_well_known(
 
 
 def _landmark_columns(columns: dict[str, tuple[int, int]], width: int) -> Mask:
-    """Return which columns (width,) of the Jacobian are coordinates of landmarks."""
+    """Select the columns (width,) of the Jacobian that belong to landmarks."""
     out = np.zeros(width, bool)
     for name, (start, count) in columns.items():
         if name.startswith("landmark "):

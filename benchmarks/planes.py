@@ -41,7 +41,7 @@ SETTLED = 20  # nodes from the start, where sigmas are nothing
 
 
 def simulate(folder: Path, number: int) -> Path:
-    """Return the package of a dive with its CAD model, made once."""
+    """Simulate a dive with its CAD model unless it exists."""
     package = folder / f"dive{number}"
     if not (package / "truth").exists():
         spec = spec_from(
@@ -59,7 +59,7 @@ def simulate(folder: Path, number: int) -> Path:
 
 
 def without_cad_model(package: Path) -> Path:
-    """Return a copy of the package that has no CAD model, made once."""
+    """Copy the package without its CAD model unless that exists."""
     bare = package.with_name(f"{package.name}-bare")
     if not bare.exists():
         shutil.copytree(package, bare)

@@ -30,7 +30,7 @@ SHAPE_SIGMA_M, SHAPE_SEED = 0.02, 2
 
 
 def shape(at: Array, rng: np.random.Generator) -> Array:
-    """Return how far the plate bulges (n,) m at (n, 2): waves of 10 to 40 m along and 3 to 10 m in
+    """Return the plate's bulge (n,) m at (n, 2): waves of 10 to 40 m along and 3 to 10 m in
     girth.
     """
     out = np.zeros(len(at))
@@ -69,7 +69,7 @@ def main() -> int:
 
 
 def measure(plate: PlaneChart, at: Array, point: Array) -> dict[str, object]:
-    """Return the figures of one survey."""
+    """Score one survey."""
     everything = np.ones(len(at), bool)
     observed = SurfacePoints(
         point=point,

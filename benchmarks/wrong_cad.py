@@ -61,7 +61,7 @@ SHIPS = ((30.0, 6.5, 4.0, 1.0), (90.0, 15.0, 9.0, 2.0), (50.0, 12.0, 5.5, 2.6))
 
 
 def measurements(package: Path, run: Path) -> tuple[Measurements, AdjustOptions]:
-    """Return what the adjustment of a run was given."""
+    """Read the inputs of a run's adjustment."""
     config = load_config(package, {stage.name: stage.parameters for stage in stages()})
     ingest, navigate = IngestArtifact(run / "ingest"), NavigateArtifact(run / "navigate")
     hull = config.value("hull")
@@ -188,7 +188,7 @@ def cases(
 def outcome(
     path: Stage, measured: Measurements, solver: RoundSolver, truth: Truth
 ) -> dict[str, object]:
-    """Return what became of one model."""
+    """Adjust a dive with one model and return the outcome."""
     assert measured.cad_model is not None
     estimate = replace(path.estimate, measured=replace(measured, rig=path.estimate.measured.rig))
     on_path = replace(path, estimate=estimate)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""List the commands of `hullrecon --help` with their modules and summaries, so that the help
-imports none of them.
-"""
+"""The commands of `hullrecon --help`, listed so that the help imports none of them."""
 
 from __future__ import annotations
 

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turn the arguments of a command into a dive with its chain and workspace, and name --set in the
-errors that it caused.
-"""
+"""Open the dive that a command names, and name --set in the errors that it caused."""
 
 from __future__ import annotations
 
@@ -67,10 +65,9 @@ def allow_outside_option(command: Command) -> Command:
 def open_dive(
     target: Path, runs: Path, overrides: Sequence[str] = (), *, allow_outside: bool = False
 ) -> dive_run.DiveRun:
-    """Return the dive of a target: a package, or the folder of a run, whose package is the one that
-    it last read.
+    """Open the dive of a package, or of a run by the package that it read last.
 
-    Raises InputError when it is neither, or names files outside its folder that are not allowed;
+    Raises InputError when the target is neither, or names files outside that are not allowed;
     UsageError for a wrong configuration.
     """
     from hullrecon.steps.chain import stages
@@ -82,8 +79,9 @@ def open_dive(
 
 
 def find_workspace(target: Path, runs: Path) -> Workspace:
-    """Return the workspace of a run, given by its own folder or by its package; the former needs no
-    valid configuration.
+    """Return the workspace of a run, by its own folder or its package.
+
+    The former needs no valid configuration.
     """
     workspace = Workspace(target)
     return (
@@ -95,9 +93,7 @@ def find_workspace(target: Path, runs: Path) -> Workspace:
 def name_overrides(
     step_sections: Mapping[str, type[msgspec.Struct]], overrides: Sequence[str]
 ) -> Iterator[None]:
-    """Rewrite the UsageErrors of `load_config`: list the choices, and name --set where the value
-    was given by it.
-    """
+    """Rewrite the UsageErrors of `load_config`: list the choices, and name --set if it was that."""
     try:
         yield
     except UsageError as error:
@@ -115,9 +111,7 @@ def name_overrides(
 
 
 def _choices(step_sections: Mapping[str, type[msgspec.Struct]], key: str) -> tuple[str, ...]:
-    """Return the values that the option `section.key` of a step may take, none when it is not a
-    choice.
-    """
+    """Return the values that the option `section.key` of a step may take, if it is a choice."""
     section, _, name = key.rpartition(".")
     if section not in step_sections:
         return ()

@@ -22,9 +22,7 @@ _LONG = 100  # characters of a name that is shown
 
 
 def exit_code_of(error: BaseException, state: CallState) -> int:
-    """Print in one line on standard error what happened and return the exit code
-    (docs/deliverables.md).
-    """
+    """Print in one line what happened, and return the exit code (docs/deliverables.md)."""
     if isinstance(error, KeyboardInterrupt | click.Abort) or is_requested():
         return _report(
             state,
@@ -65,8 +63,9 @@ def exit_code_of(error: BaseException, state: CallState) -> int:
 
 
 def _as_known(error: BaseException) -> HullreconError | None:
-    """Return the error that a user can act on: as raised, or what a full disk, a missing permission
-    or a lack of memory means wherever it was met; None for a fault of ours.
+    """Return the error that a user can act on; None for a fault of ours.
+
+    A full disk, a missing permission or a lack of memory is one wherever it was met.
     """
     from hullrecon.artifacts.machine import is_lack_of_memory
 

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The traceback of an internal error, in a file of the dive's run or, without one, of the user's
-state.
-"""
+"""Write the traceback of an internal error to a private file of the run, or of the user."""
 
 from __future__ import annotations
 
@@ -21,18 +19,15 @@ _HOMES = re.compile(r"/(?:home|Users)/[^/\s\"']+|/root(?=[/\"'])")
 
 
 def write_fault_file(error: BaseException, workspace: Path | None) -> Path | None:
-    """Write the traceback without the names of users and return its path; None where no place takes
-    it.
+    """Write the traceback without the names of users; None where no place takes it.
 
     workspace: RUNS/<dive>, where it goes once a run has begun there.
     """
     text = _without_places("".join(traceback.format_exception(error)))
-    started = (
-        workspace is not None and (workspace / ".hullrecon").is_dir() and not workspace.is_symlink()
-    )
-    for folder in ([workspace / "logs"] if workspace is not None and started else []) + [
-        _state_folder()
-    ]:
+    folders = [_state_folder()]
+    if workspace is not None and (workspace / ".hullrecon").is_dir() and not workspace.is_symlink():
+        folders.insert(0, workspace / "logs")
+    for folder in folders:
         try:
             return write_private_file(folder, "fault", text)
         except OSError:
@@ -48,9 +43,7 @@ def _state_folder() -> Path:
 
 
 def _without_places(text: str) -> str:
-    """Replace what says whose machine it was: where the program is installed, the current folder
-    and homes.
-    """
+    """Replace what says whose machine it was: installation, current folder and homes."""
     installed = Path(hullrecon.__file__).resolve().parents[1]
     places = {
         str(installed): "<hullrecon>",
@@ -65,8 +58,7 @@ def _without_places(text: str) -> str:
 
 
 def write_private_file(folder: Path, kind: str, text: str) -> Path:
-    """Write `<kind>-<time>-<random>.txt` for its owner alone, remove all but the last of that kind,
-    and return its path.
+    """Write `<kind>-<time>-<random>.txt` for its owner alone, and keep the last few of its kind.
 
     Raises OSError where the folder is a link or cannot be written.
     """

@@ -84,8 +84,7 @@ def _version(context: click.Context, parameter: click.Parameter, value: bool) ->
 )
 @click.pass_context
 def cli(context: click.Context) -> None:
-    """Reconstruct a ship's hull as found from the logs of an underwater inspection and the CAD
-    model.
+    """Reconstruct a ship's hull as found from an inspection's logs and the CAD model.
 
     Exit codes: 0 done, 1 an internal error, 2 usage or configuration, 3 the input cannot be used, 4
     a step reached no result, 5 the dive is locked by another run, 6 no space or no permission, 130

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The last line of defence of a terminal: names from other people's files are shown, never obeyed."""
+"""Show names from other people's files on a terminal so that it does not obey them."""
 
 from __future__ import annotations
 
@@ -16,14 +16,12 @@ _UNPRINTABLE = re.compile(
 
 
 def printable(text: str) -> str:
-    r"""Return the text with what a terminal would obey written out, `\u001b` for an escape; JSON
-    stays the same JSON.
-    """
+    r"""Write out what a terminal would obey, `\u001b` for an escape; JSON stays the same JSON."""
     return _UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def write_out_what_cannot_be_encoded() -> None:
-    """Let standard output show a character that its encoding lacks as an escape instead of failing."""
+    """Let standard output show a character that its encoding lacks as an escape."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The process of the program: it ends with the exit code that was reported, also where Ctrl-C met
-its imports.
-"""
+"""End the process with the exit code that was reported, also where Ctrl-C met its imports."""
 
 from __future__ import annotations
 

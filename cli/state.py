@@ -24,21 +24,17 @@ _LONG = 100  # characters of a path that is shown
 
 @dataclass(kw_only=True)
 class CallState:
-    """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes.
-    is_emitted: the result has been printed, one document with --json.
-    """
+    """How much this call of the program says, and in which form."""
 
     verbose: bool = False
     quiet: bool = False
     json: bool = False
     log_file: Path | None = None
-    workspace: Path | None = None
-    is_emitted: bool = False
+    workspace: Path | None = None  # RUNS/<dive> once it is known, where a fault's traceback goes
+    is_emitted: bool = False  # the result has been printed
 
     def emit(self, document: object, lines: Iterable[str]) -> None:
-        """Print the result on standard output: the document with --json, else the lines, nothing
-        when quiet.
-        """
+        """Print the result: the document with --json, else the lines, nothing when quiet."""
         self.is_emitted = True
         if self.json:
             from hullrecon.artifacts.documents import encode
@@ -75,9 +71,7 @@ class _MessageFormatter(logging.Formatter):
 
 
 def configure_logging(state: CallState) -> None:
-    """Set up logging: standard error as --quiet and --verbose ask, the log file with everything and
-    the time.
-    """
+    """Log to standard error as --quiet and --verbose ask, and everything to the log file."""
     logger = logging.getLogger("hullrecon")
     for handler in logger.handlers[:]:
         logger.removeHandler(handler)
@@ -117,8 +111,9 @@ class _LogFile(logging.FileHandler):
 
 
 def _file_handler(path: Path) -> logging.Handler:
-    """Return the handler of a log file. Raises UsageError where its folder does not exist,
-    StorageError where it is refused.
+    """Open the log file.
+
+    Raises UsageError where its folder does not exist, StorageError where it is refused.
     """
     try:
         handler = _LogFile(path, encoding="utf-8", errors="backslashreplace")
@@ -138,9 +133,7 @@ def _file_handler(path: Path) -> logging.Handler:
 
 
 def add_common_options(command: click.Command) -> None:
-    """Add --verbose, --quiet, --json and --log-file to a command too, so that they may stand at
-    either place.
-    """
+    """Add --verbose, --quiet, --json and --log-file, which may stand before the command too."""
     taken = {name for parameter in command.params for name in parameter.opts}
     for option in common_options():
         if not taken.intersection(option.opts):

@@ -21,28 +21,29 @@ from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.steps.chain import stages
 
 UNIT = re.compile(
-    r"(m and deg|m/s2|m/s|kg/m3|deg/h|deg|Pa|m2|m|s|px|share|ratio|sigmas|probability|chi2|bytes|rad|Hz)(?:, |$)"
+    r"(m and deg|m/s2|m/s|kg/m3|deg/h|deg|Pa|m2|m|s|px|share|ratio|sigmas|probability|chi2|bytes"
+    r"|rad|Hz)(?:, |$)"
 )
 BOUNDS = {"ge": "≥ {}", "gt": "> {}", "le": "≤ {}", "lt": "< {}", "multiple_of": "multiple of {}"}
 HEAD = """# Configuration
 
-Every key of `dive.toml`, with its unit, default and meaning. This page is generated from the code (`python
-docs/generate_configuration.py`) and a test holds it to the code; what a dive package holds beside it stands in
-[dive_package.md](dive_package.md).
+Every key of `dive.toml`, with its unit, default and meaning. This page is generated from the code
+(`python docs/generate_configuration.py`), and a test holds it to the code. What else a dive package
+holds is in [dive_package.md](dive_package.md).
 
-- An unknown key is an error that names the nearest known one. `hullrecon check` prints what was read.
-- A mount is six numbers: x, y, z in metres, then roll, pitch, yaw in degrees; the sigma of a mount is metres and a small
-  rotation vector in degrees, in the parent frame.
-- Every step has a section of its name; its keys can also be given as options of its command or by `--set SECTION.KEY=VALUE`.
+- An unknown key is an error that names the nearest known one. `hullrecon check` prints what was
+  read.
+- A mount is six numbers: x, y, z in metres, then roll, pitch, yaw in degrees. The sigma of a mount
+  is metres and a small rotation vector in degrees, in the parent frame.
+- Every step has a section of its name. Its keys can also be given as options of its command or by
+  `--set SECTION.KEY=VALUE`.
 - The unit `share` is a number from 0 to 1, `sigmas` a multiple of one standard deviation.
 """
 
 
 @dataclass(frozen=True, kw_only=True)
 class Key:
-    """One key of dive.toml: its dotted name, unit, kind with bounds, default and meaning; "" where
-    there is none.
-    """
+    """One key of dive.toml, as the page has it."""
 
     name: str
     unit: str
@@ -82,7 +83,8 @@ def text() -> str:
     parts = [HEAD]
     for table in tables():
         parts.append(
-            f"\n## [{table.name}]\n\n{table.about}\n\n| key | unit | values | default | meaning |\n|---|---|---|---|---|\n"
+            f"\n## [{table.name}]\n\n{table.about}\n\n"
+            "| key | unit | values | default | meaning |\n|---|---|---|---|---|\n"
         )
         parts += [
             f"| `{k.name}` | {k.unit} | {k.kind} | {k.default} | {k.meaning} |\n"

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The one place for errors: what is wrong, where, what to do, and the exit code that says which
-kind it is.
-"""
+"""The errors that a user can act on: what is wrong, where, what to do, and an exit code."""
 
 from __future__ import annotations
 

@@ -45,9 +45,7 @@ def new_folder(folder: Path) -> Iterator[Path]:
 
 
 def _is_there(place: Path, folder: Path) -> bool:
-    """Return whether a place, as folder names it, is an empty folder. Raises StorageError when it
-    is anything else.
-    """
+    """Whether an empty folder is there. Raises StorageError when anything else is."""
     if not os.path.lexists(place):
         return False
     if not place.is_dir():
@@ -57,9 +55,10 @@ def _is_there(place: Path, folder: Path) -> bool:
 
 
 def _move_up(temporary: Path, folder: Path) -> None:
-    """Move all that lies in a folder into the one above. That one is not replaced: it may be a
-    mount point, which cannot be, or the folder that somebody's shell is in, which would stay in the
-    old one. Raises StorageError when more lies there.
+    """Move all that lies in a folder into the one above.
+
+    That one is not replaced: it may be a mount point, or the folder that somebody's shell is in.
+    Raises StorageError when more lies there.
     """
     _refuse_content(
         [name for name in os.listdir(temporary.parent) if name != temporary.name], folder

@@ -77,7 +77,7 @@ def test_cameras_sit_on_the_tray(rig: Rig) -> None:
         )
 
 
-def test_the_ends_of_beams_count_the_motion_between_node_and_ping(rig: Rig) -> None:
+def test_beam_ends_count_motion_between_node_and_ping(rig: Rig) -> None:
     since = exp(RNG.normal(scale=0.1, size=(3, 6)))
     returns = Returns(
         t_ns=np.zeros(3, np.int64),

@@ -66,7 +66,7 @@ def test_the_densitys_sigma_becomes_a_share_of_the_density():
     assert rig_of(pressure=fresh).priors.density_sigma == pytest.approx(0.3 / 998.0)
 
 
-def test_an_error_that_is_said_not_to_exist_keeps_a_sigma_that_can_be_divided_by():
+def test_zero_sigma_of_error_stays_divisible():
     rig = rig_of(
         pressure=Pressure(origin=(0, 0, 0), bias_sigma_m=0.0),
         dvl=Dvl(mount=(0, 0, 0, 0, 90, 0), scale_sigma=0.0),
@@ -74,7 +74,7 @@ def test_an_error_that_is_said_not_to_exist_keeps_a_sigma_that_can_be_divided_by
     assert rig.priors.navigation_sigma[0] == rig.priors.navigation_sigma[4] == 1e-9
 
 
-def test_a_mounts_sigma_whitens_small_motions_in_the_parents_axes():
+def test_mount_prior_whitens_motions_in_parent_axes():
     """A shift of one sigma along an axis of the tray, or a turn of one about it, costs one."""
     nominal = from_mount(MOUNT)
     rows = mount_prior(nominal, SIGMA)
@@ -100,7 +100,7 @@ def test_a_single_sigma_of_zero_is_all_but_held():
     assert np.isfinite(rows).all()
 
 
-def test_the_dvls_position_is_held_and_its_sigma_kept_for_the_poses():
+def test_dvl_position_is_held_and_its_sigma_kept():
     held = rig_of().priors
     np.testing.assert_array_equal(held.dvl_position_sigma_m, [0.01, 0.01, 0.02])
     assert np.linalg.norm(held.tray_from_dvl[0, :3]) == pytest.approx(1e6)

@@ -71,7 +71,7 @@ class Campaign:
             found.cases = sorted([*found.cases, case])[:SHOWN_CASES]
 
     def count(self, form: str) -> int:
-        """Return how many cases of a format were run."""
+        """Count the cases run of a format."""
         return sum(self.verdicts.get(form, Counter()).values())
 
     def document(self) -> dict[str, Any]:
@@ -101,9 +101,7 @@ class Campaign:
 
 
 def signature(verdict: Verdict) -> str:
-    """Return what failures of one cause share: of a traceback the innermost place of ours, and its
-    type.
-    """
+    """Return the signature of a failure: a traceback's innermost place of ours and its type."""
     if verdict.kind not in ("traceback", "hang", "memory"):
         return ""
     places = [

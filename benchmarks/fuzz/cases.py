@@ -73,7 +73,7 @@ class Bench:
         return self._folder / f"{form}-{number}"
 
     def _baseline(self, form: str, number: int) -> Reading:
-        """Return what the sound input gives, after laying its files out."""
+        """Lay out the files of a sound input and read them."""
         if (form, number) not in self._sound:
             sound, place = seeds()[form][number], self._place(form, number)
             shutil.rmtree(place, ignore_errors=True)

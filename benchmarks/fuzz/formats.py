@@ -134,7 +134,7 @@ def _view_point() -> tuple[Seed, ...]:
 
 
 def word_sums_are_right(data: bytes) -> bool:
-    """Return whether the checksums of AD2CP blocks fit their bytes: two values that change places
+    """Verify the checksums of AD2CP blocks: two values that change places
     leave them as they are.
     """
     return with_right_word_sums(data) == data
@@ -166,7 +166,7 @@ def _reports() -> tuple[Seed, ...]:
 
 
 def sums_are_right(data: bytes) -> bool:
-    """Return whether every ensemble has its checksum: a plain sum, which bytes that change places
+    """Verify the checksum of every ensemble: a plain sum, which bytes that change places
     leave as it is.
     """
     return with_right_sums(data) == data

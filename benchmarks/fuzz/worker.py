@@ -35,7 +35,7 @@ class Worker:
         self._start()
 
     def run(self, form: str, seed: int, case: int) -> Verdict:
-        """Return the verdict on a case; the end of the process is one too."""
+        """Return the verdict on a case; a process that ended is a verdict as well."""
         return next(verdict for _, verdict in self.run_batch(form, seed, range(case, case + 1)))
 
     def run_batch(self, form: str, seed: int, cases: range) -> Iterator[tuple[int, Verdict]]:
@@ -56,7 +56,7 @@ class Worker:
                 cases = cases[1:]
 
     def _receive(self) -> tuple[Verdict, bool]:
-        """Return the next verdict, and whether the process is lost."""
+        """Wait for the next verdict; the second value says that the process is lost."""
         used_s = -1.0
         try:
             while not self._connection.poll(PATIENCE_S):

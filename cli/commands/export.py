@@ -26,23 +26,20 @@ def export(context: click.Context) -> None:
 @click.argument("folder", type=FOLDER, metavar="OUT")
 @jobs_option("worker processes")
 def colmap(run: Path, folder: Path, jobs: int | None) -> None:
-    """Write the undistorted images of RUN (RUNS/<dive>) to OUT, with their COLMAP model of pinhole
-    cameras.
+    """Write the undistorted images of RUN (RUNS/<dive>) to OUT, with their COLMAP model.
 
-    OUT is a workspace for COLMAP's stereo, OpenMVS and trainers of Gaussian splats: images/,
-    sparse/ (again as sparse/0/), stereo/. Poses and points are those of deliver/colmap. OUT must be
-    new or empty; it appears when all of it is written.
+    The cameras are pinholes. OUT is a workspace for COLMAP's stereo, OpenMVS and trainers of
+    Gaussian splats: images/, sparse/ (again as sparse/0/), stereo/. Poses and points are those of
+    deliver/colmap. OUT must be new or empty; it appears when all of it is written.
     """
     from hullrecon.api.export import export_colmap
     from hullrecon.artifacts.progress import choose_progress
 
     made = export_colmap(run, folder, jobs=jobs, progress=choose_progress(quiet=state_of().quiet))
-    lost = (
-        f"; {made.lost_observations} observations lay outside the undistorted images"
-        if made.lost_observations
-        else ""
-    )
-    line = f"wrote {folder}: {made.images} images, {made.points} points, {made.observations} observations{lost}"
+    line = f"wrote {folder}: {made.images} images, {made.points} points"
+    line += f", {made.observations} observations"
+    if made.lost_observations:
+        line += f"; {made.lost_observations} observations lay outside the undistorted images"
     state_of().emit({**asdict(made), "folder": str(folder)}, [line])
 
 

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import logging
 from pathlib import Path
+from typing import Any
 
 import click
 
 from hullrecon.api.fleet import FleetDive, FleetResult, preview_fleet, run_fleet
-from hullrecon.api.fleet.text import one_line
+from hullrecon.api.fleet.packages import one_line
 from hullrecon.artifacts.progress import choose_progress
 
 from ..dives import FOLDER, allow_outside_option, runs_option
@@ -43,10 +44,7 @@ log = logging.getLogger("hullrecon.cli")
 @allow_outside_option
 @runs_option
 @click.pass_context
-def fleet(
-    context: click.Context, dives: Path, runs: Path, jobs: int, scheduler: str | None, retry: bool, dry_run: bool,
-    time_limit_s: float | None, allow_outside: bool,
-) -> None:  # fmt: skip
+def fleet(context: click.Context, dives: Path, runs: Path, dry_run: bool, **options: Any) -> None:
     """Run every dive package in the folder DIVES that is new or whose result is out of date.
 
     A package is a folder with a dive.toml. Each dive runs in a process of its own; when one fails,
@@ -56,26 +54,15 @@ def fleet(
     and started again; a second one beside it ends with 5.
     """
     if dry_run:
-        result = preview_fleet(
-            dives, runs, retry=retry, allow_outside=allow_outside, time_limit_s=time_limit_s
-        )
+        terms = {name: options[name] for name in ("retry", "allow_outside", "time_limit_s")}
+        result = preview_fleet(dives, runs, **terms)
         _emit(
             result,
             [f"would run {d.package.name}: {d.reason}" for d in result.dives if d.state == "to do"],
         )
         return
     progress = choose_progress(quiet=state_of().quiet)
-    result = run_fleet(
-        dives,
-        runs,
-        jobs=jobs,
-        scheduler=scheduler,
-        retry=retry,
-        progress=progress,
-        on_failure=_print_failure,
-        allow_outside=allow_outside,
-        time_limit_s=time_limit_s,
-    )
+    result = run_fleet(dives, runs, progress=progress, on_failure=_print_failure, **options)
     _emit(result, [])
     context.exit(result.exit_code)
 

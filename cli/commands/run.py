@@ -203,9 +203,7 @@ def refuse_unknown(steps: Sequence[str], names: Sequence[str]) -> None:
 
 
 def delivery_lines(deliver: Path) -> list[str]:
-    """Return the findings of the report and the paths of report and deliverables; none when nothing
-    is delivered.
-    """
+    """Return the findings and the paths of report and deliverables, if there are any."""
     if not deliver.is_dir():
         return []
     report = deliver / "report" / "index.html"
@@ -214,9 +212,7 @@ def delivery_lines(deliver: Path) -> list[str]:
 
 
 def _findings(summary: Path) -> list[str]:
-    """Return the sentences at the head of the report; none when the summary is missing or of
-    another form.
-    """
+    """Return the sentences at the head of the report, if its summary can be read."""
     try:
         lines = json.loads(summary.read_text(encoding="utf-8"))["summary"]
     except (OSError, ValueError, KeyError, TypeError):

@@ -66,5 +66,5 @@ def simulate(folder: Path, **values: object) -> None:
         "objects": objects,
     }
     to_find = "1 object" if objects == 1 else f"{objects} objects"
-    line = f"wrote {folder}: {made['seconds']} s, {made['frames']} camera frames, {to_find} to be found"
-    state.emit(made, [line])
+    line = f"wrote {folder}: {made['seconds']} s, {made['frames']} camera frames"
+    state.emit(made, [f"{line}, {to_find} to be found"])

@@ -64,7 +64,8 @@ def fields(stage: Stage) -> tuple[types.Field, ...]:
 
 def _help(stage: Stage) -> str:
     needs = ", ".join(stage.inputs) or "the package alone"
-    return f"{stage.summary[0].upper()}{stage.summary[1:]}.\n\nTakes {needs}; what is out of date of it runs first."
+    what = f"{stage.summary[0].upper()}{stage.summary[1:]}."
+    return f"{what}\n\nTakes {needs}; what is out of date of it runs first."
 
 
 def _option(field: types.Field) -> click.Option:

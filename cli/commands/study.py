@@ -31,28 +31,63 @@ def study(context: click.Context) -> None:
         click.echo(context.get_help())
 
 
-@study.command()
-@click.argument("package", type=FOLDER)
-@_JOBS
-@set_option
-@runs_option
-@allow_outside_option
-def methods(
-    package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
-) -> None:
-    """Compare naive, geva and maxmix, each as published and as weighted by us, on one simulated
-    dive, in one table.
+@study.command("list")
+def list_studies() -> None:
+    """List the studies: their ids, what each shows, and its source."""
+    from hullrecon.studies import STUDIES
 
-    The steps before `adjust` run once if they are out of date; `adjust` runs six times. As
-    published is one solve from the registration on, without a deviation field, outliers left to the
-    Huber loss.
-    """
-    from hullrecon.evaluation.scoring.score import without_nan
-    from hullrecon.studies import compare_methods
+    document = {s.id: {"source": s.source, "shows": s.shows} for s in STUDIES}
+    state_of().emit(document, (f"{s.id:15} {s.shows} {s.source}" for s in STUDIES))
 
-    dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
-    comparison = compare_methods(dive, jobs=jobs, progress=choose_progress(quiet=state_of().quiet))
-    state_of().emit(without_nan(comparison.figures), _table(comparison.heads, comparison.rows))
+
+def _table_command(name: str, about: str) -> click.Command:
+    """Make the command of a study that ends in a table."""
+
+    @click.argument("package", type=FOLDER)
+    @_JOBS
+    @set_option
+    @runs_option
+    @allow_outside_option
+    def run(
+        package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
+    ) -> None:
+        from hullrecon.evaluation.scoring.score import without_nan
+        from hullrecon.studies import run_studies
+
+        dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
+        progress = choose_progress(quiet=state_of().quiet)
+        (found,) = run_studies(dive, [name], jobs=jobs, progress=progress)
+        state_of().emit(without_nan(found.values), _table(found.heads, found.rows))
+
+    return study.command(name, help=about)(run)
+
+
+methods = _table_command(
+    "methods",
+    """Compare naive, geva and maxmix on one simulated dive, in one table.
+
+    Each is solved as published and as weighted by us. The steps before `adjust` run once if they
+    are out of date; `adjust` runs six times. As published is one solve from the registration on,
+    without a deviation field, outliers left to the Huber loss.
+    """,
+)
+surfaces = _table_command(
+    "surfaces",
+    """Compare surfaces as the sources make them with the product's, on one simulated dive.
+
+    The DVL's surface by linear interpolation, by the radial kernel and Wendland's, and without the
+    CAD model as reference; the hull as found by fusion along rays. The chain runs up to `detect` if
+    it is out of date, `surface` five times more, `detect` once more.
+    """,
+)
+links = _table_command(
+    "links",
+    """Compare links of images as the sources find and guard them with the product's.
+
+    With Harris corners beside SIFT features, guarded by switches, and without a guard. The chain
+    runs up to `links` if it is out of date, `features` once more and `links` three times.
+    """,
+)
 
 
 @study.command()
@@ -64,8 +99,9 @@ def methods(
 def figures(
     package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
 ) -> None:
-    """Draw the sources' figures on one simulated dive: pictures and their tables, in
-    RUNS/<dive>/compare/figures.
+    """Draw the sources' figures on one simulated dive, as pictures and tables.
+
+    They are written to RUNS/<dive>/compare/figures.
 
     Cross-sections of the three methods, labels by iteration, cost by iteration and by time, the
     DVL's residuals before and after, the height of a structure; the sigma along the path and its
@@ -83,7 +119,7 @@ def figures(
     state_of().emit({"folder": str(folder), "figures": {f.name: f.caption for f in drawn}}, lines)
 
 
-for _command in (methods, figures):
+for _command in (list_studies, methods, surfaces, links, figures):
     add_common_options(_command)
 
 

@@ -67,7 +67,7 @@ def frame(
     size: float = 0.75,
     place: tuple[float, float] = (-0.16, 0.12),
 ) -> None:
-    """Draw two axes of a frame: the first to the right (left with `flip`), the second down or up."""
+    """Draw two axes of a frame: the first right (left with `flip`), the second down or up."""
     way = np.array([[-1.0 if flip else 1.0, 0.0], [0.0, -1.0 if down else 1.0]]) * size
     for (dx, dy), mark in zip(way, marks, strict=True):
         axes.annotate(

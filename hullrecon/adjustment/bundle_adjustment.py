@@ -18,7 +18,7 @@ from hullrecon import native
 from hullrecon.adjustment.cad_acceptance import Placement, place_cad_model
 from hullrecon.adjustment.exceeded_priors import widen_exceeded_priors
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions, Strategy
-from hullrecon.adjustment.problem import iteration_history, pruning, selection, weighting
+from hullrecon.adjustment.problem import iteration_history, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
@@ -163,8 +163,8 @@ def _adjusted(stages: Stage, last: RoundResult, solver: RoundSolver) -> Adjusted
         log.info("%d landmarks were lost in the solve and are left out", len(lost))
         state = replace(state, landmark=landmark)
         chosen = replace(chosen, landmarks=chosen.landmarks[keep])
-        result = pruning.drop_label_rows(result, keep[problem.surface.landmark])
-        problem = pruning.drop_landmarks(problem, keep)
+        result = selection.drop_label_rows(result, keep[problem.surface.landmark])
+        problem = selection.drop_landmarks(problem, keep)
     rounds = [*stages.rounds, last]
     return Adjusted(
         state=state,

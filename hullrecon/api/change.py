@@ -11,7 +11,7 @@ from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.change.options import ChangeOptions
 from hullrecon.errors import StorageError
 from hullrecon.records.change import HullChange
-from hullrecon.steps.hull_survey import FinishedRun, compare_runs, map_of, read_run
+from hullrecon.steps.change import FinishedRun, compare_runs, map_of, read_run
 
 DOCUMENT = "change.json"
 
@@ -30,7 +30,7 @@ def diff(
     second: Path | str,
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> RunComparison:
-    """Return what changed on a hull from one run (RUNS/<dive>) to another.
+    """Find what changed on a hull from one run (RUNS/<dive>) to another.
 
     Raises InputError when one of them is no finished run with a CAD model or when the CAD models
     are of different hulls, StageError when they saw too little of the same hull.
@@ -40,8 +40,7 @@ def diff(
 
 
 def write_change(folder: Path, found: RunComparison) -> tuple[str, ...]:
-    """Write change.json, change.csv, the layers, the map and the page into a folder, and return
-    their names.
+    """Write change.json, change.csv, layers, map and page into a folder; return their names.
 
     Raises StorageError when the folder holds anything but an earlier comparison.
     """

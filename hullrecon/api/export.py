@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""export: the undistorted images of a finished run with their COLMAP model, which deliver/ is not
-to be filled with.
-"""
+"""Export the undistorted images of a finished run with their COLMAP model."""
 
 from __future__ import annotations
 
@@ -37,28 +35,26 @@ SOURCES = "__auto__, 20"  # COLMAP's own setting: the 20 images that share most 
 
 @dataclass(frozen=True, kw_only=True)
 class ExportedModel:
-    """What was written: numbers of images, points and observations, and how many of these the
-    smaller images lost.
-    """
+    """What was written, in numbers."""
 
     folder: Path
     images: int
     points: int
     observations: int
-    lost_observations: int
+    lost_observations: int  # outside the undistorted images, which show less
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImageWork:
-    """One image to resample: its row in a camera's index, and its new name."""
+    """One image to resample."""
 
     store: ImageStore
-    row: int
+    row: int  # in the camera's index
     undistortion: Undistortion
-    name: str
+    name: str  # its new one
 
     def encoded(self) -> bytes:
-        """Return the undistorted image as JPEG. Raises InputError where it cannot be read any more."""
+        """Undistort the image, as JPEG. Raises InputError where it cannot be read any more."""
         import cv2
 
         image = self.store.read(self.row)
@@ -82,12 +78,22 @@ def export_colmap(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> ExportedModel:
-    """Write a COLMAP workspace of a finished run (RUNS/<dive>): undistorted images, the model with
-    pinhole cameras, and what COLMAP's stereo asks for. The folder must be new or empty and appears
-    when all of it is written. jobs: worker processes, all cores for None.
+    """Write a COLMAP workspace of a finished run (RUNS/<dive>) into a new or empty folder.
 
-    Raises InputError when the run is not finished, has no camera, or its images are gone;
-    StorageError when the folder is not empty or cannot be written.
+    It holds undistorted images, the model with pinhole cameras, and what COLMAP's stereo asks for,
+    and appears when all of it is written.
+
+    Parameters
+    ----------
+    jobs
+        Worker processes, all usable cores if None.
+
+    Raises
+    ------
+    InputError
+        The run is not finished, has no camera, or its images are gone.
+    StorageError
+        The folder is not empty or cannot be written.
     """
     from hullrecon.adjustment.results.undistorted_model import undistort_model
 
@@ -150,9 +156,7 @@ def _work_of(
 
 
 def _write_stereo(folder: Path, names: Sequence[str]) -> None:
-    """Write the lists that COLMAP's patch_match_stereo and stereo_fusion read, and the folders that
-    they fill.
-    """
+    """Write what COLMAP's patch_match_stereo and stereo_fusion read, and the folders they fill."""
     for name in STEREO:
         (folder / name).mkdir(parents=True)
     (folder / "patch-match.cfg").write_text("".join(f"{name}\n{SOURCES}\n" for name in names))

@@ -18,12 +18,15 @@ from hullrecon.change.relief import relief_on, seen_points
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.address import AddressSigma
 from hullrecon.geometry.charts.lattice import Lattice, lattice_around
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.change import ChangeMap, HullChange, HullSurvey
 from hullrecon.typing import Array, Mask
 
 MARGIN_M = 0.3  # around what either survey saw
 MAX_CELLS = 40_000_000  # of the lattice; a larger survey is compared on wider cells
 Address = Callable[[Array, AddressSigma], str]
+SAME_CAD_M = 0.002  # CAD models nowhere farther apart than this are of one hull
 
 
 def compare_surveys(
@@ -32,10 +35,14 @@ def compare_surveys(
     address: Address,
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> HullChange:
-    """Return what changed from the first survey of a hull to the second. address: of a point (3,)
-    in M, no finer than a sigma.
+    """Compare two surveys of one hull.
 
     Raises StageError where they saw too little of the same hull.
+
+    Parameters
+    ----------
+    address
+        names a point (3,) of M in words no finer than a sigma.
     """
     chart = first.chart
     seen = [seen_points(survey, chart)[0][:, :2] for survey in (first, second)]
@@ -57,7 +64,7 @@ def compare_surveys(
     places = max(1, round(float(found.both.sum()) * options.cell_m**2 / options.min_area_m2))
     regions = changed_regions(found, places, options)
     # What that means for objects and for bare hull
-    on = ObjectComparison(
+    context = ObjectComparison(
         chart=chart,
         lattice=lattice,
         offset=offset,
@@ -65,7 +72,7 @@ def compare_surveys(
         options=options,
         places=places,
     )
-    objects = compare_objects(first, second, regions, on)
+    objects = compare_objects(first, second, regions, context)
     moves = surface_moves(found, regions, chart, lattice, offset, options)
     place = AddressSigma(
         along=float(np.sqrt(offset.prior_covariance[0, 0] / 2)), girth=0.05, depth=0.1
@@ -118,3 +125,20 @@ def _address_sigma(sigma: Array) -> AddressSigma:
 
 def _area(cells: Mask, options: ChangeOptions) -> float:
     return float(cells.sum() * options.cell_m**2)
+
+
+def cad_model_gap(first: Mesh, second: Mesh) -> float:
+    """Return the largest distance between two CAD models, m, however they are meshed."""
+    return max(_farthest_vertex(first, second), _farthest_vertex(second, first))
+
+
+def _farthest_vertex(mesh: Mesh, other: Mesh, most: int = 20_000) -> float:
+    """Return the greatest distance of a mesh's vertices from another mesh, m.
+
+    Parameters
+    ----------
+    most
+        vertices that are looked at.
+    """
+    some = mesh.vertices[:: max(1, len(mesh.vertices) // most)]
+    return float(np.abs(Scene(other).closest(some).distance).max(initial=0.0))

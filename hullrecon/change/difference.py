@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two surveys cell by cell: what of their difference is the hull's form, and what stands beyond
-where edges may be drawn.
-"""
+"""Two surveys cell by cell: the hull's form, and what stands beyond where edges may be drawn."""
 
 from __future__ import annotations
 
@@ -24,22 +22,18 @@ TOP_SHARE = 0.8  # of the largest change: what reaches so much is its top
 
 @dataclass(frozen=True, kw_only=True)
 class Difference:
-    """Cells (a, g). first, second: the reliefs, the second in the first's frame. total m: second
-    minus first; form: its part wider than a structure; local: the rest; beyond: of that, what no
-    cell of the first survey within an edge's reach reaches, 0 where one does; sigma m of local;
-    both: both surveys looked at it well enough; bare: no structure of the first survey. NaN where
-    not both saw it.
-    """
+    """The difference of two reliefs in cells (a, g); NaN where not both saw the hull."""
 
-    first: Relief
-    second: Relief
-    total: Array
-    form: Array
-    local: Array
+    first: Relief  # relief of the first survey
+    second: Relief  # relief of the second, in the first's frame
+    total: Array  # m, second minus first
+    form: Array  # m, its part wider than a structure
+    local: Array  # m, the rest
+    # m, what of that no cell of the first within an edge's reach reaches; 0 where one does
     beyond: Array
-    sigma: Array
-    both: Mask
-    bare: Mask
+    sigma: Array  # m, of local
+    both: Mask  # both surveys looked at it well enough
+    bare: Mask  # no structure of the first survey
 
 
 def difference(first: Relief, second: Relief, options: ChangeOptions) -> Difference:
@@ -66,16 +60,23 @@ def difference(first: Relief, second: Relief, options: ChangeOptions) -> Differe
 
 
 def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
-    """Return the cells (a, g) at which a survey would have shown a structure: enough images, a
-    surface known well enough.
+    """Mark cells (a, g) at which a survey would have shown a structure.
+
+    It takes enough images and a surface that is known well enough.
     """
     with np.errstate(invalid="ignore"):
         return (relief.views >= options.min_views) & (relief.sigma <= options.max_sigma_m)
 
 
 def _beyond(height: Array, of: Array, cells: int) -> Array:
-    """Return how far heights (a, g) lie above or below all of the other survey's within so many
-    cells: docs/methods.md (71).
+    """Return how far heights (a, g) lie outside those of the other survey around (71).
+
+    Parameters
+    ----------
+    of
+        heights of the other survey.
+    cells
+        how far around.
     """
     from scipy.ndimage import maximum_filter, minimum_filter
 
@@ -95,24 +96,19 @@ def _beyond(height: Array, of: Array, cells: int) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class ChangedRegion:
-    """Cells that changed as a structure does. cells (a, g); top (a, g): where most; change m and
-    its sigma; before, after m: height of each survey above the hull around it; p_value over all
-    places.
-    """
+    """Cells (a, g) that changed as a structure does."""
 
     cells: Mask
-    top: Mask
-    change: float
-    sigma: float
-    before: float
-    after: float
-    p_value: float
+    top: Mask  # (a, g) where it changed most
+    change: float  # m
+    sigma: float  # m
+    before: float  # m, height of the first survey above the hull around
+    after: float  # m, of the second
+    p_value: float  # over all places
 
 
 def changed_regions(found: Difference, places: int, options: ChangeOptions) -> list[ChangedRegion]:
-    """Return the regions that changed by more than both surveys' errors explain at any of so many
-    places.
-    """
+    """Find regions that changed beyond both surveys' errors at any of so many places."""
     from scipy import ndimage
 
     threshold = np.maximum(options.min_change_m, CELL_SIGMAS * found.sigma)
@@ -145,9 +141,7 @@ def _most(values: Array, cells: Mask) -> Mask:
 
 
 def top_of(heights: Array, cells: Mask, side: float) -> Mask:
-    """Return the top of a structure with heights (a, g) over those cells; side: 1 raised, -1
-    sunken.
-    """
+    """Return the top of a structure with heights (a, g); side 1 is raised, -1 sunken."""
     above = side * heights
     return _most(above - float(np.nanpercentile(above[cells], 2)), cells & np.isfinite(heights))
 
@@ -160,8 +154,12 @@ def measure(
     options: ChangeOptions,
     off: Mask | None = None,
 ) -> ChangedRegion:
-    """Return what cells changed by at their top, above the hull around them; off (a, g): cells that
-    changed anywhere, which are no hull around.
+    """Measure the change at the top of cells, above the hull around them.
+
+    Parameters
+    ----------
+    off
+        cells that changed anywhere, which are no hull around (a, g).
     """
     ring = ring_around(cells, np.zeros_like(cells) if off is None else off, found, options)
     level = spread = 0.0
@@ -180,9 +178,10 @@ def measure(
 
 
 def smallest_change(found: Difference, places: int, options: ChangeOptions) -> float:
-    """Return the median over the cells that both surveys saw of the smallest change of a
-    structure's height, m, that would be reported there; NaN without such cells. A structure stands
-    in hull that is as rough as the rest.
+    """Return the smallest change of height that would be reported, m, in the median.
+
+    Over the cells that both surveys saw; NaN without such cells. A structure stands in hull that is
+    as rough as the rest.
     """
     sigma = found.sigma[found.both] * np.sqrt(1 + 1 / RING_CELLS)
     if not len(sigma):
@@ -193,9 +192,7 @@ def smallest_change(found: Difference, places: int, options: ChangeOptions) -> f
 
 
 def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOptions) -> Mask:
-    """Return the cells of hull around a region: beyond what edges blur, seen by both, unchanged,
-    and no structure's.
-    """
+    """Return the cells of unchanged hull around a region, beyond what edges blur."""
     from scipy.ndimage import distance_transform_edt
 
     within_m, reach_m = 2 * options.edge_m, 2 * options.edge_m + RING_M
@@ -207,9 +204,7 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
 
 
 def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
-    """Return the part of the lattice that holds those cells and so many around them; all of it
-    without any.
-    """
+    """Return the part of the lattice that holds cells and a margin; all of it without any."""
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return slice(None), slice(None)
@@ -220,9 +215,7 @@ def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
 
 
 def corrected_p_value(value: float, sigma: float, places: int) -> float:
-    """Return the two-sided probability that any of so many places shows this value by its sigma
-    alone: docs/methods.md (72).
-    """
+    """Return the two-sided probability of a value at any of so many places (72)."""
     from scipy.special import log_ndtr
 
     one = np.log(2.0) + float(log_ndtr(-abs(value) / max(sigma, 1e-9)))
@@ -230,8 +223,9 @@ def corrected_p_value(value: float, sigma: float, places: int) -> float:
 
 
 def significant_sigmas(places: int, options: ChangeOptions) -> float:
-    """Return how many sigmas a structure must change by to be reported, at any of so many places:
-    the inverse of (72), and what a cell needs to be part of a region.
+    """Return how many sigmas a change needs at any of so many places: (72) inverted.
+
+    A cell needs as many to be part of a region.
     """
     from scipy.special import ndtri
 

@@ -28,9 +28,7 @@ def surface_moves(
     offset: SurveyOffset,
     options: ChangeOptions,
 ) -> tuple[SurfaceMove, ...]:
-    """Return the stretches of bare hull that moved by more than the surveys' errors explain, the
-    largest move first.
-    """
+    """Find stretches of bare hull that moved beyond the errors, the largest move first."""
     with np.errstate(invalid="ignore"):
         bare = found.both & (np.abs(found.local) < options.min_change_m)
     for region in regions:
@@ -59,8 +57,16 @@ def _patches(
     offset: SurveyOffset,
     options: ChangeOptions,
 ) -> tuple[Array, Array, int]:
-    """Return by patch how far it moved, its sigma, m (NaN where too little was seen), and how many
-    cells wide a patch is.
+    """Measure by patch how far bare hull moved.
+
+    Returns
+    -------
+    move
+        m, NaN where too little was seen.
+    sigma
+        m.
+    size
+        cells along a side of a patch.
     """
     size = max(1, round(options.patch_m / options.cell_m))
     shape = [-(-n // size) for n in found.total.shape]
@@ -82,7 +88,7 @@ def _patches(
 def _stretch(
     which: Mask, move: Array, sigma: Array, p_value: Array, bare: Mask, size: int, lattice: Lattice
 ) -> SurfaceMove:
-    """Return neighbouring patches that moved to the same side as one."""
+    """Join neighbouring patches that moved to the same side."""
     cells = np.kron(which, np.ones((size, size), bool))[: bare.shape[0], : bare.shape[1]] & bare
     at = lattice.points()[cells].mean(axis=0)
     return SurfaceMove(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Objects of two surveys side by side: which are one, and which are new, gone, grown or shrunk."""
+"""Objects of two surveys compared: which are the same, new, gone, grown or shrunk."""
 
 from __future__ import annotations
 
@@ -30,15 +30,13 @@ SEEN_SHARE = 0.5  # of a footprint that must have been looked at
 
 @dataclass(frozen=True, kw_only=True)
 class _MovedObject:
-    """An object in the first survey's frame: center (3,), its footprint (a, g) on the lattice, and
-    its outline (k, 2).
-    """
+    """An object in the first survey's frame."""
 
     found: ReportedObject
-    center: Array
-    along_girth: Array
-    outline: Array
-    footprint: Mask
+    center: Array  # (3,)
+    along_girth: Array  # of its center on the chart
+    outline: Array  # (k, 2)
+    footprint: Mask  # (a, g) on the lattice
 
     @property
     def side(self) -> float:
@@ -48,33 +46,39 @@ class _MovedObject:
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectComparison:
-    """What objects are compared on."""
+    """The surveys' difference, on which objects are compared."""
 
     chart: Chart
     lattice: Lattice
     offset: SurveyOffset
     difference: Difference
     options: ChangeOptions
-    places: int
+    places: int  # of the hull that were looked at
 
 
 def compare_objects(
-    first: HullSurvey, second: HullSurvey, regions: Sequence[ChangedRegion], on: ObjectComparison
+    first: HullSurvey,
+    second: HullSurvey,
+    regions: Sequence[ChangedRegion],
+    context: ObjectComparison,
 ) -> tuple[ObjectChange, ...]:
-    """Return all objects of both surveys and the regions that changed without one, what changed
-    most first.
+    """Compare the objects of both surveys, with regions that changed without one.
+
+    What changed most comes first.
     """
-    before = [_move_object(found, on, identity()) for found in first.objects]
-    after = [_move_object(found, on, on.offset.first_from_second) for found in second.objects]
-    pairs = match_objects(before, after, on)
+    before = [_move_object(found, context, identity()) for found in first.objects]
+    after = [
+        _move_object(found, context, context.offset.first_from_second) for found in second.objects
+    ]
+    pairs = match_objects(before, after, context)
     rows: list[ObjectChange] = []
     for region in regions:
-        for a, b in _at(_nearest(region, before, on), _nearest(region, after, on), pairs):
-            rows.append(
-                _describe_change(
-                    region, None if a is None else before[a], None if b is None else after[b], on
-                )
-            )
+        for a, b in _objects_at(
+            _nearest(region, before, context), _nearest(region, after, context), pairs
+        ):
+            first_object = None if a is None else before[a]
+            second_object = None if b is None else after[b]
+            rows.append(_describe_change(region, first_object, second_object, context))
     rows = _join_parts(rows)
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
     left = [(a, pairs.get(a)) for a in range(len(before))] + [
@@ -82,10 +86,13 @@ def compare_objects(
     ]
     compared = len(left)
     for a, b in left:
-        one, other = (None if a is None else before[a], None if b is None else after[b])
-        if (one and one.found.id in known[0]) or (other and other.found.id in known[1]):
+        first_object = None if a is None else before[a]
+        second_object = None if b is None else after[b]
+        if (first_object and first_object.found.id in known[0]) or (
+            second_object and second_object.found.id in known[1]
+        ):
             continue
-        rows.append(_describe_rest(one, other, compared, on))
+        rows.append(_describe_rest(first_object, second_object, compared, context))
     order = {
         "new": 0,
         "gone": 0,
@@ -99,9 +106,19 @@ def compare_objects(
     return tuple(sorted(rows, key=lambda row: (order[row.status], -abs(row.change))))
 
 
-def _at(a: int | None, b: int | None, pairs: dict[int, int]) -> list[tuple[int | None, int | None]]:
-    """Return the objects of the first and of the second survey that changed where a region overlaps
-    these two: a pair of one object, or what stands there in one survey only.
+def _objects_at(
+    a: int | None, b: int | None, pairs: dict[int, int]
+) -> list[tuple[int | None, int | None]]:
+    """Resolve which objects a changed region belongs to.
+
+    Either a pair of one object, or what stands there in one survey only.
+
+    Parameters
+    ----------
+    a
+        object of the first survey under the region, None without one.
+    b
+        object of the second survey.
     """
     back = {second: first for first, second in pairs.items()}
     if a is not None and b is not None and pairs.get(a) != b:
@@ -117,12 +134,13 @@ def _at(a: int | None, b: int | None, pairs: dict[int, int]) -> list[tuple[int |
 
 
 def match_objects(
-    before: Sequence[_MovedObject], after: Sequence[_MovedObject], on: ObjectComparison
+    before: Sequence[_MovedObject], after: Sequence[_MovedObject], context: ObjectComparison
 ) -> dict[int, int]:
-    """Return which object of the second survey is which of the first's: the best pairs by
-    chi-square of their places, both raised or both sunken, inside the gate.
+    """Pair objects of both surveys by the chi-square of their places, inside the gate.
+
+    Only raised with raised, sunken with sunken; the best pairs first.
     """
-    candidates = sorted(_candidates(before, after, on))
+    candidates = sorted(_candidates(before, after, context))
     pairs: dict[int, int] = {}
     for _, a, b in candidates:
         if a not in pairs and b not in pairs.values():
@@ -131,35 +149,42 @@ def match_objects(
 
 
 def _candidates(
-    before: Sequence[_MovedObject], after: Sequence[_MovedObject], on: ObjectComparison
+    before: Sequence[_MovedObject], after: Sequence[_MovedObject], context: ObjectComparison
 ) -> Iterator[tuple[float, int, int]]:
-    for a, one in enumerate(before):
-        if not np.isfinite(one.along_girth).all():
+    for a, first_object in enumerate(before):
+        if not np.isfinite(first_object.along_girth).all():
             continue
-        tangents = [axis[0] for axis in tangents_at(on.chart, one.center[None])]
-        for b, other in enumerate(after):
-            size = max(*one.found.extent, *other.found.extent)
-            if one.side != other.side or np.linalg.norm(one.center - other.center) > 2 * size + 0.5:
+        tangents = [axis[0] for axis in tangents_at(context.chart, first_object.center[None])]
+        for b, second_object in enumerate(after):
+            size = max(*first_object.found.extent, *second_object.found.extent)
+            if (
+                first_object.side != second_object.side
+                or np.linalg.norm(first_object.center - second_object.center) > 2 * size + 0.5
+            ):
                 continue
             own = np.hypot(MIDDLE_M, MIDDLE_SHARE * size)
-            shared = offset_sigma(on.offset, np.stack([one.center] * 2), np.stack(tangents))
-            gap = np.array([axis @ (other.center - one.center) for axis in tangents])
+            shared = offset_sigma(
+                context.offset, np.stack([first_object.center] * 2), np.stack(tangents)
+            )
+            gap = np.array(
+                [axis @ (second_object.center - first_object.center) for axis in tangents]
+            )
             chi_square = float((gap**2 / (own**2 + shared**2)).sum())
             if np.isfinite(chi_square) and chi_square <= GATE:
                 yield chi_square, a, b
 
 
-def _move_object(found: ReportedObject, on: ObjectComparison, motion: Poses) -> _MovedObject:
+def _move_object(found: ReportedObject, context: ObjectComparison, motion: Poses) -> _MovedObject:
     """Return an object with its place after a motion."""
     center = motion.apply(np.array([found.center], float))[0]
     ring = motion.apply(np.array(found.outline, float)) if len(found.outline) else np.zeros((0, 3))
-    outline = on.chart.to_chart(ring)[:, :2] if len(ring) else np.zeros((0, 2))
+    outline = context.chart.to_chart(ring)[:, :2] if len(ring) else np.zeros((0, 2))
     outline = outline[np.isfinite(outline).all(axis=1)]
-    at = on.chart.to_chart(center[None])[0, :2]
-    footprint = on.lattice.polygon(outline)
+    at = context.chart.to_chart(center[None])[0, :2]
+    footprint = context.lattice.polygon(outline)
     if not footprint.any() and np.isfinite(at).all():
-        footprint = np.linalg.norm(on.lattice.points() - at, axis=-1) <= max(
-            0.5 * max(found.extent), on.lattice.step_m
+        footprint = np.linalg.norm(context.lattice.points() - at, axis=-1) <= max(
+            0.5 * max(found.extent), context.lattice.step_m
         )
     return _MovedObject(
         found=found, center=center, along_girth=at, outline=outline, footprint=footprint
@@ -167,46 +192,49 @@ def _move_object(found: ReportedObject, on: ObjectComparison, motion: Poses) -> 
 
 
 def _nearest(
-    region: ChangedRegion, moved: Sequence[_MovedObject], on: ObjectComparison
+    region: ChangedRegion, moved: Sequence[_MovedObject], context: ObjectComparison
 ) -> int | None:
     """Return the object that a region overlaps most, an edge's reach around it included."""
     from scipy.ndimage import binary_dilation
 
     wide = binary_dilation(
-        region.cells, iterations=max(1, round(on.options.edge_m / on.options.cell_m))
+        region.cells, iterations=max(1, round(context.options.edge_m / context.options.cell_m))
     )
-    shared = [int((wide & one.footprint).sum()) for one in moved]
+    shared = [int((wide & candidate.footprint).sum()) for candidate in moved]
     best = int(np.argmax(shared)) if shared else 0
     return best if shared and shared[best] >= 4 else None
 
 
 def _describe_change(
     region: ChangedRegion,
-    one: _MovedObject | None,
-    other: _MovedObject | None,
-    on: ObjectComparison,
+    first_object: _MovedObject | None,
+    second_object: _MovedObject | None,
+    context: ObjectComparison,
 ) -> ObjectChange:
     """Return what became of a place that changed."""
     before, after = region.before, region.after
-    if one is not None and other is not None:
-        status: Status = "grown" if other.side * region.change > 0 else "shrunk"
-        cells = (one.footprint | other.footprint) & on.difference.both
-        at_top = _at_top(cells, other.side, on.places, on) if cells.any() else region
-        if at_top.change * region.change > 0 and abs(at_top.change) >= on.options.min_change_m:
+    if first_object is not None and second_object is not None:
+        status: Status = "grown" if second_object.side * region.change > 0 else "shrunk"
+        cells = (first_object.footprint | second_object.footprint) & context.difference.both
+        at_top = (
+            _at_top(cells, second_object.side, context.places, context) if cells.any() else region
+        )
+        if at_top.change * region.change > 0 and abs(at_top.change) >= context.options.min_change_m:
             region = replace(at_top, p_value=min(at_top.p_value, region.p_value))
     elif _stood_in_both(before, after):
         status = "grown" if abs(after) > abs(before) else "shrunk"
-    elif other is not None or (one is None and abs(after) >= abs(before)):
+    elif second_object is not None or (first_object is None and abs(after) >= abs(before)):
         status = "new"
     else:
         status = "gone"
-    row = _row(status, region, one, other, on)
+    row = _row(status, region, first_object, second_object, context)
     return _with_whole_height(row) if status in ("new", "gone") else row
 
 
 def _with_whole_height(row: ObjectChange) -> ObjectChange:
-    """Return what came or went with its whole height as change: the median over the top of a dome
-    is less.
+    """Take the whole height of what came or went as its change.
+
+    The median over the top of a dome is less.
     """
     change, sigma = (
         row.height_after - row.height_before,
@@ -227,76 +255,101 @@ def _stood_in_both(before: float, after: float) -> bool:
 
 
 def _describe_rest(
-    one: _MovedObject | None, other: _MovedObject | None, compared: int, on: ObjectComparison
+    first_object: _MovedObject | None,
+    second_object: _MovedObject | None,
+    compared: int,
+    context: ObjectComparison,
 ) -> ObjectChange:
-    """Return what became of an object at which no region changed by more than any place of the hull
-    may; compared: how many objects and pairs both surveys list. What one survey alone lists may be
-    new or gone by that smaller number of places.
+    """Describe an object at which no region changed by more than the hull may anywhere.
+
+    What one survey alone lists may be new or gone by the smaller number of places.
+
+    Parameters
+    ----------
+    compared
+        objects and pairs that both surveys list.
     """
-    there = [p for p in (one, other) if p is not None]
+    there = [p for p in (first_object, second_object) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
     unseen: Status | None = None
-    if other is None and _seen_share(footprint, on.difference.second, on) < SEEN_SHARE:
+    if (
+        second_object is None
+        and _seen_share(footprint, context.difference.second, context) < SEEN_SHARE
+    ):
         unseen = "not seen again"
-    if one is None and _seen_share(footprint, on.difference.first, on) < SEEN_SHARE:
+    if (
+        first_object is None
+        and _seen_share(footprint, context.difference.first, context) < SEEN_SHARE
+    ):
         unseen = "not seen before"
-    cells = footprint & on.difference.both
+    cells = footprint & context.difference.both
     if unseen is not None or not cells.any():
-        return _row(unseen or "unchanged", None, one, other, on)
-    region = _at_top(cells, there[0].side, compared, on)
+        return _row(unseen or "unchanged", None, first_object, second_object, context)
+    region = _at_top(cells, there[0].side, compared, context)
     certain = (
-        region.p_value <= on.options.max_p_value and abs(region.change) >= on.options.min_change_m
+        region.p_value <= context.options.max_p_value
+        and abs(region.change) >= context.options.min_change_m
     )
     if certain and len(there) == 1:
-        return _describe_change(region, one, other, on)
+        return _describe_change(region, first_object, second_object, context)
     status: Status = "unchanged"
     if certain:
         status = "grown" if there[0].side * region.change > 0 else "shrunk"
     elif len(there) == 1 and not _stood_in_both(region.before, region.after):
         status = "uncertain"
-    return _row(status, region, one, other, on)
+    return _row(status, region, first_object, second_object, context)
 
 
-def _at_top(cells: Mask, side: float, places: int, on: ObjectComparison) -> ChangedRegion:
-    """Return what an object changed by where it was a top before and after: edges may be drawn
-    elsewhere.
+def _at_top(cells: Mask, side: float, places: int, context: ObjectComparison) -> ChangedRegion:
+    """Measure an object's change where it was a top before and after.
+
+    Elsewhere edges may be drawn otherwise.
     """
     tops = [
-        top_of(relief.height, cells, side) for relief in (on.difference.first, on.difference.second)
+        top_of(relief.height, cells, side)
+        for relief in (context.difference.first, context.difference.second)
     ]
     both = tops[0] & tops[1]
     return measure(
-        on.difference, cells, both if both.any() else tops[0] | tops[1], places, on.options
+        context.difference,
+        cells,
+        both if both.any() else tops[0] | tops[1],
+        places,
+        context.options,
     )
 
 
-def _seen_share(footprint: Mask, relief: Relief, on: ObjectComparison) -> float:
+def _seen_share(footprint: Mask, relief: Relief, context: ObjectComparison) -> float:
     """Return the share of a footprint at which a survey would have shown a structure."""
-    return float(well_seen(relief, on.options)[footprint].mean()) if footprint.any() else 0.0
+    return float(well_seen(relief, context.options)[footprint].mean()) if footprint.any() else 0.0
 
 
 def _row(
     status: Status,
     region: ChangedRegion | None,
-    one: _MovedObject | None,
-    other: _MovedObject | None,
-    on: ObjectComparison,
+    first_object: _MovedObject | None,
+    second_object: _MovedObject | None,
+    context: ObjectComparison,
 ) -> ObjectChange:
-    moved = other if other is not None else one
+    moved = second_object if second_object is not None else first_object
     surface = (np.nan, np.nan) if region is None else (region.before, region.after)
     before, after = (
-        _height(p, height, region) for p, height in zip((one, other), surface, strict=True)
+        _height(p, height, region)
+        for p, height in zip((first_object, second_object), surface, strict=True)
     )
     if moved is None:
         assert region is not None
-        at = on.lattice.points()[region.top].mean(axis=0)
-        center, outline = on.chart.from_chart(at[None])[0][0], on.lattice.outline(region.cells)
+        at = context.lattice.points()[region.top].mean(axis=0)
+        center, outline = (
+            context.chart.from_chart(at[None])[0][0],
+            context.lattice.outline(region.cells),
+        )
     else:
         at, center, outline = moved.along_girth, moved.center, moved.outline
     return ObjectChange(
         status=status,
-        first_id=None if one is None else one.found.id,
-        second_id=None if other is None else other.found.id,
+        first_id=None if first_object is None else first_object.found.id,
+        second_id=None if second_object is None else second_object.found.id,
         center=center,
         along_girth=at,
         outline=outline,
@@ -307,16 +360,17 @@ def _row(
         change=np.nan if region is None else region.change,
         change_sigma=np.nan if region is None else region.sigma,
         p_value=np.nan if region is None else region.p_value,
-        area=np.nan if region is None else float(region.cells.sum() * on.options.cell_m**2),
-        sigma=_position_sigma(center, moved, on),
+        area=np.nan if region is None else float(region.cells.sum() * context.options.cell_m**2),
+        sigma=_position_sigma(center, moved, context),
     )
 
 
 def _height(
     moved: _MovedObject | None, surface: float, region: ChangedRegion | None
 ) -> tuple[float, float]:
-    """Return a height and its sigma, m: as the survey lists its object; of one that it does not
-    list, that of its surface, which is known no worse than the change.
+    """Return height and sigma, m: the object's, else of the surface there.
+
+    What a survey does not list is known no worse than the change.
     """
     if moved is not None and moved.found.height_sigma is not None:
         return moved.found.height, moved.found.height_sigma
@@ -324,20 +378,18 @@ def _height(
     return (surface if moved is None else moved.found.height), sigma
 
 
-def _position_sigma(center: Array, moved: _MovedObject | None, on: ObjectComparison) -> Array:
-    """Return one sigma (3,) m of a place: as delivered with its object, else as the surveys' hull
-    poses leave it.
-    """
+def _position_sigma(center: Array, moved: _MovedObject | None, context: ObjectComparison) -> Array:
+    """Return one sigma (3,) m of a place: the object's, else what hull poses leave open."""
     found = None if moved is None else moved.found
     if found is not None and None not in (found.sigma_along, found.sigma_girth, found.sigma_normal):
         return np.array([found.sigma_along, found.sigma_girth, found.sigma_normal], float)
-    axes = [axis[0] for axis in tangents_at(on.chart, center[None])]
+    axes = [axis[0] for axis in tangents_at(context.chart, center[None])]
     axes.append(np.cross(axes[1], axes[0]))
     rows = np.concatenate(
-        [np.stack(axes), np.cross(center - on.offset.center, np.stack(axes))], axis=1
+        [np.stack(axes), np.cross(center - context.offset.center, np.stack(axes))], axis=1
     )
     return np.asarray(
-        np.sqrt(0.5 * np.einsum("ni,ij,nj->n", rows, on.offset.prior_covariance, rows))
+        np.sqrt(0.5 * np.einsum("ni,ij,nj->n", rows, context.offset.prior_covariance, rows))
     )
 
 

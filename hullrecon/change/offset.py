@@ -1,13 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the second survey lies in the first one's hull frame, from the form and the structures that
-both saw.
+"""The second survey's offset in the first one's hull frame, from what both saw.
 
 Each dive places itself on the CAD model to centimetres, along a parallel side to decimetres. That
-offset is no change of the hull. It is estimated as one rigid motion: first its part along the hull
-and in girth, by trying all shifts that the hull poses leave open, then all six numbers by robust
-least squares on the heights of one survey over the other, held by the hull poses' covariances
-(docs/methods.md 19).
+offset is no change of the hull. It is estimated as one rigid motion from form and structures: first
+its part along the hull and in girth, by trying all shifts that the hull poses leave open, then all
+six numbers by robust least squares on the heights of one survey over the other, held by the hull
+poses' covariances (docs/methods.md 19).
 """
 
 from __future__ import annotations
@@ -45,16 +44,13 @@ STEPS = 6
 
 @dataclass(frozen=True, kw_only=True)
 class _Samples:
-    """Points (n, 3) of the second survey in its own M; axes (3, n, 3): along, girth and outward
-    there; their weight in independent measurements, their blocks, and one sigma of the errors of
-    both surveys that a block shares.
-    """
+    """Points of the second survey in its own M."""
 
-    points: Array
-    axes: Array
-    weight: float
-    block: Ints
-    shared_m: float
+    points: Array  # (n, 3)
+    axes: Array  # (3, n, 3): along, girth and outward there
+    weight: float  # (n,) in independent measurements
+    block: Ints  # (n,) each belongs to
+    shared_m: float  # one sigma of the errors of both surveys that a block shares
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,20 +61,15 @@ class _Solved:
 
 @dataclass(frozen=True, kw_only=True)
 class _Fit:
-    """Robust least squares of the six numbers about a center (3,), held by their prior covariance
-    (6, 6).
-
-    docs/methods.md (68).
-    """
+    """Robust least squares of a rigid motion, docs/methods.md (68)."""
 
     chart: Chart
     lattice: Lattice
-    center: Array
-    prior: Array
+    center: Array  # (3,) about which it turns
+    prior: Array  # covariance (6, 6)
 
     def solve(self, motion: Poses, samples: _Samples, height: Array) -> _Solved:
-        """Return the motion that fits samples of the second survey to heights (a, g) of the first,
-        and its covariance.
+        """Fit the motion of samples onto heights (a, g) of the first survey, with covariance.
 
         Not geometry.pose_solver: each step has another set of cells that both surveys saw, and
         weights by its own scale.
@@ -106,8 +97,9 @@ class _Fit:
         return _Solved(motion=motion, covariance=covariance)
 
     def cost(self, motion: Poses, samples: _Samples, height: Array) -> float:
-        """Return how badly a motion fits, as a chi-square: what changed costs no more than the
-        largest error.
+        """Return how badly a motion fits, as a chi-square.
+
+        What changed costs no more than the largest error.
         """
         r, _, known = self._residuals(motion.apply(samples.points), samples.axes, height)
         x = _vector(motion, self.center)
@@ -116,9 +108,7 @@ class _Fit:
         )
 
     def _residuals(self, at: Array, axes: Array, height: Array) -> tuple[Array, Array, Mask]:
-        """Return how far points (n, 3) with axes (3, n, 3) lie above the first survey (n,), the
-        derivatives (n, 6), and which rows are known.
-        """
+        """Return heights above the first survey (n,), derivatives (n, 6) and known rows."""
         from scipy.ndimage import map_coordinates
 
         on_chart = self.chart.to_chart(at)
@@ -177,9 +167,7 @@ def estimate_offset(
 
 
 def hull_pose_covariance(pose: HullPose, center: Array) -> Array:
-    """Return what a hull pose leaves open (6, 6): of a translation and a rotation in M about a
-    center (3,).
-    """
+    """Move a hull pose's covariance (6, 6) to a center (3,) in M."""
     turn, carry = np.eye(6), np.eye(6)
     turn[:3, :3] = pose.global_from_hull.rotation.as_matrix()[0].T
     carry[:3, 3:] = -cross_matrix(center - pose.survey_center)
@@ -201,9 +189,7 @@ def _middle(chart: Chart, lattice: Lattice, relief: Relief) -> Array:
 
 
 def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
-    """Return the shifts of the second survey along and in girth at which most of what both saw
-    agrees, apart from each other, the best first.
-    """
+    """Find the shifts along and in girth at which most of both surveys agrees, the best first."""
     step = 2 * fit.lattice.step_m
     flat = [_without_form(relief.height)[::2, ::2] for relief in reliefs]
     along, girth = (axis[0] for axis in tangents_at(fit.chart, fit.center[None]))
@@ -229,8 +215,9 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
 
 
 def _truncated_square(gap: Array) -> float:
-    """Return the mean square of gaps (n,) m in scales; what belongs to a change costs no more than
-    the largest error.
+    """Return the mean square of gaps (n,) m in scales, truncated.
+
+    What belongs to a change costs no more than the largest error.
     """
     return float(np.minimum((gap / SCALE_M) ** 2, TRUNCATED**2).mean())
 
@@ -243,9 +230,7 @@ def _too_little() -> StageError:
 
 
 def _without_form(height: Array) -> Array:
-    """Return heights without what is wider than a structure, in which the two surveys may be
-    tilted.
-    """
+    """Subtract what is wider than a structure, in which the surveys may be tilted."""
     return blur(height - local_median(height, 50), 2.0)
 
 
@@ -285,9 +270,14 @@ def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> 
 
 
 def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -> Array:
-    """Return the covariance (6, 6) of a solution whose right-hand side each point's error enters by
-    (n, 6): errors of a block of the hull are one, beside what independent errors would leave:
-    docs/methods.md (69).
+    """Return the covariance (6, 6) of a solution with errors shared by blocks (69).
+
+    Errors of a block of the hull are one; independent errors add what they would leave.
+
+    Parameters
+    ----------
+    by_error
+        how each point's error enters the right-hand side (n, 6).
     """
     inverse = np.linalg.inv(information)
     total = np.stack(

@@ -20,18 +20,20 @@ REACH_CELLS = 2.0  # a cell farther from any vertex that was seen was not
 
 @dataclass(frozen=True, kw_only=True)
 class Relief:
-    """Cells (a, g): height m over the CAD model, outward positive, NaN where unseen; sigma m of the
-    form; views.
-    """
+    """Heights of a survey over the CAD model, in cells (a, g)."""
 
-    height: Array
-    sigma: Array
+    height: Array  # m, outward positive, NaN where unseen
+    sigma: Array  # m, of the form
     views: Ints
 
 
 def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> tuple[Array, Ints]:
-    """Return along, girth and offset (n, 3) of the vertices that were seen, after a rigid motion in
-    M if one is given, and their rows.
+    """Return along, girth and offset (n, 3) of the vertices seen, and their rows.
+
+    Parameters
+    ----------
+    move
+        rigid motion in M before that.
     """
     found = survey.as_found
     rows = np.flatnonzero((found.support > 0) & np.isfinite(survey.form_sigma))
@@ -44,8 +46,12 @@ def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> 
 def relief_on(
     lattice: Lattice, chart: Chart, survey: HullSurvey, move: Poses | None = None
 ) -> Relief:
-    """Return a survey on the cells of a lattice, moved rigidly first if asked; linear between
-    vertices.
+    """Sample a survey on a lattice, linear between vertices.
+
+    Parameters
+    ----------
+    move
+        rigid motion in M before that.
     """
     from scipy.interpolate import LinearNDInterpolator
 
@@ -69,9 +75,7 @@ def relief_on(
 
 
 def blur(height: Array, cells: float) -> Array:
-    """Return heights (a, g) after a Gaussian of so many cells, over what was seen; NaN where less
-    than half of it was.
-    """
+    """Blur heights (a, g) by a Gaussian over what was seen; NaN where less than half was."""
     from scipy.ndimage import gaussian_filter
 
     seen = np.isfinite(height)
@@ -81,9 +85,7 @@ def blur(height: Array, cells: float) -> Array:
 
 
 def local_median(height: Array, window: int) -> Array:
-    """Return the running median (a, g) of heights over squares of so many cells, smooth between
-    them; NaN where nothing near was seen.
-    """
+    """Return the running median (a, g) over squares of so many cells; NaN if unseen."""
     coarse = max(1, window // 5)
     blocks = [-(-n // coarse) for n in height.shape]
     padded = np.full([n * coarse for n in blocks], np.nan)
@@ -105,9 +107,7 @@ def local_median(height: Array, window: int) -> Array:
 
 
 def _between(middle: Array, coarse: int, shape: tuple[int, ...]) -> Array:
-    """Return values of blocks (i, j), so many cells wide, at every cell, linear between the blocks'
-    middles.
-    """
+    """Interpolate values of blocks (i, j), so many cells wide, linearly at every cell."""
     from scipy.ndimage import gaussian_filter, map_coordinates
 
     known = np.isfinite(middle)

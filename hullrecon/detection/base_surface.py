@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What structures stand off from: the CAD model, or the survey's own surface where there is none."""
+"""The surface that structures stand off: the CAD model, else the survey's own."""
 
 from __future__ import annotations
 
@@ -18,26 +18,20 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class BaseSurface:
-    """The hull without structures, in the frame of the results (M, or g without a CAD model).
+    """The hull without structures, in the frame of the results (M, or g without a CAD model)."""
 
-    surveyed: the surface from the DVL, which is the base itself where there is no CAD model.
-    result_from_global: T_M_g, a batch of one (the identity without a CAD model). frame_spacing_m:
-    between the ship's frames, None where it is not known. hull_pose: where the hull lies in the
-    dive's frame, None without a CAD model. depth_known: whether z = 0 of g is the water surface (a
-    pressure sensor was logged). from_dvl: whether the surveyed surface is the DVL's; else it is
-    that of landmarks. position_sigma: of the survey as a whole. depth_sigma_m: of the water surface
-    in g, which covariances in M do not hold; None in g, or where it is not known.
-    """
-
-    cad_model: Mesh | None
-    surveyed: Surface
+    cad_model: Mesh | None  # None where there is none, or it was refused
+    surveyed: Surface  # the surface from the DVL, which is the base where there is no CAD model
     chart: Chart
-    result_from_global: Poses
-    frame_spacing_m: float | None
+    result_from_global: Poses  # a batch of one; the identity without a CAD model
+    frame_spacing_m: float | None  # between the ship's frames, None where it is not known
+    # where the hull lies in the dive's frame, None without a CAD model
     hull_pose: HullPose | None = None
+    # whether z = 0 of g is the water surface: a pressure sensor was logged
     depth_known: bool = True
-    from_dvl: bool = True
-    position_sigma: AddressSigma | None = None
+    from_dvl: bool = True  # whether the surveyed surface is the DVL's, else it is of landmarks
+    position_sigma: AddressSigma | None = None  # of the survey as a whole
+    # of the water surface in g, which covariances in M lack; None in g or if unknown
     depth_sigma_m: float | None = None
 
     @property
@@ -52,12 +46,16 @@ class BaseSurface:
 
     @property
     def description(self) -> str:
-        """Return what heights are counted from, in words."""
+        """Name in words what heights are counted from."""
         return "the surface step's own surface" if self.cad_model is None else "the CAD model"
 
     def address_of(self, point: Array, sigma: AddressSigma | None = None) -> str:
-        """Return where a point (3,) lies on the hull, in words no finer than its sigma (that of the
-        survey as a whole, if none is given).
+        """Say in words where a point (3,) lies on the hull, no finer than its sigma.
+
+        Parameters
+        ----------
+        sigma
+            of the point; that of the survey as a whole if none is given.
         """
         depth = self.depth_of(point)
         depths = None if depth is None else [depth]
@@ -66,9 +64,7 @@ class BaseSurface:
         )[0]
 
     def depth_of(self, point: Array) -> float | None:
-        """Return how deep a point (3,) lies below the water surface, m; None where no depth was
-        measured. g has z down.
-        """
+        """Return the depth of a point (3,) below the water, m; None if not measured."""
         return (
             float(self.result_from_global.inverse().apply(point[None])[0, 2])
             if self.depth_known

@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.detection.as_found.mesh import refine_near
+from hullrecon.detection.as_found.hull_as_found import refine_near
 from hullrecon.detection.base_surface import BaseSurface
-from hullrecon.detection.hull_error import HullError, area_sigma
-from hullrecon.detection.hull_position import hull_position
+from hullrecon.detection.hull_position import HullError, area_sigma, hull_position
 from hullrecon.detection.views import GRAZING, CameraViews, Visibility, find_visibility
 from hullrecon.dive.config.schema import HullRegion
 from hullrecon.geometry.charts.chart import Chart
@@ -44,20 +43,18 @@ MIN_HOLE_BY_DVL_M2 = 0.16
 class HullPatches:
     """The base surface in patches of some 0.1 m, on which seen area is summed."""
 
-    mesh: Mesh
-    normal: Array
-    area: Array
+    mesh: Mesh  # its vertices (n) stand for the patches
+    normal: Array  # (n, 3)
+    area: Array  # (n,) m2
 
 
 @dataclass(frozen=True, kw_only=True)
 class SonarSurvey:
-    """The pings of an imaging sonar, its poses T_x_o at each in the frame of the results, and half
-    its aperture out of the fan.
-    """
+    """The pings of an imaging sonar and where they were taken."""
 
     pings: SonarPings
-    poses: Poses
-    half_elevation_rad: float
+    poses: Poses  # result_from_sonar at each ping
+    half_elevation_rad: float  # half of the aperture out of the fan
 
 
 def summarise_coverage(
@@ -67,11 +64,16 @@ def summarise_coverage(
     track: VehicleTrack,
     regions: Sequence[HullRegion] = (),
 ) -> Facts:
-    """Return coverage.json: areas of the base surface that each sensor saw, and holes in what the
-    camera (else the DVL) saw.
+    """Sum the hull that each sensor saw and find its holes, for coverage.json.
 
-    track: the path that it was seen from; regions: of the CAD model, whose own coverage is added
-    where there are any (none without a CAD model).
+    Holes are in what the camera saw, without a camera in what the DVL saw.
+
+    Parameters
+    ----------
+    track
+        the path that the hull was seen from.
+    regions
+        of the CAD model, whose own coverage is added; none without a CAD model.
     """
     surveyed = base.surveyed.vertices
     patches, scene = (
@@ -101,9 +103,10 @@ def summarise_coverage(
 
 
 def locate_hole(center: Array, base: BaseSurface, track: VehicleTrack) -> Facts:
-    """Return where the middle (3,) of a hole lies, as members of coverage.json. Nothing was
-    measured in it: it is known as well as the pose of the path nearest to it, to a cell of the
-    chart.
+    """Locate the middle (3,) of a hole, as members of coverage.json.
+
+    Nothing was measured in it. It is known as well as the pose of the path nearest to it, to a cell
+    of the chart.
     """
     near = int(np.argmin(np.linalg.norm(track.poses.translation - center, axis=1)))
     toward = track.poses.translation[near] - center
@@ -120,9 +123,10 @@ def region_facts(
     scene: Scene,
     hull_pose: HullPose,
 ) -> Facts:
-    """Return the area of a region of the CAD model, and how much of it each sensor saw, with
-    sigmas; None for one that was not carried. Its limits are on the ship: how much of the survey
-    lies within them depends on the hull pose.
+    """Sum how much of a region of the CAD model each sensor saw, with sigmas.
+
+    None stands for a sensor that was not carried. The region's limits are on the ship: how much of
+    the survey lies within them depends on the hull pose.
     """
     cells = region_cells(base.chart, base.mesh, region.along, region.girth)
     patches = HullPatches(
@@ -164,9 +168,7 @@ def region_facts(
 
 
 def _share(region: HullPatches, look: Look, hull_pose: HullPose) -> Facts:
-    """Return the area of a region that was seen, m2, and its share of the whole, each with its
-    sigma.
-    """
+    """Sum the area of a region that was seen and its share of the whole, with sigmas."""
     whole = float(region.area.sum())
     area = _area(region, look(HullError(hull_pose=hull_pose, error=np.zeros(6))))
     sigma = area_sigma(lambda off: _area(region, look(off)), hull_pose)
@@ -184,8 +186,9 @@ def hull_patches(mesh: Mesh) -> HullPatches:
 
 
 def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: int) -> Facts:
-    """Return area, metres per pixel on the surface and incidence, each at its best view;
-    percentiles are of the area seen.
+    """Sum area, ground sample distance and incidence at each patch's best view.
+
+    Percentiles are of the area seen.
     """
     which = seen.views > 0
     gsd = seen.distance[which] / focal_px
@@ -201,15 +204,14 @@ def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: i
 
 
 def covered_by_surface(hull: HullPatches, vertices: Array, reach_m: float) -> Mask:
-    """Return the pieces that the DVL's surface with those vertices covers."""
+    """Mark the patches that the DVL's surface with those vertices covers."""
     if not len(vertices):
         return np.zeros(len(hull.area), bool)
     return np.asarray(np.isfinite(nearest(vertices, hull.mesh.vertices, 1, reach_m)[0][:, 0]))
 
 
 def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mask:
-    """Return the pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar,
-    nothing in front.
+    """Mark the patches inside any ping's fan that face the sonar unhidden.
 
     z of the sonar looks along the middle of the fan, x out of its plane (docs/conventions.md).
     """
@@ -238,8 +240,10 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
 def sonar_facts(
     hull: HullPatches, sonar: SonarSurvey, scene: Scene, hull_pose: HullPose | None
 ) -> Facts:
-    """Return pings and area, with a CAD model the area's sigma as well: a fan meets the hull at a
-    grazing angle, so the area depends on the hull pose.
+    """Count pings and sum the area that they saw.
+
+    With a CAD model the area has a sigma: a fan meets the hull at a grazing angle, so the area
+    depends on the hull pose.
     """
     facts = {"pings": len(sonar.poses), **area_facts(hull, visible_to_sonar(hull, sonar, scene))}
     if hull_pose is None:
@@ -264,12 +268,17 @@ def find_holes(
     locate: Callable[[Array], Facts],
     min_hole_m2: float = MIN_HOLE_M2,
 ) -> list[Facts]:
-    """Return the parts of the chart inside the surveyed area that were not seen, of at least
-    `min_hole_m2`, the largest first: center, area, and what `locate` says of the center (3,), its
-    address among it.
+    """Find unseen parts of the chart inside the surveyed area, the largest first.
 
     Without a CAD model there is no patch where there was nothing to see; such parts are holes as
     well. What lies off the hull is none.
+
+    Parameters
+    ----------
+    locate
+        from a hole's center (3,) to members of coverage.json, its address among them.
+    min_hole_m2
+        holes smaller than this are left out.
     """
     from scipy import ndimage
 
@@ -289,15 +298,12 @@ def find_holes(
 
 @dataclass(frozen=True, kw_only=True)
 class _ChartCells:
-    """Squares of the chart, CELL_M wide, (a, g). low (2,): number of the first; seen: some patch in
-    it was; unseen: m2 of its patches that were not, of the square itself where there is no patch;
-    on_hull: there is hull.
-    """
+    """Squares of the chart, CELL_M wide, (a, g)."""
 
-    low: Ints
-    seen: Mask
-    unseen: Array
-    on_hull: Mask
+    low: Ints  # (2,) number of the first
+    seen: Mask  # some patch in it was seen
+    unseen: Array  # m2 of its patches that were not seen, of the square where there is no patch
+    on_hull: Mask  # there is hull
 
 
 def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
@@ -329,9 +335,7 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
 def _hole_facts(
     cells: _ChartCells, hole: Mask, chart: Chart, locate: Callable[[Array], Facts]
 ) -> Facts:
-    """Return a hole (a, g) of cells. Its rim runs through the cells around it: what was not seen of
-    these belongs to it.
-    """
+    """Measure a hole (a, g) of cells; what its rim cells left unseen belongs to it."""
     from scipy import ndimage
 
     which = np.argwhere(hole)

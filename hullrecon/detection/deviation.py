@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of a hull's deviation from its CAD model: its form well, how far the whole patch
-stands off it badly.
+"""A hull's deviation from its CAD model, parted in its form and how the patch stands off it.
 
-An error of T_g_M moves all that was seen by one rigid motion. Over the surveyed patch that is a
-shift along the normal and two tilts, and little else; so these three, fitted to the deviation, are
-given apart with the sigma that the hull's pose leaves them.
+An error of the hull pose moves all that was seen by one rigid motion. Over the surveyed patch that
+is a shift along the normal and two tilts, and little else. These three, fitted to the deviation,
+are given apart with the sigma that the hull's pose leaves them: the form is known well, the level
+badly.
 """
 
 from __future__ import annotations
@@ -31,12 +31,10 @@ OUTLIER_SIGMAS = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class _Fit:
-    """Level and tilts of the patch: columns (n, 3) of the vertices, and the matrix (3, n) from
-    deviations to coefficients.
-    """
+    """Level and tilts of the patch."""
 
-    columns: Array
-    solver: Array
+    columns: Array  # (n, 3) of the vertices
+    solver: Array  # (3, n) from deviations to coefficients
 
 
 def split_deviation(
@@ -105,8 +103,10 @@ def _fit_patch(
 
 
 def _rigid_columns(points: Array, normals: Array, weight: Array, chart: Chart) -> Array:
-    """Return how far (n, 3) vertices move along their normals when the patch shifts along its mean
-    normal, or rises along the hull or in girth by one metre a metre, turned about its middle.
+    """Return how vertices move along their normals (n, 3) with level and tilts.
+
+    Level is a shift of the patch along its mean normal; tilts are rises along the hull or in girth
+    by one metre a metre, about its middle.
     """
     middle, up = (np.average(values, axis=0, weights=weight) for values in (points, normals))
     up /= np.linalg.norm(up)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From landmarks and the hull's base surface to the hull as found and the structures on it
-[Ozog2016 4.3].
-"""
+"""From landmarks and the base surface to the hull as found and its structures [Ozog2016 4.3]."""
 
 from __future__ import annotations
 
@@ -11,13 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.detection.as_found.background import Background, FieldBackground, median_background
-from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found
+from hullrecon.detection.as_found.hull_as_found import (
+    Fusion,
+    as_found_surface,
+    estimate_hull_as_found,
+    fuse_heights,
+    surface_on_cad_model,
+)
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks, measure_surface
-from hullrecon.detection.as_found.record import as_found_surface, surface_on_cad_model
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.deviation import split_deviation
 from hullrecon.detection.objects.find_objects import find_objects
-from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.options import MIN_OFFSET_M, DetectOptions
 from hullrecon.detection.views import CameraViews
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.records.solution import DeviationField, Landmarks
@@ -25,19 +28,18 @@ from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Mask
 
 Facts = dict[str, object]
+MAX_OFFSET_M = 0.6  # landmarks farther off the hull are left out
 CAD_EDGE_M = 0.12  # edges of a CAD model that is moved to the DVL's surface, whose own are 0.1 m
 
 
 @dataclass(frozen=True, kw_only=True)
 class Structures:
-    """as_found: None where nothing but the surveyed surface is known. deviation: from the CAD model
-    by what is known of it, None without one. objects: the rows of objects.json. facts: detect.json.
-    """
+    """What stands on the hull."""
 
-    as_found: Surface | None
-    deviation: DeviationSplit | None
-    objects: list[Facts]
-    facts: Facts
+    as_found: Surface | None  # None where nothing but the surveyed surface is known
+    deviation: DeviationSplit | None  # from the CAD model, None without one
+    objects: list[Facts]  # rows of objects.json
+    facts: Facts  # detect.json
 
 
 def find_structures(
@@ -46,11 +48,20 @@ def find_structures(
     field: DeviationField | None,
     views: CameraViews | None,
     options: DetectOptions,
+    fusion: Fusion = fuse_heights,
 ) -> Structures:
-    """Return the hull as found and the objects on it; without enough landmarks, the hull as the DVL
-    alone found it.
+    """Estimate the hull as found and the objects on it.
 
-    landmarks are in g; field: the adjustment's deviation field, None where it estimated none.
+    Without enough landmarks, the hull is as the DVL alone found it.
+
+    Parameters
+    ----------
+    landmarks
+        in g.
+    field
+        the adjustment's deviation field, None where it estimated none.
+    fusion
+        how heights and the views' shapes become the hull as found.
     """
     if views is None:
         return _without_landmarks(base, "no camera was carried")
@@ -60,15 +71,15 @@ def find_structures(
         base.result_from_global.apply(landmarks.position),
         landmarks.covariance,
         landmarks.views,
-        options.max_offset_m,
-        0.5 * options.min_offset_m,
+        MAX_OFFSET_M,
+        0.5 * MIN_OFFSET_M,
         base.hull_pose,
     )
     if len(measured) < options.min_landmarks:
         return _without_landmarks(base, "the images gave too few landmarks on the surface")
     # The hull without structures, then with them
     background = _choose_background(base, field, measured, options)
-    found = estimate_hull_as_found(base.mesh, measured, background, views, options)
+    found = estimate_hull_as_found(base.mesh, measured, background, views, options, fusion)
     # Structures: regions that stand off and are certain
     objects, rejected = find_objects(found, measured, views, base, options)
     rows: list[Facts] = [{"id": k + 1, **item.as_json()} for k, item in enumerate(objects)]
@@ -78,7 +89,7 @@ def find_structures(
         "not_reported": [item.as_json() for item in rejected],
     }
     as_found = as_found_surface(found, measured, base.cad_model is not None)
-    bare = np.abs(found.height) < options.min_offset_m
+    bare = np.abs(found.height) < MIN_OFFSET_M
     deviation = _split(base, as_found, np.where(found.measured, found.sigma, 0.0), bare)
     return Structures(as_found=as_found, deviation=deviation, objects=rows, facts=facts)
 
@@ -97,19 +108,21 @@ def _choose_background(
     measured: SurfaceLandmarks,
     options: DetectOptions,
 ) -> Background:
-    """Return the deviation field where it was estimated throughout, else running medians of the
-    landmarks.
-    """
+    """Take the deviation field where it is whole, else medians of landmarks."""
     if field is not None and np.isfinite(field.value).all():
         return FieldBackground(chart=base.chart, field=field)
     return median_background(measured.foot, measured.offset, options.background_width_m)
 
 
 def _without_landmarks(base: BaseSurface, why: str) -> Structures:
-    """Return the CAD model moved to the DVL's surface; nothing without a CAD model, where the
-    surveyed surface is all.
+    """Move the CAD model to the DVL's surface; objects were not looked for.
 
-    why: objects were not looked for; the report says it behind a colon.
+    Without a CAD model the surveyed surface is all there is.
+
+    Parameters
+    ----------
+    why
+        the report says it behind a colon.
     """
     facts: Facts = {"reference": base.description, "objects": why}
     if base.cad_model is None:

@@ -1,18 +1,20 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where an object, a hole or a rejected region lies on the hull, and how well its own position is
-known.
-"""
+"""Where a point lies on the hull and how well that is known, with what the hull's pose adds."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.geometry.charts.address import AddressSigma, is_hull_chart, side_of
 from hullrecon.geometry.charts.tangents import tangents_at
+from hullrecon.geometry.poses import Poses
+from hullrecon.records.solution import HullPose
 from hullrecon.typing import Array
 
 MIDDLE_SHARE = (
@@ -23,18 +25,52 @@ MIDDLE_SHARE = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class HullPosition:
-    """Where something lies on the hull. covariance (3, 3) m2 of its centre in the frame of the
-    results, hull pose included; sigma (3,) m along the hull, in girth, along the normal;
-    along_girth (2,) m on the chart; depth and its sigma m, None where none was measured.
+class HullError:
+    """An error (6,) of the hull pose, as in its covariance, with what it does to M."""
+
+    hull_pose: HullPose
+    error: Array
+
+    def points(self, points: Array) -> Array:
+        """Return where points (n, 3) of the dive lie in M if the hull pose is off by the error."""
+        center = self.hull_pose.survey_center
+        shift = self.hull_pose.global_from_hull.rotation.inv().apply(self.error[:3]).reshape(3)
+        return np.asarray(self._turn().apply(points - center - shift) + center)
+
+    def poses(self, poses: Poses) -> Poses:
+        """Return poses (n) of the dive in M if the hull pose is off by the error."""
+        return Poses((self._turn() * poses.rotation).as_quat(), self.points(poses.translation))
+
+    def _turn(self) -> Rotation:
+        return Rotation.from_rotvec(-self.error[3:])
+
+
+def area_sigma(area_if: Callable[[HullError], float], hull_pose: HullPose) -> float:
+    """Propagate the hull pose's covariance to an area, m2, by central differences.
+
+    Parameters
+    ----------
+    area_if
+        the area under an error of the hull pose.
     """
+    variance, axes = np.linalg.eigh(hull_pose.covariance)
+    changes = []
+    for error in (axes * np.sqrt(np.maximum(variance, 0.0))).T:
+        more, less = (area_if(HullError(hull_pose=hull_pose, error=way * error)) for way in (1, -1))
+        changes.append((more - less) / 2)
+    return round(float(np.linalg.norm(changes)), 4)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HullPosition:
+    """Where something lies on the hull."""
 
     center: Array
-    covariance: Array
-    sigma: Array
-    along_girth: Array
-    depth: float | None
-    depth_sigma: float | None
+    covariance: Array  # (3, 3) m2 of the centre in the frame of the results, hull pose included
+    sigma: Array  # (3,) m along the hull, in girth, along the normal
+    along_girth: Array  # (2,) m on the chart
+    depth: float | None  # m, None where none was measured
+    depth_sigma: float | None  # m
 
     @property
     def address_sigma(self) -> AddressSigma:
@@ -44,9 +80,7 @@ class HullPosition:
         )
 
     def as_json(self, base: BaseSurface) -> dict[str, object]:
-        """Return the members of objects.json, and of the holes of coverage.json, that say where it
-        lies.
-        """
+        """Return the position's members of objects.json and of coverage.json."""
         known = bool(np.isfinite(self.along_girth).all())
         along, girth = (round(float(v), 5) for v in self.along_girth) if known else (None, None)
         on_ship = known and is_hull_chart(base.chart)
@@ -76,15 +110,21 @@ def hull_position(
     middle_sigma: float,
     base: BaseSurface,
 ) -> HullPosition:
-    """Return the position of a centre (3,) with outward normal (3,). measured (k, 3, 3):
-    covariances of the points that were measured there, landmarks of an object; height_sigma m: how
-    well the height of its top over the hull is known; middle_sigma m: how well the middle of its
-    shape is.
+    """Locate a centre (3,) with outward normal (3,) on the hull, with its sigmas.
 
     Points of one object share nearly all that is unknown of their position, so their mean
-    covariance is that of each. Beside it stand how high the top is and where the middle of the
-    shape lies. A depth is as uncertain as the shape and the water surface are, where the latter is
-    told apart from where the hull lies (base.depth_sigma_m).
+    covariance is that of each. The height of the top and the middle of the shape add to it. A depth
+    is as uncertain as the shape and the water surface, where the latter is known apart from the
+    hull pose (base.depth_sigma_m).
+
+    Parameters
+    ----------
+    measured
+        covariances (k, 3, 3) of the landmarks there.
+    height_sigma
+        m, of the height of its top over the hull.
+    middle_sigma
+        m, of the middle of its shape.
     """
     flat = np.eye(3) - np.outer(normal, normal)
     shape = height_sigma**2 * np.outer(normal, normal) + middle_sigma**2 * flat

@@ -4,20 +4,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from msgspec import Meta, Struct
 
 Positive = Annotated[float, Meta(gt=0)]
 Count = Annotated[int, Meta(ge=1)]
+MIN_OFFSET_M = 0.025  # a landmark or vertex this far off the hull is part of a structure
+MIN_CLUSTER_POINTS = 3  # of a cluster (DBSCAN)
 
 
 class DetectOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Hold what tells structures from the hull."""
 
-    min_offset_m: Annotated[
-        Positive, Meta(description="m, a feature this far off the hull is part of a structure")
-    ] = 0.025
     min_height_m: Annotated[
         Positive, Meta(description="m, height of the lowest structure that is reported")
     ] = 0.03
@@ -26,31 +25,18 @@ class DetectOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     ] = 0.0025
     min_landmarks: Annotated[Count, Meta(description="landmarks that must lie on an object")] = 6
     min_views: Annotated[Count, Meta(description="images whose features must show its shape")] = 3
-    min_agreement: Annotated[
-        Positive, Meta(le=1, description="share, of the landmarks on an object that must agree")
-    ] = 0.6
     max_p_value: Annotated[
         Positive,
         Meta(
             lt=1,
-            description="probability, largest false-alarm probability of an object over all places tested",
+            description="probability, largest false-alarm probability of an object over all places "
+            "tested",
         ),
     ] = 1e-3
     cluster_reach_m: Annotated[Positive, Meta(description="m, DBSCAN's radius")] = 0.06
-    min_cluster_points: Annotated[
-        Count, Meta(description="smallest number of points of a cluster (DBSCAN)")
-    ] = 3
-    alpha_radius_m: Annotated[
-        Positive, Meta(description="m, largest circumradius of a triangle of an alpha shape")
-    ] = 0.06
-    fusion: Annotated[
-        Literal["heights", "rays"],
-        Meta(description="as-found heights by local regression, or by running means along rays"),
-    ] = "heights"
     max_edge_m: Annotated[
         Positive, Meta(description="m, longest edge of the as-found mesh where the hull was seen")
     ] = 0.03
-    max_fine_edge_m: Annotated[Positive, Meta(description="m, longest edge at objects")] = 0.012
     reach_m: Annotated[
         Positive,
         Meta(description="m, landmarks within this distance of a vertex decide its height"),
@@ -58,13 +44,11 @@ class DetectOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     neighbours: Annotated[
         Count, Meta(description="nearest landmarks from which the height of a vertex is estimated")
     ] = 20
-    max_offset_m: Annotated[
-        Positive, Meta(description="m, landmarks farther off the hull are left out")
-    ] = 0.6
     background_width_m: Annotated[
         Positive,
         Meta(
-            description="m, without a deviation field: offsets over areas wider than this are the hull's, not a structure's"
+            description="m, without a deviation field: offsets over areas wider than this are "
+            "the hull's, not a structure's"
         ),
     ] = 1.5
     max_vertices: Annotated[

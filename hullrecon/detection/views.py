@@ -24,15 +24,13 @@ CLEARANCE_M = 0.005  # a surface this little in front does not hide
 
 @dataclass(frozen=True, kw_only=True)
 class CameraViews:
-    """Images of the top camera. T_x_c (n) in the frame of the surface; node (n,); name (n,) of the
-    image; farthest m, how far away surfaces were seen.
-    """
+    """Images (n) of the top camera."""
 
-    result_from_camera: Poses
-    node: Ints
-    name: tuple[str, ...]
+    result_from_camera: Poses  # (n) in the frame of the surface
+    node: Ints  # (n,)
+    name: tuple[str, ...]  # (n,) of the image
     camera: CameraModel
-    farthest_m: float
+    farthest_m: float  # how far away surfaces were seen
 
     def __len__(self) -> int:
         return len(self.node)
@@ -40,23 +38,24 @@ class CameraViews:
 
 @dataclass(frozen=True, kw_only=True)
 class Visibility:
-    """What the views saw of n surface points: views (n,) images; distance (n,) m and cosine (n,) of
-    the incidence of the best (nearest) one, NaN where unseen.
-    """
+    """What the views saw of surface points (n)."""
 
-    views: Ints
-    distance: Array
-    cosine: Array
+    views: Ints  # (n,) images
+    distance: Array  # (n,) m of the best (nearest) view, NaN where unseen
+    cosine: Array  # (n,) of its incidence
 
 
 def views_of_top_camera(
     rig: Rig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array
 ) -> CameraViews | None:
-    """Return where the top camera took its images, in the frame of the track; None without an image
-    or a landmark.
+    """Place the top camera's images; None without an image or a landmark.
 
-    image_t_ns: of the images in the camera's index. landmarks (n, 3) in that frame say how far away
-    surfaces were seen.
+    Parameters
+    ----------
+    image_t_ns
+        of the images in the camera's index.
+    landmarks
+        in the track's frame (n, 3), which say how far away surfaces were seen.
     """
     camera = Camera.TOP
     node = np.flatnonzero(track.image[:, camera.column] >= 0)
@@ -73,9 +72,7 @@ def views_of_top_camera(
 
 
 def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
-    """Return how far the corner of an image can lie: the usual distance of landmarks over the
-    corner's cosine, and some more.
-    """
+    """Bound the distance of an image's corner: the usual distance of landmarks, and more."""
     known = landmarks[np.isfinite(landmarks).all(axis=1)]
     usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
     corner = camera.rays(np.array([[0.0, 0], [camera.width, camera.height]]))[:, 2].min()
@@ -91,9 +88,7 @@ def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> I
 
 
 def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints]]:
-    """Yield view by view the rows of points (n, 3) in its image and within reach, hidden ones
-    included.
-    """
+    """Yield each view with the points (n, 3) in its image and reach, hidden ones included."""
     around = Around(points)
     for view in range(len(views)):
         center = views.result_from_camera.translation[view]
@@ -103,8 +98,9 @@ def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints
 
 
 def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Scene) -> Visibility:
-    """Return which views saw the points (n, 3) with normals (n, 3): in the image, facing it,
-    nothing of the scene between.
+    """Find the views that saw points (n, 3) with normals (n, 3).
+
+    A view sees a point in its image that faces it with nothing of the scene between.
     """
     count = np.zeros(len(points), np.int64)
     best, cosine = np.full(len(points), np.inf), np.full(len(points), np.nan)
@@ -123,8 +119,12 @@ def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Sc
 def find_visibility_by_cell(
     views: CameraViews, points: Array, normals: Array, scene: Scene, cell_m: Array
 ) -> Visibility:
-    """Do as `find_visibility`, one point answering for all that share its cell, of size cell_m (n,)
-    at each point.
+    """Find visibility by one point for all that share its cell.
+
+    Parameters
+    ----------
+    cell_m
+        size of the cell at each point (n,).
     """
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
@@ -136,9 +136,7 @@ def find_visibility_by_cell(
 def visible_rows(
     center: Array, rows: Ints, points: Array, normals: Array, scene: Scene
 ) -> tuple[Ints, Array, Array]:
-    """Return those rows that face the center (3,) and are not hidden, their distances and cosines
-    of incidence.
-    """
+    """Find points that face the center (3,) unhidden, with distance and cosine."""
     ray = points[rows] - center
     distance = np.linalg.norm(ray, axis=1)
     facing = -np.einsum("ni,ni->n", ray, normals[rows]) / np.maximum(distance, 1e-9)

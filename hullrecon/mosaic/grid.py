@@ -30,7 +30,7 @@ class Window:
         return 0 in self.shape
 
     def meet(self, other: Window) -> Window:
-        """Return what both hold."""
+        """Intersect with another window."""
         top, left = max(self.top, other.top), max(self.left, other.left)
         return Window(
             top,
@@ -40,7 +40,7 @@ class Window:
         )
 
     def within(self, outer: Window) -> tuple[slice, slice]:
-        """Return slices of this window in an array of the outer one's shape."""
+        """Return the slices of this window in an array of the outer one's shape."""
         return (
             slice(self.top - outer.top, self.bottom - outer.top),
             slice(self.left - outer.left, self.right - outer.left),
@@ -49,13 +49,11 @@ class Window:
 
 @dataclass(frozen=True)
 class TexelGrid:
-    """west, north: the outer corner of the first texel, metres of along and girth; step_m: the side
-    of a texel.
-    """
+    """The raster of a mosaic."""
 
-    west: float
-    north: float
-    step_m: float
+    west: float  # m along, outer corner of the first texel
+    north: float  # m in girth, of the same corner
+    step_m: float  # side of a texel
     height: int
     width: int
 
@@ -64,8 +62,9 @@ class TexelGrid:
         return Window(0, self.height, 0, self.width)
 
     def centers(self, rows: Array, columns: Array) -> Array:
-        """Return (len(rows), len(columns), 2) along and girth of texel centres; rows and columns
-        may be fractions.
+        """Return along and girth of texel centres, (rows, columns, 2).
+
+        Rows and columns may be fractions.
         """
         along = self.west + (columns + 0.5) * self.step_m
         girth = self.north - (rows + 0.5) * self.step_m
@@ -88,18 +87,17 @@ class TexelGrid:
         return found.meet(self.whole)
 
     def tiles(self, size: int) -> Iterator[Window]:
-        """Yield square windows in row-major order; the last of a row or column stick out of the
-        raster.
-        """
+        """Yield square windows in row-major order; the last may stick out of the raster."""
         for top in range(0, self.height, size):
             for left in range(0, self.width, size):
                 yield Window(top, top + size, left, left + size)
 
 
 def grid_around(along_girth: Array, step_m: float, max_texels: float = 1.5e8) -> TexelGrid:
-    """Return the raster that holds the points (n, 2), its corner on a multiple of the step. Where
-    it would have more texels than that, its step is so much longer. Raises ValueError without a
-    finite point.
+    """Make the raster that holds points (n, 2), its corner on a multiple of the step.
+
+    The step is longer where there would be too many texels. Raises ValueError without a finite
+    point.
     """
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     if not len(good):

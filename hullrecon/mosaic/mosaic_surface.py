@@ -27,15 +27,13 @@ OFF_SURFACE_M = 0.004  # rays start so far off the surface, not to hit it where 
 
 @dataclass(frozen=True, kw_only=True)
 class MosaicSurface:
-    """A mesh, and the chart that unrolls it; reach_m: how far from the chart's surface the mesh may
-    lie; horizon: what may stand in the way of a view, None to cast a ray for every texel of every
-    view.
-    """
+    """A mesh, and the chart that unrolls it."""
 
     mesh: Mesh
     scene: Scene
     chart: Chart
-    reach_m: float
+    reach_m: float  # how far from the chart's surface the mesh may lie
+    # what may stand in the way of a view, None to cast a ray for every texel
     horizon: OcclusionHorizon | None = None
 
     def with_occlusion_horizon(self, grid: TexelGrid, span_m: float) -> MosaicSurface:
@@ -52,13 +50,11 @@ def build_mosaic_surface(mesh: Mesh, chart: Chart, reach_m: float) -> MosaicSurf
 
 @dataclass(frozen=True, kw_only=True)
 class SurfacePatch:
-    """The surface at the texels of a window: point (h, w, 3), NaN where there is none, normal (h,
-    w, 3) of the chart, hidden_from (h, w): the tangent of the incidence from which on something may
-    hide the texel, inf where nothing does.
-    """
+    """The surface at the texels of a window."""
 
-    point: Array
-    normal: Array
+    point: Array  # (h, w, 3), NaN where there is none
+    normal: Array  # (h, w, 3) of the chart
+    # (h, w) tangent of the incidence from which something may hide it, inf if nothing
     hidden_from: Floats32
 
     def part(self, which: tuple[slice, slice]) -> SurfacePatch:
@@ -85,9 +81,7 @@ class SurfacePatch:
 
 
 def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
-    """Return the outermost surface at each texel of the grid: a ray along the chart's normal from
-    outside.
-    """
+    """Cast a ray along the chart's normal from outside to each texel's surface."""
     base, normal = _chart_at(surface.chart, grid, window)
     shape = base.shape
     start = (base + surface.reach_m * normal).reshape(-1, 3)
@@ -109,7 +103,7 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
-    """Return points and unit normals of the chart at texel centres, linear between every COARSE-th."""
+    """Return points and normals of the chart at texel centres, linear between some."""
     height, width = window.shape
     rows, columns = (np.arange(0, n + COARSE, COARSE, dtype=float) for n in (height, width))
     nodes = grid.centers(rows + window.top, columns + window.left)
@@ -133,13 +127,17 @@ def _interpolate_axis(values: Array, count: int, axis: int) -> Array:
 def seen(
     surface: MosaicSurface, patch: SurfacePatch, rows: Ints, sensor: Array, min_cosine: float
 ) -> tuple[Mask, Array]:
-    """Return whether the sensor (3,) sees the texels of these flat rows of the patch, and the
-    cosines of the incidence there.
+    """Find the texels of a patch that the sensor (3,) sees, with cosines of the incidence.
 
     A texel is seen when it faces the sensor, no flatter than min_cosine, and no other part of the
     surface lies on the straight line between them: for a sonar, nothing nearer in the same
     direction, so at the same bearing (docs/methods.md 14). Rays are cast only where the horizon
     reaches up to the line.
+
+    Parameters
+    ----------
+    rows
+        flat rows of the patch.
     """
     cosine = patch.cosines(rows, sensor)
     free = cosine > min_cosine

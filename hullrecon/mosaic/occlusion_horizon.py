@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What of the surface stands out, and from which incidence on it may hide a texel: tells where rays
-must be cast.
-"""
+"""From which incidence on the surface may hide a texel: tells where rays must be cast."""
 
 from __future__ import annotations
 
@@ -23,20 +21,22 @@ PAIRS = 2_000_000  # of blocks and cells at a time: bounds memory at some 100 MB
 
 @dataclass(frozen=True, kw_only=True)
 class OcclusionHorizon:
-    """top (n, 3): the outermost point of the surface in each cell of the chart; normal (n, 3) of
-    the chart there; span_m: what is farther from a texel than that stands behind every instrument.
-    """
+    """What of the surface stands out."""
 
-    top: Array
-    normal: Array
-    span_m: float
+    top: Array  # (n, 3) outermost point of the surface in each cell of the chart
+    normal: Array  # (n, 3) of the chart there
+    span_m: float  # what is farther from a texel stands behind every instrument
 
 
 def build_occlusion_horizon(
     mesh: Mesh, chart: Chart, bounds: Array, span_m: float
 ) -> OcclusionHorizon:
-    """Return the horizon of what lies within span_m of bounds (2, 2), the least and greatest along
-    and girth of the texels.
+    """Build the horizon of what lies within span_m of the texels.
+
+    Parameters
+    ----------
+    bounds
+        least and greatest along and girth of the texels (2, 2).
     """
     at = chart.to_chart(mesh.vertices)[:, :2]
     corner = at[mesh.faces]
@@ -56,13 +56,19 @@ def build_occlusion_horizon(
 
 
 def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
-    """Return the tangent (h, w) of the incidence up to which nothing can hide a texel of that point
-    and normal (h, w, 3).
+    """Return the tangent (h, w) of the incidence up to which nothing hides a texel.
 
     A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands
     h above that plane at the distance d can meet it only if t >= d / h. The least d / h over the
     horizon is a lower bound: distances are taken too short and heights too large by as much as
     blocks, cells and faces extend.
+
+    Parameters
+    ----------
+    point
+        of the texels (h, w, 3).
+    normal
+        of the texels (h, w, 3).
     """
     height, width = point.shape[:2]
     side = max(1, round(BLOCK_M / step_m))

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The optical mosaic [Ozog2016 3.2.4] (docs/methods.md 13), from posed images and a surface to
-tiles.
-"""
+"""The optical mosaic [Ozog2016 3.2.4] (docs/methods.md 13): images and a surface to tiles."""
 
 from __future__ import annotations
 
@@ -12,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.mosaic.blend import ViewLimits, blend_tile
+from hullrecon.mosaic.blend import ViewLimits
 from hullrecon.mosaic.grid import grid_around
 from hullrecon.mosaic.imagery.camera_views import (
     CameraImages,
@@ -20,28 +18,28 @@ from hullrecon.mosaic.imagery.camera_views import (
     camera_views,
     compute_footprints,
     estimate_light,
-    footprint_windows,
     plain_views,
 )
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import OpticalOptions
-from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
+from hullrecon.mosaic.output.tile_store import TileStore, blend_tiles
 
 Progress = Callable[[Sequence[Any], str], Iterable[Any]]
 # of an image's distance: past a bilge, or through a gap of the model, a ray may meet it tens of
 # metres away
 MOST_MEDIANS = 3.0
+MIN_TEXEL_M, MAX_TEXEL_M = 0.001, 0.02  # sides of a texel that are chosen
+# views more oblique than 70 degrees are not used
+LIMITS = ViewLimits(min_cosine=float(np.cos(np.radians(70.0))))
 
 
 @dataclass(frozen=True, kw_only=True)
 class OpticalMosaic:
-    """The tiles; gsd_m: a pixel on the hull, in the median; light_corrected: whether the light was
-    evened out.
-    """
+    """The optical mosaic."""
 
     store: TileStore
-    gsd_m: float
-    light_corrected: bool
+    gsd_m: float  # a pixel on the hull, in the median
+    light_corrected: bool  # whether the light was evened out
 
 
 def optical_mosaic(
@@ -50,7 +48,7 @@ def optical_mosaic(
     options: OpticalOptions,
     progress: Progress,
 ) -> OpticalMosaic:
-    """Return the mosaic: footprints, light, then tile by tile.
+    """Make the mosaic: footprints, light, then tile by tile.
 
     Raises ValueError when no image meets the surface or the raster would be too large.
     """
@@ -66,20 +64,23 @@ def optical_mosaic(
         if options.even_light
         else None
     )
-    light_corrected = camera_views(cameras, light)
-    windows = footprint_windows(grid, footprints)
-    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))))
-    store = make_tiles(
-        grid, 3, options.tile_px, options.texture_px,
-        lambda window: blend_tile(surface, grid, window, light_corrected, windows, limits, 3),
-        lambda tiles: progress(tiles, "tiles"),
-    )  # fmt: skip
+    store = blend_tiles(
+        surface,
+        grid,
+        footprints,
+        camera_views(cameras, light),
+        LIMITS,
+        3,
+        options.tile_px,
+        progress,
+    )
     return OpticalMosaic(store=store, gsd_m=gsd, light_corrected=light is not None)
 
 
 def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprints) -> float:
-    """Return the median distance over focal length, metres. Raises ValueError when no image meets
-    the surface.
+    """Return the median distance over focal length, metres.
+
+    Raises ValueError when no image meets the surface.
     """
     focal = np.concatenate(
         [np.full(len(s.rows), 0.5 * (s.camera.fx + s.camera.fy)) for s in cameras]
@@ -91,14 +92,7 @@ def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprin
 
 
 def texel_size(gsd_m: float, options: OpticalOptions) -> float:
-    """Return the side of a texel: as asked, else some pixels wide within bounds, in whole tenths of
-    a millimetre.
-    """
+    """Choose the side of a texel: as asked, else a pixel on the hull in whole tenths of a mm."""
     if options.resolution_m is not None:
         return options.resolution_m
-    wanted = float(
-        np.clip(
-            options.samples_per_texel * gsd_m, options.min_resolution_m, options.max_resolution_m
-        )
-    )
-    return round(wanted, 4)
+    return round(float(np.clip(gsd_m, MIN_TEXEL_M, MAX_TEXEL_M)), 4)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How well the place of a sonar's texel on the hull is known: the poses' and the mount's covariance
-carried to it.
-"""
+"""Uncertainty of a sonar texel's place on the hull, from poses and mount."""
 
 from __future__ import annotations
 
@@ -18,24 +16,32 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class PingUncertainty:
-    """Where the sonar stood at n pings. sonar: T_M_o; vehicle: T_M_v (T_g_ without a CAD model);
-    pose_covariance (n, 6, 6) of the vehicle, (translation in M, rotation perturbed on the right);
-    servo_from_sonar: one T_j_o; mount_sigma (6,): m along the servo's axes, rad about the sonar's.
-    """
+    """Where the sonar stood at pings (n)."""
 
-    sonar: Poses
-    vehicle: Poses
-    pose_covariance: Array
-    servo_from_sonar: Poses
-    mount_sigma: Array
+    sonar: Poses  # result_from_sonar (n)
+    vehicle: Poses  # result_from_vehicle (n)
+    pose_covariance: Array  # (n, 6, 6) of the vehicle: translation in M, rotation right-perturbed
+    servo_from_sonar: Poses  # one pose
+    mount_sigma: Array  # (6,) m along the servo's axes, rad about the sonar's
 
 
 def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tuple[Array, Array]:
-    """Return one sigma (n, k) m of points (n, k, 3) along the worst direction of the tangent plane
-    of normals (n, k, 3): of all, and of the mount alone; NaN where a point is.
+    """Propagate pose and mount to points (n, k, 3) on the hull.
 
     A point R p + t moves by dt + R (w x p), with p seen from the vehicle or, for the mount, from
-    the sonar.
+    the sonar. Sigmas are along the worst direction of the tangent plane; NaN where a point is.
+
+    Parameters
+    ----------
+    normals
+        of the tangent planes (n, k, 3).
+
+    Returns
+    -------
+    total
+        one sigma (n, k) m.
+    mount
+        what the mount alone has of it (n, k) m.
     """
     sonar, vehicle = pings.sonar.rotation.as_matrix(), pings.vehicle.rotation.as_matrix()
     hull_from_servo = sonar @ pings.servo_from_sonar.rotation.as_matrix()[0].T
@@ -53,9 +59,9 @@ def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tup
 def median_position_sigma(
     pings: PingUncertainty, footprints: Footprints, chart: Chart
 ) -> dict[str, float | None]:
-    """Return one sigma of a texel's place on the hull, m, in the median over pings and their
-    footprints: `position_sigma_m`, and what the mount has of it, `position_sigma_of_mount_m`; None
-    where no ping met the surface.
+    """Return the median sigma of a texel's place on the hull over all pings, m.
+
+    Members of mosaic.json: of all, and of the mount alone; None where no ping met the surface.
     """
     normals = chart.from_chart(footprints.at.reshape(-1, 2))[1].reshape(footprints.point.shape)
     names = ("position_sigma_m", "position_sigma_of_mount_m")
@@ -67,8 +73,14 @@ def median_position_sigma(
 
 
 def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Array:
-    """Return how points move (n, k, 3, 6) with a shift along the columns of (n, 3, 3) and a turn
-    about those of (n, 3, 3).
+    """Return how points move (n, k, 3, 6) with a shift and a turn.
+
+    Parameters
+    ----------
+    shift_axes
+        columns of (n, 3, 3).
+    turn_axes
+        columns of (n, 3, 3).
     """
     turned = np.cross(turn_axes.swapaxes(1, 2)[:, None], levers[:, :, None]).swapaxes(2, 3)
     return np.concatenate([np.broadcast_to(shift_axes[:, None], turned.shape), turned], axis=3)

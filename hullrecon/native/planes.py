@@ -12,11 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hullrecon.native.columns import floats, integers
+from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints32
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaneTable:
+class PlaneTable(Rows):
     """Where the planes of Unknowns.plane are held."""
 
     anchor: Ints32 = integers(0)  # (p,) nodes
@@ -37,7 +38,7 @@ class PlaneSightingTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanePairTable:
+class PlanePairTable(Rows):
     """Pairs of planes on one smooth surface, piecewise planar [Ozog2016 eq. 2.3].
 
     sqrt_information @ (second - first - measured - by_place @ (y - place)), both planes in the
@@ -58,7 +59,7 @@ class PlanePairTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaneRangeTable:
+class PlaneRangeTable(Rows):
     """Ranges of single DVL beams to planes [Ozog2016 eq. 2.4, its sign and square corrected].
 
     (predicted - measured) / sigma, under Huber's loss (Options.huber_range). Predicted is -(h + n .

@@ -12,9 +12,8 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 import msgspec
 import numpy as np
@@ -60,10 +59,11 @@ from hullrecon.records.trajectory import (
 from hullrecon.typing import Arrays
 
 Record = TypeVar("Record")
+Artifact = TypeVar("Artifact", bound="StepArtifact")
 Document = Mapping[str, object]
 MOUNTS = "mounts.json"
 SONAR_IMAGES = "sonar_image.npy"
-# What two dives of one hull are compared by, a step's files each, in the order of the chain
+# What two dives of one hull are compared by: a step's files each, in the order of the chain
 HULL_SURVEY_FILES = {
     "ingest": ("hull.npz",), "adjust": ("solution.npz",), "surface": ("chart.npz",),
     "detect": ("as_found.npz", "deviation.npz", "objects.json"),
@@ -73,48 +73,70 @@ CHANGE_CHAPTER, CHANGE_MAP = "chapter.json", "change.png"
 
 @dataclass(frozen=True)
 class StepArtifact:
-    """The folder of one step's artifact."""
+    """The folder of one step's artifact; a subclass is the table of its files."""
 
     folder: Path
 
-    def _optional(self, name: str, kind: type[Record]) -> Record | None:
+    def missing(self, name: str) -> InputError:
+        return InputError(f"{name} is missing", where=str(self.folder), remedy="run the step again")
+
+    def read(self, name: str, kind: type[Record]) -> Record | None:
+        """Read a record; None where the dive lacks it."""
         path = self.folder / name
         return from_arrays(kind, load_arrays(path)) if path.exists() else None
 
-    def _read_required(self, name: str, kind: type[Record]) -> Record:
-        found = self._optional(name, kind)
+
+class OptionalFile(Generic[Record]):
+    """A record in a file of an artifact, read when asked for; None where the dive lacks it."""
+
+    def __init__(self, name: str, kind: type[Record]) -> None:
+        self.name, self.kind = name, kind
+
+    def __get__(self, artifact: StepArtifact, owner: type) -> Record | None:
+        return artifact.read(self.name, self.kind)
+
+
+class RequiredFile(Generic[Record]):
+    """A record that its step always leaves. Raises InputError where its file is missing."""
+
+    def __init__(self, name: str, kind: type[Record], *, keep: bool = False) -> None:
+        self.name, self.kind, self.keep = name, kind, keep  # keep: it is asked for many times
+
+    def __get__(self, artifact: StepArtifact, owner: type) -> Record:
+        kept: dict[str, Record] = artifact.__dict__
+        if self.name in kept:
+            return kept[self.name]
+        found = artifact.read(self.name, self.kind)
         if found is None:
-            raise InputError(
-                f"{name} is missing", where=str(self.folder), remedy="run the step again"
-            )
+            raise artifact.missing(self.name)
+        if self.keep:
+            kept[self.name] = found
         return found
 
-    def _document(self, name: str) -> Document:
-        path = self.folder / name
-        if not path.exists():
-            return {}
-        document: Document = json.loads(path.read_text(encoding="utf-8"))
+
+class JsonFile:
+    """A JSON document; empty where there is none."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __get__(self, artifact: StepArtifact, owner: type) -> Document:
+        path = artifact.folder / self.name
+        document: Document = json.loads(path.read_text("utf-8")) if path.exists() else {}
         return document
 
 
 class IngestArtifact(StepArtifact):
     """What the package holds, decoded."""
 
-    @property
-    def dvl(self) -> DvlPings | None:
-        return self._optional("dvl.npz", DvlPings)
-
-    @property
-    def imu(self) -> ImuSamples | None:
-        return self._optional("imu.npz", ImuSamples)
-
-    @property
-    def pressure(self) -> PressureSamples | None:
-        return self._optional("pressure.npz", PressureSamples)
-
-    @property
-    def tray(self) -> JointSamples | None:
-        return self._optional("tray.npz", JointSamples)
+    dvl = OptionalFile("dvl.npz", DvlPings)
+    imu = OptionalFile("imu.npz", ImuSamples)
+    pressure = OptionalFile("pressure.npz", PressureSamples)
+    tray = OptionalFile("tray.npz", JointSamples)
+    sonar_joint = OptionalFile("sonar_tray.npz", JointSamples)
+    position = OptionalFile("position.npz", PositionFixes)
+    findings = JsonFile("findings.json")
+    mounts = JsonFile(MOUNTS)
 
     @property
     def sonar(self) -> SonarPings | None:
@@ -126,25 +148,13 @@ class IngestArtifact(StepArtifact):
         return from_arrays(SonarPings, {**load_arrays(path), "image": image})
 
     @property
-    def sonar_joint(self) -> JointSamples | None:
-        return self._optional("sonar_tray.npz", JointSamples)
-
-    @property
-    def position(self) -> PositionFixes | None:
-        return self._optional("position.npz", PositionFixes)
-
-    @property
     def hull(self) -> Mesh | None:
-        """Return the checked CAD model in M; None where the dive has none."""
+        """Return the checked CAD model in its own frame; None where the dive has none."""
         path = self.folder / "hull.npz"
         if not path.exists():
             return None
         arrays = load_arrays(path)
         return Mesh(arrays["vertices"], arrays["faces"])
-
-    @property
-    def findings(self) -> Document:
-        return self._document("findings.json")
 
     @property
     def camera_models(self) -> dict[Camera, CameraModel]:
@@ -154,118 +164,59 @@ class IngestArtifact(StepArtifact):
     @property
     def sensors(self) -> dict[str, FixedSensor]:
         """Return the sensors that the log's tf_static leads to; empty where it has none."""
-        return msgspec.convert(self._document(MOUNTS), dict[str, FixedSensor])
+        return msgspec.convert(self.mounts, dict[str, FixedSensor])
 
     def image_index(self, camera: Camera) -> ImageIndex | None:
-        return self._optional(f"images_{camera.key}.npz", ImageIndex)
+        return self.read(f"images_{camera.key}.npz", ImageIndex)
 
     def images(self, camera: Camera, package: Path | None) -> ImageStore:
-        """Return the images of a camera; package: its folder, where images are plain files."""
+        """Return the images of a camera. package: its folder, where images are plain files."""
         return ImageStore(self.folder, package, camera.key)
 
 
 class NavigateArtifact(StepArtifact):
     """The dead-reckoned dive."""
 
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        return self._read_required("trajectory.npz", Trajectory)
-
-    @property
-    def odometry(self) -> Odometry:
-        return self._read_required("odometry.npz", Odometry)
-
-    @property
-    def attitude(self) -> Attitude:
-        return self._read_required("attitude.npz", Attitude)
-
-    @property
-    def error_model(self) -> TrajectoryErrorModel:
-        return self._read_required("error_model.npz", TrajectoryErrorModel)
-
-    @property
-    def returns(self) -> Returns | None:
-        """Return the DVL's returns; None where no DVL was carried."""
-        return self._optional("returns.npz", Returns)
-
-    @property
-    def positions(self) -> PositionTies | None:
-        """Return the positions from outside that bound the path; None where there are none, or they
-        tell nothing.
-        """
-        return self._optional("positions.npz", PositionTies)
-
-    @property
-    def facts(self) -> Document:
-        return self._document("navigation.json")
+    trajectory = RequiredFile("trajectory.npz", Trajectory, keep=True)
+    odometry = RequiredFile("odometry.npz", Odometry)
+    attitude = RequiredFile("attitude.npz", Attitude)
+    error_model = RequiredFile("error_model.npz", TrajectoryErrorModel)
+    returns = OptionalFile("returns.npz", Returns)  # of the DVL, where one was carried
+    positions = OptionalFile("positions.npz", PositionTies)  # from outside, that bound the path
+    facts = JsonFile("navigation.json")
 
 
 class LinksArtifact(StepArtifact):
     """Pairs of nodes, what their images have in common, and the path that this ties together."""
 
-    @property
-    def pairs(self) -> NodePairs:
-        return self._read_required("pairs.npz", NodePairs)
-
-    @property
-    def compared(self) -> NodePairs | None:
-        """Return the pairs; None where no camera was carried."""
-        return self._optional("pairs.npz", NodePairs)
-
-    @property
-    def features(self) -> PairFeatures:
-        return self._read_required("features.npz", PairFeatures)
-
-    @property
-    def links(self) -> CameraLinks:
-        return self._read_required("links.npz", CameraLinks)
-
-    @property
-    def stereo(self) -> NodeStereo:
-        return self._read_required("stereo.npz", NodeStereo)
-
-    @property
-    def planes(self) -> TiedPlanes | None:
-        """Return the planes that tie passes; None where none do."""
-        return self._optional("planes.npz", TiedPlanes)
-
-    @cached_property
-    def path(self) -> LinkedPath:
-        return self._read_required("path.npz", LinkedPath)
-
-    @property
-    def facts(self) -> Document:
-        return self._document("links.json")
+    pairs = RequiredFile("pairs.npz", NodePairs)
+    compared = OptionalFile("pairs.npz", NodePairs)  # the same, None where no camera was carried
+    features = RequiredFile("features.npz", PairFeatures)
+    links = RequiredFile("links.npz", CameraLinks)
+    stereo = RequiredFile("stereo.npz", NodeStereo)
+    planes = OptionalFile("planes.npz", TiedPlanes)  # that tie passes over the hull
+    path = RequiredFile("path.npz", LinkedPath, keep=True)
+    facts = JsonFile("links.json")
 
 
 class MatchesArtifact(StepArtifact):
     """Pairs and tracks."""
 
-    @property
-    def tracks(self) -> Tracks:
-        return self._read_required("tracks.npz", Tracks)
-
-    @property
-    def pairs(self) -> Document:
-        return self._document("pairs.json")
+    tracks = RequiredFile("tracks.npz", Tracks)
+    pairs = JsonFile("pairs.json")
 
 
 class AdjustArtifact(StepArtifact):
     """The adjusted dive."""
 
-    @cached_property
-    def solution(self) -> Solution:
-        return self._read_required("solution.npz", Solution)
-
-    @property
-    def summary(self) -> Document:
-        return self._document("adjust.json")
+    solution = RequiredFile("solution.npz", Solution, keep=True)
+    summary = JsonFile("adjust.json")
 
     @property
     def depth_sigma_m(self) -> float | None:
-        """Return how well the water surface is known in g, one sigma: the pressure sensor's bias,
-        which all depths share, and its noise; None where no depth was measured or the bias has no
-        sigma.
+        """Return the sigma of the water surface's height in g; None where it is not known.
+
+        It holds the pressure sensor's bias, which all depths share, and its noise.
         """
         bias = _number(self.summary, "navigation_sigma", "depth_bias_m")
         noise = _number(self.summary, "sigmas", "depth_m")
@@ -289,63 +240,37 @@ class AdjustArtifact(StepArtifact):
 class SurfaceArtifact(StepArtifact):
     """The surface from the DVL's returns (of landmarks where there is no DVL)."""
 
-    @property
-    def surface(self) -> Surface:
-        return self._read_required("surface.npz", Surface)
+    surface = RequiredFile("surface.npz", Surface)
+    facts = JsonFile("surface.json")
 
     @property
     def chart(self) -> Chart:
         """Return the chart that all later steps use. Raises InputError where it is missing."""
         chart = read_chart(self.folder / "chart.npz")
         if chart is None:
-            raise InputError(
-                "chart.npz is missing", where=str(self.folder), remedy="run the step again"
-            )
+            raise self.missing("chart.npz")
         return chart
-
-    @property
-    def facts(self) -> Document:
-        return self._document("surface.json")
 
 
 class DetectArtifact(StepArtifact):
     """The hull as found and what is on it."""
 
-    @property
-    def as_found(self) -> Surface | None:
-        return self._optional("as_found.npz", Surface)
+    as_found = OptionalFile("as_found.npz", Surface)
+    deviation = OptionalFile("deviation.npz", DeviationSplit)  # None without a CAD model
+    objects = JsonFile("objects.json")
+    coverage = JsonFile("coverage.json")
+    facts = JsonFile("detect.json")
 
     @property
     def is_found_by_images(self) -> bool:
-        """Return whether the hull as found, where there is one, is that of landmarks, else of the
-        DVL's returns.
-        """
+        """Whether the hull as found is that of landmarks, else of the DVL's returns."""
         return self.facts.get("as_found") is None
-
-    @property
-    def deviation(self) -> DeviationSplit | None:
-        """Return offset, tilt and form of the deviation; None without a CAD model."""
-        return self._optional("deviation.npz", DeviationSplit)
-
-    @property
-    def objects(self) -> Document:
-        return self._document("objects.json")
-
-    @property
-    def coverage(self) -> Document:
-        return self._document("coverage.json")
-
-    @property
-    def facts(self) -> Document:
-        return self._document("detect.json")
 
 
 class ChangeArtifact(StepArtifact):
     """What changed since an earlier dive."""
 
-    @property
-    def chapter(self) -> Document:
-        return self._document(CHANGE_CHAPTER)
+    chapter = JsonFile(CHANGE_CHAPTER)
 
     @property
     def map(self) -> bytes:
@@ -355,12 +280,12 @@ class ChangeArtifact(StepArtifact):
     @property
     def delivered(self) -> tuple[Path, ...]:
         """Return the files that are delivered as they are."""
-        return tuple(path for path in sorted(self.folder.glob("change.*")))
+        return tuple(sorted(self.folder.glob("change.*")))
 
 
 @dataclass(frozen=True)
 class InputArtifacts:
-    """The artifacts that a step was handed; None for an optional one that this dive has not."""
+    """The artifacts that a step was handed; None for an optional one that this dive lacks."""
 
     inputs: Mapping[str, Path]
 
@@ -373,32 +298,36 @@ class InputArtifacts:
         return NavigateArtifact(self.inputs["navigate"])
 
     @property
-    def links(self) -> LinksArtifact | None:
-        return LinksArtifact(self.inputs["links"]) if "links" in self.inputs else None
-
-    @property
-    def matches(self) -> MatchesArtifact | None:
-        return MatchesArtifact(self.inputs["matches"]) if "matches" in self.inputs else None
-
-    @property
-    def adjust(self) -> AdjustArtifact | None:
-        return AdjustArtifact(self.inputs["adjust"]) if "adjust" in self.inputs else None
-
-    @property
     def surface(self) -> SurfaceArtifact:
         return SurfaceArtifact(self.inputs["surface"])
 
     @property
+    def links(self) -> LinksArtifact | None:
+        return self._optional("links", LinksArtifact)
+
+    @property
+    def matches(self) -> MatchesArtifact | None:
+        return self._optional("matches", MatchesArtifact)
+
+    @property
+    def adjust(self) -> AdjustArtifact | None:
+        return self._optional("adjust", AdjustArtifact)
+
+    @property
     def detect(self) -> DetectArtifact | None:
-        return DetectArtifact(self.inputs["detect"]) if "detect" in self.inputs else None
+        return self._optional("detect", DetectArtifact)
 
     @property
     def change(self) -> ChangeArtifact | None:
-        return ChangeArtifact(self.inputs["change"]) if "change" in self.inputs else None
+        return self._optional("change", ChangeArtifact)
+
+    def _optional(self, name: str, kind: type[Artifact]) -> Artifact | None:
+        return kind(self.inputs[name]) if name in self.inputs else None
 
     def mounts(self, settings: Mapping[str, object]) -> dict[str, ChosenMount]:
-        """Return the lever arms and mounts that these settings leave to the log. Raises InputError
-        for a tray that carries but one of DVL and camera.
+        """Choose the lever arms and mounts that these settings leave to the log.
+
+        Raises InputError for a tray that carries only one of DVL and camera.
         """
         declared = dict(settings)  # without a fault where the step declares no such key
         values = {key: _value(declared, key) for key in DEFAULTS}
@@ -408,7 +337,7 @@ class InputArtifacts:
         return choose_mounts(values, self.ingest.sensors)
 
     def mounted(self, settings: StageSettings) -> StageSettings:
-        """Return the settings with the lever arms and mounts in place that they leave to the log."""
+        """Fill in the lever arms and mounts that these settings leave to the log."""
         values: dict[str, object] = dict(settings)
         for key, mount in self.mounts(settings).items():
             section, _, name = key.rpartition(".")
@@ -431,9 +360,7 @@ def _number(document: Document, section: str, name: str) -> float | None:
 
 
 def _value(settings: Mapping[str, object], key: str) -> object:
-    """Return the value of a dotted key, which a step declares alone or with its section; None where
-    it declares neither.
-    """
+    """Return the value of a key that a step declares alone or with its section, else None."""
     section, _, name = key.rpartition(".")
     return settings[key] if key in settings else getattr(settings.get(section), name, None)
 

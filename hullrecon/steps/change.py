@@ -1,27 +1,157 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What changed on the hull since an earlier dive, whose run is named."""
+"""What changed on the hull since an earlier dive: the step `change`, and runs for `diff`."""
 
 from __future__ import annotations
 
 import os
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
 import msgspec
 
-from hullrecon.artifacts.manifest import FILE_NAME
+from hullrecon.artifacts.manifest import FILE_NAME, Manifest, hash_file
 from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.artifacts.workspace import PUBLISHED
+from hullrecon.change.compare_surveys import SAME_CAD_M, cad_model_gap, compare_surveys
+from hullrecon.change.options import ChangeOptions
 from hullrecon.dive.config.schema import FileName
 from hullrecon.errors import InputError, StageError
-from hullrecon.records.change import HullChange
+from hullrecon.geometry.charts.address import AddressSigma, address
+from hullrecon.geometry.charts.outside_map import OutsideMap, outside_map
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.change import HullChange, HullSurvey
+from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.change.chapter import change_chapter, is_foreseen
 from hullrecon.report.change.deliver import change_files
-from hullrecon.steps.artifacts import CHANGE_CHAPTER, HULL_SURVEY_FILES
-from hullrecon.steps.finished_run import workspace_of
-from hullrecon.steps.hull_survey import FinishedRun, compare_runs, map_of, read_run, read_survey
+from hullrecon.steps.artifacts import (
+    CHANGE_CHAPTER,
+    HULL_SURVEY_FILES,
+    AdjustArtifact,
+    DetectArtifact,
+    IngestArtifact,
+    SurfaceArtifact,
+)
+from hullrecon.steps.finished_run import finished_steps, workspace_of
+from hullrecon.typing import Array
+
+NEEDED = tuple(HULL_SURVEY_FILES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FinishedRun:
+    """A run as it is compared."""
+
+    survey: HullSurvey
+    cad_model: Mesh
+    frame_spacing_m: float | None  # of the ship's frames, None where it is not known
+    last_t_ns: int  # of its path
+
+
+def read_run(run: Path) -> FinishedRun:
+    """Read a run's survey, given as RUNS/<dive>.
+
+    Raises InputError where the run is not finished, is damaged, or has no CAD model.
+    """
+    workspace = workspace_of(run)
+    manifests = finished_steps(workspace, NEEDED)
+    folders = {name: workspace.artifact(name) for name in NEEDED}
+    _refuse_damaged(folders, manifests)
+    spacing = manifests["detect"].recipe.settings.get("hull.frame_spacing")
+    return read_survey(
+        folders,
+        workspace.root.resolve().name,
+        float(spacing) if isinstance(spacing, int | float) else None,
+        where=str(workspace.root),
+    )
+
+
+def read_survey(
+    folders: Mapping[str, Path], name: str, frame_spacing_m: float | None, where: str = ""
+) -> FinishedRun:
+    """Read a survey from the artifacts of the steps in NEEDED.
+
+    Raises InputError where it has no CAD model or found too little of the hull.
+
+    Parameters
+    ----------
+    where
+        of the run, for errors.
+    """
+    solution, detect = AdjustArtifact(folders["adjust"]).solution, DetectArtifact(folders["detect"])
+    cad_model, as_found, split = (
+        IngestArtifact(folders["ingest"]).hull,
+        detect.as_found,
+        detect.deviation,
+    )
+    if cad_model is None or solution.hull_pose is None:
+        raise InputError(
+            "the run has no CAD model that fits: two dives are compared on their hull's CAD model",
+            where=where, remedy="give [hull] in dive.toml and run it again",
+        )  # fmt: skip
+    if as_found is None or split is None:
+        raise InputError("the run found too little of the hull to be compared", where=where)
+    return FinishedRun(
+        survey=HullSurvey(
+            name=name,
+            chart=SurfaceArtifact(folders["surface"]).chart,
+            as_found=as_found,
+            form_sigma=split.form_sigma,
+            hull_pose=solution.hull_pose,
+            objects=msgspec.convert(detect.objects.get("objects", ()), tuple[ReportedObject, ...]),
+        ),
+        cad_model=cad_model,
+        frame_spacing_m=frame_spacing_m,
+        last_t_ns=int(solution.t_ns[-1]),
+    )
+
+
+def compare_runs(
+    before: FinishedRun,
+    after: FinishedRun,
+    options: ChangeOptions = ChangeOptions(),  # noqa: B008
+) -> HullChange:
+    """Compare two runs of one hull.
+
+    Raises InputError when the CAD models are of different hulls, StageError when the runs saw too
+    little of the same hull.
+    """
+    gap = cad_model_gap(before.cad_model, after.cad_model)
+    if not gap <= SAME_CAD_M:
+        raise InputError(
+            f"the CAD models are of different hulls: they lie up to {gap:.3g} m apart",
+            where=f"{before.survey.name}, {after.survey.name}",
+            remedy="compare dives of one hull with one CAD model",
+        )
+    spacing = after.frame_spacing_m or before.frame_spacing_m
+
+    def address_of(point: Array, sigma: AddressSigma) -> str:
+        return address(before.survey.chart, point[None], spacing, None, sigma)[0]
+
+    return compare_surveys(before.survey, after.survey, address_of, options)
+
+
+def map_of(run: FinishedRun) -> OutsideMap:
+    """Return the map of the run's rasters, which a comparison with a later dive is drawn in."""
+    as_found = run.survey.as_found
+    return outside_map(run.survey.chart, as_found.vertices[as_found.support > 0], "M")
+
+
+def _refuse_damaged(folders: Mapping[str, Path], manifests: Mapping[str, Manifest]) -> None:
+    """Raise InputError where a file that is read is not what its step wrote."""
+    for step, names in HULL_SURVEY_FILES.items():
+        for name in names:
+            written = manifests[step].outputs.get(name)
+            if written is not None and (
+                not (folders[step] / name).is_file() or hash_file(folders[step] / name) != written
+            ):
+                raise InputError(
+                    f"{step}/{name} is damaged",
+                    where=str(folders[step].parent),
+                    remedy="run that dive again",
+                )
 
 
 class EarlierDive(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -30,13 +160,14 @@ class EarlierDive(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     earlier: Annotated[
         FileName | None,
         msgspec.Meta(
-            description="folder of an earlier dive's run (RUNS/<dive>), relative to dive.toml; the report says what changed"
+            description="folder of an earlier dive's run (RUNS/<dive>), relative to dive.toml; "
+            "the report says what changed"
         ),
     ] = None
 
 
 def run(context: Context[EarlierDive]) -> None:
-    """Write what changed since the earlier dive: its files, and the texts of the report's chapter."""
+    """Write what changed since the earlier dive, and the texts of the report's chapter."""
     before, change = _compare(context)
     files = change_files(change, map_of(before), _this_dive(context).last_t_ns)
     for name, data in files.items():
@@ -44,13 +175,13 @@ def run(context: Context[EarlierDive]) -> None:
     context.out.json(CHANGE_CHAPTER, msgspec.to_builtins(change_chapter(change)))
     if not is_foreseen(change.offset):
         context.warn(
-            f"{change.first} and this dive lie farther apart on the CAD model than their hull poses foresaw: one of these is"
-            " worse than it says"
+            f"{change.first} and this dive lie farther apart on the CAD model than their hull "
+            "poses foresaw: one of these is worse than it says"
         )
 
 
 def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
-    """Return the earlier dive and what changed since.
+    """Compare this dive with the earlier one.
 
     Raises StageError for whatever stands against it: all but the chapter on change goes without the
     earlier dive.
@@ -71,8 +202,9 @@ def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
 
 
 def _earlier_dive(context: Context[EarlierDive]) -> FinishedRun:
-    """Return the earlier dive, named by its folder; with the folder above it where both dives have
-    one name.
+    """Read the earlier dive, named by its folder.
+
+    With the folder above it where both dives have one name.
     """
     root = workspace_of(context.source / str(context.parameters.earlier)).root.resolve()
     if root == context.inputs["detect"].resolve().parent:
@@ -89,8 +221,9 @@ def _this_dive(context: Context[EarlierDive]) -> FinishedRun:
 
 
 def files_of_earlier_dive(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the files of the earlier dive's run that are read, as far as they are there: without
-    them the step says why it cannot be done, and the rest of the chain runs.
+    """List the files of the earlier dive's run that are read, if they are there.
+
+    Without them the step says why it cannot be done, and the rest of the chain runs.
     """
     earlier = settings.read("change", EarlierDive).earlier
     if earlier is None:
@@ -109,7 +242,7 @@ def files_of_earlier_dive(settings: StageSettings, package: Path) -> list[Path]:
 
 
 def why_not(settings: StageSettings, package: Path) -> str | None:
-    """Return why a dive is not compared with an earlier one; None where it is."""
+    """Say why a dive is not compared with an earlier one; None where it is."""
     if settings.read("change", EarlierDive).earlier is None:
         return "no earlier dive is named (change.earlier)"
     return "no CAD model was given" if settings["hull.mesh"] is None else None

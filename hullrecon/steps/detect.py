@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.detection.as_found.hull_as_found import Fusion, fuse_heights
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.coverage import SonarSurvey, summarise_coverage
 from hullrecon.detection.find_structures import find_structures
@@ -28,7 +29,7 @@ from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
 CAMERA_KEYS = ("tray.origin",)  # of the rig: the mounts are the adjusted ones
 
 
-def run(context: Context[DetectOptions]) -> None:
+def run(context: Context[DetectOptions], fusion: Fusion = fuse_heights) -> None:
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     adjusted, surface = _adjusted(inputs), inputs.surface
@@ -48,7 +49,7 @@ def run(context: Context[DetectOptions]) -> None:
     )
     views = _views(context, inputs, solution)
     structures = find_structures(
-        base, solution.landmarks, solution.deviation_field, views, context.parameters
+        base, solution.landmarks, solution.deviation_field, views, context.parameters, fusion
     )
     if structures.as_found is not None:
         context.out.arrays("as_found.npz", to_arrays(structures.as_found))
@@ -71,8 +72,12 @@ def _adjusted(inputs: InputArtifacts) -> AdjustArtifact:
 
 
 def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
-    """Return how well the survey as a whole lies on the hull, and below the water. depth_sigma_m:
-    of the water surface in g, where the poses are in M; those in g say it themselves.
+    """Return how well the survey as a whole lies on the hull and below the water.
+
+    Parameters
+    ----------
+    depth_sigma_m
+        of the water surface in g, where the poses are in M; those in g have it.
     """
     track = solution.track()
     along, girth = track.sigma_on_chart(chart)
@@ -86,7 +91,7 @@ def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | Non
 def _views(
     context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution
 ) -> CameraViews | None:
-    """Return the top camera's images; None without a camera or a landmark."""
+    """Place the top camera's images; None without a camera or a landmark."""
     index = inputs.ingest.image_index(Camera.TOP)
     if index is None or Camera.TOP not in inputs.camera_models:
         return None
@@ -101,9 +106,7 @@ def _views(
 def _sonar_survey(
     context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution
 ) -> SonarSurvey | None:
-    """Return the pings and where they were taken; None where no sonar was carried or its servo was
-    not logged.
-    """
+    """Place the sonar's pings; None without a sonar or where its servo was not logged."""
     settings, pings = inputs.mounted(context.settings), inputs.ingest.sonar
     elevation_deg = settings.read_optional("sonar.elevation_deg", float)
     if elevation_deg is None or pings is None:
@@ -119,11 +122,12 @@ def _sonar_survey(
 
 
 def _regions(context: Context[DetectOptions], base: BaseSurface) -> tuple[HullRegion, ...]:
-    """Return the regions of dive.toml; none, and a warning, where no hull was found for them."""
+    """Return the regions of dive.toml; none, with a warning, where the CAD model was refused."""
     regions: tuple[HullRegion, ...] = context.settings.read_optional("hull.region", tuple) or ()
     if regions and base.cad_model is None:
         context.warn(
-            "coverage is not counted by hull.region: the CAD model was refused, and regions are parts of it"
+            "coverage is not counted by hull.region: the CAD model was refused, and regions are "
+            "parts of it"
         )
         return ()
     return regions

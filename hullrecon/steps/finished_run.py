@@ -14,8 +14,9 @@ from hullrecon.errors import InputError
 
 
 def workspace_of(run: Path) -> Workspace:
-    """Return the workspace of a run, given as RUNS/<dive> or its deliver/. Raises InputError for
-    another folder.
+    """Return the workspace of a run, given as RUNS/<dive> or its deliver/.
+
+    Raises InputError for another folder.
     """
     workspace = Workspace(run.parent if run.name == PUBLISHED else run)
     if not workspace.exists():
@@ -26,10 +27,9 @@ def workspace_of(run: Path) -> Workspace:
 
 
 def finished_steps(workspace: Workspace, needed: Sequence[str]) -> Mapping[str, Manifest]:
-    """Return the manifests of the steps that a command needs, which are given in the order of the
-    chain.
+    """Read the manifests of the steps that a command needs, in the order of the chain.
 
-    Raises InputError when the run did not come so far, or a step was rerun and those after it were
+    Raises InputError when the run did not come so far, or those after a step that was rerun were
     not.
     """
     found: dict[str, Manifest] = {}

@@ -167,7 +167,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=19,
+    version=20,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

@@ -23,7 +23,7 @@ REMEDY = "check the alignment of the dive with its surface, or set mosaic-optica
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Return None where a camera was carried, else why there is no such mosaic."""
+    """Say why there is no such mosaic; None where a camera was carried."""
     return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 
 
@@ -50,9 +50,7 @@ def run(context: Context[OpticalOptions]) -> None:
 def _usable_images(
     context: Context[OpticalOptions], artifacts: InputArtifacts, inputs: MosaicInputs
 ) -> list[CameraImages]:
-    """Return the cameras with their usable images and where each was taken. Raises StageError where
-    there is none.
-    """
+    """Place the usable images of every camera. Raises StageError where there is none."""
     settings = artifacts.mounted(context.settings)
     rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, artifacts.camera_models)
     rig = rig if inputs.mounts is None else rig.with_mounts(inputs.mounts)

@@ -28,8 +28,9 @@ from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Return None where an imaging sonar was carried and logged, in a topic or in a log that has
-    none, else why there is no such mosaic.
+    """Say why there is no such mosaic; None where an imaging sonar was carried and logged.
+
+    It is logged in a topic, or in a log that has none.
     """
     topics, logs = settings["topics"], settings["logs"]
     is_logged = isinstance(topics, Topics) and topics.sonar is not None
@@ -72,10 +73,14 @@ def run(context: Context[SonarOptions]) -> None:
 
 
 def ping_poses(artifacts: InputArtifacts, settings: StageSettings, track: VehicleTrack) -> Poses:
-    """Return T_x_o (n) at the pings in the track's frame; settings: with the mounts in place that
-    the log tells.
+    """Place the sonar at its pings in the track's frame: result_from_sonar (n).
 
     Raises StageError where there is no ping, or the sonar's servo was not logged.
+
+    Parameters
+    ----------
+    settings
+        with the mounts that the log tells in place.
     """
     rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
     joint = settings.read_optional("sonar.joint", str)
@@ -90,8 +95,12 @@ def blend_pings(
     progress: Progress,
     scratch: BinaryIO,
 ) -> SonarMosaic:
-    """Return the mosaic of posed pings on a surface; scratch: an empty file. Raises StageError
-    where no ping meets it.
+    """Blend posed pings on a surface. Raises StageError where no ping meets it.
+
+    Parameters
+    ----------
+    scratch
+        an empty file.
     """
     elevation_rad = np.radians(settings.read("sonar.elevation_deg", float))
     try:
@@ -105,7 +114,10 @@ def blend_pings(
             scratch,
         )
     except ValueError as error:
-        remedy = f"check the mount of the sonar, and whether its {pings.range_m.max():.1f} m reach the surface that was found"
+        remedy = (
+            f"check the mount of the sonar, and whether its {pings.range_m.max():.1f} m reach the "
+            "surface that was found"
+        )
         raise StageError(
             f"no sonar mosaic: {error}", where="mosaic-sonar", remedy=remedy
         ) from error

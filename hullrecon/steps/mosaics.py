@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the two mosaic steps share: the surface they are laid on, and the files they leave."""
+"""What the two mosaic steps share: the surface under them, and the files they leave."""
 
 from __future__ import annotations
 
@@ -25,28 +25,20 @@ MosaicContext = Context[OpticalOptions] | Context[SonarOptions]
 
 @dataclass(frozen=True, kw_only=True)
 class MosaicInputs:
-    """The surface with its chart, and the vehicle over it, in one frame (M, or g without a CAD
-    model).
-
-    outside: the map that rasters are written in; as_found: the hull as found and its deviation,
-    None without; by_images: whether images are what it was found by; mounts: as adjusted, None
-    before the adjustment; surface_name: which surface it is, for captions.
-    """
+    """The surface with its chart and the vehicle over it, in one frame."""
 
     surface: MosaicSurface
-    outside: OutsideMap
-    as_found: Surface | None
-    by_images: bool
-    deviation: DeviationSplit | None
+    outside: OutsideMap  # the map that rasters are written in
+    as_found: Surface | None  # the hull as found, None without
+    by_images: bool  # whether images are what it was found by
+    deviation: DeviationSplit | None  # of the hull as found, None without
     track: VehicleTrack
-    mounts: Mounts | None
-    surface_name: str
+    mounts: Mounts | None  # as adjusted, None before the adjustment
+    surface_name: str  # which surface it is, for captions
 
 
 def read_mosaic_inputs(inputs: InputArtifacts, reach_m: float) -> MosaicInputs:
-    """Return the surface as found where there is one, else that of the DVL, and the best path that
-    there is.
-    """
+    """Read the surface as found (else the DVL's) and the best path that there is."""
     as_found = inputs.detect.as_found if inputs.detect is not None else None
     solution = inputs.adjust.solution if inputs.adjust is not None else None
     surface = inputs.surface.surface if as_found is None else as_found

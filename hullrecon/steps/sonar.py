@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the imaging sonar was at its pings, for the steps that use it."""
+"""Poses of the imaging sonar at its pings, for the steps that use it."""
 
 from __future__ import annotations
 
@@ -19,10 +19,14 @@ SONAR_KEYS = ("sonar.origin", "sonar.mount")  # of the rig, what places the sona
 def sonar_poses(
     rig: Rig, track: VehicleTrack, t_ns: Ints, joint: str | None, samples: JointSamples | None
 ) -> Poses:
-    """Return T_x_o (n) at ping times (n,) in the track's frame; joint: the name of the sonar's
-    servo, None where it is fixed.
+    """Place the sonar at ping times (n,) in the track's frame: result_from_sonar (n).
 
     Raises StageError where the servo was not logged.
+
+    Parameters
+    ----------
+    joint
+        name of the sonar's servo, None where it is fixed.
     """
     angle = np.zeros(len(t_ns))
     if joint is not None:

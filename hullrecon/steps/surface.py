@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull's surface from the DVL's returns, with the adjusted poses when there are any, dead
-reckoned else; where no DVL was carried, from the landmarks.
+"""The step `surface`: the hull from DVL returns, from landmarks where no DVL was carried.
+
+Poses are the adjusted ones when there are any, else dead reckoned.
 """
 
 from __future__ import annotations
@@ -14,15 +15,34 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.surface.from_returns import SurfaceInputs, surface_from_survey
+from hullrecon.surface.build import Regression, gaussian_process
+from hullrecon.surface.from_returns import (
+    Reference,
+    SurfaceInputs,
+    move_to_hull_frame,
+    own_chart,
+    surface_from_survey,
+)
 from hullrecon.surface.hull_reference import CadHull, UnknownHull
 from hullrecon.surface.options import SurfaceOptions
-from hullrecon.surface.placement import move_to_hull_frame
 
 DVL_KEYS = ("tray.origin", "dvl.mount")  # of the rig, what places the DVL's beams
 
 
-def run(context: Context[SurfaceOptions]) -> None:
+def run(
+    context: Context[SurfaceOptions],
+    regression: Regression = gaussian_process,
+    reference: Reference = own_chart,
+) -> None:
+    """Make the surface and write it.
+
+    Parameters
+    ----------
+    regression
+        how offsets are regressed.
+    reference
+        what they are offsets from.
+    """
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     adjust, cad_model = inputs.adjust, inputs.ingest.hull
@@ -42,14 +62,14 @@ def run(context: Context[SurfaceOptions]) -> None:
         solution=adjust.solution if adjust is not None else None,
         chart=adjust.chart if adjust is not None else None,
     )
-    result = surface_from_survey(survey, context.parameters)
+    result = surface_from_survey(survey, context.parameters, regression, reference)
     context.out.arrays("surface.npz", to_arrays(result.surface))
     context.out.arrays("chart.npz", result.chart.to_arrays())
     context.out.json("surface.json", {**result.facts, "poses": source})
 
 
 def _cad_hull(mesh: Mesh, settings: StageSettings) -> CadHull:
-    """Return the CAD model with its axes as dive.toml says."""
+    """Return the CAD model with its axes as in dive.toml."""
     pose = settings.read_optional("hull.pose", tuple)
     return CadHull(
         mesh=mesh,
@@ -62,7 +82,7 @@ def _cad_hull(mesh: Mesh, settings: StageSettings) -> CadHull:
 def _dead_reckoned_track(
     inputs: InputArtifacts, settings: StageSettings
 ) -> tuple[VehicleTrack, str]:
-    """Return the track in M by hull.pose, in g without a CAD model, and what the record calls it."""
+    """Place the track by hull.pose (in g without a CAD model), and name its source."""
     track, pose = inputs.navigate.trajectory.track(), settings.read_optional("hull.pose", tuple)
     if inputs.ingest.hull is None or pose is None:
         return track, "dead reckoned"

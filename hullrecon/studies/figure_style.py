@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One look for the figures of `hullrecon figures`: axes, colours by method, pictures as bytes that
-do not vary.
-"""
+"""One look for the figures of `hullrecon study figures`; pictures as bytes that do not vary."""
 
 from __future__ import annotations
 
@@ -23,20 +21,23 @@ INK, GREEN, RED, LIGHT = "#1c2733", "#2b7a4b", "#b3202c", "#cdd5dd"
 
 @dataclass(frozen=True, kw_only=True)
 class PublishedFigure:
-    """name without ending; png: the picture; csv: the numbers in it; caption: what it shows, in a
-    sentence.
-    """
+    """A figure of the sources, drawn again."""
 
-    name: str
-    png: bytes
-    csv: str
-    caption: str
+    name: str  # without ending
+    png: bytes  # the picture
+    csv: str  # the numbers in it
+    caption: str  # what it shows, in a sentence
 
 
 def new_canvas(
-    width_in: float, height_in: float, rows: int = 1, columns: int = 1, sharex: Share = "none", sharey: Share = "none",
+    width_in: float,
+    height_in: float,
+    rows: int = 1,
+    columns: int = 1,
+    sharex: Share = "none",
+    sharey: Share = "none",
     height_ratios: tuple[float, ...] | None = None,
-) -> tuple[Canvas, list[list[Axes]]]:  # fmt: skip
+) -> tuple[Canvas, list[list[Axes]]]:
     """Return a matplotlib figure and its axes (rows, columns), without pyplot's global state.
 
     sharex, sharey, height_ratios: as subplots has them.

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,16 +17,15 @@ from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.surface import Surface
-from hullrecon.surface.lattice import supported_lattice
+from hullrecon.rows import Rows
+from hullrecon.surface.gaussian import Kernel, fit_robust, maximise_likelihood
 from hullrecon.surface.options import SurfaceOptions
-from hullrecon.surface.regression.gaussian import fit_robust, maximise_likelihood
-from hullrecon.surface.regression.kernels import Kernel
-from hullrecon.surface.regression.linear import interpolate, scatter_sigma
-from hullrecon.surface.regression.thinning import Observations, cell_means
-from hullrecon.surface.regression.tiles import MOST, regress
+from hullrecon.surface.tiles import MOST, Observations, cell_means, regress
 from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, object]
+GRID_STEP_M = 0.2  # spacing of the chart's grid, subdivided afterwards
+ROUGHNESS_SIGMA_M = 0.01  # one sigma of a single return about the smooth hull
 # cosine between the chart's normal and the datum's below which a height places nothing
 MIN_FACING = 0.2
 STRUCTURE_SIGMAS = 3.0  # off a smooth surface beyond which an observation is of a structure
@@ -37,74 +37,48 @@ LIKELIHOOD_POINTS = 400
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurfacePoints:
-    """Inliers in the chart's frame. point (n, 3); noise (n,) m, white; pose_sigma (n,) m, what
-    neighbours share; gives_support (n,) bool: the surface covers what lies around it (a DVL return;
-    a landmark where there is no DVL).
-    """
+class SurfacePoints(Rows):
+    """Points (n) that the surface is regressed on, in the chart's frame, without outliers."""
 
-    point: Array
-    noise: Array
-    pose_sigma: Array
+    point: Array  # (n, 3)
+    noise: Array  # (n,) m, white
+    pose_sigma: Array  # (n,) m, shared by neighbours
+    # (n,) bool: the surface covers what lies around it (returns, else landmarks)
     gives_support: Mask
 
 
-def build_surface(
-    observed: SurfacePoints, chart: Chart, options: SurfaceOptions, datum: PlaneChart | None = None
-) -> tuple[Surface, Facts]:
-    """Return the surface (deviation NaN) and what was found on the way, for surface.json.
-
-    Without a datum, offsets from the chart's base surface are regressed; so the mean, far from
-    returns, is the base surface. With a datum, heights over that plane are: the chart only numbers
-    places, its shape does not enter the mean. Where the chart stands too steep on the datum there
-    is no surface.
-    """
-    charted = chart.to_chart(observed.point)
-    known = np.asarray(np.isfinite(charted).all(axis=1))
-    if not (known & observed.gives_support).any():
-        raise StageError(
-            "no return lies on the chart",
-            where="surface",
-            remedy="check hull.pose, dvl.mount and tray.origin",
-        )
-    charted, observed = charted[known], _take(observed, known)
-    if datum is not None:
-        charted[:, 2] = datum.to_chart(observed.point)[:, 2]
-    grid = supported_lattice(
-        charted[observed.gives_support, :2], options.grid_step_m, options.reach_m
-    )
-    if not len(grid.faces):
-        raise StageError(
-            "the returns are too sparse for a surface",
-            where="surface",
-            remedy="raise surface.reach_m",
-        )
-    estimate = _by_gaussian_process if options.method == "gp" else _by_triangles
-    offset, sigma, facts = estimate(charted, observed, grid.vertices[:, :2], options)
-    if datum is not None:
-        offset, sigma = _heights_to_offsets(offset, sigma, grid.vertices[:, :2], chart, datum)
-    mesh, values = refine(grid, options.max_edge_m, np.stack([offset, sigma], axis=1))
-    shared = _nearest(charted[:, :2], observed.pose_sigma, mesh.vertices[:, :2])
-    support = count_within(
-        charted[observed.gives_support, :2], mesh.vertices[:, :2], options.reach_m
-    )
-    surface = _lift_to_space(
-        mesh, values[:, 0], np.hypot(values[:, 1], shared), np.maximum(support, 1), chart
-    )
-    return surface, {**facts, "vertices": len(surface.vertices), "faces": len(surface.faces)}
+# offset (m,) m and sigma (m,) m at places wanted (m, 2) of the chart, and facts, from points of the
+# chart (n, 3) and the observations there
+Regression = Callable[[Array, SurfacePoints, Array, SurfaceOptions], tuple[Array, Array, Facts]]
 
 
-def _by_gaussian_process(
-    charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
+def gaussian_process(
+    charted: Array,
+    observed: SurfacePoints,
+    wanted: Array,
+    options: SurfaceOptions,
+    form: type[Kernel] = Kernel,
 ) -> tuple[Array, Array, Facts]:
-    noise = np.hypot(observed.noise, options.roughness_sigma_m)
+    """Regress offsets by a Gaussian process (docs/methods.md 11).
+
+    Parameters
+    ----------
+    charted
+        the points on the chart (n, 3).
+    wanted
+        places of the chart (m, 2).
+    form
+        of the kernel.
+
+    Returns
+    -------
+    offset, sigma, facts
+        at the places (m,) m, and facts for surface.json.
+    """
+    noise = np.hypot(observed.noise, ROUGHNESS_SIGMA_M)
     seen = cell_means(charted[:, :2], charted[:, 2], noise, options.cell_m)
-    kernel, scale = (
-        Kernel(
-            options.kernel, (options.length_along_m, options.length_girth_m), options.offset_sigma_m
-        ),
-        1.0,
-    )
+    kernel = form((options.length_along_m, options.length_girth_m), options.offset_sigma_m)
+    scale = 1.0
     middle = float(np.median(seen.offset))
     if options.fit:
         few = _on_smooth_hull(kernel, _sample(seen), middle)
@@ -122,7 +96,7 @@ def _by_gaussian_process(
     found = regress(kernel, seen, wanted)
     facts: Facts = {
         "method": "gp",
-        "kernel": kernel.form,
+        "kernel": kernel.NAME,
         "lengths_m": [round(x, 4) for x in kernel.length],
         "sigma_m": kernel.sigma,
         "noise_scale": scale,
@@ -133,20 +107,58 @@ def _by_gaussian_process(
     return middle + found.mean, found.sigma, facts
 
 
-def _by_triangles(
-    charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
-) -> tuple[Array, Array, Facts]:
-    seen = cell_means(charted[:, :2], charted[:, 2], observed.noise, 0.25 * options.cell_m)
-    sigma = scatter_sigma(seen.at, seen.offset)
-    facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
-    return interpolate(seen.at, seen.offset, wanted), np.full(len(wanted), sigma), facts
+def build_surface(
+    observed: SurfacePoints,
+    chart: Chart,
+    options: SurfaceOptions,
+    datum: PlaneChart | None = None,
+    regression: Regression = gaussian_process,
+) -> tuple[Surface, Facts]:
+    """Build the surface (deviation NaN), with facts for surface.json.
+
+    Without a datum, offsets from the chart's base surface are regressed: far from returns the mean
+    is the base surface. With a datum, heights over that plane are: the chart only numbers places,
+    its shape does not enter the mean. Where the chart stands too steep on the datum there is no
+    surface.
+    """
+    charted = chart.to_chart(observed.point)
+    known = np.asarray(np.isfinite(charted).all(axis=1))
+    if not (known & observed.gives_support).any():
+        raise StageError(
+            "no return lies on the chart",
+            where="surface",
+            remedy="check hull.pose, dvl.mount and tray.origin",
+        )
+    charted, observed = charted[known], observed.take(known)
+    if datum is not None:
+        charted[:, 2] = datum.to_chart(observed.point)[:, 2]
+    grid = supported_lattice(charted[observed.gives_support, :2], GRID_STEP_M, options.reach_m)
+    if not len(grid.faces):
+        raise StageError(
+            "the returns are too sparse for a surface",
+            where="surface",
+            remedy="raise surface.reach_m",
+        )
+    offset, sigma, facts = regression(charted, observed, grid.vertices[:, :2], options)
+    if datum is not None:
+        offset, sigma = _heights_to_offsets(offset, sigma, grid.vertices[:, :2], chart, datum)
+    mesh, values = refine(grid, options.max_edge_m, np.stack([offset, sigma], axis=1))
+    shared = _nearest(charted[:, :2], observed.pose_sigma, mesh.vertices[:, :2])
+    support = count_within(
+        charted[observed.gives_support, :2], mesh.vertices[:, :2], options.reach_m
+    )
+    surface = _lift_to_space(
+        mesh, values[:, 0], np.hypot(values[:, 1], shared), np.maximum(support, 1), chart
+    )
+    return surface, {**facts, "vertices": len(surface.vertices), "faces": len(surface.faces)}
 
 
 def _heights_to_offsets(
     height: Array, sigma: Array, at: Array, chart: Chart, datum: PlaneChart
 ) -> tuple[Array, Array]:
-    """Return how far along the chart's normals places of height (n,) over the datum lie, and their
-    sigma; NaN: too steep.
+    """Convert heights (n,) over the datum to offsets along the chart's normals.
+
+    NaN where the chart is too steep on the datum.
     """
     base, normal = chart.from_chart(at)
     lean = normal @ datum.axes[2]
@@ -155,8 +167,9 @@ def _heights_to_offsets(
 
 
 def _on_smooth_hull(kernel: Kernel, seen: Observations, middle: float) -> Observations:
-    """Return the observations within three sigmas of a smooth surface by this kernel: the
-    likelihood, which knows no outliers, would take what stands off the hull for noise and flatten
+    """Leave out observations beyond three sigmas of a smooth surface by this kernel.
+
+    The likelihood knows no outliers: it would take what stands off the hull for noise and flatten
     the hull.
     """
     off = (
@@ -168,9 +181,7 @@ def _on_smooth_hull(kernel: Kernel, seen: Observations, middle: float) -> Observ
 
 
 def _sample(seen: Observations) -> Observations:
-    """Return half of them as a compact part around the middle, where short lengths show, half
-    spread evenly, where long do.
-    """
+    """Sample half as a compact part, where short lengths show, half spread evenly."""
     far = np.linalg.norm(
         (seen.at - np.median(seen.at, axis=0)) / np.maximum(np.std(seen.at, axis=0), 1e-9), axis=1
     )
@@ -180,9 +191,7 @@ def _sample(seen: Observations) -> Observations:
 
 
 def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart) -> Surface:
-    """Return the chart's mesh moved into space; faces that it cannot place are dropped, orientation
-    follows the normals.
-    """
+    """Move the chart's mesh into space; faces that it cannot place are dropped."""
     base, normal = chart.from_chart(mesh.vertices[:, :2])
     vertices = base + normal * offset[:, None]
     placed = np.asarray(np.isfinite(vertices).all(axis=1))
@@ -199,14 +208,33 @@ def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart
     )
 
 
-def _take(observed: SurfacePoints, which: Mask) -> SurfacePoints:
-    return SurfacePoints(
-        point=observed.point[which],
-        noise=observed.noise[which],
-        pose_sigma=observed.pose_sigma[which],
-        gives_support=observed.gives_support[which],
-    )
-
-
 def _nearest(at: Array, values: Array, wanted: Array) -> Array:
     return np.asarray(values[nearest(at, wanted, 1)[1][:, 0]])
+
+
+def supported_lattice(at: Array, step_m: float, reach_m: float) -> Mesh:
+    """Triangulate the chart's grid nodes within `reach_m` of a return at (n, 2).
+
+    Vertices are (along, girth, 0), faces look along along x girth. Nodes that no whole cell uses
+    are left out.
+    """
+    from scipy.spatial import cKDTree
+
+    low = np.floor((at.min(axis=0) - reach_m) / step_m)
+    count = (np.ceil((at.max(axis=0) + reach_m) / step_m) - low).astype(int) + 1
+    along, girth = np.meshgrid(
+        *(step_m * (low[k] + np.arange(count[k])) for k in (0, 1)), indexing="ij"
+    )
+    nodes = np.stack([along.ravel(), girth.ravel()], axis=1)
+    near = np.isfinite(cKDTree(at).query(nodes, distance_upper_bound=reach_m)[0]).reshape(count)
+    number = np.arange(nodes.shape[0]).reshape(count)
+    whole = near[:-1, :-1] & near[1:, :-1] & near[:-1, 1:] & near[1:, 1:]
+    a, b, c, d = (
+        n[whole] for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
+    )
+    faces = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1).reshape(
+        -1, 3
+    )
+    used, renumbered = np.unique(faces, return_inverse=True)
+    vertices = np.hstack([nodes[used], np.zeros((len(used), 1))])
+    return Mesh(vertices, renumbered.reshape(-1, 3).astype(np.int32))

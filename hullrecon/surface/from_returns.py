@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,52 +12,71 @@ import numpy as np
 from hullrecon.errors import StageError
 from hullrecon.estimation.landmark_variance import variance_along_normals
 from hullrecon.geometry.charts.chart import Chart
-from hullrecon.geometry.charts.plane_chart import PlaneChart, fit_plane_chart
+from hullrecon.geometry.charts.plane_chart import PlaneChart
+from hullrecon.geometry.frames import Frame
+from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.poses import Poses
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Returns, VehicleTrack
 from hullrecon.rig import Rig
-from hullrecon.surface.build import MIN_FACING, SurfacePoints, build_surface
+from hullrecon.surface.build import Regression, SurfacePoints, build_surface, gaussian_process
 from hullrecon.surface.hull_reference import HullReference
 from hullrecon.surface.options import SurfaceOptions
-from hullrecon.surface.outliers import statistical_inliers
-from hullrecon.surface.placement import pose_sigma_along
 from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, object]
-MAX_FOLDED_SHARE = 0.01  # of the returns that may lie where the hull turns away from the plane
+OUTLIER_NEIGHBOURS = 30  # with which a return is compared [Ozog2016 3.2.2.1]
+# chart to regress offsets on, plane over which heights are regressed instead, and what surface.json
+# says of it, from the points (n, 3), their chart and where the sensors were (m, 3)
+Reference = Callable[[Array, Chart, Array], tuple[Chart, PlaneChart | None, Facts]]
+
+
+def own_chart(
+    points: Array, chart: Chart, sensors: Array
+) -> tuple[Chart, PlaneChart | None, Facts]:
+    """Regress offsets from the chart's own base surface."""
+    return chart, None, {}
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceInputs:
-    """What a surface is made of. track: the vehicle in the surface's frame; chart: the
-    adjustment's, None where it left none; solution: None before the adjustment; returns: None where
-    no DVL was carried; range_sigma_m: white part of a range.
-    """
+    """What a surface is made of."""
 
     hull: HullReference
-    track: VehicleTrack
+    track: VehicleTrack  # the vehicle in the surface's frame
     rig: Rig
-    returns: Returns | None
-    range_sigma_m: float
-    solution: Solution | None
-    chart: Chart | None
+    returns: Returns | None  # None where no DVL was carried
+    range_sigma_m: float  # white part of a range
+    solution: Solution | None  # None before the adjustment
+    chart: Chart | None  # the adjustment's, None where it left none
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChartedResult:
-    """The surface, the chart that all later steps use, and what was found on the way
-    (surface.json).
-    """
+    """The surface and the chart that all later steps use."""
 
     surface: Surface
     chart: Chart
-    facts: Facts
+    facts: Facts  # surface.json
 
 
-def surface_from_survey(survey: SurfaceInputs, options: SurfaceOptions) -> ChartedResult:
-    """Return the hull's surface in the frame of the track. Raises StageError where there is too
-    little to make one of.
+def surface_from_survey(
+    survey: SurfaceInputs,
+    options: SurfaceOptions,
+    regression: Regression = gaussian_process,
+    reference: Reference = own_chart,
+) -> ChartedResult:
+    """Estimate the hull's surface in the frame of the track.
+
+    Raises StageError where there is too little to make one of.
+
+    Parameters
+    ----------
+    regression
+        how offsets are regressed; a Gaussian process in the product.
+    reference
+        what they are offsets from; the chart in the product.
     """
     # Where the beams ended, and the landmarks on the hull
     returns, counts = _points_of_returns(survey, options)
@@ -76,10 +96,11 @@ def surface_from_survey(survey: SurfaceInputs, options: SurfaceOptions) -> Chart
     if options.landmarks or not len(returns.points):
         observed = _join(observed, _measure_landmarks(landmarks, survey, chart))
     # The regression
-    regressed_on, datum = _choose_reference(observed.point, chart, options.reference, sensors)
-    surface, facts = build_surface(observed, regressed_on, options, datum)
-    comparison = survey.hull.comparison(options.reference, survey.solution is not None)
-    facts |= {"reference": comparison.reference, "comparison": comparison.note, **counts}
+    regressed_on, datum, said = reference(observed.point, chart, sensors)
+    surface, facts = build_surface(observed, regressed_on, options, datum, regression)
+    comparison = survey.hull.comparison(survey.solution is not None)
+    facts |= {"reference": comparison.reference, "comparison": comparison.note, **said}
+    facts |= counts
     return ChartedResult(
         surface=replace(surface, deviation=survey.hull.deviation(surface.vertices)),
         chart=chart,
@@ -89,20 +110,16 @@ def surface_from_survey(survey: SurfaceInputs, options: SurfaceOptions) -> Chart
 
 @dataclass(frozen=True, kw_only=True)
 class _ReturnPoints:
-    """Points (n, 3) where the beams of those returns that count ended, and the nodes (n,) that they
-    belong to.
-    """
+    """Where the beams of the returns that count ended."""
 
-    points: Array
-    node: Ints
+    points: Array  # (n, 3)
+    node: Ints  # (n,) that each belongs to
 
 
 def _points_of_returns(
     survey: SurfaceInputs, options: SurfaceOptions
 ) -> tuple[_ReturnPoints, Facts]:
-    """Return where the returns ended, without those that navigation flagged or that stand apart,
-    and how many were left out.
-    """
+    """Place the returns without flagged ones and outliers, and count these."""
     returns = survey.returns
     if returns is None:
         return _ReturnPoints(points=np.zeros((0, 3)), node=np.zeros(0, np.int64)), {"returns": 0}
@@ -119,7 +136,7 @@ def _points_of_returns(
 
 
 def _find_inliers(points: Array, flagged: Mask, options: SurfaceOptions) -> Mask:
-    """Return which points (n, 3) count. Raises StageError with fewer than four to choose from."""
+    """Mark the points (n, 3) that count. Raises StageError with fewer than four."""
     inlier = ~flagged & np.isfinite(points).all(axis=1)
     if inlier.sum() < 4:
         raise StageError(
@@ -127,22 +144,20 @@ def _find_inliers(points: Array, flagged: Mask, options: SurfaceOptions) -> Mask
             where="surface",
             remedy="check topics.dvl and the log's span",
         )
-    inlier[inlier] = statistical_inliers(
-        points[inlier], options.outlier_neighbours, options.outlier_sigmas
-    )
+    inlier[inlier] = statistical_inliers(points[inlier], deviations=options.outlier_sigmas)
     return inlier
 
 
 @dataclass(frozen=True, kw_only=True)
 class _LandmarkPoints:
-    """Landmarks (n, 3) on the hull in the frame of the surface, with their covariances (n, 3, 3)."""
+    """Landmarks on the hull in the frame of the surface."""
 
-    points: Array
-    covariance: Array
+    points: Array  # (n, 3)
+    covariance: Array  # (n, 3, 3)
 
 
 def _find_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> _LandmarkPoints:
-    """Return the landmarks on the hull that three images saw; none before the adjustment."""
+    """Find landmarks on the hull that three images saw; none before the adjustment."""
     if survey.solution is None:
         return _LandmarkPoints(points=np.zeros((0, 3)), covariance=np.zeros((0, 3, 3)))
     landmarks = survey.solution.landmarks
@@ -150,15 +165,16 @@ def _find_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> _Landmark
     good &= np.einsum("nii->n", np.nan_to_num(landmarks.covariance, nan=-1.0)) > 0
     good &= survey.hull.on_hull(landmarks.label)
     points = survey.solution.result_from_global().apply(landmarks.position[good])
-    inlier = statistical_inliers(points, options.outlier_neighbours, options.outlier_sigmas)
+    inlier = statistical_inliers(points, deviations=options.outlier_sigmas)
     return _LandmarkPoints(points=points[inlier], covariance=landmarks.covariance[good][inlier])
 
 
 def _measure_landmarks(
     landmarks: _LandmarkPoints, survey: SurfaceInputs, chart: Chart
 ) -> SurfacePoints:
-    """Return the landmarks with their own sigmas along the chart's normals, and with what they
-    share: the hull's pose and the dive's place.
+    """Give landmarks their own sigma along the normals and the one that they share.
+
+    Landmarks share the hull's pose and the dive's place.
     """
     n = len(landmarks.points)
     if survey.solution is None or n == 0:
@@ -182,9 +198,7 @@ def _measure_landmarks(
 
 
 def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> SurfacePoints:
-    """Return the returns with the sigma of their ranges, and with that of their poses along the
-    chart's normals.
-    """
+    """Give returns the sigma of their ranges, and of their poses along the normals."""
     points, poses = returns.points, survey.track.poses[returns.node]
     _, normals = chart.from_chart(chart.to_chart(points)[:, :2])
     shared = pose_sigma_along(
@@ -203,7 +217,7 @@ def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> 
 
 
 def _join(returns: SurfacePoints, landmarks: SurfacePoints) -> SurfacePoints:
-    """Return both; landmarks support the surface where there are no returns."""
+    """Join both; landmarks support the surface where there are no returns."""
     n, alone = len(landmarks.point), not len(returns.point)
     return SurfacePoints(
         point=np.vstack([returns.point, landmarks.point]),
@@ -213,25 +227,62 @@ def _join(returns: SurfacePoints, landmarks: SurfacePoints) -> SurfacePoints:
     )
 
 
-def _choose_reference(
-    points: Array, chart: Chart, reference: str, sensors: Array
-) -> tuple[Chart, PlaneChart | None]:
-    """Return the chart on which to regress, and the plane over which heights are counted: None for
-    the chart's own offsets.
+def statistical_inliers(
+    points: Array, neighbours: int = OUTLIER_NEIGHBOURS, deviations: float = 1.0
+) -> Mask:
+    """Reject points (n, 3) far from their neighbours [Rusu2008; Ozog2016 3.2.2.1].
 
-    Raises StageError where offsets from a plane are asked of a hull that bends around.
+    A point belongs whose mean distance to its neighbours is within so many standard deviations of
+    the mean of all. [Ozog2016] takes 30 neighbours and one standard deviation.
     """
-    if reference == "cad":
-        return chart, None
-    plane = fit_plane_chart(points, sensors.mean(axis=0), np.array([0.0, 0.0, 1.0]))
-    if reference == "none":
-        return chart, plane
-    _, normals = chart.from_chart(chart.to_chart(points)[:, :2])
-    facing = normals[np.isfinite(normals).all(axis=1)] @ plane.axes[2]
-    if np.mean(facing < MIN_FACING) > MAX_FOLDED_SHARE:
-        raise StageError(
-            "the hull bends too far around for a plane",
-            where="surface",
-            remedy='set surface.reference = "cad", or a shorter survey',
-        )
-    return plane, None
+    count = min(neighbours, len(points) - 1)
+    if count < 1:
+        return np.ones(len(points), bool)
+    distance, _ = nearest(points, points, count + 1)
+    mean = distance[:, 1:].mean(axis=1)
+    return np.asarray(mean <= mean.mean() + deviations * mean.std())
+
+
+def move_to_hull_frame(
+    track: VehicleTrack, global_from_hull: Poses, sigma_m: Array
+) -> VehicleTrack:
+    """Move a track from g to M by a first guess of the hull's pose (a batch of one).
+
+    Parameters
+    ----------
+    sigma_m
+        of the guess, along M's axes (3,). It is added to the covariance and soon exceeds the
+        rest of it.
+    """
+    hull_from_global = global_from_hull.inverse()
+    turn = np.zeros((6, 6))
+    turn[:3, :3], turn[3:, 3:] = hull_from_global.rotation.as_matrix()[0], np.eye(3)
+    covariance = turn @ track.covariance @ turn.T
+    covariance[:, :3, :3] += np.diag(np.square(sigma_m))
+    return replace(
+        track, poses=hull_from_global @ track.poses, covariance=covariance, frame=Frame.HULL
+    )
+
+
+def pose_sigma_along(normals: Array, levers: Array, covariance: Array, rotation: Array) -> Array:
+    """Propagate poses' covariances to points, along the surface's normals; (m,) m.
+
+    A point R p + t moves by dt + R (w x p).
+
+    Parameters
+    ----------
+    normals
+        (m, 3) in the result's frame.
+    levers
+        point minus vehicle (m, 3).
+    covariance
+        (m, 6, 6) of translation and of rotation, right-perturbed in v.
+    rotation
+        of the vehicle (m, 3, 3).
+    """
+    lever_v = np.einsum("nji,nj->ni", rotation, levers)
+    normal_v = np.einsum("nji,nj->ni", rotation, normals)
+    by_pose = np.hstack([normals, np.cross(lever_v, normal_v)])
+    return np.asarray(
+        np.sqrt(np.maximum(0.0, np.einsum("ni,nij,nj->n", by_pose, covariance, by_pose)))
+    )

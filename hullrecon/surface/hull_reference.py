@@ -17,23 +17,19 @@ from hullrecon.typing import Array, Ints, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """reference: what the returns' offsets were regressed from; note: what a comparison of the
-    surface with the CAD model is worth, None where there is no CAD model.
-    """
+    """How far the surface depends on the CAD model that it is compared with."""
 
-    reference: str
-    note: str | None
+    reference: str  # what the returns' offsets were regressed from
+    note: str | None  # what a comparison with the CAD model is worth, None without one
 
 
 @dataclass(frozen=True, kw_only=True)
 class CadHull:
-    """A hull with a CAD model, in M; up (3,): roughly up there; bow and aft_perpendicular_m: as
-    `chart_for_hull` has them.
-    """
+    """A hull with a CAD model, in M."""
 
     mesh: Mesh
-    up: Sequence[float] | Array = (0.0, 0.0, 1.0)
-    bow: str | None = None
+    up: Sequence[float] | Array = (0.0, 0.0, 1.0)  # (3,) roughly up
+    bow: str | None = None  # as `chart_for_hull` has it
     aft_perpendicular_m: float = 0.0
 
     def chart(self, points: Array, sensors: Array) -> Chart:
@@ -41,34 +37,22 @@ class CadHull:
         return chart_for_hull(self.mesh, self.up, self.bow, self.aft_perpendicular_m)
 
     def on_hull(self, label: Ints) -> Mask:
-        """Return which landmarks (n,) were labelled as lying on the CAD model's surface."""
+        """Mark the landmarks (n,) labelled as lying on the CAD model's surface."""
         return np.asarray(label == 1)
 
     def deviation(self, vertices: Array) -> Array:
-        """Return the signed distance (n,) m of vertices (n, 3) from the CAD model, outward
-        positive.
-        """
+        """Return the signed distance (n,) m of vertices (n, 3), outward positive."""
         return Scene(self.mesh).closest(vertices).distance
 
-    def comparison(self, reference: str, poses_are_adjusted: bool) -> Comparison:
-        """Return the reference in force and how far the surface is independent of the CAD model."""
-        poses = (
-            " The poses that place the returns were adjusted to the CAD model."
-            if poses_are_adjusted
-            else ""
-        )
-        if reference != "cad":
-            return Comparison(
-                reference=reference,
-                note=f"The CAD model's shape does not enter the regression of the returns.{poses}",
-            )
+    def comparison(self, poses_are_adjusted: bool) -> Comparison:
+        """Say how far the surface depends on the CAD model that it is compared with."""
         note = (
-            "The surface is a regression of the returns' offsets from the CAD model and leans on it between and "
-            "beyond returns: "
-            f"a comparison with the CAD model is partly circular.{poses} "
-            'surface.reference = "plane" or "none" regresses without it.'
+            "The surface is a regression of the returns' offsets from the CAD model and leans on "
+            "it between and beyond returns: a comparison with the CAD model is partly circular."
         )
-        return Comparison(reference=reference, note=note)
+        if poses_are_adjusted:
+            note += " The poses that place the returns were adjusted to the CAD model."
+        return Comparison(reference="cad", note=note)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,18 +64,16 @@ class UnknownHull:
         return chart_for_points(points, toward=sensors)
 
     def on_hull(self, label: Ints) -> Mask:
-        """Return True for every landmark (n,): nothing tells those on the hull from others."""
+        """Mark every landmark (n,): nothing tells those on the hull from others."""
         return np.ones(len(label), bool)
 
     def deviation(self, vertices: Array) -> Array:
         """Return NaN (n,) for vertices (n, 3): there is nothing to deviate from."""
         return np.full(len(vertices), np.nan)
 
-    def comparison(self, reference: str, poses_are_adjusted: bool) -> Comparison:
-        """Return the reference in force, a plane unless heights alone are regressed; there is
-        nothing to compare with.
-        """
-        return Comparison(reference="none" if reference == "none" else "plane", note=None)
+    def comparison(self, poses_are_adjusted: bool) -> Comparison:
+        """Offsets are from a plane; there is no CAD model to compare with."""
+        return Comparison(reference="plane", note=None)
 
 
 HullReference = CadHull | UnknownHull

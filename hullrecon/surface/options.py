@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from msgspec import Meta, Struct
 
@@ -14,39 +14,24 @@ Positive = Annotated[float, Meta(gt=0)]
 class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Hold how the surface is made of the DVL's returns."""
 
-    method: Annotated[
-        Literal["gp", "linear"], Meta(description="Gaussian process, or linear interpolation")
-    ] = "gp"
-    reference: Annotated[
-        Literal["cad", "plane", "none"],
-        Meta(
-            description="what is regressed: offsets from the CAD model (a plane without one), offsets from a plane through "
-            "the returns, or heights over that plane on the CAD model's chart"
-        ),
-    ] = "cad"
-    outlier_neighbours: Annotated[
-        int, Meta(ge=2, le=500, description="neighbours with which a return is compared")
-    ] = 30
     # One sigma, as published, took a fifth of a simulated dive's returns for outliers, those along
     # the rim where returns are sparse: 429 of 2,280, where 16 of all are off by more than 5 cm and
     # 13 of these are flagged before. Three took 21.
     outlier_sigmas: Annotated[
         Positive,
         Meta(
-            description="sigmas, mean distance to the neighbours beyond which a return is an outlier"
+            description="sigmas, mean distance to the neighbours beyond which a return is an "
+            "outlier"
         ),
     ] = 3.0
     landmarks: Annotated[bool, Meta(description="landmarks on the hull are observations too")] = (
         False
     )
-    kernel: Annotated[
-        Literal["product", "radial", "wendland"],
-        Meta(description="product of the axes, radial (not always a covariance), or Wendland"),
-    ] = "product"
     fit: Annotated[
         bool,
         Meta(
-            description="estimate lengths and sigma by marginal likelihood, starting from those given"
+            description="estimate lengths and sigma by marginal likelihood, starting from those "
+            "given"
         ),
     ] = True
     length_along_m: Annotated[
@@ -58,13 +43,9 @@ class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     offset_sigma_m: Annotated[
         Positive, Meta(description="m, one sigma of the offsets from the base surface")
     ] = 0.03
-    roughness_sigma_m: Annotated[
-        Positive, Meta(description="m, one sigma of a single return about the smooth hull")
-    ] = 0.01
     cell_m: Annotated[
         Positive, Meta(description="m, cell whose returns are averaged before the regression")
     ] = 0.15
-    grid_step_m: Annotated[Positive, Meta(description="m, spacing of the chart's grid")] = 0.2
     max_edge_m: Annotated[Positive, Meta(description="m, longest edge after subdivision")] = 0.1
     reach_m: Annotated[
         Positive, Meta(description="m, the surface extends this far from a return")

@@ -165,7 +165,7 @@ def test_truth_leaves_residuals_of_one_sigma(factor):
     assert np.sqrt(np.mean(rows**2)) == pytest.approx(1.0, abs=0.25)
 
 
-def test_the_hull_is_moved_to_the_surveys_centre_and_stays_where_it_is_in_g():
+def test_problem_hull_frame_is_at_survey_centre():
     dive = simulate()
     problem, _, _ = problem_at(dive, true_state(dive))
     hull = Poses(problem.unknowns.T_g_M[None, 3:], problem.unknowns.T_g_M[None, :3])
@@ -189,7 +189,7 @@ def test_every_observation_chosen_stands_in_one_table_once():
     assert np.isfinite(problem.mono.pixel).all()
 
 
-def test_a_mono_rig_has_no_stereo_rows_and_holds_the_second_camera():
+def test_mono_rig_has_no_stereo_rows():
     dive = simulate(stereo=False)
     state = with_mounts(true_state(dive), top_from_bottom=None)
     problem, _, _ = problem_at(dive, state)
@@ -252,7 +252,7 @@ def test_the_beams_meet_the_field_where_they_meet_the_cad_model():
     )
 
 
-def test_a_beam_that_misses_the_cad_model_takes_the_field_at_its_measured_end():
+def test_missing_beam_takes_field_at_measured_end():
     dive = simulate()
     turned = dive.measured.returns.beam * [1, 1, -1]  # away from the hull
     measured = replace(dive.measured, returns=replace(dive.measured.returns, beam=turned))
@@ -302,7 +302,7 @@ def test_odometry_enters_whitened_by_its_covariance():
     np.testing.assert_allclose(white, np.tile(np.eye(6), (len(white), 1, 1)), atol=1e-9)
 
 
-def test_motions_that_images_measured_are_left_out_where_landmarks_join_their_nodes():
+def test_image_odometry_between_linked_nodes_is_dropped():
     dive = simulate()
     odometry, tracks = dive.measured.odometry, dive.measured.tracks
     m = len(odometry)

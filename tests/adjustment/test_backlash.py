@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.adjustment.problem.backlash import estimate_sides
+from hullrecon.adjustment.problem.weighting import estimate_sides
 
 
 def square_wave(n, period):

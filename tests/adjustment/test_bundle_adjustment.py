@@ -77,7 +77,7 @@ def test_the_scale_of_one_camera_is_solved_to_its_minimum(monkeypatch):
     )
 
 
-def test_no_camera_still_leaves_a_path_better_than_dead_reckoning():
+def test_path_without_camera_beats_dead_reckoning():
     found = solved(camera=False)
     reckoned, truth = (
         found.dive.measured.trajectory.translation,
@@ -89,7 +89,7 @@ def test_no_camera_still_leaves_a_path_better_than_dead_reckoning():
     assert found.adjusted.state.mounts.tray_from_top is None
 
 
-def test_the_last_round_leaves_out_what_lies_beyond_the_outlier_limit(monkeypatch):
+def test_last_round_drops_observations_beyond_outlier_limit(monkeypatch):
     dive = simulate(cad=False)
     top, rng = dive.measured.tracks.top.copy(), np.random.default_rng(8)
     wrong = np.flatnonzero(np.isfinite(top[:, 0]) & (rng.random(len(top)) < 0.03))
@@ -132,7 +132,7 @@ def test_the_hull_lies_within_three_of_its_sigmas(case):
 
 
 @pytest.mark.parametrize("case", ["stereo with CAD", "mono with CAD"])
-def test_the_vehicle_lies_within_three_of_its_sigmas_in_the_hull_frame(case):
+def test_vehicle_in_hull_frame_is_within_three_sigmas(case):
     found = of(case)
     sigma = np.sqrt(np.einsum("nii->ni", found.outcome.solution.pose_covariance))
     assert np.all(np.abs(found.pose_errors_in_hull()) < 3 * sigma)
@@ -175,7 +175,7 @@ def test_naive_draws_no_landmark_to_the_hull_and_geva_draws_all():
 
 
 @pytest.mark.parametrize("case", [c for c in CASES if c != "as published"])
-def test_what_is_wrong_with_the_dvl_the_heading_and_the_servo_is_found(case):
+def test_errors_of_dvl_heading_and_servo_are_found(case):
     navigation = of(case).outcome.solution.navigation_errors
     assert navigation[SCALE] == pytest.approx(NAVIGATION[SCALE], abs=5e-3)  # prior sigma 10e-3
     assert navigation[DRIFT] == pytest.approx(NAVIGATION[DRIFT], abs=4e-4)  # prior sigma 1e-3

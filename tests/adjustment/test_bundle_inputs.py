@@ -55,7 +55,7 @@ def seen_once_by_both(tracks, landmark):
     )
 
 
-def test_a_landmark_whose_rays_meet_behind_the_cameras_is_left_out():
+def test_landmark_behind_cameras_is_dropped():
     measured = simulate().measured
     landmark = well_seen(measured.tracks)
     lone = seen_once_by_both(measured.tracks, landmark)
@@ -67,7 +67,7 @@ def test_a_landmark_whose_rays_meet_behind_the_cameras_is_left_out():
     assert np.isnan(left.state.landmark[landmark]).all()
 
 
-def test_an_observation_far_from_where_the_others_put_its_landmark_is_left_out():
+def test_observation_far_from_its_landmark_is_dropped():
     measured = simulate().measured
     tracks, landmark = measured.tracks, well_seen(measured.tracks)
     row = int(np.flatnonzero(tracks.landmark == landmark)[0])
@@ -79,7 +79,7 @@ def test_an_observation_far_from_where_the_others_put_its_landmark_is_left_out()
 
 
 @pytest.mark.parametrize("cad", [True, False])
-def test_too_few_landmarks_are_an_error_that_says_how_many_and_what_to_check(cad):
+def test_too_few_landmarks_raise_error_with_remedy(cad):
     measured = simulate(cad=cad).measured
     few = rows(measured.tracks, measured.tracks.landmark < 12)
     with pytest.raises(StageError, match=r"only \d+ landmarks agree") as error:
@@ -87,7 +87,7 @@ def test_too_few_landmarks_are_an_error_that_says_how_many_and_what_to_check(cad
     assert "mounts" in error.value.remedy
 
 
-def test_nothing_to_lay_onto_the_cad_model_is_an_error_with_a_remedy():
+def test_nothing_to_register_raises_error_with_remedy():
     measured = simulate().measured
     with pytest.raises(StageError, match="fewer than 30") as error:
         quietly(replace(measured, returns=None, tracks=None))
@@ -118,13 +118,13 @@ def test_flagged_returns_do_not_enter():
     np.testing.assert_array_equal(found.state.nodes.translation, without.state.nodes.translation)
 
 
-def test_without_returns_the_stereo_landmarks_lay_the_dive_onto_the_cad_model():
+def test_dive_without_returns_registers_stereo_landmarks():
     found = solved(ranges=False)
     assert found.adjusted.placement.registration.fitness > 0.8
     assert len(found.adjusted.problem.ranges.measured) == 0
 
 
-def test_a_dive_without_pressure_keeps_its_depth_by_dead_reckoning():
+def test_dive_without_pressure_keeps_reckoned_depth():
     measured = simulate().measured
     none = {k: v[:0] for k, v in to_arrays(measured.attitude).items() if not k.startswith("tray")}
     attitude = replace(measured.attitude, **none)
@@ -139,7 +139,7 @@ def test_without_a_cad_model_there_is_no_hull_state():
     assert solved(cad=False).adjusted.state.hull is None
 
 
-def test_the_deviation_from_the_hull_is_the_cad_models_less_the_field():
+def test_deviation_from_hull_is_cad_distance_less_field():
     found = solved()
     state, solution = found.adjusted.state, found.outcome.solution
     on = solution.landmarks.label == 1

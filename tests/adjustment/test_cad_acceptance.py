@@ -105,7 +105,7 @@ def test_a_model_in_other_units_is_refused():
     assert "times farther from hull.pose" in place(stretched(np.full(3, 3.28))).verdict.reason
 
 
-def test_a_model_that_nowhere_fits_is_refused_with_the_share_that_does():
+def test_model_that_fits_nowhere_is_refused():
     found = place(stretched(np.array([0.25, 0.3, 0.35])))
     assert (
         "% of the surveyed points lie within three sigma of it, wherever it is laid"
@@ -116,14 +116,14 @@ def test_a_model_that_nowhere_fits_is_refused_with_the_share_that_does():
     )
 
 
-def test_a_model_a_fifth_too_large_is_refused_where_the_guess_is_sure():
+def test_model_a_fifth_too_large_is_refused_by_sure_guess():
     """A patch of two metres fits it half a metre farther out: the guess speaks against it."""
     sure = stretched(np.full(3, 1.2))
     found = place(replace(sure, guess_sigma=0.1 * sure.guess_sigma))
     assert "times farther from hull.pose than hull.pose_sigma says" in found.verdict.reason
 
 
-def test_a_guess_five_metres_and_fifteen_degrees_off_is_refused_where_it_claims_decimetres():
+def test_far_guess_with_small_sigma_is_refused():
     assert "it fits only" in place(guessed(5, 15)).verdict.reason
 
 
@@ -154,7 +154,7 @@ def test_without_ranges_landmarks_are_laid_onto_the_model():
     assert found.placement.registration.fitness > 0.9
 
 
-def test_with_neither_ranges_nor_a_camera_there_is_nothing_to_lay_onto_it():
+def test_dive_without_ranges_and_camera_cannot_register():
     estimate = true_path(ranges=False, camera=False)
     with pytest.raises(StageError, match="nothing to lay onto the CAD model"):
         place(estimate.measured.cad_model, estimate)
@@ -180,20 +180,20 @@ def round_with(hit, on_hull, problem=None, stated_over_found=1.0):
     )
 
 
-def test_a_solution_whose_beams_miss_the_model_is_not_believed():
+def test_round_whose_beams_miss_model_is_refused():
     assert (
         accept(round_with(hit=75, on_hull=90), SOLVER).reason == "25 % of the DVL's beams miss it"
     )
 
 
-def test_a_solution_with_few_landmarks_on_the_model_is_not_believed():
+def test_round_with_few_landmarks_on_model_is_refused():
     assert (
         accept(round_with(hit=100, on_hull=10), SOLVER).reason
         == "only 10 % of the landmarks lie on its surface"
     )
 
 
-def test_a_solution_on_a_good_model_is_believed():
+def test_round_on_good_model_is_accepted():
     assert accept(round_with(hit=100, on_hull=90), SOLVER) == Verdict()
     growth = residual_growth(solved().adjusted.problem, native.Options())
     # of a dive without positions from outside
@@ -230,7 +230,7 @@ def with_poor_levels(seed):
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_residuals_may_grow_where_a_right_model_determines_what_had_followed_the_noise(seed):
+def test_residuals_of_freed_unknowns_may_grow(seed):
     tied = with_poor_levels(seed)
     growth = residual_growth(tied, native.Options())
     assert growth["odometry"] < MAX_GROWTH["odometry"]
@@ -241,9 +241,7 @@ def test_residuals_may_grow_where_a_right_model_determines_what_had_followed_the
 
 
 @pytest.mark.parametrize(("stated_over_found", "believed"), [(10.0, True), (0.1, False)])
-def test_attitude_may_grow_within_the_sigmas_that_the_package_states(
-    stated_over_found, believed, monkeypatch
-):
+def test_attitude_may_grow_within_stated_sigmas(stated_over_found, believed, monkeypatch):
     """With one camera the sigma of the tray that a round finds follows the noise, and a right model
     is no worse than stated.
     """
@@ -256,7 +254,7 @@ def test_attitude_may_grow_within_the_sigmas_that_the_package_states(
     assert reason == (None if believed else "laid onto it, the residuals grow: attitude by 30 %")
 
 
-def test_growth_is_taken_as_it_is_where_something_is_not_determined(monkeypatch):
+def test_growth_of_undetermined_problem_is_taken_as_is(monkeypatch):
     def refuse(problem, settings):
         raise StageError("nothing determines it")
 
@@ -264,7 +262,7 @@ def test_growth_is_taken_as_it_is_where_something_is_not_determined(monkeypatch)
     assert residual_growth(with_poor_levels(1), native.Options())["attitude"] > 2
 
 
-def test_a_solution_that_a_shifted_model_bends_is_not_believed():
+def test_round_bent_by_shifted_model_is_refused():
     """The model held 30 cm along the hull and 3 degrees off: landmarks and beams pull the path."""
     problem = solved().adjusted.problem
     wrong = records_poses(GLOBAL_FROM_HULL @ motion(0.3, 0, 0, 0, 3, 6))
@@ -278,7 +276,7 @@ def test_a_solution_that_a_shifted_model_bends_is_not_believed():
     assert "laid onto it, the residuals grow: " in accept(round_with(100, 90, bent), SOLVER).reason
 
 
-def test_what_is_delivered_in_place_of_a_refused_model_is_the_path_without_one():
+def test_refused_model_leaves_path_without_it():
     dive, told = simulate(), []
     measured = replace(dive.measured, cad_model=stretched(np.array([0.25, 0.3, 0.35])))
     refused = adjust(measured, OPTIONS, told.append)

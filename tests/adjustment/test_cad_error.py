@@ -34,7 +34,7 @@ def test_the_package_s_word_is_the_start():
     assert found.offset == pytest.approx(0.7 * model.deviation_sigma)
 
 
-def test_a_point_on_a_structure_is_stray_and_its_neighbours_are_not():
+def test_point_on_structure_is_outlier_its_neighbours_are_not():
     model, at, distance = scattered(300, 4, 0.01, (3.0, 1.5), 0.002)
     distance[17] += 0.1
     known = CadError(sigma=0.01, length=(3.0, 1.5), noise=0.002, offset=0.014)
@@ -44,7 +44,7 @@ def test_a_point_on_a_structure_is_stray_and_its_neighbours_are_not():
     assert np.flatnonzero(found).tolist() == [17]
 
 
-def test_an_offset_of_the_whole_cad_model_is_common_to_all_points():
+def test_offset_of_cad_model_is_common_to_all_points():
     model, at, _ = scattered(40, 5, 0.01, (3.0, 1.5), 0.002)
     known = CadError(sigma=0.01, length=(3.0, 1.5), noise=0.002, offset=0.014)
     without = cad_error.distance_covariance(replace(known, offset=0.0), model, at)

@@ -14,7 +14,7 @@ def read(folder):
     return pycolmap.Reconstruction(str(folder))
 
 
-def test_pycolmap_reads_the_model_back_without_reprojection_error(sparse_model, tmp_path):
+def test_colmap_model_has_no_reprojection_error(sparse_model, tmp_path):
     write_model(sparse_model, tmp_path)
     back = read(tmp_path)
     assert back.num_images() == 2 * len(sparse_model.stamps)

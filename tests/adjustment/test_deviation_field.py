@@ -43,7 +43,7 @@ def test_the_prior_has_the_sigma_asked_for_in_the_interior():
     assert np.sqrt(covariance_from(grid, 0.02, middle)[middle]) == pytest.approx(0.02, rel=0.02)
 
 
-def test_the_prior_is_as_correlated_along_each_axis_as_its_length_says():
+def test_prior_is_correlated_as_its_lengths_say():
     # Matern 3/2 has fallen to (1 + sqrt 12) exp(-sqrt 12) = 0.14 at two lengths
     grid = grid_over(np.array([[0.0, 0.0], [24.0, 12.0]]), LENGTH)
     row, column = grid.shape[0] // 2, grid.shape[1] // 2

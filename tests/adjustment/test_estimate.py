@@ -52,7 +52,7 @@ def along_axes(evidence, found):
     return hull_axes(estimate.hull_pose_covariance(evidence, found), found)
 
 
-def test_a_curved_hull_is_found_within_three_sigmas_and_across_it_to_centimetres():
+def test_curved_hull_is_found_within_three_sigmas():
     evidence, _, found = placed(CURVED)
     error, covariance = apart(found, evidence.center), along_axes(evidence, found)
     assert np.all(np.abs(error) < 3 * np.sqrt(np.diag(covariance)))
@@ -60,14 +60,14 @@ def test_a_curved_hull_is_found_within_three_sigmas_and_across_it_to_centimetres
     assert np.abs(error[5]) < np.radians(1.0)
 
 
-def test_the_mean_of_the_profile_is_nearer_than_the_guess_where_curvature_holds_it():
+def test_profile_mean_on_curved_hull_is_nearer_than_guess():
     evidence, _, found = placed(CURVED)
     assert abs(apart(found, evidence.center)[0]) < abs(
         apart(evidence.cad_model.guess, evidence.center)[0]
     )
 
 
-def test_a_cylinder_leaves_the_place_along_it_where_the_guess_had_it():
+def test_cylinder_keeps_place_along_it_at_guess():
     evidence, _, found = placed(CYLINDER)
     assert apart(found, evidence.center)[0] == pytest.approx(
         apart(evidence.cad_model.guess, evidence.center)[0], abs=0.2
@@ -85,7 +85,7 @@ def test_along_a_cylinder_is_named_as_weak_and_across_it_is_not():
     assert "along the hull" in positions[0]["sentence"]
 
 
-def test_along_a_cylinder_is_profiled_whichever_axis_of_the_models_file_it_is():
+def test_cylinder_is_profiled_along_any_axis_of_its_file():
     evidence, _, found = placed(CYLINDER)
     model, turn = lying(evidence.cad_model)
     turned = poses.from_matrix(
@@ -112,7 +112,7 @@ def test_curvature_makes_the_place_along_the_hull_surer():
 
 
 @pytest.mark.parametrize("fullness", [CURVED, CYLINDER])
-def test_the_covariance_is_symmetric_positive_and_no_narrower_than_the_points_alone_allow(fullness):
+def test_covariance_is_no_narrower_than_points_allow(fullness):
     evidence, _, found = placed(fullness)
     covariance = estimate.hull_pose_covariance(evidence, found)
     np.testing.assert_allclose(covariance, covariance.T, rtol=1e-6, atol=1e-12)
@@ -141,7 +141,7 @@ def test_the_answer_does_not_depend_on_where_the_search_starts():
     assert abs(apart(again, evidence.center)[0] - apart(found, evidence.center)[0]) < 0.05
 
 
-def test_the_points_of_a_dive_are_landmarks_on_the_hull_and_returns():
+def test_points_of_dive_are_landmarks_on_hull_and_returns():
     found = solved()
     m, adjusted = found.dive.measured, found.adjusted
     label, unranged = adjusted.result.label, replace(m, returns=None)
@@ -177,7 +177,7 @@ def test_a_few_wrong_points_get_no_more_than_their_share():
     assert np.mean(np.abs(distance) > 0.03) < 0.03
 
 
-def test_registration_finds_a_known_offset_whichever_way_the_guess_errs():
+def test_registration_finds_offset_whichever_way_guess_errs():
     mesh = side(CURVED)
     points = TRUTH.apply(survey(mesh, np.random.default_rng(2)))
     ends = []
@@ -239,7 +239,7 @@ def test_a_hull_pose_turned_in_g_turns_its_covariance_with_it():
     )
 
 
-def test_where_the_model_is_in_doubt_the_sigma_reaches_from_the_fit_to_the_guess():
+def test_sigma_of_doubted_model_reaches_from_fit_to_guess():
     evidence, best, _ = placed(CURVED)
     agreed = estimate.hull_pose_covariance(evidence, best)
     contradicted = replace(evidence, cad_model=replace(evidence.cad_model, contradicted=True))

@@ -69,7 +69,7 @@ def test_a_model_as_good_as_its_package_says_is_believed(seed):
     assert refused(form, sigmas_off=6.0) is None  # and found far from a guess, too
 
 
-def test_a_hull_that_is_off_by_more_than_is_said_is_no_other_ship():
+def test_hull_off_by_more_than_stated_is_no_other_ship():
     form = compared(CURVED, surveyed(deviation_m=0.045))
     assert form.contradicts
     assert refused(form) is None
@@ -100,7 +100,7 @@ def test_a_plain_side_far_from_the_guess_is_refused():
     )
 
 
-def test_a_package_is_mistaken_in_the_place_or_in_the_error_but_not_in_both():
+def test_package_is_not_mistaken_in_place_and_error():
     worse = replace(AGREES, deviation=5.0)
     assert worse.is_worse_than_stated
     assert refused(worse, sigmas_off=3.0) is None
@@ -140,7 +140,7 @@ def test_each_reason_names_what_speaks():
     assert refused(replace(AGREES, deviation=5.0, plane=12.0)) is not None
 
 
-def test_the_chances_of_doubting_and_refusing_a_right_model_are_the_tail_of_chi_square():
+def test_right_model_is_refused_by_tail_of_chi_square():
     random = np.random.default_rng(5)
     draws = (random.standard_normal((20000, 12)) ** 2).mean(axis=1)
     # confirmed by nothing

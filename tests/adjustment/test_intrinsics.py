@@ -118,7 +118,7 @@ def test_priors_are_shares_of_the_focal_length_and_pixels() -> None:
     np.testing.assert_allclose(sigma, [5, 5, 4, 4, 0.02, 0.02, 0.002, 0.002, 0.02])
 
 
-def test_what_moved_is_told_in_sigmas_and_far_moves_are_complained_of(rig) -> None:
+def test_intrinsics_moved_far_are_warned_of(rig) -> None:
     found = CameraPair(replace(CALIBRATED, fx=520.0, cx=321.0), CALIBRATED)
     nothing = np.zeros((9, 9))
     marginals = SimpleNamespace(intrinsics_top=np.diag(np.full(9, 0.04)), intrinsics_bottom=nothing)

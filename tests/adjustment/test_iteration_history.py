@@ -109,13 +109,13 @@ def test_a_round_in_figures_says_what_it_was_given_and_reached(rounds) -> None:
     assert (second["landmarks"], second["pixel_sigma_px"], second["on_surface"]) == (400, 0.2, 310)
 
 
-def test_a_dive_without_depths_has_none_in_figures_and_nan_in_its_columns(rounds) -> None:
+def test_dive_without_depths_has_no_depth_sigma(rounds) -> None:
     without = [replace(r, depth_sigma_m=float("nan")) for r in rounds]
     assert summarise_rounds(without)[0]["depth_sigma_m"] is None
     assert np.isnan(columns(without)["depth_sigma_m"]).all()
 
 
-def test_the_logs_table_has_a_line_an_iteration_and_no_column_of_nothing(rounds) -> None:
+def test_log_table_has_line_an_iteration_and_no_empty_column(rounds) -> None:
     said = list(lines(2, rounds[0]))
     assert "costs do not compare" in said[0]
     assert "depths 0.02 m" in said[0]

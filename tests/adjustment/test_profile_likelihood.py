@@ -79,7 +79,7 @@ def test_the_tangent_does_not_depend_on_where_the_search_starts():
     assert np.ptp(tangents[:, 3:], axis=0).max() < 0.004
 
 
-def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
+def test_sigma_of_parabolic_valley_is_that_of_hessian():
     """A tight prior along the hull makes it one."""
     mesh = side(0.0)
     points = thin_points(TRUTH.apply(survey(mesh, np.random.default_rng(4))), 0.3, 600)

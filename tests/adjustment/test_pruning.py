@@ -3,7 +3,7 @@
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.problem.pruning import drop_label_rows, drop_landmarks
+from hullrecon.adjustment.problem.selection import drop_label_rows, drop_landmarks
 
 
 def problem():
@@ -30,7 +30,7 @@ def problem():
     )
 
 
-def test_a_landmark_goes_with_all_its_factors_and_the_rest_is_numbered_anew() -> None:
+def test_dropped_landmark_takes_its_factors() -> None:
     before = problem()
     after = drop_landmarks(before, np.array([True, False, True]))
     assert after.unknowns.landmark[:, 2].tolist() == [1, 2]

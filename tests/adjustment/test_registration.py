@@ -33,7 +33,7 @@ def test_a_curved_side_is_found_from_a_wrong_guess():
     assert found.fitness > 0.95
 
 
-def test_a_hull_that_only_the_wider_search_finds_is_known_by_the_packages_own_guess(monkeypatch):
+def test_wider_search_keeps_sigma_of_package_guess(monkeypatch):
     mesh = side(1.0)
     points = TRUTH.apply(survey(mesh, np.random.default_rng(0)))
     given = cad_model(mesh, TRUTH, ERROR)
@@ -64,7 +64,7 @@ def test_a_cylinder_slides_along_itself_and_says_so():
     assert "along the hull" in weak[0]["sentence"]
 
 
-def test_directions_between_two_axes_are_said_of_each_axis_once_with_its_own_sigma():
+def test_weak_directions_name_each_ship_axis_once():
     axes = np.eye(6)
     axes[3:5, 3:5] = np.array([[0.8, -0.6], [0.6, 0.8]])
     covariance = axes @ np.diag(np.r_[1e-6, 0.2, 1e-6, np.radians([0.9, 2.0, 0.6])]) ** 2 @ axes.T
@@ -88,7 +88,7 @@ def test_directions_between_two_axes_are_said_of_each_axis_once_with_its_own_sig
         [[0, -1, 0], [0, 0, 1], [-1, 0, 0]],  # x down, the bow against y
     ],
 )
-def test_sentences_are_on_the_ships_axes_whichever_the_models_file_has(ship_axes):
+def test_weak_direction_sentences_use_ship_axes(ship_axes):
     in_hull = np.kron(np.eye(2), np.array(ship_axes, float).T)
     sigma = np.r_[0.3, 0.2, 0.1, np.radians([3.0, 2.0, 1.0])]
     found = find_weak_directions(
@@ -106,7 +106,7 @@ def test_sentences_are_on_the_ships_axes_whichever_the_models_file_has(ship_axes
         np.testing.assert_allclose(weak["direction"], np.abs(axis))  # in M
 
 
-def test_starts_lie_along_the_hull_and_in_heading_whichever_axes_the_models_file_has():
+def test_starts_follow_ship_axes_of_any_model_file():
     model, center = cad_model(side(1.0), TRUTH, ERROR), np.array([6.0, 3.0, 2.0])
     turned, turn = lying(model)
     points = TRUTH.apply(survey(side(1.0), np.random.default_rng(0)))[:400]
@@ -122,7 +122,7 @@ def test_starts_lie_along_the_hull_and_in_heading_whichever_axes_the_models_file
             np.testing.assert_allclose(other.apply(at @ turn.T), one.apply(at), atol=1e-9)
 
 
-def test_thinning_takes_the_mean_of_each_voxel_and_obeys_the_limit():
+def test_thinning_averages_voxels_and_obeys_limit():
     points = np.array([[0.1, 0.1, 0.1], [0.3, 0.1, 0.1], [2.5, 0.2, 0.2]])
     np.testing.assert_allclose(thin_points(points, 1.0, 10), [[0.2, 0.1, 0.1], [2.5, 0.2, 0.2]])
     assert len(thin_points(np.random.default_rng(2).uniform(0, 3, (5000, 3)), 0.05, 300)) <= 300

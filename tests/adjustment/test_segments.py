@@ -64,7 +64,7 @@ def solver(dive):
 
 
 @pytest.mark.parametrize("shift_m", [(1.1, -0.7), (-0.8, 1.2), (-1.5, -0.6)])
-def test_both_segments_are_laid_onto_the_model_whatever_the_outage_did(shift_m):
+def test_both_segments_are_registered_after_any_outage(shift_m):
     dive = interrupted(shift_m, camera=False)
     adjusted = adjust(dive.measured, OPTIONS, lambda _: None)
     outcome = summarise_adjustment(dive.measured, adjusted, OPTIONS)

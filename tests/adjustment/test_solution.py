@@ -109,7 +109,7 @@ def test_landmarks_count_the_images_that_saw_them():
     assert (found.outcome.solution.landmarks.views >= 2).all()
 
 
-def test_poses_know_their_place_on_the_hull_as_the_hull_knows_its_place_in_g():
+def test_poses_in_hull_share_sigma_of_hull_pose():
     """The lever from the survey's centre to the vehicle carries the hull's turn into the vehicle's
     place.
     """
@@ -171,7 +171,7 @@ def test_the_summary_holds_its_keys_and_is_json(found):
     }
 
 
-def test_a_bias_of_the_depth_is_known_no_better_than_its_prior_where_the_hulls_height_is_unknown(
+def test_depth_bias_keeps_prior_where_hull_height_is_unknown(
     found,
 ):
     sigma, prior = (

@@ -102,7 +102,7 @@ def test_a_rig_that_was_turned_is_found_and_said(name, cad):
 
 @pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
 @pytest.mark.parametrize("name", ["too long", "too long, said to be known"])
-def test_where_only_lengths_disagree_the_depths_tell_that_the_baseline_is_wrong(name, cad):
+def test_depths_find_wrong_baseline_where_lengths_disagree(name, cad):
     _, adjusted, outcome = _adjusted(name, cad)
     assert not adjusted.verdict.stereo.by_images
     turned = 0.02 if "known" in name else 1e-3  # degrees: what is known to 0.01 may turn by so much
@@ -122,7 +122,7 @@ def test_where_only_lengths_disagree_the_depths_tell_that_the_baseline_is_wrong(
     assert "correct camera.bottom.pose_in_top" in sentence
 
 
-def test_a_dvl_that_stereo_and_depths_contradict_is_not_taken_for_a_wrong_rig():
+def test_wrong_dvl_is_not_taken_for_wrong_rig():
     dive, adjusted, outcome = _adjusted("DVL too long", True)
     assert adjusted.verdict.stereo is None
     sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
@@ -180,7 +180,7 @@ def test_what_only_the_solver_cares_for_is_not_spoken_of():
     )
 
 
-def test_a_turn_or_a_shift_that_does_not_show_in_its_digits_is_left_out_of_the_sentence():
+def test_contradiction_omits_what_rounds_to_zero():
     across = np.cross(BASELINE / LENGTH_M, [1.0, 0.0, 0.0])
     said = [
         describe_contradiction(compare_rigs(TRUE, found_off(shift, turn), SIGMA))
@@ -197,6 +197,6 @@ def test_a_turn_or_a_shift_that_does_not_show_in_its_digits_is_left_out_of_the_s
 @pytest.mark.parametrize(
     ("share", "word"), [(0.04, "longer"), (0.0, "speed of sound"), (0.02, "nothing else tells")]
 )
-def test_who_is_wrong_about_lengths_is_said_as_far_as_it_is_known(share, word):
+def test_length_warning_names_wrong_sensor_if_known(share, word):
     disagrees = compare_rigs(TRUE, records_poses(longer(0.04)), SIGMA)
     assert word in stereo_warning(disagrees, TRUE, records_poses(longer(share)), SIGMA)

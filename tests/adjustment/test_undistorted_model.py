@@ -41,7 +41,7 @@ def test_observations_still_meet_their_points_and_poses_stay(
     np.testing.assert_array_equal(back.points3D[some].color, delivered.points3D[some].color)
 
 
-def test_what_lies_outside_the_smaller_images_is_gone_and_counted(
+def test_observations_outside_smaller_images_are_counted(
     sparse_model: SparseModel, tmp_path: Path
 ) -> None:
     bent = replace(sparse_model.cameras[0], k1=0.3)

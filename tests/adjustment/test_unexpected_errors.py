@@ -155,7 +155,7 @@ def _turned_camera(cad):
 
 
 @pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
-def test_a_mount_that_the_dive_contradicts_comes_out_as_it_is_and_is_said(cad):
+def test_contradicted_mount_is_found_and_warned_of(cad):
     adjusted, outcome = _turned_camera(cad)
     found = adjusted.state.mounts.tray_from_top.rotation.inv() * Rotation.from_matrix(
         TRAY_FROM_TOP[:3, :3]
@@ -167,7 +167,7 @@ def test_a_mount_that_the_dive_contradicts_comes_out_as_it_is_and_is_said(cad):
 
 
 @pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
-def test_a_heading_that_drifts_more_than_allowed_comes_out_as_it_does_and_is_said(cad):
+def test_exceeding_heading_drift_is_found_and_warned_of(cad):
     """The dive alone knows the drift little better than a package that allows a seventh of it."""
     dive = simulate(cad=cad)
     sigma = NAVIGATION_SIGMA.copy()
@@ -201,7 +201,7 @@ def _fast_sound(stereo, turned_deg=0.0):
     return dive, adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
 
 
-def test_with_one_camera_a_wrong_speed_of_sound_is_said_and_covered_by_its_sigma():
+def test_mono_dive_covers_wrong_speed_of_sound():
     """Velocities and ranges agree, and are wrong; depths know better."""
     _, adjusted, outcome = _fast_sound(False)
     assert adjusted.verdict.length_conflict == pytest.approx(0.08, abs=0.03)
@@ -212,7 +212,7 @@ def test_with_one_camera_a_wrong_speed_of_sound_is_said_and_covered_by_its_sigma
     assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.08
 
 
-def test_with_two_cameras_a_wrong_speed_of_sound_is_the_dvls_error():
+def test_stereo_dive_finds_wrong_speed_of_sound():
     _, adjusted, outcome = _fast_sound(True)
     assert adjusted.verdict.length_conflict is None
     assert adjusted.problem.priors.navigation_sigma[0] == pytest.approx(0.07, abs=0.01)
@@ -224,7 +224,7 @@ def test_with_two_cameras_a_wrong_speed_of_sound_is_the_dvls_error():
     assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.01
 
 
-def test_a_rig_that_is_turned_as_well_does_not_hide_the_dvls_error():
+def test_turned_rig_does_not_hide_dvl_error():
     _, adjusted, outcome = _fast_sound(True, 0.2)
     assert adjusted.verdict.stereo.by_images
     assert len([w for w in outcome.warnings if "stereo calibration does not hold" in w]) == 1

@@ -126,7 +126,7 @@ def test_depths_get_the_sigma_of_their_residuals(depth_weight) -> None:
     assert depth_weight(np.full(400, 3.0), noise_m=0.004) == pytest.approx(0.004 / GIVEN_M, rel=0.1)
 
 
-def test_nodes_that_share_a_reading_do_not_tell_its_sigma_the_better(depth_weight) -> None:
+def test_nodes_sharing_reading_do_not_improve_its_sigma(depth_weight) -> None:
     """The sigma at a node is that of the reading times the root of the nodes that share it, before
     and after.
     """
@@ -134,17 +134,13 @@ def test_nodes_that_share_a_reading_do_not_tell_its_sigma_the_better(depth_weigh
     assert found == pytest.approx(depth_weight(np.full(400, 3.0), noise_m=0.004))
 
 
-def test_readings_that_many_nodes_share_count_once_against_the_waters_density(
-    scene, depth_weight
-) -> None:
+def test_shared_readings_count_once_against_density(scene, depth_weight) -> None:
     depth = np.linspace(2.0, 3.0, 400)
     found = depth_weight(depth, noise_m=0.0, nodes_per_reading=25)
     assert found == pytest.approx(scene.rig.priors.density_sigma * 4 * np.std(depth) / GIVEN_M)
 
 
-def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_known(
-    scene, depth_weight
-) -> None:
+def test_depths_tell_scale_no_better_than_density(scene, depth_weight) -> None:
     depth = np.linspace(2.0, 3.0, 400)
     assert depth_weight(depth, noise_m=0.0) == pytest.approx(
         scene.rig.priors.density_sigma * 20 * np.std(depth) / GIVEN_M

@@ -18,7 +18,7 @@ from hullrecon.api import change as api
 from hullrecon.errors import StorageError
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.steps.hull_survey import FinishedRun
+from hullrecon.steps.change import FinishedRun
 
 BOX = np.array([[x, y, z] for x in (0.0, 10) for y in (-1.0, 1) for z in (0.0, 2)])
 FACES = np.array([[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7]], np.int32)

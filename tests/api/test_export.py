@@ -67,7 +67,8 @@ def write_colmap(folder: Path) -> None:
         color=np.full((60, 3), 90, np.uint8),
     )
     model = SparseModel(
-        tracks=tracks, top=np.ones(120, bool), bottom=node == 0, hull_from_top=top, top_from_bottom=beside,
+        tracks=tracks, top=np.ones(120, bool), bottom=node == 0, hull_from_top=top,
+        top_from_bottom=beside,
         cameras=(CAMERA, CAMERA), stamps=STAMPS, position=points,
     )  # fmt: skip
     write_model(model, folder)

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.api.fleet import FleetResult, preview_fleet, processes, records, run_fleet
-from hullrecon.api.fleet.records import FOLDER
+from hullrecon.api.fleet import FleetResult, fleet, preview_fleet, processes, run_fleet
+from hullrecon.api.fleet.fleet import FOLDER
 from hullrecon.artifacts.workspace import hold_lock
 from hullrecon.errors import InputError, LockedError, UsageError
 
@@ -120,7 +120,7 @@ def test_a_dive_is_looked_at_again_when_hullrecon_changed(
 ) -> None:
     dive("kestrel")
     run_fleet(dives, runs)
-    monkeypatch.setattr("hullrecon.api.fleet.plan.program_signature", lambda: "another")
+    monkeypatch.setattr("hullrecon.api.fleet.fleet.program_signature", lambda: "another")
     assert preview_fleet(dives, runs).dives[0].reason == "hullrecon changed"
 
 
@@ -181,9 +181,9 @@ def test_a_failure_is_kept_in_mind_until_its_package_changes_or_a_day_has_passed
     assert (again.exit_code, again.dives[0].known, again.dives[0].ran) == (4, True, False)
     assert len(ran(trace)) == 1
     assert run_fleet(dives, runs, retry=True).dives[0].ran
-    later = time.time() + records.TRIED_AGAIN_S
+    later = time.time() + fleet.TRIED_AGAIN_S
     with monkeypatch.context() as patch:
-        patch.setattr(records.time, "time", lambda: later)
+        patch.setattr(fleet.time, "time", lambda: later)
         assert preview_fleet(dives, runs).dives[0].reason == "it failed before"
     (package / "do.txt").write_text("deliver now")
     assert states(run_fleet(dives, runs)) == {"kestrel": "delivered"}
@@ -331,7 +331,7 @@ def test_a_package_that_is_gone_is_forgotten_and_those_of_other_folders_are_not(
     shutil.rmtree(dives / "kestrel")
     (dives / "merlin" / "more").touch()
     run_fleet(dives, runs)
-    kept = records.FleetRecords(runs)
+    kept = fleet.FleetRecords(runs)
     assert kept.get(dives / "kestrel") is None
     assert kept.get(dives / "merlin") is not None
     assert kept.get(other / "osprey") is not None

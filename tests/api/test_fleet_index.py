@@ -15,8 +15,7 @@ from urllib.parse import unquote
 
 import pytest
 
-from hullrecon.api.fleet.findings import read_findings
-from hullrecon.api.fleet.index_page import FleetIndex, IndexRow, render_index
+from hullrecon.api.fleet.index_page import FleetIndex, IndexRow, read_findings, render_index
 from hullrecon.api.fleet.outcome import FleetDive, State
 
 OBJECTS = [

@@ -17,11 +17,18 @@ import pytest
 from end_to_end.json_schema import violations
 
 from hullrecon.api.fleet import preview_fleet, processes
-from hullrecon.api.fleet.listing import list_folder, program_signature
 from hullrecon.api.fleet.outcome import FleetDive, FleetResult
-from hullrecon.api.fleet.packages import MAX_BYTES, Skipped, find_packages, read_name
+from hullrecon.api.fleet.packages import (
+    MAX_BYTES,
+    Skipped,
+    as_utf8,
+    find_packages,
+    list_folder,
+    one_line,
+    program_signature,
+    read_name,
+)
 from hullrecon.api.fleet.processes import run_each
-from hullrecon.api.fleet.text import as_utf8, one_line
 from hullrecon.artifacts.documents import encode
 from hullrecon.errors import HullreconError, InputError, UsageError
 
@@ -150,8 +157,10 @@ def test_a_dive_toml_that_is_no_file_of_the_folder_is_refused_without_opening_it
 @pytest.mark.parametrize(
     "text",
     [
-        "x = [", "", "[dive]", "dive = 3", "[dive]\nname = 3", '[dive]\nname = ".."', '[dive]\nname = "a\\n"', b"\xff\xfe",
-        "a = " + "[" * 3000, "a = " + "9" * 9000, '[dive]\nname = "$(touch here)"', "[[dive]]\nname = 'a'",
+        "x = [", "", "[dive]", "dive = 3", "[dive]\nname = 3", '[dive]\nname = ".."',
+        '[dive]\nname = "a\\n"', b"\xff\xfe",
+        "a = " + "[" * 3000, "a = " + "9" * 9000, '[dive]\nname = "$(touch here)"',
+        "[[dive]]\nname = 'a'",
     ],
 )  # fmt: skip
 def test_a_dive_toml_without_a_valid_name_has_none(text: str | bytes, dives: Path) -> None:
@@ -217,7 +226,7 @@ def test_the_signature_of_the_program_is_that_of_its_code(
 ) -> None:
     assert program_signature() == program_signature()
     before = program_signature()
-    monkeypatch.setattr("hullrecon.api.fleet.listing.version", lambda: "another")
+    monkeypatch.setattr("hullrecon.api.fleet.packages.version", lambda: "another")
     assert program_signature() != before
 
 
@@ -289,7 +298,8 @@ def test_a_document_lists_the_deliverables_of_what_is_up_to_date_alone(
         ("""print('{"error": {"message": "no IMU"}}'); raise SystemExit(3)""", 3, "no IMU"),
         ("print('[1, 2'); raise SystemExit(3)", 3, "it said nothing"),
         (
-            "print('[1, 2]'); import sys; print('one\\ntwo\\n', file=sys.stderr); raise SystemExit(1)",
+            "print('[1, 2]'); import sys; print('one\\ntwo\\n', file=sys.stderr);"
+            " raise SystemExit(1)",
             1,
             "two",
         ),

@@ -36,7 +36,8 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
 
 
 def test_importing_the_package_loads_neither_numpy_nor_a_step() -> None:
-    code = "import sys, hullrecon; print([m for m in sys.modules if m in ('numpy', 'hullrecon.api', 'hullrecon.steps')])"
+    heavy = ("numpy", "hullrecon.api", "hullrecon.steps")
+    code = f"import sys, hullrecon; print([m for m in sys.modules if m in {heavy}])"
     said = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     ).stdout
@@ -80,7 +81,7 @@ def test_the_example_runs_scores_and_prints_the_comparison(
     """
     import runpy
 
-    from hullrecon.studies import MethodComparison
+    from hullrecon.studies import StudyResult
 
     figures = {
         "trajectory": {"rigid_rmse_m": 0.002},
@@ -89,7 +90,7 @@ def test_the_example_runs_scores_and_prints_the_comparison(
     }
     monkeypatch.setattr("hullrecon.api.dive_run.run", hullrecon.open_dive)
     monkeypatch.setattr("hullrecon.api.dive_run.evaluate", lambda run, package: figures)
-    comparison = MethodComparison(figures={}, heads=["method"], rows=[["maxmix as published"]])
+    comparison = StudyResult(heads=("method",), rows=(("maxmix as published",),))
     monkeypatch.setattr("hullrecon.studies.compare_methods", lambda dive: comparison)
     example = runpy.run_path(str(ROOT / "examples" / "compare_methods.py"))
     example["main"]([str(DEMO), str(tmp_path)])

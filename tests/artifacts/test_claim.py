@@ -134,7 +134,8 @@ def test_a_run_that_another_package_takes_over_is_said_to(
         if "another dive package" in record.getMessage()
     ]
     assert said == [
-        f"{workspace.root} holds the results of another dive package, {package}: what differs is replaced"
+        f"{workspace.root} holds the results of another dive package, {package}:"
+        " what differs is replaced"
     ]
     assert workspace.package == other
     assert workspace.other_package(other, ()) is None

@@ -100,7 +100,8 @@ def test_what_needs_a_skipped_step_is_skipped_with_the_reason_named(
     assert longer.skip_reasons() == {
         "right": "no scale was given",
         "needy": "it needs right, which is skipped: no scale was given",
-        "needier": "it needs needy, which is skipped: it needs right, which is skipped: no scale was given",
+        "needier": "it needs needy, which is skipped: it needs right, which is skipped:"
+        " no scale was given",
     }
 
 

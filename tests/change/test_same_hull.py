@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.change.same_hull import cad_model_gap
+from hullrecon.change.compare_surveys import cad_model_gap
 from hullrecon.geometry.meshes.mesh import Mesh
 
 BOX = np.array([[x, y, z] for x in (0.0, 10) for y in (-1.0, 1) for z in (0.0, 2)])

@@ -330,8 +330,8 @@ def test_a_bow_across_the_ship_is_one_line_and_code_three(capsys, package):
     code, line = complaint(capsys, "check", package)
     assert code == 3
     assert (
-        'the bow cannot lie at +y: the CAD model is 20.0 m along x, 5.0 m along y (hull.bow): give "+x" or "-x"'
-        in line
+        "the bow cannot lie at +y: the CAD model is 20.0 m along x, 5.0 m along y (hull.bow):"
+        ' give "+x" or "-x"' in line
     )
     (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "x"'))
     assert complaint(capsys, "check", package)[0] == 2

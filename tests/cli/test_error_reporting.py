@@ -21,7 +21,10 @@ from hullrecon_cli.state import CallState
 from hullrecon.artifacts import progress
 from hullrecon.artifacts.stage import Context, Stage
 
-NEVER = "import sys; from hullrecon_cli.start import start; sys.argv = ['hullrecon', *sys.argv[1:]]; start()"
+NEVER = (
+    "import sys; from hullrecon_cli.start import start;"
+    " sys.argv = ['hullrecon', *sys.argv[1:]]; start()"
+)
 
 
 @pytest.fixture(autouse=True)
@@ -33,7 +36,8 @@ def state_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     ("number", "code"),
     [
-        (errno.ENOSPC, 6), (errno.EDQUOT, 6), (errno.EROFS, 6), (errno.EACCES, 6), (errno.EFBIG, 6), (errno.ENOMEM, 4),
+        (errno.ENOSPC, 6), (errno.EDQUOT, 6), (errno.EROFS, 6), (errno.EACCES, 6), (errno.EFBIG, 6),
+        (errno.ENOMEM, 4),
         (errno.ENAMETOOLONG, 2), (errno.ELOOP, 3),
     ],
 )  # fmt: skip

@@ -14,7 +14,7 @@ import pytest
 from end_to_end.json_schema import violations
 
 from hullrecon.api.fleet import processes
-from hullrecon.api.fleet.records import FOLDER
+from hullrecon.api.fleet.fleet import FOLDER
 from hullrecon.artifacts.workspace import hold_lock
 
 ROOT = Path(__file__).parents[2]
@@ -192,7 +192,8 @@ def test_a_call_with_nothing_to_do_opens_dive_toml_alone_and_imports_no_step(
 import os, sys
 opened = []
 sys.addaudithook(lambda event, values: opened.append(os.fsdecode(values[0])) if event == "open" and
-    isinstance(values[0], (str, bytes, os.PathLike)) and os.fsdecode(values[0]).startswith({str(dives.parent)!r}) else None)
+    isinstance(values[0], (str, bytes, os.PathLike)) and
+    os.fsdecode(values[0]).startswith({str(dives.parent)!r}) else None)
 from hullrecon_cli.main import main
 code = main(["--json", "fleet", {str(dives)!r}, "--runs", {str(runs)!r}])
 print(code, sorted(set(os.path.relpath(path, {str(dives.parent)!r}) for path in opened)),

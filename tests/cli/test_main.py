@@ -51,7 +51,8 @@ def test_the_bare_program_prints_its_help(program) -> None:
 
 def test_help_imports_nothing_heavy() -> None:
     loaded = f"' '.join(set({HEAVY!r}) & set(sys.modules))"
-    code = f"import sys; from hullrecon_cli.main import main; main(['--help']); sys.exit({loaded} or 0)"
+    code = "import sys; from hullrecon_cli.main import main; main(['--help']);"
+    code += f" sys.exit({loaded} or 0)"
     answer = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Packages that name files outside their folder, as every command that reads packages meets them."""
+"""Packages that name files outside their folder, by every command that reads packages."""
 
 from pathlib import Path
 
@@ -18,7 +18,8 @@ beam_azimuth_deg = [180, 0, 90, -90]
 mesh = "../hull.off"
 """
 TABLES = {
-    "dvl": "t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n2,1,0,0,2,2,2,2\n",
+    "dvl": "t,vx,vy,vz,range_1,range_2,range_3,range_4\n"
+    "0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n2,1,0,0,2,2,2,2\n",
     "imu": "t,qx,qy,qz,qw\n0,0,0,0,1\n1,0,0,0,1\n2,0,0,0,1\n",
 }
 OFF = "OFF\n4 4 0\n0 0 0\n20 0 0\n0 20 0\n0 0 20\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
@@ -38,7 +39,16 @@ def package(tmp_path) -> Path:
 
 @pytest.mark.parametrize(
     "command",
-    ["check", "run", "ingest", "status", "explain", "study methods", "study figures"],
+    [
+        "check",
+        "run",
+        "ingest",
+        "status",
+        "explain",
+        "study methods",
+        "study surfaces",
+        "study figures",
+    ],
 )
 def test_a_command_that_reads_packages_refuses_a_file_outside_in_one_line(capsys, package, command):
     runs = [] if command == "check" else ["--runs", str(package.parent / "runs")]

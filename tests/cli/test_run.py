@@ -69,8 +69,8 @@ def test_a_second_package_of_the_same_name_replaces_the_first_ones_results_with_
     answer = program("run", other, "--runs", runs)
     assert answer.code == 0
     assert (
-        f"{runs / 'toy'} holds the results of another dive package, {package}: what differs is replaced"
-        in answer.err
+        f"{runs / 'toy'} holds the results of another dive package, {package}:"
+        " what differs is replaced" in answer.err
     )
     assert json.loads((runs / "toy/deliver/report.txt").read_text())["words"] == 2
     assert "another dive package" not in program("run", other, "--runs", runs).err

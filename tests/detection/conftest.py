@@ -10,9 +10,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.detection.as_found.background import Background, MedianBackground
-from hullrecon.detection.as_found.hull_as_found import HullAsFound, estimate_hull_as_found
+from hullrecon.detection.as_found.hull_as_found import (
+    HullAsFound,
+    as_found_surface,
+    estimate_hull_as_found,
+)
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
-from hullrecon.detection.as_found.record import as_found_surface
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.objects.find_objects import find_objects
 from hullrecon.detection.options import DetectOptions

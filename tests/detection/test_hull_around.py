@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.objects.hull_around import fit_hull_around
+from hullrecon.detection.objects.regions import fit_hull_around
 
 NORMAL = np.array([0.0, 0.6, -0.8])
 EAST, NORTH = np.array([1.0, 0, 0]), np.array([0.0, 0.8, 0.6])

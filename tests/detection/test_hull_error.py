@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.hull_error import HullError, area_sigma
+from hullrecon.detection.hull_position import HullError, area_sigma
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.solution import HullPose
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.as_found.mesh import affordable_edge, refine_near
+from hullrecon.detection.as_found.hull_as_found import affordable_edge, refine_near
 from hullrecon.geometry.meshes.mesh import Mesh
 
 FLOOR = Mesh(

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
-from hullrecon.detection.objects.open_edge import OpenEdge, find_open_edge
+from hullrecon.detection.objects.footprint import OpenEdge, find_open_edge
 from hullrecon.detection.objects.regions import find_regions
 from hullrecon.detection.options import DetectOptions
 from hullrecon.geometry.meshes.mesh import vertex_areas

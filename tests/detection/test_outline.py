@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.objects.outline import outline
+from hullrecon.detection.objects.footprint import outline
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.as_found.record import as_found_surface, surface_on_cad_model
+from hullrecon.detection.as_found.hull_as_found import as_found_surface, surface_on_cad_model
 from hullrecon.records.surface import Surface
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.detection.objects.shapes import alpha_shape, dbscan, detect_shapes
+from hullrecon.detection.as_found.shapes import alpha_shape, dbscan, detect_shapes
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 
 

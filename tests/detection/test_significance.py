@@ -46,7 +46,7 @@ def test_relief_between_landmarks_is_what_their_noise_does_not_explain() -> None
 
 
 def test_a_small_object_and_a_large_one_were_looked_for_in_as_many_places() -> None:
-    """The places are those that the survey holds, whatever was found: every top of 8 cm2 of 8 m2."""
+    """The places are those that the survey holds: every top of 8 cm2 of 8 m2."""
     assert p_value(5.0, 1.0, 0.0, 8 / TOP_M2) == pytest.approx(10_000 * 5.733e-7, rel=1e-2)
     assert p_value(5.0, 1.0, 0.0, 800 / TOP_M2) > 0.4
 

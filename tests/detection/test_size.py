@@ -7,9 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hullrecon.detection.objects.open_edge import find_open_edge
+from hullrecon.detection.objects.footprint import (
+    EDGE_SIGMA_M,
+    ObjectSize,
+    find_open_edge,
+    measure_size,
+)
 from hullrecon.detection.objects.regions import find_regions
-from hullrecon.detection.objects.size import EDGE_SIGMA_M, ObjectSize, measure_size
 from hullrecon.detection.options import DetectOptions
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.geometry.neighbours import Around

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where documents and messages list the logs that are read, every reader's form stands among them."""
+"""Where documents and messages list the logs that are read, every reader's form is named."""
 
 from __future__ import annotations
 

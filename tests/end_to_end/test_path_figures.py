@@ -15,8 +15,11 @@ from hullrecon.artifacts.runner import RunContext
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.steps.artifacts import LinksArtifact
+from hullrecon.studies import run_studies
+from hullrecon.studies.matching.comparison import VARIANTS
 from hullrecon.studies.methods.variants import read_dead_reckoning
 from hullrecon.studies.paths.path_figures import draw_path_figures
+from hullrecon.studies.surfaces.variants import AS_FOUND, SURFACES
 
 pytestmark = pytest.mark.slow
 DIVE = (
@@ -117,3 +120,23 @@ def test_sonar_mosaic_variance_is_compared_for_all_pose_sources(drawn):
     assert names[0] == "share_dead_reckoned"
     assert names[-2:] == ["share_with_links", "share_adjusted"]
     assert all(float(table[0][name]) == 1.0 for name in names)
+
+
+def test_links_of_the_product_are_compared_with_the_sources(drawn):
+    dive = drawn[0]
+    (found,) = run_studies(dive, ["links"])
+    assert [row[0] for row in found.rows] == ["product", *VARIANTS]
+    pairs = LinksArtifact(dive.workspace.artifact("links")).pairs
+    assert found.values["product"]["joined"] == int(pairs.joined.sum())
+    assert all(0 < row["rms_m"] < 0.05 for row in found.values.values())
+    assert found.values["with corners"]["joined"] > 0
+
+
+def test_surfaces_of_the_product_are_compared_with_the_sources(drawn):
+    (found,) = run_studies(drawn[0], ["surfaces"])
+    names = [f"surface, {name}" for name in ("product", *SURFACES)]
+    names += [f"as found, {name}" for name in ("product", *AS_FOUND)]
+    assert list(found.values) == names
+    scored = [row for row in found.values.values() if "error" not in row]
+    assert len(scored) >= 6
+    assert all(0 < row["rmse_m"] < 0.2 for row in scored)

@@ -56,7 +56,7 @@ ROWS = {
 
 
 def measured_rows(readme: str) -> list[str]:
-    """Return the rows of the table below the heading Measured."""
+    """Read the rows of the table below the heading Measured."""
     section = readme.split("\n## Measured\n")[1].split("\n## ")[0]
     return [line.strip("| ") for line in section.splitlines() if line.startswith("|")][2:]
 
@@ -116,7 +116,7 @@ def says_the_same(now: str, shown: str) -> bool:
 
 
 def last_digit(text: str) -> float:
-    """Return what one in the last digit of a number is worth."""
+    """Return the value of one in a number's last digit."""
     return 10.0 ** -len(text.partition(".")[2])
 
 

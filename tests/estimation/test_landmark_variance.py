@@ -35,7 +35,7 @@ def along_normal(variance: np.ndarray) -> np.ndarray:
     return np.einsum("n,ij->nij", variance, np.diag([0.0, 1, 0])) + 0.04 * np.diag([1.0, 0, 1])
 
 
-def test_the_hull_poses_part_is_common_however_it_differs_from_place_to_place() -> None:
+def test_hull_pose_part_is_common_to_landmarks() -> None:
     position, normal = wall()
     by_pose = pose_jacobian(position, normal, POSE)
     common = np.einsum("ni,ij,nj->n", by_pose, POSE.covariance, by_pose)
@@ -55,7 +55,7 @@ def test_without_a_pose_what_neighbours_have_in_common_is_common() -> None:
     np.testing.assert_allclose(found.own, own, atol=2 * MIN_SIGMA_M**2)
 
 
-def test_covariances_that_do_not_hold_the_pose_keep_what_they_have() -> None:
+def test_covariances_without_pose_are_kept() -> None:
     position, normal = wall()
     small = along_normal(np.full(N, 0.002**2))
     with_pose, without = (
@@ -69,7 +69,7 @@ def test_no_landmark_shares_nothing() -> None:
     assert shared_variance(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3, 3))).shape == (0,)
 
 
-def test_a_depth_that_nothing_measured_is_common_to_normals_that_lean_differently() -> None:
+def test_unmeasured_depth_is_common_to_leaning_normals() -> None:
     """Ten metres along z, as without a pressure sensor: a normal that leans by a degree takes 17 cm
     of it.
     """

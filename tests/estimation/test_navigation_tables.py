@@ -39,7 +39,7 @@ def test_the_weight_of_depths_leaves_roll_and_pitch_alone(dive):
     np.testing.assert_allclose(two.sigma, one.sigma * [2, 1, 1])
 
 
-def test_every_node_has_the_trays_angle_and_the_sense_of_its_backlash():
+def test_tray_table_has_angle_and_direction_of_every_node():
     table = tray_table(np.array([0.1, 0.2]), np.array([1.0, -1.0]), 0.01, np.zeros(2))
     assert table.node.tolist() == [0, 1]
     assert table.measured.tolist() == [0.1, 0.2]
@@ -47,7 +47,7 @@ def test_every_node_has_the_trays_angle_and_the_sense_of_its_backlash():
     assert table.sigma.tolist() == [0.01, 0.01]
 
 
-def test_a_tray_that_was_not_read_is_known_as_badly_as_it_may_have_turned():
+def test_unread_tray_has_sigma_of_possible_turn():
     table = tray_table(np.array([0.1, 0.2]), np.array([1.0, -1.0]), 0.03, np.array([0.0, 0.4]))
     np.testing.assert_allclose(table.sigma, [0.03, 0.4011], atol=1e-4)
 
@@ -111,7 +111,7 @@ def attitude(nodes, depth_sigma_m=0.01, nodes_per_reading=1.0):
 @pytest.mark.parametrize(
     "measured", ["depth and attitude", "coarse depth and attitude", "attitude", "nothing"]
 )
-def test_the_gauge_fixes_place_and_heading_and_what_no_sensor_measures(measured):
+def test_gauge_fixes_what_no_sensor_measures(measured):
     start = exp([[5.0, -3.0, 2.0, 0.3, -0.2, 1.1]])
     levels = {
         "depth and attitude": attitude(5),
@@ -165,7 +165,7 @@ def test_where_the_dvl_was_silent_the_velocity_goes_on(dive):
     assert (table.sigma[:, 3:] > 10).all()
 
 
-def test_a_dvl_that_was_heard_and_a_minute_without_nodes_say_nothing_of_the_velocity(dive):
+def test_heard_dvl_gives_no_velocity_rows(dive):
     half_a_second = (1e9 * 0.5 * np.arange(12)).astype(np.int64)
     assert len(velocity_table(dive.odometry, half_a_second).first) == 0
     covariance = dive.odometry.covariance.copy()

@@ -29,13 +29,13 @@ def test_without_planes_the_problem_is_the_same(solved):
 def test_every_plane_is_an_unknown_in_the_frame_of_its_anchor(solved):
     problem = with_planes(solved.problem, solved.planes)
     np.testing.assert_array_equal(problem.unknowns.plane, solved.planes.plane)
-    np.testing.assert_array_equal(problem.planes.anchor, solved.planes.anchor)
+    np.testing.assert_array_equal(problem.planes.anchor, solved.planes.table.anchor)
     distance = np.linalg.norm(problem.unknowns.plane, axis=1)
     assert np.all((distance > 0.5) & (distance < 2.0))  # of the vehicle from the hull
     assert np.all(problem.unknowns.plane[:, 0] < 0)  # the hull is ahead, its normal looks back
 
 
-def test_at_the_solution_ranges_and_pairs_fit_within_their_sigmas(solved):
+def test_ranges_and_pairs_fit_within_sigmas_at_solution(solved):
     found = native.evaluate(solved.problem, OPTIONS)
     rms = {}
     for name in ("plane_range", "plane_pair"):
@@ -50,4 +50,4 @@ def test_a_planes_returns_are_moved_onto_it_along_their_beams(solved):
     rows = solved.planes.ranges
     assert np.bincount(rows.plane).min() >= 12
     np.testing.assert_allclose(np.linalg.norm(rows.beam, axis=1), 1)
-    assert np.all(rows.sigma_m >= 0.01)
+    assert np.all(rows.sigma >= 0.01)

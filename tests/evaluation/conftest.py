@@ -234,7 +234,7 @@ def solution() -> Solution:
 
 @pytest.fixture
 def returns() -> Returns:
-    """One beam straight ahead at each node, as long as the true steel is far; the last one flagged."""
+    """One beam straight ahead at each node that ends on the true steel; the last one flagged."""
     n = len(FRAMES)
     steel = np.where((np.abs(PATH[:, 0] - 1) < 0.15), PROUD_M + 0.1, PROUD_M)
     # the tray's origin is 0.45 m ahead, and the beam leans by theta: both small effects are worked

@@ -123,7 +123,7 @@ def test_a_real_hull_is_turned_as_its_side_asks(
 
 @QUICK
 @given(SEEDS)
-def test_as_turned_the_hull_is_seen_from_outside_with_its_deck_up(chart: Chart, seed: int) -> None:
+def test_chart_as_drawn_shows_hull_from_outside(chart: Chart, seed: int) -> None:
     side = 1.0 if seed % 2 else -1.0
     at = np.abs(on_hull(seed)) * [1.0, side]
     at[:, 1] += side * (np.abs(at[:, 1]) < 0.1) * 0.1

@@ -38,9 +38,7 @@ def test_the_area_is_that_of_the_surface_between_the_limits(
     )
 
 
-def test_cells_lie_on_the_surface_within_the_limits_and_face_outward(
-    chart: Chart, steel: Mesh
-) -> None:
+def test_cells_lie_on_surface_within_limits(chart: Chart, steel: Mesh) -> None:
     cells = region_cells(chart, steel, (5.0, 6.0), (1.0, 2.0))
     along, girth, offset = chart.to_chart(cells.middle).T
     assert (along.min(), along.max(), girth.min(), girth.max()) == pytest.approx(
@@ -50,7 +48,7 @@ def test_cells_lie_on_the_surface_within_the_limits_and_face_outward(
     assert np.einsum("ni,ni->n", cells.normal, cells.middle - [0, 0, 3.0])[0] > 0
 
 
-def test_where_the_hull_leans_the_area_is_that_of_the_surface_not_of_the_chart(steel: Mesh) -> None:
+def test_area_of_leaning_hull_is_that_of_surface(steel: Mesh) -> None:
     """A bow that narrows by one in two: its plating is longer than the ship's axis along it."""
     leaning = Mesh(
         np.c_[steel.vertices[:, 0], steel.vertices[:, 1:] * (1.2 - 0.05 * steel.vertices[:, :1])],

@@ -35,7 +35,7 @@ def test_a_thousandth_of_a_degree_is_as_long_as_tables_say(latitude, metres):
     np.testing.assert_array_equal(at[0], 0)
 
 
-def test_north_is_the_first_and_east_the_second_on_every_side_of_the_earth():
+def test_north_east_holds_on_every_side_of_earth():
     for latitude, longitude in ((54.3, 10.1), (-33.9, 18.4), (37.8, -122.4), (-41.3, 174.8)):
         at = north_east(latitude + np.array([0, 1e-4, 0]), longitude + np.array([0, 0, 1e-4]))
         assert at[1, 0] > 10

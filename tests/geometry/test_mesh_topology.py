@@ -14,7 +14,7 @@ from hullrecon.geometry.meshes.topology import find_edges, find_shared_edges, we
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], np.int32)
 
 
-def test_a_tetrahedron_has_six_edges_each_of_two_faces_wound_alike() -> None:
+def test_tetrahedron_has_six_edges_of_two_faces() -> None:
     edges = find_edges(TETRAHEDRON)
     assert edges.vertices.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
     assert edges.face_count.tolist() == [2] * 6
@@ -68,7 +68,7 @@ def test_shared_edges_are_those_that_a_plain_count_finds(seed: int) -> None:
     assert found == expected
 
 
-def test_corners_at_equal_places_are_welded_and_faces_keep_their_order() -> None:
+def test_welding_merges_corners_and_keeps_face_order() -> None:
     vertices = np.array(
         [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 1e-9], [0, 1, 0], [1, 1, 0]], float
     )

@@ -55,7 +55,7 @@ def test_normals_at_a_ridge_point_up_between_its_sides() -> None:
 
 
 @pytest.mark.parametrize("radius", [0.5, 3.0])
-def test_a_sphere_of_triangles_has_nearly_its_area_and_its_normals(radius: float) -> None:
+def test_mesh_of_sphere_has_its_area_and_normals(radius: float) -> None:
     ball = sphere(4, radius)
     # 2048 flat faces
     assert face_areas(ball).sum() == pytest.approx(4 * np.pi * radius**2, rel=4e-3)
@@ -93,7 +93,7 @@ def test_turned_faces_have_the_opposite_normals(seed: int) -> None:
     np.testing.assert_allclose(vertex_normals(turned), -vertex_normals(plain), atol=1e-9)
 
 
-def test_a_corners_normal_does_not_lean_to_the_side_that_is_cut_finer() -> None:
+def test_vertex_normal_ignores_finer_cut_side() -> None:
     cube = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.3, 0.7, 0], [0.9, 0.1, 0]])
     whole = Mesh(cube, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2]], np.int32))
     finer = Mesh(cube, np.array([[0, 2, 4], [0, 4, 5], [0, 5, 1], [0, 1, 3], [0, 3, 2]], np.int32))

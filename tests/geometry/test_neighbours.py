@@ -59,7 +59,7 @@ def test_around_a_place_are_all_within_reach_in_their_order(seed: int, reach: fl
 
 
 @given(SEEDS, st.floats(0.1, 2.0))
-def test_the_ball_around_points_holds_what_is_within_reach_of_any(seed: int, reach: float) -> None:
+def test_ball_holds_all_within_reach_of_any_point(seed: int, reach: float) -> None:
     rng = np.random.default_rng(seed)
     points, some = rng.normal(size=(30, 3)), rng.normal(size=(4, 3))
     around = Around(points)

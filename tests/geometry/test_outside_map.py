@@ -37,7 +37,7 @@ def test_there_and_back_is_the_same() -> None:
         assert seen.flips == (signs[0] < 0, signs[1] < 0)
 
 
-def test_the_coordinate_system_is_local_metric_and_says_what_it_is() -> None:
+def test_coordinate_system_is_local_and_metric() -> None:
     from rasterio.crs import CRS
 
     for frame, words in (("M", "the ship"), ("g", "the survey")):
@@ -65,7 +65,7 @@ def test_tangents_are_unit_vectors_on_the_surface() -> None:
         ((0, 0, -1), [[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
     ],
 )
-def test_the_map_stands_upright_whichever_axis_of_the_model_is_up(
+def test_map_is_upright_whichever_axis_is_up(
     steel: Mesh, up: tuple[int, int, int], turn: list[list[int]]
 ) -> None:
     points = np.array([[5.0, 3.0, 2.7], [6.0, 3.0, 2.5]])

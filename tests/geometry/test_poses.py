@@ -131,7 +131,7 @@ def test_exp_gives_back_what_log_was_taken_of() -> None:
     np.testing.assert_allclose(poses.exp(vectors).log(), vectors, atol=1e-12)
 
 
-def test_seven_numbers_of_each_pose_are_its_position_and_its_quaternion() -> None:
+def test_vectors_are_position_and_quaternion() -> None:
     batch = poses.from_rpy([[1, 2, 3], [4, 5, 6]], [[0.1, 0.2, 0.3], [0, 0, 0]])
     assert batch.vectors()[1].tolist() == [4, 5, 6, 0, 0, 0, 1]
     np.testing.assert_array_equal(batch.vectors()[0], poses.pose_vector(batch[0]))

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.rotations import cross, cross_matrix, roll_pitch_yaw
 
 
-def test_a_cross_matrix_multiplies_as_the_cross_product_does_in_any_batch() -> None:
+def test_cross_matrix_equals_cross_product() -> None:
     rng = np.random.default_rng(0)
     v, w = rng.normal(size=(2, 4, 5, 3))
     np.testing.assert_allclose(

@@ -51,7 +51,7 @@ def test_the_boxs_faces_point_outward() -> None:
     np.testing.assert_allclose(normal[::2], [[0, -1, 0], [0, 0, -1], [0, 1, 0]], atol=1e-12)
 
 
-def test_a_cylinder_about_its_centre_has_one_radius_below_the_sheer_and_none_above(
+def test_cylinder_has_one_radius_below_sheer(
     round_sections: Sections,
 ) -> None:
     below, above = (
@@ -123,7 +123,7 @@ def test_girth_is_unknown_off_the_skin_and_beyond_the_ends(box_sections: Section
     assert np.isnan(box_sections.girth_at(away)).all()
 
 
-def test_angle_and_radius_are_unknown_beyond_sheer_ends_and_numbers(box_sections: Sections) -> None:
+def test_angle_beyond_sheer_and_ends_is_unknown(box_sections: Sections) -> None:
     sheer = BEAM / 2 + DEPTH
     _, radius = box_sections.angle_of(
         np.array([[5, sheer + 0.1], [5, -sheer - 0.1], [-1, 0], [11, 0], [np.nan, 0], [5, np.nan]])
@@ -131,7 +131,7 @@ def test_angle_and_radius_are_unknown_beyond_sheer_ends_and_numbers(box_sections
     assert np.isnan(radius).all()
 
 
-def test_slack_is_small_on_a_flat_and_larger_where_the_section_bends(
+def test_slack_is_larger_where_section_bends(
     box_sections: Sections,
 ) -> None:
     step = box_sections.station[1] - box_sections.station[0]
@@ -139,7 +139,7 @@ def test_slack_is_small_on_a_flat_and_larger_where_the_section_bends(
     assert 0.1 * step <= flat < steep < 0.3
 
 
-def test_a_slot_in_the_bottom_is_bridged_and_the_girth_beyond_it_stays(
+def test_slot_in_bottom_is_bridged(
     box_sections: Sections,
 ) -> None:
     plain = box()
@@ -189,7 +189,7 @@ def test_the_axis_is_as_high_as_its_rays_see_nearly_all(steel: Mesh) -> None:
     assert 0.1 * RADIUS <= below_deck <= 0.9 * RADIUS
 
 
-def test_bulkheads_alone_have_no_axis_since_rays_pass_between_them() -> None:
+def test_bulkheads_alone_have_no_axis() -> None:
     plate = np.array([[0.0, -1, 0], [0, 1, 0], [0, 0, 2]])
     ends = Mesh(
         np.vstack([plate, plate + np.array([10.0, 0, 0])]),
@@ -202,7 +202,7 @@ def test_bulkheads_alone_have_no_axis_since_rays_pass_between_them() -> None:
 @pytest.mark.parametrize("vertical", [0, 1, 2])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @given(size=st.permutations([1.0, 4.0, 20.0]))
-def test_forward_port_and_up_are_axes_of_the_mesh_in_a_right_hand(
+def test_hull_axes_are_right_handed_axes_of_mesh(
     vertical: int, sign: float, size: list[float]
 ) -> None:
     up = np.full(3, 0.2)

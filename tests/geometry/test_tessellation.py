@@ -26,7 +26,7 @@ def cylinder(sides: int, length_m: float = 2.0, radius_m: float = RADIUS_M) -> M
 
 
 @pytest.mark.parametrize("sides", [24, 48, 96])
-def test_facets_of_a_cylinder_stand_off_it_by_the_height_of_their_arc(sides: int) -> None:
+def test_facets_of_cylinder_are_off_by_sagitta(sides: int) -> None:
     exact = RADIUS_M * (1 - np.cos(np.pi / sides))
     np.testing.assert_allclose(facet_sagitta(cylinder(sides)), exact, rtol=0.02)
     np.testing.assert_allclose(facet_turn(cylinder(sides)), 2 * np.pi / sides, rtol=1e-6)

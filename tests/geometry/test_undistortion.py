@@ -57,7 +57,7 @@ def test_hardly_anything_is_cut_away_that_a_rectangle_could_hold(camera: CameraM
 
 
 @CAMERAS
-def test_the_pinhole_keeps_the_focal_lengths_and_looks_through_its_middle(
+def test_pinhole_keeps_focal_lengths(
     camera: CameraModel,
 ) -> None:
     pinhole = undistortion(camera).pinhole

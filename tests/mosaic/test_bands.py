@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.mosaic.bands import STEEPNESS, band_weight, split_bands
+from hullrecon.mosaic.blend import STEEPNESS, band_weight, split_bands
 
 
 def test_the_bands_sum_to_the_picture() -> None:

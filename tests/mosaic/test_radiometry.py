@@ -18,7 +18,7 @@ from hullrecon.mosaic.imagery.radiometry import (
 
 
 def lamp() -> np.ndarray:
-    """A lamp that falls to a half at the corners, as a field of logarithms about zero, one channel."""
+    """A lamp that falls to a half at the corners: logarithms about zero, one channel."""
     v, u = np.meshgrid(np.linspace(-1, 1, FIELD[0]), np.linspace(-1, 1, FIELD[1]), indexing="ij")
     field = np.log(0.5) * (u**2 + v**2) / 2
     return (field - field.mean())[..., None]

@@ -9,8 +9,7 @@ import pytest
 
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
-from hullrecon.mosaic.output.tile_store import TileStore, in_threads, make_tiles
+from hullrecon.mosaic.output.tile_store import CompressedTiles, TileStore, in_threads, make_tiles
 
 GRID = TexelGrid(west=30.0, north=6.0, step_m=0.01, height=100, width=150)
 

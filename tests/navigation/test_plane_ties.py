@@ -263,11 +263,13 @@ def test_a_patch_in_many_pairs_says_less_in_each(
     one = pairs.rows(np.arange(len(pairs)) == 0)
     alone, many = tie_planes(patches, one, dive.returns), tie_planes(patches, pairs, dive.returns)
     assert len(alone.plane) == 2
-    row = np.flatnonzero(
-        (many.anchor[many.first] == alone.anchor[0]) & (many.anchor[many.second] == alone.anchor[1])
-    )[0]
-    assert np.linalg.norm(many.information[row]) < 0.8 * np.linalg.norm(alone.information[0])
-    np.testing.assert_array_equal(alone.difference[0], many.difference[row])
+    anchor, (first, second) = many.table.anchor, alone.table.anchor
+    ties, tie = many.pairs, alone.pairs
+    row = np.flatnonzero((anchor[ties.first] == first) & (anchor[ties.second] == second))[0]
+    assert np.linalg.norm(ties.sqrt_information[row]) < 0.8 * np.linalg.norm(
+        tie.sqrt_information[0]
+    )
+    np.testing.assert_array_equal(tie.measured[0], ties.measured[row])
 
 
 def test_the_dive_tells_how_its_hull_bends(patches: Patches) -> None:

@@ -98,8 +98,8 @@ def test_a_wrong_folder_is_one_line_and_leaves_nothing(fleet, tmp_path: Path) ->
     answer = fleet(tmp_path / "nowhere")
     assert answer.returncode == 3
     assert (
-        answer.stderr
-        == f"error: the folder of dives cannot be read: No such file or directory ({tmp_path / 'nowhere'})\n"
+        answer.stderr == "error: the folder of dives cannot be read: No such file or directory"
+        f" ({tmp_path / 'nowhere'})\n"
     )
     (tmp_path / "empty").mkdir()
     answer = fleet(tmp_path / "empty")

@@ -16,7 +16,8 @@ from dive.conftest import Entry, Kit
 # A file that appears when code of a package has run; without a slash it can be part of a file's
 # name.
 MARK = "code-has-run"
-ATTACK = f"$(shell touch {MARK})$(touch {MARK})`touch {MARK}`; touch {MARK}; '; touch {MARK}; '\"; touch {MARK}; \""
+ATTACK = f"$(shell touch {MARK})$(touch {MARK})`touch {MARK}`; touch {MARK}; '; touch {MARK}; "
+ATTACK += f'\'"; touch {MARK}; "'
 QUOTED = ATTACK.replace('"', '\\"')  # in a TOML string
 LOGS = '[logs]\nfiles = ["log.mcap"]\n[topics]\ndvl = "/dvl"\n'
 PAGE = "index.html"  # the fleet's own, beside the dives in RUNS

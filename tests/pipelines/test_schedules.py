@@ -108,7 +108,8 @@ def test_the_cron_line_is_appended_to_a_crontab_as_the_file_says(
     tool = tmp_path / "tools" / "crontab"
     tool.parent.mkdir()
     tool.write_text(
-        f'#!/bin/sh\n[ "$1" = -l ] && exec cat {tmp_path}/table\nnew=$(cat)\necho "$new" > {tmp_path}/table\n'
+        f'#!/bin/sh\n[ "$1" = -l ] && exec cat {tmp_path}/table\n'
+        f'new=$(cat)\necho "$new" > {tmp_path}/table\n'
     )
     tool.chmod(0o755)
     (tmp_path / "table").write_text("0 3 * * * backup\n")
@@ -162,11 +163,16 @@ def directives(pipelines: Path) -> dict[str, list[str]]:
 @pytest.mark.parametrize(
     ("name", "values"),
     [
-        ("User", ["hullrecon"]), ("NoNewPrivileges", ["true"]), ("CapabilityBoundingSet", [""]), ("ProtectSystem", ["strict"]),
-        ("ReadWritePaths", ["/srv/runs"]), ("ProtectHome", ["true"]), ("PrivateTmp", ["true"]), ("PrivateDevices", ["true"]),
-        ("PrivateNetwork", ["true"]), ("RestrictAddressFamilies", ["AF_UNIX"]), ("RestrictSUIDSGID", ["true"]),
-        ("RestrictNamespaces", ["true"]), ("LockPersonality", ["true"]), ("SystemCallArchitectures", ["native"]),
-        ("SystemCallFilter", ["@system-service", "~@privileged @mount @debug"]), ("OOMPolicy", ["continue"]),
+        ("User", ["hullrecon"]), ("NoNewPrivileges", ["true"]), ("CapabilityBoundingSet", [""]),
+        ("ProtectSystem", ["strict"]),
+        ("ReadWritePaths", ["/srv/runs"]), ("ProtectHome", ["true"]), ("PrivateTmp", ["true"]),
+        ("PrivateDevices", ["true"]),
+        ("PrivateNetwork", ["true"]), ("RestrictAddressFamilies", ["AF_UNIX"]),
+        ("RestrictSUIDSGID", ["true"]),
+        ("RestrictNamespaces", ["true"]), ("LockPersonality", ["true"]),
+        ("SystemCallArchitectures", ["native"]),
+        ("SystemCallFilter", ["@system-service", "~@privileged @mount @debug"]),
+        ("OOMPolicy", ["continue"]),
         ("KillMode", ["control-group"]),
     ],
 )  # fmt: skip

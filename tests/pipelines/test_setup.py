@@ -24,7 +24,8 @@ def tools(tmp_path: Path) -> Path:
     """
     folder = tmp_path / "tools"
     for name, body in (
-        ("dpkg-query", "exit 1"), ("id", "echo 0"), ("apt-get", f"echo called: apt-get $* >> {tmp_path}/calls"),
+        ("dpkg-query", "exit 1"), ("id", "echo 0"),
+        ("apt-get", f"echo called: apt-get $* >> {tmp_path}/calls"),
     ):  # fmt: skip
         script(folder / name, body)
     return folder

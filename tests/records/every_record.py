@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.records.planes import PlaneRanges, TiedPlanes
+from hullrecon.native import PlanePairTable, PlaneRangeTable, PlaneTable
+from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.sensors import (
     DvlPings,
     ImageIndex,
@@ -107,28 +108,26 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
         "flagged": "m",
     },
     PositionTies: {"t_ns": "m", "node": "m", "antenna": "m 3", "north_east": "m 2", "sigma": "m"},
-    PlaneRanges: {
-        "plane": "r",
+    PlaneTable: {"anchor": "p"},
+    PlaneRangeTable: {
         "node": "r",
-        "quaternion": "r 4",
-        "translation": "r 3",
+        "plane": "r",
+        "offset": "r 7",
         "tray_offset": "r",
         "beam": "r 3",
-        "range_m": "r",
-        "sigma_m": "r",
+        "measured": "r",
+        "sigma": "r",
     },
-    TiedPlanes: {
-        "anchor": "p",
-        "plane": "p 3",
-        "ranges": {},
+    PlanePairTable: {
         "first": "m",
         "second": "m",
-        "difference": "m 3",
-        "information": "m 3 3",
+        "measured": "m 3",
+        "sqrt_information": "m 3 3",
         "point": "m 3",
         "place": "m 3",
         "by_place": "m 3 3",
     },
+    TiedPlanes: {"plane": "p 3", "table": {}, "ranges": {}, "pairs": {}},
     Attitude: {
         "node": "m",
         "depth": "m",

@@ -47,9 +47,7 @@ def test_every_round_counts_its_rows_but_the_first(lengths: list[int]) -> None:
 
 
 @given(st.lists(st.integers(1, 6), min_size=1, max_size=6), st.integers(0, 10**6))
-def test_a_broken_curve_is_the_rounds_with_one_gap_between_each_two(
-    lengths: list[int], seed: int
-) -> None:
+def test_broken_curve_has_gap_between_rounds(lengths: list[int], seed: int) -> None:
     rounds = np.repeat(np.arange(1, len(lengths) + 1), lengths)
     cost = np.random.default_rng(seed).uniform(0, 9, len(rounds))
     at, values = broken(np.arange(len(rounds)), cost, rounds)

@@ -77,7 +77,7 @@ def test_results_stay_in_the_global_frame_without_one() -> None:
 
 
 @pytest.mark.parametrize("pose", [hull_pose(), None], ids=["cad model", "no cad model"])
-def test_the_track_has_the_nodes_sigmas_and_the_frame_of_the_result(pose: HullPose | None) -> None:
+def test_track_has_sigmas_and_frame_of_result(pose: HullPose | None) -> None:
     found = solution(pose)
     track = found.track()
     assert track.frame is found.frame
@@ -103,7 +103,7 @@ def test_a_surface_gives_its_mesh() -> None:
     np.testing.assert_array_equal(surface.mesh().faces, surface.faces)
 
 
-def test_tracks_read_back_with_the_pixels_that_a_camera_did_not_see() -> None:
+def test_tracks_read_back_with_unseen_pixels() -> None:
     tracks = Tracks(
         landmark=np.array([0, 0, 1]),
         node=np.array([0, 1, 1]),

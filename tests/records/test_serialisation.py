@@ -98,7 +98,7 @@ def test_a_part_that_was_not_carried_leaves_nothing_to_read() -> None:
     ]
 
 
-def test_the_track_is_given_in_the_hull_frame_where_the_hull_is_known() -> None:
+def test_track_is_in_hull_frame_with_known_hull() -> None:
     known, unknown = solution(), solution(with_cad_model=False)
     assert known.hull_pose is not None
     hull = known.hull_pose.global_from_hull
@@ -120,7 +120,7 @@ def test_sigma_along_a_direction_is_that_of_the_covariance() -> None:
     assert track.sigma_towards(np.tile([0.0, 1.0, 0.0], (4, 1))).tolist() == [3.0] * 4
 
 
-def test_a_record_of_another_kind_of_record_is_found_through_its_annotation() -> None:
+def test_nested_record_is_found_by_annotation() -> None:
     @dataclass(frozen=True, kw_only=True)
     class Plain:
         value: np.ndarray

@@ -94,7 +94,7 @@ def test_the_field_is_what_scipy_interpolates_on_the_same_grid(seed: int) -> Non
 
 @QUICK
 @given(SEEDS)
-def test_beyond_its_ends_the_field_is_that_of_the_nearest_covered_point(seed: int) -> None:
+def test_field_beyond_its_ends_is_held(seed: int) -> None:
     field = random_field(seed)
     at = places(field, seed, beyond=0.5)
     nearest = np.clip(
@@ -108,7 +108,7 @@ def test_beyond_its_ends_the_field_is_that_of_the_nearest_covered_point(seed: in
 
 @QUICK
 @given(SEEDS)
-def test_a_sigma_between_nodes_is_never_beyond_those_of_the_nodes(seed: int) -> None:
+def test_field_sigma_between_nodes_is_bounded_by_nodes(seed: int) -> None:
     field = random_field(seed)
     found = field.sigma_at(places(field, seed, beyond=1.0))
     assert found.min() >= field.sigma.min() - 1e-12
@@ -117,7 +117,7 @@ def test_a_sigma_between_nodes_is_never_beyond_those_of_the_nodes(seed: int) -> 
 
 @QUICK
 @given(SEEDS)
-def test_a_track_is_in_the_frame_of_the_results_and_keeps_what_belongs_to_the_nodes(
+def test_track_is_in_frame_of_results(
     seed: int,
 ) -> None:
     solution = random_record(

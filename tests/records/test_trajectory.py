@@ -95,7 +95,7 @@ def test_the_vehicle_between_two_nodes_is_between_their_poses() -> None:
     np.testing.assert_allclose(between.rotation.as_euler("ZYX", degrees=True)[:, 0], [5.0, 22.5])
 
 
-def test_the_vehicle_is_held_before_the_first_and_after_the_last_node() -> None:
+def test_vehicle_is_held_before_first_and_after_last_node() -> None:
     held = track().vehicle_at(np.array([-5_000_000_000, 9_000_000_000]))
     np.testing.assert_allclose(held.translation[:, 0], [0.0, 3.0])
 
@@ -150,7 +150,7 @@ def random_record(kind: type, shapes: dict[str, tuple[int, ...]]) -> object:
     ],
     ids=lambda record: type(record).__name__,
 )
-def test_a_record_reads_back_as_it_was_written_also_with_empty_axes(record: object) -> None:
+def test_record_with_empty_axes_reads_back(record: object) -> None:
     again = from_arrays(type(record), to_arrays(record))
     for field in fields(record):  # type: ignore[arg-type]
         before, after = getattr(record, field.name), getattr(again, field.name)

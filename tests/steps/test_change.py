@@ -178,8 +178,11 @@ def _has_a_fifo(run: Path) -> None:
 @pytest.mark.parametrize(
     ("harm", "reason"),
     [
-        (_is_gone, "this is no run"), (_is_an_empty_folder, "this is no run"), (_is_a_file, "this is no run"),
-        (_lacks_a_step, "the run is not finished: it has no step detect"), (_is_damaged, "detect/as_found.npz is damaged"),
+        (_is_gone, "this is no run"),
+        (_is_an_empty_folder, "this is no run"),
+        (_is_a_file, "this is no run"),
+        (_lacks_a_step, "the run is not finished: it has no step detect"),
+        (_is_damaged, "detect/as_found.npz is damaged"),
         (_has_a_fifo, "adjust/solution.npz is damaged"),
     ],
 )  # fmt: skip
@@ -237,7 +240,8 @@ def test_where_detect_failed_the_step_says_so(compared: Compared, tmp_path: Path
 @pytest.mark.parametrize(
     ("earlier", "mesh", "reason"),
     [
-        (None, "hull.stl", "no earlier dive is named (change.earlier)"), ("../may", None, "no CAD model was given"),
+        (None, "hull.stl", "no earlier dive is named (change.earlier)"),
+        ("../may", None, "no CAD model was given"),
         ("../may", "hull.stl", None),
     ],
 )  # fmt: skip

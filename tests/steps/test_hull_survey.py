@@ -15,9 +15,9 @@ from steps.two_dives import write_run
 from hullrecon.artifacts.manifest import Manifest, Recipe, write_manifest
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.steps import hull_survey
+from hullrecon.steps import change as change_step
 from hullrecon.steps.artifacts import HULL_SURVEY_FILES
-from hullrecon.steps.hull_survey import FinishedRun, compare_runs, read_run
+from hullrecon.steps.change import FinishedRun, compare_runs, read_run
 
 BOX = np.array([[x, y, z] for x in (0.0, 10) for y in (-1.0, 1) for z in (0.0, 2)])
 FACES = np.array([[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7]], np.int32)
@@ -107,7 +107,7 @@ def test_cad_models_of_different_hulls_are_refused_by_their_geometry() -> None:
 def test_cad_models_of_one_hull_may_differ_by_rounding(
     shift_m: float, refused: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(hull_survey, "compare_surveys", lambda *_: "compared")
+    monkeypatch.setattr(change_step, "compare_surveys", lambda *_: "compared")
     pair = (
         finished("may", Mesh(BOX, FACES)),
         finished("june", Mesh(BOX + np.array([shift_m, 0, 0]), FACES)),

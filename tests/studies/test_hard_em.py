@@ -86,7 +86,7 @@ def test_the_cost_never_rises_from_turn_to_turn(wall) -> None:
     assert all(len(values) == len(record.cost) for values in record.cost_by_factor.values())
 
 
-def test_every_turn_keeps_the_intrinsics_prior_about_the_calibration(wall, monkeypatch) -> None:
+def test_em_turns_keep_intrinsics_prior_at_calibration(wall, monkeypatch) -> None:
     begun, solve = [], native.solve
 
     def watched(problem, options):

@@ -104,8 +104,8 @@ def test_the_caption_says_how_the_paths_lie_and_where_they_end(whole: SphereSurv
     caption = sphere(whole).caption
     assert "Around a sphere of 4 m" in caption
     assert (
-        "to 35.0 mm rms by dead reckoning, to 0.0 to 2.8 mm with planes of characteristic radii of 2 to 9 m"
-        in caption
+        "to 35.0 mm rms by dead reckoning, to 0.0 to 2.8 mm with planes of characteristic radii "
+        "of 2 to 9 m" in caption
     )
     assert "the radius of the map is 4.000 to 4.020 m, by dead reckoning 4.100 m" in caption
     assert (

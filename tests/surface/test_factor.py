@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from hullrecon.surface.regression import factor as module
-from hullrecon.surface.regression.factor import NotPositiveDefiniteError, factorise
+from hullrecon.surface import gaussian as module
+from hullrecon.surface.gaussian import NotPositiveDefiniteError, factorise
 
 
 def _banded(n: int) -> sparse.csr_array:
@@ -17,15 +17,12 @@ def _banded(n: int) -> sparse.csr_array:
 
 
 @pytest.mark.parametrize("small", [0, 1000])
-def test_dense_and_sparse_factors_solve_and_know_the_determinant(
-    small: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_dense_and_sparse_factors_solve(small: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "SMALL", small)
     matrix = _banded(60)
     right = np.arange(120.0).reshape(60, 2)
     solver = factorise(matrix)
     assert np.allclose(matrix @ solver.solve(right), right)
-    assert np.isclose(solver.log_determinant, np.linalg.slogdet(matrix.toarray())[1])
 
 
 @pytest.mark.parametrize("small", [0, 1000])

@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.surface.regression.factor import NotPositiveDefiniteError
-from hullrecon.surface.regression.gaussian import fit, fit_robust, maximise_likelihood
-from hullrecon.surface.regression.kernels import Kernel
+from hullrecon.surface.gaussian import (
+    Kernel,
+    fit,
+    fit_robust,
+    maximise_likelihood,
+)
 
-KERNEL = Kernel("product", (2.0, 1.0), 0.1)
+KERNEL = Kernel((2.0, 1.0), 0.1)
 
 
 def _draw(kernel: Kernel, at: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -52,21 +55,6 @@ def test_no_place_asked_about_gives_no_sigma() -> None:
     assert result.sigma(np.zeros((0, 2))).shape == (0,)
 
 
-@pytest.mark.parametrize("side", [19, 24])
-def test_the_printed_radial_kernel_is_refused_where_it_is_no_covariance(side: int) -> None:
-    at = 0.2 * np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(
-        -1, 2
-    ).astype(float)
-    with pytest.raises(NotPositiveDefiniteError, match="radial"):
-        fit(Kernel("radial", (1.0, 1.0), 0.1), at, np.zeros(len(at)), np.full(len(at), 0.5))
-
-
-def test_the_printed_radial_kernel_works_where_it_is_a_covariance() -> None:
-    at = np.array([[0.0, 0], [0.5, 0], [5, 5]])
-    result = fit(Kernel("radial", (1.0, 1.0), 0.1), at, np.array([0.1, 0.1, 0]), np.full(3, 0.01))
-    assert result.mean(at)[0] == pytest.approx(0.1, abs=0.01)
-
-
 def test_a_wild_observation_hardly_moves_the_robust_surface(rng: np.random.Generator) -> None:
     at = rng.uniform(0, 2, (80, 2))
     values = rng.normal(0, 0.005, 80)
@@ -80,11 +68,11 @@ def test_a_wild_observation_hardly_moves_the_robust_surface(rng: np.random.Gener
 def test_likelihood_finds_the_lengths_and_the_noise_that_made_the_data(
     rng: np.random.Generator,
 ) -> None:
-    truth = Kernel("product", (4.0, 1.5), 0.05)
+    truth = Kernel((4.0, 1.5), 0.05)
     at = rng.uniform(0, [6, 4], (300, 2))
     values = _draw(truth, at, rng) + rng.normal(0, 0.01, 300)
     found, scale = maximise_likelihood(
-        Kernel("product", (8.0, 3.0), 0.02), at, values, np.full(300, 0.005), (0.3, 60.0)
+        Kernel((8.0, 3.0), 0.02), at, values, np.full(300, 0.005), (0.3, 60.0)
     )
     # 0.5: the spread over seeds of a patch two lengths wide
     assert found.length[0] == pytest.approx(4.0, rel=0.5)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.surface.hull_reference import CadHull, UnknownHull
@@ -35,23 +34,17 @@ def test_without_a_cad_model_the_chart_is_a_plane_that_faces_the_sensors() -> No
     np.testing.assert_allclose(offset, [0.5, 0.0], atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("reference", "circular"), [("cad", True), ("plane", False), ("none", False)]
-)
-def test_the_note_says_whether_a_comparison_is_circular(reference: str, circular: bool) -> None:
-    comparison = CadHull(mesh=SLAB).comparison(reference, poses_are_adjusted=False)
-    assert comparison.reference == reference
-    assert ("circular" in str(comparison.note)) == circular
+def test_comparison_with_a_cad_model_is_called_circular() -> None:
+    comparison = CadHull(mesh=SLAB).comparison(poses_are_adjusted=False)
+    assert comparison.reference == "cad"
+    assert "circular" in str(comparison.note)
     assert "poses" not in str(comparison.note)
-    assert "poses" in str(CadHull(mesh=SLAB).comparison(reference, poses_are_adjusted=True).note)
+    assert "poses" in str(CadHull(mesh=SLAB).comparison(poses_are_adjusted=True).note)
 
 
-@pytest.mark.parametrize(
-    ("asked", "in_force"), [("cad", "plane"), ("plane", "plane"), ("none", "none")]
-)
-def test_without_a_cad_model_offsets_are_from_a_plane(asked: str, in_force: str) -> None:
-    comparison = UnknownHull().comparison(asked, poses_are_adjusted=True)
-    assert comparison.reference == in_force
+def test_comparison_without_a_cad_model_has_no_note() -> None:
+    comparison = UnknownHull().comparison(poses_are_adjusted=True)
+    assert comparison.reference == "plane"
     assert comparison.note is None
 
 

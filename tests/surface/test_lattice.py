@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.neighbours import nearest
-from hullrecon.surface.lattice import supported_lattice
+from hullrecon.surface.build import supported_lattice
 
 
 def test_every_vertex_is_near_a_return() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.surface.outliers import statistical_inliers
+from hullrecon.surface.from_returns import statistical_inliers
 
 
 def _grid() -> np.ndarray:

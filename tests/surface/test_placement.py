@@ -8,7 +8,7 @@ import pytest
 from hullrecon.geometry import poses
 from hullrecon.geometry.frames import Frame
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.surface.placement import move_to_hull_frame, pose_sigma_along
+from hullrecon.surface.from_returns import move_to_hull_frame, pose_sigma_along
 
 
 def test_a_position_sigma_counts_along_the_normal_only() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.surface.regression.thinning import cell_means
+from hullrecon.surface.tiles import cell_means
 
 
 def test_points_of_one_cell_become_their_weighted_mean() -> None:

@@ -7,12 +7,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.surface.regression import tiles
-from hullrecon.surface.regression.gaussian import fit_robust
-from hullrecon.surface.regression.kernels import Kernel
-from hullrecon.surface.regression.thinning import Observations
+from hullrecon.surface import tiles
+from hullrecon.surface.gaussian import Kernel, fit_robust
+from hullrecon.surface.tiles import Observations
 
-KERNEL = Kernel("product", (6.0, 2.0), 0.03)
+KERNEL = Kernel((6.0, 2.0), 0.03)
 NOISE_M = 0.006
 
 

@@ -1,8 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Selection of observations, landmarks and returns that enter a round."""
+"""Selection of observations, landmarks and returns for a round, and of landmarks after it."""
 
 from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,7 +17,10 @@ from hullrecon.adjustment.problem.triangulation import (
     reprojection_errors,
     triangulate,
 )
+from hullrecon.native import MonoTable, Problem, Result, StereoTable, SurfaceTable
 from hullrecon.typing import Array, Mask
+
+Table = TypeVar("Table", StereoTable, MonoTable, SurfaceTable)
 
 
 def landmark_count(m: Measurements) -> int:
@@ -134,3 +140,33 @@ def _near_hull(state: State, reach_m: float = 2.0) -> Mask:
         gap, _ = cKDTree(state.nodes.translation).query(finite)
         return np.asarray(gap < 30.0)
     return np.asarray(np.abs(state.hull.cad_distance(finite)) < reach_m)
+
+
+def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
+    """Keep landmarks `keep` (L,) of a problem alone, and renumber their factors.
+
+    A solve may push a landmark behind its cameras or metres off the hull: a mismatch along an
+    epipolar line, when every landmark is pulled to the hull, or when one solve starts from dead
+    reckoning. Nothing determines it there, and one of them is enough for the covariances not to
+    exist.
+    """
+    number = (np.cumsum(keep) - 1).astype(np.int32)
+
+    def kept(table: Table) -> Table:
+        rows = table.take(keep[table.landmark])
+        return replace(rows, landmark=number[rows.landmark])
+
+    return replace(
+        problem,
+        unknowns=replace(problem.unknowns, landmark=problem.unknowns.landmark[keep]),
+        stereo=kept(problem.stereo),
+        mono=kept(problem.mono),
+        surface=kept(problem.surface),
+    )
+
+
+def drop_label_rows(result: Result, surface_rows: Mask) -> Result:
+    """Keep rows (m,) of the surface table in the result of a problem with fewer landmarks."""
+    if len(result.label) != len(surface_rows):
+        return result
+    return replace(result, label=result.label[surface_rows], distance=result.distance[surface_rows])

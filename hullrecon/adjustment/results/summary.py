@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
@@ -16,7 +17,6 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import intrinsics, iteration_history, weighting
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
-from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
 from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
@@ -29,6 +29,7 @@ from hullrecon.adjustment.results.unexpected_errors import (
 from hullrecon.adjustment.stereo_calibration import stereo_warning
 from hullrecon.estimation.position_tables import fit_of_positions
 from hullrecon.geometry.poses import pose_vector
+from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.solution import Solution
 from hullrecon.typing import Array, Arrays
 
@@ -71,10 +72,10 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         **_figures(m, adjusted),
         "navigation_sigma": _navigation_sigma(marginals),
         "weak_directions": weak,
-        "residuals_before": residual_statistics.by_factor(
+        "residuals_before": residuals_by_factor(
             native.evaluate(adjusted.start, settings, jacobian=False)
         ),
-        "residuals_after": residual_statistics.by_factor(
+        "residuals_after": residuals_by_factor(
             native.evaluate(adjusted.problem, settings, jacobian=False)
         ),
         **_registration(adjusted),
@@ -325,3 +326,22 @@ def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
             "its first guess may be wrong."
         )
     return found
+
+
+def residuals_by_factor(evaluation: native.Evaluation) -> dict[str, dict[str, float]]:
+    """Compute count, RMS, robust sigma and share beyond three of each factor's residuals."""
+    found = {}
+    for number, name in enumerate(native.FACTORS):
+        values = evaluation.residual[evaluation.factor == number]
+        if len(values):
+            found[name] = _residual_figures(values)
+    return found
+
+
+def _residual_figures(values: NDArray[np.float64]) -> dict[str, float]:
+    return {
+        "count": float(len(values)),
+        "rms": float(np.sqrt(np.mean(values**2))),
+        "robust_sigma": robust_sigma(values),
+        "share_beyond_3": float(np.mean(np.abs(values) > 3)),
+    }

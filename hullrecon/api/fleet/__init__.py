@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""All dives of a folder, without watching: what is new or out of date is run, failures stay with
-their dive.
-"""
+"""All dives of a folder: what is new or out of date is run, a failure stays with its dive."""
 
 from hullrecon.api.fleet.fleet import preview_fleet, run_fleet
 from hullrecon.api.fleet.outcome import FleetDive, FleetResult

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Run every dive of a folder that is new or whose result is out of date, each in a process of its
-own.
-"""
+"""Run every dive of a folder that is new or out of date, each in a process of its own."""
 
 from __future__ import annotations
 
@@ -10,107 +8,406 @@ import logging
 import math
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+import msgspec
 
 from hullrecon.api.fleet.index_page import FleetIndex
 from hullrecon.api.fleet.outcome import FleetDive, FleetResult, State
-from hullrecon.api.fleet.plan import (
-    PlannedDive,
-    RunTerms,
-    packages_for,
-    plan_fleet,
-    result_signature,
+from hullrecon.api.fleet.packages import (
+    FILE,
+    MADE_BY_RUNS,
+    Listing,
+    Skipped,
+    as_utf8,
+    find_packages,
+    list_folder,
+    program_signature,
+    read_name,
 )
 from hullrecon.api.fleet.processes import Ended, run_each
-from hullrecon.api.fleet.records import FOLDER, DiveRecord, FleetRecords
-from hullrecon.api.fleet.text import as_utf8
-from hullrecon.artifacts.disk import make_folder
+from hullrecon.artifacts.disk import make_folder, write_file
+from hullrecon.artifacts.documents import DamagedArtifactError, seal, unseal
 from hullrecon.artifacts.executor import choose_executor
+from hullrecon.artifacts.machine import usable_cores
 from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.workspace import PUBLISHED, hold_lock
-from hullrecon.errors import LockedError, StageError, UsageError
+from hullrecon.errors import HullreconError, InputError, LockedError, StageError, UsageError
 
 log = logging.getLogger(__name__)
+FOLDER = ".fleet"  # in RUNS; no dive can have this name
+# Failures that the package or the program decides; a full disk, a lock or a kill may be over by the
+# next call.
+LASTING = (1, 2, 3, 4)
+TRIED_AGAIN_S = 86_400.0  # a failure may have other causes all the same, such as too little memory
+ABOVE_REMEDY = "choose another folder with --runs"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Terms:
+    """What a dive of a fleet may do."""
+
+    allow_outside: bool = False  # read files outside its package
+    time_limit_s: float | None = None  # None for no limit
+
+
+class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How a dive ended last, and what package, result and program were then."""
+
+    name: str | None
+    package: str  # signatures
+    result: str
+    program: str
+    exit_code: int
+    reason: str
+    refused: bool  # it was not run
+    ended_s: float  # since 1970
+    allow_outside: bool = False
+    time_limit_s: float | None = None  # the limit that ended it, None where none did
+
+    def holds(self, terms: Terms) -> bool:
+        """Whether a failure would most likely come again: nothing changed, and it may no more."""
+        more_time = self.time_limit_s is not None and (
+            terms.time_limit_s is None or terms.time_limit_s > self.time_limit_s
+        )
+        return (
+            self.exit_code in LASTING
+            and not self.refused
+            and not more_time
+            and not (terms.allow_outside and not self.allow_outside)
+            and 0 <= time.time() - self.ended_s < TRIED_AGAIN_S
+        )
+
+
+class FleetRecords:
+    """The records of a folder of runs by package: one document, written whole after each dive."""
+
+    def __init__(self, runs: Path) -> None:
+        self._path = runs / FOLDER / "dives.json"
+        try:
+            document = unseal(self._path.read_bytes())
+            self._records = msgspec.convert(document, dict[str, DiveRecord])
+        except (OSError, DamagedArtifactError, msgspec.ValidationError):
+            self._records = {}  # which costs a look at each dive
+
+    def get(self, package: Path) -> DiveRecord | None:
+        return self._records.get(as_utf8(package))
+
+    def put(self, package: Path, record: DiveRecord) -> None:
+        """Remember how a dive ended, durably."""
+        self._records[as_utf8(package)] = record
+        write_file(self._path, seal(msgspec.to_builtins(self._records)))
+
+    def forget_all_but(self, dives: Path, packages: Iterable[Path]) -> None:
+        """Forget the packages that are gone from a folder of dives, from the next `put` on."""
+        there = {as_utf8(package) for package in packages}
+        self._records = {
+            key: record
+            for key, record in self._records.items()
+            if key in there or not Path(key).is_relative_to(dives)
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedDive:
+    """A package of a fleet before it is run."""
+
+    package: Path  # absolute
+    name: str | None  # of the dive, None where dive.toml does not tell
+    listing: Listing
+    to_do: str = ""  # why it is run, empty where it is not
+    refused: HullreconError | None = None  # why it may not be run
+    record: DiveRecord | None = None  # how it ended last, None where unknown
+
+
+def preview_fleet(
+    dives: Path | str,
+    runs: Path | str = "runs",
+    *,
+    retry: bool = False,
+    allow_outside: bool = False,
+    time_limit_s: float | None = None,
+) -> FleetResult:
+    """Say what `run_fleet` would do, without changing anything.
+
+    Raises InputError when there is no package.
+    """
+    terms = Terms(allow_outside=allow_outside, time_limit_s=time_limit_s)
+    return _Fleet(dives, runs, retry=retry, terms=terms).result()
 
 
 def run_fleet(
-    dives: Path | str, runs: Path | str = "runs", *, jobs: int = 1, scheduler: str | None = None, retry: bool = False,
-    progress: Progress | None = None, on_failure: Callable[[FleetDive], None] | None = None, allow_outside: bool = False,
+    dives: Path | str,
+    runs: Path | str = "runs",
+    *,
+    jobs: int = 1,
+    scheduler: str | None = None,
+    retry: bool = False,
+    progress: Progress | None = None,
+    on_failure: Callable[[FleetDive], None] | None = None,
+    allow_outside: bool = False,
     time_limit_s: float | None = None,
-) -> FleetResult:  # fmt: skip
-    """Bring every dive package in the folder `dives` up to date in RUNS, as `hullrecon fleet` does;
-    return how each stands.
+) -> FleetResult:
+    """Bring every dive package in the folder `dives` up to date, as `hullrecon fleet` does.
 
-    jobs: dives at a time. scheduler: address of a Dask scheduler for all of them. retry: run also
-    what failed before and has not changed since. on_failure: called with each failed dive, as it
-    fails. allow_outside: dives may read files outside their packages. time_limit_s: a dive that
-    takes longer is ended and has failed. Raises LockedError when another fleet works for these
-    runs, InputError when there is no package, StorageError when RUNS cannot be written; for a
-    failed dive nothing.
+    Parameters
+    ----------
+    jobs
+        Dives at a time. Each has its share of the cores.
+    scheduler
+        Address of a Dask scheduler for all of them.
+    retry
+        Run also what failed before and has not changed since.
+    on_failure
+        Called with each failed dive, as it fails.
+    allow_outside
+        Dives may read files outside their packages.
+    time_limit_s
+        A dive that takes longer is ended and has failed.
+
+    Raises
+    ------
+    LockedError
+        Another fleet works for these runs.
+    InputError
+        There is no package.
+    StorageError
+        RUNS cannot be written. A dive that fails raises nothing.
     """
-    terms = RunTerms(allow_outside=allow_outside, time_limit_s=time_limit_s)
-    here, out = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
-    packages_for(here, out)  # a wrong folder is said before anything is written
+    terms = Terms(allow_outside=allow_outside, time_limit_s=time_limit_s)
+    out = Path(os.path.realpath(runs))
+    _packages(Path(os.path.realpath(dives)), out)  # a wrong folder is said before writing
     with _lock(out):
-        records = FleetRecords(out)
-        memory = _Memory(records=records, runs=out, terms=terms, on_failure=on_failure)
-        planned, skipped = plan_fleet(here, out, records, retry=retry, terms=terms)
-        records.forget_all_but(here, [dive.package for dive in planned])
-        to_do = {dive.package: dive for dive in planned if dive.to_do}
+        fleet = _Fleet(dives, runs, retry=retry, terms=terms, on_failure=on_failure)
+        to_do = {dive.package: dive for dive in fleet.planned if dive.to_do}
         if scheduler is not None and to_do:
-            with choose_executor(scheduler=scheduler):  # an address where nobody answers ends here
-                pass
-        done = {dive.package: _fleet_dive(dive, out) for dive in planned}
-        for dive in planned:
+            choose_executor(scheduler=scheduler).close()  # where nobody answers it ends here
+        for dive in fleet.planned:
             if not dive.to_do:
-                _note(dive, done[dive.package], memory)
-        log.info("%d of %d dives to run", len(to_do), len(planned))
-        commands = {
-            package: _command(dive, out, scheduler, terms) for package, dive in to_do.items()
-        }
+                fleet.note(dive, fleet.done[dive.package])
+        log.info("%d of %d dives to run", len(to_do), len(fleet.planned))
+        cores = max(1, usable_cores() // jobs)
+        commands = {p: _command(dive, out, scheduler, terms, cores) for p, dive in to_do.items()}
         index, running = FleetIndex(out), set[Path]()
 
         def start(package: Path) -> None:
             running.add(package)
-            index.write(done.values(), running)
+            index.write(fleet.done.values(), running)
 
+        limit_s = time_limit_s or math.inf
         try:
-            with closing(
-                run_each(commands, jobs, out / FOLDER, time_limit_s or math.inf, start)
-            ) as ended:
+            with closing(run_each(commands, jobs, out / FOLDER, limit_s, start)) as ended:
                 for package, end in (progress or Progress()).track(ended, "dives", len(commands)):
                     running.remove(package)
-                    done[package] = _outcome(to_do[package], end, out)
-                    _note(to_do[package], done[package], memory, timed_out=end.timed_out)
+                    fleet.end(to_do[package], end)
                     index.forget(to_do[package].name)
-                    index.write(done.values(), running)
+                    index.write(fleet.done.values(), running)
         finally:
             if to_do or not index.exists():  # a call that finds nothing to do reads no results
-                index.write(done.values())
-    return FleetResult(
-        dives_folder=here, runs=out, dives=tuple(done.values()), skipped=tuple(skipped)
-    )
+                index.write(fleet.done.values())
+        return fleet.result()
 
 
-def preview_fleet(
-    dives: Path | str, runs: Path | str = "runs", *, retry: bool = False, allow_outside: bool = False,
-    time_limit_s: float | None = None,
-) -> FleetResult:  # fmt: skip
-    """Return what `run_fleet` would do, without changing anything. Raises InputError when there is
-    no package.
+class _Fleet:
+    """The dives of one call: what is planned, and how each stands."""
+
+    def __init__(
+        self,
+        dives: Path | str,
+        runs: Path | str,
+        *,
+        retry: bool,
+        terms: Terms,
+        on_failure: Callable[[FleetDive], None] | None = None,
+    ) -> None:
+        self.dives, self.runs = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
+        self._terms, self._on_failure = terms, on_failure
+        self._program = program_signature()
+        self._records = FleetRecords(self.runs)
+        packages, self._skipped = _packages(self.dives, self.runs)
+        self.planned = self._plan(packages, retry)
+        self._records.forget_all_but(self.dives, packages)
+        self.done = {dive.package: self._before(dive) for dive in self.planned}
+
+    def _plan(self, packages: list[Path], retry: bool) -> list[PlannedDive]:
+        names, refused = _names(packages, self.dives, self.runs)
+        planned = []
+        for package in packages:
+            listing = list_folder(package, self.dives)
+            for name, kind in listing.special:
+                self._skipped.append(Skipped(path=package / name, reason=f"{kind}, not opened"))
+            dive = PlannedDive(
+                package=package,
+                name=names.get(package),
+                listing=listing,
+                refused=refused.get(package),
+                record=self._records.get(package),
+            )
+            if dive.refused is None:
+                dive = replace(dive, to_do=self._why_run(dive, retry))
+            planned.append(dive)
+        return planned
+
+    def _why_run(self, dive: PlannedDive, retry: bool) -> str:
+        """Return why a dive is run; empty where its last result or failure stands."""
+        record = dive.record
+        if record is None:
+            return "new"
+        if (record.package, record.name) != (dive.listing.signature, dive.name):
+            return "the package changed"
+        if record.program != self._program:
+            return "hullrecon changed"
+        if record.exit_code:
+            return "it failed before" if retry or not record.holds(self._terms) else ""
+        return "" if record.result == self._result_signature(dive) else "the result changed"
+
+    def _result_signature(self, dive: PlannedDive) -> str:
+        if dive.name is None:
+            return ""
+        folder = self.runs / dive.name
+        return list_folder(folder, folder, MADE_BY_RUNS).signature
+
+    def _before(self, dive: PlannedDive) -> FleetDive:
+        """Return how a dive stands that is not run, or not yet."""
+        record = dive.record
+        if dive.refused is not None:
+            code, reason = dive.refused.exit_code, dive.refused.line()
+            known = _is_known(record, code, reason)
+            return self._dive(dive, "failed", code, reason, known=known)
+        if dive.to_do or record is None:
+            return self._dive(dive, "to do", None, dive.to_do)
+        state: State = "failed" if record.exit_code else "up to date"
+        early = record.refused or record.time_limit_s is not None
+        return self._dive(
+            dive, state, record.exit_code, record.reason, known=True, ended_early=early
+        )
+
+    def end(self, dive: PlannedDive, ended: Ended) -> None:
+        """Note how a dive stands whose process has ended."""
+        path = _log_file(dive, self.runs)
+        with suppress(FileNotFoundError):
+            if path.stat().st_size == 0:
+                path.unlink()
+        name = dive.package.name
+        log.debug("%s ended with exit code %d after %.1f s", name, ended.exit_code, ended.seconds)
+        code, reason = ended.exit_code, ended.reason
+        if dive.name is None and code == 0:
+            code, reason = UsageError.exit_code, "its dive.toml changed while it was read"
+        now = self._dive(
+            dive,
+            "failed" if code else "delivered",
+            code,
+            reason,
+            ran=True,
+            known=_is_known(dive.record, code, reason),
+            ended_early=ended.timed_out,
+        )
+        self.done[dive.package] = now
+        self.note(dive, now, timed_out=ended.timed_out)
+
+    def note(self, dive: PlannedDive, now: FleetDive, *, timed_out: bool = False) -> None:
+        """Remember how a dive stands where that is new, and report a failure."""
+        if now.exit_code is not None and (now.ran or not now.known):
+            record = DiveRecord(
+                name=dive.name,
+                package=dive.listing.signature,
+                result=self._result_signature(dive),
+                program=self._program,
+                exit_code=now.exit_code,
+                reason=as_utf8(now.reason),
+                refused=dive.refused is not None,
+                ended_s=time.time(),
+                allow_outside=self._terms.allow_outside,
+                time_limit_s=self._terms.time_limit_s if timed_out else None,
+            )
+            self._records.put(dive.package, record)
+        if now.state == "failed" and self._on_failure is not None:
+            self._on_failure(now)
+
+    def _dive(
+        self,
+        dive: PlannedDive,
+        state: State,
+        code: int | None,
+        reason: str,
+        *,
+        ran: bool = False,
+        known: bool = False,
+        ended_early: bool = False,
+    ) -> FleetDive:
+        """Return how a dive stands. ended_early: its run was cut off, so deliver/ is not of it."""
+        path = _log_file(dive, self.runs)
+        # a step that fails alone, such as a mosaic, leaves the rest delivered
+        is_whole = code == 0 or (code == StageError.exit_code and not ended_early)
+        return FleetDive(
+            package=dive.package,
+            name=dive.name,
+            state=state,
+            exit_code=code,
+            reason=reason,
+            ran=ran,
+            known=known,
+            files=dive.listing.files,
+            log=path if dive.name is not None and path.is_file() else None,
+            delivered=is_whole
+            and dive.name is not None
+            and (self.runs / dive.name / PUBLISHED).is_dir(),
+        )
+
+    def result(self) -> FleetResult:
+        return FleetResult(
+            dives_folder=self.dives,
+            runs=self.runs,
+            dives=tuple(self.done.values()),
+            skipped=tuple(self._skipped),
+        )
+
+
+def _is_known(record: DiveRecord | None, code: int, reason: str) -> bool:
+    return record is not None and (record.exit_code, record.reason) == (code, reason)
+
+
+def _packages(dives: Path, runs: Path) -> tuple[list[Path], list[Skipped]]:
+    """Find the packages in `dives` and what is skipped.
+
+    Raises InputError when there is no package, UsageError when results would lie among packages.
     """
-    here, out = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
-    terms = RunTerms(allow_outside=allow_outside, time_limit_s=time_limit_s)
-    planned, skipped = plan_fleet(here, out, FleetRecords(out), retry=retry, terms=terms)
-    return FleetResult(
-        dives_folder=here,
-        runs=out,
-        dives=tuple(_fleet_dive(dive, out) for dive in planned),
-        skipped=tuple(skipped),
-    )
+    packages, skipped = find_packages(dives)
+    if not packages:
+        is_package = (dives / FILE).exists()
+        remedy = f"this is a package itself: `hullrecon run {dives}`" if is_package else ""
+        what = f"no dive package (a folder with a {FILE}) lies here"
+        raise InputError(what, where=str(dives), remedy=remedy)
+    if runs == dives or any(runs.is_relative_to(package) for package in packages):
+        what = "results would lie among the packages"
+        raise UsageError(what, where=str(runs), remedy=ABOVE_REMEDY)
+    return packages, [s for s in skipped if s.path != runs]
+
+
+def _names(
+    packages: list[Path], dives: Path, runs: Path
+) -> tuple[dict[Path, str | None], dict[Path, HullreconError]]:
+    """Read the dives' names, and find the packages that may not be run."""
+    names, refused = dict[Path, str | None](), dict[Path, HullreconError]()
+    for package in packages:
+        try:
+            name = names[package] = read_name(package, dives)
+        except HullreconError as error:
+            refused[package] = error
+            continue
+        if name is not None and dives.is_relative_to(runs / name):
+            what = f"the results of a dive called {name} would lie above the packages"
+            refused[package] = UsageError(what, where=str(package), remedy=ABOVE_REMEDY)
+    for package, name in names.items():
+        others = [p.name for p, other in names.items() if other == name and p != package]
+        if name is not None and others:
+            what = f"its dive.name {name} is also that of {', '.join(others)}"
+            remedy = "give each dive a name of its own"
+            refused[package] = UsageError(what, where=str(package), remedy=remedy)
+    return names, refused
 
 
 @contextmanager
@@ -124,9 +421,10 @@ def _lock(runs: Path) -> Iterator[None]:
         raise LockedError(what, where=str(runs), remedy="wait for it to end") from None
 
 
-def _command(dive: PlannedDive, runs: Path, scheduler: str | None, terms: RunTerms) -> list[str]:
-    """Return the arguments that run a dive; those that explain what is wrong with its dive.toml
-    where it tells no name.
+def _command(
+    dive: PlannedDive, runs: Path, scheduler: str | None, terms: Terms, cores: int
+) -> list[str]:
+    """Return the arguments that run a dive, or explain what is wrong with its dive.toml.
 
     The name is that which was compared with all others', should dive.toml change meanwhile.
     """
@@ -135,116 +433,15 @@ def _command(dive: PlannedDive, runs: Path, scheduler: str | None, terms: RunTer
     path = _log_file(dive, runs)
     make_folder(path.parent)
     path.unlink(missing_ok=True)
-    more = [] if scheduler is None else ["--scheduler", scheduler]
-    more += ["--allow-outside"] if terms.allow_outside else []
-    named = f'dive.name="{dive.name}"'
-    return [
-        "run",
-        str(dive.package),
-        "--runs",
-        str(runs),
-        "--set",
-        named,
-        "--log-file",
-        str(path),
-        *more,
-    ]
+    options = {
+        "--runs": str(runs),
+        "--set": f'dive.name="{dive.name}"',
+        "--log-file": str(path),
+        **({"--jobs": str(cores)} if scheduler is None else {"--scheduler": scheduler}),
+    }
+    more = ["--allow-outside"] if terms.allow_outside else []
+    return ["run", str(dive.package), *(word for o in options.items() for word in o), *more]
 
 
 def _log_file(dive: PlannedDive, runs: Path) -> Path:
     return runs / FOLDER / "logs" / f"{dive.name}.log"
-
-
-def _outcome(dive: PlannedDive, ended: Ended, runs: Path) -> FleetDive:
-    """Return how a dive stands whose process has ended; an empty log is removed."""
-    path = _log_file(dive, runs)
-    with suppress(FileNotFoundError):
-        if path.stat().st_size == 0:
-            path.unlink()
-    log.debug(
-        "%s ended with exit code %d after %.1f s", dive.package.name, ended.exit_code, ended.seconds
-    )
-    code, reason = ended.exit_code, ended.reason
-    if dive.name is None and code == 0:
-        code, reason = UsageError.exit_code, "its dive.toml changed while it was read"
-    known = dive.record is not None and (dive.record.exit_code, dive.record.reason) == (
-        code,
-        reason,
-    )
-    state: State = "failed" if code else "delivered"
-    return _dive(
-        dive, runs, state, code, reason, ran=True, known=known, ended_early=ended.timed_out
-    )
-
-
-def _fleet_dive(dive: PlannedDive, runs: Path) -> FleetDive:
-    """Return how a dive stands that is not run, or not yet."""
-    record = dive.record
-    if dive.refused is not None:
-        code, reason = dive.refused.exit_code, dive.refused.line()
-        known = record is not None and (record.exit_code, record.reason) == (code, reason)
-        return _dive(dive, runs, "failed", code, reason, known=known)
-    if dive.to_do or record is None:
-        return _dive(dive, runs, "to do", None, dive.to_do)
-    state: State = "failed" if record.exit_code else "up to date"
-    ended_early = record.refused or record.time_limit_s is not None
-    return _dive(
-        dive, runs, state, record.exit_code, record.reason, known=True, ended_early=ended_early
-    )
-
-
-def _dive(
-    dive: PlannedDive, runs: Path, state: State, code: int | None, reason: str, *, ran: bool = False, known: bool = False,
-    ended_early: bool = False,
-) -> FleetDive:  # fmt: skip
-    """Return how a dive stands. ended_early: its run did not come to its end; one that fails there
-    withdraws what was delivered before, but for a step that fails alone.
-    """
-    path = _log_file(dive, runs)
-    is_whole = state in ("delivered", "up to date") or (
-        code == StageError.exit_code and not ended_early
-    )
-    return FleetDive(
-        package=dive.package,
-        name=dive.name,
-        state=state,
-        exit_code=code,
-        reason=reason,
-        ran=ran,
-        known=known,
-        files=dive.listing.files,
-        log=path if dive.name is not None and path.is_file() else None,
-        delivered=is_whole and dive.name is not None and (runs / dive.name / PUBLISHED).is_dir(),
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Memory:
-    """Where it is noted how a dive stands, under which terms it was run, and who is told of a
-    failure.
-    """
-
-    records: FleetRecords
-    runs: Path
-    terms: RunTerms
-    on_failure: Callable[[FleetDive], None] | None
-
-
-def _note(dive: PlannedDive, now: FleetDive, memory: _Memory, *, timed_out: bool = False) -> None:
-    """Remember how a dive stands where that is new, and report a failure."""
-    if now.exit_code is not None and (now.ran or not now.known):
-        record = DiveRecord(
-            name=dive.name,
-            package=dive.listing.signature,
-            result=result_signature(memory.runs, dive.name),
-            program=dive.program,
-            exit_code=now.exit_code,
-            reason=as_utf8(now.reason),
-            refused=dive.refused is not None,
-            ended_s=time.time(),
-            allow_outside=memory.terms.allow_outside,
-            time_limit_s=memory.terms.time_limit_s if timed_out else None,
-        )
-        memory.records.put(dive.package, record)
-    if now.state == "failed" and memory.on_failure is not None:
-        memory.on_failure(now)

@@ -1,26 +1,30 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write RUNS/index.html: every dive, its state, what stands out, and the way to its report. A
-static page, written whole.
-"""
+"""Write RUNS/index.html: every dive, its state, what stands out, and the way to its report."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import TypeVar
 from urllib.parse import quote
 
-from hullrecon.api.fleet.findings import DiveFindings, read_findings
+import msgspec
+
 from hullrecon.api.fleet.outcome import FleetDive
-from hullrecon.api.fleet.text import as_utf8, one_line
+from hullrecon.api.fleet.packages import as_utf8, one_line
 from hullrecon.artifacts.disk import write_file
 from hullrecon.artifacts.workspace import PUBLISHED
 
 FILE = "index.html"
 REPORT = Path(PUBLISHED) / "report" / "index.html"
+REFUSED = "the CAD model does not fit"
+MIN_WEAK_M = 0.1  # a position that is known better does not stand out
+_LARGEST_BYTES = 1 << 26
+Kind = TypeVar("Kind", bound=msgspec.Struct)
 _WORDS = {
     "failed": "failed",
     "running": "running",
@@ -32,23 +36,21 @@ _WORDS = {
 
 @dataclass(frozen=True, kw_only=True)
 class IndexRow:
-    """One dive in the table. kind: what the state is, for its colour; link: relative address of its
-    report.
-    """
+    """One dive in the table."""
 
     name: str
-    kind: str
+    kind: str  # a key of _WORDS, for the colour
     state: str
     reason: str = ""
     about: str = ""
     findings: tuple[str, ...] = ()
     largest_m: float = 0.0
-    link: str = ""
+    link: str = ""  # relative address of its report
     link_text: str = "report"
 
 
 class FleetIndex:
-    """The page of one folder of runs. Results are read once, and again when their dive has ended."""
+    """The page of one folder of runs. A result is read once, and again when its dive has ended."""
 
     def __init__(self, runs: Path) -> None:
         self._runs = runs
@@ -63,9 +65,7 @@ class FleetIndex:
         return (self._runs / FILE).exists()
 
     def write(self, dives: Iterable[FleetDive], running: Collection[Path] = ()) -> None:
-        """Write the page, durably and in one step. running: packages of the dives that are at work
-        now.
-        """
+        """Write the page, durably. running: packages of the dives that are at work now."""
         dives = list(dives)
         rows = [self._row(dive, dive.package in running) for dive in dives]
         rows += self._others({dive.name for dive in dives})
@@ -161,3 +161,89 @@ def render_index(rows: Sequence[IndexRow]) -> str:
     return environment.from_string(text).render(
         rows=rows, counts=counts if rows else "none", written=written
     )
+
+
+class _Dive(msgspec.Struct, frozen=True):
+    vessel: str | None = None
+    date: str | None = None
+
+
+class _Summary(msgspec.Struct, frozen=True):
+    dive: _Dive = _Dive()
+    absent: Mapping[str, str] = {}
+    lost: tuple[str, ...] = ()
+
+
+class _Object(msgspec.Struct, frozen=True):
+    id: int
+    height: float
+    height_sigma: float | None = None
+    address: str | None = None
+
+
+class _Objects(msgspec.Struct, frozen=True):
+    objects: tuple[_Object, ...] = ()
+
+
+class _WeakDirection(msgspec.Struct, frozen=True):
+    kind: str = ""
+    sigma: float = 0.0
+    sentence: str = ""
+
+
+class _Alignment(msgspec.Struct, frozen=True):
+    weak_directions: tuple[_WeakDirection, ...] = ()
+
+
+class DiveFindings(msgspec.Struct, frozen=True, kw_only=True):
+    """What stands out of one dive's result."""
+
+    about: str = ""  # vessel and date
+    sentences: tuple[str, ...] = ()  # the worst first
+    largest_m: float = 0.0  # height of the largest object, 0 without
+
+
+def read_findings(deliver: Path) -> DiveFindings | None:
+    """Read what stands out of a folder of deliverables; None without a readable summary."""
+    summary = _read(deliver / "summary.json", _Summary)
+    if summary is None:
+        return None
+    objects = _read(deliver / "objects.json", _Objects)
+    alignment = _read(deliver / "alignment.json", _Alignment) or _Alignment()
+    found = objects.objects if objects is not None else ()
+    largest = max(found, key=lambda one: abs(one.height), default=None)
+    sentences = []
+    if summary.absent.get("alignment.json", "").startswith(REFUSED):
+        sentences.append("The CAD model was refused: it does not fit the survey.")
+    if largest is not None:
+        sentences.append(_of_objects(len(found), largest))
+    elif objects is not None:
+        sentences.append("No object was found.")
+    weak = [w for w in alignment.weak_directions if w.kind == "position" and w.sigma > MIN_WEAK_M]
+    sentences += [w.sentence for w in sorted(weak, key=lambda w: -w.sigma)[:1]]
+    if summary.lost:
+        more = f" and {len(summary.lost) - 1} more" if summary.lost[1:] else ""
+        sentences.append(f"Data were lost: {summary.lost[0]}{more}.")
+    about = (summary.dive.vessel, (summary.dive.date or "")[:10])
+    return DiveFindings(
+        about=" · ".join(text for text in about if text),
+        sentences=tuple(sentences),
+        largest_m=0.0 if largest is None else abs(largest.height),
+    )
+
+
+def _of_objects(count: int, largest: _Object) -> str:
+    sigma = "" if largest.height_sigma is None else f" ± {largest.height_sigma:.3f}"
+    kind = "height" if largest.height >= 0 else "depth"
+    where = f", {largest.address}" if largest.address else ""
+    of = "One object" if count == 1 else f"{count} objects, the largest no. {largest.id}"
+    return f"{of}: {kind} {abs(largest.height):.3f}{sigma} m{where}."
+
+
+def _read(path: Path, kind: type[Kind]) -> Kind | None:
+    """Return a document; None where there is none that can be read."""
+    try:
+        with path.open("rb") as file:
+            return msgspec.json.decode(file.read(_LARGEST_BYTES), type=kind)
+    except (OSError, msgspec.MsgspecError):
+        return None

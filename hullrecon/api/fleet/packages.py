@@ -1,17 +1,19 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find the dive packages of a folder and read their names.
+"""Find the dive packages of a folder, read their names, and notice when files change.
 
-The folder is written by others. Names are data; links that leave it are not followed; nothing but a
-regular file is opened.
+The folder is written by others. Names are data, links that leave it are not followed, and nothing
+but a regular file is opened.
 """
 
 from __future__ import annotations
 
+import hashlib
 import os
 import stat
 import tomllib
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import get_type_hints
@@ -21,13 +23,25 @@ import msgspec
 from hullrecon.dive.config.schema import Dive
 from hullrecon.dive.files import special_kind
 from hullrecon.errors import InputError, UsageError
+from hullrecon.version import version
 
 FILE = "dive.toml"
 # The TOML parser takes minutes for a key of ten thousand parts (143 s for 64 KiB), and it runs in
 # the fleet's own process.
 MAX_BYTES = 65_536
 MAX_DOTS = 200
+MADE_BY_RUNS = (".hullrecon", "logs", "quarantine")  # in RUNS/<dive>, beside the artifacts
 NAME_TYPE = get_type_hints(Dive, include_extras=True)["name"]
+
+
+def one_line(text: str) -> str:
+    r"""Write characters that are not printable, such as a line's end, as \n or \x1b."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def as_utf8(path: str | os.PathLike[str]) -> str:
+    r"""Return a path as text that can be encoded; bytes that are not UTF-8 stand as \xNN."""
+    return os.fsencode(path).decode(errors="backslashreplace")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,20 +53,17 @@ class Skipped:
 
 
 def find_packages(dives: Path) -> tuple[list[Path], list[Skipped]]:
-    """Return the folders in `dives`, an absolute path without links, that hold a dive.toml, and
-    what is skipped; by name.
+    """Find the folders in `dives` that hold a dive.toml, and what is skipped, by name.
 
-    Regular files are neither. Raises InputError when the folder cannot be listed.
+    `dives` is an absolute path without links. Raises InputError when it cannot be listed.
     """
     try:
         entries = sorted(os.scandir(dives), key=lambda entry: os.fsencode(entry.name))
     except OSError as error:
-        raise InputError(
-            f"the folder of dives cannot be read: {error.strerror}", where=str(dives)
-        ) from None
-    own = [entry for entry in entries if not entry.is_symlink()]
+        what = f"the folder of dives cannot be read: {error.strerror}"
+        raise InputError(what, where=str(dives)) from None
     packages, skipped = dict[Path, None](), list[Skipped]()
-    for entry in [*own, *(entry for entry in entries if entry.is_symlink())]:
+    for entry in sorted(entries, key=os.DirEntry.is_symlink):  # links last: they lead to others
         path = dives / entry.name
         reason = _why_not(entry, path, dives, packages)
         if reason:
@@ -75,16 +86,13 @@ def _why_not(
     if not entry.is_dir():
         kind = special_kind(entry.stat(follow_symlinks=False).st_mode)
         return f"{kind}, not opened" if kind else ""
-    return (
-        None
-        if os.path.lexists(path / FILE) or not os.access(path, os.X_OK)
-        else f"it holds no {FILE}"
-    )
+    if os.path.lexists(path / FILE) or not os.access(path, os.X_OK):
+        return None
+    return f"it holds no {FILE}"
 
 
 def read_name(package: Path, dives: Path) -> str | None:
-    """Return the dive's name; None where dive.toml is not valid, which `hullrecon status` explains
-    better.
+    """Read the dive's name; None where dive.toml is not valid, which `status` explains better.
 
     Raises InputError where dive.toml is no regular file inside `dives`, UsageError where it is too
     large to be one.
@@ -101,25 +109,98 @@ def read_name(package: Path, dives: Path) -> str | None:
 
 
 def _read(path: Path, dives: Path) -> bytes:
-    """Return at most MAX_BYTES + 1 bytes of a file. Opening does not wait for a FIFO's writer."""
+    """Read at most MAX_BYTES + 1 bytes of a file, without waiting for a FIFO's writer."""
+    folder = str(path.parent)
     if not Path(os.path.realpath(path)).is_relative_to(dives):
-        raise InputError(
-            f"{FILE} is a link that leaves the folder of dives", where=str(path.parent)
-        )
+        raise InputError(f"{FILE} is a link that leaves the folder of dives", where=folder)
     try:
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise InputError(f"{FILE} is no regular file", where=str(path.parent))
+                raise InputError(f"{FILE} is no regular file", where=folder)
             return file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise InputError(
-            f"{FILE} cannot be read: {error.strerror}", where=str(path.parent)
-        ) from None
+        raise InputError(f"{FILE} cannot be read: {error.strerror}", where=folder) from None
 
 
-def same_names(names: dict[Path, str | None]) -> Iterator[tuple[Path, list[Path]]]:
-    """Yield each package whose dive has the name of another's, with those others."""
-    for package, name in names.items():
-        others = [other for other, theirs in names.items() if theirs == name and other != package]
-        if name is not None and others:
-            yield package, others
+@dataclass(frozen=True, kw_only=True)
+class Listing:
+    """A folder as it looks without opening a file."""
+
+    files: tuple[str, ...]  # relative to it
+    special: tuple[tuple[str, str], ...]  # its FIFOs, sockets and devices, with what they are
+    signature: str  # hash of names, sizes, times and inodes
+
+
+def list_folder(folder: Path, inside: Path, leave_out: tuple[str, ...] = ()) -> Listing:
+    """List a folder. What cannot be read counts as absent.
+
+    Parameters
+    ----------
+    inside
+        Links to folders are followed inside this one alone.
+    leave_out
+        Names at the folder's top that do not count.
+    """
+    files, special, marks = list[str](), list[tuple[str, str]](), hashlib.sha256()
+    seen = set[tuple[int, int]]()
+    with suppress(OSError):
+        seen.add(_identity(folder.stat()))
+    for name, status in _walk(str(folder), "", inside, seen, leave_out):
+        kind = special_kind(status.st_mode)
+        if kind:
+            special.append((name, kind))
+        elif stat.S_ISREG(status.st_mode):
+            files.append(name)
+        marks.update(os.fsencode(name) + _mark(status))
+    return Listing(files=tuple(files), special=tuple(special), signature=marks.hexdigest())
+
+
+def program_signature() -> str:
+    """Hash this program's own code: results of other code have to be looked at again."""
+    package = Path(__file__).parents[2]
+    marks = hashlib.sha256(version().encode())
+    for path in sorted([*package.rglob("*.py"), *package.glob("*.so")]):
+        marks.update(os.fsencode(path.relative_to(package)) + _mark(path.stat()))
+    return marks.hexdigest()
+
+
+def _mark(status: os.stat_result) -> bytes:
+    kind = stat.S_IFMT(status.st_mode)
+    return b"\0%d %d %d %d\n" % (kind, status.st_size, status.st_mtime_ns, status.st_ino)
+
+
+def _identity(status: os.stat_result) -> tuple[int, int]:
+    return status.st_dev, status.st_ino
+
+
+def _walk(
+    folder: str,
+    prefix: str,
+    inside: Path,
+    seen: set[tuple[int, int]],
+    leave_out: tuple[str, ...] = (),
+) -> Iterator[tuple[str, os.stat_result]]:
+    """Yield each file below a folder, and each link without target, with its status, by name."""
+    try:
+        entries = sorted(os.scandir(folder), key=lambda entry: os.fsencode(entry.name))
+    except OSError:
+        return
+    for entry in entries:
+        name, status = prefix + entry.name, _status(entry)
+        if status is None or entry.name in leave_out:
+            continue
+        if not stat.S_ISDIR(status.st_mode):
+            yield name, status
+        elif _identity(status) not in seen and (
+            not entry.is_symlink() or Path(os.path.realpath(entry)).is_relative_to(inside)
+        ):
+            seen.add(_identity(status))
+            yield from _walk(entry.path, f"{name}/", inside, seen)
+
+
+def _status(entry: os.DirEntry[str]) -> os.stat_result | None:
+    """Return the status of a file, of a link that of its target, or its own where it has none."""
+    for follow in (True, False):
+        with suppress(OSError):
+            return entry.stat(follow_symlinks=follow)
+    return None

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Run commands of hullrecon in processes of their own, some at a time: what ends one leaves the
-others.
-"""
+"""Run commands of hullrecon in processes of their own: what ends one leaves the others."""
 
 from __future__ import annotations
 
@@ -26,25 +24,23 @@ from hullrecon.errors import StageError
 
 Key = TypeVar("Key")
 _CODE = (
-    "import sys; from hullrecon.api.fleet.processes import end_with_parent; end_with_parent(int(sys.argv.pop(1)));"
-    "from hullrecon_cli.start import start; start()"
+    "import sys; from hullrecon.api.fleet.processes import end_with_parent;"
+    "end_with_parent(int(sys.argv.pop(1))); from hullrecon_cli.start import start; start()"
 )
 # -P: a numpy.py in the folder where the fleet was started is not imported
 PROGRAM = (sys.executable, "-P", "-c", _CODE)
 _POLL_S = 0.05
 _PATIENCE_S = 30.0  # to end after SIGTERM
 _PR_SET_PDEATHSIG = 1
-_MAX_ANSWER = 1 << 22
+_MAX_ANSWER = 1 << 22  # bytes of a command's document that are read
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ended:
-    """How a command ended. exit_code: 128 + signal where one ended it, as a shell has it, 4 where
-    its time was over; reason: empty when all was well.
-    """
+    """How a command ended."""
 
-    exit_code: int
-    reason: str
+    exit_code: int  # 128 + signal where one ended it, as in a shell; 4 where its time was over
+    reason: str  # empty when all was well
     seconds: float
     timed_out: bool = False
 
@@ -65,12 +61,17 @@ def run_each(
     time_limit_s: float = math.inf,
     on_start: Callable[[Key], None] | None = None,
 ) -> Generator[tuple[Key, Ended], None, None]:
-    """Run hullrecon with each of these arguments, `jobs` at a time, and yield how each ended, as
-    they end.
+    """Run hullrecon with each of these arguments, `jobs` at a time; yield each as it ends.
 
-    A command that takes longer than time_limit_s is ended with SIGTERM, and so is what still runs
-    when the generator is closed. scratch: folder for what the commands print. on_start: called with
-    each command that was started.
+    What takes longer than time_limit_s is ended, and so is what still runs when the generator is
+    closed.
+
+    Parameters
+    ----------
+    scratch
+        Folder for what the commands print.
+    on_start
+        Called with the key of each command that was started.
     """
     waiting, running = deque(commands.items()), list[_Running[Key]]()
     try:
@@ -79,25 +80,27 @@ def run_each(
                 running.append(_start(*waiting.popleft(), scratch))
                 if on_start is not None:
                     on_start(running[-1].key)
-            ended = [r for r in running if r.process.poll() is not None]
-            for r in ended:
-                running.remove(r)
-                yield r.key, _end_of(r)
-            late = [r for r in running if time.monotonic() - r.started > time_limit_s]
-            for r in late:
-                end = _end_late(r, time_limit_s)
-                running.remove(r)
-                yield r.key, end
-            if not ended and not late:
+            for run in running:
+                if run.process.poll() is not None:
+                    end = _end_of(run)
+                elif time.monotonic() - run.started > time_limit_s:
+                    end = _end_late(run, time_limit_s)
+                else:
+                    continue
+                running.remove(run)
+                yield run.key, end
+                break
+            else:
                 time.sleep(_POLL_S)
     finally:
-        _stop(running)
+        _terminate(running)
+        for run in running:
+            run.output.close()
+            run.errors.close()
 
 
 def end_with_parent(parent: int) -> None:
-    """Have the kernel send SIGTERM to this process when the one that started it ends, even by
-    SIGKILL.
-    """
+    """Have the kernel end this process when the one that started it ends, even by SIGKILL."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != parent:
         os.kill(os.getpid(), signal.SIGTERM)
@@ -114,39 +117,29 @@ def _start(key: Key, arguments: Sequence[str], scratch: Path) -> _Running[Key]:
 
 
 def _end_of(run: _Running[Key]) -> Ended:
-    code = run.process.returncode
+    code, reason = run.process.returncode, ""
     with run.output, run.errors:
-        reason = (
-            ""
-            if code == 0
-            else _signal(-code)
-            if code < 0
-            else _message(run.output) or _last_line(run.errors)
-        )
-    return Ended(
-        exit_code=code if code >= 0 else 128 - code,
-        reason=reason,
-        seconds=time.monotonic() - run.started,
-    )
+        if code < 0:
+            known = -code in set(signal.Signals)
+            name = signal.Signals(-code).name if known else f"signal {-code}"
+            why = ": most likely the memory ran out" if -code == signal.SIGKILL else ""
+            code, reason = 128 - code, f"ended by {name}{why}"
+        elif code > 0:
+            reason = _message(run.output) or _last_line(run.errors)
+    return Ended(exit_code=code, reason=reason, seconds=time.monotonic() - run.started)
 
 
 def _end_late(run: _Running[Key], time_limit_s: float) -> Ended:
-    """End a command whose time is over, and say so; what came to its end meanwhile is taken as it
-    ended.
-    """
+    """End a command whose time is over, unless it came to its end meanwhile."""
     _terminate([run])
     ended = _end_of(run)
     if ended.exit_code == 0:
         return ended
-    reason = f"it took longer than {time_limit_s:g} s (--time-limit); finished steps are kept, its log says how far it came"
-    return replace(ended, exit_code=StageError.exit_code, reason=reason, timed_out=True)
-
-
-def _signal(number: int) -> str:
-    name = signal.Signals(number).name if number in set(signal.Signals) else f"signal {number}"
-    return f"ended by {name}" + (
-        ": most likely the memory ran out" if number == signal.SIGKILL else ""
+    reason = (
+        f"it took longer than {time_limit_s:g} s (--time-limit); finished steps are kept,"
+        " its log says how far it came"
     )
+    return replace(ended, exit_code=StageError.exit_code, reason=reason, timed_out=True)
 
 
 def _message(output: IO[bytes]) -> str:
@@ -163,24 +156,14 @@ def _last_line(errors: IO[bytes]) -> str:
     return next((line.strip() for line in reversed(lines) if line.strip()), "it said nothing")
 
 
-def _stop(running: Sequence[_Running[Key]]) -> None:
-    """End processes and forget what they printed."""
-    _terminate(running)
-    for r in running:
-        r.output.close()
-        r.errors.close()
-
-
 def _terminate(running: Sequence[_Running[Key]]) -> None:
-    """End processes: a run that gets SIGTERM leaves what it has finished; one that does not listen
-    is killed.
-    """
-    for r in running:
-        r.process.terminate()
+    """End processes by SIGTERM, which keeps finished steps; what does not listen is killed."""
+    for run in running:
+        run.process.terminate()
     until = time.monotonic() + _PATIENCE_S
-    for r in running:
+    for run in running:
         try:
-            r.process.wait(max(0.0, until - time.monotonic()))
+            run.process.wait(max(0.0, until - time.monotonic()))
         except subprocess.TimeoutExpired:
-            r.process.kill()
-            r.process.wait()
+            run.process.kill()
+            run.process.wait()

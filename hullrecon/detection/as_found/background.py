@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull as found, without its structures: the smooth offset from the base surface that heights
-are counted from.
-"""
+"""The smooth offset of the hull from its base surface, from which heights are counted."""
 
 from __future__ import annotations
 
@@ -30,9 +28,7 @@ class Background(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class FieldBackground:
-    """The adjustment's deviation field on the chart; outside its grid the offset is 0 with the
-    field's largest sigma.
-    """
+    """The adjustment's deviation field; zero with its largest sigma outside the grid."""
 
     chart: Chart
     field: DeviationField
@@ -47,9 +43,7 @@ class FieldBackground:
 
 @dataclass(frozen=True, kw_only=True)
 class MedianBackground:
-    """Without a field: at each of the nodes the median offset of the landmarks around it, smooth
-    between nodes.
-    """
+    """Median offsets of the landmarks around nodes, smooth between them."""
 
     node: Array
     value: Array
@@ -64,11 +58,19 @@ class MedianBackground:
 
 
 def median_background(feet: Array, offset: Array, width_m: float) -> Background:
-    """Return the hull by running medians over discs `width_m` wide: what covers less than half a
-    disc is not hull.
+    """Estimate the hull by running medians over discs `width_m` wide.
 
-    feet (n, 3) of the landmarks on the base, offset (n,) m. Landmarks are first thinned to medians
-    of small cells, so that a richly textured structure does not outvote the hull around it.
+    What covers less than half a disc is not hull. Landmarks are first thinned to medians of small
+    cells, so that a richly textured structure does not outvote the hull around it.
+
+    Parameters
+    ----------
+    feet
+        of the landmarks on the base (n, 3).
+    offset
+        of the landmarks from the base (n,) m.
+    width_m
+        of a disc.
     """
     from scipy.spatial import cKDTree
 

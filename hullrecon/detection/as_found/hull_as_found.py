@@ -4,51 +4,50 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from hullrecon.detection.as_found.background import Background
-from hullrecon.detection.as_found.fusion import fuse_shapes
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
-from hullrecon.detection.as_found.mesh import affordable_edge, refine_near
+from hullrecon.detection.as_found.shapes import count_shapes
 from hullrecon.detection.objects.heights import Heights, local_heights
-from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.options import MIN_OFFSET_M, DetectOptions
 from hullrecon.detection.views import CameraViews, Visibility, find_visibility_by_cell
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
+from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.meshes.tessellation import facet_sagitta, facet_turn
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.records.surface import Surface
 from hullrecon.typing import Array, Ints, Mask
 
 # one vertex a cell is asked who saw it: on bare hull, near structures
 COARSE_CELL_M, FINE_CELL_M = 0.06, 0.02
+FINE_EDGE_M = 0.012  # longest edge of the mesh at structures
 SHADOW_M = 0.15  # a structure's shadow hardly reaches farther
+SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the DVL's surface
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullAsFound:
-    """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull
-    (n,) m, the smooth offset of the hull from the base, and its sigma; height (n,) m above that
-    hull, 0 where not measured; sigma (n,) m of the height; measured (n,) bool; agreement (n,) share
-    of landmarks that agree; shapes (n,) views whose shapes show it [Ozog2016 Algorithm 5]; seen: by
-    which views; at structures sagitta (n,) m, how far the true curve may stand off the CAD model's
-    facet there, and turn (n,) rad, by which the facet's neighbours may be turned from it.
-    """
+    """The hull as found, by vertices (n) of the refined base."""
 
-    mesh: Mesh
-    base: Mesh
-    normal: Array
-    hull: Array
-    hull_sigma: Array
-    height: Array
-    sigma: Array
-    measured: Mask
-    agreement: Array
-    shapes: Ints
-    seen: Visibility
+    mesh: Mesh  # where the vertices are now
+    base: Mesh  # where they are on the base
+    normal: Array  # (n, 3) of the base
+    hull: Array  # (n,) m, smooth offset of the hull from the base
+    hull_sigma: Array  # (n,) m
+    height: Array  # (n,) m above that hull, 0 where not measured
+    sigma: Array  # (n,) m of the height
+    measured: Mask  # (n,) bool
+    agreement: Array  # (n,) share of landmarks that agree
+    shapes: Ints  # (n,) views whose shapes show it [Ozog2016 Algorithm 5]
+    seen: Visibility  # by which views
+    # (n,) m at structures: how far the true curve may stand off the CAD model's facet
     sagitta: Array
-    turn: Array
+    turn: Array  # (n,) rad at structures: by which the facet's neighbours may be turned from it
 
     @property
     def deviation(self) -> Array:
@@ -56,8 +55,34 @@ class HullAsFound:
         return self.hull + self.height
 
     def deviation_at(self, vertices: Ints) -> Array:
-        """Return the same of some vertices (n,)."""
+        """Return the deviations (n,) m of some vertices."""
         return np.asarray(self.hull[vertices] + self.height[vertices])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unfused:
+    """The refined base with its regressed heights, before shapes are fused into it."""
+
+    mesh: Mesh  # vertices (n)
+    normal: Array  # (n, 3) outward
+    hull: Array  # (n,) m, smooth offset of the hull from the base
+    height: Array  # (n,) m above that hull by regression, 0 where no landmark is near
+    features: Array  # (m, 3) landmarks
+    feature_height: Array  # (m,) m of the landmarks above the hull
+
+
+# vertices where they are now (n, 3), their heights (n,) m above the hull, and the views (n,) whose
+# shapes show them
+Fusion = Callable[[Unfused, CameraViews, DetectOptions], tuple[Array, Array, Ints]]
+
+
+def fuse_heights(
+    given: Unfused, views: CameraViews, options: DetectOptions
+) -> tuple[Array, Array, Ints]:
+    """Move each vertex along its normal by the regressed height, and count the shapes there."""
+    moved = given.mesh.vertices + given.normal * (given.hull + given.height)[:, None]
+    shapes = count_shapes(views, given.features, given.feature_height, moved, options)
+    return moved, given.height, shapes
 
 
 def estimate_hull_as_found(
@@ -66,37 +91,52 @@ def estimate_hull_as_found(
     background: Background,
     views: CameraViews,
     options: DetectOptions,
+    fusion: Fusion = fuse_heights,
 ) -> HullAsFound:
-    """Refine the base where landmarks are, finely at structures; move it to the landmarks; see what
-    saw it.
+    """Refine the base at landmarks and structures, and move it to the landmarks.
+
+    Parameters
+    ----------
+    base
+        the CAD model, or the survey's own surface.
+    measured
+        landmarks that measure it.
+    background
+        the hull without structures.
+    fusion
+        how regressed heights and the views' shapes become vertices.
     """
     hull_at_foot, _ = background.at(measured.foot)
     height = measured.offset - hull_at_foot
     edge = affordable_edge(measured.foot, options.max_edge_m, options.max_vertices)
     mesh = refine_near(base, measured.foot, edge, options.reach_m)
     coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height, options)
-    high = np.abs(coarse.value) >= options.min_offset_m
+    high = np.abs(coarse.value) >= MIN_OFFSET_M
     old = len(mesh.vertices)
     left = max(options.max_vertices - old, 1)
-    fine = min(edge, affordable_edge(mesh.vertices[high], options.max_fine_edge_m, left))
-    mesh = refine_near(mesh, mesh.vertices[high], fine, 2 * options.max_fine_edge_m)
+    fine = min(edge, affordable_edge(mesh.vertices[high], FINE_EDGE_M, left))
+    mesh = refine_near(mesh, mesh.vertices[high], fine, 2 * FINE_EDGE_M)
     normal = vertex_normals(mesh)
     heights = coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height, options))
     hull, hull_sigma = background.at(mesh.vertices)
     known = np.isfinite(heights.value)
-    moved = mesh.vertices + normal * (hull + np.where(known, heights.value, 0.0))[:, None]
-    rays_to = moved if options.fusion == "heights" else mesh.vertices
-    fused = fuse_shapes(views, measured.position, height, rays_to, options)
-    raised = np.where(known, heights.value, 0.0)
-    if options.fusion == "rays":
-        taken = fused.count > 0
-        moved = np.where(taken[:, None], fused.vertex, mesh.vertices + normal * hull[:, None])
-        raised = np.where(taken, np.einsum("ni,ni->n", moved - mesh.vertices, normal) - hull, 0.0)
+    moved, raised, shapes = fusion(
+        Unfused(
+            mesh=mesh,
+            normal=normal,
+            hull=hull,
+            height=np.where(known, heights.value, 0.0),
+            features=measured.position,
+            feature_height=height,
+        ),
+        views,
+        options,
+    )
     shape = Mesh(moved, mesh.faces)
-    cell = np.where(_near_structures(mesh, raised, options), FINE_CELL_M, COARSE_CELL_M)
+    cell = np.where(_near_structures(mesh, raised), FINE_CELL_M, COARSE_CELL_M)
     seen = find_visibility_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
-    sagitta, turn = _facets_at(base, mesh, np.abs(raised) >= options.min_offset_m)
-    sigma = np.where(known, heights.sigma, options.min_offset_m)
+    sagitta, turn = _facets_at(base, mesh, np.abs(raised) >= MIN_OFFSET_M)
+    sigma = np.where(known, heights.sigma, MIN_OFFSET_M)
     return HullAsFound(
         mesh=shape,
         base=mesh,
@@ -107,7 +147,7 @@ def estimate_hull_as_found(
         sigma=sigma,
         measured=known,
         agreement=heights.agreement,
-        shapes=fused.count,
+        shapes=shapes,
         seen=seen,
         sagitta=sagitta,
         turn=turn,
@@ -115,7 +155,7 @@ def estimate_hull_as_found(
 
 
 def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
-    """Return sagitta and turn of the base's face under each of those vertices (2, n), 0 elsewhere."""
+    """Return sagitta and turn (2, n) of the base's facets under vertices, 0 elsewhere."""
     out = np.zeros((2, len(mesh.vertices)))
     if which.any():
         face = Scene(base).closest(mesh.vertices[which]).face
@@ -123,9 +163,9 @@ def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
     return out
 
 
-def _near_structures(mesh: Mesh, height: Array, options: DetectOptions) -> Mask:
+def _near_structures(mesh: Mesh, height: Array) -> Mask:
     """Mark the vertices on structures and where these may hide the hull from a camera."""
-    off = np.abs(height) >= options.min_offset_m
+    off = np.abs(height) >= MIN_OFFSET_M
     if not off.any():
         return off
     return np.asarray(np.isfinite(nearest(mesh.vertices[off], mesh.vertices, 1, SHADOW_M)[0][:, 0]))
@@ -136,4 +176,77 @@ def _regress(
 ) -> Heights:
     return local_heights(
         at, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach_m
+    )
+
+
+def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mesh:
+    """Split edges longer than `edge_m` within `reach_m` of points (n, 3).
+
+    Beyond, edges may be longer in proportion to the distance.
+    """
+    cell = 0.5 * max(edge_m, reach_m)
+    thinned: Array = np.unique(np.round(points / cell), axis=0) * cell
+
+    def allowed_edge(middle: Array) -> Array:
+        distance, _ = nearest(thinned, middle, 1)
+        return np.asarray(edge_m + np.maximum(0.0, distance[:, 0] - reach_m - cell))
+
+    return refine(mesh, allowed_edge, spared_m=edge_m)[0] if len(points) else mesh
+
+
+def affordable_edge(points: Array, edge_m: float, max_vertices: int) -> float:
+    """Lengthen an edge where the area seen would need too many vertices.
+
+    A mesh of that edge has a vertex an 0.43 edge^2.
+    """
+    cell = 0.2
+    area = len(np.unique(np.floor(points / cell).astype(np.int64), axis=0)) * cell**2
+    return float(max(edge_m, np.sqrt(area / (0.43 * max_vertices))))
+
+
+def as_found_surface(
+    found: HullAsFound, measured: SurfaceLandmarks, has_cad_model: bool = True
+) -> Surface:
+    """Make the record of the hull as found.
+
+    Support are the views that saw a vertex where landmarks measured it, 0 where it was unseen or
+    seen without texture. Sigma is of its position in the hull frame, with what all landmarks around
+    share. Without a CAD model the deviation is NaN.
+    """
+    _, row = nearest(measured.foot, found.base.vertices, 1)
+    shared = measured.common[row[:, 0]]
+    sigma = np.where(
+        found.measured, np.hypot(found.sigma, shared), np.hypot(found.sigma, found.hull_sigma)
+    )
+    support = np.where(found.measured, found.seen.views, 0)
+    deviation = found.deviation if has_cad_model else np.full(len(sigma), np.nan)
+    return Surface(
+        vertices=found.mesh.vertices,
+        faces=found.mesh.faces,
+        deviation=deviation,
+        sigma=sigma,
+        support=support,
+    )
+
+
+def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Surface:
+    """Move the CAD model to the DVL's surface, where that lies within two edges."""
+    mesh = refine_near(cad_model, surface.vertices, edge_m, edge_m)
+    distance, row = nearest(
+        surface.vertices, mesh.vertices, min(4, len(surface.vertices)), 2 * edge_m
+    )
+    known = np.isfinite(distance[:, 0])
+    weight = np.where(np.isfinite(distance), 1 / (distance + 1e-3) ** 2, 0.0)
+    weight[known] /= weight[known].sum(axis=1, keepdims=True)
+    row = np.where(np.isfinite(distance), row, 0)
+
+    def carry_over(values: Array) -> Array:
+        return np.asarray((weight * values[row]).sum(axis=1))
+
+    deviation = carry_over(surface.deviation)
+    sigma = np.where(known, np.hypot(carry_over(surface.sigma), SEAM_SIGMA_M), np.nan)
+    support = np.where(known, surface.support[row[:, 0]], 0)
+    vertices = mesh.vertices + vertex_normals(mesh) * deviation[:, None]
+    return Surface(
+        vertices=vertices, faces=mesh.faces, deviation=deviation, sigma=sigma, support=support
     )

@@ -4,39 +4,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from hullrecon.estimation.landmark_variance import variance_along_normals
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.records.solution import HullPose
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.rows import Rows
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurfaceLandmarks:
-    """Landmarks that measure the base surface, in its frame. row (n,): in the Solution; position,
-    foot on the base and outward normal there (n, 3); offset (n,) m, signed distance to the base;
-    sigma (n,) m along the normal, of each on its own; common (n,) m, what it shares with its
-    neighbours (the dive's place on the hull); covariance (n, 3, 3) of each; views (n,).
-    """
+class SurfaceLandmarks(Rows):
+    """Landmarks (n) that measure the base surface, in its frame."""
 
-    row: Ints
-    position: Array
-    foot: Array
-    normal: Array
-    offset: Array
-    sigma: Array
-    common: Array
-    covariance: Array
-    views: Ints
-
-    def __len__(self) -> int:
-        return len(self.row)
-
-    def take(self, which: Mask | Ints) -> SurfaceLandmarks:
-        return SurfaceLandmarks(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
+    row: Ints  # (n,) in the Solution
+    position: Array  # (n, 3)
+    foot: Array  # (n, 3) on the base
+    normal: Array  # (n, 3) of the base there, outward
+    offset: Array  # (n,) m, signed distance to the base
+    sigma: Array  # (n,) m along the normal, of each on its own
+    common: Array  # (n,) m, what it shares with its neighbours: the dive's place on the hull
+    covariance: Array  # (n, 3, 3)
+    views: Ints  # (n,)
 
 
 def measure_surface(
@@ -48,14 +39,21 @@ def measure_surface(
     largest_sigma_m: float,
     hull_pose: HullPose | None = None,
 ) -> SurfaceLandmarks:
-    """Return what landmarks (n, 3) with covariances (n, 3, 3) say about the surface of `scene`.
+    """Measure the surface of `scene` by landmarks near it.
 
-    hull_pose: whose error the covariances hold as a sum, None where they hold none; it moves all
-    landmarks as one, and is no noise of theirs however large it is.
+    Left out are landmarks that are not finite, seen by one image only, farther off than
+    `farthest_m`, less certain along the normal than `largest_sigma_m`, and those whose closest
+    point is the rim of the base, beside which they lie rather than above it.
 
-    Left out: those not finite, seen by one image only, farther off than `farthest_m`, less certain
-    along the normal than `largest_sigma_m`, and those whose closest point is the base's rim, beside
-    which they lie rather than above it.
+    Parameters
+    ----------
+    position
+        of the landmarks (n, 3).
+    covariance
+        of the landmarks (n, 3, 3).
+    hull_pose
+        whose error is part of the covariances, None where it is not. It moves all landmarks as
+        one, and is no noise of theirs however large it is.
     """
     row = np.flatnonzero(np.isfinite(position).all(axis=1) & (views >= 2))
     near = scene.closest(position[row])

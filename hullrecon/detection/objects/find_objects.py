@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Objects on the hull: regions of the as-found mesh that are certain, measured in the hull's frame."""
+"""Objects on the hull: regions of the as-found mesh that are certain, measured."""
 
 from __future__ import annotations
 
@@ -12,11 +12,14 @@ from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.hull_position import MIDDLE_SHARE, hull_position
-from hullrecon.detection.objects.open_edge import find_open_edge
-from hullrecon.detection.objects.outline import outline
+from hullrecon.detection.objects.footprint import (
+    find_open_edge,
+    hidden_extent,
+    measure_size,
+    outline,
+)
 from hullrecon.detection.objects.regions import TOP_M2, Region, find_regions
 from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
-from hullrecon.detection.objects.size import hidden_extent, measure_size
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, rows_in_image, visible_rows
 from hullrecon.geometry.meshes.casting import Scene
@@ -25,6 +28,7 @@ from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.robust import weighted_quantile
 from hullrecon.typing import Array, Ints, Mask
 
+MIN_AGREEMENT = 0.6  # share of the landmarks on an object that must stand off as it does
 IMAGES = 6  # named with each object
 # a landmark whose foot is farther from every vertex lies where the hull was not meshed
 NEAR_M = 0.02
@@ -32,15 +36,13 @@ NEAR_M = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class HullObject:
-    """One structure, as in objects.json (docs/deliverables.md): lengths in m, points in the frame
-    of the surface. deviation: None without a CAD model.
-    """
+    """One structure, as in objects.json (docs/deliverables.md); lengths in m."""
 
-    center: list[float]
+    center: list[float]  # in the frame of the surface, as all points
     normal: list[float]
     height: float
     height_sigma: float
-    deviation: float | None
+    deviation: float | None  # None without a CAD model
     deviation_sigma: float | None
     extent: list[float]
     extent_sigma: list[float]
@@ -56,7 +58,7 @@ class HullObject:
     position: dict[str, object]
 
     def as_json(self) -> dict[str, object]:
-        """Return a row of objects.json, the place's members beside the others."""
+        """Return a row of objects.json."""
         row = asdict(self)
         del row["position"]
         return row | self.position
@@ -64,30 +66,28 @@ class HullObject:
 
 @dataclass(frozen=True, kw_only=True)
 class _RegionEvidence:
-    """A region looked at. center: the vertex in the middle of its top; seen: views that show it,
-    the best first; chance that bare hull looks so; sigma m of its height.
-    """
+    """What speaks for a region."""
 
     region: Region
-    center: int
-    seen: Ints
-    chance: float
-    sigma: float
+    center: int  # vertex in the middle of its top
+    seen: Ints  # views that show it, the best first
+    chance: float  # that bare hull looks so
+    sigma: float  # m, of its height
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Landmarks:
-    """Of a dive, where their feet lie, and where the vertices of the base do."""
+    """The landmarks of a dive, indexed by their feet on the base."""
 
     measured: SurfaceLandmarks
-    around: Around
-    vertices: Around
+    around: Around  # the feet
+    vertices: Around  # of the base
 
     def at(self, found: HullAsFound, vertices: Ints) -> tuple[Ints, Ints]:
-        """Return the landmarks whose foot is nearer to one of these vertices than to all others,
-        and that vertex of each.
+        """Find the landmarks nearest to some vertices, and the vertex of each.
 
-        Those on the hull at the foot of a structure's edge are not among those of the structure.
+        A landmark belongs to the vertex nearest to its foot: those on the hull at the foot of a
+        structure's edge are not among those of the structure.
         """
         where = found.base.vertices[vertices]
         near, candidates = self.around.ball(where, NEAR_M), self.vertices.ball(where, 2 * NEAR_M)
@@ -100,8 +100,16 @@ class _Landmarks:
         return near[on], vertex[on]
 
     def on(self, found: HullAsFound, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
-        """Return those on these vertices of a region: whether each stands off the hull as the
-        region does (n,), its height over the surface there (n,), and its own sigma (n,), m.
+        """Find the landmarks on vertices of a region.
+
+        Returns
+        -------
+        stands
+            whether each stands off the hull as the region does (n,).
+        over
+            its height over the surface there (n,) m.
+        own
+            its own sigma (n,) m.
         """
         rows, vertex = self.at(found, vertices)
         stands = self.stand(found, region, rows, vertex)
@@ -112,19 +120,17 @@ class _Landmarks:
         )
 
     def stand(self, found: HullAsFound, region: Region, rows: Ints, vertex: Ints) -> Mask:
-        """Return whether these landmarks, each on its vertex (n,), stand off the hull as the region
-        does there (n,).
-        """
+        """Mark landmarks (n,) that stand off the hull as the region does at their vertices."""
         above = region.rise_of(self.measured.foot[rows], self.measured.offset[rows])
         return np.asarray(above > 0.5 * np.abs(region.rise(found, vertex)))
 
     def covariances(self, found: HullAsFound, region: Region) -> Array:
-        """Return those (n, 3, 3) of the landmarks on a region that stand off the hull as it does."""
+        """Return the covariances (n, 3, 3) of landmarks that stand off as the region does."""
         rows, vertex = self.at(found, region.core)
         return self.measured.covariance[rows[self.stand(found, region, rows, vertex)]]
 
     def nearest_covariance(self, point: Array) -> Array:
-        """Return that (1, 3, 3) of the landmark nearest to a point (3,)."""
+        """Return the covariance (1, 3, 3) of the landmark nearest to a point (3,)."""
         row = int(np.argmin(np.linalg.norm(self.measured.foot - point, axis=1)))
         return self.measured.covariance[row : row + 1]
 
@@ -140,7 +146,7 @@ class UnreportedRegion:
     position: dict[str, object]
 
     def as_json(self) -> dict[str, object]:
-        """Return a row of `not_reported` in detect.json, the position's members beside the others."""
+        """Return a row of `not_reported` in detect.json."""
         row = asdict(self)
         del row["position"]
         return row | self.position
@@ -153,10 +159,7 @@ def find_objects(
     base: BaseSurface,
     options: DetectOptions,
 ) -> tuple[list[HullObject], list[UnreportedRegion]]:
-    """Return the objects, the highest first, and the regions that were not certain enough.
-
-    measured: the landmarks.
-    """
+    """Report the regions that are certain, the highest first, and why others are not."""
     area = vertex_areas(found.base)
     rough = roughness(found)
     scene, around = Scene(found.mesh), Around(found.base.vertices)
@@ -226,8 +229,12 @@ def _rejection_reason(
     supporting: tuple[int, float],
     options: DetectOptions,
 ) -> str:
-    """Return why the region is not an object, or nothing. supporting: landmarks that agree, and
-    their share.
+    """Say why the region is not an object; nothing if it is.
+
+    Parameters
+    ----------
+    supporting
+        landmarks that agree, and their share.
     """
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = _showing(found, region, area)
@@ -236,11 +243,12 @@ def _rejection_reason(
     checks = (
         (
             abs(region.height) < least,
-            f"only {abs(region.height):.3f} m off the hull around it, of {least:.3f} m needed there",
+            f"only {abs(region.height):.3f} m off the hull around it, of "
+            f"{least:.3f} m needed there",
         ),
         (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),
         (on < options.min_landmarks, f"only {on} landmark{'' if on == 1 else 's'}"),
-        (agree < options.min_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
+        (agree < MIN_AGREEMENT, f"only {100 * agree:.0f} % of its landmarks agree"),
         (min(seen, shapes) < options.min_views, f"only {min(seen, shapes)} images show it"),
         (
             evidence.chance > options.max_p_value,
@@ -251,7 +259,7 @@ def _rejection_reason(
 
 
 def _height_of_facets(found: HullAsFound, region: Region) -> float:
-    """Return how high or deep a curve that the CAD model draws in facets may seem there, m.
+    """Bound the height that a curve drawn in facets may seem to have there, m.
 
     It stands off a facet by no more than the sagitta. And heights are counted from a plane through
     the ring around: off an edge the curve parts from the facets by half the angle between them, so
@@ -265,9 +273,7 @@ def _height_of_facets(found: HullAsFound, region: Region) -> float:
 
 
 def _showing(found: HullAsFound, region: Region, area: Array) -> int:
-    """Return how many views have shapes on as much of the region as a height is read from, counted
-    where most do.
-    """
+    """Count the views with shapes on as much of the region as its height is read from."""
     order = region.core[np.argsort(-found.shapes[region.core], kind="stable")]
     enough = np.flatnonzero(np.cumsum(area[order]) >= TOP_M2)
     return int(found.shapes[order[enough[0]]]) if len(enough) else 0
@@ -276,9 +282,7 @@ def _showing(found: HullAsFound, region: Region, area: Array) -> int:
 def _supporting_landmarks(
     found: HullAsFound, region: Region, landmarks: _Landmarks
 ) -> tuple[int, float]:
-    """Return the landmarks on the core that stand off as it does, and their share of all landmarks
-    there.
-    """
+    """Count the landmarks on the core that stand off as it does, and their share."""
     stands, _, _ = landmarks.on(found, region, region.core)
     return int(stands.sum()), float(stands.mean()) if len(stands) else 0.0
 
@@ -291,8 +295,9 @@ def _center(found: HullAsFound, region: Region, area: Array) -> int:
 
 
 def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scene) -> Ints:
-    """Return the camera views that saw more than half of the top, the best (nearest to the image's
-    middle) first.
+    """Find the views that saw more than half of the top, the best first.
+
+    The best has the top nearest to the image's middle.
     """
     top = _top_rows(found, region)
     middle = views.result_from_camera.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Heights at vertices by robust local regression of landmarks: smooth on the hull, sharp at the
-edges of structures.
-"""
+"""Heights by robust local regression of landmarks: smooth on the hull, sharp at edges."""
 
 from __future__ import annotations
 
@@ -26,14 +24,12 @@ MAX_SCALE_M = 0.012  # nor is a step an inlier because a neighbourhood straddles
 
 @dataclass(frozen=True)
 class Heights:
-    """value (n,) m; sigma (n,) m; count (n,) landmarks within reach; agreement (n,) share of their
-    weight that agrees.
-    """
+    """Regressed heights at vertices (n)."""
 
-    value: Array
-    sigma: Array
-    count: Ints
-    agreement: Array
+    value: Array  # (n,) m
+    sigma: Array  # (n,) m
+    count: Ints  # (n,) landmarks within reach
+    agreement: Array  # (n,) share of their weight that agrees
 
     def append(self, more: Heights) -> Heights:
         return Heights(
@@ -50,13 +46,21 @@ def local_heights(
     neighbours: int,
     reach_m: float,
 ) -> Heights:
-    """Return heights m at vertices (n, 3) with outward normals (n, 3) from landmarks' feet (m, 3),
-    heights and sigmas (m,) m.
+    """Regress landmarks' heights to vertices (n, 3) with outward normals (n, 3).
 
     Around each vertex: the median of the nearest few, then a polynomial of second order in the
     tangent plane refitted with Tukey's weights about it, so that the side of a step on which the
     vertex lies decides; slope and bend are held to zero by priors. NaN where fewer than three
     landmarks are within reach.
+
+    Parameters
+    ----------
+    feet
+        of the landmarks (m, 3).
+    height
+        of the landmarks (m,) m.
+    sigma
+        of the landmarks (m,) m.
     """
     parts = [
         _heights(at[i : i + CHUNK], normal[i : i + CHUNK], feet, height, sigma, neighbours, reach_m)
@@ -111,18 +115,17 @@ def _heights(
 
 
 def _terms(a: Array, b: Array) -> Array:
-    """Return the (n, k, 6) terms of the polynomial at a, b (n, k) m from the vertex: height,
-    slopes, second order.
-    """
+    """Return the terms (n, k, 6) at a, b (n, k) m: height, slopes, second order."""
     return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=2)
 
 
 def _error(
     terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, variance: Array
 ) -> Array:
-    """Return one sigma of the heights (n,): of a landmark, by its own word or by the scatter if
-    that is larger, over the root of how many count, times the leverage of the polynomial against a
-    mean.
+    """Return one sigma of the heights (n,).
+
+    That of a landmark, by its own word or by the scatter if that is larger, over the root of how
+    many count, times the leverage of the polynomial against a mean.
     """
     total = weight.sum(axis=1) + 1e-12
     scatter = np.einsum("nk,nk->n", weight, (h - np.einsum("nkj,nj->nk", terms, fit)) ** 2) / total
@@ -133,8 +136,14 @@ def _error(
 
 
 def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
-    """Return the coefficients (n, 6) of the terms by weighted least squares with priors, and the
-    height's variance (n,); as before where nothing weighs.
+    """Fit (n, 6) coefficients by weighted least squares with priors; as before without weight.
+
+    Returns
+    -------
+    coefficients
+        of the terms (n, 6).
+    variance
+        of the height (n,).
     """
     normal_matrix = np.einsum("nki,nk,nkj->nij", terms, weight, terms, optimize=True)
     normal_matrix[:, [1, 2], [1, 2]] += 1 / SLOPE_SIGMA**2

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the hull as found stands off the hull: regions of the mesh, each evidence of one object."""
+"""Regions of the as-found mesh that stand off the hull, and the hull beneath each of them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
-from hullrecon.detection.objects.hull_around import HullAround, fit_hull_around
-from hullrecon.detection.objects.shapes import dbscan
-from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.as_found.shapes import dbscan
+from hullrecon.detection.options import MIN_CLUSTER_POINTS, MIN_OFFSET_M, DetectOptions
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
-from hullrecon.geometry.robust import weighted_quantile
+from hullrecon.geometry.robust import NORMAL_MAD, weighted_quantile
 from hullrecon.typing import Array, Ints, Mask
 
+SLOPE_SIGMA = 0.05  # prior of the slope of the hull's offset from the base, about zero
+# 1/m, prior of its second-order terms, about zero: 10 mm of bulge between frames 0.7 m apart
+BEND_SIGMA = 0.08
+SIDES = 8  # the hull around counts as so many measurements at most: neighbours share landmarks
+MIN_SCALE_M = 0.0005  # the scatter of the hull around is never taken for less
+TUKEY = 4.0  # sigmas beyond which a vertex of the ring is no hull
+ROUNDS = 4  # of weights by the last fit, and a fit by these weights
 # the top is what so much of the footprint reaches: a lump's peak is not averaged away, one vertex
 # is no peak
 TOP_M2 = 0.0008
@@ -31,60 +37,121 @@ MIN_RING = 10  # vertices; fewer do not say where the hull around lies
 
 
 @dataclass(frozen=True, kw_only=True)
-class Region:
-    """One structure. side +1 raised, -1 sunken; foot, core, ring: vertices of the footprint, of its
-    part above half height, and of the hull around it; hull: that beneath it; height m above that,
-    signed; bluntness m, how much lower it is where three times as much of the footprint reaches.
-    """
+class HullAround:
+    """A polynomial of second order of the hull's offset from the base, m."""
 
-    side: float
-    foot: Ints
-    core: Ints
-    ring: Ints
-    hull: HullAround
-    height: float
-    bluntness: float
+    middle: Array  # (3,) of the tangent plane
+    axes: Array  # (2, 3) that span it
+    coefficients: Array  # (6,)
+    covariance: Array  # (6, 6) of the coefficients
+
+    def offset(self, points: Array) -> Array:
+        """Return the hull's offset from the base (n,) m, outward positive, at points (n, 3)."""
+        return np.asarray(self._terms(points) @ self.coefficients)
+
+    def sigma(self, points: Array) -> Array:
+        """Return one sigma (n,) m of the offset at points (n, 3)."""
+        terms = self._terms(points)
+        return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", terms, self.covariance, terms)))
+
+    def _terms(self, points: Array) -> Array:
+        return _terms((points - self.middle) @ self.axes.T)
+
+
+def fit_hull_around(ring: Array, offset: Array, weight: Array, normal: Array) -> HullAround:
+    """Fit the hull through a ring of points (n, 3), robust to parts that are no hull.
+
+    The deviation field is no measure of the hull there: the flanks of a structure that rises gently
+    are landmarks on the hull to it, and draw it outward beneath the structure.
+
+    Parameters
+    ----------
+    offset
+        from the base (n,) m, outward positive.
+    weight
+        of each point relative to the others (n,).
+    normal
+        of the tangent plane (3,).
+    """
+    middle = np.average(ring, axis=0, weights=weight)
+    axes = np.linalg.svd(normal[None])[2][1:]
+    terms = _terms((ring - middle) @ axes.T)
+    prior = np.diag([1e-6, *[SLOPE_SIGMA**-2] * 2, *[BEND_SIGMA**-2] * 3])
+    fit = np.zeros(6)
+    fit[0] = weighted_quantile(offset, weight, 0.5)
+    share = weight * min(SIDES, len(ring)) / weight.sum()
+    for _ in range(ROUNDS):
+        off = offset - terms @ fit
+        scale = max(MIN_SCALE_M, NORMAL_MAD * weighted_quantile(np.abs(off), weight, 0.5))
+        counts = share * np.maximum(0.0, 1 - (off / (TUKEY * scale)) ** 2) ** 2 / scale**2
+        information = terms.T @ (counts[:, None] * terms) + prior
+        fit = np.linalg.solve(information, terms.T @ (counts * offset))
+    return HullAround(
+        middle=middle, axes=axes, coefficients=fit, covariance=np.linalg.inv(information)
+    )
+
+
+def _terms(at: Array) -> Array:
+    """Return the (n, 6) terms of the polynomial at (n, 2) m: height, slopes, second order."""
+    a, b = at.T
+    return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Region:
+    """One structure."""
+
+    side: float  # +1 raised, -1 sunken
+    foot: Ints  # vertices of the footprint
+    core: Ints  # vertices of its part above half height
+    ring: Ints  # vertices of the hull around it
+    hull: HullAround  # the hull beneath it
+    height: float  # m above that hull, signed
+    bluntness: float  # m, how much lower it is where three times as much of the footprint reaches
 
     def rise(self, found: HullAsFound, vertices: Ints) -> Array:
-        """Return how far vertices (n,) of the hull as found stand off the hull around the
-        structure, m, its side positive.
-        """
+        """Return how far vertices (n,) stand off the hull around, m, positive on its side."""
         return self.rise_of(found.base.vertices[vertices], found.deviation_at(vertices))
 
     def rise_of(self, feet: Array, offset: Array) -> Array:
-        """Return the same of points, by their feet (n, 3) on the base and their offsets (n,) m from
-        it.
+        """Return how far points stand off the hull around, m, positive on its side.
+
+        Parameters
+        ----------
+        feet
+            of the points on the base (n, 3).
+        offset
+            from the base (n,) m.
         """
         return self.side * (offset - self.hull.offset(feet))
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Relief:
-    """The hull as found, and what is asked of it again and again: area (n,) m2 of its vertices, off
-    (n,) whether they stand off the hull by the threshold, around: where its vertices lie.
-    """
+    """The hull as found with what is asked of it again and again."""
 
     found: HullAsFound
-    area: Array
-    off: Mask
-    around: Around
+    area: Array  # (n,) m2 of its vertices
+    off: Mask  # (n,) whether they stand off the hull by the threshold
+    around: Around  # index of its vertices
     options: DetectOptions
 
     def clusters(self, rows: Ints) -> list[Ints]:
-        """Return those vertices in clusters; what is nearer than `cluster_reach` is one."""
+        """Cluster vertices; what is nearer than `cluster_reach_m` is one."""
         label = dbscan(
             self.found.base.vertices[rows],
             self.options.cluster_reach_m,
-            self.options.min_cluster_points,
+            MIN_CLUSTER_POINTS,
         )
         return [rows[label == k] for k in range(int(label.max(initial=-1)) + 1)]
 
 
 def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
-    """Return raised and sunken regions of measured vertices, the highest first; parts nearer than
-    `cluster_reach` are one.
+    """Find raised and sunken regions of measured vertices, the highest first.
+
+    Parts nearer than `cluster_reach_m` are one.
     """
-    off = found.measured & (np.abs(found.height) >= options.min_offset_m)
+    off = found.measured & (np.abs(found.height) >= MIN_OFFSET_M)
     relief = _Relief(
         found=found,
         area=vertex_areas(found.base),
@@ -103,9 +170,7 @@ def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
 
 
 def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
-    """Return the vertices of each evidence on that side, and those of its neighbours that were
-    parted from it.
-    """
+    """Yield the vertices of each region on that side, and those of neighbours split from it."""
     for cluster in relief.clusters(np.flatnonzero(relief.off & (side * relief.found.height > 0))):
         parts = _split_at_saddles(relief, cluster, side)
         for k, seed in enumerate(parts):
@@ -114,12 +179,12 @@ def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
 
 
 def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
-    """Return a cluster, or its parts: two peaks are two structures when the saddle between them is
-    lower than half of either. Smoothing bridges the hull between neighbours, so that clusters at
-    the threshold may hold both.
+    """Split a cluster whose peaks are parted by a saddle below half of either.
+
+    Smoothing bridges the hull between neighbours, so that clusters at the threshold may hold both.
     """
     height, vertices = side * relief.found.height[rows], relief.found.base.vertices
-    level = SADDLE_STEP * relief.options.min_offset_m
+    level = SADDLE_STEP * MIN_OFFSET_M
     while level < 0.5 * height.max():
         peaks = [
             p for p in relief.clusters(rows[height > level]) if _is_peak(relief, p, side, level)
@@ -137,9 +202,7 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 
 
 def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
-    """Tell whether it is wide enough to be told from noise, and twice as high as the level that
-    cuts it off.
-    """
+    """Tell whether a part is wide enough and twice as high as the level that cuts it off."""
     area = relief.area[rows]
     wide = area.sum() >= SPECK * relief.options.min_area_m2
     return bool(
@@ -148,8 +211,12 @@ def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
 
 
 def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
-    """Return the region, None where no hull was measured around it to count from. foreign: its
-    neighbours' vertices.
+    """Grow a seed to a region; None where no hull was measured around it to count from.
+
+    Parameters
+    ----------
+    foreign
+        vertices of its neighbours.
     """
     found, area, base = relief.found, relief.area, relief.found.base.vertices
     width = float(np.clip(RING_WIDTH * np.sqrt(area[seed].sum()), *RING_WIDTHS_M))

@@ -13,15 +13,14 @@ from hullrecon.typing import Array
 
 
 def roughness(found: HullAsFound) -> float:
-    """Return one robust sigma of the measured heights: what hull and noise do without structures,
-    m.
-    """
+    """Return one robust sigma of the measured heights: hull and noise without structures, m."""
     height = found.height[found.measured]
     return robust_sigma(height) if len(height) else 0.0
 
 
 def height_sigma(found: HullAsFound, region: Region) -> float:
-    """Return one sigma of a region's height: of a vertex at its top and of the hull beneath it.
+    """Return one sigma of a region's height, m: of its top and of the hull beneath it.
+
     Neighbouring vertices share landmarks, so the top counts as one vertex.
     """
     top = float(np.median(found.sigma[region.core]))
@@ -30,9 +29,10 @@ def height_sigma(found: HullAsFound, region: Region) -> float:
 
 
 def relief_left(over_m: Array, sigma_m: Array) -> float:
-    """Return what smoothing left out, m: the scatter of landmarks' heights (n,) over the surface,
-    beyond their own sigmas (n,). Where they are too far apart for the relief, the surface passes
-    between them. Zero without landmarks.
+    """Estimate the relief that smoothing left out, m; zero without landmarks.
+
+    It is the scatter of landmarks' heights (n,) over the surface beyond their own sigmas (n,).
+    Where landmarks are too far apart for the relief, the surface passes between them.
     """
     if not len(over_m):
         return 0.0
@@ -42,8 +42,12 @@ def relief_left(over_m: Array, sigma_m: Array) -> float:
 
 
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
-    """Return two-sided probability that the highest of so many places of bare hull reaches this
-    height.
+    """Return the two-sided probability that bare hull reaches this height at any place.
+
+    Parameters
+    ----------
+    places
+        how many were looked at.
     """
     from scipy.special import ndtr  # not scipy.stats, which takes seconds to load
 

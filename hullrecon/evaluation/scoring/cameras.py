@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the cameras of the sparse model stand, as delivered, after a rigid motion and after a
-similarity.
-"""
+"""Errors of the cameras of the sparse model: as delivered, aligned rigidly and by similarity."""
 
 from __future__ import annotations
 
@@ -19,7 +17,7 @@ from hullrecon.typing import Array
 
 
 def score_cameras(model: Path, truth: Truth) -> Figures:
-    """Return the figures of the top camera in a COLMAP model whose images are named by their stamp."""
+    """Score the top camera of a COLMAP model whose images are named by their stamp."""
     import pycolmap
 
     stamps, centres = list[int](), list[Array]()
@@ -32,9 +30,7 @@ def score_cameras(model: Path, truth: Truth) -> Figures:
 
 
 def centre_figures(t_s: Array, centres: Array, truth: Truth) -> Figures:
-    """Return the figures of camera centres (n, 3) in M at times t_s (n,); those that are no true
-    frame's are left out.
-    """
+    """Score camera centres (n, 3) in M at times t_s (n,) that have a true frame."""
     row = np.array([int(np.argmin(np.abs(truth.t_s - t))) for t in t_s], np.int64)
     known = np.abs(truth.t_s[row] - t_s) <= 1e-3
     if known.sum() < 3:

@@ -39,14 +39,12 @@ _TYPES = {
 
 @dataclass(frozen=True, kw_only=True)
 class TimedPoses:
-    """t_s (n,) since 1970; poses T_M_v; sigma (n, 3) of x, y, z of the frame that was delivered, or
-    None; hull_from_delivered: where that frame lies.
-    """
+    """A path as delivered."""
 
-    t_s: Array
-    poses: Poses
-    sigma: Array | None = None
-    hull_from_delivered: Poses = field(default_factory=identity)
+    t_s: Array  # (n,) since 1970
+    poses: Poses  # hull_from_vehicle
+    sigma: Array | None = None  # (n, 3) m of x, y, z in the frame that was delivered, or None
+    hull_from_delivered: Poses = field(default_factory=identity)  # where that frame lies
 
     def rows(self, which: Mask) -> TimedPoses:
         """Return those rows."""
@@ -67,10 +65,10 @@ class PointCloud:
 
 
 def read_table(path: Path) -> dict[str, Array]:
-    """Return the columns of numbers of a CSV by name without its unit (`sigma_x` of `sigma_x_m`);
-    an empty cell is NaN, columns of words are left out.
+    """Read a CSV's columns of numbers by name without unit (`sigma_x` of `sigma_x_m`).
 
-    Raises InputError for a row that cannot be read.
+    An empty cell is NaN; columns of words are left out. Raises InputError for a row that cannot be
+    read.
     """
     try:
         with path.open(newline="") as file:
@@ -102,8 +100,9 @@ def columns(table: dict[str, Array], names: tuple[str, ...]) -> Array:
 
 
 def read_cloud(path: Path) -> PointCloud:
-    """Return the vertices of a binary little-endian PLY. Raises InputError when it is something
-    else or cut short.
+    """Read the vertices of a binary little-endian PLY.
+
+    Raises InputError when it is something else or cut short.
     """
     raw = path.read_bytes()
     end = raw.find(b"end_header\n")
@@ -120,8 +119,9 @@ def read_cloud(path: Path) -> PointCloud:
 
 
 def deliver_folder(folder: Path) -> Path:
-    """Return deliver/ of a run, or the folder itself when it is one. Raises InputError when it
-    holds no deliverable.
+    """Find deliver/ of a run, or take the folder itself when it is one.
+
+    Raises InputError when it holds no deliverable.
     """
     for candidate in (folder / "deliver", folder):
         if any(

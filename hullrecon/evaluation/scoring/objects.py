@@ -19,10 +19,12 @@ Match = tuple[ReportedObject, TrueStructure | None]
 
 
 def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) -> Figures:
-    """Return the figures of what was reported; each object belongs to the structure whose centre is
-    nearest within reach.
+    """Score reported objects; each belongs to the nearest structure within reach.
 
-    motion: the rigid motion that takes our trajectory onto the true one.
+    Parameters
+    ----------
+    motion
+        the rigid motion that takes our trajectory onto the true one.
     """
     moved = [_move(found_object, motion) for found_object in found]
     structures, due = truth.structures(), truth.due()
@@ -52,9 +54,7 @@ def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) 
 def find_reported(
     structure: TrueStructure, found: Sequence[ReportedObject], truth: Truth, motion: Poses
 ) -> ReportedObject | None:
-    """Return the report of that structure, the one with the most images where there are several;
-    None when it was missed.
-    """
+    """Find the report of a structure with the most images; None when it was missed."""
     moved = [_move(found_object, motion) for found_object in found]
     own = [
         d

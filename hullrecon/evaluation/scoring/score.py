@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The deliverables of a run against the truth of its dive: every figure that the project is held
-to, with its unit.
-"""
+"""The deliverables of a run against the truth of its dive, with units."""
 
 from __future__ import annotations
 
@@ -43,10 +41,16 @@ class _SummaryFile(msgspec.Struct, frozen=True):
 
 
 def score_run(run: Path, package: Path) -> Score:
-    """Return figures by deliverable and name. run: RUNS/<dive> or its deliver/; package: the
-    simulated dive.
+    """Score a run against its truth, by deliverable and name.
 
     Raises InputError when there is nothing to score or no truth to score it by.
+
+    Parameters
+    ----------
+    run
+        RUNS/<dive> or its deliver/.
+    package
+        the simulated dive.
     """
     deliver, truth = deliver_folder(run), read_truth(package)
     reader = _DeliveryReader(deliver, truth)
@@ -69,8 +73,9 @@ def score_run(run: Path, package: Path) -> Score:
 
 
 class _DeliveryReader:
-    """Reads deliverables in M; what stands in g (a dive without a CAD model) is moved to where its
-    path begins in truth.
+    """Reads deliverables in M.
+
+    What stands in g (a dive without a CAD model) is moved to where its path begins in truth.
     """
 
     def __init__(self, deliver: Path, truth: Truth) -> None:

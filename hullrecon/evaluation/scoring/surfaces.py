@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far surfaces and landmarks are from the steel as it is."""
+"""Errors of surfaces and landmarks against the steel as built."""
 
 from __future__ import annotations
 
@@ -19,11 +19,16 @@ _UNCLEAR_M = 0.02  # nearer the label boundary than this, neither label is wrong
 
 
 def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: int) -> Figures:
-    """Return the errors of vertices with enough views or returns behind them, where the true
-    surface is known.
+    """Score vertices with enough support where the true surface is known.
 
-    motion: the rigid motion that takes our trajectory onto the true one; figures named aligned_ are
-    after it.
+    Figures named aligned_ are after the motion.
+
+    Parameters
+    ----------
+    motion
+        the rigid motion that takes our trajectory onto the true one.
+    min_support
+        views or returns behind a vertex.
     """
     keep = truth.near(cloud.points, 0.25)
     for points in (cloud.points, motion.apply(cloud.points)):
@@ -50,8 +55,9 @@ def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: i
 
 
 def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
-    """Return the landmarks' distances to the steel, and whether label 0 stands where the steel
-    leaves the CAD model.
+    """Score landmarks' distances to the steel, and their labels.
+
+    Label 0 is right where the steel leaves the CAD model.
     """
     keep = truth.near(cloud.points, 0.5)
     distance, _, aligned = _distances(cloud.points[keep], truth, motion)
@@ -77,8 +83,12 @@ def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
 
 
 def _score_labels(foot: Array, off: Mask, cad_model: Scene) -> Figures:
-    """Return recall and precision of label 0 (off), given each landmark's foot (n, 3) on the true
-    steel.
+    """Return recall and precision of label 0, given feet (n, 3) on the true steel.
+
+    Parameters
+    ----------
+    off
+        landmarks with label 0.
     """
     away = np.abs(cad_model.closest(foot).distance)
     clear = np.abs(away - LABEL_BOUNDARY_M) > _UNCLEAR_M
@@ -92,15 +102,23 @@ def _score_labels(foot: Array, off: Mask, cad_model: Scene) -> Figures:
 
 
 def _distances(points: Array, truth: Truth, motion: Poses) -> tuple[Array, Array, Array]:
-    """Return the distance (n,) as delivered, foot (n, 3) on the steel, distance after the
-    trajectory's alignment.
+    """Measure points against the steel.
+
+    Returns
+    -------
+    distance
+        as delivered (n,).
+    foot
+        on the steel (n, 3).
+    aligned
+        after the trajectory's alignment (n,).
     """
     here, there = truth.built.closest(points), truth.built.closest(motion.apply(points))
     return np.abs(here.distance), here.foot, np.abs(there.distance)
 
 
 def _sigma_coverage(distance: Array, aligned: Array, sigma: Array) -> Figures:
-    """Return which share of the errors their sigmas (n,) hold."""
+    """Return the share of errors that their sigmas (n,) cover."""
     known = np.isfinite(sigma) & (sigma > 0)
     return {
         "share_within_1.96_sigma": _share(distance[known] < 1.96 * sigma[known]),

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far the trajectory is from the true one: along the hull, over its girth, off it, and after a
-rigid alignment.
-"""
+"""Errors of the trajectory: along the hull, over its girth, off it, and rigidly aligned."""
 
 from __future__ import annotations
 
@@ -21,8 +19,7 @@ Figures = dict[str, float | int | list[int] | dict[str, float]]  # by name, its 
 
 
 def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
-    """Return the figures, and the rigid motion (a batch of one) that takes our trajectory onto the
-    true one.
+    """Score a trajectory, and fit the motion that takes it onto the true one.
 
     A CAD model that is off by a centimetre over the whole surveyed patch cannot be told from a
     shift of the dive; so surfaces, landmarks and objects are scored as delivered and again after
@@ -71,9 +68,7 @@ def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
 
 
 def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
-    """Return the RMSE along the hull, over its girth and off it, in the hull's own directions
-    beside each pose.
-    """
+    """Return the RMSE along the hull, over its girth and off it, at each pose."""
     normal = positions - cad_model.closest(positions).foot
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     along = np.array([1.0, 0.0, 0.0]) - normal * normal[:, :1]
@@ -83,8 +78,9 @@ def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
 
 
 def _consistency(error: Array, sigma: Array | None) -> Figures:
-    """Return error over sigma by axis of the delivered frame, and how often one sigma holds the
-    error (68 % of the time when it is right).
+    """Compare errors with their sigmas by axis of the delivered frame.
+
+    One sigma holds the error 68 % of the time when it is right.
     """
     if sigma is None:
         return {}
@@ -98,9 +94,7 @@ def _consistency(error: Array, sigma: Array | None) -> Figures:
 
 
 def _covered_share(ours_s: Array, true_s: Array) -> float:
-    """Return the share of the true frames with a pose of ours within three quarters of a frame
-    period.
-    """
+    """Return the share of the true frames with a pose within three quarters of a period."""
     step = np.median(np.diff(true_s))
     ordered = np.sort(ours_s)
     right = np.clip(np.searchsorted(ordered, true_s), 1, len(ordered) - 1)

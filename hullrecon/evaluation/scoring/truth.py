@@ -51,17 +51,15 @@ class TrueMounts(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class TrueStructure(msgspec.Struct, frozen=True, kw_only=True):
-    """A row of truth/objects.json: what was put on the hull, or painted on it. Centre in M, lengths
-    in m; views: frames that see it.
-    """
+    """A row of truth/objects.json: what was put on the hull, or painted on it."""
 
     id: int
     kind: str
-    center: Point
+    center: Point  # m in M
     normal: Point
-    height: float
-    extent: tuple[float, float]
-    views: int = 0
+    height: float  # m
+    extent: tuple[float, float]  # m
+    views: int = 0  # frames that see it
     painted: bool = False
 
 
@@ -80,20 +78,17 @@ class _HullSection(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, kw_only=True)
 class Truth:
-    """What is true of a dive. t_s (n,) and poses T_M_v (n) at the camera frames; the servo's angle
-    (rad) at servo_t_s; built_mesh: the hull as it is, in M; cad_model: None for a dive without one;
-    objects: structures and painted marks.
-    """
+    """What is true of a dive."""
 
-    t_s: Array
-    poses: Poses
+    t_s: Array  # (n,) of the camera frames
+    poses: Poses  # hull_from_vehicle (n) at these
     servo_t_s: Array
-    servo_rad: Array
+    servo_rad: Array  # angle of the servo at servo_t_s
     global_from_hull: Poses
     mounts: TrueMounts
-    objects: Sequence[TrueStructure]
-    built_mesh: Mesh
-    cad_model: Scene | None
+    objects: Sequence[TrueStructure]  # structures and painted marks
+    built_mesh: Mesh  # the hull as it is, in M
+    cad_model: Scene | None  # None for a dive without one
 
     @cached_property
     def built(self) -> Scene:
@@ -107,8 +102,9 @@ class Truth:
         return cKDTree(self.built_mesh.vertices)
 
     def near(self, points: Array, reach_m: float) -> Mask:
-        """Return which points (n, 3) lie that close to a vertex of the true surface: elsewhere
-        nothing is known of it.
+        """Mark points (n, 3) close to a vertex of the true surface.
+
+        Elsewhere nothing is known of it.
         """
         distance, _ = self._vertices.query(points, distance_upper_bound=reach_m)
         return np.asarray(np.isfinite(distance))
@@ -122,8 +118,9 @@ class Truth:
         )
 
     def beyond(self, feet: Array) -> Mask:
-        """Return which closest points (n, 3) lie on the rim of the true surface: what they belong
-        to may lie beyond it.
+        """Mark closest points (n, 3) on the rim of the true surface.
+
+        What they belong to may lie beyond it.
         """
         distance, _ = self._rim.query(feet, distance_upper_bound=RIM_M)
         return np.asarray(np.isfinite(distance))
@@ -148,16 +145,15 @@ class Truth:
         return [o for o in self.objects if not o.painted and abs(o.height) > 0]
 
     def due(self) -> list[TrueStructure]:
-        """Return the structures that must be found: at least 0.08 m high and seen in at least six
-        frames.
+        """Return the structures that must be found.
+
+        They are at least 0.08 m high and seen in at least six frames.
         """
         return [o for o in self.structures() if abs(o.height) >= 0.08 and o.views >= 6]
 
 
 def read_truth(package: Path) -> Truth:
-    """Return the truth of a package. Raises InputError when it has none, or when a file of it
-    cannot be read.
-    """
+    """Read the truth of a package. Raises InputError when it has none that can be read."""
     folder = package / "truth"
     if not (folder / "poses.csv").exists():
         raise InputError(

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The images of a dive as views of the hull: where each was taken, which texels it may see, and the
-light in it.
-"""
+"""The images of a dive as views of the hull: where each was taken, and the light in it."""
 
 from __future__ import annotations
 
@@ -38,34 +36,33 @@ BLOCK = 1024  # of those texels, at a time
 
 @dataclass(frozen=True, kw_only=True)
 class CameraImages:
-    """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without
-    a CAD model), and how a row is read, (h, w, 3) uint8 RGB or None.
-    """
+    """One camera of the rig and its images."""
 
     camera: CameraModel
-    rows: Ints
-    poses: Poses
-    read: Read
+    rows: Ints  # (n,) of its index
+    poses: Poses  # result_from_camera (n)
+    read: Read  # an image (h, w, 3) uint8 RGB by its row, or None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Footprints:
-    """Where images meet the surface: point (views, k, 3), at (views, k, 2) on the chart, NaN where
-    they do not; distance (views,) m in the median; span_m: the largest of all distances, 0 when no
-    image meets it.
-    """
+    """Where images meet the surface."""
 
-    point: Array
-    at: Array
-    distance: Array
-    span_m: float
+    point: Array  # (views, k, 3), NaN where they do not
+    at: Array  # (views, k, 2) on the chart
+    distance: Array  # (views,) m, median
+    span_m: float  # the largest of all distances, 0 when no image meets it
 
 
 def images_of_camera(
     rig: Rig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read
 ) -> CameraImages:
-    """Return a camera's usable images that have a pose, in the frame of the track; usable (m,): by
-    row of the camera's index.
+    """Place a camera's usable images in the frame of the track.
+
+    Parameters
+    ----------
+    usable
+        by row of the camera's index (m,).
     """
     nodes = np.flatnonzero(track.image[:, camera.column] >= 0)
     nodes = nodes[usable[track.image[nodes, camera.column]]]
@@ -89,8 +86,12 @@ def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
 def compute_footprints(
     surface: MosaicSurface, image_views: Sequence[ImageView], most_medians: float = float("inf")
 ) -> Footprints:
-    """Return where images meet the surface. most_medians: of a view's median distance, beyond which
-    what it meets is none of its footprint.
+    """Find where images meet the surface.
+
+    Parameters
+    ----------
+    most_medians
+        of a view's median distance, beyond which what it meets is left out.
     """
     outlines = [image_view.outline(surface) for image_view in image_views]
     ranges = np.array(
@@ -112,9 +113,7 @@ def compute_footprints(
 def footprint_windows(
     grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06
 ) -> list[Window]:
-    """Return the texels that each view may see: the bounds of its footprints, a little widened for
-    what lies between its points.
-    """
+    """Bound the texels that each view may see, with a margin between its points."""
     spans = []
     for at in footprints.at:
         good = at[np.isfinite(at).all(axis=1)]
@@ -198,9 +197,13 @@ def _thumbnail(read: Read, row: int) -> NDArray[np.uint8] | None:
 
 
 def sample_light(
-    surface: MosaicSurface, grid: TexelGrid, image_views: Sequence[CameraView], windows: Sequence[Window],
-    thumbnails: Sequence[NDArray[np.uint8] | None], camera: Ints,
-) -> LightSamples:  # fmt: skip
+    surface: MosaicSurface,
+    grid: TexelGrid,
+    image_views: Sequence[CameraView],
+    windows: Sequence[Window],
+    thumbnails: Sequence[NDArray[np.uint8] | None],
+    camera: Ints,
+) -> LightSamples:
     parts: list[tuple[Any, ...]] = []
     for tile in grid.tiles(BLOCK):
         patch = sample_surface(surface, grid, tile)

@@ -23,15 +23,19 @@ class ImageView(Protocol):
     def center(self) -> Array: ...
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Return, of points (n, 3): pixel (n, 2) in the picture, and r / R (n,), the distance from
-        the best place in the image over the largest one considered (docs/methods.md 13, 14); NaN
-        where the image does not hold the point.
+        """Project points (n, 3) into the picture; NaN where it does not hold them.
+
+        Returns
+        -------
+        pixel
+            (n, 2).
+        ratio
+            r / R (n,), distance from the best place in the image over the largest considered
+            (docs/methods.md 13, 14).
         """
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Return points (n, 3) of the surface all over the image, NaN rows where it does not meet
-        the surface.
-        """
+        """Return points (n, 3) of the surface all over the image; NaN where it is missed."""
 
     def picture(self) -> Floats32 | None:
         """Return the image (h, w, channels), corrected, 0 to 255; None when it cannot be read."""
@@ -39,13 +43,11 @@ class ImageView(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class CameraView:
-    """A camera's image. pose: one T_M_c (T_g_c without a CAD model); load gives the correct
-    picture.
-    """
+    """A camera's image."""
 
-    pose: Poses
+    pose: Poses  # one result_from_camera
     camera: CameraModel
-    load: Callable[[], Floats32 | None]
+    load: Callable[[], Floats32 | None]  # gives the correct picture
 
     @property
     def center(self) -> Array:
@@ -79,9 +81,7 @@ class CameraView:
         return self.load()
 
     def _widest(self) -> float:
-        """Return the tangent beyond which the distortion polynomial would fold points back into the
-        image.
-        """
+        """Return the tangent beyond which the distortion would fold points back."""
         c = self.camera
         return 1.5 * max(
             c.cx / c.fx, (c.width - c.cx) / c.fx, c.cy / c.fy, (c.height - c.cy) / c.fy

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""LightModel: what the lamp and the lens do to every image of a camera, and how bright each image
-is as a whole.
+"""What lamp and lens do to a camera's images, and how bright each image is.
 
 The logarithm of an intensity is taken as the sum of the scene at the texel, a smooth field over the
 image that is common to a camera (lamp, vignetting, attenuation at the usual distance), and a number
@@ -28,12 +27,10 @@ MOST_IMAGES = 1000
 
 @dataclass(frozen=True, kw_only=True)
 class LightModel:
-    """log_field: by camera, (rows, columns, channels); log_gain (views,): what is taken off each
-    view's logarithm.
-    """
+    """What is subtracted from the logarithm of each view."""
 
-    log_field: tuple[Array, ...]
-    log_gain: Array
+    log_field: tuple[Array, ...]  # by camera, (rows, columns, channels)
+    log_gain: Array  # (views,)
 
     def correct(self, picture: NDArray[np.uint8], camera: int, view: int) -> Floats32:
         """Return the image as an even lamp would have shown it, 0 to 255 and beyond."""
@@ -49,20 +46,24 @@ class LightModel:
 
 @dataclass(frozen=True, kw_only=True)
 class LightSamples:
-    """Intensities of scene points in several views, one row a sample: view, texel (m,) int; cell
-    (m,) of the field; log_value (m, channels). camera (views,): which camera took the view.
-    """
+    """Intensities of scene points in several views, a row (m) each."""
 
-    view: Ints
-    texel: Ints
-    cell: Ints
-    log_value: Array
-    camera: Ints
+    view: Ints  # (m,)
+    texel: Ints  # (m,)
+    cell: Ints  # (m,) of the field
+    log_value: Array  # (m, channels)
+    camera: Ints  # (views,) that took the view
 
 
 def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[Array]:
-    """Return by camera the median over its images (thumbnails (h, w, c) of FIELD's shape or
-    larger), MOST_IMAGES evenly chosen ones where there are more, smoothed, about a mean of zero.
+    """Start the fields from the median over each camera's images, smoothed.
+
+    Evenly chosen MOST_IMAGES where there are more; about a mean of zero.
+
+    Parameters
+    ----------
+    thumbnails
+        (h, w, c) of FIELD's shape or larger.
     """
     fields = []
     for k in range(int(camera.max()) + 1):
@@ -76,8 +77,9 @@ def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[
 
 
 def solve_light(samples: LightSamples, fields: list[Array], rounds: int = 3) -> LightModel:
-    """Return the light of all images: gains and fields in turns, from the first fields on. Each
-    takes clipped departures from the texel's mean, so that glints and shadows count little.
+    """Estimate gains and fields in turns.
+
+    Each takes clipped departures from the texel's mean, so that glints and shadows count little.
     """
     gain = np.zeros(len(samples.camera))
     for _ in range(rounds):
@@ -105,9 +107,15 @@ def _texel_mean(samples: LightSamples, values: Array) -> Array:
 def _gains(
     samples: LightSamples, values: Array, views: int, sweeps: int = 60, pull: float = 20.0
 ) -> Array:
-    """Return each view's level against the scene's mean, by sweeps; `pull` samples' worth of belief
-    that a view is as bright as the others keep a chain of views from drifting. Huber at 0.2, a
-    fifth of the brightness: glints do not count more.
+    """Estimate each view's level against the scene's mean, by sweeps.
+
+    Huber at 0.2, a fifth of the brightness: glints do not count more.
+
+    Parameters
+    ----------
+    pull
+        samples' worth of belief that a view is as bright as the others, which keeps a chain of
+        views from drifting.
     """
     gain = np.zeros(views)
     for _ in range(sweeps):
@@ -140,9 +148,7 @@ def _resized(level: Array) -> Array:
 
 
 def _smooth(field: Array, weight: Array) -> Array:
-    """Return the Gaussian mean by weight; cells that nothing fell into take their neighbours'
-    value.
-    """
+    """Smooth by weight; cells that nothing fell into take their neighbours' value."""
     from scipy.ndimage import gaussian_filter
 
     spread = gaussian_filter(weight.astype(float) + 1e-6, SMOOTH, mode="nearest")

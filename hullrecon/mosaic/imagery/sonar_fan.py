@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""An imaging sonar's image of beams by ranges: where a point of space falls in it [Ozog2016 3.2.3]
-(docs/methods.md 14).
+"""An imaging sonar's image of beams by ranges [Ozog2016 3.2.3] (docs/methods.md 14).
 
 Frame `sonar`: z along the middle of the fan, beams in the y-z plane, x out of it. On the display u
 grows with the bearing and v towards the instrument; gamma cancels where distances are compared, so
@@ -19,18 +18,22 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class SonarFan:
-    """bearing (beams,) rad, rising; beam (beams,) its number in the image; range_m (ranges,)
-    rising; half_elevation rad.
-    """
+    """The fan of a sonar."""
 
-    bearing: Array
-    beam: Array
-    range_m: Array
-    half_elevation: float
+    bearing: Array  # (beams,) rad, rising
+    beam: Array  # (beams,) number in the image
+    range_m: Array  # (ranges,) rising
+    half_elevation: float  # rad
 
     def locate(self, points: Array) -> tuple[Array, Array]:
-        """Return, of points (n, 3) in `sonar`: (range bin, beam number) (n, 2), and r/R (n,) on the
-        display, NaN outside the image.
+        """Locate points (n, 3) in the image; NaN outside it.
+
+        Returns
+        -------
+        place
+            range bin and beam number (n, 2).
+        ratio
+            r/R (n,) on the display.
         """
         x, y, z = points.T
         level = np.hypot(y, z)
@@ -59,8 +62,9 @@ class SonarFan:
         )
 
     def _best(self) -> float:
-        """Return the metres ahead of the instrument at v = 3h/4, where the display ends at the
-        nearest range shown.
+        """Return the metres ahead of the instrument at v = 3h/4.
+
+        The display ends at the nearest range shown.
         """
         near = self.range_m[0] * float(np.cos(np.abs(self.bearing).max()))
         return float(self.range_m[-1] - 0.75 * (self.range_m[-1] - near))
@@ -76,8 +80,12 @@ class SonarFan:
 
 
 def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarFan:
-    """Return a fan. directions: (beams, 3) unit vectors in `sonar`; elevation_rad: full aperture
-    out of the fan.
+    """Build a fan from the beams' unit vectors in `sonar` (beams, 3).
+
+    Parameters
+    ----------
+    elevation_rad
+        full aperture out of the fan.
     """
     bearing = np.arctan2(directions[:, 1], directions[:, 2])
     order = np.argsort(bearing, kind="stable")

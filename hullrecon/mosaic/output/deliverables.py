@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a finished mosaic is handed over as, apart from its rasters: mosaic.json, the preview and
-the textured mesh.
-"""
+"""What a mosaic is delivered as, apart from its rasters."""
 
 from __future__ import annotations
 
@@ -26,26 +24,23 @@ MIN_GAP_M2 = 0.005  # smaller ones are shadows at the foot of structures
 
 @dataclass(frozen=True, kw_only=True)
 class MosaicDeliverables:
-    """document: mosaic.json; preview: PNG; textured_mesh: GLB, None where too little was seen for a
-    mesh.
-    """
+    """The files of a mosaic, apart from its rasters."""
 
-    document: dict[str, object]
-    preview: bytes
-    textured_mesh: bytes | None
+    document: dict[str, object]  # mosaic.json
+    preview: bytes  # PNG
+    textured_mesh: bytes | None  # GLB, None where too little was seen for a mesh
 
 
 @dataclass(frozen=True, kw_only=True)
 class Presentation:
-    """How a mosaic is shown. frame_spacing_m: between the ship's frames, None where unknown; facts:
-    more for mosaic.json, among them `surface`: which surface it was laid on.
-    """
+    """How a mosaic is shown."""
 
     title: str
     frame: Frame
     outside: OutsideMap
-    frame_spacing_m: float | None
+    frame_spacing_m: float | None  # between the ship's frames, None where unknown
     max_faces: int
+    # more for mosaic.json, among them `surface`: which surface it was draped on
     facts: Mapping[str, object]
 
 
@@ -57,7 +52,8 @@ def make_deliverables(
     document = mosaic_document(store, frame, presentation.facts)
     caption = Caption(
         title=presentation.title,
-        legend=f"{document['caption']} Seen from outside; contrast stretched; light gray: not seen.",
+        legend=f"{document['caption']} Seen from outside; contrast stretched; "
+        "light gray: not seen.",
         frame=frame,
         frame_spacing_m=presentation.frame_spacing_m if frame is Frame.HULL else None,
         flips=presentation.outside.flips,
@@ -89,7 +85,10 @@ def mosaic_document(
     area = seen * grid.step_m**2
     spread = dict(zip((f"p{p}" for p in PERCENT), store.variance_percentiles(PERCENT), strict=True))
     gaps = gap_area_m2(store.small[..., -1], grid.step_m * store.reduction)
-    caption = f"{1000 * grid.step_m:.1f} mm a pixel, at most four best views a pixel, laid on the surface {facts['surface']}."
+    caption = (
+        f"{1000 * grid.step_m:.1f} mm a pixel, at most four best views a pixel, "
+        f"laid on the surface {facts['surface']}."
+    )
     caption += f" Gaps inside its outline: {gaps:.2f} m²." if gaps else ""
     known = facts.get("position_sigma_m")
     if isinstance(known, float):
@@ -113,9 +112,16 @@ def mosaic_document(
 
 
 def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
-    """Return the area on the chart, m2, of parts of at least MIN_GAP_M2 that nothing was seen of
-    inside the outline of what was seen; alpha (h, w), step_m: side of its pixels. Gaps up to
-    GAP_BRIDGE_M wide at the rim count as inside.
+    """Sum the area on the chart, m2, of gaps inside the outline of what was seen.
+
+    Gaps of at least MIN_GAP_M2 count; those up to GAP_BRIDGE_M wide at the rim are inside.
+
+    Parameters
+    ----------
+    alpha
+        (h, w).
+    step_m
+        side of its pixels.
     """
     from scipy import ndimage
 

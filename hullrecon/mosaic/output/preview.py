@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The picture of a mosaic that people look at: axes in hull coordinates, a scale bar and a legend."""
+"""The picture of a mosaic for people, with axes in hull coordinates, scale bar and legend."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
 
 @dataclass(frozen=True, kw_only=True)
 class Caption:
-    """title; the lines under the picture; frame_spacing_m for frame numbers along the top, None
-    without; flips: along grows to the left, girth downwards, so that the hull is seen from outside.
-    """
+    """What is written around the picture."""
 
     title: str
-    legend: str
+    legend: str  # the lines under the picture
     frame: str
-    frame_spacing_m: float | None = None
+    frame_spacing_m: float | None = None  # for frame numbers along the top, None without
+    # along grows to the left, girth downwards: the hull seen from outside
     flips: tuple[bool, bool] = (False, False)
 
 
 def preview_png(
     picture: NDArray[np.uint8], west: float, north: float, step_m: float, caption: Caption
 ) -> bytes:
-    """Return the PNG of a picture (h, w, 4) RGBA or (h, w, 2) gray and alpha; step_m of its pixels.
+    """Render a picture (h, w, 4) RGBA or (h, w, 2) gray and alpha as PNG.
+
     Same input, same bytes.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -78,8 +78,9 @@ def _axis_names(caption: Caption) -> tuple[str, str]:
 
 
 def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Spread the brightness of the seen pixels of an RGBA picture over the range; colour grows
-    less, or it would glare.
+    """Spread the brightness of the seen pixels over the range.
+
+    Colour grows less, or it would glare.
     """
     seen = picture[picture[..., 3] > 0][:, :3]
     if not len(seen):
@@ -112,9 +113,7 @@ def _frame_numbers(axis: Any, spacing_m: float) -> None:
 def _scale_bar(
     axis: Any, extent: tuple[float, float, float, float], flips: tuple[bool, bool]
 ) -> None:
-    """Draw a bar of 1, 2 or 5 times a power of ten, a fifth of the width at most, in the lower
-    right corner.
-    """
+    """Draw a bar of 1, 2 or 5 times a power of ten, a fifth of the width at most."""
     span = extent[1] - extent[0]
     power = 10.0 ** math.floor(math.log10(span / 5))
     metres = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span / 5 + 1e-12)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes tiles as a cloud-optimised GeoTIFF in map coordinates: the hull seen from outside, as
-other programs show it.
-"""
+"""Write tiles as a cloud-optimised GeoTIFF in map coordinates, the hull seen from outside."""
 
 from __future__ import annotations
 
@@ -20,16 +18,13 @@ from hullrecon.mosaic.grid import TexelGrid
 
 @dataclass(frozen=True, kw_only=True)
 class RasterBands:
-    """What a raster holds. names of its bands, of which the last may be `alpha`; unit of the
-    others, "" for grey levels and counts; dtype; title: what it is, in words; nodata: the value of
-    texels without one, None with an alpha.
-    """
+    """What a raster holds."""
 
-    names: tuple[str, ...]
-    unit: str
+    names: tuple[str, ...]  # of its bands, of which the last may be `alpha`
+    unit: str  # of the others, "" for grey levels and counts
     dtype: str
-    title: str
-    nodata: float | None = None
+    title: str  # what it is, in words
+    nodata: float | None = None  # value of texels without one, None with an alpha
 
     @property
     def creation_options(self) -> dict[str, object]:
@@ -47,17 +42,15 @@ class RasterBands:
 
 @dataclass(frozen=True, kw_only=True)
 class RasterLayout:
-    """Where a raster lies: the texels of the chart in tiles of `size`, and the map that they are
-    written in.
-    """
+    """Where a raster lies."""
 
-    grid: TexelGrid
-    size: int
-    outside: OutsideMap
+    grid: TexelGrid  # the texels of the chart
+    size: int  # of its tiles
+    outside: OutsideMap  # the map that they are written in
 
     @property
     def corner(self) -> tuple[float, float]:
-        """Return x and y of the outer corner of the first pixel, upper left for a viewer outside."""
+        """Return x and y of the upper left corner for a viewer outside."""
         grid = self.grid
         along = grid.west + (grid.width * grid.step_m if self.outside.x_sign < 0 else 0)
         girth = grid.north - (grid.height * grid.step_m if self.outside.y_sign < 0 else 0)
@@ -67,12 +60,16 @@ class RasterLayout:
 def write_raster(
     path: Path, tiles: Iterable[NDArray[np.generic]], layout: RasterLayout, bands: RasterBands
 ) -> None:
-    """Write tiles (size, size, bands), or (size, size), in the order of grid.tiles(size). Same
-    bytes for the same tiles.
+    """Write tiles in the order of grid.tiles(size); same bytes for the same tiles.
 
     GDAL's driver for cloud-optimised files copies a whole file with its overviews. Both, deflated,
     stay in memory: on a full disk GDAL raises errors of its own and prints on standard error, a
     write of ours raises OSError.
+
+    Parameters
+    ----------
+    tiles
+        (size, size, bands), or (size, size).
     """
     import rasterio
     from rasterio.io import MemoryFile
@@ -86,11 +83,22 @@ def write_raster(
         MemoryFile(ext=".tif") as finished,
     ):
         with memory.open(
-            driver="GTiff", width=grid.width, height=grid.height, count=len(bands.names), dtype=bands.dtype,
-            crs=rasterio.CRS.from_wkt(layout.outside.wkt), nodata=bands.nodata, tiled=True, blockxsize=512, blockysize=512,
-            transform=rasterio.Affine(grid.step_m, 0, west, 0, -grid.step_m, north), compress="DEFLATE", zlevel=1,
-            bigtiff="IF_SAFER", **options,
-        ) as file:  # fmt: skip
+            driver="GTiff",
+            width=grid.width,
+            height=grid.height,
+            count=len(bands.names),
+            dtype=bands.dtype,
+            crs=rasterio.CRS.from_wkt(layout.outside.wkt),
+            transform=rasterio.Affine(grid.step_m, 0, west, 0, -grid.step_m, north),
+            nodata=bands.nodata,
+            tiled=True,
+            blockxsize=512,
+            blockysize=512,
+            compress="DEFLATE",
+            zlevel=1,
+            bigtiff="IF_SAFER",
+            **options,
+        ) as file:
             for window, values in _windows(tiles, layout):
                 file.write(values, window=rasterio.windows.Window(*window))
             for k, name in enumerate(bands.names, start=1):
@@ -131,9 +139,7 @@ def description(layout: RasterLayout, bands: RasterBands) -> dict[str, object]:
 def _windows(
     tiles: Iterable[NDArray[np.generic]], layout: RasterLayout
 ) -> Iterable[tuple[tuple[int, int, int, int], NDArray[np.generic]]]:
-    """Yield column, row, width, height of each tile in the raster, and its values (bands, height,
-    width) as they are seen.
-    """
+    """Yield column, row, width, height of each tile, and its values (bands, height, width)."""
     grid, (mirrored, upset) = layout.grid, layout.outside.flips
     for window, tile in zip(grid.tiles(layout.size), tiles, strict=True):
         held = window.meet(grid.whole)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of the surface under each texel of a mosaic: deviation, form, their sigmas,
-support.
-"""
+"""Rasters of the surface under a mosaic: deviation, form, their sigmas, support."""
 
 from __future__ import annotations
 
@@ -13,8 +11,8 @@ import numpy as np
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
-from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
 from hullrecon.mosaic.output.raster import RasterBands, RasterLayout
+from hullrecon.mosaic.output.tile_store import CompressedTiles
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Ints
 
@@ -31,8 +29,9 @@ SUPPORT_BY_RETURNS = "DVL returns within reach of the surface"
 
 
 def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, Array]:
-    """Return the values (n,) at the surface's vertices by the name of their raster, NaN where
-    nothing was seen; without a CAD model the support alone.
+    """Return values (n,) at the vertices by raster, NaN where nothing was seen.
+
+    Without a CAD model there is the support alone.
     """
     values = {"support": surface.support.astype(float)}
     if split is not None:
@@ -48,9 +47,10 @@ def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, 
 def surface_tiles(
     surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout
 ) -> dict[str, CompressedTiles]:
-    """Return tiles of values (n,) of the surface's vertices at the texels: metres linear on each
-    face, counts those of the nearest corner; NaN, and 0 for counts, where there is none. surface:
-    without a horizon, which is not needed here.
+    """Interpolate values (n,) of the vertices at the texels.
+
+    Metres are linear on each face, counts those of the nearest corner; NaN, and 0 for counts, where
+    there is none. The surface's horizon is not needed here.
     """
     shape = (layout.size, layout.size)
     tiles = {name: CompressedTiles(shape, surface_bands(name).dtype) for name in values}
@@ -72,9 +72,7 @@ def surface_tiles(
 
 
 def face_shares(mesh: Mesh, scene: Scene, points: Array) -> tuple[Ints, Array]:
-    """Return the corners (n, 3) of the faces on which points (n, 3) lie, and each corner's share
-    (n, 3) of its point.
-    """
+    """Return the corners (n, 3) of faces under points (n, 3), with barycentric shares."""
     if not len(points):
         return np.zeros((0, 3), np.int64), np.zeros((0, 3))
     near = scene.closest(points)
@@ -88,8 +86,12 @@ def face_shares(mesh: Mesh, scene: Scene, points: Array) -> tuple[Ints, Array]:
 
 
 def surface_bands(name: str, *, by_images: bool = True) -> RasterBands:
-    """Return what the raster of that name holds. by_images: what the support counts, else returns
-    of the DVL.
+    """Describe the raster of that name.
+
+    Parameters
+    ----------
+    by_images
+        whether the support counts images, else returns of the DVL.
     """
     counts = name == "support"
     return RasterBands(

@@ -16,6 +16,8 @@ from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
 from hullrecon.typing import Array, Ints, Mask
 
+_CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
+
 
 @dataclass(frozen=True, kw_only=True)
 class TexturedMesh:
@@ -33,8 +35,12 @@ def build_textured_mesh(
     reduction: int,
     max_faces: int,
 ) -> TexturedMesh:
-    """Return the seen part of the surface as a regular mesh on the chart; alpha: of the mosaic
-    reduced by that many texels.
+    """Mesh the seen part of the surface regularly on the chart.
+
+    Parameters
+    ----------
+    alpha
+        of the mosaic reduced by that many texels.
     """
     seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
     step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / max_faces))
@@ -62,8 +68,9 @@ def build_textured_mesh(
 
 
 def _faces(good: Mask) -> Ints:
-    """Return two triangles (m, 3) for each cell whose four corners are good, all turned the same
-    way; rows run down the girth, columns along.
+    """Return two triangles (m, 3) for each cell whose four corners are good.
+
+    All are turned the same way; rows run down the girth, columns along.
     """
     height, width = good.shape
     index = np.arange(height * width).reshape(height, width)
@@ -72,12 +79,10 @@ def _faces(good: Mask) -> Ints:
     return np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
 
 
-_CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
-
-
 def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
-    """Return the same triangles, counter-clockwise seen from outside. Charts of hulls are
-    left-handed about the outward normal.
+    """Turn triangles counter-clockwise seen from outside.
+
+    Charts of hulls are left-handed about the outward normal.
     """
     across = face_cross_products(Mesh(patch.point.reshape(-1, 3), faces.astype(np.int32)))
     outward = np.einsum("ni,ni->n", across, patch.normal.reshape(-1, 3)[faces[:, 0]])
@@ -85,8 +90,14 @@ def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
 
 
 def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> bytes:
-    """Return a GLB file with normals, without which a viewer shades each triangle flat. texture:
-    (h, w, 4) RGBA or (h, w, 2). up (3,): the axis of the frame that points up.
+    """Encode a GLB file with normals, without which a viewer shades each triangle flat.
+
+    Parameters
+    ----------
+    texture
+        (h, w, 4) RGBA or (h, w, 2).
+    up
+        the axis of the frame that points up (3,).
     """
     import trimesh
     from PIL import Image

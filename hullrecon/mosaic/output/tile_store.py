@@ -1,37 +1,63 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tiles of a mosaic, and a small copy of the whole for pictures."""
+"""Tiles of a mosaic, kept compressed, and a small copy of the whole for pictures."""
 
 from __future__ import annotations
 
 import os
+import zlib
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.mosaic.blend import Tile
+from hullrecon.mosaic.blend import Tile, ViewLimits, blend_tile
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
+from hullrecon.mosaic.imagery.camera_views import Footprints, footprint_windows
+from hullrecon.mosaic.imagery.image_view import ImageView
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
 
+TEXTURE_PX = 4096  # longer side of the small copy, which is the GLB's texture
 MAX_AT_A_TIME = 8  # tiles; one takes some 100 MB while it is made
 VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
 
 
+@dataclass
+class CompressedTiles:
+    """Arrays of one shape and type in the order in which they were added."""
+
+    shape: tuple[int, ...]
+    dtype: str
+    _data: list[bytes] = field(default_factory=list)
+
+    def add(self, tile: NDArray[np.generic]) -> None:
+        """Keep a tile. Raises ValueError for one of another shape."""
+        if tile.shape != self.shape:
+            raise ValueError(f"a tile of shape {tile.shape} among those of {self.shape}")
+        self._data.append(zlib.compress(np.ascontiguousarray(tile, self.dtype).tobytes(), 1))
+
+    def __iter__(self) -> Iterator[NDArray[np.generic]]:
+        return (
+            np.frombuffer(zlib.decompress(data), self.dtype).reshape(self.shape)
+            for data in self._data
+        )
+
+    def __len__(self) -> int:
+        return len(self._data)
+
+
 @dataclass(kw_only=True)
 class TileStore:
-    """Tiles in the order of grid.tiles(size). small: RGBA (or LA) of the whole, reduced by
-    `reduction`.
-    """
+    """Tiles in the order of grid.tiles(size)."""
 
     grid: TexelGrid
     size: int
     channels: int
     reduction: int
-    small: NDArray[np.uint8]
+    small: NDArray[np.uint8]  # RGBA (or LA) of the whole, reduced by `reduction`
     histogram: NDArray[np.int64]  # of the variance, by VARIANCE_STEP up to 1024
     views: NDArray[np.int64]  # texels by number of views blended, 0 to 4
     color: CompressedTiles  # (size, size, channels + 1) uint8, the last is alpha
@@ -97,9 +123,15 @@ def make_tiles(
     make: Callable[[Window], Tile],
     progress: Any,
 ) -> TileStore:
-    """Make every tile, as many at a time as there are cores, up to MAX_AT_A_TIME; no more are in
-    memory uncompressed, and the result does not depend on it. make is called from several threads.
-    The small copy is reduced to max_pixels a side, or as often as `size` can be halved.
+    """Make every tile in threads, up to MAX_AT_A_TIME at a time.
+
+    No more are in memory uncompressed, and the result does not depend on it. The small copy is
+    reduced to max_pixels a side, or as often as `size` can be halved.
+
+    Parameters
+    ----------
+    make
+        called from several threads.
     """
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:
@@ -123,3 +155,35 @@ def make_tiles(
     for window, tile in zip(progress(windows), in_threads(make, windows), strict=True):
         store.add(window, tile)
     return store
+
+
+def blend_tiles(
+    surface: MosaicSurface,
+    grid: TexelGrid,
+    footprints: Footprints,
+    image_views: Sequence[ImageView],
+    limits: ViewLimits,
+    channels: int,
+    tile_px: int,
+    progress: Any,
+) -> TileStore:
+    """Blend all views on every tile of the grid.
+
+    Parameters
+    ----------
+    footprints
+        of the views on the surface: only those that may see a tile are asked for it.
+    channels
+        3 of a camera, 1 of a sonar.
+    progress
+        wraps the sequence of tiles, with a word for it.
+    """
+    windows = footprint_windows(grid, footprints)
+    return make_tiles(
+        grid,
+        channels,
+        tile_px,
+        TEXTURE_PX,
+        lambda window: blend_tile(surface, grid, window, image_views, windows, limits, channels),
+        lambda tiles: progress(tiles, "tiles"),
+    )

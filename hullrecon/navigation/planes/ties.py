@@ -12,7 +12,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.native import PlanePairTable, PlaneRangeTable, PlaneTable
 from hullrecon.navigation.planes.comparison import (
     PatchPairs,
     compare_patches,
@@ -21,7 +23,7 @@ from hullrecon.navigation.planes.comparison import (
     position_and_gap_by_poses,
 )
 from hullrecon.navigation.planes.patches import Patches
-from hullrecon.records.planes import PlaneRanges, TiedPlanes
+from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Returns, VehiclePath
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints, Mask
@@ -131,16 +133,18 @@ def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPla
     shared = np.maximum(0.5 * (degree[pairs.first] + degree[pairs.second]), 1.0)
     found = difference_of_planes(patches, pairs, pairs.noise * shared[:, None, None])
     return TiedPlanes(
-        anchor=patches.anchor[used],
         plane=patches.plane[used],
+        table=PlaneTable(anchor=patches.anchor[used].astype(np.int32)),
         ranges=_ranges(patches, used, returns),
-        first=number[pairs.first],
-        second=number[pairs.second],
-        difference=found.difference,
-        information=found.information,
-        point=patches.center[pairs.second],
-        place=pairs.place,
-        by_place=found.by_place,
+        pairs=PlanePairTable(
+            first=number[pairs.first].astype(np.int32),
+            second=number[pairs.second].astype(np.int32),
+            measured=found.difference,
+            sqrt_information=found.information,
+            point=patches.center[pairs.second],
+            place=pairs.place,
+            by_place=found.by_place,
+        ),
     )
 
 
@@ -150,17 +154,17 @@ def _known(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joi
     return np.asarray(by_poses @ joint @ by_poses.swapaxes(1, 2))
 
 
-def _ranges(patches: Patches, used: Ints, returns: Returns) -> PlaneRanges:
+def _ranges(patches: Patches, used: Ints, returns: Returns) -> PlaneRangeTable:
     size = np.array([len(patches.rows[k]) for k in used], np.int64)
     rows = np.concatenate([np.zeros(0, np.int64), *(patches.rows[k] for k in used)])
     to_plane = np.concatenate([np.zeros(0), *(patches.to_plane[k] for k in used)])
-    return PlaneRanges(
-        plane=np.repeat(np.arange(len(used)), size),
-        node=returns.node[rows],
-        quaternion=returns.quaternion[rows],
-        translation=returns.translation[rows],
-        tray_offset=returns.tray_offset[rows],
-        beam=returns.beam[rows],
-        range_m=returns.range_m[rows] + to_plane,
-        sigma_m=np.repeat(patches.sigma_m[used], size),
+    kept = returns.take(rows)
+    return PlaneRangeTable(
+        node=kept.node.astype(np.int32),
+        plane=np.repeat(np.arange(len(used), dtype=np.int32), size),
+        offset=Poses(kept.quaternion, kept.translation).vectors(),
+        tray_offset=kept.tray_offset,
+        beam=kept.beam,
+        measured=kept.range_m + to_plane,
+        sigma=np.repeat(patches.sigma_m[used], size),
     )

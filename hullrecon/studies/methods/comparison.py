@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The methods side by side: what each solve left, and one table of figures."""
+"""What each method left, and one table of figures."""
 
 from __future__ import annotations
 
@@ -27,34 +27,31 @@ from hullrecon.typing import Array, Arrays
 
 @dataclass(frozen=True, kw_only=True)
 class SolvedVariant:
-    """What one method and weighting left. iterations: rows of the solve's record; seconds: what the
-    step took; iterations_s: when each row was done, of the step's clock; registered: T_g_M before
-    the solve; chart: of the CAD model.
-    """
+    """What one method and weighting left."""
 
     method: str
     weighting: str
     solution: Solution
-    iterations: Arrays
-    seconds: float
-    iterations_s: Array
-    registered: Poses | None = None
-    chart: Chart | None = None
+    iterations: Arrays  # rows of the solve's record
+    seconds: float  # what the step took
+    iterations_s: Array  # when each row was done, by the step's clock
+    registered: Poses | None = None  # global_from_hull before the solve
+    chart: Chart | None = None  # of the CAD model
 
     @property
     def name(self) -> str:
-        """Return method and weighting in words."""
+        """Name method and weighting."""
         return f"{self.method} {self.weighting}"
 
     @property
     def as_published(self) -> bool:
-        """Return whether it was solved as published."""
+        """Whether it was solved as published."""
         return WEIGHTINGS[self.weighting]
 
 
 @dataclass(frozen=True, kw_only=True)
 class DeadReckoning:
-    """What all methods started from: the dead-reckoned dive and the rig as configured."""
+    """What all methods started from."""
 
     trajectory: Trajectory
     returns: Returns | None
@@ -64,7 +61,7 @@ class DeadReckoning:
 def compare_solutions(
     variants: Sequence[SolvedVariant], start: DeadReckoning, truth: Truth
 ) -> dict[str, MethodFigures]:
-    """Return the figures by method and weighting."""
+    """Score every solve, by method and weighting."""
     return {
         v.name: {
             **method_figures(v.solution, start.returns, start.rig, truth),
@@ -79,7 +76,7 @@ def compare_solutions(
 
 
 def comparison_table(figures: Mapping[str, MethodFigures]) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the table; lengths in millimetres, where the eye compares them best."""
+    """Lay the figures out in heads and rows; lengths in millimetres."""
     heads = [
         "method",
         *(f"{label}, {_unit(name)}".rstrip(", ") for name, label in TABLE.items()),

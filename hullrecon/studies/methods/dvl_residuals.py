@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The DVL's beams in the hull frame, as a solution or dead reckoning has them, and their residuals
-against the CAD model.
-"""
+"""The DVL's beams in the hull frame, and their residuals against the CAD model."""
 
 from __future__ import annotations
 
@@ -21,13 +19,11 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class HullBeams:
-    """Ends points (n, 3) and unit directions (n, 3) in M, measured range (n,) m; flagged returns
-    are left out.
-    """
+    """The beams that came back and were not flagged, in M."""
 
-    points: Array
-    directions: Array
-    range_m: Array
+    points: Array  # (n, 3) their ends
+    directions: Array  # (n, 3) unit vectors
+    range_m: Array  # (n,) measured
 
     @property
     def origins(self) -> Array:
@@ -36,7 +32,7 @@ class HullBeams:
 
 
 def beams_of(path: VehiclePath, rig: Rig, returns: Returns) -> HullBeams:
-    """Return the beams of a vehicle path in M."""
+    """Place the beams of a vehicle path in M."""
     good = ~returns.flagged & np.isfinite(returns.range_m)
     ends = rig.dvl_points(returns, path)
     return HullBeams(
@@ -47,7 +43,7 @@ def beams_of(path: VehiclePath, rig: Rig, returns: Returns) -> HullBeams:
 def adjusted_beams(
     solution: Solution, global_from_hull: Poses, returns: Returns, rig: Rig
 ) -> HullBeams:
-    """Return the beams as adjusted: poses, tray and mounts of the solution."""
+    """Place the beams by the solution's poses, tray and mounts."""
     path = VehiclePath(
         poses=global_from_hull.inverse() @ solution.global_from_vehicle, tray=solution.tray
     )
@@ -57,9 +53,7 @@ def adjusted_beams(
 def dead_reckoned_beams(
     trajectory: Trajectory, global_from_hull: Poses, returns: Returns, rig: Rig
 ) -> HullBeams:
-    """Return the beams before the adjustment: dead-reckoned poses, the tray as logged, the mount as
-    configured.
-    """
+    """Place the beams by dead reckoning, the tray as logged, the mount as configured."""
     path = VehiclePath(poses=global_from_hull.inverse() @ trajectory.poses(), tray=trajectory.tray)
     return beams_of(path, rig, returns)
 
@@ -67,11 +61,15 @@ def dead_reckoned_beams(
 def range_residuals(
     beams: HullBeams, cad_model: Scene, deviation_at: Callable[[Array], Array] | None = None
 ) -> Array:
-    """Return predicted minus measured range (m,) against the CAD model [Ozog2016 eq. 4.14], of the
-    beams that meet it.
+    """Return predicted minus measured ranges (m,) of beams that meet the CAD model.
 
-    deviation_at: the hull's normal offset (n,) m at points (n, 3) in M; the CAD model is moved
-    outward by it, as in the adjustment: cast - offset / cos(incidence).
+    This is [Ozog2016 eq. 4.14].
+
+    Parameters
+    ----------
+    deviation_at
+        the hull's normal offset (n,) m at points (n, 3) in M. The CAD model is moved outward by
+        it, as in the adjustment: cast - offset / cos(incidence).
     """
     origins = beams.origins
     predicted = cad_model.cast(origins, beams.directions)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The figures of [Ozog2016] that a comparison gives, and the data of each."""
+"""The figures of [Ozog2016] that a comparison of the methods gives."""
 
 from __future__ import annotations
 
@@ -53,10 +53,14 @@ def draw_method_figures(
     truth: Truth,
     reported: Sequence[ReportedObject],
 ) -> list[PublishedFigure]:
-    """Draw [Ozog2016 Figs 4.10 (4.11), 4.12, 4.13, 4.14, 4.16] from those solves; one without its
-    data is left out.
+    """Draw [Ozog2016 Figs 4.10 (4.11), 4.12, 4.13, 4.14, 4.16] from solves.
 
-    reported: the objects that the dive delivers, none where it has none.
+    A figure without its data is left out.
+
+    Parameters
+    ----------
+    reported
+        the objects that the dive delivers, none where it has none.
     """
     figures = [cost_history([_history(v) for v in variants])]
     maxmix = [_history(v) for v in variants if v.method == "maxmix" and len(v.solution.landmarks)]
@@ -77,9 +81,7 @@ def draw_method_figures(
 
 
 def tallest(truth: Truth) -> TrueStructure | None:
-    """Return the cylinder, as in [Ozog2016 Fig. 4.16], else the highest structure that enough
-    frames saw.
-    """
+    """Choose the cylinder, as in [Ozog2016 Fig. 4.16], else the highest well seen structure."""
     seen = [o for o in truth.structures() if o.views >= 3 and o.height > 0]
     return max(seen, key=lambda o: (o.kind == "cylinder", o.height), default=None)
 
@@ -103,7 +105,7 @@ def _history(v: SolvedVariant) -> SolveHistory:
 
 
 def _aligned(v: SolvedVariant, start: DeadReckoning, truth: Truth) -> tuple[Array, Array]:
-    """Return landmarks and DVL points in M, moved by the alignment of the path with the true one."""
+    """Return landmarks and DVL points in M, aligned as the path is with the true one."""
     frame, motion = hull_frame(v.solution, truth), _alignment(v, truth)
     dvl = np.zeros((0, 3))
     if start.returns is not None:
@@ -153,8 +155,10 @@ def _ranges(
     truth: Truth,
     cad_model: Scene,
 ) -> PublishedFigure:
-    """Draw the ranges' residuals. Before: dead reckoning where the registration put it. After:
-    maxmix by weighting, ours also against the CAD model moved by the deviation field.
+    """Draw the ranges' residuals before and after the adjustment.
+
+    Before is dead reckoning where the registration put it. After is maxmix by weighting, ours also
+    against the CAD model moved by the deviation field.
     """
     maxmix = [v for v in variants if v.method == "maxmix"]
     ours = next(v for v in maxmix if not v.as_published)
@@ -178,7 +182,7 @@ def _field_in_hull(field: DeviationField, chart: Chart) -> Callable[[Array], Arr
 
 
 def _alignment(v: SolvedVariant, truth: Truth) -> Poses:
-    """Return the rigid motion that takes the solved path onto the true one."""
+    """Fit the rigid motion that takes the solved path onto the true one."""
     poses = hull_frame(v.solution, truth).inverse() @ v.solution.global_from_vehicle
     _, motion = score_trajectory(TimedPoses(t_s=stamps(v.solution), poses=poses), truth)
     return motion

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How a solve goes: labels by iteration [Ozog2016 Fig. 4.12], cost by iteration and by time
-[Ozog2016 Fig. 4.13].
-"""
+"""Labels by iteration [Ozog2016 Fig. 4.12], cost by iteration and time [Ozog2016 Fig. 4.13]."""
 
 from __future__ import annotations
 
@@ -31,24 +29,22 @@ _NEAR = 0.001  # of its last cost
 
 @dataclass(frozen=True, kw_only=True)
 class SolveHistory:
-    """One method's iterations (k,), rounds one after the other: round, cost, landmarks and those
-    labelled 1, labels changed, seconds since the first solve began. as_published: one solve, as
-    published.
-    """
+    """One method's iterations (k,), rounds one after the other."""
 
     method: str
-    as_published: bool
-    round: Ints
-    cost: Array
-    landmarks: Ints
-    on_surface: Ints
-    label_changes: Ints
-    seconds: Array
+    as_published: bool  # one solve, as published
+    round: Ints  # (k,)
+    cost: Array  # (k,)
+    landmarks: Ints  # (k,)
+    on_surface: Ints  # (k,) landmarks labelled 1
+    label_changes: Ints  # (k,)
+    seconds: Array  # (k,) since the first solve began
 
 
 def label_frequency(solves: Sequence[SolveHistory]) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 4.12]: share of the landmarks with label 1 by iteration, a panel a solve;
-    below, how many labels changed.
+    """Draw [Ozog2016 Fig. 4.12]: the share of label 1 by iteration, a panel a solve.
+
+    Below each: how many labels changed.
     """
     figure, axes = new_canvas(
         4.4 * len(solves) + 0.4, 4.6, 2, len(solves), sharex="col", height_ratios=(3, 2)
@@ -99,9 +95,10 @@ def label_frequency(solves: Sequence[SolveHistory]) -> PublishedFigure:
 
 
 def cost_history(solves: Sequence[SolveHistory]) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 4.13]: cost by iteration and by time. Above the solves as published,
-    which share one weighting; below ours, whose lines break where a round begins: sigmas and
-    landmarks change there, so costs do not compare across it.
+    """Draw [Ozog2016 Fig. 4.13]: cost by iteration and by time.
+
+    Above are the solves as published, which share one weighting. Below are ours, whose lines break
+    where a round begins: sigmas and landmarks change there, so costs do not compare across it.
     """
     groups = [
         g
@@ -173,7 +170,13 @@ def _count(solve: SolveHistory) -> str:
 
 
 def _labels_converged(solve: SolveHistory, share: float = 0.001) -> str:
-    """Say after how many iterations of its last round fewer than that share of the labels change."""
+    """Say after how many iterations of the last round few labels change.
+
+    Parameters
+    ----------
+    share
+        of the landmarks, fewer than which may still change.
+    """
     last = solve.round == solve.round.max()
     changing = np.flatnonzero(solve.label_changes[last] > share * solve.landmarks[last])
     iterations = int(changing.max()) if len(changing) else 0

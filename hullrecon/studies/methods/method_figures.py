@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What [Ozog2016 Figs 4.10, 4.11] compares, in figures.
+"""Figures of one solve, as [Ozog2016 Figs 4.10, 4.11] compares them.
 
 Does a method flatten what stands out of the hull, does it leave landmarks off the surface that the
 DVL measured, and what does that do to trajectory and cameras?
@@ -43,7 +43,7 @@ TABLE = {
 def method_figures(
     solution: Solution, returns: Returns | None, rig: Rig, truth: Truth
 ) -> MethodFigures:
-    """Return figures by part and name for one solution; parts that it cannot give are left out."""
+    """Score one solution by part and name; parts that it cannot give are left out."""
     global_from_hull = hull_frame(solution, truth)
     hull_poses = global_from_hull.inverse() @ solution.global_from_vehicle
     sigma = np.sqrt(np.einsum("nii->ni", solution.pose_covariance)[:, :3])
@@ -69,7 +69,7 @@ def method_figures(
 
 
 def hull_frame(solution: Solution, truth: Truth) -> Poses:
-    """Return T_g_M: the solution's, the true one for a dive without a CAD model."""
+    """Return global_from_hull: the solution's, the true one without a CAD model."""
     return (
         truth.global_from_hull
         if solution.hull_pose is None
@@ -88,10 +88,10 @@ def landmarks_in_hull(solution: Solution, global_from_hull: Poses) -> Array:
 
 
 def height_figures(landmarks: Array, truth: Truth, motion: Poses) -> Figures:
-    """Return how much of each structure's height its landmarks keep: 1 is all of it, 0 is flat on
-    the hull.
+    """Score how much of each structure's height its landmarks keep.
 
-    Structures of at least 0.08 m with three landmarks or more on top count.
+    1 is all of it, 0 is flat on the hull. Structures of at least 0.08 m with three landmarks or
+    more on top count.
     """
     rows = {
         o.id: height_over_steel(landmarks, o, truth, motion)
@@ -118,8 +118,7 @@ def height_figures(landmarks: Array, truth: Truth, motion: Poses) -> Figures:
 def height_over_steel(
     landmarks: Array, structure: TrueStructure, truth: Truth, motion: Poses
 ) -> tuple[Array, Array]:
-    """Return heights over the steel (n,) of the landmarks on top of a structure, ours and the true
-    ones at the same points.
+    """Return heights (n,) over the steel of landmarks on a structure, ours and true.
 
     What the surroundings are off (a method may move the hull as a whole) is subtracted from ours.
     """
@@ -146,7 +145,7 @@ def height_over_steel(
 def gap_figures(
     landmarks: Array, dvl: Array, cad_model: Scene, reach_m: float = 0.4, neighbours: int = 12
 ) -> Figures:
-    """Return how far landmarks on bare steel stand off the surface that the DVL measured.
+    """Score how far landmarks on bare steel stand off the surface that the DVL measured.
 
     It is the difference of their distances to the CAD model, each landmark against the median of
     its nearest returns.
@@ -176,7 +175,7 @@ def _score_cameras(solution: Solution, hull_from_vehicle: Poses, rig: Rig, truth
 
 
 def _on_steel(landmarks: Array, truth: Truth, motion: Poses) -> Mask:
-    """Return which landmarks (n,) lie away from everything that stands out."""
+    """Mark landmarks (n,) away from everything that stands out."""
     moved, clear = motion.apply(landmarks), np.ones(len(landmarks), bool)
     for o in truth.structures():
         clear &= np.linalg.norm(moved - np.array(o.center), axis=1) > 0.5 * max(o.extent) + 0.15

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a solve gives: cross-sections [Ozog2016 Fig. 4.10], the DVL's residuals [Ozog2016 Fig.
-4.14], a structure's height [Ozog2016 Fig. 4.16].
-"""
+"""Cross-sections, ranges' residuals and a structure's height [Ozog2016 Figs 4.10, 4.14, 4.16]."""
 
 from __future__ import annotations
 
@@ -38,20 +36,15 @@ EXPLAINED = {
 
 @dataclass(frozen=True, kw_only=True)
 class CrossSection:
-    """A thin slice across the hull at a structure, in its own plane: tangent (girth) and height
-    over the steel, m.
-
-    dvl, on, off (n, 2): returns and landmarks of label 1 and 0; steel (m, 2): the true surface; CAD
-    model (m, 2) or empty.
-    """
+    """A thin slice across the hull at a structure: tangent (girth) and height, m."""
 
     method: str
     weighting: str
-    dvl: Array
-    on: Array
-    off: Array
-    steel: Array
-    cad_model: Array
+    dvl: Array  # (n, 2) returns
+    on: Array  # (n, 2) landmarks of label 1
+    off: Array  # (n, 2) landmarks of label 0
+    steel: Array  # (m, 2) the true surface
+    cad_model: Array  # (m, 2) or empty
 
     def parts(self) -> dict[str, Array]:
         """Return the points by what they are."""
@@ -66,22 +59,18 @@ class CrossSection:
 
 @dataclass(frozen=True, kw_only=True)
 class WholeSection:
-    """The same slice over the whole hull: y across and z up (m) in M. on, off (n, 2): landmarks of
-    label 1 and 0; dvl (k, 2), CAD model (m, 2); at (2,): the structure.
-    """
+    """The same slice over the whole hull: y across and z up (m) in M."""
 
-    on: Array
-    off: Array
-    dvl: Array
-    cad_model: Array
-    at: Array
+    on: Array  # (n, 2) landmarks of label 1
+    off: Array  # (n, 2) landmarks of label 0
+    dvl: Array  # (k, 2)
+    cad_model: Array  # (m, 2)
+    at: Array  # (2,) the structure
 
 
 @dataclass(frozen=True, kw_only=True)
 class DeliveredHeight:
-    """A structure as it stands in objects.json: height over the hull around it and its one sigma,
-    m.
-    """
+    """A structure's height over the hull as in objects.json, with one sigma, m."""
 
     height_m: float
     sigma_m: float
@@ -91,8 +80,9 @@ class DeliveredHeight:
 def cross_sections(
     rows: Sequence[Sequence[CrossSection]], overviews: Sequence[WholeSection], kind: str
 ) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 4.10] (4.11 for one camera): a column a method; above the whole section,
-    below the structure by weighting.
+    """Draw [Ozog2016 Fig. 4.10] (4.11 for one camera), a column a method.
+
+    Above is the whole section, below the structure by weighting.
     """
     figure, axes = new_canvas(
         4.1 * len(rows[0]), 2.9 + 2.5 * len(rows), 1 + len(rows), len(rows[0]), sharey="row"
@@ -128,16 +118,17 @@ def cross_sections(
         fontsize=8,
         frameon=False,
     )
-    caption = f"Slices across the hull at the {kind}, landmarks and DVL returns after alignment with the true path."
+    caption = (
+        f"Slices across the hull at the {kind}, landmarks and DVL returns after alignment with "
+        "the true path."
+    )
     return finish_figure("cross_sections", figure, table, caption)
 
 
 def range_histogram(
     before: Mapping[str, Array], after: Mapping[str, Array], reach_m: float
 ) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 4.14]: residuals of the DVL's ranges against the CAD model (m), before
-    and after the adjustment.
-    """
+    """Draw [Ozog2016 Fig. 4.14]: the ranges' residuals (m), before and after adjustment."""
     figure, axes = new_canvas(9.6, 3.4)
     axis, edges = axes[0][0], np.linspace(-reach_m, reach_m, 101)
     counts = {name: np.histogram(values, edges)[0] for name, values in {**before, **after}.items()}
@@ -180,8 +171,9 @@ def range_histogram(
 def structure_heights(
     heights: Mapping[str, Array], true_m: float, kind: str, delivered: DeliveredHeight | None
 ) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 4.16]: heights of the landmarks on top of one structure by method, the
-    height delivered, and the true one.
+    """Draw [Ozog2016 Fig. 4.16]: landmarks' heights on one structure by method.
+
+    Beside them are the height delivered and the true one.
     """
     figure, axes = new_canvas(7.2, 3.6)
     axis, table = axes[0][0], ["what,height_m,sigma_m"]
@@ -214,7 +206,10 @@ def structure_heights(
         )
         ticks.append("delivered\n(objects.json)")
         table.append(f"delivered,{height:.5f},{sigma:.5f}")
-        delivery = f"; delivered {height:.3f} m with a sigma of {sigma:.3f} m from {delivered.views} images"
+        delivery = (
+            f"; delivered {height:.3f} m with a sigma of {sigma:.3f} m from "
+            f"{delivered.views} images"
+        )
     axis.axhline(
         true_m, color=GREEN, linestyle="--", linewidth=1.2, label=f"true height: {true_m:.3f} m"
     )

@@ -13,13 +13,23 @@ from hullrecon.typing import Array, Mask
 
 
 def cut_section(
-    solve: tuple[str, str], structure: TrueStructure, landmarks: Array, on_surface: Mask, dvl: Array,
-    truth: Truth, reach_m: float = 0.55, half_m: float = 0.08,
-) -> CrossSection:  # fmt: skip
-    """Return the slice through the structure's middle, half_m to either side along the hull; points
-    in M, aligned.
+    solve: tuple[str, str],
+    structure: TrueStructure,
+    landmarks: Array,
+    on_surface: Mask,
+    dvl: Array,
+    truth: Truth,
+    reach_m: float = 0.55,
+    half_m: float = 0.08,
+) -> CrossSection:
+    """Slice the hull through a structure, half_m to either side along the hull.
 
-    solve: method and weighting. The DVL's few returns are taken from a slice five times as thick.
+    Points are in M, aligned. The DVL's few returns are taken from a slice five times as thick.
+
+    Parameters
+    ----------
+    solve
+        method and weighting.
     """
     axes = _axes(structure)
     foot = np.array(structure.center) - structure.height * axes[2]

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The variants of the method that `study methods` and `study figures` need: solved when out of date,
-else read back.
-"""
+"""The variants of the method: solved when out of date, else read back."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, cast
 
 import msgspec
@@ -29,13 +29,11 @@ WHOLE_SOLVE_ITERATIONS = 200  # 26 to 51 in [Ozog2016 Fig. 4.13]
 
 @dataclass(frozen=True, kw_only=True)
 class MethodVariant:
-    """A method of the adjustment with a weighting; as_published: without our weights, deviation
-    field and rounds.
-    """
+    """A method of the adjustment with a weighting."""
 
     method: str
     weighting: str
-    as_published: bool
+    as_published: bool  # without our weights, deviation field and rounds
 
     def chain(self, whole: Chain) -> Chain:
         """Return the chain with this variant's options of adjust.
@@ -64,8 +62,9 @@ class MethodVariant:
         return self.method == "maxmix" and not self.as_published
 
     def workspace(self, dive: DiveRun) -> Workspace:
-        """Return RUNS/<dive> for the variant that the chain itself solves, else
-        RUNS/<dive>/compare/<variant>.
+        """Return where the variant is solved.
+
+        RUNS/<dive> for the one that the chain itself solves, else RUNS/<dive>/compare/<variant>.
         """
         if self.is_product:
             return dive.workspace
@@ -77,7 +76,7 @@ class MethodVariant:
 
 
 def variants() -> list[MethodVariant]:
-    """Return every solve that is compared."""
+    """List every solve that is compared."""
     from hullrecon.studies.methods.method_figures import METHODS, WEIGHTINGS
 
     return [
@@ -87,11 +86,17 @@ def variants() -> list[MethodVariant]:
     ]
 
 
-def solve_all(dive: DiveRun, run_context: RunContext) -> None:
-    """Bring the steps before adjust up to date, then every variant of adjust."""
+def run_before_adjust(dive: DiveRun, run_context: RunContext) -> None:
+    """Bring the steps before adjust up to date."""
     whole = dive.chain.up_to("adjust")
     before = replace(whole, stages=tuple(s for s in whole.stages if s.name != "adjust"))
     run_chain(before, dive.workspace, run_context)
+
+
+def solve_all(dive: DiveRun, run_context: RunContext) -> None:
+    """Bring the steps before adjust up to date, then every variant of adjust."""
+    run_before_adjust(dive, run_context)
+    whole = dive.chain.up_to("adjust")
     with dive.workspace.lock():
         for variant in variants():
             build_step(
@@ -101,22 +106,31 @@ def solve_all(dive: DiveRun, run_context: RunContext) -> None:
 
 
 def find_objects(dive: DiveRun, run_context: RunContext) -> None:
-    """Bring the chain's own steps up to `detect` up to date, where the dive can have it: the
-    heights that are delivered.
-    """
+    """Bring the chain up to date as far as `detect`, whose heights are delivered."""
     if any(s.name == "detect" for s in dive.chain.stages):
         run_chain(dive.chain.up_to("detect"), dive.workspace, run_context)
 
 
 def build_step(
-    name: str, chain: Chain, upstream: Workspace, target: Workspace, run_context: RunContext
+    name: str,
+    chain: Chain,
+    upstream: Workspace,
+    target: Workspace,
+    run_context: RunContext,
+    replaced: Mapping[str, Path] = MappingProxyType({}),
 ) -> None:
-    """Bring one step of a chain up to date in another workspace than that of the steps before it."""
+    """Bring one step up to date in another workspace than that of its inputs.
+
+    Parameters
+    ----------
+    replaced
+        inputs that are not those of `upstream`, by step.
+    """
     stage = chain.stage(name)
     job = make_job(
         stage,
         chain.sections,
-        inputs_of(stage, chain, upstream, chain.skip_reasons()),
+        {**inputs_of(stage, chain, upstream, chain.skip_reasons()), **replaced},
         chain.package,
         run_context.hashes,
     )
@@ -125,7 +139,7 @@ def build_step(
 
 
 def read_solutions(dive: DiveRun) -> list[SolvedVariant]:
-    """Return what solve_all left. Raises InputError when a variant is missing."""
+    """Read what solve_all left. Raises InputError when a variant is missing."""
     return [_read_solution(variant, variant.workspace(dive)) for variant in variants()]
 
 
@@ -160,8 +174,9 @@ def _read_solution(variant: MethodVariant, workspace: Workspace) -> SolvedVarian
 
 
 def read_dead_reckoning(dive: DiveRun) -> DeadReckoning:
-    """Return the dead-reckoned dive, the rig as configured or logged. Raises InputError where
-    navigate left nothing.
+    """Read the dead-reckoned dive and the rig as configured or logged.
+
+    Raises InputError where navigate left nothing.
     """
     from hullrecon.artifacts.stage import StageSettings
     from hullrecon.rig import RIG_KEYS, rig_from_settings
@@ -178,7 +193,7 @@ def read_dead_reckoning(dive: DiveRun) -> DeadReckoning:
 
 
 def read_objects(dive: DiveRun) -> tuple[ReportedObject, ...]:
-    """Return the objects that the chain's own detect reports; none where it left nothing."""
+    """Read the objects that the chain's own detect reports; none where it left nothing."""
     from hullrecon.records.deliverables import ReportedObject
     from hullrecon.steps.artifacts import DetectArtifact
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far the DVL's returns lie from the CAD model on different paths [Ozog2016 Figs 2.22, 2.23]."""
+"""Distances of DVL returns from the CAD model on different paths [Ozog2016 Figs 2.22, 2.23]."""
 
 from __future__ import annotations
 
@@ -23,18 +23,14 @@ MOST_DRAWN = 4000
 
 @dataclass(frozen=True, kw_only=True)
 class ReturnsOnHull:
-    """DVL returns on one path, laid onto the CAD model: points (n, 3) m in M, distance (n,) m from
-    its surface.
-    """
+    """DVL returns on one path, registered to the CAD model."""
 
-    points: Array
-    distance: Array
+    points: Array  # (n, 3) m in M
+    distance: Array  # (n,) m from its surface
 
 
 def distance_to_cad_model(paths: Mapping[str, ReturnsOnHull]) -> PublishedFigure:
-    """Draw the returns seen from above, a panel a path, and how their distances from the CAD model
-    are spread.
-    """
+    """Draw the returns from above, a panel a path, and their distances' spread."""
     figure, axes = new_canvas(4.2 * (len(paths) + 1), 3.6, 1, len(paths) + 1)
     palette = dict(zip(paths, (COLOURS["geva"], COLOURS["maxmix"], INK), strict=False))
     reach = max(float(np.percentile(np.abs(found.distance), 99)) for found in paths.values())

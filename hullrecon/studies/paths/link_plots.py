@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What links do to a path: how well it is known along its way [KimEustice2009 Fig. 4], which nodes
-they join [KimEustice2009 Fig. 5a], and what becomes of it with one two-view model alone
-[KimEustice2009 Fig. 5b].
+"""What links do to a path: its sigma, the nodes they join, and one two-view model alone.
+
+[KimEustice2009 Figs 4, 5a, 5b].
 """
 
 from __future__ import annotations
@@ -43,15 +43,16 @@ OF_PATHS = (COLOURS["geva"], COLOURS["maxmix"], GREEN)
 
 @dataclass(frozen=True, kw_only=True)
 class LinkedBy:
-    """A path in g tied by links of one two-view model; joined: pairs of images that gave one."""
+    """A path in g tied by links of one two-view model."""
 
     track: VehicleTrack
-    joined: int
+    joined: int  # pairs of images that gave a link
 
 
 def sigma_along_path(tracks: Mapping[str, VehicleTrack]) -> PublishedFigure:
-    """Draw the sigma of the horizontal position over the length of the path [KimEustice2009 Fig.
-    4], of tracks of the same nodes.
+    """Draw the horizontal sigma along the path [KimEustice2009 Fig. 4].
+
+    All tracks have the same nodes.
     """
     figure, axes = new_canvas(7.4, 3.6)
     way = path_length(list(tracks.values())[-1].poses.translation)
@@ -69,16 +70,20 @@ def sigma_along_path(tracks: Mapping[str, VehicleTrack]) -> PublishedFigure:
         for k, at in enumerate(way)
     ]
     ends = ", ".join(f"{name} {1e3 * value[-1]:.3g} mm" for name, value in sigma.items())
-    caption = f"One sigma of the horizontal position from where the path begins. After {way[-1]:.0f} m: {ends}."
+    caption = (
+        "One sigma of the horizontal position from where the path begins. "
+        f"After {way[-1]:.0f} m: {ends}."
+    )
     return finish_figure("sigma_along_path", figure, table, caption)
 
 
 def links_on_hull(
     reckoned: VehicleTrack, linked: VehicleTrack, pairs: NodePairs, truth: Truth
 ) -> PublishedFigure:
-    """Draw the links over the hull [KimEustice2009 Fig. 5a]: seen from the side with their kinds,
-    and from above with dead reckoning, the truth, and ellipses of three sigma. Paths lie where they
-    do if both begin at the true pose.
+    """Draw the links over the hull [KimEustice2009 Fig. 5a], from the side and above.
+
+    From above with dead reckoning, the truth, and ellipses of three sigma. Paths lie where they do
+    if both begin at the true pose.
     """
     figure, axes = new_canvas(9.6, 6.4, 2, 1, sharex="col")
     side, above = axes[0][0], axes[1][0]
@@ -121,7 +126,10 @@ def links_on_hull(
     table += [f"{a},{b},{c:d},{j:d},{r:d}" for a, b, c, j, r in columns]
     counts = ", ".join(f"{which.sum():,} {name}" for name, (which, _) in kinds.items())
     off = [f"{1e3 * rms_length(path.translation - true):.3g} mm" for path in (drifted, at)]
-    words = f"From its true start the path is off by {off[0]} dead reckoned and by {off[1]} with links (rms)"
+    words = (
+        f"From its true start the path is off by {off[0]} dead reckoned and by {off[1]} with "
+        "links (rms)"
+    )
     return finish_figure(
         "links_on_hull",
         figure,
@@ -167,15 +175,16 @@ def path_length(translation: Array) -> Array:
 
 
 def horizontal_sigma(track: VehicleTrack) -> Array:
-    """Return the sigma (n,) m of the positions over the ground: the root of the trace of their
-    covariance. Depths are left out: their error, a pressure sensor's bias, is common to the whole
-    path.
+    """Return the sigma (n,) m of the positions over the ground.
+
+    It is the root of the trace of their covariance. Depths are left out: their error, a pressure
+    sensor's bias, is common to the whole path.
     """
     return np.asarray(np.linalg.norm(track.sigma[:, :2], axis=1))
 
 
 def in_hull(track: VehicleTrack, truth: Truth) -> Poses:
-    """Return T_M_v (n) of a track in g if it begins at the true pose."""
+    """Place a track of g in M as if it began at the true pose."""
     timed = TimedPoses(t_s=track.t_ns / 1e9, poses=track.poses)
     hull_from_global: Poses = hull_from_start(timed, truth)
     return hull_from_global @ track.poses
@@ -184,8 +193,12 @@ def in_hull(track: VehicleTrack, truth: Truth) -> Poses:
 def error_ellipses(
     track: VehicleTrack, in_hull: Poses, nodes: Ints, sigmas: float = 3.0
 ) -> list[Array]:
-    """Return the outlines (k, 2) m of that many sigmas around nodes as seen from above in M;
-    in_hull: where the track lies.
+    """Outline (k, 2) m the error of nodes as seen from above in M.
+
+    Parameters
+    ----------
+    in_hull
+        where the track lies.
     """
     turn = (in_hull[nodes].rotation * track.poses[nodes].rotation.inv()).as_matrix()
     covariance = (turn @ track.covariance[nodes, :3, :3] @ turn.swapaxes(1, 2))[:, :2, :2]

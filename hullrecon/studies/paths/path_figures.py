@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The figures that show what links and planes do to a path, of a run whose chain has come as far as
-it can.
-"""
+"""Figures of what links and planes do to a path, from a run as far as it has come."""
 
 from __future__ import annotations
 
@@ -64,11 +62,10 @@ MODEL_WORDS = {
 def draw_path_figures(
     dive: DiveRun, start: DeadReckoning, truth: Truth, run_context: RunContext
 ) -> list[PublishedFigure]:
-    """Draw [KimEustice2009 Figs 4, 5; Ozog2016 Figs 2.22, 2.23, 3.11, 3.12]; one without its data
-    is left out.
+    """Draw [KimEustice2009 Figs 4, 5; Ozog2016 Figs 2.22, 2.23, 3.11, 3.12].
 
-    With one camera the step `links` runs for each two-view model. Without links there is none of
-    these figures.
+    A figure without its data is left out; without links there is none of them. With one camera the
+    step `links` runs for each two-view model.
     """
     if dive.workspace.manifest("links") is None:
         return []
@@ -99,7 +96,7 @@ def draw_path_figures(
 
 
 def linked_track(trajectory: Trajectory, path: LinkedPath) -> VehicleTrack:
-    """Return a path that links or planes tie as a track in g."""
+    """Make a track in g of a path that links or planes tie."""
     found = path.path()
     return VehicleTrack(
         t_ns=trajectory.t_ns,
@@ -114,8 +111,12 @@ def linked_track(trajectory: Trajectory, path: LinkedPath) -> VehicleTrack:
 def lay_onto_cad_model(
     path: VehiclePath, start: DeadReckoning, mesh: Mesh, global_from_hull: Poses
 ) -> ReturnsOnHull:
-    """Return the DVL's returns on a path, registered to the CAD model from where it truly lies:
-    T_g_M. start: with returns.
+    """Register the returns on a path to the CAD model, from where it truly lies.
+
+    Parameters
+    ----------
+    start
+        with returns.
     """
     assert start.returns is not None
     points = start.rig.dvl_points(start.returns, path).points[~start.returns.flagged]
@@ -132,7 +133,7 @@ def lay_onto_cad_model(
 
 
 def _path_by_planes(dive: DiveRun) -> LinkedPath | None:
-    """Return the path that the hull's planes tie, without images; None where they tie none."""
+    """Solve the path with the hull's planes, without images; None where they tie none."""
     inputs = _inputs(dive, "links")
     returns = inputs.navigate.returns
     if returns is None:
@@ -148,7 +149,7 @@ def _path_by_planes(dive: DiveRun) -> LinkedPath | None:
 def _by_two_view_model(
     dive: DiveRun, trajectory: Trajectory, run_context: RunContext
 ) -> dict[str, LinkedBy]:
-    """Return the path with links of each two-view model; the step is run where it is out of date."""
+    """Solve the path with links of each two-view model, where out of date."""
     found: dict[str, LinkedBy] = {}
     for model, words in MODEL_WORDS.items():
         links_of = partial(run_links, strategy=TWO_VIEW_MODELS[model])
@@ -175,9 +176,7 @@ def _by_two_view_model(
 def _distances(
     dive: DiveRun, start: DeadReckoning, planar: LinkedPath, truth: Truth
 ) -> list[PublishedFigure]:
-    """Draw how far the returns lie from the CAD model without planes and with them, where there is
-    one.
-    """
+    """Draw the returns' distances to the CAD model, where there is one, without and with planes."""
     mesh = IngestArtifact(dive.workspace.artifact("ingest")).hull
     if mesh is None or start.returns is None:
         return []
@@ -190,8 +189,9 @@ def _distances(
 
 
 def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, VarianceMap]:
-    """Return how the sonar's intensities vary on each path, on one surface; the tracks, in g, are
-    laid onto the delivered path by a rigid motion, so that what differs is their form.
+    """Blend the sonar's pings by each path on one surface, and map their variance.
+
+    The tracks, in g, are moved rigidly onto the delivered path, so that what differs is their form.
     """
     inputs = _inputs(dive, "mosaic-sonar")
     settings = inputs.mounted(settings_for(dive.chain.stage("mosaic-sonar"), dive.chain.sections))
@@ -214,7 +214,7 @@ def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, V
 
 
 def _variance_map(store: TileStore) -> VarianceMap:
-    """Return the variance of the pixels in which more than one view was blended."""
+    """Map the variance of the pixels in which more than one view was blended."""
     grid = store.grid
     variance = np.full((grid.height, grid.width), np.nan)
     for window, tile, views in zip(

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How the intensities that a sonar mosaic blends agree, by where its poses come from [Ozog2016 Figs
-3.11, 3.12].
-"""
+"""Variance of a sonar mosaic's pixels, by source of the poses [Ozog2016 Figs 3.11, 3.12]."""
 
 from __future__ import annotations
 
@@ -27,12 +25,10 @@ INKS = (COLOURS["geva"], COLOURS["naive"], GREEN, COLOURS["maxmix"])
 
 @dataclass(frozen=True, kw_only=True)
 class VarianceMap:
-    """variance (height, width): of the intensities blended in a pixel, gray levels squared, NaN
-    where fewer than two were; extent: left, right, bottom, top in m of the chart.
-    """
+    """The variance of the intensities blended in each pixel."""
 
-    variance: Array
-    extent: tuple[float, float, float, float]
+    variance: Array  # (height, width) gray levels squared, NaN where fewer than two were blended
+    extent: tuple[float, float, float, float]  # left, right, bottom, top in m of the chart
 
 
 def sonar_variance(maps: Mapping[str, VarianceMap]) -> PublishedFigure:
@@ -81,5 +77,8 @@ def sonar_variance(maps: Mapping[str, VarianceMap]) -> PublishedFigure:
         for k, edge in enumerate(edges)
     ]
     words = "; ".join(f"{name} {np.mean(v):.0f}" for name, v in blended.items() if len(v))
-    caption = f"Variance of the intensities that a pixel of the sonar mosaic blends, by what the poses are from; means: {words}."
+    caption = (
+        "Variance of the intensities that a pixel of the sonar mosaic blends, by what the poses "
+        f"are from; means: {words}."
+    )
     return finish_figure("sonar_variance", figure, table, caption)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From which relief on an essential matrix explains two views better than a homography
+"""The relief from which an essential matrix explains two views better than a homography.
+
 [KimEustice2009 Fig. 2].
 """
 
@@ -29,22 +30,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CriterionTrials:
-    """The geometric information criterion of both models. peak_m (h,): height of the highest peak
-    over the plane, rising; homography, essential (h, t): the criterion by height and trial.
-    """
+    """The geometric information criterion of both models."""
 
-    peak_m: Array
-    homography: Array
-    essential: Array
+    peak_m: Array  # (h,) height of the highest peak over the plane, rising
+    homography: Array  # (h, t) by height and trial
+    essential: Array  # (h, t)
 
     def share_of_homography(self) -> Array:
         """Return the share (h,) of the trials that choose the homography."""
         return np.asarray(np.mean(self.homography < self.essential, axis=1))
 
     def crossing_m(self) -> float | None:
-        """Return the first height where the mean criteria are equal, linear between heights; None
-        where they nowhere are.
-        """
+        """Return the first height where the mean criteria are equal, or None."""
         ahead = self.homography.mean(axis=1) - self.essential.mean(axis=1)
         changes = np.flatnonzero((ahead[:-1] < 0) & (ahead[1:] >= 0))
         if len(changes) == 0:
@@ -54,9 +51,10 @@ class CriterionTrials:
 
 
 def gic_by_relief(scorings: Mapping[str, CriterionTrials]) -> PublishedFigure:
-    """Draw [KimEustice2009 Fig. 2]: the criterion of both models against relief, mean and spread
-    over the trials, a panel a scoring of the same trials, and how many of them choose the
-    homography.
+    """Draw [KimEustice2009 Fig. 2]: both models' criterion against relief.
+
+    Mean and spread over the trials, a panel a scoring of the same trials, and how many of them
+    choose the homography.
     """
     figure, axes = new_canvas(4.2 * (len(scorings) + 1), 3.8, 1, len(scorings) + 1)
     *panels, shares = axes[0]
@@ -113,7 +111,7 @@ def gic_by_relief(scorings: Mapping[str, CriterionTrials]) -> PublishedFigure:
 
 
 def _draw_criteria(axis: Axes, trials: CriterionTrials) -> None:
-    """Draw both models' criterion, on a logarithmic axis where it grows to several times its least."""
+    """Draw both models' criterion, on a logarithmic axis where it grows severalfold."""
     peak_mm = 1e3 * trials.peak_m
     for scores, label, method, marker in (
         (trials.homography, "homography", "geva", "o"),

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The sources' figures of scenes that need no dive: choice of model by relief, search ellipses, the
-map of a sphere.
-"""
+"""The sources' figures of scenes that need no dive."""
 
 from __future__ import annotations
 
@@ -58,8 +56,10 @@ def draw_scene_figures() -> list[PublishedFigure]:
 
 
 def criterion_trials() -> dict[str, CriterionTrials]:
-    """Return the criteria of both models of noisy views of MATLAB's peaks, by how an outlier
-    counts: in full, as [KimEustice2009 III-B] has it, and capped, as two_view has it.
+    """Score both two-view models on noisy views of MATLAB's peaks.
+
+    By how an outlier counts: in full, as [KimEustice2009 III-B] has it, and capped, as two_view has
+    it.
     """
     rng = np.random.default_rng(0)
     full, capped = np.empty((2, 2, len(PEAKS_M), PEAKS_TRIALS))
@@ -82,7 +82,7 @@ def criterion_trials() -> dict[str, CriterionTrials]:
 
 
 def _views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Array]:
-    """Return points of the surface (n, 2) in ideal coordinates of two cameras, with pixel noise.
+    """Project points of the surface (n, 2) into two cameras, with pixel noise.
 
     The middle of the surface lies DISTANCE_M ahead of the middle of both cameras; its peaks rise
     towards them.
@@ -96,8 +96,9 @@ def _views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Arr
 
 
 def peaks(x: Array, y: Array) -> Array:
-    """Return MATLAB's function of that name for x and y from -3 to 3, scaled so that its highest
-    peak is 1; its deepest hollow is -0.81.
+    """Return MATLAB's peaks for x and y from -3 to 3, scaled to a highest peak of 1.
+
+    Its deepest hollow is -0.81.
     """
     first = 3 * (1 - x) ** 2 * np.exp(-(x**2) - (y + 1) ** 2)
     middle = 10 * (x / 5 - x**3 - y**5) * np.exp(-(x**2) - y**2)
@@ -106,8 +107,10 @@ def peaks(x: Array, y: Array) -> Array:
 
 
 def transferred_points() -> dict[str, TransferredPoints]:
-    """Return a 4 x 4 grid of pixels of a scene DISTANCE_M away, transferred to the second camera by
-    PCCS and, by drawing pose, depth and both images' noise, sample by sample; by the pose's sigmas.
+    """Transfer a grid of pixels to a second camera, by PCCS and by sampling.
+
+    A 4 x 4 grid of a scene DISTANCE_M away; samples draw pose, depth and both images' noise. By the
+    pose's sigmas.
     """
     rng = np.random.default_rng(0)
     columns, rows = np.meshgrid(
@@ -129,9 +132,13 @@ def transferred_points() -> dict[str, TransferredPoints]:
 
 
 def _sampled(rng: np.random.Generator, xy: Array, sigma: Array) -> Array:
-    """Return where a point xy (2,) of the first image comes to lie in the second, px (SAMPLES, 2).
-    sigma (6,): of the motion's translation, in the second camera's axes, and of its rotation, on
-    the right of it.
+    """Draw where a point xy (2,) of the first image falls in the second, px (SAMPLES, 2).
+
+    Parameters
+    ----------
+    sigma
+        of the motion's translation, in the second camera's axes, and of its rotation, on the
+        right of it (6,).
     """
     errors = sigma * rng.standard_normal((SAMPLES, 6))
     seen = xy + PIXEL_IDEAL * rng.standard_normal((SAMPLES, 2))
@@ -145,8 +152,9 @@ def _sampled(rng: np.random.Generator, xy: Array, sigma: Array) -> Array:
 
 
 def sphere_survey() -> SphereSurvey:
-    """Return a spiral around a sphere, as the pose graph has it without planes and with them, by
-    characteristic radius.
+    """Simulate a spiral around a sphere and solve it with and without planes.
+
+    With planes by characteristic radius.
     """
     dive = spiral_around_a_sphere(
         5, radius_m=SPHERE_M, turns=SPHERE_TURNS, drift_deg_per_hour=SPHERE_DRIFT
@@ -171,7 +179,7 @@ def sphere_survey() -> SphereSurvey:
 
 
 def _mapped(dive: EllipsoidDive, solved: GraphSolution) -> MappedSphere:
-    """Return the path with its sigma, and where its beams end with the DVL's mount as it was found."""
+    """Read path, sigma and beams' ends from a solution, with the DVL's mount as found."""
     found = replace(dive.rig, tray_from_dvl=pose_from_vector(solved.problem.unknowns.T_s_d))
     position = native.covariance(solved.problem, OPTIONS).pose[:, :3, :3]
     return MappedSphere(

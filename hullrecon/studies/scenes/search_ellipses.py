@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether points transferred from one image to another spread as the ellipses that are searched
-[Ozog2016 Fig. D.4].
-"""
+"""Do transferred points spread as the ellipses that are searched? [Ozog2016 Fig. D.4]."""
 
 from __future__ import annotations
 
@@ -32,13 +30,11 @@ MOST_DRAWN = 250  # samples of a point
 
 @dataclass(frozen=True, kw_only=True)
 class TransferredPoints:
-    """p points in the second image, px: mean (p, 2) and covariance (p, 2, 2) as predicted, samples
-    (p, s, 2) of where they come to lie.
-    """
+    """Points (p) in the second image, px."""
 
-    mean: Array
-    covariance: Array
-    samples: Array
+    mean: Array  # (p, 2) predicted
+    covariance: Array  # (p, 2, 2) predicted
+    samples: Array  # (p, s, 2) of where they come to lie
 
     def share_within(self) -> Array:
         """Return the share (p,) of the samples within the 99 % ellipse."""
@@ -62,8 +58,14 @@ class TransferredPoints:
 def search_ellipses(
     sizes: Mapping[str, TransferredPoints], image_px: tuple[int, int]
 ) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. D.4]: samples and 99 % ellipses in the second image, of width and height
-    image_px, a panel a size of the relative pose's sigmas.
+    """Draw [Ozog2016 Fig. D.4]: samples and 99 % ellipses in the second image.
+
+    A panel a size of the relative pose's sigmas.
+
+    Parameters
+    ----------
+    image_px
+        width and height.
     """
     figure, axes = new_canvas(4.4 * len(sizes), 4.4, 1, len(sizes))
     table, words = ["size,point,u_px,v_px,semi_axis_short_px,semi_axis_long_px,share_within_99"], []
@@ -86,13 +88,17 @@ def search_ellipses(
         frameon=False,
         markerscale=4,
     )
-    caption = f"Median share of the transferred points within their 99 % ellipses, by sigmas of the pose: {'; '.join(words)}."
+    caption = (
+        "Median share of the transferred points within their 99 % ellipses, by sigmas of the "
+        f"pose: {'; '.join(words)}."
+    )
     return finish_figure("search_ellipses", figure, table, caption)
 
 
 def _draw_points(axis: Axes, points: TransferredPoints, image_px: tuple[int, int]) -> None:
-    """Draw samples and ellipses, in four colours so that neighbours of a 4 x 4 grid are told apart,
-    and the image's border.
+    """Draw samples and ellipses in four colours, and the image's border.
+
+    Neighbours of a 4 x 4 grid are told apart.
     """
     from matplotlib.patches import Rectangle
 

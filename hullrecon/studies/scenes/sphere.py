@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sphere that a vehicle spirals around, mapped with planes of several characteristic radii
-[Ozog2016 Figs C.1, C.2].
-"""
+"""A sphere that a vehicle spirals around, mapped with planes [Ozog2016 Figs C.1, C.2]."""
 
 from __future__ import annotations
 
@@ -35,13 +33,11 @@ PATH_COLOURS = {RECKONED: COLOURS["geva"], PLANES: COLOURS["maxmix"]}
 
 @dataclass(frozen=True, kw_only=True)
 class MappedSphere:
-    """A path (n, 3) m in g, how sure it is of its positions, sigma (n,) m in all directions
-    together, and the ends of its DVL beams, points (m, 3) m in g.
-    """
+    """A path around a sphere as it was solved, in g."""
 
-    path: Array
-    sigma: Array
-    points: Array
+    path: Array  # (n, 3) m
+    sigma: Array  # (n,) m, of its positions in all directions together
+    points: Array  # (m, 3) m, ends of its DVL beams
 
     def off_sphere_m(self) -> Array:
         """Return by how much (n,) the path lies outside the sphere that fits it best."""
@@ -53,16 +49,12 @@ class MappedSphere:
         return np.asarray(np.linalg.norm(self.path - truth, axis=1))
 
     def aligned_error_m(self, truth: Array) -> float:
-        """Return the root mean square distance from the true path once the best rigid motion is
-        applied.
-        """
+        """Return the RMS distance from the true path after rigid alignment."""
         return _rms(np.linalg.norm(fit_rigid(self.path, truth).apply(self.path) - truth, axis=1))
 
 
 def fit_sphere(points: Array) -> tuple[Array, float]:
-    """Return middle (3,) and radius of the sphere that fits points (n, 3) best, least squares of
-    the squared distances.
-    """
+    """Fit middle (3,) and radius to points (n, 3), by squared distances."""
     solution = np.linalg.lstsq(
         np.c_[2 * points, np.ones(len(points))], np.sum(points**2, axis=1), rcond=None
     )[0]
@@ -72,15 +64,13 @@ def fit_sphere(points: Array) -> tuple[Array, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class SphereSurvey:
-    """A sphere of that radius, its middle (3,) m in g, the true path (n, 3) m and what was made of
-    it: by odometry, depth and attitude, and with planes too, by their characteristic radius in m.
-    """
+    """A survey around a sphere, in g."""
 
     radius_m: float
-    middle: Array
-    truth: Array
-    reckoned: MappedSphere
-    planes: Mapping[float, MappedSphere]
+    middle: Array  # (3,) m
+    truth: Array  # (n, 3) m, the true path
+    reckoned: MappedSphere  # by odometry, depth and attitude
+    planes: Mapping[float, MappedSphere]  # with planes too, by their characteristic radius in m
 
     @property
     def drawn(self) -> dict[str, MappedSphere]:
@@ -92,8 +82,10 @@ class SphereSurvey:
 
 
 def sphere(survey: SphereSurvey) -> PublishedFigure:
-    """Draw [Ozog2016 Figs C.1, C.2]: both paths from above, how they lie on their spheres, the same
-    by characteristic radius, and how sure they are of their positions.
+    """Draw [Ozog2016 Figs C.1, C.2]: the paths around the sphere, and how well they lie on it.
+
+    Both paths from above, how they lie on their spheres, the same by characteristic radius, and how
+    sure they are of their positions.
     """
     figure, axes = new_canvas(10.4, 8.2, 2, 2)
     _draw_from_above(axes[0][0], survey)
@@ -233,10 +225,12 @@ def _caption(survey: SphereSurvey) -> str:
         for found in survey.drawn.values()
     ]
     return (
-        f"Around a sphere of {survey.radius_m:g} m: the path lies on a sphere to {before:.1f} mm rms by dead reckoning, to "
-        f"{min(off):.1f} to {max(off):.1f} mm with planes of characteristic radii of {min(radii):g} to {max(radii):g} m; the "
-        f"radius of the map is {min(maps):.3f} to {max(maps):.3f} m, by dead reckoning {map_before:.3f} m. Planes do not tell "
-        f"where on the sphere the vehicle is: the path ends {ends[0]} from the truth by dead reckoning, {ends[1]} with planes."
+        f"Around a sphere of {survey.radius_m:g} m: the path lies on a sphere to {before:.1f} mm "
+        f"rms by dead reckoning, to {min(off):.1f} to {max(off):.1f} mm with planes of "
+        f"characteristic radii of {min(radii):g} to {max(radii):g} m; the radius of the map is "
+        f"{min(maps):.3f} to {max(maps):.3f} m, by dead reckoning {map_before:.3f} m. Planes do "
+        f"not tell where on the sphere the vehicle is: the path ends {ends[0]} from the truth by "
+        f"dead reckoning, {ends[1]} with planes."
     )
 
 

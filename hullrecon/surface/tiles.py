@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Regression of a large survey in tiles that overlap: exact Gaussian processes whose memory and
-time do not grow with the dive.
+"""Regression of a large survey in tiles that overlap.
 
-A kernel that ends at its length lets an observation be outweighed by nearer ones long before that:
-a tile sees those within half a length around it, and where tiles meet their predictions are blended
-(docs/methods.md 11).
+Memory and time of exact Gaussian processes do not grow with the dive. A kernel that ends at its
+length lets an observation be outweighed by nearer ones long before that: a tile sees those within
+half a length around it, and where tiles meet their predictions are blended (docs/methods.md 11).
 """
 
 from __future__ import annotations
@@ -15,9 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.surface.regression.gaussian import fit_robust
-from hullrecon.surface.regression.kernels import Kernel
-from hullrecon.surface.regression.thinning import Observations
+from hullrecon.rows import Rows
+from hullrecon.surface.gaussian import Kernel, fit_robust
 from hullrecon.typing import Array, Ints
 
 MOST = 6000  # observations of a tile, those around it among them: the regression is cubic in them
@@ -26,12 +24,46 @@ BLEND = 0.25  # of these, to either side of its border
 
 
 @dataclass(frozen=True, kw_only=True)
-class Prediction:
-    """mean, sigma (m,) m at the places asked for; tiles: how many gave them."""
+class Observations(Rows):
+    """Means of returns over cells of the chart (n)."""
 
-    mean: Array
-    sigma: Array
-    tiles: int
+    at: Array  # (n, 2) m on the chart
+    offset: Array  # (n,) m from the base surface
+    noise: Array  # (n,) m
+    count: Ints  # (n,) returns behind each
+
+
+def cell_means(at: Array, offset: Array, noise: Array, cell_m: float | Array) -> Observations:
+    """Average over the cells of a grid, weighted, in the grid's order.
+
+    The noise (n,) is white, so means have less of it.
+
+    Parameters
+    ----------
+    cell_m
+        side of a cell, or its two sides along and in girth.
+    """
+    corner = np.floor(at / cell_m).astype(np.int64)
+    _, cell = np.unique(corner, axis=0, return_inverse=True)
+    cell = cell.reshape(-1)
+    weight = noise**-2.0
+    total = np.bincount(cell, weight)
+    mean = [np.bincount(cell, weight * values) / total for values in (at[:, 0], at[:, 1], offset)]
+    return Observations(
+        at=np.stack(mean[:2], axis=1),
+        offset=mean[2],
+        noise=np.sqrt(1 / total),
+        count=np.bincount(cell),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """The field at the places asked for (m)."""
+
+    mean: Array  # (m,) m
+    sigma: Array  # (m,) m
+    tiles: int  # how many gave them
 
 
 @dataclass(frozen=True)
@@ -42,7 +74,7 @@ class Box:
     high: Array
 
     def around(self, at: Array, by: Array) -> Ints:
-        """Return the rows of points (n, 2) inside it or within (2,) m of it."""
+        """Find the points (n, 2) inside the box or within (2,) m of it."""
         return np.flatnonzero(((at >= self.low - by) & (at <= self.high + by)).all(axis=1))
 
     def weight(self, at: Array, by: Array) -> Array:
@@ -52,8 +84,7 @@ class Box:
 
 
 def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST) -> Prediction:
-    """Return the field of a zero mean at places (m, 2) of the chart; seen: its observations,
-    outliers are weighed down.
+    """Predict a zero-mean field at places (m, 2) of the chart, outliers weighed down.
 
     Raises NotPositiveDefiniteError as `fit` does.
     """
@@ -78,7 +109,7 @@ def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST)
 
 
 def _predict(kernel: Kernel, seen: Observations, wanted: Array) -> tuple[Array, Array]:
-    """Return mean and sigma (m,); where nothing was seen, what the kernel says."""
+    """Predict mean and sigma (m,); where nothing was seen, what the kernel says."""
     if not len(seen.at):
         return np.zeros(len(wanted)), np.full(len(wanted), kernel.sigma)
     found = fit_robust(kernel, seen.at, seen.offset, seen.noise)
@@ -86,8 +117,9 @@ def _predict(kernel: Kernel, seen: Observations, wanted: Array) -> tuple[Array, 
 
 
 def _split(box: Box, at: Array, margin: Array, most: int) -> Iterator[Box]:
-    """Yield boxes that hold `most` observations with those around them, or are no larger than their
-    margins.
+    """Split a box until each part, with its margin, holds at most `most` observations.
+
+    Parts no larger than their margins are not split.
     """
     size = (box.high - box.low) / margin
     if len(box.around(at, margin)) <= most or size.max() <= 1:

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Linear interpolation between returns [Ozog2016 3.2.2.1], on the hull's chart instead of the xy
-plane.
+"""Linear interpolation between returns [Ozog2016 3.2.2.1], on the hull's chart.
+
+[Ozog2016] interpolates over the xy plane.
 """
 
 from __future__ import annotations
@@ -10,13 +11,24 @@ import numpy as np
 
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.surface.build import Facts, SurfacePoints
+from hullrecon.surface.options import SurfaceOptions
+from hullrecon.surface.tiles import cell_means
 from hullrecon.typing import Array
 
 
+def by_triangles(
+    charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
+) -> tuple[Array, Array, Facts]:
+    """Interpolate between means over quarter cells; one sigma by their scatter."""
+    seen = cell_means(charted[:, :2], charted[:, 2], observed.noise, 0.25 * options.cell_m)
+    sigma = scatter_sigma(seen.at, seen.offset)
+    facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
+    return interpolate(seen.at, seen.offset, wanted), np.full(len(wanted), sigma), facts
+
+
 def interpolate(at: Array, values: Array, wanted: Array) -> Array:
-    """Return values (m,) at (m, 2), linear on the Delaunay triangles of (n, 2); outside them the
-    nearest value.
-    """
+    """Interpolate values at (m, 2), linear on Delaunay triangles; outside, the nearest."""
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
     if len(at) < 4 or np.linalg.matrix_rank(at - at.mean(axis=0), tol=1e-6) < 2:
@@ -26,9 +38,7 @@ def interpolate(at: Array, values: Array, wanted: Array) -> Array:
 
 
 def scatter_sigma(at: Array, values: Array, neighbours: int = 6) -> float:
-    """Return one robust sigma of a value about the surface: its median distance from the mean of
-    its neighbours, scaled.
-    """
+    """Return one robust sigma of values about the mean of their neighbours."""
     count = min(neighbours, len(at) - 1)
     if count < 1:
         return 0.0

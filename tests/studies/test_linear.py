@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.surface.regression.linear import interpolate, scatter_sigma
+from hullrecon.studies.surfaces.linear import interpolate, scatter_sigma
 
 CORNERS = np.array([[0.0, 0], [1, 0], [0, 1], [1, 1], [0.4, 0.6]])
 

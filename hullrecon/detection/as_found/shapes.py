@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Shapes that features off the hull make in each view [Ozog2016 4.3, Algorithms 4 and 5]."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from hullrecon.detection.options import MIN_CLUSTER_POINTS, MIN_OFFSET_M, DetectOptions
+from hullrecon.detection.views import CameraViews, iterate_views
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.neighbours import nearest
+from hullrecon.typing import Array, Ints, Ints32
+
+ALPHA_RADIUS_M = 0.06  # largest circumradius of a triangle of an alpha shape
+
+
+def detect_shapes(
+    in_camera: Array,
+    deviation: Array,
+    threshold_m: float,
+    reach_m: float,
+    least: int,
+    alpha_m: float,
+) -> list[Mesh]:
+    """Cluster and mesh a view's features that stand off the hull [Ozog2016 Algorithm 4].
+
+    Features beyond the threshold are points (f_x, f_y, |d|), clustered by DBSCAN; each cluster is
+    meshed by its alpha shape in (f_x, f_y). Raised and sunken features are clustered apart: |d|
+    alone would join a bump with the hole beside it.
+
+    Parameters
+    ----------
+    in_camera
+        features (n, 3) m in the camera's frame.
+    deviation
+        from the hull (n,) m.
+    """
+    shapes = []
+    for side in (1.0, -1.0):
+        off = np.flatnonzero(side * deviation > threshold_m)
+        points = np.column_stack([in_camera[off, :2], np.abs(deviation[off])])
+        label = dbscan(points, reach_m, least)
+        for cluster in range(int(label.max(initial=-1)) + 1):
+            member = off[label == cluster]
+            faces = alpha_shape(in_camera[member, :2], alpha_m)
+            if len(faces):
+                shapes.append(Mesh(in_camera[member], faces))
+    return shapes
+
+
+def dbscan(points: Array, reach_m: float, least: int) -> Ints:
+    """Cluster points by density [Ester1996]; -1 for noise, numbered in the points' order.
+
+    A point counts among its own neighbours; one on the rim of two clusters goes to the nearer.
+    """
+    label = np.full(len(points), -1, np.int64)
+    if len(points) < least:
+        return label
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points)
+    core = np.flatnonzero(tree.query_ball_point(points, reach_m, return_length=True) >= least)
+    if not len(core):
+        return label
+    pairs = cKDTree(points[core]).query_pairs(reach_m, output_type="ndarray")
+    links = coo_array(
+        (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(core), len(core))
+    )
+    number = connected_components(links, directed=False)[1]
+    _, first = np.unique(number, return_index=True)
+    rank = np.asarray(np.argsort(np.argsort(first))[number], np.int64)
+    distance, near = nearest(points[core], points, 1, reach_m * (1 + 1e-9))
+    joined = np.isfinite(distance[:, 0])
+    label[joined] = rank[near[joined, 0]]
+    return label
+
+
+def alpha_shape(points: Array, alpha_m: float) -> Ints32:
+    """Triangulate points (n, 2) and keep triangles with a circumradius up to alpha."""
+    from scipy.spatial import Delaunay, QhullError
+
+    if len(points) < 3:
+        return np.zeros((0, 3), np.int32)
+    try:
+        faces = Delaunay(points).simplices
+    except QhullError:  # all on one line: no area, no shape
+        return np.zeros((0, 3), np.int32)
+    a, b, c = points[faces].transpose(1, 0, 2)
+    sides = [np.linalg.norm(p - q, axis=1) for p, q in ((a, b), (b, c), (c, a))]
+    twice_area = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    radius = sides[0] * sides[1] * sides[2] / np.maximum(2 * twice_area, 1e-15)
+    return np.asarray(faces[radius <= alpha_m], np.int32)
+
+
+def find_shape_hits(
+    views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions
+) -> Iterator[tuple[Ints, Array]]:
+    """Find where the rays to vertices meet the shapes that each view's features make.
+
+    Parameters
+    ----------
+    features, deviation
+        landmarks (m, 3) and how far they stand off the hull (m,) m.
+    vertices
+        of the mesh (n, 3).
+
+    Yields
+    ------
+    rows, points
+        for each view with shapes, the vertices whose rays meet one and where (k, 3).
+    """
+    off = np.flatnonzero(np.abs(deviation) > MIN_OFFSET_M)
+    near = _near(vertices, features[off], 3 * ALPHA_RADIUS_M)
+    nearby = dict(iterate_views(views, vertices[near])) if len(near) and len(off) else {}
+    for view, rows in iterate_views(views, features[off]) if nearby else ():
+        if view not in nearby:
+            continue
+        camera_from_result = views.result_from_camera[view].inverse()
+        shapes = detect_shapes(
+            camera_from_result.apply(features[off[rows]]),
+            deviation[off[rows]],
+            MIN_OFFSET_M,
+            options.cluster_reach_m,
+            MIN_CLUSTER_POINTS,
+            ALPHA_RADIUS_M,
+        )
+        seen = near[nearby[view]]
+        met = _intersections(shapes, camera_from_result.apply(vertices[seen]))
+        hit = np.isfinite(met).all(axis=1)
+        yield seen[hit], views.result_from_camera[view].apply(met[hit])
+
+
+def count_shapes(
+    views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions
+) -> Ints:
+    """Count the views (n,) whose shapes show each vertex [Ozog2016 Algorithm 5]."""
+    count = np.zeros(len(vertices), np.int64)
+    for rows, _ in find_shape_hits(views, features, deviation, vertices, options):
+        count[rows] += 1
+    return count
+
+
+def _near(vertices: Array, features: Array, reach_m: float) -> Ints:
+    """Return the vertices near enough to any feature off the hull to be moved."""
+    if not len(features):
+        return np.zeros(0, np.int64)
+    return np.flatnonzero(np.isfinite(nearest(features, vertices, 1, reach_m)[0][:, 0]))
+
+
+def _intersections(shapes: list[Mesh], vertices: Array) -> Array:
+    """Intersect rays from the camera to vertices (n, 3) with the shapes; NaN for a miss."""
+    if not shapes:
+        return np.full(vertices.shape, np.nan)
+    start = np.cumsum([0, *(len(s.vertices) for s in shapes)])
+    faces = np.vstack([s.faces + at for s, at in zip(shapes, start[:-1], strict=True)]).astype(
+        np.int32
+    )
+    scene = Scene(Mesh(np.vstack([s.vertices for s in shapes]), faces))
+    ray = vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
+    along = scene.cast(np.zeros(3), ray)
+    return np.where(
+        np.isfinite(along)[:, None], ray * np.where(np.isfinite(along), along, 0.0)[:, None], np.nan
+    )

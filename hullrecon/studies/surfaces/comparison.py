@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Surfaces and hulls as found by the sources' variants, beside the product's, against the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from hullrecon.api.dive_run import DiveRun
+from hullrecon.artifacts.runner import RunContext, run_chain
+from hullrecon.artifacts.stage import Stage
+from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
+from hullrecon.errors import InputError, StageError
+from hullrecon.evaluation.scoring.deliverables import PointCloud
+from hullrecon.evaluation.scoring.surfaces import score_surface
+from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.geometry.poses import identity
+from hullrecon.records.surface import Surface
+from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, SurfaceArtifact
+from hullrecon.studies.methods.variants import build_step
+from hullrecon.studies.surfaces.variants import AS_FOUND, SURFACES
+
+VariantFigures = dict[str, object]  # by name, or why there are none
+TABLE = {"rmse_m": "rms, mm", "p95_m": "95 %, mm", "share_within_1.96_sigma": "in 1.96 sigma"}
+MIN_SUPPORT = 1  # returns or views behind a vertex that is scored
+
+
+def compare_surfaces(
+    dive: DiveRun, truth: Truth, run_context: RunContext
+) -> dict[str, VariantFigures]:
+    """Score the surfaces that the product and every variant make of one dive.
+
+    A variant that reaches no result has its reason in place of figures. Raises InputError for a
+    dive whose CAD model was refused, or that has none: its surfaces are not in the hull's frame.
+    """
+    run_chain(dive.chain.up_to("detect"), dive.workspace, run_context)
+    if AdjustArtifact(dive.workspace.artifact("adjust")).solution.hull_pose is None:
+        raise InputError(
+            "surfaces are compared in the hull's frame, and no CAD model fits this dive",
+            where=str(dive.workspace.root),
+            remedy="take a dive with a CAD model",
+        )
+    figures = {"surface, product": _score(_surface_in(dive.workspace), truth)}
+    for name, stage in SURFACES.items():
+        figures[f"surface, {name}"] = _figures_of(dive, name, stage, truth, run_context)
+    figures["as found, product"] = _score(_as_found_in(dive.workspace), truth)
+    for name, stage in AS_FOUND.items():
+        figures[f"as found, {name}"] = _figures_of(dive, name, stage, truth, run_context)
+    return figures
+
+
+def surface_table(figures: Mapping[str, VariantFigures]) -> tuple[list[str], list[list[str]]]:
+    """Lay the figures out in heads and rows, lengths in millimetres."""
+    rows = [
+        [name, *(_cell(key, found) for key in TABLE), str(found.get("error", ""))]
+        for name, found in figures.items()
+    ]
+    return ["variant", *TABLE.values(), ""], rows
+
+
+def _figures_of(
+    dive: DiveRun, name: str, stage: Stage, truth: Truth, run_context: RunContext
+) -> VariantFigures:
+    """Make a variant's artifact in RUNS/<dive>/compare where it is out of date, and score it."""
+    workspace = Workspace(dive.workspace.root / COMPARE_FOLDER / name.replace(" ", "-"))
+    stages = tuple(stage if s.name == stage.name else s for s in dive.chain.stages)
+    with dive.workspace.lock():
+        try:
+            build_step(
+                stage.name,
+                replace(dive.chain, stages=stages),
+                dive.workspace,
+                workspace,
+                run_context,
+            )
+        except StageError as error:
+            return {"error": error.what}
+        run_context.hashes.save()
+    read = _surface_in if stage.name == "surface" else _as_found_in
+    return _score(read(workspace), truth)
+
+
+def _surface_in(workspace: Workspace) -> Surface:
+    return SurfaceArtifact(workspace.artifact("surface")).surface
+
+
+def _as_found_in(workspace: Workspace) -> Surface | None:
+    return DetectArtifact(workspace.artifact("detect")).as_found
+
+
+def _score(surface: Surface | None, truth: Truth) -> VariantFigures:
+    if surface is None:
+        return {"error": "nothing was found"}
+    cloud = PointCloud(
+        points=surface.vertices, fields={"support": surface.support, "sigma": surface.sigma}
+    )
+    return {**score_surface(cloud, truth, identity(), MIN_SUPPORT)}
+
+
+def _cell(key: str, figures: VariantFigures) -> str:
+    value = figures.get(key)
+    if not isinstance(value, int | float):
+        return "-"
+    return f"{1e3 * value:.2f}" if key.endswith("_m") else f"{value:.3f}"

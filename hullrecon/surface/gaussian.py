@@ -1,0 +1,246 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Exact Gaussian process regression with sparse kernels [Ozog2016 3.2.2.2]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, Protocol
+
+import numpy as np
+from scipy import linalg, sparse
+from scipy.sparse.linalg import splu
+
+from hullrecon.errors import StageError
+from hullrecon.typing import Array
+
+CHUNK = 2000  # columns of a variance solved at once: bounds memory at n x 2000
+SMALL = 1500  # rows; below, LAPACK beats the sparse factor whatever the fill
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A covariance function that vanishes beyond its length, so that its matrices are sparse.
+
+    It is the Melkumyan-Ramos function of each axis, multiplied: positive definite.
+    """
+
+    length: tuple[float, float]  # m along the hull and in girth, at which the covariance is zero
+    sigma: float  # m, of the field
+
+    NAME: ClassVar[str] = "product"  # as surface.json has it
+    NORM: ClassVar[float] = (
+        np.inf
+    )  # of a gap in units of the lengths; from 1 on there is no covariance
+
+    def matrix(self, a: Array, b: Array) -> sparse.csr_array:
+        """Return covariances (n, m) between points (n, 2) and (m, 2) of the chart."""
+        from scipy.spatial import cKDTree
+
+        scale = np.array(self.length)
+        left, right = np.asarray(a, float) / scale, np.asarray(b, float) / scale
+        pairs = cKDTree(left).sparse_distance_matrix(
+            cKDTree(right), 1.0, p=self.NORM, output_type="ndarray"
+        )
+        row, column = pairs["i"], pairs["j"]
+        value = self.sigma**2 * self.correlation(left[row] - right[column])
+        return sparse.csr_array((value, (row, column)), shape=(len(left), len(right)))
+
+    def covariance(self, at: Array) -> sparse.csr_array:
+        """Return the covariances (n, n) of points (n, 2) of the chart with each other."""
+        return self.matrix(at, at)
+
+    def correlation(self, gap: Array) -> Array:
+        """Return correlations (k,) at gaps (k, 2) in units of the lengths."""
+        return np.asarray(compact(np.abs(gap[:, 0])) * compact(np.abs(gap[:, 1])))
+
+
+def compact(r: Array) -> Array:
+    """Return the function of [MelkumyanRamos2009] at radii r.
+
+    It is (2 + cos 2 pi r)/3 (1 - r) + sin(2 pi r)/(2 pi), and zero from r = 1 on.
+    """
+    turn = 2 * np.pi * r
+    return np.where(r < 1, (2 + np.cos(turn)) / 3 * (1 - r) + np.sin(turn) / (2 * np.pi), 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Regression:
+    """A field of offsets conditioned on observations (n)."""
+
+    kernel: Kernel
+    at: Array  # (n, 2) on the chart
+    noise: Array  # (n,) m, one sigma of each observation: 1/sqrt(beta) in [Ozog2016]
+    weights: Array
+    factor: Factor
+
+    def mean(self, wanted: Array) -> Array:
+        """Predict values at (m, 2) [Ozog2016 eq. 3.2]."""
+        return np.asarray(self.kernel.matrix(wanted, self.at) @ self.weights)
+
+    def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
+        """Predict sigmas at (m, 2) [Ozog2016 eq. 3.3]: of the surface.
+
+        With the noise of a return, of the next return.
+        """
+        parts = [
+            self._explained_variance(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)
+        ]
+        variance = np.concatenate([np.zeros(0), *parts])
+        return np.asarray(np.sqrt(np.maximum(0.0, self.kernel.sigma**2 - variance) + noise**2))
+
+    def _explained_variance(self, wanted: Array) -> Array:
+        cross = self.kernel.matrix(self.at, wanted).toarray()
+        return np.asarray(np.einsum("nm,nm->m", cross, self.factor.solve(cross)))
+
+
+def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
+    """Condition a zero-mean field on values (n,) m at (n, 2) with noise (n,) m.
+
+    Raises NotPositiveDefiniteError when the kernel is no covariance on these points.
+    """
+    return _condition(kernel, kernel.covariance(at), at, values, noise)
+
+
+def _condition(
+    kernel: Kernel, covariance: sparse.csr_array, at: Array, values: Array, noise: Array
+) -> Regression:
+    solver = factorise(covariance + sparse.diags_array(noise**2).tocsr())
+    return Regression(
+        kernel=kernel, at=at, noise=noise, weights=solver.solve(values), factor=solver
+    )
+
+
+def fit_robust(
+    kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 4
+) -> Regression:
+    """Condition the field with outliers weighed down.
+
+    Beyond `threshold` sigmas of the surface an observation loses weight by the square of how much
+    farther it lies.
+    """
+    covariance = kernel.covariance(at)
+    result = _condition(kernel, covariance, at, values, noise)
+    for _ in range(rounds):
+        off = np.abs(values - covariance @ result.weights) / noise
+        result = _condition(
+            kernel, covariance, at, values, noise * np.maximum(1.0, off / threshold)
+        )
+    return result
+
+
+def maximise_likelihood(
+    start: Kernel, at: Array, values: Array, noise: Array, limit: tuple[float, float]
+) -> tuple[Kernel, float]:
+    """Estimate the field's lengths and sigma and a factor on the noise.
+
+    Parameters
+    ----------
+    limit
+        m, within which lengths stay.
+    """
+    from scipy.optimize import minimize
+
+    gap = at[:, None, :] - at[None, :, :]
+    low = np.log([limit[0], limit[0], 1e-3, 0.3])
+    high = np.log([limit[1], limit[1], 1.0, 10.0])
+
+    def read(x: Array) -> tuple[Kernel, float]:
+        along, girth, sigma, factor_ = np.exp(np.clip(x, low, high))
+        return replace(start, length=(float(along), float(girth)), sigma=float(sigma)), float(
+            factor_
+        )
+
+    def cost(x: Array) -> float:
+        kernel, factor_ = read(x)
+        correlation = kernel.correlation((gap / np.array(kernel.length)).reshape(-1, 2)).reshape(
+            len(at), len(at)
+        )
+        outside = float(np.sum((x - np.clip(x, low, high)) ** 2))
+        return outside - _log_likelihood(kernel.sigma**2 * correlation, values, noise * factor_)
+
+    first = np.clip(np.log([*start.length, start.sigma, 1.0]), low, high)
+    simplex = np.vstack(
+        [first, first + 0.7 * np.where(first + 0.7 * np.eye(4) > high, -1, 1) * np.eye(4)]
+    )
+    found = minimize(
+        cost,
+        first,
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 120},
+    )
+    return read(found.x)
+
+
+def _log_likelihood(covariance: Array, values: Array, noise: Array) -> float:
+    """Return the log marginal likelihood [Ozog2016 eq. 3.1].
+
+    It is minus infinity where the kernel is no covariance on these points.
+    """
+    try:
+        lower = linalg.cholesky(covariance + np.diag(noise**2), lower=True)
+    except linalg.LinAlgError:
+        return -np.inf
+    white = linalg.solve_triangular(lower, values, lower=True)
+    return float(
+        -0.5 * white @ white
+        - np.log(np.diagonal(lower)).sum()
+        - 0.5 * len(values) * np.log(2 * np.pi)
+    )
+
+
+class Factor(Protocol):
+    def solve(self, right: Array) -> Array:
+        """Return a^-1 times (n,) or (n, k)."""
+
+
+class NotPositiveDefiniteError(StageError):
+    """The matrix is no covariance."""
+
+
+def factorise(matrix: sparse.csr_array) -> Factor:
+    """Factorise a matrix. Raises NotPositiveDefiniteError when a pivot is not positive."""
+    n = matrix.shape[0]
+    if n <= SMALL or matrix.nnz > 0.3 * n * n:
+        return _Dense(matrix)
+    return _Sparse(matrix)
+
+
+class _Dense:
+    def __init__(self, matrix: sparse.csr_array) -> None:
+        try:
+            self._factor = linalg.cho_factor(matrix.toarray(), lower=True)
+        except linalg.LinAlgError as error:
+            raise _indefinite() from error
+
+    def solve(self, right: Array) -> Array:
+        return np.asarray(linalg.cho_solve(self._factor, right))
+
+
+class _Sparse:
+    """SuperLU held to the diagonal: the pivots of U are then those of L D L^T."""
+
+    def __init__(self, matrix: sparse.csr_array) -> None:
+        try:
+            self._factor = splu(
+                matrix.tocsc(),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError as error:
+            raise _indefinite() from error
+        pivots = self._factor.U.diagonal()
+        if not np.array_equal(self._factor.perm_r, self._factor.perm_c) or pivots.min() <= 0:
+            raise _indefinite()
+
+    def solve(self, right: Array) -> Array:
+        return np.asarray(self._factor.solve(right))
+
+
+def _indefinite() -> NotPositiveDefiniteError:
+    return NotPositiveDefiniteError(
+        "the kernel's matrix is not positive definite",
+        where="surface",
+        remedy="check the returns: two at one place need noise",
+    )
