@@ -15,28 +15,32 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import intrinsics
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import identity
+from hullrecon.rig import Rig
 
 TRUE = CameraModel(640, 480, 505.0, 504.0, 322.0, 241.0, -0.05)
 CALIBRATED = CameraModel(640, 480, 500.0, 500.0, 320.0, 240.0, -0.05)
 ASKED = AdjustOptions(refine_intrinsics=True, focal_sigma=0.01)
 
 
-@dataclass(frozen=True)
-class CameraPair:
-    """Of a rig, all that is asked of one here."""
-
-    top: CameraModel
-    bottom: CameraModel | None
+def rig_of(top, bottom):
+    return Rig(
+        tray_origin=np.zeros(3),
+        pressure_origin=np.zeros(3),
+        tray_from_dvl=identity(),
+        camera_models={Camera.TOP: top, Camera.BOTTOM: bottom},
+    )
 
 
 @dataclass(frozen=True)
 class Measured:
-    rig: CameraPair
+    rig: Rig
 
 
 @pytest.fixture
 def rig():
-    return CameraPair(CALIBRATED, CALIBRATED)
+    return rig_of(CALIBRATED, CALIBRATED)
 
 
 @pytest.fixture
@@ -119,7 +123,7 @@ def test_priors_are_shares_of_the_focal_length_and_pixels() -> None:
 
 
 def test_intrinsics_moved_far_are_warned_of(rig) -> None:
-    found = CameraPair(replace(CALIBRATED, fx=520.0, cx=321.0), CALIBRATED)
+    found = rig_of(replace(CALIBRATED, fx=520.0, cx=321.0), CALIBRATED)
     nothing = np.zeros((9, 9))
     marginals = SimpleNamespace(intrinsics_top=np.diag(np.full(9, 0.04)), intrinsics_bottom=nothing)
     figures = intrinsics.summarise_intrinsics(rig, found, marginals, ASKED)
