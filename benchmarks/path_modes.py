@@ -24,13 +24,15 @@ from scipy.sparse.linalg import splu
 from benchmarks.wrong_cad import measurements
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import adjust
-from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.typing import Array, Mask
 
 DAMPING = 1e-9  # of information: what nothing determines stays finite
 ITERATIONS = 60
+SETTINGS = native.Options(
+    max_iterations=ITERATIONS, function_tolerance=1e-9, initial_radius=1e8, threads=2
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,8 +142,7 @@ def figures(package: Path, run: Path) -> dict[str, object]:
     measured, options = measurements(package, run)
     measured = replace(measured, cad_model=None)
     adjusted = adjust(measured, options, lambda _sentence: None)
-    settings = _settings(options)
-    solved = native.solve(adjusted.problem, settings).unknowns
+    solved = native.solve(adjusted.problem, SETTINGS).unknowns
     problem, positions = adjusted.problem.started_from(solved), solved.pose[:, :3]
     true = read_truth(package).vehicle_at(measured.trajectory.t_ns / 1e9).translation
     error = positions - fit_rigid(true, positions).apply(true)
@@ -155,16 +156,9 @@ def figures(package: Path, run: Path) -> dict[str, object]:
                 "sigma_mm": 1e3 * known.sigma,
                 "information": known.share,
             }
-            for mode, known in zip(modes, how_well_known(problem, settings, modes), strict=True)
+            for mode, known in zip(modes, how_well_known(problem, SETTINGS, modes), strict=True)
         },
     }
-
-
-def _settings(options: AdjustOptions) -> native.Options:
-    return native.Options(
-        sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m,
-        max_iterations=ITERATIONS, function_tolerance=1e-9, initial_radius=1e8, threads=2,
-    )  # fmt: skip
 
 
 def main() -> None:

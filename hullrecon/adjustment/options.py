@@ -19,12 +19,6 @@ Positive = Annotated[float, Meta(gt=0)]
 class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """How the dive is adjusted."""
 
-    on_hull_sigma_m: Annotated[
-        Positive, Meta(description="m, sigma of the distance to the hull of a landmark on it")
-    ] = 0.02
-    off_hull_sigma_m: Annotated[
-        Positive, Meta(description="m, sigma of the distance to the hull of a landmark off it")
-    ] = 1.0
     refine_intrinsics: Annotated[
         bool, Meta(description="the cameras' intrinsics are unknowns with priors")
     ] = False
@@ -43,9 +37,6 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     max_iterations: Annotated[
         int, Meta(ge=1, le=1000, description="iterations of one solve at most")
     ] = 60
-    outlier_sigmas: Annotated[
-        Positive, Meta(description="sigmas, observations with larger residuals are left out")
-    ] = 5.0
     threads: Annotated[
         int, Meta(ge=1, le=64, description="threads of the solve; any number gives the same bytes")
     ] = 2
@@ -68,12 +59,7 @@ class Strategy:
 
     def native_options(self, options: AdjustOptions) -> native.Options:
         """Build the solver's options; those not named here have their defaults."""
-        return native.Options(
-            method=self.method,
-            sigma_on=options.on_hull_sigma_m,
-            sigma_off=options.off_hull_sigma_m,
-            threads=options.threads,
-        )
+        return native.Options(method=self.method, threads=options.threads)
 
 
 PRODUCT = Strategy()

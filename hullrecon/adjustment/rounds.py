@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from hullrecon.adjustment.stereo_calibration import StereoContradiction
 
 Report = Callable[[str], None]
+OUTLIER_SIGMAS = 5.0  # observations with larger residuals are left out
 LEAST_MAX_PX = 2.0  # outlier limit of rounds before the last, whose path may still be off
 # Damping holds what many measurements share, a single camera's scale and the bends of a long path,
 # far more than it holds the steps: with Ceres' 1e4 such a mode hardly moves while each iteration's
@@ -185,7 +186,7 @@ class RoundSolver:
                 measured=measured,
                 state=state,
                 weights=found,
-                max_px=self.options.outlier_sigmas * found.pixel,
+                max_px=OUTLIER_SIGMAS * found.pixel,
             ),
         )
 
@@ -193,11 +194,11 @@ class RoundSolver:
         self, measured: Measurements, state: State, max_px: Array, final: bool
     ) -> Selection:
         """Choose anchors for a coarse round, all landmarks but isolated ones for the last."""
-        options, strategy = self.options, self.strategy
+        settings, strategy = self.settings, self.strategy
         chosen = selection.select_measurements(measured, state, max_px)
         if final and state.hull is not None and strategy.deviation_field:
             off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
-            boundary = selection.label_boundary(options.on_hull_sigma_m, options.off_hull_sigma_m)
+            boundary = selection.label_boundary(settings.sigma_on, settings.sigma_off)
             chosen = selection.drop_isolated_landmarks(measured, state, chosen, off > boundary)
         if np.isfinite(strategy.max_off_hull_m) and state.hull is not None:
             off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
