@@ -46,6 +46,10 @@ KEYS = {
 }
 
 
+def with_form(adjusted, form):
+    return replace(adjusted, placement=replace(adjusted.placement, form=form))
+
+
 @pytest.fixture(params=SCENES, ids=list(SCENES))
 def found(request):
     return solved(**SCENES[request.param])
@@ -297,7 +301,7 @@ def test_the_last_problem_stands_at_the_solution():
 def test_what_the_form_of_the_hull_leaves_open_is_said(form, said):
     found = solved()
     outcome = summarise_adjustment(
-        found.dive.measured, replace(found.adjusted, form=form), found.options
+        found.dive.measured, with_form(found.adjusted, form), found.options
     )
     about_form = [
         line
