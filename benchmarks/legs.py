@@ -40,8 +40,7 @@ from hullrecon.records.solution import Solution
 from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
 from hullrecon.synthetic.dive import simulate_dive
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.output.mcap_log import TOPICS
-from hullrecon.synthetic.output.messages import store
+from hullrecon.synthetic.output.mcap_log import TOPICS, store
 from hullrecon.synthetic.output.package import write_package, write_parts
 from hullrecon.synthetic.sensors.recorder import InTurn, record
 from hullrecon.typing import Array, Ints, Mask

@@ -10,9 +10,8 @@ from hullrecon.findings.logs import count_noun
 from hullrecon.errors import UsageError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import DiveSpec, Survey
-from hullrecon.synthetic.vehicle.motion import Motion, ticks
+from hullrecon.synthetic.vehicle.motion import Motion, leg_corners, simulate_path, ticks
 from hullrecon.synthetic.vehicle.rig import TrueRig, true_rig
-from hullrecon.synthetic.vehicle.simulate_path import leg_corners, simulate_path
 from hullrecon.synthetic.world.built_hull import BuiltHull
 from hullrecon.synthetic.world.hull_patch import HullSkin
 from hullrecon.synthetic.world.hull_shapes import hull_shape
@@ -22,15 +21,13 @@ from hullrecon.typing import Array
 
 Window = tuple[float, float]
 BELOW_M, BEYOND_M = 3.0, 2.6  # skin kept around the legs, for the sonar
-BESIDE_M = 0.1  # what middles of items lie above the first leg and below the last one at most
+BESIDE_M = 0.1  # that middles of items lie above the first leg or below the last one at most
+SEEN_M = 0.9  # that the cameras see beyond the legs
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dive:
-    """Hold the world and the vehicle's path through it. seen_along, seen_girth: the window of the
-    chart that the cameras see. frame_s (n,): when the cameras fire (and, without cameras, when
-    truth is written).
-    """
+    """The world and the vehicle's path through it."""
 
     spec: DiveSpec
     cad_model: Mesh
@@ -38,14 +35,18 @@ class Dive:
     hull: BuiltHull
     rig: TrueRig
     motion: Motion
-    seen_along: Window
+    seen_along: Window  # of the chart, that the cameras see
     seen_girth: Window
-    frame_s: Array
+    frame_s: Array  # (n,) when the cameras fire and truth is written
 
 
 def simulate_dive(spec: DiveSpec) -> Dive:
-    """Return the hull, the items, the path and the rig of a dive. Raises UsageError where the hull
-    is too small for it.
+    """Build the hull, the items, the path and the rig of a dive.
+
+    Raises
+    ------
+    UsageError
+        Where the hull is too small for it.
     """
     ship, survey = spec.ship, spec.survey
     cad_model = hull_shape(ship)
@@ -71,16 +72,14 @@ def simulate_dive(spec: DiveSpec) -> Dive:
         hull=BuiltHull(spec, skin, items),
         rig=true_rig(spec),
         motion=motion,
-        seen_along=(middle - half - 0.9, middle + half + 0.9),
-        seen_girth=(-depth - 0.9, 0.9),
+        seen_along=(middle - half - SEEN_M, middle + half + SEEN_M),
+        seen_girth=(-depth - SEEN_M, SEEN_M),
         frame_s=ticks(motion, _frame_rate(spec), spec.random("frames"), 0.45),
     )
 
 
 def _refuse_legs_beyond(skin: HullSkin, survey: Survey) -> None:
-    """Raise UsageError where legs, or items beside them, have no skin: the path and the truth would
-    be those of its edge.
-    """
+    """Refuse legs, or items beside them, without skin: they would follow its edge."""
     low, high = float(skin.girth_m[0]), float(skin.girth_m[-1])
     if high < BESIDE_M:
         raise UsageError(
@@ -99,7 +98,7 @@ def _refuse_legs_beyond(skin: HullSkin, survey: Survey) -> None:
 
 
 def _frame_rate(spec: DiveSpec) -> float:
-    """Return the frames a second that show a point of the steel about `views` times in one leg."""
+    """Choose the frames a second that show a point of the steel `views` times in a leg."""
     footprint = (
         spec.survey.standoff_m * spec.cameras.image_width / (1.03 * spec.cameras.image_width)
     )

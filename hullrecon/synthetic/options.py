@@ -18,27 +18,28 @@ RENAMED = {("cameras", "carried"): "cameras"}
 
 @dataclass(frozen=True, kw_only=True)
 class Option:
-    """Describe one option. name: flat, in snake case; part, field: where it lies in DiveSpec, part
-    empty for its own fields; kind: of its value where one is given.
-    """
+    """One option of a simulated dive."""
 
-    name: str
-    part: str
-    field: str
-    kind: type
+    name: str  # flat, in snake case
+    part: str  # field of DiveSpec that holds its record, empty for DiveSpec's own
+    field: str  # of that record
+    kind: type  # of its value where one is given
     default: bool | int | float | str | None
     meta: Meta
 
 
 def options() -> tuple[Option, ...]:
-    """Return all options in the order of the records."""
+    """List all options in the order of the records."""
     return tuple(_options())
 
 
 def with_options(spec: DiveSpec, **values: Any) -> DiveSpec:
-    """Return the spec with those options changed, by flat name.
+    """Change options of a spec by flat name.
 
-    Raises UsageError for an unknown name and for a value out of bounds.
+    Raises
+    ------
+    UsageError
+        For an unknown name, and for a value out of bounds.
     """
     known = {option.name: option for option in options()}
     changes: dict[str, dict[str, Any]] = {}
@@ -55,7 +56,7 @@ def with_options(spec: DiveSpec, **values: Any) -> DiveSpec:
 
 
 def spec_from(**values: Any) -> DiveSpec:
-    """Return the spec of a dive with those options and the defaults of all others."""
+    """Describe a dive by some options, with the defaults of all others."""
     return with_options(DiveSpec(), **values)
 
 
@@ -89,7 +90,7 @@ def _options() -> Iterator[Option]:
 
 
 def _kind(record: object, field: str) -> type:
-    """Return the type of a field's values: of `int | None`, int; of words, str."""
+    """Find the type of a field's values: of `int | None`, int; of words, str."""
     default = getattr(record, field)
     if default is not None:
         return type(default)

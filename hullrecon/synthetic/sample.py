@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The dive in sample_data/demo: `python -m hullrecon.synthetic.sample [FOLDER]` makes it again,
-byte for byte.
+"""The dive in sample_data/demo, made again byte for byte.
+
+`python -m hullrecon.synthetic.sample [FOLDER]`
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from pathlib import Path
 from hullrecon.synthetic.output.package import write_package
 from hullrecon.synthetic.spec import Cameras, DiveSpec, InitialHullPose, Items, Survey
 
-# from the side into the bilge where the bow begins to narrow: curvature both ways, so that the CAD
-# model holds the dive
+# From the side into the bilge where the bow begins to narrow: curvature both ways, so that the CAD
+# model holds the dive.
 SAMPLE = DiveSpec(
     name="demo",
     seed=8,

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a simulated dive is: everything that `write_package` needs, as frozen records with units,
-bounds and a description.
-"""
+"""What a simulated dive is: frozen records of all options, with units, bounds and descriptions."""
 
 from __future__ import annotations
 
@@ -23,18 +21,16 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True, kw_only=True)
 class Meta:
-    """Describe a field. unit: as it is printed, empty for words, flags, counts and shares; low,
-    high: inclusive bounds of a number; choices: the words that it may be, empty for any.
-    """
+    """What is known of a field."""
 
     description: str
-    unit: str = ""
-    low: float = -math.inf
+    unit: str = ""  # as it is printed, empty for words, flags, counts and shares
+    low: float = -math.inf  # inclusive
     high: float = math.inf
-    choices: tuple[str, ...] = ()
+    choices: tuple[str, ...] = ()  # words that it may be, empty for any
 
     def bounds(self) -> str:
-        """Return the bounds and the unit as text, empty for words and flags."""
+        """Describe the bounds and the unit, empty for words and flags."""
         if math.isinf(self.low):
             return ""
         range_text = (
@@ -58,16 +54,13 @@ def describe_field(
 
 
 class Checked:
-    """Hold every described field of a record to its bounds and choices.
+    """A record whose described fields are held to their bounds and choices."""
 
-    prefix: what a field's name needs before it where it stands without its record, as on the
-    command line.
-    """
-
+    # before a field's name where it stands without its record, as on the command line
     prefix: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
-        """Raise UsageError for the first value that is out of bounds or none of the choices."""
+        """Raise UsageError for the first value out of bounds or none of the choices."""
         for f in fields(self):  # type: ignore[arg-type]
             meta, value = f.metadata.get("meta"), getattr(self, f.name)
             if meta is None or value is None:
@@ -83,7 +76,7 @@ class Checked:
 
 @dataclass(frozen=True, kw_only=True)
 class Ship(Checked):
-    """Describe the hull of the CAD model: an analytic form, or a mesh scaled to length_m."""
+    """The hull of the CAD model: an analytic form, or a mesh scaled to length_m."""
 
     hull: str = describe_field(
         "form", "`form` for an analytic ship, or the path of a mesh, which is scaled to --length-m"
@@ -102,7 +95,7 @@ class Ship(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class Survey(Checked):
-    """Describe the legs, which run along the hull, back and forth, from the top down."""
+    """The legs, which run along the hull, back and forth, from the top down."""
 
     along_m: float | None = describe_field(
         None,
@@ -121,7 +114,7 @@ class Survey(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class Cameras(Checked):
-    """Describe the cameras and how often they fire; `views` sets the frame rate."""
+    """The cameras, and how often they fire: `views` sets the frame rate."""
 
     carried: Literal["stereo", "mono", "none"] = describe_field(
         "stereo", "Cameras carried", choices=("stereo", "mono", "none")
@@ -136,7 +129,7 @@ class Cameras(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class SensorErrors(Checked):
-    """Describe what the instruments truly do; dive.toml tells no smaller sigma."""
+    """The errors of the instruments; dive.toml gives no smaller sigma."""
 
     heading_drift_deg_per_hour: float = describe_field(
         1.0, "Drift of the IMU's heading, beside its random walk", "deg/h", -3600, 3600
@@ -154,7 +147,7 @@ class SensorErrors(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class DeviationField(Checked):
-    """Describe how the steel leaves the CAD model: offsets along the outward normal."""
+    """How the steel leaves the CAD model: offsets along the outward normal."""
 
     prefix: ClassVar[str] = "deviation_"
 
@@ -169,7 +162,7 @@ class DeviationField(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class InitialHullPose(Checked):
-    """Describe by how much the hull pose in dive.toml is off."""
+    """The error of the hull pose in dive.toml."""
 
     prefix: ClassVar[str] = "guess_"
 
@@ -186,7 +179,7 @@ class InitialHullPose(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class Items(Checked):
-    """Say what is added to the hull: so many at random places, or those of `placed`."""
+    """What is added to the hull: so many at random places, or those of `placed`."""
 
     structures: int = describe_field(
         6, "Objects that stand out of the hull or are cut into it", "", 0, 200
@@ -207,13 +200,14 @@ class Items(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class Paint(Checked):
-    """Say where the paint is hard for images."""
+    """Where the paint is hard for images."""
 
     prefix: ClassVar[str] = "paint_"
 
     bare_share: float = describe_field(
         0.0,
-        "Share of the legs, from their end towards the stern, whose paint is bare: images show nothing there",
+        "Share of the legs, from their end towards the stern, whose paint is bare: "
+        "images show nothing there",
         "",
         0,
         1,
@@ -229,9 +223,7 @@ class Paint(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class Positions(Checked):
-    """Describe the positions that USBL gives in a local frame, whose north and place are drawn from
-    the seed.
-    """
+    """Positions by USBL in a local frame, whose north and place are drawn from the seed."""
 
     prefix: ClassVar[str] = "position_"
 
@@ -252,15 +244,17 @@ class Positions(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class DiveSpec(Checked):
-    """Describe a dive to simulate. Every random draw comes from `seed`; those of the hull itself
-    from `hull_seed`.
+    """A dive to simulate.
+
+    Every random draw comes from `seed`, those of the hull itself from `hull_seed`.
     """
 
     name: str = describe_field("simulated", "Name of the dive")
     seed: int = describe_field(1, "Number from which every random draw comes", "", 0)
     hull_seed: int | None = describe_field(
         None,
-        "Number from which steel, paint and objects are drawn, for a second dive of one hull; the seed if absent",
+        "Number from which steel, paint and objects are drawn, for a second dive of one hull; "
+        "the seed if absent",
         "",
         0,
     )
@@ -285,16 +279,17 @@ class DiveSpec(Checked):
         try:
             msgspec.convert({"name": self.name}, Dive)
         except msgspec.ValidationError:
-            remedy = "choose up to 100 ASCII letters, digits, dots, hyphens and underscores, neither a dot nor a hyphen first"
+            remedy = (
+                "choose up to 100 ASCII letters, digits, dots, hyphens and underscores, "
+                "neither a dot nor a hyphen first"
+            )
             raise UsageError(f"name is {self.name!r}", remedy=remedy) from None
 
     def random(self, purpose: str) -> np.random.Generator:
-        """Return a stream of its own for each purpose, so that one more draw here changes nothing
-        there.
-        """
+        """Start a stream for a purpose, so that one more draw here changes nothing there."""
         return np.random.default_rng([self.seed, zlib.crc32(purpose.encode())])
 
     def hull_random(self, purpose: str) -> np.random.Generator:
-        """Return such a stream for what belongs to the hull, whoever dives at it."""
+        """Start such a stream for what belongs to the hull, whoever dives at it."""
         seed = self.seed if self.hull_seed is None else self.hull_seed
         return np.random.default_rng([seed, zlib.crc32(purpose.encode())])

@@ -18,8 +18,12 @@ from hullrecon.geometry.poses import Poses, from_mount, identity
 from hullrecon.records.links import CameraLinks
 from hullrecon.records.trajectory import Attitude, Odometry, Trajectory
 from hullrecon.rig import Rig, RigPriors
-from hullrecon.synthetic.ellipsoid_dive import ATTITUDE_SIGMA, TRAY_ORIGIN_M
-from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
+from hullrecon.studies.scenes.ellipsoid_dive import (
+    ATTITUDE_SIGMA,
+    TRAY_ORIGIN_M,
+    measured_steps,
+    reckoned,
+)
 
 STEP_S, STEP_M, APART_M = 2.0, 0.5, 0.6
 STEP_SIGMA = np.r_[np.full(3, 3e-3), np.full(3, 5e-4)]  # m, rad of odometry a step

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.poses import Poses, from_rpy
-from hullrecon.synthetic.ellipsoid_dive import (
+from hullrecon.studies.scenes.ellipsoid_dive import (
     POLE_DEPTH_M,
     STANDOFF_M,
     STEP_M,

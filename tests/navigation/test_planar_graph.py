@@ -17,8 +17,12 @@ from hullrecon.geometry.poses import tray_poses
 from hullrecon.navigation.planes.planar_graph import PlanarGraph, PlanarSolution, planar_graph
 from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
 from hullrecon.records.links import CameraLinks, no_links
-from hullrecon.synthetic.ellipsoid_dive import STEP_S, EllipsoidDive, spiral_around_a_sphere
-from hullrecon.synthetic.vehicle.odometry import reckoned
+from hullrecon.studies.scenes.ellipsoid_dive import (
+    STEP_S,
+    EllipsoidDive,
+    reckoned,
+    spiral_around_a_sphere,
+)
 
 
 def graph(dive: EllipsoidDive) -> PoseGraph:

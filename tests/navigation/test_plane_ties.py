@@ -38,7 +38,7 @@ from hullrecon.navigation.planes.ties import (
     tie_planes,
 )
 from hullrecon.records.trajectory import VehiclePath
-from hullrecon.synthetic.ellipsoid_dive import STANDOFF_M, EllipsoidDive
+from hullrecon.studies.scenes.ellipsoid_dive import STANDOFF_M, EllipsoidDive
 
 
 @pytest.fixture(scope="module")

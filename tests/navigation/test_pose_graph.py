@@ -34,7 +34,7 @@ from hullrecon.navigation.pose_graph.graph import (
 )
 from hullrecon.navigation.pose_graph.start import path_along_links
 from hullrecon.records.links import CameraLinks
-from hullrecon.synthetic.vehicle.odometry import reckoned
+from hullrecon.studies.scenes.ellipsoid_dive import reckoned
 
 DRIFT = 1.5e-3  # rad/s: 10 degrees over the two minutes of the dive
 

@@ -20,7 +20,7 @@ from hullrecon.records.trajectory import PositionTies
 from hullrecon.steps.adjust import STAGE as ADJUST
 from hullrecon.steps.artifacts import AdjustArtifact, LinksArtifact
 from hullrecon.steps.links import STAGE as LINKS
-from hullrecon.synthetic.ellipsoid_dive import TRAY_ORIGIN_M
+from hullrecon.studies.scenes.ellipsoid_dive import TRAY_ORIGIN_M
 from hullrecon.vision.options import LinkOptions, MatchOptions
 
 

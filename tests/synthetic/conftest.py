@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.synthetic.dive import Dive, simulate_dive
+from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.output.package import write_package
 from hullrecon.synthetic.spec import DiveSpec
@@ -33,12 +33,16 @@ def spec() -> DiveSpec:
 
 
 @pytest.fixture(scope="session")
-def dive() -> Dive:
-    return simulate_dive(SMALL)
+def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Dive]:
+    folder = tmp_path_factory.mktemp("packages") / "small"
+    return folder, write_package(folder, SMALL)
 
 
 @pytest.fixture(scope="session")
-def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("packages") / "small"
-    write_package(folder, SMALL)
-    return folder
+def dive(written: tuple[Path, Dive]) -> Dive:
+    return written[1]
+
+
+@pytest.fixture(scope="session")
+def package(written: tuple[Path, Dive]) -> Path:
+    return written[0]

@@ -17,7 +17,7 @@ from hullrecon.synthetic.sensors.recorder import record
 from hullrecon.synthetic.world.hull_patch import HullSkin
 
 
-def test_views_set_the_frame_rate(dive: Dive) -> None:
+def test_views_set_frame_rate(dive: Dive) -> None:
     """Three views over a footprint of standoff / 1.03 at 0.3 m/s."""
     expected = (
         dive.spec.cameras.views
@@ -27,13 +27,13 @@ def test_views_set_the_frame_rate(dive: Dive) -> None:
     assert 1 / np.diff(dive.frame_s).mean() == pytest.approx(expected, rel=0.02)
 
 
-def test_items_are_where_the_cameras_look(dive: Dive) -> None:
+def test_items_are_where_cameras_look(dive: Dive) -> None:
     for item in dive.items:
         assert dive.seen_along[0] < item.along_m < dive.seen_along[1]
         assert dive.seen_girth[0] < item.girth_m < dive.seen_girth[1]
 
 
-def test_a_dive_on_another_hull_follows_its_waterline() -> None:
+def test_dive_on_another_hull_follows_its_waterline() -> None:
     """Round the bow, where a line of constant girth from the keel would climb out of the water."""
     dive = simulate_dive(
         spec_from(
@@ -76,20 +76,18 @@ BOAT = {
         ({"draught_m": 8.0}, "the hull ends below the first leg: choose a larger --top-m"),
     ],
 )
-def test_a_dive_for_which_the_hull_is_too_small_is_refused(
-    options: dict[str, Any], message: str
-) -> None:
+def test_dive_for_which_hull_is_too_small_is_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(UsageError, match=message):
         simulate_dive(spec_from(**(SHORT | options)))
 
 
-def test_as_many_legs_as_the_hull_is_said_to_have_skin_for_are_flown_on_it() -> None:
+def test_dive_flies_as_many_legs_as_hull_has_skin_for() -> None:
     dive = simulate_dive(spec_from(**(SHORT | BOAT), legs=2))
     assert dive.hull.skin.girth_m[0] <= -dive.spec.survey.leg_spacing_m - 0.1
     assert dive.hull.skin.girth_m[-1] >= 0.1
 
 
-def test_a_dive_along_a_hull_in_blocks_is_the_same_dive(
+def test_dive_along_hull_in_blocks_is_same_dive(
     dive: Dive, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The twin: what the sensors give must not depend on how the hull is parted to fit into memory."""

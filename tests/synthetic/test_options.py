@@ -19,7 +19,7 @@ from hullrecon.synthetic.spec import (
 )
 
 
-def test_every_described_field_is_an_option_under_a_name_of_its_own() -> None:
+def test_every_described_field_is_option_under_name_of_its_own() -> None:
     names = [option.name for option in options()]
     assert len(names) == len(set(names)) == 46
     assert {
@@ -39,7 +39,7 @@ def test_options_carry_their_defaults_and_descriptions() -> None:
         assert option.meta.description[0].isupper() or option.meta.description[0] == "`"
 
 
-def test_a_name_ends_in_its_unit() -> None:
+def test_name_ends_in_its_unit() -> None:
     endings = {
         "m": "_m",
         "m/s": "_m_per_s",
@@ -87,12 +87,12 @@ def test_flat_names_reach_their_records() -> None:
     )
 
 
-def test_changing_one_option_keeps_the_others() -> None:
+def test_changing_one_option_keeps_others() -> None:
     spec = with_options(spec_from(legs=2, leg_length_m=3.0, seed=9), leg_length_m=4.0)
     assert spec == spec_from(legs=2, leg_length_m=4.0, seed=9)
 
 
-def test_an_unknown_option_is_refused() -> None:
+def test_unknown_option_is_refused() -> None:
     with pytest.raises(UsageError, match="unknown option wings"):
         spec_from(wings=2)
 
@@ -110,19 +110,17 @@ def test_an_unknown_option_is_refused() -> None:
         ("form", "csv", "form is 'csv': choose one of mcap, plain"),
     ],
 )
-def test_a_value_out_of_bounds_is_refused_with_the_bounds(
-    name: str, value: object, message: str
-) -> None:
+def test_value_out_of_bounds_is_refused_with_bounds(name: str, value: object, message: str) -> None:
     with pytest.raises(UsageError, match=message):
         spec_from(**{name: value})
 
 
-def test_records_check_themselves_without_the_flat_names() -> None:
+def test_records_check_themselves_without_flat_names() -> None:
     with pytest.raises(UsageError, match="image_width is 10"):
         Cameras(image_width=10)
 
 
-def test_an_absent_middle_of_the_legs_is_within_bounds() -> None:
+def test_absent_middle_of_legs_is_within_bounds() -> None:
     assert Survey(along_m=None).along_m is None
 
 
@@ -134,7 +132,7 @@ def test_each_purpose_has_random_numbers_of_its_own() -> None:
     assert DiveSpec(seed=2).random("a").random(4).tolist() != first
 
 
-def test_what_belongs_to_the_hull_is_drawn_from_the_hulls_seed() -> None:
+def test_what_belongs_to_hull_is_drawn_from_hulls_seed() -> None:
     first, second = DiveSpec(seed=3), DiveSpec(seed=4, hull_seed=3)
     assert (
         first.hull_random("steel").random(3).tolist()
@@ -143,7 +141,7 @@ def test_what_belongs_to_the_hull_is_drawn_from_the_hulls_seed() -> None:
     assert first.random("dvl").random(3).tolist() != second.random("dvl").random(3).tolist()
 
 
-def test_a_seed_that_may_be_absent_is_a_whole_number() -> None:
+def test_seed_that_may_be_absent_is_whole_number() -> None:
     (option,) = (option for option in options() if option.name == "hull_seed")
     assert option.kind is int
     assert option.default is None
@@ -152,7 +150,7 @@ def test_a_seed_that_may_be_absent_is_a_whole_number() -> None:
 @pytest.mark.parametrize(
     "name", ["bad name/x", "", ".dive", "-dive", "dive\n", "d\u00efve", "x" * 101]
 )
-def test_a_name_that_no_command_accepts_is_refused(name: str) -> None:
+def test_name_that_no_command_accepts_is_refused(name: str) -> None:
     with pytest.raises(
         UsageError, match=r"name is '.*': choose up to 100 ASCII letters"
     ) as refused:
@@ -161,5 +159,5 @@ def test_a_name_that_no_command_accepts_is_refused(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["x" * 100, "_dive", "2026-05.Dive_3"])
-def test_a_name_of_dive_toml_is_taken(name: str) -> None:
+def test_name_of_dive_toml_is_taken(name: str) -> None:
     assert spec_from(name=name).name == name

@@ -22,11 +22,11 @@ def again() -> Dive:
     return simulate_dive(SAMPLE)
 
 
-def test_the_sample_is_small_enough_for_a_repository() -> None:
+def test_sample_is_small_enough_for_repository() -> None:
     assert sum(p.stat().st_size for p in DEMO.rglob("*") if p.is_file()) < 12e6
 
 
-def test_the_sample_is_what_its_description_makes(again: Dive, tmp_path: Path) -> None:
+def test_sample_is_what_its_description_makes(again: Dive, tmp_path: Path) -> None:
     kept, made = tomllib.loads((DEMO / "dive.toml").read_text()), tomllib.loads(dive_toml(again))
     np.testing.assert_allclose(kept["hull"].pop("pose"), made["hull"].pop("pose"), atol=1e-6)
     assert kept == made
@@ -39,7 +39,7 @@ def test_the_sample_is_what_its_description_makes(again: Dive, tmp_path: Path) -
         np.testing.assert_allclose(ours, theirs, atol=1e-6)
 
 
-def test_the_sample_has_structures_that_must_be_found_and_paint_that_must_not() -> None:
+def test_sample_has_structures_to_find_and_paint_not_to() -> None:
     objects = json.loads((DEMO / "truth" / "objects.json").read_text())["objects"]
     assert (
         sum(not o["painted"] and abs(o["height"]) >= 0.08 and o["views"] >= 6 for o in objects) >= 3
@@ -47,7 +47,7 @@ def test_the_sample_has_structures_that_must_be_found_and_paint_that_must_not() 
     assert any(o["painted"] for o in objects)
 
 
-def test_the_sample_has_both_cameras_and_the_sonar() -> None:
+def test_sample_has_both_cameras_and_sonar() -> None:
     topics = tomllib.loads((DEMO / "dive.toml").read_text())["topics"]
     assert {"dvl", "imu", "pressure", "joints", "camera_top", "camera_bottom", "sonar"} == set(
         topics

@@ -50,7 +50,7 @@ def goes_on(images: Sequence[Pixels | None], first: int, second: int) -> bool:
 @pytest.mark.parametrize(
     ("step_px", "expected"), [(0, True), (40, True), (200, True), (330, False), (1200, False)]
 )
-def test_an_image_goes_on_as_long_as_it_overlaps(step_px: int, expected: bool) -> None:
+def test_image_goes_on_as_long_as_it_overlaps(step_px: int, expected: bool) -> None:
     images = [look(10, seabed()), look(10 + step_px, seabed())]
     assert goes_on(images, 0, 1) is expected
     assert goes_on(images, 1, 0) is expected
@@ -80,11 +80,11 @@ def with_part_of_vehicle(seed: int, side_px: tuple[int, int]) -> Pixels:
 
 
 @pytest.mark.parametrize("side_px", [(80, 160), (110, 220)])
-def test_a_part_of_the_vehicle_carries_no_walk_through_open_water(side_px: tuple[int, int]) -> None:
+def test_part_of_vehicle_carries_no_walk_through_open_water(side_px: tuple[int, int]) -> None:
     assert not goes_on([with_part_of_vehicle(1, side_px), with_part_of_vehicle(2, side_px)], 0, 1)
 
 
-def test_points_fill_most_of_an_image_that_lie_all_over_it() -> None:
+def test_points_fill_most_of_image_that_lie_all_over_it() -> None:
     rng = np.random.default_rng(1)
     place = rng.uniform(0.05, 0.95, (200, 2))
     ideal = (place * [MODEL.width, MODEL.height] - [MODEL.cx, MODEL.cy]) / [MODEL.fx, MODEL.fy]
@@ -96,7 +96,7 @@ def test_points_fill_most_of_an_image_that_lie_all_over_it() -> None:
     assert not fills_most(ideal[rim], MODEL)
 
 
-def test_each_image_is_read_once_along_a_walk() -> None:
+def test_each_image_is_read_once_along_walk() -> None:
     read: list[int] = []
 
     def image(row: int) -> Pixels:
@@ -108,7 +108,7 @@ def test_each_image_is_read_once_along_a_walk() -> None:
     assert read == [0, 1, 2, 3, 4]
 
 
-def test_two_images_tell_how_the_camera_moved_but_not_how_far() -> None:
+def test_two_images_tell_how_camera_moved_but_not_how_far() -> None:
     images = [look(10, seabed()), look(50, seabed()), water()]
     between = image_motion(RIG, lambda row: images[row], 1000, 15)
     found = between(0, 1)

@@ -207,13 +207,13 @@ def large():
     return link(LARGE, turn_sigma=0.02)
 
 
-def test_a_small_drift_ties_the_legs_in_the_first_round(small):
+def test_small_drift_ties_legs_in_first_round(small):
     pairs = small.found.pairs
     assert (pairs.joined & (pairs.round == 1)).sum() > 20
     assert small.error_m < 0.02
 
 
-def test_a_drift_that_puts_revisits_outside_the_first_search_is_closed_in_rounds(large):
+def test_drift_beyond_first_search_is_closed_in_rounds(large):
     """Dead reckoning has the far ends metres apart, neighbours alone leave them 0.7 m apart: what
     the first round ties straightens the path, on which the next finds the rest.
     """
@@ -226,13 +226,13 @@ def test_a_drift_that_puts_revisits_outside_the_first_search_is_closed_in_rounds
     assert min(a for a, _ in joined_across(large.found)) <= 2
 
 
-def test_most_nodes_are_tied_to_the_other_leg(large):
+def test_most_nodes_are_tied_to_other_leg(large):
     near = {a for a, _ in across_truly(large.dive)}
     tied = {a for a, _ in joined_across(large.found)}
     assert len(near & tied) >= 0.9 * len(near)
 
 
-def test_pairs_that_overlap_well_are_all_linked_once_the_path_is_tied(large):
+def test_overlapping_pairs_are_all_linked_on_tied_path(large):
     """Each node overlaps two or three of the other leg; the rounds that tie the path compare it
     with one.
     """
@@ -260,7 +260,7 @@ def test_no_pair_is_compared_twice(large):
     np.testing.assert_array_equal(rows, np.unique(rows, axis=0))
 
 
-def test_a_wrong_pair_is_rejected_and_leaves_the_path_as_it_is(small):
+def test_wrong_pair_is_rejected_and_leaves_path_as_it_is(small):
     victims = tuple(sorted(joined_across(small.found)))[3::9]
     assert len(victims) >= 2
     again = link(SMALL, wrong=victims)
@@ -277,7 +277,7 @@ def test_a_wrong_pair_is_rejected_and_leaves_the_path_as_it_is(small):
     assert again.error_m < 0.02
 
 
-def test_what_is_left_is_of_the_pairs_joined_in_their_order(small):
+def test_what_is_left_is_of_pairs_joined_in_their_order(small):
     found, rows = small.found, small.found.pairs.joined
     np.testing.assert_array_equal(found.links.first, found.pairs.first[rows])
     np.testing.assert_array_equal(found.links.second, found.pairs.second[rows])
@@ -288,14 +288,14 @@ def test_what_is_left_is_of_the_pairs_joined_in_their_order(small):
     assert found.keyframes.tolist() == list(range(60))
 
 
-def test_without_rounds_or_without_partners_only_neighbours_are_compared():
+def test_without_rounds_neighbours_alone_are_compared():
     for options in ({"max_rounds": 0}, {"across": 0}):
         found = link(SMALL, **options).found
         assert not found.pairs.across.any()
         assert len(found.pairs) == 59 + 58
 
 
-def test_images_of_low_saliency_stay_in_the_chain_but_not_across_legs():
+def test_images_of_low_saliency_are_not_compared_across_legs():
     found = link(SMALL, saliency=0.2).found
     assert not found.pairs.across.any()
     assert found.path.part.tolist() == [0] * 60

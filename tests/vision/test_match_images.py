@@ -80,11 +80,11 @@ def test_failures_are_counted_by_their_reason():
     ("reasons", "sizes"),
     [((0, 0, 0), [4]), ((0, 3, 0), [2, 2]), ((3, 0, 0), [3, 1]), ((3, 3, 3), [1, 1, 1, 1])],
 )
-def test_a_pair_that_failed_parts_two_chains(reasons, sizes):
+def test_pair_that_failed_parts_two_chains(reasons, sizes):
     assert matched([(0, 1), (1, 2), (2, 3)], [Reason(code) for code in reasons]).chains() == sizes
 
 
-def test_a_pair_that_the_path_contradicts_joins_nothing_and_is_counted_apart():
+def test_pair_contradicted_by_path_joins_nothing_is_counted():
     found = matched(
         [(0, 1), (1, 2), (0, 3)],
         [Reason.MATCHED] * 3,
@@ -100,7 +100,7 @@ def test_a_pair_that_the_path_contradicts_joins_nothing_and_is_counted_apart():
     assert found.failures() == {}
 
 
-def test_images_of_which_none_match_are_an_error_that_says_why_and_what_to_try():
+def test_no_match_raises_error_with_reason_and_remedy():
     pairs = matched([(0, 1), (1, 2)], [Reason.FEW_PUTATIVE, Reason.FEW_PUTATIVE]).pairs
     with pytest.raises(StageError, match="no two images could be matched") as raised:
         join_images(None, np.zeros((3, 2)), pairs, None, None, None, 3)

@@ -28,7 +28,7 @@ def pairs(look, places, lost=()):
     return lambda k: none if k in lost else NodeFeatures(top=nodes[k].top, bottom=nodes[k].bottom)
 
 
-def test_each_step_has_its_length_and_a_covariance_that_covers_the_error(rig, look):
+def test_step_has_its_length_and_covariance_covers_error(rig, look):
     found = follow_nodes(rig, range(4), pairs(look, [0.0, 0.2, 0.5, 0.6]))
     for step, length in zip(found, (0.2, 0.3, 0.1), strict=True):
         # the second pair in the first: forward
@@ -39,7 +39,7 @@ def test_each_step_has_its_length_and_a_covariance_that_covers_the_error(rig, lo
         assert step.inliers > 100
 
 
-def test_the_steps_of_many_pairs_scatter_as_their_covariance_says(rig, look):
+def test_steps_of_many_pairs_scatter_as_their_covariance_says(rig, look):
     chi2 = []
     for seed in range(12):
         nodes = [look([x, 0, 0, 0, 0, 0], seed=2 * seed + k) for k, x in enumerate((0.0, 0.25))]
@@ -52,7 +52,7 @@ def test_the_steps_of_many_pairs_scatter_as_their_covariance_says(rig, look):
     assert 0.75 < np.sqrt(np.mean(chi2)) < 1.3
 
 
-def test_two_ways_that_disagree_widen_the_covariance_by_as_much():
+def test_two_ways_that_disagree_widen_covariance_by_as_much():
     def measured(shift):
         motion = exp([[shift, 0, 0, 0, 0, 0.02]]).matrix()[0]
         evidence = CalibrationEvidence(
@@ -69,12 +69,12 @@ def test_two_ways_that_disagree_widen_the_covariance_by_as_much():
     assert found.covariance[1, 1] == pytest.approx(1e-6)
 
 
-def test_a_lost_image_breaks_two_links_and_no_more(rig, look):
+def test_lost_image_breaks_two_links_and_no_more(rig, look):
     found = follow_nodes(rig, range(5), pairs(look, [0.0, 0.15, 0.3, 0.45, 0.6], lost=(2,)))
     assert [step is not None for step in found] == [True, False, False, True]
 
 
-def test_nodes_are_taken_in_the_order_given(rig, look):
+def test_nodes_are_taken_in_order_given(rig, look):
     read = pairs(look, [0.0, 0.15, 0.3])
     there, back = (
         follow_nodes(rig, order, read)[0].motion.second_from_first for order in ([0, 2], [2, 0])
@@ -83,13 +83,13 @@ def test_nodes_are_taken_in_the_order_given(rig, look):
     assert back[0, 3] < 0 < there[0, 3]
 
 
-def test_a_pair_whose_top_image_is_lost_gives_no_motion(rig, look):
+def test_pair_whose_top_image_is_lost_gives_no_motion(rig, look):
     read = pairs(look, [0.0, 0.15])
     blind = NodeFeatures(top=no_features(), bottom=read(1).bottom)
     assert follow_nodes(rig, range(2), lambda k: blind if k else read(k)) == [None]
 
 
-def test_depth_comes_from_the_stereo_alone(rig, look):
+def test_depth_comes_from_stereo_alone(rig, look):
     odometer = StereoOdometer(
         rig=rig, feature_options=FeatureOptions(), match_options=MatchOptions()
     )
@@ -103,7 +103,7 @@ def test_images_that_cannot_be_read_have_no_features(rig):
     assert len(odometer.frame(0, None, None).view) == 0
 
 
-def test_a_rig_that_is_known_less_well_searches_a_wider_band(rig):
+def test_rig_that_is_known_less_well_searches_wider_band(rig):
     sharp, loose = (
         stereo_odometer(rig, 500, 15, sigma).match_options.column_px for sigma in (0.0, 0.002)
     )

@@ -15,10 +15,14 @@ from hullrecon.navigation.planes.planar_graph import PlanarGraph
 from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
 from hullrecon.records.links import no_links
 from hullrecon.studies.figure_style import PublishedFigure
+from hullrecon.studies.scenes.ellipsoid_dive import (
+    POLE_DEPTH_M,
+    EllipsoidDive,
+    spiral_around_a_sphere,
+)
 from hullrecon.studies.scenes.gic_by_relief import CriterionTrials, gic_by_relief
 from hullrecon.studies.scenes.search_ellipses import TransferredPoints, search_ellipses
 from hullrecon.studies.scenes.sphere import MappedSphere, SphereSurvey, sphere
-from hullrecon.synthetic.ellipsoid_dive import POLE_DEPTH_M, EllipsoidDive, spiral_around_a_sphere
 from hullrecon.typing import Array
 from hullrecon.vision.pairs import two_view
 from hullrecon.vision.pairs.gating import Motion, transfer

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""dive.toml of a simulated dive: nominal mounts, the instruments' sigmas, and an initial hull pose
-that is off.
+"""dive.toml and calibration files of a simulated dive.
+
+Mounts are nominal, sigmas those of the instruments, and the initial hull pose is off.
 """
 
 from __future__ import annotations
@@ -9,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
-from hullrecon.synthetic.output.calibration import cameras_of
 from hullrecon.synthetic.output.mcap_log import TOPICS
 from hullrecon.synthetic.sensors.instruments import (
     DEPTH_SIGMA,
@@ -33,16 +34,14 @@ from hullrecon.synthetic.vehicle.rig import (
     TRAY_ORIGIN,
 )
 
-# What dive.toml tells of instruments of this class, one sigma; more where more was simulated.
+# Sigmas that dive.toml gives for instruments of this class; more where more was simulated.
 TRAY_SIGMA_DEG = 0.8
 HEADING_DRIFT_SIGMA = 1.0  # degrees an hour
 DVL_SCALE_SIGMA = 0.005  # assumed by readers where the key is absent
 
 
 def initial_guess(dive: Dive) -> Poses:
-    """Return T_g_M as the operator would give it: off by the guess's errors at the middle of the
-    survey.
-    """
+    """Misplace the hull as an operator would, by the guess's errors at the middle of the survey."""
     spec, random = dive.spec, dive.spec.random("guess")
     sign = random.choice([-1.0, 1.0], 4)
     middle = dive.hull.skin.middle()
@@ -54,7 +53,7 @@ def initial_guess(dive: Dive) -> Poses:
 
 
 def dive_toml(dive: Dive) -> str:
-    """Return the text of dive.toml, with nominal mounts and the initial hull pose."""
+    """Write the text of dive.toml."""
     spec = dive.spec
     sections = [_head(dive), _vehicle(spec)]
     if spec.cameras.carried != "none":
@@ -111,18 +110,19 @@ files = {files}
 
 
 def _vehicle(spec: DiveSpec) -> str:
-    scale = abs(spec.errors.dvl_scale_error)
+    scale, drift = abs(spec.errors.dvl_scale_error), abs(spec.errors.heading_drift_deg_per_hour)
+    servo_deg = float(np.hypot(spec.errors.backlash_deg, spec.errors.servo_sigma_deg))
     scale_sigma = f"scale_sigma = {scale}\n" if scale > DVL_SCALE_SIGMA else ""
     beams = "" if spec.form == "mcap" else "beams = [" + ", ".join(_row(b) for b in BEAMS) + "]\n"
     return f"""[tray]
 joint = "tray"
 origin = {_row(TRAY_ORIGIN)}
-sigma_deg = {max(TRAY_SIGMA_DEG, float(np.hypot(spec.errors.backlash_deg, spec.errors.servo_sigma_deg))):.4g}
+sigma_deg = {max(TRAY_SIGMA_DEG, servo_deg):.4g}
 
 [imu]
 frame = "ned"
 sigma_roll_pitch_deg = 0.1
-heading_drift_deg_per_hour = {max(HEADING_DRIFT_SIGMA, abs(spec.errors.heading_drift_deg_per_hour))}
+heading_drift_deg_per_hour = {max(HEADING_DRIFT_SIGMA, drift)}
 
 [pressure]
 origin = [0.0, 0.0, 0.0]
@@ -156,3 +156,41 @@ pose_in_top = {_row(BOTTOM_IN_TOP)}
 
 def _row(values: object) -> str:
     return "[" + ", ".join(repr(round(float(v), 9)) for v in np.asarray(values, float)) + "]"
+
+
+def cameras_of(dive: Dive) -> dict[str, CameraModel]:
+    """List the cameras that the dive carries, by name."""
+    if dive.spec.cameras.carried == "none":
+        return {}
+    cameras = {"camera_top": dive.rig.camera_top}
+    if dive.rig.camera_bottom is not None:
+        cameras["camera_bottom"] = dive.rig.camera_bottom
+    return cameras
+
+
+def camera_info(name: str, camera: CameraModel) -> str:
+    """Write the YAML that ROS's camera_calibration writes."""
+    k = ", ".join(f"{v:.9g}" for v in camera.matrix().ravel())
+    p = ", ".join(f"{v:.9g}" for v in np.hstack([camera.matrix(), np.zeros((3, 1))]).ravel())
+    d = ", ".join(f"{v:.9g}" for v in camera.distortion())
+    return f"""image_width: {camera.width}
+image_height: {camera.height}
+camera_name: {name}
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [{k}]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [{d}]
+rectification_matrix:
+  rows: 3
+  cols: 3
+  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]
+projection_matrix:
+  rows: 3
+  cols: 4
+  data: [{p}]
+"""

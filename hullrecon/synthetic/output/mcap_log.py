@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hullrecon.synthetic.output.messages import RosMessage, header, make, store, vector
+from hullrecon.dive.logs.messages.definitions import DVL, PING_INFO, PROJECTED_SONAR_IMAGE
 from hullrecon.synthetic.sensors import sonar
 from hullrecon.synthetic.sensors.instruments import (
     ACCELERATION_SIGMA,
@@ -22,6 +23,23 @@ from hullrecon.synthetic.sensors.instruments import (
 from hullrecon.synthetic.sensors.recorder import Streams, in_order
 from hullrecon.synthetic.vehicle.rig import BEAMS, SONAR_ELEVATION_DEG
 
+RosMessage = Any  # an instance of the class that rosbags makes for its type
+
+# The published definition without the types that no simulated image has. Logs carry this text.
+SONAR_IMAGE_DATA = """
+uint32 DTYPE_UINT8=0
+bool is_bigendian
+uint32 dtype
+uint32 beam_count
+uint8[] data
+"""
+
+DEFINITIONS = {
+    "marine_acoustic_msgs/msg/Dvl": DVL,
+    "marine_acoustic_msgs/msg/PingInfo": PING_INFO,
+    "marine_acoustic_msgs/msg/SonarImageData": SONAR_IMAGE_DATA,
+    "marine_acoustic_msgs/msg/ProjectedSonarImage": PROJECTED_SONAR_IMAGE,
+}
 TOPICS = {
     "dvl": ("/dvl", "marine_acoustic_msgs/msg/Dvl"),
     "imu": ("/imu", "sensor_msgs/msg/Imu"),
@@ -32,6 +50,7 @@ TOPICS = {
     "sonar": ("/sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage"),
     "position": ("/usbl", "geometry_msgs/msg/PointStamped"),
 }
+# From a stamp to the moment at which it is logged.
 LATENCY_NS = {
     "dvl": 33_000_000,
     "imu": 2_000_000,
@@ -42,7 +61,7 @@ LATENCY_NS = {
 
 
 def write_mcap(path: Path, streams: Streams) -> None:
-    """Write all streams into one file, zstd chunks, each message logged a little after its stamp."""
+    """Write all streams into one file, each message logged a little after its stamp."""
     from mcap.writer import CompressionType, Writer
 
     with path.open("wb") as file:
@@ -58,6 +77,33 @@ def write_mcap(path: Path, streams: Streams) -> None:
             data = bytes(store().serialize_cdr(message, TOPICS[name][1]))
             writer.add_message(channels[name], log_time=logged_ns, publish_time=ns, data=data)
         writer.finish()
+
+
+@cache
+def store() -> Any:
+    """Make a rosbags type store that also knows the acoustic messages."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    known = get_typestore(Stores.ROS2_HUMBLE)
+    for name, text in DEFINITIONS.items():
+        known.register(get_types_from_msg(text, name))
+    return known
+
+
+def make(kind: str, **fields: Any) -> Any:
+    """Make a message of that ROS type."""
+    return store().types[kind](**fields)
+
+
+def header(stamp_ns: int, frame: str) -> Any:
+    """Make a std_msgs/Header."""
+    stamp = make("builtin_interfaces/msg/Time", sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9)
+    return make("std_msgs/msg/Header", stamp=stamp, frame_id=frame)
+
+
+def vector(xyz: Any, kind: str = "geometry_msgs/msg/Vector3") -> Any:
+    """Make a geometry_msgs/Vector3, or a Point."""
+    return make(kind, x=float(xyz[0]), y=float(xyz[1]), z=float(xyz[2]))
 
 
 def _channels(writer: Any, names: set[str]) -> dict[str, int]:

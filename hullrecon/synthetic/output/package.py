@@ -8,8 +8,7 @@ from pathlib import Path
 
 from hullrecon.new_folder import new_folder
 from hullrecon.synthetic.dive import Dive, simulate_dive
-from hullrecon.synthetic.output.calibration import camera_info, cameras_of
-from hullrecon.synthetic.output.dive_toml import dive_toml
+from hullrecon.synthetic.output.dive_toml import camera_info, cameras_of, dive_toml
 from hullrecon.synthetic.output.mcap_log import write_mcap
 from hullrecon.synthetic.output.plain_log import write_plain
 from hullrecon.synthetic.output.truth import write_truth
@@ -19,11 +18,24 @@ from hullrecon.synthetic.world.hull_shapes import write_stl
 
 
 def write_package(folder: Path, spec: DiveSpec, track: Track = without_progress) -> Dive:
-    """Simulate a dive, write its package and return it, truth and all. The folder may exist but
-    must be empty; it is written beside under a temporary name, so that a simulation that fails or
-    is interrupted leaves nothing. track: shows the images as they are written.
+    """Simulate a dive and write its package, truth and all.
 
-    Raises StorageError when the folder is not empty or cannot be written.
+    It is written under a temporary name, so that a simulation that fails or is interrupted leaves
+    nothing.
+
+    Parameters
+    ----------
+    folder
+        May exist, but must be empty.
+    spec
+        The dive.
+    track
+        Shows the images as they are written.
+
+    Raises
+    ------
+    StorageError
+        When the folder is not empty or cannot be written.
     """
     with new_folder(folder) as partial:
         dive = simulate_dive(spec)
@@ -32,9 +44,7 @@ def write_package(folder: Path, spec: DiveSpec, track: Track = without_progress)
 
 
 def write_parts(folder: Path, dive: Dive, streams: Streams) -> None:
-    """Write all that a package consists of into an empty folder; streams: what the dive's sensors
-    gave.
-    """
+    """Write the parts of a package into an empty folder, with what the dive's sensors gave."""
     write_stl(folder / "hull.stl", dive.cad_model)
     (folder / "logs").mkdir()
     if dive.spec.form == "mcap":

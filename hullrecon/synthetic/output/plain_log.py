@@ -18,9 +18,7 @@ from hullrecon.typing import Array
 
 
 def write_plain(folder: Path, streams: Streams) -> None:
-    """Write dvl.csv, imu.csv, pressure.csv, joints.csv, camera_*.csv with their images, sonar.csv
-    with its pings.
-    """
+    """Write dvl.csv, imu.csv, pressure.csv, joints.csv, camera_*.csv and sonar.csv, with images."""
     ranges = [f"range_{k + 1}" for k in range(4)]
     dvl = np.hstack([streams.dvl.velocity, streams.dvl.ranges])
     write_table(folder / "dvl.csv", ["vx", "vy", "vz", *ranges], streams.dvl.t_s, dvl)
@@ -52,7 +50,7 @@ def write_plain(folder: Path, streams: Streams) -> None:
 
 
 def seconds(t_s: Array) -> list[str]:
-    """Return seconds since 1970 with all nine digits, which a float64 would not hold."""
+    """Format seconds since 1970 with all nine digits, which a float64 would not hold."""
     return [f"{ns // 10**9}.{ns % 10**9:09d}" for ns in stamp_ns(t_s).tolist()]
 
 
@@ -104,9 +102,7 @@ def _pings(folder: Path, streams: Streams) -> None:
 
 
 def _write_npz(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
-    """Write as numpy.savez_compressed, but with fixed dates, so that the same dive gives the same
-    bytes.
-    """
+    """Write as numpy.savez_compressed, with fixed dates: the same dive gives the same bytes."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, array in arrays.items():
             buffer = io.BytesIO()

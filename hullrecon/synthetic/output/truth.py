@@ -18,17 +18,14 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.output.plain_log import write_table
 from hullrecon.synthetic.vehicle.rig import SONAR_ORIGIN, TRAY_ORIGIN
-from hullrecon.synthetic.world.items import MARKS, Item
-from hullrecon.synthetic.world.relief import height_of
+from hullrecon.synthetic.world.items import MARKS, Item, height_of
 from hullrecon.typing import Array
 
 BEHIND_M = 1.35  # a point so far behind the standoff lies round the bilge, where the hull hides it
 
 
 def write_truth(folder: Path, dive: Dive) -> None:
-    """Write poses.csv, alignment.json, servo.csv, sonar_servo.csv, extrinsics.json, objects.json,
-    as_built.ply.
-    """
+    """Write poses, alignment, servos, extrinsics, objects and the surface as built."""
     motion = dive.motion
     at = motion.in_hull(motion.vehicle(dive.frame_s))
     rows = np.hstack([at.translation, at.quaternion])
@@ -45,9 +42,7 @@ def write_truth(folder: Path, dive: Dive) -> None:
 
 
 def write_ply(path: Path, pieces: Iterable[Mesh]) -> None:
-    """Write the pieces of a mesh as one binary PLY, float32 vertices; one piece is held in memory
-    at a time.
-    """
+    """Write pieces of a mesh as one binary PLY, float32, with one piece in memory at a time."""
     vertices = faces = 0
     with (
         tempfile.TemporaryFile(dir=path.parent) as corners,
@@ -95,7 +90,7 @@ def _extrinsics(dive: Dive) -> dict[str, Any]:
 
 
 def _objects(dive: Dive) -> dict[str, Any]:
-    # as the hull's blocks lie
+    # In the order of the hull's blocks.
     along = sorted(range(len(dive.items)), key=lambda k: dive.items[k].along_m)
     made = {k: _object(dive, dive.items[k], k + 1) for k in along}
     rows = [made[k] for k in range(len(dive.items))]
@@ -104,8 +99,9 @@ def _objects(dive: Dive) -> dict[str, Any]:
 
 
 def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
-    """Return an item as objects.json has it. The centre lies on the visible surface: a protrusion's
-    top, a recess's floor.
+    """Describe an item for objects.json.
+
+    Its centre lies on the visible surface: a protrusion's top, a recess's floor.
     """
     a, g = np.array([item.along_m]), np.array([item.girth_m])
     block = dive.hull.near(item.along_m)
@@ -127,7 +123,7 @@ def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
 
 
 def _views(dive: Dive, point: Array) -> int:
-    """Return the number of frames in which the top camera has that point before it."""
+    """Count the frames in which the top camera has that point before it."""
     if dive.spec.cameras.carried == "none":
         return 0
     camera = dive.rig.camera_top

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the DVL, the IMU, the pressure cell and the servos report, with the errors they have."""
+"""What DVL, IMU, pressure cell, USBL and servos report, with the errors they have."""
 
 from __future__ import annotations
 
@@ -15,41 +15,37 @@ from hullrecon.synthetic.vehicle.rig import BEAMS, TRANSPONDER, TRAY_ORIGIN, Tru
 from hullrecon.synthetic.world.built_hull import BuiltHull
 from hullrecon.typing import Array
 
-ATMOSPHERE_PA, DENSITY, GRAVITY = 101325.0, 1025.0, 9.81
-VELOCITY_SIGMA, RANGE_SIGMA = 0.003, 0.01
-LOST_SHARE, WILD_SHARE = 0.02, 0.005
+ATMOSPHERE_PA, DENSITY, GRAVITY = 101325.0, 1025.0, 9.81  # kg/m3, m/s2
+VELOCITY_SIGMA, RANGE_SIGMA = 0.003, 0.01  # m/s, m
+LOST_SHARE, WILD_SHARE = 0.02, 0.005  # of the DVL's ranges
 ROLL_PITCH_SIGMA, HEADING_SIGMA = np.radians(0.1), np.radians(0.05)
-GYRO_SIGMA, ACCELERATION_SIGMA = 0.002, 0.03
-DEPTH_SIGMA = 0.02
-LEAST_POSITION_SIGMA_M = 0.001  # that is told of positions simulated without noise
+GYRO_SIGMA, ACCELERATION_SIGMA = 0.002, 0.03  # rad/s, m/s2
+DEPTH_SIGMA = 0.02  # m
+LEAST_POSITION_SIGMA_M = 0.001  # in dive.toml, for positions simulated without noise
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dvl:
-    """Hold the DVL's readings. velocity (n, 3) in `dvl`, m/s; ranges (n, 4) in metres, NaN where
-    lost.
-    """
+    """The readings of the DVL."""
 
     t_s: Array
-    velocity: Array
-    ranges: Array
+    velocity: Array  # (n, 3) in its own frame, m/s
+    ranges: Array  # (n, 4) m, NaN where lost
 
 
 @dataclass(frozen=True, kw_only=True)
 class Imu:
-    """Hold the IMU's readings. quaternion (n, 4): vehicle in g; rates (n, 3) rad/s and specific
-    force (n, 3) m/s2 in the vehicle.
-    """
+    """The readings of the IMU."""
 
     t_s: Array
-    quaternion: Array
-    rates: Array
-    force: Array
+    quaternion: Array  # (n, 4) global_from_vehicle
+    rates: Array  # (n, 3) in the vehicle, rad/s
+    force: Array  # (n, 3) specific force in the vehicle, m/s2
 
 
 @dataclass(frozen=True)
 class Series:
-    """Hold values (n,) or (n, k) at times (n,)."""
+    """Values (n,) or (n, k) at times (n,)."""
 
     t_s: Array
     value: Array
@@ -59,9 +55,7 @@ NO_POSITIONS = Series(np.zeros(0), np.zeros((0, 3)))
 
 
 def dvl(spec: DiveSpec, motion: Motion, rig: TrueRig, hull: BuiltHull) -> Dvl:
-    """Return the velocity of the instrument over ground in its own frame, too long by the scale
-    error; ranges to the hull as built.
-    """
+    """Measure velocity over ground, too long by the scale error, and ranges to the hull."""
     random = spec.random("dvl")
     t = ticks(motion, 5.0, random)
     at = motion.on_tray(t, rig.tray_from_dvl, TRAY_ORIGIN)
@@ -76,9 +70,7 @@ def dvl(spec: DiveSpec, motion: Motion, rig: TrueRig, hull: BuiltHull) -> Dvl:
 
 
 def imu(spec: DiveSpec, motion: Motion) -> Imu:
-    """Return the attitude with a constant bias in roll and pitch, a heading that drifts and
-    wanders, and white noise.
-    """
+    """Measure attitude: constant bias in roll and pitch, heading that drifts and wanders, noise."""
     from scipy.spatial.transform import Rotation
 
     random = spec.random("imu")
@@ -102,7 +94,7 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
 
 
 def pressure(spec: DiveSpec, motion: Motion) -> Series:
-    """Return the absolute pressure, Pa, at the vehicle's origin, with a bias of centimetres."""
+    """Measure absolute pressure, Pa, at the vehicle's origin, with a bias of centimetres."""
     random = spec.random("pressure")
     t = ticks(motion, 10.0, random, 0.12)
     bias = 0.03 * random.choice([-1.0, 1.0])
@@ -113,9 +105,7 @@ def pressure(spec: DiveSpec, motion: Motion) -> Series:
 
 
 def positions(spec: DiveSpec, motion: Motion) -> Series:
-    """Return where USBL has its transponder, east, north, up (n, 3) in m, in a local frame that
-    lies any way to g.
-    """
+    """Measure positions by USBL, east, north, up (n, 3), m, in a local frame of any direction."""
     if spec.positions.every_s is None:
         return NO_POSITIONS
     random = spec.random("positions")
@@ -132,7 +122,7 @@ def positions(spec: DiveSpec, motion: Motion) -> Series:
 
 
 def joints(spec: DiveSpec, motion: Motion) -> Series:
-    """Return the angles (n, 2) rad of tray and sonar tray as their encoders report them."""
+    """Measure the angles (n, 2) of tray and sonar tray by their encoders, rad."""
     random = spec.random("joints")
     t = ticks(motion, 10.0, random, 0.09)
     series = (motion.encoder, motion.sonar_tray)

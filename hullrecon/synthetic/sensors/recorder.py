@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.sensors import instruments
-from hullrecon.synthetic.sensors.photographs import photographs
+from hullrecon.synthetic.sensors.rendering import photographs
 from hullrecon.synthetic.sensors.sonar import pings
 from hullrecon.typing import Array
 
@@ -24,7 +24,7 @@ Item = TypeVar("Item")
 
 
 class Track(Protocol):
-    """Show the items of a long loop while they pass, and hand them on."""
+    """Shows the items of a long loop while they pass."""
 
     def __call__(self, items: Iterator[bytes], label: str, total: int, /) -> Iterator[bytes]: ...
 
@@ -35,8 +35,9 @@ def without_progress(items: Iterator[bytes], label: str, total: int, /) -> Itera
 
 
 class InTurn(Generic[Item]):
-    """Give the items of an iterator by number, keeping the last one alone: a number may repeat or
-    grow, never fall.
+    """The items of an iterator by number, of which the last one alone is kept.
+
+    A number may repeat or grow, never fall.
     """
 
     def __init__(self, items: Iterator[Item]) -> None:
@@ -54,31 +55,25 @@ class InTurn(Generic[Item]):
 
 @dataclass(frozen=True, kw_only=True)
 class Streams:
-    """Hold what the sensors gave; images and pings are made as they are asked for, in the order of
-    time.
-
-    cameras: names of those carried; frames: by frame, a JPEG file for each of them; pings: by ping,
-    (beams, ranges) uint8.
-    """
+    """What the sensors gave. Images and pings are made as they are asked for, in order of time."""
 
     dvl: instruments.Dvl
     imu: instruments.Imu
     pressure: instruments.Series
     joints: instruments.Series
     positions: instruments.Series = instruments.NO_POSITIONS
-    cameras: tuple[str, ...]
+    cameras: tuple[str, ...]  # names of those carried
     frame_s: Array
-    frames: InTurn[tuple[bytes, ...]]
+    frames: InTurn[tuple[bytes, ...]]  # by frame, a JPEG file for each camera
     ping_s: Array
-    pings: InTurn[NDArray[np.uint8]]
+    pings: InTurn[NDArray[np.uint8]]  # by ping, (beams, ranges)
 
 
 def record(dive: Dive, track: Track = without_progress) -> Streams:
-    """Return the readings of all sensors of the dive."""
+    """Ask all sensors of the dive."""
     spec, motion = dive.spec, dive.motion
-    cameras = {"stereo": ("camera_top", "camera_bottom"), "mono": ("camera_top",), "none": ()}[
-        spec.cameras.carried
-    ]
+    count = {"stereo": 2, "mono": 1, "none": 0}[spec.cameras.carried]
+    cameras = ("camera_top", "camera_bottom")[:count]
     images = track(_jpegs(dive), "images written", len(cameras) * len(dive.frame_s))
     ping_s, pinged = pings(dive) if spec.sonar else (np.zeros(0), iter(()))
     return Streams(
@@ -96,12 +91,12 @@ def record(dive: Dive, track: Track = without_progress) -> Streams:
 
 
 def stamp_ns(t_s: Array) -> NDArray[np.int64]:
-    """Return times since the start, s, as nanoseconds since 1970."""
+    """Convert times since the start, s, to nanoseconds since 1970."""
     return START_NS + np.rint(np.asarray(t_s) * 1e9).astype(np.int64)
 
 
 def in_order(streams: Streams) -> Iterator[tuple[int, str, int]]:
-    """Return (stamp, stream, row) of every reading by time of stamp."""
+    """List (stamp, stream, row) of every reading by time of stamp."""
     times = {
         "imu": streams.imu.t_s,
         "joints": streams.joints.t_s,
@@ -116,7 +111,7 @@ def in_order(streams: Streams) -> Iterator[tuple[int, str, int]]:
 
 
 def _jpegs(dive: Dive) -> Iterator[bytes]:
-    """Yield the images of all cameras, frame by frame."""
+    """Render and encode the images of all cameras, frame by frame."""
     for frame in photographs(dive):
         for image in frame:
             if image is not None:

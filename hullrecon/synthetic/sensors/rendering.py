@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,34 +12,82 @@ from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.vehicle.rig import LAMP_IN_TOP, TRAY_ORIGIN
+from hullrecon.synthetic.world.atlas import Albedo, Atlas, PaintedHull, PlateAtlas, paint_atlas
 from hullrecon.synthetic.world.built_hull import Block
-from hullrecon.synthetic.world.texture import Albedo
-from hullrecon.typing import Array, Floats32
+from hullrecon.typing import Array, Floats32, Pixels
 
 ABSORPTION = np.array([1.55, 0.9, 1.1], np.float32)  # RGB, relative: red goes first
 VEIL = np.array([0.020, 0.062, 0.050], np.float32)  # RGB, of an endless water column
+ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0.5 GB
 
 
 @dataclass(frozen=True)
 class Scene:
-    """Hold what is before the lens. absorption: of green light, per metre of water."""
+    """What is before the lens."""
 
     block: Block
     atlas: Albedo
-    absorption: float
+    absorption: float  # of green light, per metre of water
 
 
 @dataclass(frozen=True)
 class Lens:
-    """Hold a camera's rays (h w, 3) and its vignetting (h, w)."""
+    """A camera's rays."""
 
     camera: CameraModel
-    ray: Floats32
-    vignetting: Floats32
+    ray: Floats32  # (h w, 3) unit vectors
+    vignetting: Floats32  # (h, w)
+
+
+def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
+    """Render the RGB images (h, w, 3) of the top and the bottom camera, None without one."""
+    rig, motion, random = dive.rig, dive.motion, dive.spec.random("camera")
+    paint, absorption = _paint(dive), 2.0 / dive.spec.visibility_m
+    top = lens(rig.camera_top)
+    bottom = lens(rig.camera_bottom) if rig.camera_bottom is not None else None
+    hull_from_top = motion.in_hull(motion.on_tray(dive.frame_s, rig.tray_from_top, TRAY_ORIGIN))
+    hull_from_bottom = motion.in_hull(
+        motion.on_tray(dive.frame_s, rig.tray_from_top @ rig.top_from_bottom, TRAY_ORIGIN)
+    )
+    for k in range(len(dive.frame_s)):
+        scene = Scene(dive.hull.near(hull_from_top.translation[k, 0]), paint, absorption)
+        lamp = hull_from_top[k].apply(LAMP_IN_TOP[None])[0]
+        first = photograph(scene, top, hull_from_top[k], lamp, random)
+        yield (
+            first,
+            None
+            if bottom is None
+            else photograph(scene, bottom, hull_from_bottom[k], lamp, random),
+        )
+
+
+def _paint(dive: Dive) -> Albedo:
+    """Paint the hull, as the spec has it."""
+    paint, survey = dive.spec.paint, dive.spec.survey
+    if paint.bare_share == 0 and paint.repeats_m is None:
+        return _atlas(dive)
+    bare_to_m = float(np.mean(dive.seen_along)) + (paint.bare_share - 0.5) * survey.leg_length_m
+    return PaintedHull(
+        albedo=_atlas(dive),
+        start_m=dive.seen_along[0],
+        bare_to_m=bare_to_m if paint.bare_share else None,
+        repeats_m=paint.repeats_m,
+    )
+
+
+def _atlas(dive: Dive) -> Atlas | PlateAtlas:
+    spec = dive.spec
+    texel_m = max(0.001, 0.75 * spec.survey.standoff_m / dive.rig.camera_top.fx)
+    texels = np.ptp(dive.seen_along) * np.ptp(dive.seen_girth) / texel_m**2
+    if texels <= ATLAS_TEXELS:
+        return paint_atlas(spec, dive.items, dive.seen_along, dive.seen_girth, texel_m)
+    return PlateAtlas(spec, dive.items, texel_m)
 
 
 def lens(camera: CameraModel) -> Lens:
-    """Return the rays of all pixels of a camera, row by row."""
+    """Compute the rays of all pixels of a camera, row by row."""
     x, y = np.meshgrid(np.arange(camera.width, dtype=float), np.arange(camera.height, dtype=float))
     ray = camera.rays(np.stack([x.ravel(), y.ravel()], 1)).astype(np.float32)
     return Lens(
@@ -49,7 +98,7 @@ def lens(camera: CameraModel) -> Lens:
 def photograph(
     scene: Scene, view: Lens, hull_from_camera: Poses, lamp: Array, random: np.random.Generator
 ) -> NDArray[np.uint8]:
-    """Return one image (h, w, 3) RGB from a pose (a batch of one) with the lamp at that point of M."""
+    """Render an image (h, w, 3) RGB from one pose, with the lamp at a point of the hull's frame."""
     shape = view.vignetting.shape
     direction = view.ray @ hull_from_camera.rotation.as_matrix()[0].T.astype(np.float32)
     hits = scene.block.rays.cast(hull_from_camera.translation, direction)
@@ -83,9 +132,7 @@ def _lamp(
     camera: Array,
     lamp: Array,
 ) -> tuple[Floats32, Floats32]:
-    """Return the light (n,) that the lamp throws on points given from the camera, and its way
-    through the water; shadows where something stands out nearby.
-    """
+    """Light points given from the camera (n,), with shadows; give also the light's way, m."""
     to_lamp = (lamp - camera).astype(np.float32) - point
     way = np.linalg.norm(to_lamp, axis=1)
     to_lamp /= way[:, None]
@@ -101,7 +148,7 @@ def _lamp(
 
 
 def _snow(radiance: Floats32, random: np.random.Generator) -> Floats32:
-    """Add particles in the beam, most of them out of focus, and the blur of the lens and the water."""
+    """Add particles in the beam, most out of focus, and the blur of lens and water."""
     import cv2
 
     height, width = radiance.shape[:2]

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""An imaging sonar: every beam integrates over its arc of elevation; what stands in front casts a
-shadow.
-"""
+"""An imaging sonar: every beam integrates over its arc of elevation, and objects cast shadows."""
 
 from __future__ import annotations
 
@@ -30,19 +28,15 @@ RATE_HZ = 2.0
 
 @dataclass(frozen=True)
 class Fan:
-    """Hold the rays of one ping in `sonar`: direction (n, 3), the beam (n,) each belongs to, and
-    the beam pattern's gain (n,).
-    """
+    """The rays of one ping, in the sonar's frame."""
 
-    direction: Array
-    beam: NDArray[np.int64]
-    gain: Array
+    direction: Array  # (n, 3)
+    beam: NDArray[np.int64]  # (n,) to which each belongs
+    gain: Array  # (n,) of the beam pattern
 
 
 def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
-    """Return the times (n,) of the sonar's pings, s, and their images (beams, ranges), made as they
-    are asked for.
-    """
+    """Ping: times (n,), s, and images (beams, ranges), made as they are asked for."""
     random = dive.spec.random("sonar")
     t_s = ticks(dive.motion, RATE_HZ, random, 0.3)
     at = dive.motion.on_tray(t_s, dive.rig.servo_from_sonar, SONAR_ORIGIN, dive.motion.sonar_tray)
@@ -54,12 +48,12 @@ def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
 
 
 def beam_directions() -> Array:
-    """Return the beams' unit vectors (beams, 3) in `sonar`: the fan lies in the y-z plane."""
+    """List the beams' unit vectors (beams, 3): the fan lies in the y-z plane."""
     return np.stack([np.zeros(BEAM_COUNT), np.sin(AZIMUTH), np.cos(AZIMUTH)], axis=1)
 
 
 def fan() -> Fan:
-    """Return rays that fill the arc of elevation of every beam."""
+    """Fill the arc of elevation of every beam with rays."""
     half = np.radians(SONAR_ELEVATION_DEG / 2)
     step = abs(AZIMUTH[1] - AZIMUTH[0])
     offset = (np.arange(SUB_BEAMS) + 0.5) / SUB_BEAMS - 0.5
@@ -76,9 +70,7 @@ def fan() -> Fan:
 def ping(
     hull_from_sonar: Poses, block: Block, rays: Fan, random: np.random.Generator
 ) -> NDArray[np.uint8]:
-    """Return one image (beams, ranges): Lambert's echo of every ray that hits, summed by range bin,
-    with speckle and a noise floor.
-    """
+    """Render an image (beams, ranges): Lambert's echoes by range bin, speckle, noise floor."""
     direction = hull_from_sonar.rotation.apply(rays.direction)
     hits = block.rays.cast(hull_from_sonar.translation, direction)
     corner = block.built.mesh.faces[hits.face]

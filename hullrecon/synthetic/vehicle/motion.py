@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the vehicle is at any time: smooth in position and attitude, with a tray whose servo has
+"""The vehicle's path: legs along the hull at a constant standoff, from the top down.
+
+The vehicle faces the steel. Its path is smooth in position and attitude, and its tray's servo has
 backlash.
 """
 
@@ -10,35 +12,39 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry import poses
-from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import Poses, from_rpy
+from hullrecon.synthetic.spec import DiveSpec, Survey
+from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
+from hullrecon.synthetic.world.hull_patch import HullSkin
 from hullrecon.typing import Array
+
+STEP_S = 0.02  # of the path
+SETTLE_S = 0.7  # over which heading and tray follow the hull
+# The sonar looks that much lower than the cameras, rad, less where the bilge curves away, rad/rad.
+SONAR_BELOW = (0.72, 0.42)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Motion:
-    """Hold the path. t_s (n,) seconds since the log's start; position (n, 3) and roll_pitch_yaw (n,
-    3) of the vehicle in g; encoder (n,) what the tray's servo reports, tray (n,) what it truly
-    does, sonar_tray (n,), rad; T_g_M.
-    """
+    """The path over n times."""
 
-    t_s: Array
-    position: Array
-    roll_pitch_yaw: Array
-    encoder: Array
-    tray: Array
-    sonar_tray: Array
+    t_s: Array  # (n,) since the log's start
+    position: Array  # (n, 3) of the vehicle in global, m
+    roll_pitch_yaw: Array  # (n, 3) rad
+    encoder: Array  # (n,) angle that the tray's servo reports, rad
+    tray: Array  # (n,) angle that it truly has
+    sonar_tray: Array  # (n,) angle of the sonar's servo
     global_from_hull: Poses
 
     def vehicle(self, t_s: Array) -> Poses:
-        """Return T_g_v at times (n,)."""
-        return poses.from_rpy(
-            self._spline(self.position)(t_s), self._spline(self.roll_pitch_yaw)(t_s)
-        )
+        """Place the vehicle in global at times (n,)."""
+        return from_rpy(self._spline(self.position)(t_s), self._spline(self.roll_pitch_yaw)(t_s))
 
     def angle(self, series: Array, t_s: Array) -> Array:
-        """Return a servo's angle (n,) at times, from its series over the motion."""
+        """Interpolate a servo's series at times (n,)."""
         return np.interp(t_s, self.t_s, series)
 
     def on_tray(
@@ -48,23 +54,21 @@ class Motion:
         origin_m: tuple[float, float, float],
         series: Array | None = None,
     ) -> Poses:
-        """Return T_g_x of something mounted so on a servo (the camera tray, unless another series
-        of angles is given).
-        """
+        """Place in global what is mounted so on a servo, the camera tray's without `series`."""
         angle = self.angle(self.tray if series is None else series, t_s)
         return self.vehicle(t_s) @ poses.tray_poses(origin_m, angle) @ mount
 
     def rates(self, t_s: Array, half_s: float = 0.01) -> Array:
-        """Return the angular velocity (n, 3) in the vehicle, rad/s."""
+        """Compute the angular velocity (n, 3) in the vehicle, rad/s."""
         before, after = self.vehicle(t_s - half_s).rotation, self.vehicle(t_s + half_s).rotation
         return np.asarray((before.inv() * after).as_rotvec() / (2 * half_s))
 
     def acceleration(self, t_s: Array) -> Array:
-        """Return the second derivative (n, 3) of the position in g, m/s2."""
+        """Compute the acceleration (n, 3) of the vehicle in global, m/s2."""
         return np.asarray(self._spline(self.position)(t_s, 2))
 
     def in_hull(self, frames: Poses) -> Poses:
-        """Return T_M_x of frames given in g."""
+        """Convert poses in global to poses in the hull's frame."""
         return self.global_from_hull.inverse() @ frames
 
     def _spline(self, values: Array) -> Callable[..., Array]:
@@ -75,8 +79,9 @@ class Motion:
 
 
 def with_backlash(command: Array, backlash: float) -> Array:
-    """Return the angle (n,) of the load behind a gear with that backlash (half the dead band): it
-    stands still while the gear crosses the band.
+    """Follow a command (n,) behind a gear with backlash, half its dead band.
+
+    The load stands still while the gear crosses the band.
     """
     out = np.empty_like(command)
     at = float(command[0])
@@ -89,6 +94,95 @@ def with_backlash(command: Array, backlash: float) -> Array:
 def ticks(
     motion: Motion, rate_hz: float, random: np.random.Generator, first_s: float = 0.25
 ) -> Array:
-    """Return the times (n,) of a sensor, s: nearly even, inside the motion."""
+    """Draw the times (n,) of a sensor, s, nearly even, inside the motion."""
     t = np.arange(first_s, motion.t_s[-1] - 0.2, 1 / rate_hz)
     return np.asarray(t + random.uniform(-0.01, 0.01, len(t)) / max(1.0, rate_hz / 5))
+
+
+def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
+    """List the corners (2 legs, 2) of the path as along, girth."""
+    rows = []
+    for k in range(survey.legs):
+        way = 0.5 * survey.leg_length_m * (1 if k % 2 else -1)
+        girth = top_girth_m - k * survey.leg_spacing_m
+        rows += [(middle_m - way, girth), (middle_m + way, girth)]
+    return np.array(rows)
+
+
+def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
+    """Move the vehicle over those corners (n, 2) of the chart."""
+    from scipy.ndimage import gaussian_filter1d
+
+    along, girth = _time_path(corners, spec.survey.speed_m_per_s)
+    t = STEP_S * np.arange(len(along), dtype=float)
+    point, normal = skin.follow(along, girth, width_m=0.5)
+    level = _trim(spec)
+    facing, out = level.apply(normal), level.apply(point)
+    port = level.apply([0.0, 1.0, 0.0])
+    # Under a flat bottom the normal alone gives no heading.
+    flat = facing[:, :2] + 0.1 * port[:2]
+    yaw = gaussian_filter1d(
+        np.unwrap(np.arctan2(-flat[:, 1], -flat[:, 0])), SETTLE_S / STEP_S, mode="nearest"
+    )
+    wobble = _wobble(spec, t)
+    attitude = np.stack([wobble[:, 3], wobble[:, 4], yaw + wobble[:, 5]], axis=1)
+    elevation = gaussian_filter1d(
+        np.arcsin(np.clip(facing[:, 2], -0.98, 0.98)), SETTLE_S / STEP_S, mode="nearest"
+    )
+    sensor = out + spec.survey.standoff_m * facing + wobble[:, :3]
+    position = sensor - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
+    smooth = gaussian_filter1d(position, 0.5 / STEP_S, axis=0, mode="nearest")
+    global_from_level = _start_of(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)
+    encoder = elevation + wobble[:, 6]
+    attitude[:, 2] -= attitude[0, 2]
+    hull = global_from_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
+    tray = with_backlash(encoder, np.radians(spec.errors.backlash_deg))
+    sonar = encoder - SONAR_BELOW[0] + SONAR_BELOW[1] * elevation
+    return Motion(
+        t_s=t,
+        position=global_from_level.apply(smooth),
+        roll_pitch_yaw=attitude,
+        encoder=encoder,
+        tray=tray,
+        sonar_tray=sonar,
+        global_from_hull=hull,
+    )
+
+
+def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
+    """Sample along and girth every STEP_S: half as fast between legs, a rest at both ends."""
+    from scipy.ndimage import gaussian_filter1d
+
+    way = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    seconds = way / np.where(np.arange(len(way)) % 2, 0.5 * speed, speed)
+    knots = np.concatenate(
+        [[0.0], 1.0 + np.concatenate([[0.0], np.cumsum(seconds)]), [2.0 + seconds.sum()]]
+    )
+    t = np.arange(0, knots[-1], STEP_S)
+    path = np.vstack([corners[:1], corners, corners[-1:]])
+    along, girth = (np.interp(t, knots, path[:, k]) for k in (0, 1))
+    along, girth = (gaussian_filter1d(v, 0.6 / STEP_S, mode="nearest") for v in (along, girth))
+    return along, girth
+
+
+def _trim(spec: DiveSpec) -> Rotation:
+    """Draw the turn from the hull's frame to a level one with z down: some trim and heel."""
+    heel, trim = np.radians(spec.random("trim").uniform(-0.5, 0.5, 2))
+    return Rotation.from_euler("xyz", [np.pi + heel, trim, 0.0])
+
+
+def _start_of(position: Array, yaw: float, draught_m: float) -> Poses:
+    """Place the level frame in global, which starts with the vehicle, z = 0 at the water."""
+    turn = from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, -yaw])
+    shift = -turn.apply(position[None])[0]
+    return Poses(turn.quaternion, np.array([[shift[0], shift[1], draught_m]]))
+
+
+def _wobble(spec: DiveSpec, t: Array, waves: int = 7) -> Array:
+    """Draw what the controller does not hold (n, 7): position, m, attitude and tray, rad."""
+    random = spec.random("wobble")
+    size = np.array([0.012, 0.012, 0.012, *np.radians([0.9, 0.9, 1.0, 0.7])])
+    rate = 2 * np.pi * random.uniform(0.03, 0.22, (waves, 7))
+    phase = random.uniform(0, 2 * np.pi, (waves, 7))
+    total = sum(np.sin(t[:, None] * w + p) for w, p in zip(rate, phase, strict=True))
+    return np.asarray(total * size * np.sqrt(2.0 / waves))

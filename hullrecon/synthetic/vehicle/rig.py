@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How the simulated vehicle carries its sensors: as its dive.toml says, and as it truly is."""
+"""How the simulated vehicle carries its sensors: by its dive.toml, and truly."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ BEAMS = np.array(
 
 @dataclass(frozen=True, kw_only=True)
 class TrueRig:
-    """Hold the true mounts (batches of one) and cameras; camera_bottom is None on a mono rig."""
+    """The true mounts (one pose each) and cameras."""
 
     tray_from_dvl: Poses
     tray_from_top: Poses
     top_from_bottom: Poses
-    servo_from_sonar: Poses  # u: the frame of the sonar's servo
+    servo_from_sonar: Poses
     camera_top: CameraModel
-    camera_bottom: CameraModel | None
+    camera_bottom: CameraModel | None  # None on a mono rig
 
 
 def true_rig(spec: DiveSpec) -> TrueRig:
-    """Return the true mounts: nominal but for millimetres and tenths of a degree."""
+    """Draw the true mounts: nominal but for millimetres and tenths of a degree."""
     random = spec.random("rig")
     width, height = spec.cameras.image_width, spec.cameras.image_height
     f = 1.03 * width

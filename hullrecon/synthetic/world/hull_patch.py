@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The surveyed part of a hull as a regular grid in (along, girth): sections of the CAD model, cut
-by arc length.
+"""The surveyed part of a hull as a regular grid in (along, girth).
+
+Sections of the CAD model are cut by arc length.
 """
 
 from __future__ import annotations
@@ -19,23 +20,21 @@ from hullrecon.typing import Array
 
 GAP_M = 0.6  # a wider gap between neighbouring rays' hits ends a section: an edge, not a facet
 BLOCK_CELLS = 4e5  # of the grid in a block: what is made of one takes some 0.3 GB
-# beyond a block on both sides: more than any sensor sees past the sensor's own place along the hull
+# Beyond a block on both sides: more than any sensor sees past its own place along the hull.
 MARGIN_M = 4.0
 
 
 @dataclass(frozen=True)
 class HullPatch:
-    """Hold points (a, g, 3) on the CAD model and outward unit normals (a, g, 3), in M, at evenly
-    spaced along_m and girth_m.
-    """
+    """A part of the CAD model on evenly spaced chart coordinates, in the hull's frame."""
 
-    along_m: Array
-    girth_m: Array
-    point: Array
-    normal: Array
+    along_m: Array  # (a,)
+    girth_m: Array  # (g,)
+    point: Array  # (a, g, 3)
+    normal: Array  # (a, g, 3) outward unit vectors
 
     def sample(self, grid: Array, along_m: Array, girth_m: Array) -> Array:
-        """Return values (n, k) of a grid (a, g, k) by bilinear interpolation; outside, the edge's."""
+        """Interpolate a grid (a, g, k) at chart points (n,); outside, the edge's values."""
         i, p = _place(self.along_m, along_m)
         j, q = _place(self.girth_m, girth_m)
         p, q = p[:, None], q[:, None]
@@ -44,7 +43,7 @@ class HullPatch:
         return np.asarray((1 - q) * low + q * high)
 
     def smooth(self, width_m: float) -> HullPatch:
-        """Return the same with normals smoothed over that width: what a vehicle follows."""
+        """Smooth the normals over that width: what a vehicle follows."""
         from scipy.ndimage import gaussian_filter
 
         sigma = width_m / (self.along_m[1] - self.along_m[0])
@@ -60,12 +59,11 @@ class HullPatch:
 
 
 class HullSkin:
-    """Cut the surveyed part of the CAD model's port side into patches of one grid, block by block
-    along the hull.
+    """The surveyed part of the CAD model's port side, cut block by block along the hull.
 
-    along_m (a,), girth_m (g,): the whole grid. Girth is 0 where the port side passes `zero_z_m` (so
-    that legs of constant girth keep their depth near bow and stern), grows up to the height
-    `top_z_m`, and falls over `down_m`, past the keel if need be.
+    Girth is 0 where the port side passes `zero_z_m`, so that legs of constant girth keep their
+    depth near bow and stern. It grows up to the height `top_z_m`, and falls over `down_m`, past the
+    keel if need be. The whole grid is along_m (a,), girth_m (g,).
     """
 
     def __init__(
@@ -79,7 +77,13 @@ class HullSkin:
         step_m: float = 0.03,
         block_cells: float = BLOCK_CELLS,
     ) -> None:
-        """Find the grid. Raises InputError where the CAD model has no skin there."""
+        """Find the grid.
+
+        Raises
+        ------
+        InputError
+            Where the CAD model has no skin there.
+        """
         self._caster, self._zero_z_m = Rays(cad_model), zero_z_m
         self._high_z_m = float(cad_model.vertices[:, 2].max())
         self._far_m = 2.0 * float(np.abs(cad_model.vertices[:, 1:]).max())
@@ -98,20 +102,16 @@ class HullSkin:
         self._margin = int(np.ceil(MARGIN_M / step_m))
 
     def __len__(self) -> int:
-        """Return the number of blocks."""
+        """Count the blocks."""
         return len(self._edges) - 1
 
     def core_m(self, block: int) -> tuple[float, float]:
-        """Return where a block begins and ends along the hull; its patch reaches beyond by a
-        margin.
-        """
+        """Look up where a block begins and ends along the hull, without its margin."""
         first, last = self._edges[block : block + 2]
         return float(self.along_m[first]), float(self.along_m[last])
 
     def block_of(self, along_m: Array) -> NDArray[np.int64]:
-        """Return the block (n,) of each position along the hull, the first or the last one for
-        those outside.
-        """
+        """Find the block (n,) of positions along the hull, the first or last for those outside."""
         return np.searchsorted(self.along_m[self._edges[1:-1]], along_m, side="right")
 
     def patch(self, block: int) -> HullPatch:
@@ -121,14 +121,9 @@ class HullSkin:
         return self._cut(first, last)
 
     def follow(self, along_m: Array, girth_m: Array, width_m: float) -> tuple[Array, Array]:
-        """Return points (n, 3) on the CAD model at chart coordinates (n,) and its normals (n, 3),
-        smoothed over that width.
-        """
-        point, normal, block = (
-            np.empty((len(along_m), 3)),
-            np.empty((len(along_m), 3)),
-            self.block_of(along_m),
-        )
+        """Look up points (n, 3) at chart coordinates, and normals (n, 3) smoothed over a width."""
+        point, normal = np.empty((len(along_m), 3)), np.empty((len(along_m), 3))
+        block = self.block_of(along_m)
         for k in np.unique(block).tolist():
             rows, smooth = block == k, self.patch(k).smooth(width_m)
             point[rows] = smooth.sample(smooth.point, along_m[rows], girth_m[rows])
@@ -136,7 +131,7 @@ class HullSkin:
         return point, normal
 
     def middle(self) -> Array:
-        """Return the mean (3,) of the grid's points."""
+        """Average the grid's points."""
         total = np.zeros(3)
         for first, last in zip(
             self._edges[:-1], [*self._edges[1:-1], len(self.along_m)], strict=True
@@ -152,8 +147,9 @@ class HullSkin:
         return HullPatch(along, self.girth_m, point, _normals(point))
 
     def _sections(self, along_m: Array, rays: int = 3000) -> Iterator[tuple[Array, Array]]:
-        """Yield each section as (arc length from where the port side passes zero_z_m, points): rays
-        from far outside towards a spine within.
+        """Cut each section: arc length from where the port side passes zero_z_m, and points.
+
+        Rays go from far outside towards a spine within.
         """
         spine = np.array([0.0, 1e-3 * self._high_z_m, 0.55 * self._high_z_m])
         angle = np.linspace(-1.25, 2.5, rays)
@@ -178,16 +174,14 @@ def _section(
     middle = int(np.argmin(np.abs(angle[good])))
     jump = np.linalg.norm(np.diff(line, axis=0), axis=1)
     gap = np.flatnonzero(jump > GAP_M)
-    first, last = (
-        int(np.max(gap[gap < middle], initial=-1)) + 1,
-        int(np.min(gap[gap >= middle], initial=len(jump))),
-    )
+    first = int(np.max(gap[gap < middle], initial=-1)) + 1
+    last = int(np.min(gap[gap >= middle], initial=len(jump)))
     arc = np.concatenate([[0.0], np.cumsum(jump[first:last])])
     return arc - arc[middle - first], line[first : last + 1]
 
 
 def _arc_at(arc: Array, line: Array, z_m: float) -> float:
-    """Return the arc length where the port side of a section first passes that height."""
+    """Find the arc length where the port side of a section first passes that height."""
     lowest = int(np.argmin(line[:, 2]))
     return float(np.interp(z_m, np.maximum.accumulate(line[lowest:, 2]), arc[lowest:]))
 

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hulls: an analytic ship form, or any mesh. Frame M: x forward from the aft end, y port, z up from
-the keel.
+"""Hulls: an analytic ship form, or any mesh.
+
+The hull's frame: x forward from the aft end, y port, z up from the keel.
 """
 
 from __future__ import annotations
@@ -20,16 +21,14 @@ from hullrecon.typing import Array
 
 
 def hull_shape(ship: Ship) -> Mesh:
-    """Return the CAD model."""
-    return (
-        ship_form(ship) if ship.hull == "form" else hull_from_mesh(Path(ship.hull), ship.length_m)
-    )
+    """Build the CAD model."""
+    if ship.hull == "form":
+        return ship_form(ship)
+    return hull_from_mesh(Path(ship.hull), ship.length_m)
 
 
 def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
-    """Return a closed hull with a parallel midbody, round bilges and curvature both ways towards
-    the ends.
-    """
+    """Build a closed hull with a parallel midbody, round bilges, and curved ends."""
     x = _stations(ship, stations)
     port = np.stack([_section(ship, xi, points) for xi in x])  # (stations, points, 3), keel to deck
     starboard = port[:, :0:-1] * [1, -1, 1]
@@ -39,11 +38,12 @@ def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
 
 
 def hull_from_mesh(path: Path, length_m: float | None = None) -> Mesh:
-    """Return any mesh as hull, moved so that its aft end is x = 0 and its lowest point z = 0, and
-    scaled to that length.
+    """Read a mesh as hull, its aft end at x = 0, its lowest point at z = 0, scaled to a length.
 
-    Raises InputError when there is no such file, and when it holds no triangles or none with a
-    length.
+    Raises
+    ------
+    InputError
+        When there is no such file, or it holds no triangles or none with a length.
     """
     import trimesh
 
@@ -85,7 +85,7 @@ def write_stl(path: Path, mesh: Mesh) -> None:
 
 
 def _stations(ship: Ship, count: int) -> Array:
-    """Return positions along the ship (n,), denser where the hull curves."""
+    """Spread stations along the ship (n,), denser where the hull curves."""
     end = ship.entrance * ship.length_m
     share = np.linspace(0, 1, count * 2 // 5)
     aft, fore = end * share**1.2, ship.length_m - end * share[::-1] ** 1.2
@@ -94,11 +94,9 @@ def _stations(ship: Ship, count: int) -> Array:
 
 
 def _section(ship: Ship, x: float, count: int) -> Array:
-    """Return half a section (count, 3) from the keel to the deck on the port side: flat, bilge arc,
-    side.
-    """
+    """Draw half a section (count, 3) on port, from keel to deck: flat, bilge arc, side."""
     end = ship.entrance * ship.length_m
-    # 0 on the parallel midbody, 1 at the very end
+    # 0 on the parallel midbody, 1 at the very end.
     s = max(0.0, 1 - min(x, ship.length_m - x) / end)
     half = 0.5 * ship.beam_m * (1 - 0.97 * s**2.2)
     radius = min(
@@ -128,7 +126,7 @@ def _skin(rings: int, points: int) -> NDArray[np.int64]:
 
 
 def _caps(rings: int, points: int) -> NDArray[np.int64]:
-    """Return the faces of the deck between both sheer lines and the two ends."""
+    """Close the deck between both sheer lines, and the two ends."""
     node = np.arange(rings * points).reshape(rings, points)
     first, last = node[:, 0], node[:, -1]
     deck = [

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where structures, painted marks and barnacles go: drawn at random over the surveyed part, clear
-of each other.
-"""
+"""Structures, painted marks and barnacles placed at random, clear of each other."""
 
 from __future__ import annotations
 
@@ -14,7 +12,7 @@ from hullrecon.errors import UsageError
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.world.items import MARKS, STRUCTURES, Item, Kind
 
-# height, size along and across, of the k-th of its kind (taken in turn), metres
+# Height, size along and across, m, of the k-th of a kind, taken in turn.
 SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
     "cylinder": ((0.11, 0.16, 0.16), (0.09, 0.2, 0.2)),
     "dome": ((0.12, 0.3, 0.3), (0.1, 0.24, 0.24)),
@@ -26,14 +24,20 @@ SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
     "ring": ((0.0, 0.34, 0.34),),
     "barnacles": ((0.016, 0.6, 0.4), (0.018, 0.5, 0.35)),
 }
+CLEAR_M = 0.05  # between items
 
 
 def place_items(
     spec: DiveSpec, along_m: tuple[float, float], girth_m: tuple[float, float]
 ) -> tuple[Item, ...]:
-    """Return the dive's items within that window of the chart: structures first, then marks, then
-    barnacles, then structures added since. Raises UsageError when they do not fit, and when more
-    are to be changed than there are.
+    """Place the dive's items at random within a window of the chart, clear of each other.
+
+    Structures first, then marks, then barnacles, then structures added since.
+
+    Raises
+    ------
+    UsageError
+        When they do not fit, or more are to be changed than there are.
     """
     if spec.items.placed is not None:
         return spec.items.placed
@@ -66,7 +70,7 @@ def _draw(
     along_m: tuple[float, float],
     girth_m: tuple[float, float],
 ) -> list[Item]:
-    """Return items of those kinds, clear of each other and of what is there."""
+    """Draw items of those kinds, clear of each other and of those taken."""
     out = list(taken)
     for kind in kinds:
         sizes = SHAPES[kind]
@@ -78,7 +82,7 @@ def _draw(
 
 
 def _grow(item: Item, by_m: float) -> Item:
-    """Return an item that stands so much farther off the steel; a recess goes so much deeper."""
+    """Raise an item by so much off the steel; a recess goes deeper."""
     return replace(item, height_m=item.height_m + (by_m if item.height_m > 0 else -by_m))
 
 
@@ -92,7 +96,7 @@ def _clear_place(
     for _ in range(4000):
         a, g = float(random.uniform(*along_m)), float(random.uniform(*girth_m))
         if all(
-            np.hypot(a - o.along_m, g - o.girth_m) > item.reach_m() + o.reach_m() + 0.05
+            np.hypot(a - o.along_m, g - o.girth_m) > item.reach_m() + o.reach_m() + CLEAR_M
             for o in taken
         ):
             return Item(item.kind, a, g, item.height_m, item.size_m, item.turn_rad)

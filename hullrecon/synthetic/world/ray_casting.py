@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Ray casts against a triangle mesh, in coordinates about the mesh's own middle (float32 is too
-coarse far from it).
+"""Ray casts against a triangle mesh.
+
+Coordinates are about the mesh's own middle, as float32 is too coarse far from it.
 """
 
 from __future__ import annotations
@@ -18,22 +19,20 @@ from hullrecon.typing import Array, Floats32
 
 @dataclass(frozen=True)
 class Hits:
-    """Hold what rays hit. range_m (n,) inf where nothing was hit; face (n,); weight (n, 3)
-    barycentric weights of the face's corners.
-    """
+    """What n rays hit."""
 
-    range_m: Floats32
-    face: NDArray[np.int64]
-    weight: Floats32
+    range_m: Floats32  # (n,) infinite where nothing was hit
+    face: NDArray[np.int64]  # (n,)
+    weight: Floats32  # (n, 3) barycentric weights of the face's corners
 
     @property
     def hit(self) -> NDArray[np.bool_]:
-        """Return which rays hit (n,)."""
+        """Rays (n,) that hit."""
         return np.asarray(np.isfinite(self.range_m))
 
 
 class Rays:
-    """Hold a mesh to cast rays at. `middle` is taken off every origin."""
+    """A mesh to cast rays at. `middle` is taken off every origin."""
 
     def __init__(self, mesh: Mesh) -> None:
         import open3d as o3d
@@ -47,9 +46,7 @@ class Rays:
         )
 
     def cast(self, origins: Array, directions: NDArray[Any]) -> Hits:
-        """Return the nearest hits of rays from origins (n, 3) or (3,) along unit directions (n, 3),
-        in the mesh's frame.
-        """
+        """Find the nearest hits from origins (n, 3) or (3,) along unit directions (n, 3)."""
         answer = self._scene.cast_rays(self._pack(origins, directions))
         uv = answer["primitive_uvs"].numpy()
         weight = np.stack([1 - uv[:, 0] - uv[:, 1], uv[:, 0], uv[:, 1]], axis=1)
@@ -59,7 +56,7 @@ class Rays:
     def is_blocked(
         self, origins: Array, directions: NDArray[Any], reach_m: NDArray[Any]
     ) -> NDArray[np.bool_]:
-        """Return whether something stands within `reach_m` (n,) along each ray."""
+        """Test whether something stands within `reach_m` (n,) along each ray."""
         answer = self._scene.cast_rays(self._pack(origins, directions))["t_hit"].numpy()
         return np.asarray(answer < reach_m)
 

@@ -1,97 +1,24 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The steel's colour over the chart: plates and weld seams, fouling at all scales, specks and
-scratches, painted marks.
-"""
+"""The colour of bare steel over the chart: plates and welds, fouling at all scales, scratches."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.typing import Floats32, Pixels
 
-PAINT = np.array([0.42, 0.30, 0.27], np.float32)  # RGB albedo: antifouling red under slime
+# RGB albedo
+PAINT = np.array([0.42, 0.30, 0.27], np.float32)  # antifouling red under slime
 SLIME = np.array([0.20, 0.23, 0.17], np.float32)
 ALGAE = np.array([0.30, 0.46, 0.20], np.float32)
 PALE = np.array([0.62, 0.64, 0.56], np.float32)
-PLATE_M, SEAM_M = (2.4, 1.3), 0.011
-
-
-@dataclass(frozen=True)
-class Atlas:
-    """Hold the albedo of a window of the chart as one image.
-
-    image: (rows along girth, columns along the hull, 3) albedo x 255, RGB; its first texel's centre
-    lies at origin_m.
-    """
-
-    image: Pixels
-    origin_m: tuple[float, float]
-    texel_m: float
-
-    def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w);
-        anything elsewhere.
-        """
-        import cv2
-
-        x = (along_m - np.float32(self.origin_m[0])) / np.float32(self.texel_m)
-        y = (girth_m - np.float32(self.origin_m[1])) / np.float32(self.texel_m)
-        if not seen.any():
-            return np.zeros((*seen.shape, 3), np.float32)
-        left, right = _window(x[seen], self.image.shape[1])
-        top, bottom = _window(y[seen], self.image.shape[0])
-        part = np.ascontiguousarray(self.image[top:bottom, left:right])
-        out = cv2.remap(
-            part,
-            x - np.float32(left),
-            y - np.float32(top),
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_REFLECT,
-        )
-        return np.asarray(out, np.float32) / np.float32(255)
-
-
-class Albedo(Protocol):
-    """Tells the colour of the steel."""
-
-    def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything
-        elsewhere.
-        """
-        ...
-
-
-@dataclass(frozen=True, kw_only=True)
-class PaintedHull:
-    """Change the albedo of a hull. bare_to_m: sternwards of it the paint is bare, in one tone, None
-    where it is nowhere so; repeats_m: length along the hull after which the colours come again,
-    from start_m on, None where they never do.
-    """
-
-    albedo: Albedo
-    start_m: float
-    bare_to_m: float | None
-    repeats_m: float | None
-
-    def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
-        """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything
-        elsewhere.
-        """
-        within = along_m
-        if self.repeats_m is not None:
-            within = (np.mod(along_m - self.start_m, self.repeats_m) + self.start_m).astype(
-                np.float32
-            )
-        out = self.albedo.look_up(within, girth_m, seen)
-        if self.bare_to_m is not None:
-            out[along_m < self.bare_to_m] = PAINT
-        return out
+PLATE_M = (2.4, 1.3)  # along and over the girth
+SEAM_M = 0.011  # half the width of a weld
 
 
 def paint_steel(
@@ -99,14 +26,14 @@ def paint_steel(
     along_m: tuple[float, float],
     girth_m: tuple[float, float],
     texel_m: float,
-) -> Atlas:
-    """Return the texture of that window of the chart without items."""
+) -> Pixels:
+    """Paint a window of the chart without items: albedo x 255 (rows over girth, along, 3)."""
     shape = (int((girth_m[1] - girth_m[0]) / texel_m), int((along_m[1] - along_m[0]) / texel_m))
     origin = (along_m[0], girth_m[0])
     fouling = _fouling(random, shape, texel_m)
     plates = _plates(random, shape, origin, texel_m)
     image = np.empty((*shape, 3), np.uint8)
-    # in strips: three colours in float32 of the whole window would not fit into memory
+    # In strips: three colours in float32 of the whole window would not fit into memory.
     for k in range(0, shape[0], 256):
         strip = slice(k, k + 256)
         image[strip] = np.clip(
@@ -114,13 +41,11 @@ def paint_steel(
         ).astype(np.uint8)
     _specks(random, image, texel_m)
     _scratches(random, image, texel_m)
-    return Atlas(image, origin, texel_m)
+    return image
 
 
 def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: float) -> Floats32:
-    """Return (rows, columns) in about -1..1: random values on a grid of that cell size, cubic in
-    between.
-    """
+    """Draw noise (rows, columns) in about -1..1, cubic between random values on a grid."""
     import cv2
 
     rows, columns = (int(np.ceil(n / cell_px)) + 4 for n in shape)
@@ -147,16 +72,15 @@ def _octaves(
 
 @dataclass(frozen=True)
 class _Fouling:
-    """Say what covers the steel. paint (rows, columns): share of bare paint; patches: tone and
-    share (rows, columns) of algae and of pale spots.
-    """
+    """What covers the steel."""
 
-    paint: Floats32
+    paint: Floats32  # (rows, columns) share of bare paint
+    # tone, and share (rows, columns), of algae and of pale spots
     patches: tuple[tuple[Floats32, Floats32], ...]
 
 
 def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float) -> _Fouling:
-    """Return where the paint shows through the slime, and where algae grow or something fell off."""
+    """Draw where paint shows through the slime, where algae grow, and where something fell off."""
     fine = _octaves(
         random,
         shape,
@@ -178,7 +102,7 @@ def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float
 
 
 def _soften(x: Floats32) -> Floats32:
-    """Return 0.5 + 0.5 tanh x, in place."""
+    """Compute 0.5 + 0.5 tanh x, in place."""
     np.tanh(x, out=x)
     x *= np.float32(0.5)
     x += np.float32(0.5)
@@ -186,9 +110,7 @@ def _soften(x: Floats32) -> Floats32:
 
 
 def _colour(fouling: _Fouling, rows: slice) -> Floats32:
-    """Return the albedo (rows, columns, 3) of some rows: paint under slime, algae in patches, pale
-    spots.
-    """
+    """Mix the albedo (rows, columns, 3) of some rows: paint under slime, algae, pale spots."""
     share = fouling.paint[rows, :, None]
     out = PAINT * share + SLIME * (1 - share)
     for tone, patch in fouling.patches:
@@ -203,9 +125,7 @@ def _plates(
     origin_m: tuple[float, float],
     texel_m: float,
 ) -> Callable[[slice], Floats32]:
-    """Return the brightness (rows, columns) of some rows: a tone of its own for each plate, and the
-    weld between.
-    """
+    """Draw a tone for each plate and the welds between; give the brightness of some rows."""
     g = origin_m[1] + texel_m * np.arange(shape[0])
     a = origin_m[0] + texel_m * np.arange(shape[1])
     row, column = np.floor(g / PLATE_M[1]).astype(int), np.floor(a / PLATE_M[0]).astype(int)
@@ -213,7 +133,6 @@ def _plates(
     across, along = _seam(random, g, PLATE_M[1]), _seam(random, a, PLATE_M[0])
 
     def brightness(rows: slice) -> Floats32:
-        """Return those rows."""
         seam = np.minimum(across[rows, None], along)
         return np.asarray(
             tone[np.ix_(row[rows] - row.min(), column - column.min())] * seam, np.float32
@@ -223,7 +142,7 @@ def _plates(
 
 
 def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) -> Floats32:
-    """Return the brightness (n,) of a dark, uneven line at each multiple."""
+    """Draw the brightness (n,) of a dark, uneven line at each multiple."""
     near = np.abs((x + every_m / 2) % every_m - every_m / 2)
     return np.asarray(
         1 - 0.45 * np.exp(-((near / SEAM_M) ** 2)) * random.uniform(0.8, 1.0, len(x)), np.float32
@@ -234,7 +153,7 @@ def _specks(random: np.random.Generator, image: Pixels, texel_m: float) -> None:
     import cv2
 
     count = int(350 * image.shape[0] * image.shape[1] * texel_m**2)
-    # sixteenths of a texel
+    # In sixteenths of a texel.
     at = (random.uniform(0, 16, (count, 2)) * image.shape[1::-1]).astype(int)
     radius = (16 * random.gamma(3.0, 0.0011, count) / texel_m).astype(int) + 8
     tone = np.where(
@@ -251,20 +170,10 @@ def _scratches(random: np.random.Generator, image: Pixels, texel_m: float) -> No
     count = int(5 * image.shape[0] * image.shape[1] * texel_m**2)
     start = random.uniform(0, 1, (count, 1, 2)) * image.shape[1::-1]
     angle = random.uniform(0, 2 * np.pi, count)
-    step = (
-        random.uniform(0.02, 0.12, count)[:, None, None]
-        / texel_m
-        * np.stack([np.cos(angle), np.sin(angle)], 1)[:, None]
-    )
+    length = random.uniform(0.02, 0.12, count)[:, None, None] / texel_m
+    step = length * np.stack([np.cos(angle), np.sin(angle)], 1)[:, None]
     bend = random.uniform(-0.3, 0.3, (count, 1, 1)) * step[..., ::-1] * [1, -1]
     share = np.linspace(0, 1, 9)[None, :, None]
     lines = np.rint(16 * (start + step * 2 * share + bend * share**2)).astype(np.int32)
     for line, tone in zip(lines, random.uniform(60, 190, count).tolist(), strict=True):
         cv2.polylines(image, [line], False, (tone, tone, 0.9 * tone), 1, cv2.LINE_AA, 4)
-
-
-def _window(x: Floats32, size: int) -> tuple[int, int]:
-    """Return the first and the last column that a bilinear look-up at x needs, within the image."""
-    low, high = float(np.nanmin(x)), float(np.nanmax(x))
-    first = int(np.clip(np.floor(low) - 1, 0, size - 2))
-    return first, int(np.clip(np.ceil(high) + 2, first + 2, size))

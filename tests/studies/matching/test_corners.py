@@ -47,7 +47,7 @@ def distance(a, b):
     return float(sparse_distance(one, other, np.array([0]), np.array([0]))[0])
 
 
-def test_the_corners_of_a_square_are_found():
+def test_corners_of_square_are_found():
     place, response = find_corners(square((30, 35)), NO_SIFT, 10)
     # the response is largest a little within the corner
     inside = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]])
@@ -56,13 +56,13 @@ def test_the_corners_of_a_square_are_found():
     assert (response > 0).all()
 
 
-def test_a_corner_moves_with_the_image_by_fractions_of_a_pixel():
+def test_corner_moves_with_image_by_fractions_of_pixel():
     still, _ = find_corners(square((30, 35)), NO_SIFT, 10)
     moved, _ = find_corners(square((30.25, 35.5)), NO_SIFT, 10)
     np.testing.assert_allclose(moved - still, np.tile([0.25, 0.5], (len(still), 1)), atol=0.2)
 
 
-def test_corners_come_in_a_fixed_order_the_strongest_where_there_are_many():
+def test_corners_are_strongest_in_fixed_order():
     image = texture(1).astype(np.uint8)
     every, response = find_corners(image, NO_SIFT, 1000)
     some, strongest = find_corners(image, NO_SIFT, 20)
@@ -71,7 +71,7 @@ def test_corners_come_in_a_fixed_order_the_strongest_where_there_are_many():
     assert strongest.min() >= np.sort(response)[-20]
 
 
-def test_a_corner_that_sift_has_found_is_not_found_again():
+def test_corner_that_sift_has_found_is_not_found_again():
     image = texture(1).astype(np.uint8)
     every, _ = find_corners(image, NO_SIFT, 1000)
     others, _ = find_corners(image, every[:5] + np.float32(0.5 * APART_PX), 1000)
@@ -79,14 +79,14 @@ def test_a_corner_that_sift_has_found_is_not_found_again():
     assert not (others[:, None] == every[:5]).all(axis=2).any()
 
 
-def test_a_patch_lies_within_the_image():
+def test_patch_lies_within_image():
     place, _ = find_corners(texture(1).astype(np.uint8), NO_SIFT, 1000)
     assert place.min() > RADIUS_PX
     assert place.max() < 120 - RADIUS_PX
 
 
 @pytest.mark.parametrize("shape", [(64, 64), (15, 40)])
-def test_a_plain_or_small_image_has_no_corners(shape):
+def test_plain_or_small_image_has_no_corners(shape):
     place, response = find_corners(np.full(shape, 90, np.uint8), NO_SIFT, 10)
     assert place.shape == (0, 2)
     assert len(response) == 0
@@ -94,12 +94,12 @@ def test_a_plain_or_small_image_has_no_corners(shape):
 
 
 @pytest.mark.parametrize("degrees", [30, 90, 137])
-def test_a_patch_that_is_turned_keeps_its_descriptor(degrees):
+def test_patch_that_is_turned_keeps_its_descriptor(degrees):
     among = [distance(texture(1), texture(seed)) for seed in range(2, 8)]
     assert distance(texture(1), turned(texture(1), degrees)) < 0.25 * min(among)
 
 
-def test_magnitudes_change_by_less_than_a_twentieth_however_a_patch_is_turned():
+def test_magnitudes_change_by_under_5_percent_when_turned():
     magnitudes = zernike_magnitudes(
         np.concatenate([sample_patches(turned(texture(1), k), CENTRE) for k in range(0, 181, 15)])
     )
@@ -107,11 +107,11 @@ def test_magnitudes_change_by_less_than_a_twentieth_however_a_patch_is_turned():
     assert change.max() < 0.05 * np.linalg.norm(magnitudes[0])
 
 
-def test_contrast_and_brightness_do_not_change_a_descriptor():
+def test_contrast_and_brightness_do_not_change_descriptor():
     assert distance(texture(1), 0.4 * texture(1) + 30) < 0.02
 
 
-def test_corners_come_behind_the_sift_features():
+def test_corners_come_behind_sift_features():
     noise = np.random.default_rng(1).integers(0, 255, (160, 200, 3)).astype(np.uint8)
     plain, both = extract(noise, FeatureOptions()), extract_with_corners(noise, FeatureOptions())
     sift = both.scored
@@ -128,7 +128,7 @@ def test_corners_come_behind_the_sift_features():
     assert (corners[:, 2] == 40).all()
 
 
-def test_corners_are_at_most_half_the_features_asked_for():
+def test_corners_are_at_most_half_features_asked_for():
     noise = np.random.default_rng(1).integers(0, 255, (256, 256)).astype(np.uint8)
     found = extract_with_corners(noise, FeatureOptions(max_features=60))
     assert is_corner(found.descriptors).sum() == 30

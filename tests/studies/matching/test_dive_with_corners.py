@@ -86,7 +86,7 @@ def test_no_pair_has_fewer_features_in_common_with_corners(both):
     assert (with_corners >= sift).mean() >= 0.95
 
 
-def test_corners_in_store_without_a_share_change_no_track(both, tmp_path_factory):
+def test_corners_in_store_without_share_change_no_track(both, tmp_path_factory):
     plain = run(build_dive(tmp_path_factory.mktemp("plain")), tmp_path_factory.mktemp("out"))
     for name in ("landmark", "node", "top", "bottom", "color", "response"):
         np.testing.assert_array_equal(

@@ -72,7 +72,7 @@ def test_corner_meets_nothing_where_other_side_has_none(corners_of_first):
     np.testing.assert_array_equal(found.second, np.arange(6))
 
 
-def test_without_corners_matching_is_the_products():
+def test_without_corners_matching_is_products():
     first, second = feature_set(40, 0, noise=0.6)
     for allowed in (None, everything(40)):
         found = MatchWithCorners(0.3)(first, second, allowed)
@@ -82,14 +82,14 @@ def test_without_corners_matching_is_the_products():
 
 
 @pytest.mark.parametrize("share", [0.1, 0.2, 0.3, 0.5])
-def test_corners_are_the_share_asked_for(share):
+def test_corners_are_share_asked_for(share):
     found = MatchWithCorners(share)(*feature_set(200, 300), None)
     got = (found.first >= 200).mean()
     assert got <= share
     assert got == pytest.approx(share, abs=0.01)
 
 
-def test_larger_share_adds_the_next_alike_and_drops_none():
+def test_larger_share_adds_next_alike_and_drops_none():
     sets, before = feature_set(100, 80), set()
     whole = MatchWithCorners(0.5)(*sets, None)
     distance = dict(zip(whole.first.tolist(), whole.distance.tolist(), strict=True))
@@ -181,7 +181,7 @@ def match(rig, two, share, informed=True, stereo=True, view=lambda features: fea
 
 @pytest.mark.parametrize("stereo", [True, False])
 @pytest.mark.parametrize("informed", [True, False])
-def test_nodes_match_by_kind_with_the_share_asked_for(rig, two, informed, stereo):
+def test_nodes_match_by_kind_with_share_asked_for(rig, two, informed, stereo):
     for share in (0.1, 0.2, 0.3):
         first, second, corner = match(rig, two, share, informed, stereo)
         assert (first == second).mean() > 0.99
@@ -190,14 +190,14 @@ def test_nodes_match_by_kind_with_the_share_asked_for(rig, two, informed, stereo
 
 
 @pytest.mark.parametrize("informed", [True, False])
-def test_without_a_share_corners_change_nothing(rig, two, informed):
+def test_without_share_corners_change_nothing(rig, two, informed):
     both = match(rig, two, 0.0, informed)
     sift = match(rig, two, 0.0, informed, view=sift_alone)
     for one, other in zip(both, sift, strict=True):
         np.testing.assert_array_equal(one, other)
 
 
-def test_two_cameras_of_a_node_match_by_kind(rig, two):
+def test_two_cameras_of_node_match_by_kind(rig, two):
     node = two[0]
     for share in (0.0, 0.1, 0.3):
         found = stereo_of_node(rig, node.top, node.bottom, PRIOR, OPTIONS, MatchWithCorners(share))

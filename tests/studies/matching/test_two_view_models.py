@@ -11,7 +11,7 @@ def test_model_asked_for_is_taken_whatever_fits_better():
         assert fit(*scene(relief_m), 2 / FOCAL).model == model
 
 
-def test_automatic_model_is_the_likelier():
+def test_automatic_model_is_likelier():
     fit = TWO_VIEW_MODELS["automatic"].fit_two_views
     assert fit(*scene(0.0), 2 / FOCAL).model == "homography"
     assert fit(*scene(0.2), 2 / FOCAL).model == "essential"

@@ -31,7 +31,7 @@ def test_dive_toml_is_strictly_valid_and_nominal(package: Path) -> None:
     assert config.hull is not None
 
 
-def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_survey(
+def test_first_guess_is_off_by_what_was_asked_for(
     dive: Dive,
 ) -> None:
     config = decode(dive_toml(dive))
@@ -44,7 +44,7 @@ def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_surve
     assert abs(np.degrees(slip.log()[0, 5])) == pytest.approx(dive.spec.guess.turn_deg, abs=0.01)
 
 
-def test_a_perfect_guess_is_the_truth(dive: Dive) -> None:
+def test_perfect_guess_is_truth(dive: Dive) -> None:
     spec = with_options(dive.spec, guess_along_m=0.0, guess_across_m=0.0, guess_turn_deg=0.0)
     np.testing.assert_allclose(
         initial_guess(replace(dive, spec=spec)).matrix(),
@@ -66,7 +66,7 @@ def test_positions_are_told_with_their_lever_arm_and_sigma(dive: Dive) -> None:
 
 
 @pytest.mark.parametrize(("cameras", "kept"), [("mono", {"top"}), ("none", set())])
-def test_a_rig_with_fewer_cameras_says_so(cameras: str, kept: set[str]) -> None:
+def test_rig_with_fewer_cameras_says_so(cameras: str, kept: set[str]) -> None:
     spec = spec_from(
         legs=1, leg_length_m=1.0, structures=0, marks=0, barnacles=0, cameras=cameras, sonar=False
     )
@@ -82,21 +82,21 @@ def told(dive: Dive, **errors: float) -> DiveConfig:
 
 
 @pytest.mark.parametrize("drift", [144.0, -144.0])
-def test_dive_toml_tells_a_sigma_as_large_as_the_drift(dive: Dive, drift: float) -> None:
+def test_dive_toml_tells_sigma_as_large_as_drift(dive: Dive, drift: float) -> None:
     assert told(dive, heading_drift_deg_per_hour=drift).imu.heading_drift_deg_per_hour == 144.0
 
 
 @pytest.mark.parametrize("error", [0.02, -0.02])
-def test_dive_toml_tells_a_sigma_as_large_as_the_scale_error(dive: Dive, error: float) -> None:
+def test_dive_toml_tells_sigma_as_large_as_scale_error(dive: Dive, error: float) -> None:
     assert told(dive, dvl_scale_error=error).dvl.scale_sigma == 0.02
 
 
-def test_dive_toml_tells_a_sigma_as_large_as_the_backlash(dive: Dive) -> None:
+def test_dive_toml_tells_sigma_as_large_as_backlash(dive: Dive) -> None:
     assert told(dive, backlash_deg=3.0, servo_sigma_deg=0.0).tray.sigma_deg == 3.0
     assert told(dive, backlash_deg=3.0, servo_sigma_deg=4.0).tray.sigma_deg == 5.0
 
 
-def test_dive_toml_tells_an_instruments_class_where_its_errors_are_smaller(dive: Dive) -> None:
+def test_dive_toml_gives_class_of_instrument_for_smaller_errors(dive: Dive) -> None:
     config = told(
         dive,
         heading_drift_deg_per_hour=0.0,

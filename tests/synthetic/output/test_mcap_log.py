@@ -47,7 +47,7 @@ def test_checksums_hold(package: Path) -> None:
         )
 
 
-def test_messages_are_logged_after_they_were_stamped_and_in_order(package: Path) -> None:
+def test_messages_are_logged_after_their_stamp_in_order(package: Path) -> None:
     with (package / "logs" / "dive.mcap").open("rb") as file:
         rows = [
             (m.log_time, m.publish_time)
@@ -58,7 +58,7 @@ def test_messages_are_logged_after_they_were_stamped_and_in_order(package: Path)
     assert (logged > stamped).all()
 
 
-def test_the_dvl_reads_back(messages: Messages, dive: Dive) -> None:
+def test_dvl_reads_back(messages: Messages, dive: Dive) -> None:
     true = instruments.dvl(dive.spec, dive.motion, dive.rig, dive.hull)
     rows = messages["/dvl"]
     np.testing.assert_array_equal(stamps(rows), stamp_ns(true.t_s))
@@ -69,7 +69,7 @@ def test_the_dvl_reads_back(messages: Messages, dive: Dive) -> None:
     np.testing.assert_allclose(ranges, np.where(np.isfinite(true.ranges), true.ranges, 0))
 
 
-def test_a_lost_beam_is_a_range_of_nothing_with_a_covariance_of_minus_one(
+def test_lost_beam_is_range_zero_with_covariance_minus_one(
     messages: Messages,
 ) -> None:
     rows = [m for m in messages["/dvl"] if m.num_good_beams < 4]
@@ -80,7 +80,7 @@ def test_a_lost_beam_is_a_range_of_nothing_with_a_covariance_of_minus_one(
         np.testing.assert_array_equal(np.asarray(m.range_covar) == -1, lost)
 
 
-def test_the_imu_reads_back(messages: Messages, dive: Dive) -> None:
+def test_imu_reads_back(messages: Messages, dive: Dive) -> None:
     true = instruments.imu(dive.spec, dive.motion)
     rows = messages["/imu"]
     np.testing.assert_allclose(
@@ -107,9 +107,7 @@ def test_images_pair_by_stamp(messages: Messages, dive: Dive) -> None:
     assert all(bytes(m.data[:2]) == b"\xff\xd8" for m in (*top, *bottom))
 
 
-def test_the_sonar_pixel_of_a_bin_and_a_beam_lies_at_bin_times_beams_plus_beam(
-    messages: Messages, dive: Dive
-) -> None:
+def test_sonar_pixel_lies_at_bin_times_beams_plus_beam(messages: Messages, dive: Dive) -> None:
     _, images = pings(dive)
     first = next(images)
     message = messages["/sonar"][0]
@@ -122,7 +120,7 @@ def test_the_sonar_pixel_of_a_bin_and_a_beam_lies_at_bin_times_beams_plus_beam(
     np.testing.assert_allclose(directions, sonar.beam_directions())
 
 
-def test_the_log_starts_when_the_dive_is_dated() -> None:
+def test_log_starts_when_dive_is_dated() -> None:
     from datetime import UTC, datetime
 
     assert datetime.fromtimestamp(START_NS / 1e9, UTC) == datetime(2026, 5, 4, 9, 30, tzinfo=UTC)

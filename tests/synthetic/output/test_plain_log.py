@@ -47,7 +47,7 @@ def rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def test_a_lost_beam_is_left_empty(streams: Streams, tmp_path: Path) -> None:
+def test_lost_beam_is_left_empty(streams: Streams, tmp_path: Path) -> None:
     write_plain(tmp_path, streams)
     first, second = rows(tmp_path / "dvl.csv")
     assert first["range_2"] == ""
@@ -74,20 +74,20 @@ def test_times_keep_their_nanoseconds(streams: Streams, tmp_path: Path) -> None:
     ]
 
 
-def test_joints_have_a_row_each(streams: Streams, tmp_path: Path) -> None:
+def test_joints_have_row_each(streams: Streams, tmp_path: Path) -> None:
     write_plain(tmp_path, streams)
     found = [(r["name"], float(r["rad"])) for r in rows(tmp_path / "joints.csv")]
     assert found == [("tray", 0.1), ("sonar_tray", -0.6), ("tray", 0.2), ("sonar_tray", -0.5)]
 
 
-def test_images_are_files_that_the_table_names(streams: Streams, tmp_path: Path) -> None:
+def test_images_are_files_that_table_names(streams: Streams, tmp_path: Path) -> None:
     write_plain(tmp_path, streams)
     named = [r["file"] for r in rows(tmp_path / "camera_top.csv")]
     assert [(tmp_path / name).read_bytes() for name in named] == [b"first", b"second"]
     assert not (tmp_path / "camera_bottom.csv").exists()
 
 
-def test_a_ping_is_an_npz_with_image_azimuth_and_range(streams: Streams, tmp_path: Path) -> None:
+def test_ping_is_npz_with_image_azimuth_and_range(streams: Streams, tmp_path: Path) -> None:
     write_plain(tmp_path, streams)
     (row,) = rows(tmp_path / "sonar.csv")
     with np.load(tmp_path / row["file"]) as ping:
@@ -97,7 +97,7 @@ def test_a_ping_is_an_npz_with_image_azimuth_and_range(streams: Streams, tmp_pat
         np.testing.assert_allclose(ping["range"], sonar.RANGE)
 
 
-def test_the_imu_has_the_columns_of_the_format(streams: Streams, tmp_path: Path) -> None:
+def test_imu_has_columns_of_format(streams: Streams, tmp_path: Path) -> None:
     write_plain(tmp_path, streams)
     assert list(rows(tmp_path / "imu.csv")[0]) == [
         "t",

@@ -40,9 +40,7 @@ def as_built(package: Path) -> Scene:
     return Scene(Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int32)))
 
 
-def test_poses_are_those_of_the_vehicle_in_the_hull_at_every_frame(
-    package: Path, dive: Dive
-) -> None:
+def test_poses_are_those_of_vehicle_in_hull_at_every_frame(package: Path, dive: Dive) -> None:
     rows = table(package, "poses.csv")
     at = dive.motion.in_hull(dive.motion.vehicle(dive.frame_s))
     np.testing.assert_allclose(rows[:, 1:4], at.translation, atol=1e-8)
@@ -50,14 +48,14 @@ def test_poses_are_those_of_the_vehicle_in_the_hull_at_every_frame(
     np.testing.assert_allclose(rows[:, 0] - START_NS * 1e-9, dive.frame_s, atol=1e-6)
 
 
-def test_the_alignment_takes_the_hull_into_g(package: Path, dive: Dive) -> None:
+def test_alignment_takes_hull_into_g(package: Path, dive: Dive) -> None:
     np.testing.assert_allclose(
         place(load(package, "alignment.json")["T_g_M"]).matrix(),
         dive.motion.global_from_hull.matrix(),
     )
 
 
-def test_the_servo_is_the_true_one_with_its_play(package: Path, dive: Dive) -> None:
+def test_servo_is_true_one_with_its_play(package: Path, dive: Dive) -> None:
     rows = table(package, "servo.csv")
     np.testing.assert_allclose(
         rows[:, 1],
@@ -66,7 +64,7 @@ def test_the_servo_is_the_true_one_with_its_play(package: Path, dive: Dive) -> N
     )
 
 
-def test_true_mounts_are_off_the_nominal_ones_by_millimetres(package: Path) -> None:
+def test_true_mounts_are_off_nominal_ones_by_millimetres(package: Path) -> None:
     from hullrecon.geometry.poses import from_mount
     from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT
 
@@ -77,7 +75,7 @@ def test_true_mounts_are_off_the_nominal_ones_by_millimetres(package: Path) -> N
     assert 0.01 < np.degrees(np.linalg.norm(off[3:])) < 1.5
 
 
-def test_objects_stand_on_the_surface_that_is_written(package: Path, as_built: Scene) -> None:
+def test_objects_stand_on_surface_that_is_written(package: Path, as_built: Scene) -> None:
     found = load(package, "objects.json")["objects"]
     assert len(found) == 3
     for o in found:
@@ -98,7 +96,7 @@ def test_objects_are_seen_from_farther_off_too(
     assert min(o["views"] for o in objects) >= 3
 
 
-def test_the_surface_covers_what_the_cameras_see(package: Path, as_built: Scene) -> None:
+def test_surface_covers_what_cameras_see(package: Path, as_built: Scene) -> None:
     poses, servo = table(package, "poses.csv"), table(package, "servo.csv")
     angle = np.interp(poses[:, 0], servo[:, 0], servo[:, 1])
     vehicle = Poses(poses[:, 4:8], poses[:, 1:4])
@@ -112,7 +110,7 @@ def test_the_surface_covers_what_the_cameras_see(package: Path, as_built: Scene)
         assert np.isfinite(way).all()
 
 
-def test_stereo_points_triangulated_with_the_true_poses_lie_on_the_true_surface(
+def test_stereo_points_of_true_poses_lie_on_true_surface(
     package: Path, dive: Dive, as_built: Scene
 ) -> None:
     """Images, calibration, mounts, tray and poses agree, whatever simulated them."""
@@ -168,7 +166,7 @@ def _meet(
     return 0.5 * (first + second), np.linalg.norm(first - second, axis=1)
 
 
-def test_a_mesh_in_pieces_is_one_file(tmp_path: Path) -> None:
+def test_mesh_in_pieces_is_one_file(tmp_path: Path) -> None:
     import trimesh
 
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])

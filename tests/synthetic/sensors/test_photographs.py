@@ -11,41 +11,41 @@ import pytest
 
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import with_options
-from hullrecon.synthetic.sensors import photographs as photographs_module
-from hullrecon.synthetic.sensors.photographs import photographs
+from hullrecon.synthetic.sensors import rendering
+from hullrecon.synthetic.sensors.rendering import photographs
 from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
-from hullrecon.synthetic.world.plate_atlas import PlateAtlas
-from hullrecon.synthetic.world.texture import PAINT, Atlas
+from hullrecon.synthetic.world.atlas import Atlas, PlateAtlas
+from hullrecon.synthetic.world.texture import PAINT
 
 
-def test_a_stereo_rig_gives_two_different_images(dive: Dive) -> None:
+def test_stereo_rig_gives_two_different_images(dive: Dive) -> None:
     top, bottom = next(photographs(dive))
     assert bottom is not None
     assert top.shape == bottom.shape == (192, 240, 3)
     assert np.abs(top.astype(int) - bottom.astype(int)).mean() > 5
 
 
-def test_a_mono_rig_gives_one(dive: Dive) -> None:
+def test_mono_rig_gives_one(dive: Dive) -> None:
     mono = replace(dive, rig=replace(dive.rig, camera_bottom=None))
     _, bottom = next(photographs(mono))
     assert bottom is None
 
 
-def test_a_large_hull_is_painted_plate_by_plate_and_looks_as_a_small_one(
+def test_large_hull_painted_by_plates_looks_like_small_one(
     dive: Dive, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The threshold saves memory; it must not show in the statistics of an image."""
     whole = next(photographs(dive))[0].astype(float)
-    assert isinstance(photographs_module._atlas(dive), Atlas)
-    monkeypatch.setattr(photographs_module, "ATLAS_TEXELS", 0)
-    assert isinstance(photographs_module._atlas(dive), PlateAtlas)
+    assert isinstance(rendering._atlas(dive), Atlas)
+    monkeypatch.setattr(rendering, "ATLAS_TEXELS", 0)
+    assert isinstance(rendering._atlas(dive), PlateAtlas)
     plates = next(photographs(dive))[0].astype(float)
     assert np.abs(whole - plates).mean() > 2  # another texture
     assert plates.mean() == pytest.approx(whole.mean(), rel=0.25)
     assert plates.std() == pytest.approx(whole.std(), rel=0.4)
 
 
-def test_images_depend_on_the_frame_and_the_seed_alone(dive: Dive) -> None:
+def test_images_depend_on_frame_and_seed_alone(dive: Dive) -> None:
     first, again = photographs(dive), photographs(dive)
     for _ in range(2):
         np.testing.assert_array_equal(next(first)[0], next(again)[0])
@@ -66,7 +66,7 @@ def test_no_image_is_made_before_it_is_asked_for(
     def fail(*_: object) -> None:
         raise AssertionError("an image was made")
 
-    monkeypatch.setattr(photographs_module, "photograph", fail)
+    monkeypatch.setattr(rendering, "photograph", fail)
     frames: Iterator[object] = photographs(dive)
     with pytest.raises(AssertionError, match="an image was made"):
         next(frames)
@@ -88,14 +88,14 @@ def contrast_amidships(dive: Dive) -> float:
     )
 
 
-def test_images_of_bare_paint_show_nothing_but_light_and_particles(dive: Dive) -> None:
+def test_images_of_bare_paint_show_light_and_particles_alone(dive: Dive) -> None:
     bare = replace(dive, spec=with_options(dive.spec, paint_bare_share=1.0))
     assert contrast_amidships(bare) < 0.5 * contrast_amidships(dive)
 
 
-def test_half_the_legs_can_be_bare(dive: Dive) -> None:
+def test_half_legs_can_be_bare(dive: Dive) -> None:
     spec = with_options(dive.spec, paint_bare_share=0.5)
-    paint = photographs_module._paint(replace(dive, spec=spec))
+    paint = rendering._paint(replace(dive, spec=spec))
     middle = np.float32(np.mean(dive.seen_along))
     along = middle + np.tile(np.linspace(-0.7, 0.7, 71, dtype=np.float32), (5, 1))
     seen = paint.look_up(

@@ -20,13 +20,13 @@ from hullrecon.synthetic.sensors.recorder import (
 )
 
 
-def test_stamps_are_nanoseconds_since_the_start() -> None:
+def test_stamps_are_nanoseconds_since_start() -> None:
     np.testing.assert_array_equal(
         stamp_ns(np.array([0.0, 1.5])), [START_NS, START_NS + 1_500_000_000]
     )
 
 
-def test_readings_come_in_the_order_of_time(dive: Dive) -> None:
+def test_readings_come_in_order_of_time(dive: Dive) -> None:
     spec = with_options(dive.spec, cameras="none", sonar=False)
     rows = list(in_order(record(replace(dive, spec=spec))))
     assert rows == sorted(rows)
@@ -65,7 +65,7 @@ def test_what_is_not_tracked_passes_unchanged() -> None:
     ("cameras", "names"),
     [("stereo", ("camera_top", "camera_bottom")), ("mono", ("camera_top",)), ("none", ())],
 )
-def test_the_streams_name_the_cameras_that_are_carried(
+def test_streams_name_cameras_that_are_carried(
     dive: Dive, cameras: str, names: tuple[str, ...]
 ) -> None:
     spec = with_options(dive.spec, cameras=cameras, sonar=False)

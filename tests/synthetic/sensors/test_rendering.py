@@ -12,12 +12,11 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.sensors.rendering import Lens, Scene, lens, photograph
-from hullrecon.synthetic.world.as_built import build
-from hullrecon.synthetic.world.built_hull import Block
+from hullrecon.synthetic.world.atlas import Atlas
+from hullrecon.synthetic.world.built_hull import Block, build
 from hullrecon.synthetic.world.hull_patch import HullPatch
 from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.ray_casting import Rays
-from hullrecon.synthetic.world.texture import Atlas
 
 # a wall in the x-z plane seen from y > 0: camera x runs aft, its y down
 TOWARDS = np.array([[-1.0, 0, 0], [0, 0, -1], [0, -1, 0]]).T
@@ -55,7 +54,7 @@ def _turn() -> np.ndarray:
     return Rotation.from_matrix(TOWARDS).as_quat()[None]
 
 
-def test_a_spot_is_imaged_where_the_camera_model_says() -> None:
+def test_spot_is_imaged_where_camera_model_says() -> None:
     world = scene(spots=((900, 600), (650, 950)))
     image = shoot(world).max(2)
     for row, column in ((900, 600), (650, 950)):
@@ -85,14 +84,14 @@ def test_murkier_water_has_less_contrast() -> None:
     assert contrast(1.5) < 0.6 * contrast(0.1)
 
 
-def test_where_there_is_no_hull_there_is_only_the_veil() -> None:
+def test_where_there_is_no_hull_there_is_only_veil() -> None:
     narrow = lens(replace(CAMERA, fx=40.0, fy=40.0))
     image = shoot(scene(), 2.5, narrow).astype(float)
     assert image[:4, :4].mean((0, 1))[1] > image[:4, :4].mean((0, 1))[0]
     assert image[:4, :4].mean() < 110
 
 
-def test_a_structure_casts_a_shadow_away_from_the_lamp() -> None:
+def test_structure_casts_shadow_away_from_lamp() -> None:
     plain, blocked = (
         shoot(scene()).astype(float),
         shoot(scene((Item("cylinder", 0.0, 0.0, 0.15, (0.2, 0.2)),))).astype(float),
@@ -104,13 +103,13 @@ def test_a_structure_casts_a_shadow_away_from_the_lamp() -> None:
     assert rows.mean() > 96  # and above
 
 
-def test_the_corners_are_vignetted() -> None:
+def test_corners_are_vignetted() -> None:
     view = lens(CAMERA)
     assert view.vignetting[0, 0] < 0.85
     assert view.vignetting[96, 120] > 0.99
 
 
-def test_images_of_a_dive_are_rich_in_features(package: object) -> None:
+def test_images_of_dive_are_rich_in_features(package: object) -> None:
     from pathlib import Path
 
     from mcap.reader import make_reader

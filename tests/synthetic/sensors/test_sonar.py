@@ -9,8 +9,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.sensors import sonar
-from hullrecon.synthetic.world.as_built import build
-from hullrecon.synthetic.world.built_hull import Block
+from hullrecon.synthetic.world.built_hull import Block, build
 from hullrecon.synthetic.world.hull_patch import HullPatch
 from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.ray_casting import Rays
@@ -43,14 +42,14 @@ def look(block: Block) -> np.ndarray:
     return sonar.ping(pose, block, sonar.fan(), np.random.default_rng(2))
 
 
-def test_beam_directions_are_unit_vectors_in_the_fan() -> None:
+def test_beam_directions_are_unit_vectors_in_fan() -> None:
     directions = sonar.beam_directions()
     np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1)
     assert (directions[:, 0] == 0).all()
     assert (np.diff(directions[:, 1]) < 0).all()
 
 
-def test_rays_fill_the_elevation_and_belong_to_their_beam() -> None:
+def test_rays_fill_elevation_and_belong_to_their_beam() -> None:
     fan = sonar.fan()
     elevation = np.degrees(np.arcsin(fan.direction[:, 0]))
     assert 6.9 < elevation.max() < 7.0
@@ -59,7 +58,7 @@ def test_rays_fill_the_elevation_and_belong_to_their_beam() -> None:
     assert np.abs(azimuth - sonar.AZIMUTH[fan.beam]).max() <= step / 2
 
 
-def test_an_inclined_wall_echoes_between_the_ranges_of_its_nearest_and_farthest_ray() -> None:
+def test_inclined_wall_echoes_between_nearest_and_farthest_ray() -> None:
     image = look(wall())
     assert image.shape == (96, 256)
     assert image.dtype == np.uint8
@@ -70,7 +69,7 @@ def test_an_inclined_wall_echoes_between_the_ranges_of_its_nearest_and_farthest_
     assert profile[inside].mean() > 5 * profile[outside].mean()
 
 
-def test_something_that_stands_out_is_bright_and_casts_a_shadow() -> None:
+def test_something_that_stands_out_is_bright_and_casts_shadow() -> None:
     plain, blocked = look(wall()), look(wall((Item("cylinder", 0.0, 0.0, 0.15, (0.2, 0.2)),)))
     middle = slice(44, 52)
     behind = (sonar.RANGE > 1.45) & (sonar.RANGE < 1.52)
@@ -87,7 +86,7 @@ def test_speckle_is_multiplicative(monkeypatch: pytest.MonkeyPatch) -> None:
     assert rough.std() / rough.mean() > 2 * smooth.std() / smooth.mean()
 
 
-def test_pings_come_twice_a_second_and_see_the_hull(dive: Dive) -> None:
+def test_pings_come_twice_second_and_see_hull(dive: Dive) -> None:
     t, images = sonar.pings(dive)
     assert 1 / np.diff(t).mean() == pytest.approx(2.0, rel=0.02)
     assert (next(images) > 80).mean() > 0.05

@@ -10,7 +10,7 @@ import pytest
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.spec import DiveSpec, Ship
-from hullrecon.synthetic.world.as_built import AsBuilt, build, crop
+from hullrecon.synthetic.world.built_hull import AsBuilt, build, crop
 from hullrecon.synthetic.world.hull_patch import HullPatch, HullSkin
 from hullrecon.synthetic.world.hull_shapes import ship_form
 from hullrecon.synthetic.world.items import Item
@@ -29,7 +29,7 @@ def built(patch: HullPatch) -> AsBuilt:
     return build(spec_from(deviation_sigma_m=0.01), patch, (CYLINDER, RECESS))
 
 
-def test_structures_stand_their_height_over_the_steel(built: AsBuilt, patch: HullPatch) -> None:
+def test_structures_stand_their_height_over_steel(built: AsBuilt, patch: HullPatch) -> None:
     for item in (CYLINDER, RECESS):
         a, g = np.array([item.along_m]), np.array([item.girth_m])
         steel, normal = patch.sample(built.steel, a, g), patch.sample(patch.normal, a, g)
@@ -37,7 +37,7 @@ def test_structures_stand_their_height_over_the_steel(built: AsBuilt, patch: Hul
         assert 0.5 - way[0] == pytest.approx(item.height_m, abs=2e-4)
 
 
-def test_away_from_structures_the_steel_is_the_deviation_off_the_cad_model(
+def test_away_from_structures_steel_is_deviation_off_cad_model(
     built: AsBuilt, patch: HullPatch
 ) -> None:
     flat = build(spec_from(deviation_mean_m=-0.013, deviation_sigma_m=0.0), patch, ())
@@ -48,7 +48,7 @@ def test_away_from_structures_the_steel_is_the_deviation_off_the_cad_model(
     )
 
 
-def test_the_grid_is_six_millimetres_at_structures_and_thirty_elsewhere(built: AsBuilt) -> None:
+def test_grid_is_6_mm_at_structures_and_30_mm_elsewhere(built: AsBuilt) -> None:
     corner = built.chart[built.mesh.faces].astype(float)
     width = np.ptp(corner[..., 0], axis=1)
     fine = np.hypot(*(corner.mean(1) - [CYLINDER.along_m, CYLINDER.girth_m]).T) < 0.08
@@ -81,7 +81,7 @@ def test_busy_nodes_are_those_near_structures(built: AsBuilt, patch: HullPatch) 
     assert not built.busy[0, 0]
 
 
-def test_paint_does_not_refine_the_grid(patch: HullPatch) -> None:
+def test_paint_does_not_refine_grid(patch: HullPatch) -> None:
     plain, painted = (
         build(DiveSpec(), patch, items)
         for items in ((), (replace(CYLINDER, kind="ring", height_m=0.0),))
@@ -89,7 +89,7 @@ def test_paint_does_not_refine_the_grid(patch: HullPatch) -> None:
     assert len(plain.mesh.vertices) == len(painted.mesh.vertices)
 
 
-def test_a_crop_keeps_what_lies_in_the_window(built: AsBuilt) -> None:
+def test_crop_keeps_what_lies_in_window(built: AsBuilt) -> None:
     part = crop(built, (25.0, 25.6), (-0.4, 0.0))
     assert 0 < len(part.faces) < len(built.mesh.faces)
     assert part.faces.max() == len(part.vertices) - 1

@@ -20,14 +20,14 @@ def form() -> Mesh:
     return ship_form(Ship())
 
 
-def test_the_form_is_closed_and_faces_outwards(form: Mesh) -> None:
+def test_form_is_closed_and_faces_outwards(form: Mesh) -> None:
     mesh = trimesh.Trimesh(form.vertices, form.faces, process=True)
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     assert mesh.volume > 0
 
 
-def test_the_form_has_the_asked_length_beam_and_depth(form: Mesh) -> None:
+def test_form_has_asked_length_beam_and_depth(form: Mesh) -> None:
     spec = DiveSpec()
     np.testing.assert_allclose(form.vertices.min(0), [0, -spec.ship.beam_m / 2, 0], atol=1e-9)
     np.testing.assert_allclose(
@@ -42,7 +42,7 @@ def test_both_sides_are_mirror_images(form: Mesh) -> None:
     assert all((x, -y if y else y, z) in rows for x, y, z in rows)
 
 
-def test_the_bilge_amidships_has_the_asked_radius() -> None:
+def test_bilge_amidships_has_asked_radius() -> None:
     spec = spec_from(bilge_radius_m=1.5)
     vertices = ship_form(spec.ship).vertices
     middle = vertices[np.abs(vertices[:, 0] - 25) < 1.0]
@@ -55,7 +55,7 @@ def test_the_bilge_amidships_has_the_asked_radius() -> None:
     )
 
 
-def test_the_bow_curves_along_the_hull(form: Mesh) -> None:
+def test_bow_curves_along_hull(form: Mesh) -> None:
     breadth = [
         np.ptp(form.vertices[np.abs(form.vertices[:, 0] - x) < 0.6][:, 1]) for x in (30, 38, 44, 49)
     ]
@@ -70,7 +70,7 @@ def test_stl_reads_back_as_it_was(form: Mesh, tmp_path: Path) -> None:
     np.testing.assert_allclose(back.triangles, form.vertices[form.faces], atol=1e-5)
 
 
-def test_a_mesh_is_put_on_its_keel_and_scaled(tmp_path: Path) -> None:
+def test_mesh_is_put_on_its_keel_and_scaled(tmp_path: Path) -> None:
     box = trimesh.creation.box((2.0, 1.0, 0.5))
     box.apply_translation([10, 0, -3])
     box.export(tmp_path / "box.ply")
@@ -79,13 +79,13 @@ def test_a_mesh_is_put_on_its_keel_and_scaled(tmp_path: Path) -> None:
     np.testing.assert_allclose(mesh.vertices.max(0), [20, 5, 5], atol=1e-5)
 
 
-def test_hull_of_takes_a_mesh_by_its_path(tmp_path: Path) -> None:
+def test_hull_of_takes_mesh_by_its_path(tmp_path: Path) -> None:
     trimesh.creation.box((2.0, 1.0, 0.5)).export(tmp_path / "box.stl")
     mesh = hull_shape(Ship(hull=str(tmp_path / "box.stl"), length_m=8.0))
     assert np.ptp(mesh.vertices[:, 0]) == pytest.approx(8.0)
 
 
-def test_a_mesh_without_triangles_is_refused(tmp_path: Path) -> None:
+def test_mesh_without_triangles_is_refused(tmp_path: Path) -> None:
     (tmp_path / "points.ply").write_text(
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n"
     )
@@ -106,7 +106,7 @@ FLAT = "OFF\n3 1 0\n0 0 0\n0 1 0\n0 0 1\n3 0 1 2\n"
         ("hull.off", FLAT, "no length along x"),
     ],
 )
-def test_a_file_that_is_no_hull_is_one_line(
+def test_file_that_is_no_hull_is_one_line(
     tmp_path: Path, name: str, content: str | None, message: str
 ) -> None:
     if content is not None:
@@ -117,6 +117,6 @@ def test_a_file_that_is_no_hull_is_one_line(
     assert "\n" not in str(refused.value)
 
 
-def test_a_folder_is_no_hull(tmp_path: Path) -> None:
+def test_folder_is_no_hull(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such hull mesh"):
         hull_from_mesh(tmp_path)

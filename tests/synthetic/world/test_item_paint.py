@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from hullrecon.synthetic.options import spec_from
+from hullrecon.synthetic.world.atlas import Atlas, paint_atlas
 from hullrecon.synthetic.world.items import Item, Kind
-from hullrecon.synthetic.world.plate_atlas import paint_atlas
-from hullrecon.synthetic.world.texture import Atlas
 
 WINDOW = ((10.0, 11.5), (4.0, 5.0))
 
@@ -27,7 +26,7 @@ def test_paint_is_bright(kind: Kind, bright: float) -> None:
     assert np.abs(after - before)[:150].max() == 0
 
 
-def test_a_stripe_is_where_it_was_placed() -> None:
+def test_stripe_is_where_it_was_placed() -> None:
     item = Item("stripe", 10.4, 4.3, 0.0, (0.3, 0.06))
     changed = np.abs(atlas((item,)).image.astype(int) - atlas().image.astype(int)).max(2) > 10
     row, column = np.argwhere(changed).mean(0)
@@ -35,7 +34,7 @@ def test_a_stripe_is_where_it_was_placed() -> None:
     assert 10.0 + 0.002 * column == pytest.approx(10.4, abs=0.01)
 
 
-def test_digits_read_from_outside_on_the_port_side() -> None:
+def test_digits_read_from_outside_on_port_side() -> None:
     """The 3 stands left of the 2: forward, and the 2 has its foot at the bottom."""
     item = Item("digits", 10.75, 4.5, 0.0, (0.8, 0.5))
     mask = np.abs(atlas((item,)).image.astype(int) - atlas().image.astype(int)).max(2) > 30
@@ -47,7 +46,7 @@ def test_digits_read_from_outside_on_the_port_side() -> None:
     assert np.ptp(columns[two][lowest]) > 0.7 * np.ptp(columns[two])
 
 
-def test_an_item_outside_the_window_changes_nothing() -> None:
+def test_item_outside_window_changes_nothing() -> None:
     np.testing.assert_array_equal(
         atlas((Item("ring", 30.0, 4.5, 0.0, (0.3, 0.3)),)).image, atlas().image
     )

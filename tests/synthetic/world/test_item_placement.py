@@ -39,7 +39,7 @@ def test_paint_has_no_height_and_recesses_go_in() -> None:
         assert (item.height_m < 0) == (item.kind == "recess")
 
 
-def test_the_second_of_a_kind_has_another_size() -> None:
+def test_second_of_kind_has_another_size() -> None:
     items = [
         i
         for i in place_items(spec_from(structures=6, marks=0, barnacles=0), *ROOM)
@@ -58,12 +58,12 @@ def test_too_many_are_refused_with_advice() -> None:
         place_items(spec_from(structures=60), (0.0, 1.0), (0.0, 1.0))
 
 
-def test_the_seed_decides_where() -> None:
+def test_seed_decides_where() -> None:
     assert place_items(spec_from(seed=5), *ROOM) == place_items(spec_from(seed=5), *ROOM)
     assert place_items(spec_from(seed=5), *ROOM) != place_items(spec_from(seed=6), *ROOM)
 
 
-def test_a_second_dive_of_the_hull_has_the_same_items() -> None:
+def test_second_dive_of_hull_has_same_items() -> None:
     assert place_items(spec_from(seed=9, hull_seed=5), *ROOM) == place_items(
         spec_from(seed=5), *ROOM
     )

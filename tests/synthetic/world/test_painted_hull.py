@@ -9,8 +9,8 @@ import pytest
 
 from hullrecon.errors import UsageError
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.world.plate_atlas import PlateAtlas
-from hullrecon.synthetic.world.texture import PAINT, PaintedHull
+from hullrecon.synthetic.world.atlas import PaintedHull, PlateAtlas
+from hullrecon.synthetic.world.texture import PAINT
 
 START_M = 3.1
 
@@ -29,7 +29,7 @@ def colours(made: PaintedHull | PlateAtlas, along: np.ndarray) -> np.ndarray:
     return made.look_up(a, g, np.ones(a.shape, bool))
 
 
-def test_bare_paint_has_one_tone_and_the_rest_keeps_its_colours() -> None:
+def test_bare_paint_has_one_tone_and_rest_keeps_its_colours() -> None:
     made, along = hull(bare_to_m=5.0), np.arange(4.0, 6.0, 0.02)
     seen, whole = colours(made, along), colours(made.albedo, along)  # type: ignore[arg-type]
     bare = along.astype(np.float32) < 5.0

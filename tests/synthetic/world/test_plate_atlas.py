@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from hullrecon.synthetic.options import spec_from
+from hullrecon.synthetic.world import atlas as atlas_module
+from hullrecon.synthetic.world.atlas import PlateAtlas
 from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.plate_atlas import KEPT_PLATES, PlateAtlas
 from hullrecon.synthetic.world.texture import PLATE_M
 
 TEXEL_M = 0.004
@@ -22,30 +23,32 @@ def colours(made: PlateAtlas, along: np.ndarray, girth: np.ndarray) -> np.ndarra
     return made.look_up(a, g, np.ones(a.shape, bool))
 
 
-def test_a_view_at_either_end_of_a_long_hull_is_textured() -> None:
+def test_view_at_either_end_of_long_hull_is_textured() -> None:
     for middle in (3.0, 250.0):
         seen = colours(atlas(), middle + np.arange(-0.5, 0.5, 0.01), np.arange(-0.4, 0.4, 0.01))
         assert seen.std(axis=(0, 1)).min() > 0.02
         assert 0.05 < seen.mean() < 0.8
 
 
-def test_a_point_keeps_its_colour_when_its_plate_was_forgotten_and_painted_again() -> None:
+def test_plate_painted_again_has_same_colours(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(atlas_module, "KEPT_PLATES", 2)
     made = atlas()
     along, girth = np.arange(0.1, 2.2, 0.05), np.arange(0.1, 1.2, 0.05)
     before = colours(made, along, girth)
-    for k in range(1, KEPT_PLATES + 2):
+    for k in range(1, 4):
         colours(made, along[:1] + k * PLATE_M[0], girth[:1])
     np.testing.assert_array_equal(colours(made, along, girth), before)
 
 
-def test_no_more_plates_are_kept_than_said() -> None:
+def test_no_more_plates_are_kept_than_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(atlas_module, "KEPT_PLATES", 3)
     made = atlas()
-    for k in range(KEPT_PLATES + 5):
+    for k in range(5):
         colours(made, np.array([1.2 + k * PLATE_M[0]]), np.array([0.6]))
-    assert len(made._plates) == KEPT_PLATES
+    assert len(made._plates) == 3
 
 
-def test_plates_are_painted_apart_and_by_the_seed() -> None:
+def test_plates_are_painted_apart_and_by_seed() -> None:
     along, girth = np.arange(0.3, 2.1, 0.02), np.arange(0.2, 1.1, 0.02)
     first, next_one = colours(atlas(), along, girth), colours(atlas(), along + PLATE_M[0], girth)
     other_seed = colours(atlas(seed=2), along, girth)
@@ -54,14 +57,14 @@ def test_plates_are_painted_apart_and_by_the_seed() -> None:
         assert np.abs(first - other).mean() > 0.02
 
 
-def test_the_edge_of_a_plate_is_a_dark_weld() -> None:
+def test_edge_of_plate_is_dark_weld() -> None:
     girth = np.arange(0.2, 1.1, 0.004)
     weld = colours(atlas(), PLATE_M[0] + np.array([-0.003, 0.003]), girth).mean()
     beside = colours(atlas(), PLATE_M[0] + np.array([-0.05, 0.05]), girth).mean()
     assert weld < 0.8 * beside
 
 
-def test_a_mark_across_a_weld_is_painted_on_both_plates() -> None:
+def test_mark_across_weld_is_painted_on_both_plates() -> None:
     stripe = Item("stripe", PLATE_M[0], 0.6, 0.0, (0.4, 0.2))
     girth = np.arange(0.55, 0.65, 0.01)
     for side in (-0.1, 0.1):
@@ -71,7 +74,7 @@ def test_a_mark_across_a_weld_is_painted_on_both_plates() -> None:
         ).mean() > 0.2
 
 
-def test_a_structure_has_one_tone_on_both_plates() -> None:
+def test_structure_has_one_tone_on_both_plates() -> None:
     box = Item("box", PLATE_M[0], 0.6, 0.1, (0.4, 0.2))
     made = atlas((box,))
     plain = atlas()
@@ -94,7 +97,7 @@ def test_nothing_seen_is_nothing_painted() -> None:
 @pytest.mark.parametrize(
     "corner", [(0.0, 0.0), (-PLATE_M[0], -2 * PLATE_M[1]), (40 * PLATE_M[0], -9 * PLATE_M[1])]
 )
-def test_a_view_across_plates_is_each_plates_own(corner: tuple[float, float]) -> None:
+def test_view_across_plates_is_each_plates_own(corner: tuple[float, float]) -> None:
     """Also aft of the stern's zero and below the line of no girth."""
     made, eps = atlas(), 0.2
     along, girth = corner[0] + np.array([-eps, eps]), corner[1] + np.array([-eps, eps])

@@ -14,19 +14,19 @@ SQUARE = Mesh(
 )
 
 
-def test_a_ray_far_from_the_origin_hits_to_a_tenth_of_a_millimetre() -> None:
+def test_ray_far_from_origin_hits_to_tenth_of_millimetre() -> None:
     hits = Rays(SQUARE).cast(np.add(FAR, [0.3, 0.2, 1.5]), np.array([[0.0, 0.0, -1.0]]))
     np.testing.assert_allclose(hits.range_m, 1.5, atol=1e-4)
 
 
-def test_weights_give_the_point_back() -> None:
+def test_weights_give_point_back() -> None:
     origin = np.add(FAR, [0.3, 0.2, 1.5])
     hits = Rays(SQUARE).cast(origin, np.array([[0.0, 0.0, -1.0]]))
     point = (hits.weight[0][:, None] * SQUARE.vertices[SQUARE.faces[hits.face[0]]]).sum(0)
     np.testing.assert_allclose(point, np.add(FAR, [0.3, 0.2, 0.0]), atol=1e-4)
 
 
-def test_a_miss_is_infinite_and_has_a_face_that_can_be_indexed() -> None:
+def test_miss_is_infinite_and_has_face_that_can_be_indexed() -> None:
     hits = Rays(SQUARE).cast(np.add(FAR, [0.5, 0.5, 1.0]), np.array([[0.0, 0.0, 1.0]]))
     assert not hits.hit[0]
     assert hits.face[0] == 0

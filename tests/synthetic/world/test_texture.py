@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.synthetic.options import spec_from
+from hullrecon.synthetic.world.atlas import Atlas, paint_atlas
 from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.plate_atlas import paint_atlas
-from hullrecon.synthetic.world.texture import Atlas, value_noise
+from hullrecon.synthetic.world.texture import value_noise
 
 WINDOW = ((10.0, 11.5), (4.0, 5.0))
 
@@ -16,18 +16,18 @@ def atlas(items: tuple[Item, ...] = (), seed: int = 1) -> Atlas:
     return paint_atlas(spec_from(seed=seed), items, *WINDOW, 0.002)
 
 
-def test_noise_is_smooth_within_a_cell_and_unrelated_beyond() -> None:
+def test_noise_is_smooth_within_cell_and_unrelated_beyond() -> None:
     noise = value_noise(np.random.default_rng(0), (400, 400), 20.0)
     assert noise.shape == (400, 400)
     step = lambda k: np.abs(noise[:, k:] - noise[:, :-k]).mean()  # noqa: E731
     assert step(1) < 0.15 * step(40)
 
 
-def test_the_atlas_covers_its_window() -> None:
+def test_atlas_covers_its_window() -> None:
     assert atlas().image.shape == (500, 750, 3)
 
 
-def test_looking_up_a_texel_gives_its_colour() -> None:
+def test_looking_up_texel_gives_its_colour() -> None:
     made = atlas()
     row, column = np.array([[7, 300]]), np.array([[11, 600]])
     a = (10.0 + 0.002 * column).astype(np.float32)
@@ -62,7 +62,7 @@ def test_there_is_detail_at_every_scale() -> None:
         assert np.abs(np.diff(blocks, axis=0)).mean() > 2.5
 
 
-def test_what_is_not_seen_does_not_widen_the_look_up() -> None:
+def test_what_is_not_seen_does_not_widen_look_up() -> None:
     """A ray that misses the hull has no chart coordinates; OpenCV takes no image wider than 32,767
     pixels.
     """

@@ -74,7 +74,7 @@ FIRST = np.array([0, 1, 2, 4, 5, 6])
 SECOND = 2 * EACH - 1 - FIRST
 
 
-def test_links_of_one_true_place_confirm_each_other_whatever_the_path_says_between():
+def test_links_of_one_place_confirm_each_other():
     track = path()
     found = agreement(
         track, FIRST, SECOND, matched(track, FIRST, SECOND, shift=[2.5, -1.0, 0.3]), 0.2
@@ -83,7 +83,7 @@ def test_links_of_one_true_place_confirm_each_other_whatever_the_path_says_betwe
     assert not found.contradict.any()
 
 
-def test_a_link_to_another_place_is_contradicted_by_all_others():
+def test_link_to_another_place_is_contradicted_by_all_others():
     track = path()
     right, wrong = (matched(track, FIRST, SECOND, shift=[x, 0.0, 0.0]) for x in (0.0, 0.1))
     found = agreement(track, FIRST, SECOND, [*right[:3], wrong[3], *right[4:]], 0.2)
@@ -92,7 +92,7 @@ def test_a_link_to_another_place_is_contradicted_by_all_others():
     np.testing.assert_array_equal(largest_group(found.agree, np.arange(6)), [0, 1, 2, 4, 5])
 
 
-def test_links_say_nothing_of_each_other_where_the_path_between_them_is_not_known():
+def test_links_across_unknown_path_say_nothing_of_each_other():
     track = path()
     # the second link stays within the first piece
     first, second = np.array([0, 1]), np.array([14, 2])
@@ -101,7 +101,7 @@ def test_links_say_nothing_of_each_other_where_the_path_between_them_is_not_know
     assert not found.contradict.any()
 
 
-def test_composed_motions_have_the_covariance_of_drawn_ones():
+def test_composed_motions_have_covariance_of_drawn_ones():
     rng = np.random.default_rng(7)
     outer, inner = (
         exp([[0.4, -0.2, 0.9, 0.3, 0.1, -0.4]]).matrix()[0],
@@ -127,7 +127,7 @@ def test_composed_motions_have_the_covariance_of_drawn_ones():
     np.testing.assert_allclose(motion.covariance, found, atol=0.05 * np.abs(found).max())
 
 
-def test_the_largest_group_is_one_in_which_all_agree():
+def test_largest_group_is_one_in_which_all_agree():
     agree = np.zeros((7, 7), bool)
     for group in ([0, 1, 2, 3], [3, 4], [5, 6, 4]):
         agree[np.ix_(group, group)] = True
@@ -137,11 +137,11 @@ def test_the_largest_group_is_one_in_which_all_agree():
     assert len(largest_group(agree, np.zeros(0, np.int64))) == 0
 
 
-def test_links_that_share_an_image_count_once():
+def test_links_that_share_image_count_once():
     assert independent_links(np.array([0, 0, 1, 2]), np.array([8, 9, 9, 8])) == 2
     assert independent_links(np.arange(3), np.arange(3) + 5) == 3
 
 
-def test_an_extent_is_between_the_farthest_points():
+def test_extent_is_between_farthest_points():
     assert extent_m(np.array([[0, 0, 0], [3, 4, 0], [1, 1, 1.0]])) == 5.0
     assert extent_m(np.zeros((0, 3))) == 0.0

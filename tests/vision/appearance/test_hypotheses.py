@@ -58,13 +58,13 @@ def words(truth):
     return invert([np.floor(x / 0.4).astype(int) + np.arange(3) for x in truth], 200)
 
 
-def test_a_footprint_is_the_smaller_side_of_the_image():
+def test_footprint_is_smaller_side_of_image():
     assert footprint_m(np.array([1.0, 1.25, np.nan, 2.0]), CAMERA) == pytest.approx(
         1.25 * 512 / 640
     )
 
 
-def test_the_offset_of_scenes_is_that_of_their_middles_with_the_covariance_of_both():
+def test_offset_of_scenes_is_that_of_their_middles():
     track = path(between_m=2.0, off_m=0.7)
     offset, covariance = scene_offsets(track, np.array([0]), np.array([2 * EACH - 1]), DEPTHS)
     np.testing.assert_allclose(offset, [[-0.7, 0, 0]], atol=1e-12)
@@ -72,22 +72,22 @@ def test_the_offset_of_scenes_is_that_of_their_middles_with_the_covariance_of_bo
     assert largest_sigma(covariance)[0] == pytest.approx(2.0)
 
 
-def test_the_gate_is_of_the_path_and_of_the_scene():
+def test_gate_is_of_path_and_of_scene():
     offset = np.array([[3.9, 0, 0], [4.2, 0, 0], [0, 0.3, 0], [0, 2.0, 0]])
     covariance = np.tile(np.diag([1.0, 1e-4, 1e-4]), (4, 1, 1))
     assert may_be_one(offset, covariance, 0.2).tolist() == [True, False, True, False]
 
 
-def test_a_path_known_to_less_than_a_footprint_leaves_nothing_open():
+def test_path_known_to_less_than_footprint_leaves_nothing_open():
     assert open_places(path(between_m=0.3), ALL, DEPTHS, CAMERA) is None
     assert open_places(path(), ALL[:1], DEPTHS, CAMERA) is None
 
 
-def test_places_farther_apart_than_the_path_allows_are_not_open():
+def test_places_farther_apart_than_path_allows_are_not_open():
     assert open_places(path(between_m=1.5, off_m=60.0), ALL, DEPTHS, CAMERA) is None
 
 
-def test_between_two_pieces_all_is_open_and_within_one_it_is_known():
+def test_places_are_open_between_parts_and_known_within_one():
     found = open_places(path(), ALL, DEPTHS, CAMERA)
     open_between = found.of_keyframes(ALL, found.open)
     assert open_between[:EACH, EACH:].all()
@@ -99,7 +99,7 @@ def test_between_two_pieces_all_is_open_and_within_one_it_is_known():
     assert found.reach_m == pytest.approx((EACH - 1) * STEP_M)
 
 
-def test_the_pairs_compared_look_alike_and_lie_in_different_pieces():
+def test_pairs_compared_look_alike_and_lie_in_different_pieces():
     track, truth = path(), path().global_from_camera.translation[:, 0]
     found = open_places(track, ALL, DEPTHS, CAMERA)
     pairs, control = likeliest_pairs(track, ALL, DEPTHS, CAMERA, found, words(truth))
@@ -110,7 +110,7 @@ def test_the_pairs_compared_look_alike_and_lie_in_different_pieces():
     np.testing.assert_array_equal(pairs, np.unique(pairs, axis=0))
 
 
-def test_the_control_is_of_places_known_to_be_two_that_look_alike():
+def test_control_is_of_places_known_to_be_two_that_look_alike():
     track, truth = path(), path().global_from_camera.translation[:, 0]
     found = open_places(track, ALL, DEPTHS, CAMERA)
     _, control = likeliest_pairs(track, ALL, DEPTHS, CAMERA, found, words(np.mod(truth, 3.2)))
@@ -121,7 +121,7 @@ def test_the_control_is_of_places_known_to_be_two_that_look_alike():
     assert np.abs(gap - 3.2).min() < 0.3
 
 
-def test_an_outage_beside_a_station_makes_no_control_of_its_first_image(monkeypatch):
+def test_outage_next_to_station_makes_no_control_of_first_image(monkeypatch):
     """The station next to a keyframe may stand on the other side of the outage."""
     monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.STATIONS", 7)
     track, truth = path(), path().global_from_camera.translation[:, 0]
@@ -186,7 +186,7 @@ def test_one_part_is_asked_evenly():
     )
 
 
-def test_pairs_are_bounded_and_take_each_image_s_best_place_first(monkeypatch):
+def test_pairs_are_bounded_and_best_place_of_image_comes_first(monkeypatch):
     monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.MOST_PAIRS", 12)
     track, truth = path(), path().global_from_camera.translation[:, 0]
     found = open_places(track, ALL, DEPTHS, CAMERA)

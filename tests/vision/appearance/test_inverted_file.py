@@ -12,7 +12,7 @@ def scores(*words, size=8):
     return file.scores(np.arange(len(words)))
 
 
-def test_weights_are_term_frequency_times_inverse_document_frequency():
+def test_weights_are_term_times_inverse_document_frequency():
     """Word 0 in all images says nothing; word 1 in two of three, word 2 in one."""
     found = scores([0, 1, 1], [0, 1, 2], [0, 0])
     one, both = np.log(3), np.log(1.5)
@@ -29,18 +29,18 @@ def test_scores_are_symmetric_and_not_negative():
     assert (found >= 0).all()
 
 
-def test_images_that_share_a_rare_word_score_above_those_that_share_a_frequent_one():
+def test_shared_rare_word_scores_above_shared_frequent_word():
     found = scores([1, 5], [2, 5], [1, 6], [1, 7], [3, 4])
     assert found[0, 1] > found[0, 2] > found[0, 4] == 0
 
 
-def test_an_image_without_features_is_like_none():
+def test_image_without_features_is_like_none():
     found = scores([], [1, 2], [1, 3], [4])
     np.testing.assert_array_equal(found[0], 0.0)
     assert found[1, 2] > 0
 
 
-def test_only_the_images_asked_for_are_scored():
+def test_only_images_asked_for_are_scored():
     file = invert([np.array([k, k + 1]) for k in range(6)], 7)
     assert len(file) == 6
     np.testing.assert_allclose(file.scores(np.array([4, 1])), file.scores(np.arange(6))[[4, 1]])

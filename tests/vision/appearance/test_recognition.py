@@ -22,7 +22,7 @@ from vision.scene import camera_rig
 from vision.test_link_images import CAMERA, SEEN, KnowingMatcher, error_model, overlap, path_error_m
 
 from hullrecon.navigation.pose_graph.graph import PoseGraph
-from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
+from hullrecon.studies.scenes.ellipsoid_dive import measured_steps, reckoned
 from hullrecon.vision.appearance.recognition import Recognition, is_confirmed
 from hullrecon.vision.compared_pairs import ComparedPairs
 from hullrecon.vision.features.extraction import Features, root_sift
@@ -172,7 +172,7 @@ def closed(dive):
     return link(dive)
 
 
-def test_legs_that_the_rounds_cannot_tie_are_tied_by_how_they_look(dive, closed):
+def test_legs_that_rounds_cannot_tie_are_tied_by_how_they_look(dive, closed):
     before = link(dive, appearance=False)
     assert before.error_m > 1.0
     assert not (before.found.pairs.joined & before.found.pairs.across).any()
@@ -183,7 +183,7 @@ def test_legs_that_the_rounds_cannot_tie_are_tied_by_how_they_look(dive, closed)
     assert closed.found.path.part.max() == 0
 
 
-def test_the_rounds_go_on_from_the_straightened_path(closed):
+def test_rounds_go_on_from_straightened_path(closed):
     pairs, asked = closed.found.pairs, closed.found.appearance[0]
     number = int(
         pairs.round[
@@ -203,7 +203,7 @@ def test_what_was_asked_is_counted(closed):
     assert facts["control_matched"] == 0
 
 
-def test_a_dive_whose_drift_the_rounds_cover_learns_no_words_and_compares_the_same_pairs():
+def test_drift_within_reach_of_rounds_needs_no_recognition():
     short = dive_with_outage(np.zeros(3))
     with_it, without = (link(short, appearance=appearance) for appearance in (True, False))
     np.testing.assert_array_equal(with_it.found.pairs.first, without.found.pairs.first)
@@ -222,7 +222,7 @@ def test_on_paint_that_comes_again_nothing_is_taken(dive):
     assert not (found.found.pairs.joined & found.found.pairs.across).any()
 
 
-def test_places_that_confirm_more_than_one_path_are_refused_where_no_control_sees_it(
+def test_links_confirming_two_paths_are_refused_as_ambiguous(
     dive, monkeypatch
 ):
     monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.CONTROLS", 0)
@@ -231,7 +231,7 @@ def test_places_that_confirm_more_than_one_path_are_refused_where_no_control_see
     assert not asked.accepted.any()
 
 
-def test_a_link_that_nothing_confirms_is_not_taken(dive, monkeypatch):
+def test_link_that_nothing_confirms_is_not_taken(dive, monkeypatch):
     monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.MOST_PAIRS", 2)
     found = link(dive).found
     (asked,) = found.appearance
@@ -240,7 +240,7 @@ def test_a_link_that_nothing_confirms_is_not_taken(dive, monkeypatch):
     assert not (found.pairs.joined & found.pairs.across).any()
 
 
-def test_parts_too_short_to_show_whether_the_paint_comes_again_are_not_joined(dive, monkeypatch):
+def test_parts_too_short_for_a_control_are_not_joined(dive, monkeypatch):
     monkeypatch.setattr("hullrecon.vision.appearance.recognition.LEAST_REACH", 10.0)
     (asked,) = link(dive).found.appearance
     assert asked.counts["within_gate"] >= 3
@@ -254,7 +254,7 @@ def test_one_thing_that_looks_like_another_is_not_enough(dive, monkeypatch):
     assert asked.refusal == "too few images that look alike confirm each other"
 
 
-def test_links_that_agree_but_put_images_beside_each_other_that_do_not_match_are_undone(
+def test_links_are_undone_where_images_put_together_do_not_match(
     dive, monkeypatch
 ):
     """One thing seen from several sides that looks like another: all links agree, and what lies
@@ -271,7 +271,7 @@ def test_links_that_agree_but_put_images_beside_each_other_that_do_not_match_are
     np.testing.assert_array_equal(found.found.path.pose, before.found.path.pose)
 
 
-def test_a_place_beyond_the_sigma_of_the_path_is_no_hypothesis(dive):
+def test_place_beyond_sigma_of_path_is_no_hypothesis(dive):
     """The path says that the legs lie 40 m apart, to 3 m."""
     far = dive_with_outage(np.array([0.0, 40.0, 0.0]))
     assert link(far).found.appearance == ()
@@ -283,7 +283,7 @@ def across_outage(found):
 
 
 @pytest.mark.parametrize("rig_of", [1, 2])
-def test_neighbours_across_an_outage_are_not_believed_where_paint_comes_again(dive, rig_of):
+def test_matches_across_outage_rejected_where_paint_repeats(dive, rig_of):
     """The second leg begins one repetition beyond where the first ended: neighbours match and are 3
     m apart.
     """
@@ -299,7 +299,7 @@ def test_neighbours_across_an_outage_are_not_believed_where_paint_comes_again(di
 
 
 @pytest.mark.parametrize("rig_of", [1, 2])
-def test_neighbours_across_an_outage_tie_the_path_where_no_paint_comes_again(rig_of):
+def test_matches_across_outage_tie_path_where_no_paint_repeats(rig_of):
     """The vehicle is where it was when the images end."""
     again = dive_with_outage(blank=range(BLANK.start, 46))
     found = link(again, looking=TrustingMatcher, rig_of=rig_of)
@@ -309,7 +309,7 @@ def test_neighbours_across_an_outage_tie_the_path_where_no_paint_comes_again(rig
     assert found.found.appearance == ()
 
 
-def test_one_stretch_of_paint_that_comes_again_speaks_against_neighbours_that_no_long_part_bears_out(
+def test_one_look_alike_rejects_matches_without_a_long_part(
     dive, monkeypatch
 ):
     monkeypatch.setattr("hullrecon.vision.appearance.recognition.MAX_ALIKE", 1000)
@@ -353,7 +353,7 @@ def compared_pairs(matched, rounds):
     )
 
 
-def test_of_the_last_pairs_those_that_are_not_accepted_are_rejected():
+def test_of_last_pairs_those_that_are_not_accepted_are_rejected():
     pairs = compared_pairs([True, False, True, True, False, True], [0, 0, 0, 1, 1, 1])
     left = pairs.accepting(np.array([True, False, False]))
     assert left.rejected.tolist() == [False, False, False, False, False, True]
@@ -375,7 +375,7 @@ def test_links_are_borne_out_by_what_they_put_beside_each_other(taken, after, ri
     assert is_confirmed(pairs, 4) is right
 
 
-def test_a_refusal_keeps_the_first_reason():
+def test_refusal_keeps_first_reason():
     nothing = Proposal(
         first=np.zeros(1, int), second=np.ones(1, int), across=np.ones(1, bool), overlap=np.ones(1)
     )

@@ -18,7 +18,7 @@ def heaps(count, each, seed=3):
     return np.clip(noisy, 0, 255).astype(np.uint8), heap
 
 
-def test_descriptors_of_one_heap_are_one_word_and_those_of_two_are_two():
+def test_each_cluster_of_descriptors_is_one_word():
     descriptors, heap = heaps(6, 50)
     vocabulary = learn_vocabulary(descriptors, seed=1, branches=24)
     coarse_of = (
@@ -29,7 +29,7 @@ def test_descriptors_of_one_heap_are_one_word_and_those_of_two_are_two():
     assert len(set(coarse_of)) >= 6
 
 
-def test_a_word_is_the_nearest_of_its_branch():
+def test_word_is_nearest_of_its_branch():
     descriptors, _ = heaps(40, 30)
     vocabulary = learn_vocabulary(descriptors, seed=1, branches=6)
     words = vocabulary.words(descriptors)
@@ -40,7 +40,7 @@ def test_a_word_is_the_nearest_of_its_branch():
         assert words[row] == first + gap.argmin()
 
 
-def test_the_same_sample_and_seed_give_the_same_words_however_they_are_blocked(monkeypatch):
+def test_words_are_same_for_same_sample_and_seed_in_any_blocks(monkeypatch):
     descriptors, _ = heaps(20, 40)
     one = learn_vocabulary(descriptors, seed=5, branches=8)
     monkeypatch.setattr("hullrecon.vision.appearance.vocabulary.BLOCK", 7)
@@ -50,7 +50,7 @@ def test_the_same_sample_and_seed_give_the_same_words_however_they_are_blocked(m
     assert not np.array_equal(one.fine, learn_vocabulary(descriptors, seed=6, branches=8).fine)
 
 
-def test_centres_are_the_rounded_means_of_their_members():
+def test_centres_are_rounded_means_of_their_members():
     descriptors, _ = heaps(5, 60)
     vocabulary = learn_vocabulary(descriptors, seed=2, branches=5)
     squared = ((descriptors[:, None].astype(int) - vocabulary.coarse[None].astype(int)) ** 2).sum(2)
@@ -68,7 +68,7 @@ def test_few_descriptors_make_few_words_and_none_are_refused():
         learn_vocabulary(descriptors[:0], seed=1)
 
 
-def test_the_products_are_whole_numbers_that_float32_holds():
+def test_products_are_whole_numbers_that_float32_holds():
     brightest = np.zeros((2, 128), np.uint8)
     brightest[:, :4] = 255  # the longest that a descriptor of 512 can be
     words = learn_vocabulary(brightest, seed=1)

@@ -27,7 +27,7 @@ def test_bytes_become_vectors_of_unit_length():
     )
 
 
-def test_sparse_distances_equal_the_plain_ones(vectors):
+def test_sparse_distances_equal_plain_ones(vectors):
     a, b, _ = vectors
     rng = np.random.default_rng(2)
     first, second = rng.integers(20, size=1000), rng.integers(20, size=1000)
@@ -38,14 +38,14 @@ def test_sparse_distances_equal_the_plain_ones(vectors):
     )
 
 
-def test_full_search_finds_the_copy_of_each(vectors):
+def test_full_search_finds_copy_of_each(vectors):
     a, b, order = vectors
     found = best_of_all(a, b, 0.8, 0.75)
     np.testing.assert_array_equal(found.first, np.arange(20))
     np.testing.assert_array_equal(order[found.second], found.first)
 
 
-def test_full_search_equals_the_search_among_all_candidates(vectors):
+def test_full_search_equals_search_among_all_candidates(vectors):
     a, b, _ = vectors
     first, second = (m.ravel() for m in np.mgrid[0:20, 0:20])
     sparse = best_of_pairs(first, second, sparse_distance(a, b, first, second), 0.9, 1.0)
@@ -55,7 +55,7 @@ def test_full_search_equals_the_search_among_all_candidates(vectors):
     np.testing.assert_allclose(sparse.distance, dense.distance, atol=2e-3)
 
 
-def test_a_match_must_be_the_best_of_both_sides():
+def test_match_must_be_best_of_both_sides():
     found = best_of_pairs(
         np.array([0, 1]), np.array([5, 5]), np.array([0.3, 0.1], np.float32), 0.8, 1.0
     )
@@ -68,7 +68,7 @@ def test_two_like_candidates_are_ambiguous():
     assert len(best_of_pairs(first, second, np.array([0.30, 0.40], np.float32), 0.8, 1.0)) == 1
 
 
-def test_a_lone_candidate_must_be_close():
+def test_lone_candidate_must_be_close():
     one = np.array([0])
     assert len(best_of_pairs(one, one, np.array([0.7], np.float32), 0.8, 0.6)) == 0
     assert len(best_of_pairs(one, one, np.array([0.5], np.float32), 0.8, 0.6)) == 1

@@ -22,14 +22,14 @@ def blobs():
 
 
 @pytest.mark.parametrize("reduction", [1.0, 2.0])
-def test_a_spot_is_found_at_its_place_in_raw_pixels(blobs, reduction):
+def test_spot_is_found_at_its_place_in_raw_pixels(blobs, reduction):
     places, image = blobs
     found = extract(image, FeatureOptions(reduction=reduction, level_window=0.0))
     for place in places:
         assert np.linalg.norm(found.keypoints[:, :2] - place, axis=1).min() < 0.15
 
 
-def test_features_carry_the_colour_of_their_pixel(blobs):
+def test_features_carry_colour_of_their_pixel(blobs):
     places, image = blobs
     found = extract(image, FeatureOptions(level_window=0.0))
     k = int(np.linalg.norm(found.keypoints[:, :2] - places[1], axis=1).argmin())
@@ -37,7 +37,7 @@ def test_features_carry_the_colour_of_their_pixel(blobs):
     np.testing.assert_array_equal(found.color[k], image[v, u])
 
 
-def test_features_come_in_a_fixed_order_and_repeat_bit_for_bit(blobs):
+def test_features_come_in_fixed_order_and_repeat_bit_for_bit(blobs):
     first, second = (extract(blobs[1], FeatureOptions()) for _ in range(2))
     assert (np.diff(first.keypoints[:, 1]) >= 0).all()
     np.testing.assert_array_equal(first.keypoints, second.keypoints)
@@ -75,7 +75,7 @@ def features_of(image, window_px=10.0):
     return extract(image, FeatureOptions(level_window=window_px / image.shape[1])).keypoints
 
 
-def test_a_feature_stays_where_it_is_when_the_image_is_cut_elsewhere(texture):
+def test_feature_stays_where_it_is_when_image_is_cut_elsewhere(texture):
     image = texture.clip(0, 255).astype(np.uint8)
     shift, at = moved(features_of(image) - [24, 12, 0, 0], features_of(image[12:, 24:]))
     inside = (at[:, :2] > 50).all(axis=1)
@@ -83,7 +83,7 @@ def test_a_feature_stays_where_it_is_when_the_image_is_cut_elsewhere(texture):
     assert np.sqrt((shift[inside] ** 2).mean()) < 0.02  # 0.1 px where tiles are equalised apart
 
 
-def test_features_beside_the_border_are_not_drawn_to_it(texture):
+def test_features_beside_border_are_not_drawn_to_it(texture):
     image = texture.clip(0, 255).astype(np.uint8)
     shifts = []
     for side in range(4):
@@ -96,7 +96,7 @@ def test_features_beside_the_border_are_not_drawn_to_it(texture):
     assert abs(near.mean()) < 0.005  # 0.009 px, and 0.07 px rms, where none is left out
 
 
-def test_features_are_clear_of_where_the_levelling_leans_on_the_border(texture):
+def test_features_are_clear_of_where_levelling_leans_on_border(texture):
     image = texture.clip(0, 255).astype(np.uint8)
 
     def nearest(window_px):
@@ -107,7 +107,7 @@ def test_features_are_clear_of_where_the_levelling_leans_on_the_border(texture):
     assert nearest(16.0) >= 24
 
 
-def test_light_that_falls_off_to_one_side_does_not_draw_features_to_the_other(texture):
+def test_light_falling_off_does_not_draw_features(texture):
     lit = texture * np.exp((np.arange(400) - 200) / 600)
     shift, _ = moved(
         *(
@@ -118,26 +118,26 @@ def test_light_that_falls_off_to_one_side_does_not_draw_features_to_the_other(te
     assert abs(np.median(shift[:, 0])) < 0.008  # 0.015 px where the light is not followed
 
 
-def test_at_most_the_number_of_features_asked_for_is_kept():
+def test_at_most_number_of_features_asked_for_is_kept():
     noise = np.random.default_rng(1).integers(0, 255, (256, 256)).astype(np.uint8)
     assert len(extract(noise, FeatureOptions(max_features=100))) <= 102  # OpenCV keeps ties
 
 
-def test_an_image_without_texture_has_no_features_but_whole_arrays():
+def test_image_without_texture_has_no_features_but_whole_arrays():
     found = extract(np.full((64, 64, 3), 7, np.uint8), FeatureOptions())
     assert len(found) == len(no_features()) == 0
     assert found.descriptors.shape == (0, 128)
     assert found.color.shape == (0, 3)
 
 
-def test_a_grey_image_gets_grey_colours():
+def test_grey_image_gets_grey_colours():
     noise = np.random.default_rng(1).integers(0, 255, (128, 128)).astype(np.uint8)
     color = extract(noise, FeatureOptions()).color
     assert len(color) > 3
     assert (color == color[:, :1]).all()
 
 
-def test_root_sift_is_the_root_of_the_shares():
+def test_root_sift_is_root_of_shares():
     raw = np.zeros((1, 128), np.float32)
     raw[0, :2] = 3.0
     raw[0, 2:18] = 1.0  # sum 22: roots of 3/22 and 1/22, times 512
@@ -147,7 +147,7 @@ def test_root_sift_is_the_root_of_the_shares():
     assert not found[0, 18:].any()
 
 
-def test_a_share_beyond_a_byte_is_held_at_255():
+def test_share_beyond_byte_is_held_at_255():
     raw = np.zeros((1, 128), np.float32)
     raw[0, 0] = 9.0
     assert root_sift(raw)[0, 0] == 255

@@ -94,7 +94,7 @@ def test_what_is_described_twice_is_matched_once(rig, two, stereo, informed):
     )
 
 
-def test_the_two_cameras_of_a_node_match_a_place_once_and_all_its_rows_have_its_point(rig, two):
+def test_two_cameras_match_place_once_for_all_its_rows(rig, two):
     node = two[1][0]
     found = stereo_of_node(rig, node.top, node.bottom, PRIOR, OPTIONS)
     assert len(np.unique(node.top_id[found.top])) == len(found) > 150
@@ -106,7 +106,7 @@ def test_the_two_cameras_of_a_node_match_a_place_once_and_all_its_rows_have_its_
         np.testing.assert_array_equal(values[0::2], values[1::2])
 
 
-def test_a_place_whose_description_changes_along_the_way_is_one_landmark():
+def test_place_whose_description_changes_is_one_landmark():
     features, _ = described_twice(
         Features(
             np.float32([[10, 20, 3, 0.1], [90, 20, 3, 0.1]]),
@@ -130,7 +130,7 @@ def test_a_place_whose_description_changes_along_the_way_is_one_landmark():
     np.testing.assert_array_equal(tracks.node, [0, 1, 2])
 
 
-def test_of_the_matches_of_a_place_the_most_alike_is_kept():
+def test_of_matches_of_place_most_alike_is_kept():
     place = np.array([0, 0, 2, 3, 3])
     found = Putative(
         first=np.array([0, 1, 2, 4]),

@@ -9,7 +9,7 @@ def varied(n, seed=0):
     return root_sift(np.random.default_rng(seed).gamma(0.4, 1.0, (n, 128)).astype(np.float32))
 
 
-def test_an_image_without_features_or_with_one_again_and_again_says_nothing():
+def test_image_without_or_with_repeated_features_is_not_salient():
     assert local_saliency(np.zeros((0, 128), np.uint8)) == 0.0
     assert local_saliency(np.repeat(varied(1), 300, axis=0)) == 0.0
 
@@ -25,6 +25,6 @@ def test_varied_texture_scores_high_and_few_features_low():
     assert local_saliency(varied(8)) < 0.4
 
 
-def test_a_score_does_not_depend_on_the_order():
+def test_score_does_not_depend_on_order():
     some = varied(200)
     assert local_saliency(some) == local_saliency(some[::-1])

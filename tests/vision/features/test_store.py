@@ -38,7 +38,7 @@ def test_blocks_make_one_array_that_numpy_maps(tmp_path):
     )
 
 
-def test_an_array_of_no_rows_is_still_an_array(tmp_path):
+def test_array_of_no_rows_is_still_array(tmp_path):
     with GrowingArray(tmp_path / "a.npy", 128, np.uint8):
         pass
     assert np.load(tmp_path / "a.npy").shape == (0, 128)
@@ -52,7 +52,7 @@ def test_rows_of_another_width_are_refused(tmp_path):
         file.append(np.zeros((2, 3)))
 
 
-def test_a_closed_array_takes_no_rows(tmp_path):
+def test_closed_array_takes_no_rows(tmp_path):
     with pytest.raises(ValueError, match="open array"):
         GrowingArray(tmp_path / "a.npy", 4, np.float32).append(np.zeros((1, 4)))
 
@@ -71,7 +71,7 @@ def test_saliency_is_read_by_image(tmp_path):
     assert (store.saliency(1), store.saliency(-1)) == (0.5, 0.0)
 
 
-def test_a_store_pickles_to_its_path(tmp_path):
+def test_store_pickles_to_its_path(tmp_path):
     write(tmp_path, [2], 5)
     store = FeatureStore(tmp_path, Camera.TOP)
     store.read(0)
@@ -79,7 +79,7 @@ def test_a_store_pickles_to_its_path(tmp_path):
     assert (pickle.loads(pickle.dumps(store)).read(0).color == 5).all()
 
 
-def test_a_rewritten_artifact_is_read_anew(tmp_path):
+def test_rewritten_artifact_is_read_anew(tmp_path):
     write(tmp_path, [2], 5)
     assert (FeatureStore(tmp_path, Camera.TOP).read(0).color == 5).all()
     write(tmp_path, [4], 9)
@@ -88,6 +88,6 @@ def test_a_rewritten_artifact_is_read_anew(tmp_path):
     assert len(FeatureStore(tmp_path, Camera.TOP).read(0)) == 4
 
 
-def test_a_camera_whose_images_have_no_features_can_be_read(tmp_path):
+def test_camera_whose_images_have_no_features_can_be_read(tmp_path):
     write(tmp_path, [0, 0], 5)
     assert len(FeatureStore(tmp_path, Camera.TOP).read(1)) == 0

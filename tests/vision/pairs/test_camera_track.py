@@ -59,13 +59,13 @@ def track(trajectory, sigma=0.0, top_from_bottom=None, errors=None, bottom=()):
     return track_cameras(trajectory, errors, cameras(top_from_bottom), sigma, leads)
 
 
-def test_the_camera_stands_where_tray_and_mount_put_it():
+def test_camera_stands_where_tray_and_mount_put_it():
     found = track(path()).global_from_camera
     np.testing.assert_allclose(found.translation[3], [0.45, 0.3, 2.05], atol=1e-12)
     np.testing.assert_allclose(found.rotation.as_matrix()[3][:, 2], [1, 0, 0], atol=1e-12)
 
 
-def test_the_bottom_camera_stands_where_it_leads():
+def test_bottom_camera_stands_where_it_leads():
     found = track(
         path(3), top_from_bottom=from_rpy([0.0, 0.1, 0.0], [0, 0, 0]), bottom=[1]
     ).global_from_camera
@@ -73,7 +73,7 @@ def test_the_bottom_camera_stands_where_it_leads():
     np.testing.assert_allclose(found.translation[:, 2], [2.05, 2.15, 2.05])
 
 
-def test_a_relative_pose_is_as_uncertain_as_what_was_gained_between():
+def test_relative_pose_is_as_uncertain_as_error_gained_between():
     motion = track(path()).motion(2, 6)
     # the camera's x is starboard
     np.testing.assert_allclose(motion.second_from_first[:3, 3], [-0.4, 0, 0], atol=1e-12)
@@ -83,11 +83,11 @@ def test_a_relative_pose_is_as_uncertain_as_what_was_gained_between():
     np.testing.assert_allclose(np.diag(motion.covariance)[3:], WHITE_ROTATION_RAD**2)
 
 
-def test_the_order_of_the_two_nodes_does_not_make_a_variance_negative():
+def test_order_of_two_nodes_does_not_make_variance_negative():
     assert (np.linalg.eigvalsh(track(path()).motion(6, 2).covariance) > 0).all()
 
 
-def test_the_servos_backlash_turns_about_its_axis_alone():
+def test_servos_backlash_turns_about_its_axis_alone():
     motion = track(path(), sigma=0.01).motion(0, 1)
     gained = np.diag(motion.covariance)[3:] - WHITE_ROTATION_RAD**2
     # vehicle's y is the camera's x
@@ -119,7 +119,7 @@ def priors(made, trajectory):
     )
 
 
-def test_depth_comes_from_the_returns_of_neighbouring_nodes():
+def test_depth_comes_from_returns_of_neighbouring_nodes():
     found = priors(returns([2, 3, 4], [1.2, 1.3, 1.4]), path(30))
     assert found[3].mean == pytest.approx(1.3)
     assert found[3].nearest == pytest.approx(1.2 / RANGE_MARGIN, rel=0.01)
@@ -154,12 +154,12 @@ def normal_of(shift, rows=slice(None)):
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.4])
-def test_the_returns_give_the_surfaces_normal_in_the_cameras_axes(shift):
+def test_returns_give_surfaces_normal_in_cameras_axes(shift):
     # the camera's x is starboard, its z ahead
     want = np.array([-shift, 0.0, 1.0]) / np.hypot(shift, 1.0)
     np.testing.assert_allclose(normal_of(shift), want, atol=1e-9)
 
 
-def test_returns_on_a_line_have_no_normal():
+def test_returns_on_line_have_no_normal():
     assert normal_of(0.0, slice(0, 3)) is None
     assert normal_of(0.0, slice(0, 2)) is None

@@ -64,7 +64,7 @@ def test_right_links_are_kept(seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_wrong_link_among_right_ones_is_the_one_that_is_named(seed):
+def test_wrong_link_among_right_ones_is_one_that_is_named(seed):
     pairs, across = two_legs()
     wrong = int(np.random.default_rng(seed).choice(np.flatnonzero(across)))
     found = contradicted_links(links(pairs, seed, wrong=[wrong]), across)
@@ -81,7 +81,7 @@ def test_several_wrong_links_are_named_each(seed):
     assert np.flatnonzero(found).tolist() == wrong.tolist()
 
 
-def test_the_order_of_the_links_makes_no_difference():
+def test_order_of_links_makes_no_difference():
     pairs, across = two_legs()
     wrong = int(np.flatnonzero(across)[5])
     made, order = links(pairs, 3, wrong=[wrong]), np.random.default_rng(1).permutation(len(pairs))
@@ -92,14 +92,14 @@ def test_the_order_of_the_links_makes_no_difference():
     )
 
 
-def test_neighbours_along_the_dive_are_never_named():
+def test_neighbours_along_dive_are_never_named():
     """They are what holds the dive together: a wrong one is left to the graph."""
     pairs, across = two_legs()
     found = contradicted_links(links(pairs, 2, wrong=[3]), across)
     assert not found[~across].any()
 
 
-def test_a_link_in_no_cycle_is_not_judged():
+def test_link_in_no_cycle_is_not_judged():
     found = contradicted_links(
         links([(0, 1), (1, 2), (2, 3), (0, 3)], wrong=[3]), np.array([False, False, False, True])
     )
@@ -116,7 +116,7 @@ def test_one_cycle_that_fails_names_its_link_across_legs():
     assert not contradicted_links(links([(0, 1), (1, 2), (0, 2)]), across).any()
 
 
-def test_as_many_cycles_for_it_as_against_it_leave_a_link():
+def test_as_many_cycles_for_it_as_against_it_leave_link():
     """Nodes 0 and 9 are linked, both with 1 and with 2; the cycle over 1 closes, that over 2 does
     not, by the link 0-2.
     """
@@ -132,7 +132,7 @@ def test_as_many_cycles_for_it_as_against_it_leave_a_link():
     ]
 
 
-def test_a_cycle_fails_where_its_gap_is_beyond_its_sigma():
+def test_cycle_fails_where_its_gap_is_beyond_its_sigma():
     """Three links of 4 mrad and what is left out, 0.1 degrees each, let a cycle gap by some 31
     mrad.
     """
@@ -147,7 +147,7 @@ def test_a_cycle_fails_where_its_gap_is_beyond_its_sigma():
     assert (near[2], far[2]) == (False, True)
 
 
-def test_right_cycles_gap_as_a_chi_square_of_three():
+def test_right_cycles_gap_as_chi_square_of_three():
     """Of a thousand cycles of right links one may fail at 99.9 %."""
     pairs = np.array(
         [(3 * k + a, 3 * k + b) for k in range(1000) for a, b in ((0, 1), (1, 2), (0, 2))]
@@ -156,7 +156,7 @@ def test_right_cycles_gap_as_a_chi_square_of_three():
     assert found.sum() <= 5
 
 
-def test_a_sigma_that_differs_by_axis_is_carried_into_the_axes_of_the_cycle():
+def test_anisotropic_sigma_is_rotated_into_axes_of_cycle():
     """The first two links' errors lie about one axis each, known badly; a gap about these is no
     contradiction.
     """

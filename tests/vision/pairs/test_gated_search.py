@@ -9,7 +9,7 @@ def pairs(found):
     return set(zip(found[0].tolist(), found[1].tolist(), strict=True))
 
 
-def test_a_box_holds_what_is_near_in_both_directions():
+def test_box_holds_what_is_near_in_both_directions():
     wanted = np.array([[0.0, 0.0], [10.0, 10.0]])
     points = np.array([[0.9, -4.9], [1.1, 0.0], [0.0, 5.1], [10.0, 14.0]])
     assert pairs(in_box(wanted, np.array([1.0, 5.0]), points)) == {(0, 0), (1, 3)}
@@ -20,7 +20,7 @@ def test_places_that_are_not_known_pair_with_none():
     assert pairs(in_box(wanted, np.ones(2), np.array([[0.0, 0.0], [np.nan, 0.0]]))) == {(1, 0)}
 
 
-def test_ellipses_equal_the_plain_test_of_every_pair():
+def test_ellipses_equal_plain_test_of_every_pair():
     rng = np.random.default_rng(4)
     wanted, points = rng.uniform(0, 10, (30, 2)), rng.uniform(0, 10, (200, 2))
     root = rng.standard_normal((30, 2, 2)) * rng.choice([0.05, 0.3, 1.5], 30)[:, None, None]
@@ -32,7 +32,7 @@ def test_ellipses_equal_the_plain_test_of_every_pair():
     )
 
 
-def test_a_tilted_ellipse_leaves_out_the_corners_of_its_box():
+def test_tilted_ellipse_leaves_out_corners_of_its_box():
     covariance = np.array([[[1.0, 0.95], [0.95, 1.0]]])
     points = np.array([[2.0, 2.0], [2.0, -2.0]])
     assert pairs(in_ellipse(np.zeros((1, 2)), covariance, points, 9.21)) == {(0, 0)}

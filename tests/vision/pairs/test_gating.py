@@ -24,7 +24,7 @@ def look(motion, xy, depth):
     return seen[..., :2] / seen[..., 2:]
 
 
-def test_a_centimetre_sideways_is_a_centimetre_over_the_depth():
+def test_centimetre_sideways_is_centimetre_over_depth():
     exact = Motion(np.eye(4), np.diag([0.01**2, 0, 0, 0, 0, 0]))
     mean, covariance = transfer(exact, np.zeros((1, 2)), np.array([2.0]), np.zeros(1), 1e-6)
     np.testing.assert_allclose(mean, 0, atol=1e-12)
@@ -32,7 +32,7 @@ def test_a_centimetre_sideways_is_a_centimetre_over_the_depth():
     assert covariance[0, 1, 1] < 1e-10
 
 
-def test_depth_counts_through_the_baseline_alone():
+def test_depth_counts_through_baseline_alone():
     step = np.eye(4)
     step[0, 3] = 0.3
     spread = [
@@ -46,7 +46,7 @@ def test_depth_counts_through_the_baseline_alone():
     np.testing.assert_allclose(np.sqrt(spread[1][0, 0, 0]), 0.3 * 0.05 / 1.5**2, rtol=0.02)
 
 
-def test_the_ellipse_is_that_of_many_random_draws(motion):
+def test_ellipse_is_that_of_many_random_draws(motion):
     rng = np.random.default_rng(0)
     draw = rng.multivariate_normal(np.zeros(6), motion.covariance, 20_000)
     many = np.tile(motion.second_from_first, (len(draw), 1, 1))
@@ -66,24 +66,24 @@ def test_the_ellipse_is_that_of_many_random_draws(motion):
         )
 
 
-def test_a_feature_without_depth_is_nowhere(motion):
+def test_feature_without_depth_is_nowhere(motion):
     mean, _ = transfer(motion, XY, np.array([np.nan, 1.5, 1.2]), SIGMA, 0.001)
     assert np.isnan(mean[0]).all()
     assert np.isfinite(mean[1:]).all()
 
 
-def test_a_point_behind_the_second_camera_is_nowhere():
+def test_point_behind_second_camera_is_nowhere():
     turned = Motion(exp([[0, 0, 0, 0, np.pi, 0]]).matrix()[0], np.zeros((6, 6)))
     assert np.isnan(transfer(turned, XY, DEPTH, SIGMA, 0.001)[0]).all()
 
 
-def test_the_inverse_motion_brings_points_back(motion):
+def test_inverse_motion_brings_points_back(motion):
     np.testing.assert_allclose(
         motion.inverse().second_from_first @ motion.second_from_first, np.eye(4), atol=1e-12
     )
 
 
-def test_the_inverse_carries_the_covariance_as_random_draws_do(motion):
+def test_inverse_carries_covariance_as_random_draws_do(motion):
     rng = np.random.default_rng(1)
     small = Motion(motion.second_from_first, motion.covariance * 1e-4)
     draw = rng.multivariate_normal(np.zeros(6), small.covariance, 20_000)

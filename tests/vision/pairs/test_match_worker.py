@@ -59,7 +59,7 @@ def filled(worker, k):
     return MatchNode(image=bare.image, depth=PRIOR, stereo=worker.match_stereo(bare)[1])
 
 
-def test_work_on_a_node_survives_the_way_to_another_process(worker, nodes):
+def test_work_on_node_survives_way_to_another_process(worker, nodes):
     count, stereo = pickle.loads(pickle.dumps(worker.match_stereo))(
         MatchNode(image=(1, 1), depth=PRIOR, stereo=no_matches())
     )
@@ -67,7 +67,7 @@ def test_work_on_a_node_survives_the_way_to_another_process(worker, nodes):
     np.testing.assert_array_equal(nodes[1].top_id[stereo.top], nodes[1].bottom_id[stereo.bottom])
 
 
-def test_the_bottom_camera_leads_where_the_top_one_saw_nothing(tmp_path, rig):
+def test_bottom_camera_leads_where_top_one_saw_nothing(tmp_path, rig):
     """Be it that it has no image or that its image shows nothing."""
     index = {}
     for camera, count in (("top", (5, 0, 0)), ("bottom", (4, 6, 0))):
@@ -102,7 +102,7 @@ def test_the_bottom_camera_leads_where_the_top_one_saw_nothing(tmp_path, rig):
     assert not alone.bottom_leads(nodes).any()
 
 
-def test_a_block_gives_each_pair_what_it_gets_alone(worker, rig, nodes):
+def test_block_gives_each_pair_what_it_gets_alone(worker, rig, nodes):
     members = {k: filled(worker, k) for k in range(3)}
     pairs = [
         NodePair(
@@ -129,18 +129,18 @@ def test_a_block_gives_each_pair_what_it_gets_alone(worker, rig, nodes):
         np.testing.assert_array_equal(found.second, alone.second)
 
 
-def test_a_node_is_as_salient_as_the_image_that_leads(worker):
+def test_node_is_as_salient_as_image_that_leads(worker):
     assert worker.saliency(MatchNode(image=(0, 0), depth=PRIOR, stereo=no_matches())) == 0.8
     assert worker.saliency(MatchNode(image=(-1, 0), depth=PRIOR, stereo=no_matches())) == 0.6
     assert worker.saliency(MatchNode(image=(-1, -1), depth=PRIOR, stereo=no_matches())) == 0.0
 
 
-def test_a_node_without_an_image_has_nothing_to_match(worker):
+def test_node_without_image_has_nothing_to_match(worker):
     count, stereo = worker.match_stereo(MatchNode(image=(-1, -1), depth=None, stereo=no_matches()))
     assert (count, len(stereo)) == (0, 0)
 
 
-def test_a_mono_worker_reads_no_bottom_images(worker, nodes):
+def test_mono_worker_reads_no_bottom_images(worker, nodes):
     mono = MatchWorker(
         features=worker.features,
         rig=camera_rig(worker.rig.model(Camera.TOP)),

@@ -68,7 +68,7 @@ def test_two_stereo_nodes_give_right_matches_and_their_motion(rig, two, informed
     assert agrees(found, Motion(truth(first, second), 1e-12 * np.eye(6)), 40.0)
 
 
-def test_from_few_seeds_the_motion_is_that_of_the_matches_it_comes_with(rig, two, monkeypatch):
+def test_from_few_seeds_motion_is_that_of_matches_it_comes_with(rig, two, monkeypatch):
     """The first motion is so rough that the search along it misses some of what the second search
     finds.
     """
@@ -96,7 +96,7 @@ def test_from_few_seeds_the_motion_is_that_of_the_matches_it_comes_with(rig, two
     np.testing.assert_allclose(np.sqrt(np.diag(found.motion.covariance)), sigma, rtol=0.02)
 
 
-def test_one_stereo_node_and_one_mono_give_a_motion_with_its_length(rig, two):
+def test_one_stereo_and_one_mono_node_give_motion_with_length(rig, two):
     first, second = two
     for pair in (
         (stereo_view(rig, first), mono_view(rig, second)),
@@ -109,7 +109,7 @@ def test_one_stereo_node_and_one_mono_give_a_motion_with_its_length(rig, two):
 
 
 @pytest.mark.parametrize("informed", [True, False])
-def test_two_mono_nodes_give_a_direction_and_right_matches(rig, two, informed):
+def test_two_mono_nodes_give_direction_and_right_matches(rig, two, informed):
     first, second = two
     mono = camera_rig(rig.model(Camera.TOP))
     depth, prior = (PRIOR, expected(first, second)) if informed else (None, None)
@@ -133,7 +133,7 @@ def test_one_image_twice_has_no_direction_of_motion(rig, two):
     np.testing.assert_array_equal(found.first, found.second)
 
 
-def test_a_mono_motion_has_the_covariance_of_its_five_numbers(rig, two):
+def test_mono_motion_has_covariance_of_its_five_numbers(rig, two):
     first, second = two
     mono = camera_rig(rig.model(Camera.TOP))
     found = PairMatcher(mono, OPTIONS).match(
@@ -146,7 +146,7 @@ def test_a_mono_motion_has_the_covariance_of_its_five_numbers(rig, two):
     assert np.arccos(0.5 * (np.trace(gap) - 1)) < 0.01
 
 
-def test_a_mono_motion_in_another_direction_than_navigations_is_refused(rig, two):
+def test_mono_motion_against_navigation_is_refused(rig, two):
     """Navigation has the rotation right and is sure that the vehicle went down the image, not
     across it.
     """
@@ -172,7 +172,7 @@ def few_points(view, count):
 
 
 @pytest.mark.parametrize("count", [1, 5])
-def test_a_pair_with_too_few_stereo_points_is_matched_like_a_mono_pair(rig, two, count):
+def test_pair_with_few_stereo_points_is_matched_like_mono(rig, two, count):
     first, second = two
     views = few_points(stereo_view(rig, first), count), few_points(stereo_view(rig, second), count)
     found = PairMatcher(rig, OPTIONS).match(*views, expected(first, second), (1,), True)
@@ -181,7 +181,7 @@ def test_a_pair_with_too_few_stereo_points_is_matched_like_a_mono_pair(rig, two,
     assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.97
 
 
-def test_navigation_that_points_elsewhere_is_overruled_where_a_full_search_is_allowed(rig, two):
+def test_full_search_overrules_navigation_that_points_elsewhere(rig, two):
     first, second = two
     astray = expected(first, second, off=(0.4, 0.3, 0.0, 0.0, 0.0, 0.0))
     views = stereo_view(rig, first), stereo_view(rig, second)
@@ -205,7 +205,7 @@ def test_nodes_that_see_different_places_do_not_match(rig, look):
     assert len(found.first) == 0
 
 
-def test_an_image_without_features_is_named_as_such(rig, look):
+def test_image_without_features_is_named_as_such(rig, look):
     view, empty = (
         stereo_view(rig, look(HERE)),
         view_of_node(
@@ -220,7 +220,7 @@ def test_an_image_without_features_is_named_as_such(rig, look):
     )
 
 
-def test_a_lookalike_point_is_kept_apart_by_its_place(rig, wall, two):
+def test_lookalike_point_is_kept_apart_by_its_place(rig, wall, two):
     """Every descriptor occurs twice on the wall: only the place tells one from the other."""
     first, second = two
     for node in two:
@@ -233,14 +233,14 @@ def test_a_lookalike_point_is_kept_apart_by_its_place(rig, wall, two):
     assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.98
 
 
-def test_the_same_pair_gives_the_same_matches_twice(rig, two):
+def test_same_pair_gives_same_matches_twice(rig, two):
     views = [stereo_view(rig, node) for node in two]
     first, second = (PairMatcher(rig, OPTIONS).match(*views, None, (1, 2), True) for _ in range(2))
     np.testing.assert_array_equal(first.first, second.first)
     np.testing.assert_array_equal(first.motion.second_from_first, second.motion.second_from_first)
 
 
-def test_a_chain_of_stereo_pairs_adds_up_to_the_path(rig, look):
+def test_chain_of_stereo_pairs_adds_up_to_path(rig, look):
     nodes = [look([0.25 * k, 0.0, 0.02 * k, 0.0, 0.01 * k, 0.0], seed=k) for k in range(5)]
     found = follow_nodes(
         rig, range(5), lambda k: NodeFeatures(top=nodes[k].top, bottom=nodes[k].bottom)
@@ -251,12 +251,12 @@ def test_a_chain_of_stereo_pairs_adds_up_to_the_path(rig, look):
     np.testing.assert_allclose(path, nodes[4].pose.matrix()[0], atol=0.01)
 
 
-def test_every_reason_has_a_text():
+def test_every_reason_has_text():
     assert set(REASON_TEXTS) == set(Reason)
     assert REASON_TEXTS[Reason.AGAINST_NAVIGATION] == "inconsistent with navigation"
 
 
-def test_a_motion_without_a_length_has_five_sixths_of_the_chi2_of_one_with(rig, two):
+def test_motion_without_length_has_five_sixths_of_chi2(rig, two):
     """A rotation off by r sigma has the chi2 r^2 either way."""
     first, second = two
     known = Motion(truth(first, second), np.diag([0.02**2] * 3 + [0.01**2] * 3))

@@ -71,7 +71,7 @@ def turned_by(found):
     return np.linalg.norm(five(found)[:3])
 
 
-def test_wrong_matches_at_one_corner_do_not_turn_the_motion():
+def test_wrong_matches_at_one_corner_do_not_turn_motion():
     plain = [mono_motion.refine(UNIT, *with_wrong_ones(seed))[0] for seed in SEEDS]
     assert np.mean([turned_by(motion) for motion in plain]) > 0.06
     chosen = [
@@ -82,7 +82,7 @@ def test_wrong_matches_at_one_corner_do_not_turn_the_motion():
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_what_the_matches_say_of_the_motion_is_said_without_navigation(seed):
+def test_what_matches_say_of_motion_is_said_without_navigation(seed):
     own, covariance = mono_motion.refine(UNIT, *matches(seed=seed))
     for surer in (1.0, 0.01):
         found, chosen = mono_inliers.refine_on_inliers(
@@ -96,7 +96,7 @@ def test_what_the_matches_say_of_the_motion_is_said_without_navigation(seed):
         )
 
 
-def test_matches_that_are_left_out_widen_the_covariance():
+def test_matches_that_are_left_out_widen_covariance():
     first, second = matches()
     wrong = second.copy()
     wrong[:WRONG, 1] += 40 * SIGMA
@@ -107,14 +107,14 @@ def test_matches_that_are_left_out_widen_the_covariance():
 
 
 @pytest.mark.parametrize("prior", [None, navigation(1, 100 * KNOWN), Motion(np.eye(4), KNOWN)])
-def test_where_navigation_hardly_knows_the_motion_all_matches_count(prior):
+def test_where_navigation_hardly_knows_motion_all_matches_count(prior):
     found, covariance = mono_inliers.refine_on_inliers(UNIT, *with_wrong_ones(1), prior)
     expected, own = mono_motion.refine(UNIT, *with_wrong_ones(1))
     np.testing.assert_array_equal(found, expected)
     np.testing.assert_array_equal(covariance, own)
 
 
-def test_a_motion_is_well_known_by_its_rotation_and_by_its_direction_but_not_by_its_length():
+def test_motion_is_well_known_by_rotation_and_direction():
     length = float(np.linalg.norm(TRUE[:3, 3]))
     along = np.zeros((6, 6))
     along[:3, :3] = np.outer(UNIT[:3, 3], UNIT[:3, 3])
@@ -131,7 +131,7 @@ def test_a_motion_is_well_known_by_its_rotation_and_by_its_direction_but_not_by_
 @pytest.mark.parametrize(
     "prior", [Motion(ACROSS, KNOWN), Motion(ACROSS, 100 * KNOWN)], ids=["known", "hardly known"]
 )
-def test_a_bilge_is_not_made_flatter_by_the_inliers_of_a_plane(prior):
+def test_bilge_is_not_made_flatter_by_inliers_of_plane(prior):
     turns = {"plane": [], "gathered": []}
     for seed in range(10):
         of_plane, count, xy = motion_of_plane(seed, prior)

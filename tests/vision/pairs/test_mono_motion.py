@@ -44,12 +44,12 @@ def five(found, truth=UNIT):
     return np.concatenate([turn, mono_motion.tangent_basis(truth[:3, 3]).T @ found[:3, 3]])
 
 
-def test_without_noise_the_motion_is_found_from_a_guess_that_is_off():
+def test_without_noise_motion_is_found_from_guess_that_is_off():
     found, _ = mono_motion.refine(off((0.02, -0.01, 0.02), (0.0, 0.1, -0.1)), *matches(sigma=0.0))
     np.testing.assert_allclose(found, UNIT, atol=1e-7)
 
 
-def test_the_five_numbers_scatter_as_their_covariance_says():
+def test_five_numbers_scatter_as_their_covariance_says():
     errors, covariances = [], []
     for seed in range(200):
         found, covariance = mono_motion.refine(UNIT, *matches(seed=seed))
@@ -59,7 +59,7 @@ def test_the_five_numbers_scatter_as_their_covariance_says():
     np.testing.assert_allclose(np.std(errors, axis=0), predicted, rtol=0.2)
 
 
-def test_the_derivatives_are_those_of_the_distance():
+def test_derivatives_are_those_of_distance():
     first, second = matches(sigma=0.0)
     residual, jacobian = mono_motion.linearise(UNIT, first, second)
     np.testing.assert_allclose(residual, 0, atol=1e-12)
@@ -72,12 +72,12 @@ def test_the_derivatives_are_those_of_the_distance():
         np.testing.assert_allclose(jacobian[:, k], (plus - minus) / 2e-6, atol=1e-6)
 
 
-def test_twice_the_noise_is_twice_the_sigma():
+def test_twice_noise_is_twice_sigma():
     fine, coarse = (mono_motion.refine(UNIT, *matches(sigma=s))[1] for s in (SIGMA, 2 * SIGMA))
     np.testing.assert_allclose(np.sqrt(np.diag(coarse) / np.diag(fine)), 2, rtol=0.05)
 
 
-def test_a_vehicle_that_stood_still_has_no_direction():
+def test_vehicle_that_stood_still_has_no_direction():
     _, covariance = mono_motion.refine(UNIT, *matches(sigma=0.0, motion=np.eye(4)))
     assert np.sqrt(np.linalg.eigvalsh(covariance)[-2:]).min() > 0.5
     assert np.sqrt(np.linalg.eigvalsh(mono_motion.refine(UNIT, *matches())[1]).max()) < 0.02
@@ -85,7 +85,7 @@ def test_a_vehicle_that_stood_still_has_no_direction():
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("count", [60, 200, 1000])
-def test_noise_gives_no_direction_to_a_vehicle_that_stood_still(seed, count):
+def test_noise_gives_no_direction_to_vehicle_that_stood_still(seed, count):
     """Its matches move by their noise alone, which was once taken for information: a sigma of 0.03
     rad.
     """
@@ -101,7 +101,7 @@ def test_noise_gives_no_direction_to_a_vehicle_that_stood_still(seed, count):
         assert np.sqrt(np.linalg.eigvalsh(covariance)[:3]).max() < 0.03
 
 
-def test_the_noises_share_is_what_many_draws_show_and_does_not_depend_on_its_size():
+def test_noise_share_is_that_of_many_draws_at_any_size():
     """The information of matches that stand still, over many draws, is the share."""
     still = np.eye(4)
     still[:3, 3] = UNIT[:3, 3]
@@ -116,7 +116,7 @@ def test_the_noises_share_is_what_many_draws_show_and_does_not_depend_on_its_siz
         np.testing.assert_allclose(np.mean(found, axis=0), share, atol=0.05 * np.trace(share))
 
 
-def test_a_vehicle_that_moved_loses_no_information_by_it():
+def test_vehicle_that_moved_loses_no_information_by_it():
     motion, covariance = mono_motion.refine(UNIT, *matches())
     residual, jacobian = mono_motion.linearise(motion, *matches())
     plain = np.linalg.inv(mono_motion._information(jacobian, mono_motion._variance(residual)))
@@ -129,7 +129,7 @@ def test_a_vehicle_that_moved_loses_no_information_by_it():
     )
 
 
-def test_errors_that_neighbours_share_are_in_the_covariance():
+def test_errors_that_neighbours_share_are_in_covariance():
     """Each point found six times, with one error: six witnesses are one."""
     chi2 = []
     for seed in range(60):
@@ -141,12 +141,12 @@ def test_errors_that_neighbours_share_are_in_the_covariance():
 
 
 @pytest.mark.parametrize("direction", [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0], [0.6, 0, 0.8]])
-def test_the_tangent_basis_is_across(direction):
+def test_tangent_basis_is_across(direction):
     basis = np.column_stack([mono_motion.tangent_basis(np.array(direction)), direction])
     np.testing.assert_allclose(basis.T @ basis, np.eye(3), atol=1e-14)
 
 
-def test_the_length_is_navigations_and_as_uncertain():
+def test_length_is_navigations_and_as_uncertain():
     covariance = 1e-6 * np.eye(5)
     found = mono_motion.with_length(UNIT, covariance, Motion(TRUE, KNOWN))
     np.testing.assert_allclose(found.second_from_first, TRUE, atol=1e-12)
@@ -159,7 +159,7 @@ def test_the_length_is_navigations_and_as_uncertain():
     np.testing.assert_allclose(found.covariance[3:, 3:], 1e-6 * np.eye(3))
 
 
-def test_without_navigation_the_length_is_one_and_unknown():
+def test_without_navigation_length_is_one_and_unknown():
     found = mono_motion.with_length(UNIT, 1e-6 * np.eye(5), None)
     assert np.linalg.norm(found.second_from_first[:3, 3]) == pytest.approx(1)
     assert UNIT[:3, 3] @ found.covariance[:3, :3] @ UNIT[:3, 3] == pytest.approx(1)
@@ -172,7 +172,7 @@ def chi2(motion, prior=TRUE, covariance=KNOWN):
     )
 
 
-def test_the_true_motion_agrees_and_one_in_another_direction_does_not():
+def test_true_motion_agrees_other_direction_does_not():
     assert chi2(UNIT) == pytest.approx(0, abs=1e-9)
     across = mono_motion.tangent_basis(UNIT[:3, 3])[:, 0]
     assert chi2(off(shift=0.1 * across)) == pytest.approx((0.1 * LENGTH / 0.02) ** 2, rel=0.05)
@@ -182,17 +182,17 @@ def test_the_true_motion_agrees_and_one_in_another_direction_does_not():
     assert chi2(backwards) > 50
 
 
-def test_a_turn_counts_by_its_sigma():
+def test_turn_counts_by_its_sigma():
     assert chi2(off(turn=(0.05, 0, 0))) == pytest.approx(25, rel=0.01)
 
 
-def test_a_length_that_is_wrong_costs_nothing():
+def test_length_that_is_wrong_costs_nothing():
     longer = TRUE.copy()
     longer[:3, 3] *= 1.5
     assert chi2(UNIT, longer) == pytest.approx(0, abs=1e-9)
 
 
-def test_a_direction_says_little_where_the_vehicle_hardly_moved():
+def test_direction_says_little_where_vehicle_hardly_moved():
     short = TRUE.copy()
     short[:3, 3] *= 0.02
     backwards = UNIT.copy()
@@ -210,7 +210,7 @@ def plane_choices():
     return choices, truth, (first, second)
 
 
-def test_the_surfaces_normal_settles_the_motion_of_a_plane_whatever_navigation_says():
+def test_surface_normal_settles_motion_of_plane_over_navigation():
     """Navigation is that of the wrong one of the two, but the DVL saw the wall head-on."""
     choices, truth, seen = plane_choices()
     assert sorted(truth) == [False, True]
@@ -228,7 +228,7 @@ def off_length(motion):
     return out
 
 
-def test_without_a_normal_navigation_settles_it_by_direction_as_well_as_rotation():
+def test_without_normal_navigation_settles_motion_of_plane():
     """Two motions of one rotation: only the direction tells them apart."""
     across = mono_motion.tangent_basis(UNIT[:3, 3])[:, 0]
     choices = [PossibleMotion(off(shift=2 * across)), PossibleMotion(UNIT)]
@@ -238,6 +238,6 @@ def test_without_a_normal_navigation_settles_it_by_direction_as_well_as_rotation
     assert np.abs(five(off_length(found))).max() < 0.02
 
 
-def test_a_normal_says_nothing_about_an_essential_matrix():
+def test_normal_says_nothing_about_essential_matrix():
     found = mono_inliers.choose([PossibleMotion(UNIT)], matches(), None, (0.0, 0.0, 1.0))
     assert np.abs(five(found.second_from_first)).max() < 0.05

@@ -45,19 +45,19 @@ def views(points, noise=0.0, seed=1):
     ]
 
 
-def test_errors_are_zero_at_the_truth_both_ways(scene):
+def test_errors_are_zero_at_truth_both_ways(scene):
     for view in views(scene):
         np.testing.assert_allclose(
             pose_from_points.squared_errors(TRUTH[None], view), 0, atol=1e-20
         )
 
 
-def test_an_error_is_the_distance_in_the_image():
+def test_error_is_distance_in_image():
     view = image_view(np.array([[0.0, 0.0, 2.0]]), np.array([[0.03, -0.04]]), np.eye(4), False, 0.1)
     np.testing.assert_allclose(pose_from_points.squared_errors(np.eye(4)[None], view), [[0.05**2]])
 
 
-def test_a_point_behind_the_camera_is_infinitely_wrong_and_one_not_seen_counts_nothing():
+def test_point_behind_camera_is_infinite_error_unseen_is_none():
     points = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
     view = image_view(points, np.array([[0.0, 0.0], [np.nan, np.nan]]), np.eye(4), False, 0.1)
     np.testing.assert_array_equal(
@@ -65,7 +65,7 @@ def test_a_point_behind_the_camera_is_infinitely_wrong_and_one_not_seen_counts_n
     )
 
 
-def test_ransac_finds_the_motion_among_three_quarters_of_wrong_matches(scene):
+def test_ransac_finds_motion_among_three_quarters_outliers(scene):
     rng = np.random.default_rng(3)
     wrong = rng.permutation(200)[:150]
     seen = move(TRUTH, scene)
@@ -91,14 +91,14 @@ def test_two_points_are_too_few(scene):
     assert pose_from_points.ransac(scene[:2], scene[:2], views(scene[:2]), 0.01, 100, (1,)) is None
 
 
-def test_refinement_reaches_the_truth_from_a_rough_guess(scene):
+def test_refinement_reaches_truth_from_rough_guess(scene):
     start = TRUTH @ exp([[0.003, -0.002, 0.002, 0.001, 0.002, -0.001]]).matrix()[0]
     np.testing.assert_allclose(
         pose_from_points.refine(start, views(scene), 0.02)[0], TRUTH, atol=1e-9
     )
 
 
-def test_the_covariance_is_the_spread_over_many_noisy_scenes(scene):
+def test_covariance_is_spread_over_many_noisy_scenes(scene):
     found = [pose_from_points.refine(TRUTH, views(scene, 0.0005, seed), 0.02) for seed in range(40)]
     spread = np.std([motion[:3, 3] for motion, _ in found], axis=0)
     claimed = np.sqrt(np.mean([np.diag(c)[:3] for _, c in found], axis=0))
@@ -106,7 +106,7 @@ def test_the_covariance_is_the_spread_over_many_noisy_scenes(scene):
     assert (spread > 0.5 * claimed).all()
 
 
-def test_a_wrong_depth_is_forgiven_along_its_line_only(scene):
+def test_wrong_depth_is_forgiven_along_its_line_only(scene):
     # a depth off by 1 %: 13 mm, twice what a 0.1 m baseline leaves open at half a pixel
     deep = scene * 1.01
     along = image_view(deep, image(move(TRUTH, scene)), np.eye(4), False, 0.1)
@@ -118,7 +118,7 @@ def test_a_wrong_depth_is_forgiven_along_its_line_only(scene):
     assert off < 0.25 * off_if_stiff
 
 
-def test_resection_finds_the_pose_among_wrong_matches(scene):
+def test_resection_finds_pose_among_wrong_matches(scene):
     xy = image(move(TRUTH, scene))
     xy[:80] = xy[:80][::-1] + 0.05
     np.testing.assert_allclose(pose_from_points.resect(scene, xy, 0.004, 500), TRUTH, atol=1e-4)
@@ -128,7 +128,7 @@ def test_resection_needs_four_points(scene):
     assert pose_from_points.resect(scene[:3], image(scene[:3]), 0.01, 100) is None
 
 
-def test_rows_without_a_point_count_as_not_seen():
+def test_rows_without_point_count_as_not_seen():
     view = pose_from_points.hide_unknown_points(
         image_view(np.full((1, 3), np.nan), np.zeros((1, 2)), np.eye(4), False, 0.1)
     )

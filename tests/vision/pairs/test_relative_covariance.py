@@ -52,7 +52,7 @@ def relative(track, first, second):
     return track.errors.relative_covariance(np.array([first]), np.array([second]))[0]
 
 
-def test_two_nodes_on_either_side_of_the_start_are_apart_by_both_errors_of_scale():
+def test_nodes_on_either_side_of_start_share_no_scale_error():
     """Each is off by 1 % of 10 m, the other way; the difference of their covariances would be
     nothing.
     """
@@ -61,20 +61,20 @@ def test_two_nodes_on_either_side_of_the_start_are_apart_by_both_errors_of_scale
     np.testing.assert_allclose(found[:3, :3], np.diag([0.2**2, 0, 0]), atol=1e-15)
 
 
-def test_a_vehicle_that_comes_back_to_a_place_has_no_error_of_scale_there():
+def test_return_to_a_place_has_no_error_of_scale():
     poses = level([[10.0, 4.0, 0], [30.0, 4.0, 0], [10.0, 4.0, 0]])
     track = dead_reckoned(poses, model(3, by_scale(poses), [0.01]))
     np.testing.assert_allclose(relative(track, 0, 2), 0, atol=1e-15)
     assert relative(track, 0, 1)[0, 0] == pytest.approx(0.2**2)
 
 
-def test_a_heading_that_is_wrong_from_the_start_on_leaves_relative_poses_as_they_are():
+def test_constant_heading_error_leaves_relative_poses():
     poses = exp([[30.0, 5.0, 2.0, 0.1, 0.2, 0.3], [32.0, -4.0, 1.0, 0.0, -0.2, 1.3]])
     found = relative(dead_reckoned(poses, model(2, by_heading(2), [0.1])), 0, 1)
     np.testing.assert_allclose(found, 0, atol=1e-14)
 
 
-def test_a_turn_of_the_second_node_swings_the_first_about_it():
+def test_turn_of_second_node_swings_first_about_it():
     poses = level([[2.0, 0, 0], [0.0, 0, 0]])
     errors = by_heading(2)
     errors[0] = 0.0
@@ -82,7 +82,7 @@ def test_a_turn_of_the_second_node_swings_the_first_about_it():
     np.testing.assert_allclose(np.diag(found), [0, 0.02**2, 0, 0, 0, 0.01**2], atol=1e-15)
 
 
-def test_what_accumulated_between_two_nodes_counts_and_not_what_came_before():
+def test_errors_accumulated_between_nodes_count_alone():
     walk = np.zeros((5, 6, 6))
     walk[:, 0, 0] = [0.0, 1.0, 4.0, 5.0, 9.0]
     track = dead_reckoned(level(np.zeros((5, 3))), model(5, walk=walk))
@@ -96,7 +96,7 @@ def test_what_is_new_at_each_node_counts_twice():
     assert track.relative_sigma(np.array([0]), np.array([1]))[0] == pytest.approx(np.sqrt(2 / 3))
 
 
-def test_a_batch_gives_what_each_pair_gives_alone():
+def test_batch_gives_what_each_pair_gives_alone():
     rng = np.random.default_rng(2)
     track = dead_reckoned(
         exp(rng.normal(0, 1, (6, 6))), model(6, rng.normal(0, 1, (6, 6, 3)), [0.1, 0.2, 0.3])
@@ -133,7 +133,7 @@ def test_relative_poses_scatter_as_their_covariance_says():
     np.testing.assert_allclose(np.cov(error.T), predicted, atol=0.06 * predicted.max())
 
 
-def test_a_motion_adds_what_the_model_does_not_hold():
+def test_motion_adds_what_model_does_not_hold():
     motion = dead_reckoned(level([[1.0, 0, 0], [0, 0, 0]]), model(2)).motion(0, 1)
     np.testing.assert_allclose(motion.second_from_first[:3, 3], [1, 0, 0])
     np.testing.assert_allclose(

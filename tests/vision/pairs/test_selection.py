@@ -94,7 +94,7 @@ def pairs(proposal):
     return set(zip(proposal.first.tolist(), proposal.second.tolist(), strict=True))
 
 
-def test_overlap_is_the_share_of_the_image_that_is_seen_again():
+def test_overlap_is_share_of_image_that_is_seen_again():
     places = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 0.8], [0.25, 0.4]])
     found = footprint_overlap(track(places), np.zeros(4, int), np.arange(4), np.ones(4), CAMERA)
     np.testing.assert_allclose(found, [1.0, 0.5, 0.0, 0.375], atol=0.01)
@@ -109,13 +109,13 @@ def test_without_depth_no_overlap_is_claimed():
     ).all()
 
 
-def test_neighbours_along_the_dive_are_always_compared():
+def test_neighbours_along_dive_are_always_compared():
     found = neighbours(lawnmower(), MatchOptions(sequential=2, across=0))
     assert pairs(found) == {(k, k + s) for s in (1, 2) for k in range(22 - s)}
     assert not found.across.any()
 
 
-def test_nodes_of_two_legs_that_saw_the_same_place_are_compared():
+def test_nodes_of_two_legs_that_saw_same_place_are_compared():
     found = revisits(lawnmower(), MatchOptions(sequential=1, across=1))
     # opposite each other; at the turn the footprint is never left
     assert {(k, 21 - k) for k in range(7)} <= pairs(found)
@@ -124,12 +124,12 @@ def test_nodes_of_two_legs_that_saw_the_same_place_are_compared():
     assert found.across.all()
 
 
-def test_a_neighbour_that_was_never_lost_from_sight_is_not_across_a_leg():
+def test_neighbour_never_lost_from_sight_is_not_across():
     slow = np.column_stack([0.05 * np.arange(30), np.zeros(30)])
     assert pairs(revisits(slow, MatchOptions(sequential=1, across=3))) == set()
 
 
-def test_nodes_without_depth_on_the_way_do_not_make_a_neighbour_one_of_another_leg():
+def test_nodes_without_depth_do_not_make_neighbours_across():
     slow = lawnmower(step=0.05, leg=41)
     # a DVL that is slower than the camera
     depths = np.where(np.arange(len(slow)) % 5 < 3, np.nan, DEPTH)
@@ -141,7 +141,7 @@ def test_nodes_without_depth_on_the_way_do_not_make_a_neighbour_one_of_another_l
     assert all(a < 41 <= b for a, b in pairs(found))
 
 
-def test_legs_too_far_apart_are_compared_only_when_navigation_is_unsure():
+def test_distant_legs_are_compared_only_where_path_is_unsure():
     far = lawnmower(apart=0.9)
     assert pairs(revisits(far, MatchOptions(sequential=1), min_probability=0.05)) == set()
     assert (
@@ -149,7 +149,7 @@ def test_legs_too_far_apart_are_compared_only_when_navigation_is_unsure():
     )
 
 
-def test_the_less_probable_an_overlap_may_be_the_more_is_compared():
+def test_less_probable_overlap_may_be_more_is_compared():
     far, options = lawnmower(apart=0.9), MatchOptions(sequential=1, across=20)
     found = [
         pairs(revisits(far, options, sigma_m=0.6, min_probability=p)) for p in (0.5, 0.2, 0.05)
@@ -157,7 +157,7 @@ def test_the_less_probable_an_overlap_may_be_the_more_is_compared():
     assert found[0] < found[1] < found[2]
 
 
-def test_what_was_compared_is_not_proposed_again_nor_does_it_make_room_for_others():
+def test_compared_pair_is_not_proposed_again_nor_replaced():
     options = MatchOptions(sequential=1, across=1)
     first = revisits(lawnmower(), options)
     again = revisits(lawnmower(), options, compared=first.first * 22 + first.second)
@@ -167,7 +167,7 @@ def test_what_was_compared_is_not_proposed_again_nor_does_it_make_room_for_other
     assert pairs(half) == {pair for k, pair in enumerate(sorted(pairs(first))) if k % 2}
 
 
-def test_on_a_tied_path_all_that_overlap_by_thirty_percent_are_compared():
+def test_on_tied_path_all_overlapping_by_30_percent_are_compared():
     """Two nodes of these legs share 0.62 of their images opposite each other, 0.39 two steps along,
     0.23 three.
     """
@@ -180,13 +180,13 @@ def test_on_a_tied_path_all_that_overlap_by_thirty_percent_are_compared():
     assert pairs(found) - pairs(revisits(at, MatchOptions(across=1)))
 
 
-def test_legs_that_overlap_by_less_are_left_to_the_rounds_before():
+def test_legs_that_overlap_by_less_are_left_to_rounds_before():
     at = lawnmower(apart=0.6)
     assert len(revisits(at)) > 0
     assert len(overlapping(at)) == 0
 
 
-def test_a_pair_that_overlaps_where_the_path_is_but_is_not_known_to_is_not_among_them():
+def test_overlap_that_is_not_probable_is_not_proposed():
     assert len(overlapping(lawnmower(), sigma_m=0.1)) > 0
     assert not any(a == 0 for a, _ in pairs(overlapping(lawnmower(), sigma_m=3.0)))
 
@@ -198,7 +198,7 @@ def test_no_node_is_compared_with_more_than_so_many_that_overlap():
     assert len(overlapping(lawnmower(), MatchOptions(revisits=0))) == 0
 
 
-def test_an_overlap_that_was_compared_is_not_proposed_again():
+def test_overlap_that_was_compared_is_not_proposed_again():
     found = overlapping(lawnmower())
     assert len(overlapping(lawnmower(), compared=found.first * 22 + found.second)) == 0
 
@@ -210,7 +210,7 @@ def test_without_depth_only_neighbours_are_compared():
     assert len(revisits(lawnmower(), MatchOptions(sequential=1), depth=np.nan)) == 0
 
 
-def test_a_node_without_image_is_stepped_over():
+def test_node_without_image_is_stepped_over():
     usable = np.ones(22, bool)
     usable[5] = False
     found = neighbours(lawnmower(), MatchOptions(sequential=1), usable=usable)
@@ -219,12 +219,12 @@ def test_a_node_without_image_is_stepped_over():
     assert not any(5 in pair for pair in pairs(found))
 
 
-def test_a_hovering_vehicle_leaves_few_keyframes():
+def test_hovering_vehicle_leaves_few_keyframes():
     hover = np.concatenate([lawnmower()[:5], np.tile(lawnmower()[5], (20, 1)), lawnmower()[6:]])
     assert len(keyframes_of(hover)) == 22
 
 
-def test_only_the_keyframes_given_are_compared_across_legs():
+def test_only_keyframes_given_are_compared_across_legs():
     salient = np.setdiff1d(np.arange(22), [3])
     found = revisits(lawnmower(), MatchOptions(sequential=1, across=2), keyframes=salient)
     assert len(found) > 0
@@ -289,7 +289,7 @@ def drawn_probability(poses, covariance, min_overlap, draws=4000):
 
 @pytest.mark.parametrize("apart", [(0.2, 0.0), (0.8, 0.1), (0.9, 0.6), (1.6, 0.3)])
 @pytest.mark.parametrize("sigmas", [(0.05, 0.01), (0.3, 0.02), (0.8, 0.05)])
-def test_the_probability_of_overlap_is_that_of_drawn_poses(apart, sigmas):
+def test_probability_of_overlap_is_that_of_drawn_poses(apart, sigmas):
     """36 points stand for the shift of the scene's middle, none of them beyond 1.4 sigma; its turn
     is left out.
     """
@@ -302,7 +302,7 @@ def test_the_probability_of_overlap_is_that_of_drawn_poses(apart, sigmas):
     assert found == pytest.approx(drawn_probability(poses, covariance, 0.15), abs=0.13)
 
 
-def test_a_pose_without_error_overlaps_or_does_not():
+def test_pose_without_error_overlaps_or_does_not():
     places = np.array([[0.0, 0.0], [0.5, 0.0], [0.95, 0.0], [0.0, 0.5]])
     found = overlap_probability(
         track(places), np.zeros(4, int), np.arange(4), np.full(4, DEPTH), CAMERA, 0.3

@@ -70,18 +70,18 @@ def whitened_rms(found):
     return np.sqrt(np.mean(chi2))
 
 
-def test_without_noise_the_motion_is_found_from_a_guess_that_is_off():
+def test_without_noise_motion_is_found_from_guess_that_is_off():
     start = MOTION @ exp([[0.003, -0.002, 0.002, 0.001, 0.002, -0.001]]).matrix()[0]
     np.testing.assert_allclose(
         adjust(both_nodes(noise=0.0), start).second_from_first, MOTION, atol=1e-8
     )
 
 
-def test_the_motions_of_many_noisy_pairs_scatter_as_their_covariance_says():
+def test_motions_of_noisy_pairs_scatter_as_covariance_says():
     assert 0.9 < whitened_rms([adjust(both_nodes(seed)) for seed in range(60)]) < 1.12
 
 
-def test_errors_that_neighbours_share_are_in_the_covariance():
+def test_errors_that_neighbours_share_are_in_covariance():
     """Each point found six times, at the scales and orientations of one blob, with one error: six
     witnesses are one.
     """
@@ -100,7 +100,7 @@ def test_wrong_matches_do_not_move_it():
     assert (np.sqrt(np.diag(found.covariance)) < 1.5 * sigma).all()
 
 
-def test_features_that_one_camera_of_a_node_missed_count_for_less():
+def test_features_that_one_camera_of_node_missed_count_for_less():
     first, second = both_nodes()
     whole = adjust((first, second))
     second.other[:], second.point[:] = np.nan, np.nan
@@ -112,7 +112,7 @@ def test_features_that_one_camera_of_a_node_missed_count_for_less():
     assert chi2 < 25
 
 
-def test_points_of_the_second_node_alone_will_do():
+def test_points_of_second_node_alone_will_do():
     first, second = both_nodes()
     first.other[:], first.point[:] = np.nan, np.nan
     found = adjust((first, second))
@@ -126,7 +126,7 @@ def test_without_stereo_points_there_is_no_motion():
     assert adjust((first, second)) is None
 
 
-def test_a_point_behind_every_camera_says_nothing():
+def test_point_behind_every_camera_says_nothing():
     """As a wrong stereo match gives, or a step that takes it there: it ended the run, for its
     information is nil.
     """
@@ -146,7 +146,7 @@ def test_where_points_lie_behind_every_camera_there_is_no_motion():
 
 
 @pytest.mark.parametrize("axis", range(6))
-def test_an_error_of_the_rig_moves_the_motion_as_its_derivative_says(axis):
+def test_error_of_rig_moves_motion_as_its_derivative_says(axis):
     step = np.zeros(6)
     step[axis] = 2e-4
     turned = Rotation.from_rotvec(step[3:]) * TOP_FROM_BOTTOM.rotation
@@ -161,7 +161,7 @@ def test_an_error_of_the_rig_moves_the_motion_as_its_derivative_says(axis):
     )
 
 
-def test_independent_errors_inflate_nothing_and_shared_ones_by_their_number():
+def test_shared_errors_inflate_by_number_independent_by_one():
     rng = np.random.default_rng(3)
     cell = np.repeat(np.arange(200), 4)
     jacobian = rng.standard_normal((800, 5))
@@ -214,7 +214,7 @@ def disparity_error(nodes, coefficients):
     return [seen(node) for node in nodes]
 
 
-def test_an_error_of_the_disparity_is_seen_by_its_slope():
+def test_error_of_disparity_is_seen_by_its_slope():
     """A motion cannot take up a depth that changes over the image."""
     slope = 6e-4 * np.eye(6)[1]
     found = adjust(disparity_error(both_nodes(points=wall(2000)), slope))
@@ -227,7 +227,7 @@ def test_an_error_of_the_disparity_is_seen_by_its_slope():
     assert abs(abs(estimate[1]) - 6e-4) < 4 * sigma
 
 
-def test_a_sound_calibration_shows_no_error_of_the_disparity():
+def test_sound_calibration_shows_no_error_of_disparity():
     evidence = adjust(both_nodes()).calibration
     covariance = np.linalg.inv(evidence.information[6:, 6:] + np.eye(6) * 1e-2**-2)
     estimate = -covariance @ evidence.gradient[6:]
@@ -235,7 +235,7 @@ def test_a_sound_calibration_shows_no_error_of_the_disparity():
 
 
 @pytest.mark.parametrize("term", range(6))
-def test_an_error_of_the_disparity_moves_the_motion_as_its_derivative_says(term):
+def test_error_of_disparity_moves_motion_as_its_derivative_says(term):
     field = 5e-5 * np.eye(6)[term]
     sound, off = adjust(both_nodes()), adjust(disparity_error(both_nodes(), field))
     moved = error(off.second_from_first, sound.second_from_first)
@@ -244,7 +244,7 @@ def test_an_error_of_the_disparity_moves_the_motion_as_its_derivative_says(term)
     np.testing.assert_allclose(sign * moved, expected, atol=0.1 * np.abs(expected).max() + 2e-6)
 
 
-def test_the_evidence_is_symmetric_and_not_negative():
+def test_evidence_is_symmetric_and_not_negative():
     information = adjust(both_nodes()).calibration.information
     np.testing.assert_allclose(
         information, information.T, rtol=1e-6, atol=1e-3 * np.abs(information).max() * 1e-6

@@ -31,7 +31,7 @@ def scene(relief_m, n=100, sigma_px=1.0, seed=0):
     ("count", "plane", "general"),
     [(10, 72, 80), (50, 232, 320), (100, 432, 620), (500, 2032, 3020)],
 )
-def test_penalties_are_those_of_the_source(count, plane, general):
+def test_penalties_are_those_of_source(count, plane, general):
     assert two_view.criterion(np.zeros(count), 2, 8) == plane
     assert two_view.criterion(np.zeros(count), 3, 5) == general
 
@@ -40,13 +40,13 @@ def test_one_outlier_cannot_decide():
     assert two_view.criterion(np.array([1e6]), 2, 8) == 4 + 4 + 32
 
 
-def test_a_flat_wall_is_a_homography_and_a_rough_one_is_not():
+def test_flat_wall_is_homography_and_rough_one_is_not():
     assert two_view.fit(*scene(0.0), 2 / FOCAL).model == "homography"
     assert two_view.fit(*scene(0.2), 2 / FOCAL).model == "essential"
 
 
 @pytest.mark.parametrize("relief_m", [0.0, 0.2])
-def test_the_model_of_the_smaller_criterion_is_chosen(relief_m):
+def test_model_of_smaller_criterion_is_chosen(relief_m):
     first, second = scene(relief_m)
     both, found = (
         two_view.fit_both(first, second, 2 / FOCAL),
@@ -58,14 +58,14 @@ def test_the_model_of_the_smaller_criterion_is_chosen(relief_m):
     np.testing.assert_array_equal(found.inlier, better.squared_error < (2 / FOCAL) ** 2)
 
 
-def test_the_true_motion_has_no_sampson_error():
+def test_true_motion_has_no_sampson_error():
     first, second = scene(0.2, sigma_px=0.0)
     np.testing.assert_allclose(
         two_view.sampson_squared(two_view.essential_of(MOTION), first, second), 0, atol=1e-20
     )
 
 
-def test_the_sampson_error_is_the_distance_to_the_nearest_pair_that_fits():
+def test_sampson_error_is_distance_to_nearest_pair_that_fits():
     sideways = np.eye(4)
     sideways[0, 3] = 1.0  # epipolar lines are rows: a gap of 0.02 is shared by both images
     error = two_view.sampson_squared(
@@ -75,7 +75,7 @@ def test_the_sampson_error_is_the_distance_to_the_nearest_pair_that_fits():
 
 
 @pytest.mark.parametrize("relief_m", [0.0, 0.2])
-def test_the_motion_is_recovered_up_to_its_length(relief_m):
+def test_motion_is_recovered_up_to_its_length(relief_m):
     first, second = scene(relief_m, n=300, sigma_px=0.1)
     found = two_view.fit(first, second, 1.5 / FOCAL)
     motions = [p.motion for p in two_view.motions_of(found, first, second)]

@@ -62,7 +62,7 @@ def view_of(top, bottom):
 
 
 @pytest.mark.parametrize("quality", [95, 80])
-def test_a_camera_that_sends_noise_leaves_the_lead_to_the_one_that_sees(ground, quality):
+def test_camera_that_sends_noise_leaves_lead_to_one_that_sees(ground, quality):
     views = [view_of(dark(k, quality), ground(40 * k, 100)) for k in range(2)]
     assert [view.camera for view in views] == [Camera.BOTTOM] * 2
     found = PairMatcher(RIG, OPTIONS).match(*views, None, (1, 0, 1), True)
@@ -70,7 +70,7 @@ def test_a_camera_that_sends_noise_leaves_the_lead_to_the_one_that_sees(ground, 
 
 
 @pytest.mark.parametrize("quality", [95, 80])
-def test_what_noise_has_in_common_with_an_image_is_no_depth(ground, quality):
+def test_what_noise_has_in_common_with_image_is_no_depth(ground, quality):
     top = ground(0, 100)
     view = view_of(top, dark(3, quality))
     assert view.camera is Camera.TOP
@@ -78,7 +78,7 @@ def test_what_noise_has_in_common_with_an_image_is_no_depth(ground, quality):
     assert (view.depth == PRIOR.mean).all()
 
 
-def test_two_cameras_that_see_have_depths_and_the_top_one_leads(ground):
+def test_two_cameras_that_see_have_depths_and_top_one_leads(ground):
     top, bottom = ground(0, 100), ground(0, 164)
     view = view_of(top, bottom)
     assert view.camera is Camera.TOP
@@ -86,7 +86,7 @@ def test_two_cameras_that_see_have_depths_and_the_top_one_leads(ground):
     assert np.median(view.depth) == pytest.approx(1.0, abs=0.01)
 
 
-def test_a_camera_that_sees_less_leads_as_long_as_both_see_the_same(ground):
+def test_camera_that_sees_less_leads_as_long_as_both_see_same(ground):
     bottom = ground(0, 164)
     top = extract(np.zeros((512, 640), np.uint8), FeatureOptions())
     assert view_of(top, bottom).camera is Camera.BOTTOM

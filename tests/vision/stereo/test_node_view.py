@@ -29,7 +29,7 @@ def test_stereo_matches_are_one_point_and_triangulate_to_it(rig, wall, look):
     assert np.median(np.abs(found.point - truth)[:, 2]) < 0.005
 
 
-def test_a_match_beyond_the_depths_that_the_dvl_allows_is_refused(rig, look):
+def test_match_beyond_depths_that_dvl_allows_is_refused(rig, look):
     node = look([0, 0, 0, 0, 0, 0])
     assert (
         len(
@@ -45,13 +45,13 @@ def test_a_match_beyond_the_depths_that_the_dvl_allows_is_refused(rig, look):
     )
 
 
-def test_a_match_off_its_column_is_refused(rig, look):
+def test_match_off_its_column_is_refused(rig, look):
     node = look([0, 0, 0, 0, 0, 0])
     node.bottom.keypoints[:, 0] += 5
     assert len(stereo_of_node(rig, node.top, node.bottom, PRIOR, OPTIONS)) < 10
 
 
-def test_a_mono_rig_or_a_lost_image_has_no_stereo(rig, look):
+def test_mono_rig_or_lost_image_has_no_stereo(rig, look):
     node = look([0, 0, 0, 0, 0, 0])
     assert (
         len(
@@ -64,7 +64,7 @@ def test_a_mono_rig_or_a_lost_image_has_no_stereo(rig, look):
     assert len(stereo_of_node(rig, node.top, no_features(), PRIOR, OPTIONS)) == 0
 
 
-def test_a_depth_like_none_of_its_neighbours_is_dropped():
+def test_depth_like_none_of_its_neighbours_is_dropped():
     u, v = np.meshgrid(np.linspace(-0.4, 0.4, 12), np.linspace(-0.3, 0.3, 12))
     xy = np.column_stack([u.ravel(), v.ravel()])
     depth = 1.3 + 0.1 * xy[:, 0] + 0.002 * np.random.default_rng(0).standard_normal(144)
@@ -94,7 +94,7 @@ def test_features_take_their_own_depth_or_their_neighbours(rig, wall, look):
     np.testing.assert_array_equal(np.flatnonzero(view.stereo), np.sort(half.top))
 
 
-def test_without_stereo_the_dvl_gives_the_depth_and_without_dvl_nothing_does(rig, look):
+def test_without_stereo_dvl_gives_depth_without_dvl_none(rig, look):
     node = look([0, 0, 0, 0, 0, 0])
     by_dvl = view_of_node(
         rig, NodeFeatures(top=node.top, bottom=no_features(), stereo=no_matches()), PRIOR, 0.4
@@ -108,7 +108,7 @@ def test_without_stereo_the_dvl_gives_the_depth_and_without_dvl_nothing_does(rig
     ).all()
 
 
-def test_the_bottom_camera_leads_where_the_top_has_no_image(rig, look):
+def test_bottom_camera_leads_where_top_has_no_image(rig, look):
     node = look([0, 0, 0, 0, 0, 0])
     view = view_of_node(
         rig, NodeFeatures(top=no_features(), bottom=node.bottom, stereo=no_matches()), PRIOR, 0.4

@@ -15,7 +15,7 @@ POINTS = np.array([[0.1, -0.2, 1.5], [-0.4, 0.3, 1.1], [0.0, 0.0, 4.0]])
 @pytest.mark.parametrize(
     "baseline", [[0.0, 0.1, 0.0], [0.3, 0.02, -0.03], [-0.3, 0.0, 0.0], [0.01, -0.2, 0.0]]
 )
-def test_a_point_lies_on_one_column_whatever_way_the_rig_is_built(baseline):
+def test_point_lies_on_one_column_whatever_way_rig_is_built(baseline):
     top_from_bottom = from_rpy(baseline, [0.02, -0.03, 0.05])
     turned = rectify(top_from_bottom)
     below = top_from_bottom.inverse().apply(POINTS)
@@ -28,18 +28,18 @@ def test_a_point_lies_on_one_column_whatever_way_the_rig_is_built(baseline):
     np.testing.assert_allclose(triangulate(turned, top, bottom), POINTS, atol=1e-10)
 
 
-def test_the_disparity_is_the_baseline_over_the_depth():
+def test_disparity_is_baseline_over_depth():
     turned = rectify(from_rpy([0.0, 0.1, 0.0], [0.0, 0.0, 0.0]))
     np.testing.assert_allclose(turned.disparity(2.0), 0.05)
     np.testing.assert_allclose(turned.rotation_top, np.eye(3), atol=1e-15)
 
 
-def test_a_point_with_no_disparity_has_no_depth():
+def test_point_with_no_disparity_has_no_depth():
     turned = rectify(from_rpy([0.0, 0.1, 0.0], [0.0, 0.0, 0.0]))
     assert np.isnan(triangulate(turned, np.zeros((1, 2)), np.zeros((1, 2)))).all()
 
 
-def test_a_ray_that_points_backwards_after_the_turn_is_nan():
+def test_ray_that_points_backwards_after_turn_is_nan():
     # a horizontal rig is turned by 90 degrees about z
     turned = rectify(from_rpy([0.1, 0.0, 0.0], [0.0, 0.0, 0.0]))
     assert np.isfinite(turned.rectify_top(np.array([[0.5, 0.5]]))).all()
@@ -52,7 +52,7 @@ def test_two_cameras_at_one_place_are_refused():
         rectify(identity())
 
 
-def test_a_mono_rig_has_no_bottom_camera_and_says_so():
+def test_mono_rig_has_no_bottom_camera_and_says_so():
     rig = camera_rig(CameraModel(10, 10, 5.0, 7.0, 5.0, 5.0))
     assert not rig.stereo
     assert rig.focal_px(Camera.TOP) == 6.0
@@ -61,7 +61,7 @@ def test_a_mono_rig_has_no_bottom_camera_and_says_so():
         rig.model(Camera.BOTTOM)
 
 
-def test_points_go_from_the_top_to_the_bottom_camera(rig):
+def test_points_go_from_top_to_bottom_camera(rig):
     want = rig.top_from_bottom.inverse().apply(POINTS)
     np.testing.assert_allclose(
         POINTS @ rig.from_top(Camera.BOTTOM)[:3, :3].T + rig.from_top(Camera.BOTTOM)[:3, 3], want

@@ -66,7 +66,7 @@ def turned(pose, axis, deg):
     )
 
 
-def test_a_sound_rig_raises_nothing(rig, dive):
+def test_sound_rig_raises_nothing(rig, dive):
     found = check(rig)
     assert found.problem is None
     assert found.error_px < 0.3
@@ -74,7 +74,7 @@ def test_a_sound_rig_raises_nothing(rig, dive):
 
 
 @pytest.mark.parametrize("noise_px", [0.1, 0.3, 0.6])
-def test_a_sound_rig_before_a_plane_raises_nothing(rig, wall, look, monkeypatch, noise_px):
+def test_sound_rig_before_plane_raises_nothing(rig, wall, look, monkeypatch, noise_px):
     """Two motions explain the images of a plane: the other one is no evidence against the
     calibration.
     """
@@ -84,7 +84,7 @@ def test_a_sound_rig_before_a_plane_raises_nothing(rig, wall, look, monkeypatch,
 
 
 @pytest.mark.parametrize("deg", [1.0, -1.0])
-def test_a_turned_rig_before_a_plane_is_named(rig, wall, look, monkeypatch, deg):
+def test_turned_rig_before_plane_is_named(rig, wall, look, monkeypatch, deg):
     wall.points[:, 2] = 1.3 + 0.001 * np.sin(50 * wall.points[:, 0])
     move_past(look, monkeypatch)
     found = check(with_rig(rig, turned(rig.top_from_bottom, 0, deg)))
@@ -93,7 +93,7 @@ def test_a_turned_rig_before_a_plane_is_named(rig, wall, look, monkeypatch, deg)
 
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("deg", [1.0, -1.0])
-def test_a_rig_turned_by_a_degree_about_any_axis_is_named_with_its_angle(rig, dive, axis, deg):
+def test_rig_turned_by_a_degree_is_named_with_its_angle(rig, dive, axis, deg):
     problem = check(with_rig(rig, turned(rig.top_from_bottom, axis, deg))).problem
     assert "turned by 1.0 degrees" in problem.what
     assert "px from the epipolar lines" in problem.what
@@ -101,12 +101,12 @@ def test_a_rig_turned_by_a_degree_about_any_axis_is_named_with_its_angle(rig, di
 
 
 @pytest.mark.parametrize("deg", [0.1, -0.1])
-def test_what_a_usual_calibration_leaves_is_not_named(rig, dive, deg):
+def test_what_usual_calibration_leaves_is_not_named(rig, dive, deg):
     for axis in range(3):
         assert check(with_rig(rig, turned(rig.top_from_bottom, axis, deg))).problem is None
 
 
-def test_a_rig_that_is_said_to_be_rough_may_be_rough(rig, dive):
+def test_rig_that_is_said_to_be_rough_may_be_rough(rig, dive):
     rough = with_rig(rig, turned(rig.top_from_bottom, 1, 1.0))
     assert check(rough, sigma_rad=np.radians(1.0)).problem is None
 
@@ -115,12 +115,12 @@ def test_swapped_images_are_named(rig, dive):
     assert "swapped" in check(rig, swap=True).problem.what
 
 
-def test_an_inverted_pose_is_named(rig, dive):
+def test_inverted_pose_is_named(rig, dive):
     assert "swapped" in check(with_rig(rig, rig.top_from_bottom.inverse())).problem.what
 
 
 @pytest.mark.parametrize("places", [1, -1, 2])
-def test_stamps_that_are_off_by_frames_are_named_with_the_offset_to_add(rig, dive, places):
+def test_stamps_off_by_frames_are_named_with_offset_to_add(rig, dive, places):
     problem = check(rig, bottom_from=places).problem
     assert f"{abs(places)} frame" in problem.what
     assert ("earlier" if places > 0 else "later") in problem.what
@@ -152,7 +152,7 @@ def pings(rig, range_m=1.3):
     return record, mounted
 
 
-def test_a_baseline_of_another_length_is_named_against_the_dvl(rig, dive):
+def test_baseline_of_another_length_is_named_against_dvl(rig, dive):
     longer = with_rig(
         rig, Poses(rig.top_from_bottom.quaternion, 1.3 * rig.top_from_bottom.translation)
     )
@@ -164,16 +164,16 @@ def test_a_baseline_of_another_length_is_named_against_the_dvl(rig, dive):
     assert "pose_in_top" in problem.remedy
 
 
-def test_the_right_baseline_agrees_with_the_dvl(rig, dive):
+def test_right_baseline_agrees_with_dvl(rig, dive):
     assert check_baseline(check(rig), *pings(rig)) is None
     assert check_baseline(check(rig), *pings(rig, range_m=1.2)) is None
 
 
-def test_a_dvl_that_saw_nothing_says_nothing_of_the_baseline(rig, dive):
+def test_dvl_that_saw_nothing_says_nothing_of_baseline(rig, dive):
     assert check_baseline(check(rig), *pings(rig, range_m=np.nan)) is None
 
 
-def test_a_wrong_lens_is_no_pose_of_the_camera(rig, dive):
+def test_wrong_lens_is_no_pose_of_camera(rig, dive):
     """A bottom camera with the distortion of another: no turn of it brings the matches onto their
     lines.
     """
@@ -184,7 +184,7 @@ def test_a_wrong_lens_is_no_pose_of_the_camera(rig, dive):
     assert "contradict the stereo calibration" in problem.what
 
 
-def test_the_figure_is_that_of_the_median_match(rig, dive):
+def test_figure_is_that_of_median_match(rig, dive):
     """Half a degree about the axis that looks ahead moves a match by its distance from the middle
     of the image.
     """

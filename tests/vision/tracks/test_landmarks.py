@@ -48,7 +48,7 @@ def made(dive, found, single_node=True, find_outliers=None):
     return build_tracks(dive.count, dive.stereo, found, dive.read, single_node, find_outliers)
 
 
-def test_a_track_holds_both_pixels_where_both_cameras_saw_it(dive):
+def test_track_holds_both_pixels_where_both_cameras_saw_it(dive):
     tracks = made(dive, matches((0, 0, 1, 1), (1, 1, 2, 2)), single_node=False)
     np.testing.assert_array_equal(tracks.landmark, [0, 0, 0])
     np.testing.assert_array_equal(tracks.node, [0, 1, 2])
@@ -82,14 +82,14 @@ def test_what_one_camera_alone_matched_keeps_its_one_pixel(dive):
     assert np.isnan(tracks.bottom).all()
 
 
-def test_stereo_points_of_a_single_node_are_landmarks_when_wanted(dive):
+def test_stereo_points_of_single_node_are_landmarks_when_wanted(dive):
     tracks = made(dive, matches((0, 0, 1, 1)))
     assert np.bincount(tracks.landmark).tolist() == [2, 1]
     assert tracks.node.tolist() == [0, 1, 0]
     np.testing.assert_array_equal(tracks.bottom[2], [501, 500])
 
 
-def test_an_observation_in_doubt_is_dropped_and_what_is_left_is_judged_anew(dive):
+def test_outlier_is_dropped_and_rest_is_judged_anew(dive):
     tracks = made(
         dive,
         matches((0, 1, 1, 2)),
@@ -100,7 +100,7 @@ def test_an_observation_in_doubt_is_dropped_and_what_is_left_is_judged_anew(dive
     assert np.isfinite(tracks.bottom).all()
 
 
-def test_rows_are_sorted_by_landmark_and_node_and_numbers_have_no_gaps(dive):
+def test_tracks_are_sorted_by_landmark_and_node_without_gaps(dive):
     tracks = made(dive, matches((0, 0, 1, 1), (1, 2, 2, 0), (0, 2, 2, 1)))
     rows = np.column_stack([tracks.landmark, tracks.node])
     np.testing.assert_array_equal(rows, np.unique(rows, axis=0))

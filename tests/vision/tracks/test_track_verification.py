@@ -46,7 +46,7 @@ def test_true_tracks_are_kept(rig, case):
 
 
 @pytest.mark.parametrize("shift", [[0.0, 6.0], [8.0, 0.0]])
-def test_an_observation_that_is_off_in_both_images_is_the_only_one_rejected(rig, case, shift):
+def test_observation_off_in_both_images_alone_is_rejected(rig, case, shift):
     """Off across the lines of the motion, or along them at the wrong depth."""
     node, label, top, bottom, links = case
     wrong = np.flatnonzero((node == 2) & (label == 7))
@@ -60,7 +60,7 @@ def test_an_observation_that_is_off_in_both_images_is_the_only_one_rejected(rig,
     )
 
 
-def test_a_landmark_without_stereo_is_held_to_its_lines(rig, case):
+def test_landmark_without_stereo_is_held_to_its_lines(rig, case):
     node, label, top, bottom, links = case
     bottom[:] = np.nan
     wrong = np.flatnonzero((node == 2) & (label == 7))
@@ -73,7 +73,7 @@ def test_a_landmark_without_stereo_is_held_to_its_lines(rig, case):
     )
 
 
-def test_two_halves_of_a_wrong_track_lose_the_smaller_one(rig, case):
+def test_two_halves_of_wrong_track_lose_smaller_one(rig, case):
     node, label, top, bottom, links = case
     mixed = label.copy()
     # nodes 3 and 4 call landmark 7 number 8, and 8 is not seen there

@@ -13,7 +13,7 @@ def joined(node_of, edges, quality=None):
     ).tolist()
 
 
-def test_a_chain_of_matches_is_one_landmark():
+def test_chain_of_matches_is_one_landmark():
     assert joined([0, 1, 2, 0], [(0, 1), (1, 2)]) == [0, 0, 0, -1]
 
 
@@ -27,17 +27,17 @@ def test_two_features_of_one_node_are_never_one_landmark():
     assert label[3] == -1
 
 
-def test_the_better_match_wins_a_conflict():
+def test_better_match_wins_conflict():
     assert joined([0, 1, 0], [(0, 1), (1, 2)], [0.4, 0.2]) == [-1, 0, 0]
 
 
-def test_a_torn_track_leaves_two_whole_halves():
+def test_torn_track_leaves_two_whole_halves():
     nodes = [0, 1, 2, 2, 3, 0]
     label = joined(nodes, [(0, 1), (1, 2), (3, 4), (4, 5), (2, 4)], [0.1, 0.1, 0.1, 0.1, 0.9])
     assert label == [0, 0, 0, 1, 1, 1]
 
 
-def test_other_tracks_are_left_alone_by_a_conflict():
+def test_other_tracks_are_left_alone_by_conflict():
     assert joined([0, 1, 0, 4, 5], [(0, 1), (1, 2), (3, 4)], [0.4, 0.2, 0.9])[3:] == [1, 1]
 
 
@@ -46,7 +46,7 @@ def test_nothing_matched_is_nothing_joined():
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_no_landmark_of_random_matches_holds_a_node_twice(seed):
+def test_no_landmark_of_random_matches_holds_node_twice(seed):
     rng = np.random.default_rng(seed)
     node_of = np.sort(rng.integers(0, 12, 300))
     edges = rng.integers(0, 300, (260, 2))

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A dive before an ellipsoid at the level of poses and beams: DVL, attitude and depth of a path,
-without logs and images.
+"""A dive before an ellipsoid at the level of poses and beams, without logs and images.
 
 The near pole of the ellipsoid is the origin, 3 m deep; its near side faces -x, y runs along it.
 Every error is drawn from the sigma that the rig states. One ping a pose.
@@ -12,11 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.poses import Poses, exp, from_rpy, identity
+from hullrecon.geometry.poses import Poses, exp, from_matrix, from_rpy, identity
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 from hullrecon.rig import Rig, RigPriors
-from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
 from hullrecon.typing import Array
 
 STEP_M, STEP_S = 0.12, 0.4
@@ -34,7 +33,7 @@ BEAMS = np.array(
 
 @dataclass(frozen=True, kw_only=True)
 class EllipsoidDive:
-    """The truth, T_g_v (n) with the tray at zero, and what navigation made of it."""
+    """The truth, with the tray at zero, and what navigation made of it."""
 
     truth: Poses
     trajectory: Trajectory
@@ -47,7 +46,7 @@ class EllipsoidDive:
 def spiral_around_a_sphere(
     seed: int, *, radius_m: float, turns: float, drift_deg_per_hour: float
 ) -> EllipsoidDive:
-    """Return a dive around a sphere [Ozog2016 C], half a metre deeper each turn, facing its middle."""
+    """Dive around a sphere [Ozog2016 C], half a metre deeper each turn, facing its middle."""
     rng = np.random.default_rng(seed)
     reach = radius_m + STANDOFF_M
     turned = np.arange(0, 2 * np.pi * turns, STEP_M / reach)
@@ -67,12 +66,22 @@ def measured_dive(
     nearer_m: Array | float = 0.0,
     bumps_m: float = 0.0,
 ) -> EllipsoidDive:
-    """Return what the instruments make of a path T_g_v (n) before an ellipsoid of semi-axes (3,)
-    across, along and down.
+    """Measure a path before an ellipsoid.
 
-    drift_deg_per_hour: of the heading. nearer_m (n,): by how much the surface that a pose sees lies
-    nearer along x, as where something hangs before the hull; bumps_m: of a surface that is rough,
-    as rock is.
+    Parameters
+    ----------
+    rng
+        Of the errors.
+    truth
+        global_from_vehicle (n).
+    drift_deg_per_hour
+        Of the heading.
+    semi_axes_m
+        (3,) across, along and down.
+    nearer_m
+        By how much the surface lies nearer along x at each pose (n,).
+    bumps_m
+        Height of a rough surface, as of rock.
     """
     sigma = np.r_[0.003, np.radians(abs(drift_deg_per_hour)) / 3600, 1e-3, 1e-3, 0.02, 1e-9]
     navigation = sigma * rng.standard_normal(6)
@@ -96,7 +105,7 @@ def measured_dive(
 
 
 def _attitude(rng: np.random.Generator, truth: Poses, navigation: Array) -> Attitude:
-    """Return depth, roll and pitch at each pose, off by the biases and by white noise."""
+    """Measure depth, roll and pitch at each pose, off by the biases and by white noise."""
     n = len(truth)
     roll_pitch = truth.rotation.as_euler("xyz")[:, :2] - navigation[2:4]
     measured = np.column_stack([truth.translation[:, 2] + navigation[4], roll_pitch])
@@ -114,9 +123,7 @@ def _attitude(rng: np.random.Generator, truth: Poses, navigation: Array) -> Atti
 
 
 def _rig(navigation_sigma: Array) -> Rig:
-    """Return the rig: the DVL's turn is known to MOUNT_SIGMA, its place is known, and there is no
-    camera.
-    """
+    """Describe the rig: the DVL's turn known to MOUNT_SIGMA, its place known, no camera."""
     turn = np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, MOUNT_SIGMA)])
     return Rig(
         tray_origin=TRAY_ORIGIN_M,
@@ -141,7 +148,7 @@ def _ranges(
     nearer_m: Array,
     bumps_m: float,
 ) -> Returns:
-    """Return where each beam meets the ellipsoid."""
+    """Cast each beam at the ellipsoid."""
     n = len(truth)
     tray = Poses(np.array([[0, 0, 0, 1.0]]), TRAY_ORIGIN_M[None])
     dvl = truth @ tray @ mount
@@ -167,4 +174,75 @@ def _ranges(
         beam=beam,
         range_m=range_m + RANGE_SIGMA_M * rng.standard_normal(4 * n),
         flagged=np.zeros(4 * n, bool),
+    )
+
+
+def measured_steps(
+    rng: np.random.Generator,
+    truth: Array,
+    navigation: Array,
+    mount: Array,
+    step_s: float,
+    step_sigma: Array,
+) -> Odometry:
+    """Measure the steps of a path global_from_vehicle (n, 4, 4), one every step_s.
+
+    Parameters
+    ----------
+    rng
+        Of the white noise.
+    truth
+        The path.
+    navigation
+        Its first two: error of scale, and drift of the heading, rad/s.
+    mount
+        Turn (3,) of the DVL, rad.
+    step_s
+        Between poses.
+    step_sigma
+        White noise (6,) m, rad.
+    """
+    first, second = np.arange(len(truth) - 1), np.arange(1, len(truth))
+    step = np.linalg.inv(truth[first]) @ truth[second]
+    t, m = step[:, :3, 3], len(first)
+    by_navigation, by_mount, by_tray = np.zeros((m, 6, 2)), np.zeros((m, 6, 3)), np.zeros((m, 6))
+    by_navigation[:, :3, 0] = t
+    by_navigation[:, :3, 1] = 0.5 * step_s * np.cross(truth[first, 2, :3], t)
+    by_navigation[:, 3:, 1] = step_s * truth[second, 2, :3]
+    # A small turn of the mount does turn x t.
+    by_mount[:, :3] = np.cross(t[:, None], np.eye(3))
+    by_tray[:, :3] = np.cross([0.0, 1.0, 0.0], t)
+    error = (
+        by_navigation @ navigation[:2] + by_mount @ mount + step_sigma * rng.standard_normal((m, 6))
+    )
+    turn = Rotation.from_matrix(step[:, :3, :3]) * Rotation.from_rotvec(-error[:, 3:])
+    return Odometry(
+        first=first,
+        second=second,
+        quaternion=turn.as_quat(),
+        translation=t - error[:, :3],
+        covariance=np.tile(np.diag(step_sigma**2), (m, 1, 1)),
+        by_navigation=by_navigation,
+        by_mount=by_mount,
+        by_tray=by_tray,
+        from_images=np.zeros(m, bool),
+    )
+
+
+def reckoned(start: Array, odometry: Odometry, step_s: float) -> Trajectory:
+    """Reckon the path from a first pose (4, 4) by its steps, one node every step_s.
+
+    Its covariance is unity: a pose graph does not read it.
+    """
+    track = [start]
+    for step in Poses(odometry.quaternion, odometry.translation).matrix():
+        track.append(track[-1] @ step)
+    found, n = from_matrix(np.array(track)), len(track)
+    return Trajectory(
+        t_ns=(step_s * 1e9 * np.arange(n)).astype(np.int64),
+        quaternion=found.quaternion,
+        translation=found.translation,
+        covariance=np.tile(np.eye(6), (n, 1, 1)),
+        tray=np.zeros(n),
+        image=np.tile(np.arange(n)[:, None], (1, 2)),
     )

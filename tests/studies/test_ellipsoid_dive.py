@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import Poses, exp
-from hullrecon.synthetic.ellipsoid_dive import (
+from hullrecon.studies.scenes.ellipsoid_dive import (
     MOUNT_SIGMA,
     POLE_DEPTH_M,
     RANGE_SIGMA_M,
@@ -15,9 +15,10 @@ from hullrecon.synthetic.ellipsoid_dive import (
     TRAY_ORIGIN_M,
     EllipsoidDive,
     measured_dive,
+    measured_steps,
+    reckoned,
     spiral_around_a_sphere,
 )
-from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
 
 RADIUS_M, DRIFT = 6.0, 30.0
 
@@ -32,7 +33,7 @@ def ends(dive: EllipsoidDive, path: Poses) -> np.ndarray:
     return dvl[dive.returns.node].apply(dive.returns.range_m[:, None] * dive.returns.beam)
 
 
-def test_a_spiral_goes_round_the_sphere_once_a_turn_half_a_metre_deeper(
+def test_spiral_goes_round_sphere_once_turn_half_metre_deeper(
     spiral: EllipsoidDive,
 ) -> None:
     from_middle = spiral.truth.translation - [RADIUS_M, 0, POLE_DEPTH_M]
@@ -43,7 +44,7 @@ def test_a_spiral_goes_round_the_sphere_once_a_turn_half_a_metre_deeper(
     assert step.sum() == pytest.approx(2 * np.pi * (RADIUS_M + 1.2), rel=0.01)
 
 
-def test_beams_end_on_the_sphere_up_to_the_noise_and_the_turn_of_the_mount(
+def test_beams_end_on_sphere_up_to_noise_and_turn_of_mount(
     spiral: EllipsoidDive,
 ) -> None:
     off = (
@@ -53,19 +54,19 @@ def test_beams_end_on_the_sphere_up_to_the_noise_and_the_turn_of_the_mount(
     assert abs(off.mean()) < 0.01
 
 
-def test_trajectory_and_returns_have_the_same_clock(spiral: EllipsoidDive) -> None:
+def test_trajectory_and_returns_have_same_clock(spiral: EllipsoidDive) -> None:
     np.testing.assert_array_equal(spiral.returns.t_ns, spiral.trajectory.t_ns[spiral.returns.node])
     assert np.diff(spiral.trajectory.t_ns).tolist() == [int(STEP_S * 1e9)] * (len(spiral.truth) - 1)
 
 
-def test_the_heading_drifts_as_told(spiral: EllipsoidDive) -> None:
+def test_heading_drifts_as_told(spiral: EllipsoidDive) -> None:
     turn = (spiral.truth.rotation.inv() * spiral.trajectory.poses().rotation).as_rotvec()[:, 2]
     hours = STEP_S * (len(spiral.truth) - 1) / 3600
     # white noise of 0.0002 rad a step
     assert abs(np.degrees(turn[-1])) == pytest.approx(DRIFT * hours, abs=0.8)
 
 
-def test_what_hangs_before_the_hull_shortens_the_ranges() -> None:
+def test_what_hangs_before_hull_shortens_ranges() -> None:
     truth = Poses(
         np.tile([0, 0, 0, 1.0], (3, 1)), np.array([[-1.2, 0.1 * k, POLE_DEPTH_M] for k in range(3)])
     )
@@ -80,7 +81,7 @@ def test_what_hangs_before_the_hull_shortens_the_ranges() -> None:
     np.testing.assert_allclose(bare[1] - hung[1], 0.3 / 0.75**0.5, atol=0.02)
 
 
-def test_steps_without_error_give_the_path_back() -> None:
+def test_steps_without_error_give_path_back() -> None:
     truth = exp(np.random.default_rng(2).normal(0, 0.3, (6, 6))).matrix()
     steps = measured_steps(
         np.random.default_rng(0), truth, np.zeros(6), np.zeros(3), 1.0, np.zeros(6)
@@ -88,7 +89,7 @@ def test_steps_without_error_give_the_path_back() -> None:
     np.testing.assert_allclose(reckoned(truth[0], steps, 1.0).poses().matrix(), truth, atol=1e-12)
 
 
-def test_errors_of_a_step_are_those_that_its_derivatives_say() -> None:
+def test_errors_of_step_are_those_that_its_derivatives_say() -> None:
     truth = exp(np.random.default_rng(3).normal(0, 0.3, (5, 6))).matrix()
     errors = np.array([0.01, 1e-3]), np.array([2e-3, -1e-3, 3e-3])
     right, wrong = (
