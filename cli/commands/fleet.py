@@ -44,7 +44,9 @@ log = logging.getLogger("hullrecon.cli")
 @allow_outside_option
 @runs_option
 @click.pass_context
-def fleet(context: click.Context, dives: Path, runs: Path, dry_run: bool, **options: Any) -> None:
+def fleet(
+    context: click.Context, /, dives: Path, runs: Path, dry_run: bool, **options: Any
+) -> None:
     """Run every dive package in the folder DIVES that is new or whose result is out of date.
 
     A package is a folder with a dive.toml. Each dive runs in a process of its own; when one fails,

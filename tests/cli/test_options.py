@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Every option of dive.toml, one by one: which steps' settings it changes, and that explain names
-it.
-"""
+"""Every option of dive.toml: which steps' settings it changes, and that explain names it."""
 
 from __future__ import annotations
 
@@ -15,7 +13,7 @@ import pytest
 
 from hullrecon.artifacts.manifest import Recipe
 from hullrecon.artifacts.recipe import differences
-from hullrecon.artifacts.stage import resolve_settings, settings_for
+from hullrecon.artifacts.stage import Stage, resolve_settings, settings_for
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.schema import CameraBottom, CameraTop, Hull, Sonar
 from hullrecon.steps.chain import stages
@@ -62,56 +60,47 @@ def keys() -> list[tuple[str, str]]:
     ]
 
 
-def recipes(sections: Mapping[str, Any]) -> dict[str, Recipe]:
-    return {
-        stage.name: Recipe(
-            stage=stage.name,
-            version=stage.version,
-            settings=resolve_settings(settings_for(stage, sections)),
-        )
-        for stage in STAGES
-    }
+def recipe(stage: Stage, sections: Mapping[str, Any]) -> Recipe:
+    settings = resolve_settings(settings_for(stage, sections))
+    return Recipe(stage=stage.name, version=stage.version, settings=settings)
 
 
-def affected(section: str, key: str, sections: Mapping[str, Any]) -> dict[str, list[str]]:
-    """The steps whose recipe changes when that key does, with what is said of it."""
-    (name,) = [
-        field.name
-        for field in msgspec.structs.fields(sections[section])
-        if field.encode_name == key
-    ]
-    other = msgspec.structs.replace(sections[section], **{name: "another value"})
-    before, after = recipes(sections), recipes({**sections, section: other})
-    return {name: said for name in before if (said := differences(before[name], after[name]))}
+@pytest.fixture(scope="module")
+def affected(sections: Mapping[str, Any]) -> dict[tuple[str, str], dict[str, list[str]]]:
+    """By (section, key): the steps whose recipe changes with that key, and what is said of it."""
+    before = {stage.name: recipe(stage, sections) for stage in STAGES}
+    found = {}
+    for section, key in keys():
+        fields = msgspec.structs.fields(sections[section])
+        (name,) = [field.name for field in fields if field.encode_name == key]
+        other = msgspec.structs.replace(sections[section], **{name: "another value"})
+        changed = {**sections, section: other}
+        said = {s.name: differences(before[s.name], recipe(s, changed)) for s in STAGES}
+        found[section, key] = {step: lines for step, lines in said.items() if lines}
+    return found
 
 
-@pytest.mark.parametrize(("section", "key"), keys(), ids=lambda part: part)
-def test_an_option_changes_some_step_and_is_named_there(
-    section: str, key: str, sections: Mapping[str, Any]
-) -> None:
-    found = affected(section, key, sections)
-    assert found, f"no step reads {section}.{key}"
-    for said in found.values():
-        assert len(said) == 1
-        assert f"{section}.{key} changed from " in said[0]
-        assert said[0].endswith('to "another value"')
+def test_every_option_changes_a_step_and_is_named_there(affected: Any) -> None:
+    for (section, key), found in affected.items():
+        assert found, f"no step reads {section}.{key}"
+        for said in found.values():
+            assert len(said) == 1, (section, key)
+            assert f"{section}.{key} changed from " in said[0]
+            assert said[0].endswith('to "another value"')
 
 
-@pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
-def test_a_steps_own_options_change_that_step_and_those_that_say_they_read_them(
-    stage: Any, sections: Mapping[str, Any]
-) -> None:
-    for key in stage.parameters.__struct_fields__:
-        readers = {
-            other.name for other in STAGES if {stage.name, f"{stage.name}.{key}"} & set(other.uses)
-        }
-        assert affected(stage.name, key, sections).keys() == {stage.name} | readers
+def test_a_steps_own_options_change_it_and_the_steps_that_read_them(affected: Any) -> None:
+    for stage in STAGES:
+        for key in stage.parameters.__struct_fields__:
+            reads = {stage.name, f"{stage.name}.{key}"}
+            readers = {other.name for other in STAGES if reads & set(other.uses)}
+            assert affected[stage.name, key].keys() == {stage.name} | readers, (stage.name, key)
 
 
-@pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
-def test_what_a_step_says_it_reads_exists(stage: Any, sections: Mapping[str, Any]) -> None:
+def test_what_a_step_says_it_reads_exists(sections: Mapping[str, Any]) -> None:
     known = {*sections, *(f"{section}.{key}" for section, key in keys())}
-    assert set(stage.uses) <= known
-    names = [s.name for s in STAGES]
-    before = names[: names.index(stage.name)]
-    assert {*stage.inputs, *stage.optional} <= set(before), "a step takes one that comes after it"
+    before = set[str]()
+    for stage in STAGES:
+        assert set(stage.uses) <= known, stage.name
+        assert {*stage.inputs, *stage.optional} <= before, f"{stage.name} takes a later step"
+        before.add(stage.name)
