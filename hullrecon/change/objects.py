@@ -76,9 +76,9 @@ def compare_objects(
         for a, b in _objects_at(
             _nearest(region, before, context), _nearest(region, after, context), pairs
         ):
-            first_object = None if a is None else before[a]
-            second_object = None if b is None else after[b]
-            rows.append(_describe_change(region, first_object, second_object, context))
+            old = None if a is None else before[a]
+            new = None if b is None else after[b]
+            rows.append(_describe_change(region, old, new, context))
     rows = _join_parts(rows)
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
     left = [(a, pairs.get(a)) for a in range(len(before))] + [
@@ -86,13 +86,11 @@ def compare_objects(
     ]
     compared = len(left)
     for a, b in left:
-        first_object = None if a is None else before[a]
-        second_object = None if b is None else after[b]
-        if (first_object and first_object.found.id in known[0]) or (
-            second_object and second_object.found.id in known[1]
-        ):
+        old = None if a is None else before[a]
+        new = None if b is None else after[b]
+        if (old and old.found.id in known[0]) or (new and new.found.id in known[1]):
             continue
-        rows.append(_describe_rest(first_object, second_object, compared, context))
+        rows.append(_describe_rest(old, new, compared, context))
     order = {
         "new": 0,
         "gone": 0,
@@ -151,24 +149,17 @@ def match_objects(
 def _candidates(
     before: Sequence[_MovedObject], after: Sequence[_MovedObject], context: ObjectComparison
 ) -> Iterator[tuple[float, int, int]]:
-    for a, first_object in enumerate(before):
-        if not np.isfinite(first_object.along_girth).all():
+    for a, old in enumerate(before):
+        if not np.isfinite(old.along_girth).all():
             continue
-        tangents = [axis[0] for axis in tangents_at(context.chart, first_object.center[None])]
-        for b, second_object in enumerate(after):
-            size = max(*first_object.found.extent, *second_object.found.extent)
-            if (
-                first_object.side != second_object.side
-                or np.linalg.norm(first_object.center - second_object.center) > 2 * size + 0.5
-            ):
+        tangents = [axis[0] for axis in tangents_at(context.chart, old.center[None])]
+        for b, new in enumerate(after):
+            size = max(*old.found.extent, *new.found.extent)
+            if old.side != new.side or np.linalg.norm(old.center - new.center) > 2 * size + 0.5:
                 continue
             own = np.hypot(MIDDLE_M, MIDDLE_SHARE * size)
-            shared = offset_sigma(
-                context.offset, np.stack([first_object.center] * 2), np.stack(tangents)
-            )
-            gap = np.array(
-                [axis @ (second_object.center - first_object.center) for axis in tangents]
-            )
+            shared = offset_sigma(context.offset, np.stack([old.center] * 2), np.stack(tangents))
+            gap = np.array([axis @ (new.center - old.center) for axis in tangents])
             chi_square = float((gap**2 / (own**2 + shared**2)).sum())
             if np.isfinite(chi_square) and chi_square <= GATE:
                 yield chi_square, a, b
@@ -207,27 +198,25 @@ def _nearest(
 
 def _describe_change(
     region: ChangedRegion,
-    first_object: _MovedObject | None,
-    second_object: _MovedObject | None,
+    old: _MovedObject | None,
+    new: _MovedObject | None,
     context: ObjectComparison,
 ) -> ObjectChange:
     """Return what became of a place that changed."""
     before, after = region.before, region.after
-    if first_object is not None and second_object is not None:
-        status: Status = "grown" if second_object.side * region.change > 0 else "shrunk"
-        cells = (first_object.footprint | second_object.footprint) & context.difference.both
-        at_top = (
-            _at_top(cells, second_object.side, context.places, context) if cells.any() else region
-        )
+    if old is not None and new is not None:
+        status: Status = "grown" if new.side * region.change > 0 else "shrunk"
+        cells = (old.footprint | new.footprint) & context.difference.both
+        at_top = _at_top(cells, new.side, context.places, context) if cells.any() else region
         if at_top.change * region.change > 0 and abs(at_top.change) >= context.options.min_change_m:
             region = replace(at_top, p_value=min(at_top.p_value, region.p_value))
     elif _stood_in_both(before, after):
         status = "grown" if abs(after) > abs(before) else "shrunk"
-    elif second_object is not None or (first_object is None and abs(after) >= abs(before)):
+    elif new is not None or (old is None and abs(after) >= abs(before)):
         status = "new"
     else:
         status = "gone"
-    row = _row(status, region, first_object, second_object, context)
+    row = _row(status, region, old, new, context)
     return _with_whole_height(row) if status in ("new", "gone") else row
 
 
@@ -255,10 +244,7 @@ def _stood_in_both(before: float, after: float) -> bool:
 
 
 def _describe_rest(
-    first_object: _MovedObject | None,
-    second_object: _MovedObject | None,
-    compared: int,
-    context: ObjectComparison,
+    old: _MovedObject | None, new: _MovedObject | None, compared: int, context: ObjectComparison
 ) -> ObjectChange:
     """Describe an object at which no region changed by more than the hull may anywhere.
 
@@ -269,35 +255,29 @@ def _describe_rest(
     compared
         objects and pairs that both surveys list.
     """
-    there = [p for p in (first_object, second_object) if p is not None]
+    there = [p for p in (old, new) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
     unseen: Status | None = None
-    if (
-        second_object is None
-        and _seen_share(footprint, context.difference.second, context) < SEEN_SHARE
-    ):
+    if new is None and _seen_share(footprint, context.difference.second, context) < SEEN_SHARE:
         unseen = "not seen again"
-    if (
-        first_object is None
-        and _seen_share(footprint, context.difference.first, context) < SEEN_SHARE
-    ):
+    if old is None and _seen_share(footprint, context.difference.first, context) < SEEN_SHARE:
         unseen = "not seen before"
     cells = footprint & context.difference.both
     if unseen is not None or not cells.any():
-        return _row(unseen or "unchanged", None, first_object, second_object, context)
+        return _row(unseen or "unchanged", None, old, new, context)
     region = _at_top(cells, there[0].side, compared, context)
     certain = (
         region.p_value <= context.options.max_p_value
         and abs(region.change) >= context.options.min_change_m
     )
     if certain and len(there) == 1:
-        return _describe_change(region, first_object, second_object, context)
+        return _describe_change(region, old, new, context)
     status: Status = "unchanged"
     if certain:
         status = "grown" if there[0].side * region.change > 0 else "shrunk"
     elif len(there) == 1 and not _stood_in_both(region.before, region.after):
         status = "uncertain"
-    return _row(status, region, first_object, second_object, context)
+    return _row(status, region, old, new, context)
 
 
 def _at_top(cells: Mask, side: float, places: int, context: ObjectComparison) -> ChangedRegion:
@@ -327,15 +307,14 @@ def _seen_share(footprint: Mask, relief: Relief, context: ObjectComparison) -> f
 def _row(
     status: Status,
     region: ChangedRegion | None,
-    first_object: _MovedObject | None,
-    second_object: _MovedObject | None,
+    old: _MovedObject | None,
+    new: _MovedObject | None,
     context: ObjectComparison,
 ) -> ObjectChange:
-    moved = second_object if second_object is not None else first_object
+    moved = new if new is not None else old
     surface = (np.nan, np.nan) if region is None else (region.before, region.after)
     before, after = (
-        _height(p, height, region)
-        for p, height in zip((first_object, second_object), surface, strict=True)
+        _height(p, height, region) for p, height in zip((old, new), surface, strict=True)
     )
     if moved is None:
         assert region is not None
@@ -348,8 +327,8 @@ def _row(
         at, center, outline = moved.along_girth, moved.center, moved.outline
     return ObjectChange(
         status=status,
-        first_id=None if first_object is None else first_object.found.id,
-        second_id=None if second_object is None else second_object.found.id,
+        first_id=None if old is None else old.found.id,
+        second_id=None if new is None else new.found.id,
         center=center,
         along_girth=at,
         outline=outline,
