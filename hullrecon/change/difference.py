@@ -22,7 +22,7 @@ TOP_SHARE = 0.8  # of the largest change: what reaches so much is its top
 
 @dataclass(frozen=True, kw_only=True)
 class Difference:
-    """The difference of two reliefs in cells (a, g); NaN where not both saw the hull."""
+    """The difference of two reliefs in cells (a, g), NaN where not both saw the hull."""
 
     first: Relief  # relief of the first survey
     second: Relief  # relief of the second, in the first's frame
@@ -37,7 +37,7 @@ class Difference:
 
 
 def difference(first: Relief, second: Relief, options: ChangeOptions) -> Difference:
-    """Return the second survey minus the first, whose cells are the same places."""
+    """Subtract the first survey from the second on cells of the same places."""
     total, width = second.height - first.height, round(options.smooth_m / options.cell_m)
     form = local_median(total, width)
     local = total - form
@@ -69,7 +69,7 @@ def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
 
 
 def _beyond(height: Array, of: Array, cells: int) -> Array:
-    """Return how far heights (a, g) lie outside those of the other survey around (71).
+    """Measure how far heights (a, g) lie outside those of the other survey around (71).
 
     Parameters
     ----------
@@ -135,13 +135,13 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
 
 
 def _most(values: Array, cells: Mask) -> Mask:
-    """Return those of the cells whose values are nearly as large as any's."""
+    """Select the cells whose values are nearly the largest."""
     top = cells & (values >= TOP_SHARE * float(np.percentile(values[cells], 90)))
     return top if top.any() else cells
 
 
 def top_of(heights: Array, cells: Mask, side: float) -> Mask:
-    """Return the top of a structure with heights (a, g); side 1 is raised, -1 sunken."""
+    """Select the top of a structure with heights (a, g), raised (side 1) or sunken (-1)."""
     above = side * heights
     return _most(above - float(np.nanpercentile(above[cells], 2)), cells & np.isfinite(heights))
 
@@ -192,7 +192,7 @@ def smallest_change(found: Difference, places: int, options: ChangeOptions) -> f
 
 
 def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOptions) -> Mask:
-    """Return the cells of unchanged hull around a region, beyond what edges blur."""
+    """Select unchanged hull around a region, beyond what edges blur."""
     from scipy.ndimage import distance_transform_edt
 
     within_m, reach_m = 2 * options.edge_m, 2 * options.edge_m + RING_M
@@ -204,7 +204,7 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
 
 
 def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
-    """Return the part of the lattice that holds cells and a margin; all of it without any."""
+    """Cut out the part of the lattice around cells. All of it without any."""
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return slice(None), slice(None)
@@ -223,7 +223,7 @@ def corrected_p_value(value: float, sigma: float, places: int) -> float:
 
 
 def significant_sigmas(places: int, options: ChangeOptions) -> float:
-    """Return how many sigmas a change needs at any of so many places: (72) inverted.
+    """Invert (72): the sigmas that a change needs at any of so many places.
 
     A cell needs as many to be part of a region.
     """

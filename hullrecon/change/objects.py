@@ -166,7 +166,7 @@ def _candidates(
 
 
 def _move_object(found: ReportedObject, context: ObjectComparison, motion: Poses) -> _MovedObject:
-    """Return an object with its place after a motion."""
+    """Place an object after a motion."""
     center = motion.apply(np.array([found.center], float))[0]
     ring = motion.apply(np.array(found.outline, float)) if len(found.outline) else np.zeros((0, 3))
     outline = context.chart.to_chart(ring)[:, :2] if len(ring) else np.zeros((0, 2))
@@ -185,7 +185,7 @@ def _move_object(found: ReportedObject, context: ObjectComparison, motion: Poses
 def _nearest(
     region: ChangedRegion, moved: Sequence[_MovedObject], context: ObjectComparison
 ) -> int | None:
-    """Return the object that a region overlaps most, an edge's reach around it included."""
+    """Find the object that a region overlaps most, an edge's reach around it included."""
     from scipy.ndimage import binary_dilation
 
     wide = binary_dilation(
@@ -202,7 +202,7 @@ def _describe_change(
     new: _MovedObject | None,
     context: ObjectComparison,
 ) -> ObjectChange:
-    """Return what became of a place that changed."""
+    """Describe what became of a place that changed."""
     before, after = region.before, region.after
     if old is not None and new is not None:
         status: Status = "grown" if new.side * region.change > 0 else "shrunk"
@@ -237,7 +237,7 @@ def _with_whole_height(row: ObjectChange) -> ObjectChange:
 
 
 def _stood_in_both(before: float, after: float) -> bool:
-    """Return whether a structure with one of these heights stood in the other survey too."""
+    """Tell whether a structure of either height stood in the other survey too."""
     return before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(
         abs(before), abs(after)
     )

@@ -97,7 +97,7 @@ class _Fit:
         return _Solved(motion=motion, covariance=covariance)
 
     def cost(self, motion: Poses, samples: _Samples, height: Array) -> float:
-        """Return how badly a motion fits, as a chi-square.
+        """Compute the chi-square of a motion.
 
         What changed costs no more than the largest error.
         """
@@ -108,7 +108,7 @@ class _Fit:
         )
 
     def _residuals(self, at: Array, axes: Array, height: Array) -> tuple[Array, Array, Mask]:
-        """Return heights above the first survey (n,), derivatives (n, 6) and known rows."""
+        """Compute heights above the first survey (n,), derivatives (n, 6) and known rows."""
         from scipy.ndimage import map_coordinates
 
         on_chart = self.chart.to_chart(at)
@@ -133,7 +133,7 @@ def estimate_offset(
     lattice: Lattice,
     reliefs: tuple[Relief, Relief],
 ) -> SurveyOffset:
-    """Return the offset of two surveys whose reliefs lie on one lattice.
+    """Estimate the offset of two surveys whose reliefs lie on one lattice.
 
     Raises StageError where they saw too little of the same hull.
     """
@@ -182,7 +182,7 @@ def offset_sigma(offset: SurveyOffset, points: Array, directions: Array) -> Arra
 
 
 def _middle(chart: Chart, lattice: Lattice, relief: Relief) -> Array:
-    """Return the point on the CAD model in the middle of what a survey saw."""
+    """Find the point on the CAD model in the middle of what a survey saw."""
     at = lattice.points()[np.isfinite(relief.height)]
     inner = at[np.argmin(np.linalg.norm(at - at.mean(axis=0), axis=1))]
     return np.asarray(chart.from_chart(inner[None])[0][0])
@@ -235,7 +235,7 @@ def _without_form(height: Array) -> Array:
 
 
 def _overlap(first: Array, second: Array, i: int, j: int) -> Array:
-    """Return the second survey's cells, moved by (i, j), minus the first's under them."""
+    """Subtract the first survey from the second moved by (i, j) cells."""
     rows, columns = (
         slice(max(0, k), n + min(0, k)) for k, n in zip((i, j), first.shape, strict=True)
     )
@@ -251,7 +251,7 @@ def _blur_both(reliefs: tuple[Relief, Relief], cells: float, fit: _Fit) -> tuple
 
 
 def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> _Samples:
-    """Return every second cell that was seen, as points on the surface."""
+    """Sample every second cell that was seen, as points on the surface."""
     which = np.zeros(lattice.shape, bool)
     which[::2, ::2] = True
     which &= np.isfinite(height)
@@ -270,7 +270,7 @@ def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> 
 
 
 def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -> Array:
-    """Return the covariance (6, 6) of a solution with errors shared by blocks (69).
+    """Propagate errors shared by blocks to the solution, (6, 6) (69).
 
     Errors of a block of the hull are one; independent errors add what they would leave.
 
@@ -288,12 +288,12 @@ def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -
 
 
 def _vector(motion: Poses, center: Array) -> Array:
-    """Return a motion near the identity as translation and rotation about the center (6,)."""
+    """Write a motion near the identity as translation and rotation about the center (6,)."""
     return np.asarray(np.r_[motion.apply(center[None])[0] - center, motion.rotation.as_rotvec()[0]])
 
 
 def _apply_step(motion: Poses, step: Array, center: Array) -> Poses:
-    """Return the motion followed by a small one (6,) about the center."""
+    """Compose a motion with a small one (6,) about the center."""
     turn = Rotation.from_rotvec(step[3:])
     after = Poses(turn.as_quat()[None], (center + step[:3] - turn.apply(center))[None])
     return after @ motion

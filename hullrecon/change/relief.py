@@ -28,7 +28,7 @@ class Relief:
 
 
 def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> tuple[Array, Ints]:
-    """Return along, girth and offset (n, 3) of the vertices seen, and their rows.
+    """Locate the vertices seen as along, girth and offset (n, 3), with their rows.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def relief_on(
 
 
 def blur(height: Array, cells: float) -> Array:
-    """Blur heights (a, g) by a Gaussian over what was seen; NaN where less than half was."""
+    """Blur heights (a, g) by a Gaussian over what was seen. NaN where less than half was."""
     from scipy.ndimage import gaussian_filter
 
     seen = np.isfinite(height)
@@ -85,7 +85,7 @@ def blur(height: Array, cells: float) -> Array:
 
 
 def local_median(height: Array, window: int) -> Array:
-    """Return the running median (a, g) over squares of so many cells; NaN if unseen."""
+    """Compute the running median (a, g) over squares of so many cells. NaN if unseen."""
     coarse = max(1, window // 5)
     blocks = [-(-n // coarse) for n in height.shape]
     padded = np.full([n * coarse for n in blocks], np.nan)

@@ -64,7 +64,7 @@ class BaseSurface:
         )[0]
 
     def depth_of(self, point: Array) -> float | None:
-        """Return the depth of a point (3,) below the water, m; None if not measured."""
+        """Compute the depth of a point (3,) below the water, m. None if not measured."""
         return (
             float(self.result_from_global.inverse().apply(point[None])[0, 2])
             if self.depth_known

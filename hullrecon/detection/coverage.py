@@ -335,7 +335,7 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
 def _hole_facts(
     cells: _ChartCells, hole: Mask, chart: Chart, locate: Callable[[Array], Facts]
 ) -> Facts:
-    """Measure a hole (a, g) of cells; what its rim cells left unseen belongs to it."""
+    """Measure a hole (a, g) of cells, with what its rim cells left unseen."""
     from scipy import ndimage
 
     which = np.argwhere(hole)
@@ -354,7 +354,7 @@ def _area(hull: HullPatches, which: Mask) -> float:
 
 
 def _percentiles(values: Array, area: Array) -> Facts | None:
-    """Return the values that 5, 50 and 95 % of the area do not exceed; None without a value."""
+    """Compute 5, 50 and 95 % percentiles by area. None without a value."""
     if not len(values):
         return None
     order = np.argsort(values)

@@ -45,10 +45,14 @@ def split_deviation(
     chart: Chart,
     hull_pose: HullPose,
 ) -> DeviationSplit | None:
-    """Return offset, tilt and form of a hull as found; None where too little bare hull was seen.
+    """Split a deviation into offset, tilt and form. None if too little hull was seen.
 
-    own_sigma (n,) m: of each vertex without what all share, None where only the whole is known.
-    bare (n,): vertices on which no structure stands.
+    Parameters
+    ----------
+    own_sigma
+        m, of each vertex without what all share (n,). None where only the whole is known.
+    bare
+        vertices on which no structure stands (n,).
     """
     seen = (surface.support > 0) & np.isfinite(surface.deviation) & np.isfinite(surface.sigma)
     if (seen & bare).sum() < MIN_VERTICES:
@@ -91,7 +95,7 @@ def _variance(rows: Array, covariance: Array) -> Array:
 def _fit_patch(
     points: Array, normals: Array, deviation: Array, weight: Array, chart: Chart
 ) -> _Fit:
-    """Return the least-squares fit, by area, without what stands far off a first one."""
+    """Fit by least squares over area, without what stands far off a first fit."""
     columns = _rigid_columns(points, normals, weight, chart)
     for _ in range(3):
         scaled = columns * weight[:, None]
@@ -103,7 +107,7 @@ def _fit_patch(
 
 
 def _rigid_columns(points: Array, normals: Array, weight: Array, chart: Chart) -> Array:
-    """Return how vertices move along their normals (n, 3) with level and tilts.
+    """Derive vertices' moves along their normals (n, 3) by level and tilts.
 
     Level is a shift of the patch along its mean normal; tilts are rises along the hull or in girth
     by one metre a metre, about its middle.

@@ -115,7 +115,7 @@ def _choose_background(
 
 
 def _without_landmarks(base: BaseSurface, why: str) -> Structures:
-    """Move the CAD model to the DVL's surface; objects were not looked for.
+    """Move the CAD model to the DVL's surface, without looking for objects.
 
     Without a CAD model the surveyed surface is all there is.
 

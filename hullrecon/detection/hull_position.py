@@ -32,13 +32,13 @@ class HullError:
     error: Array
 
     def points(self, points: Array) -> Array:
-        """Return where points (n, 3) of the dive lie in M if the hull pose is off by the error."""
+        """Move points (n, 3) of the dive in M by the error of the hull pose."""
         center = self.hull_pose.survey_center
         shift = self.hull_pose.global_from_hull.rotation.inv().apply(self.error[:3]).reshape(3)
         return np.asarray(self._turn().apply(points - center - shift) + center)
 
     def poses(self, poses: Poses) -> Poses:
-        """Return poses (n) of the dive in M if the hull pose is off by the error."""
+        """Move poses (n) of the dive in M by the error of the hull pose."""
         return Poses((self._turn() * poses.rotation).as_quat(), self.points(poses.translation))
 
     def _turn(self) -> Rotation:
@@ -74,7 +74,7 @@ class HullPosition:
 
     @property
     def address_sigma(self) -> AddressSigma:
-        """Return what an address of it may not be finer than."""
+        """Limit how fine an address of it may be."""
         return AddressSigma(
             along=float(self.sigma[0]), girth=float(self.sigma[1]), depth=self.depth_sigma or 0.0
         )
@@ -144,7 +144,7 @@ def hull_position(
 
 
 def _tangents(center: Array, normal: Array, base: BaseSurface) -> tuple[Array, Array]:
-    """Return unit vectors along the hull and in girth, square to the normal."""
+    """Span unit vectors along the hull and in girth, square to the normal."""
     along = tangents_at(base.chart, center[None])[0][0]
     along = along if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(normal)))]
     along = along - normal * (along @ normal)

@@ -48,7 +48,7 @@ class Visibility:
 def views_of_top_camera(
     rig: Rig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array
 ) -> CameraViews | None:
-    """Place the top camera's images; None without an image or a landmark.
+    """Place the top camera's images. None without an image or a landmark.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
 
 
 def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> Ints:
-    """Return those of the rows `near` of points that project into that view's image."""
+    """Select the rows `near` of points that project into a view's image."""
     camera_from_result = views.result_from_camera[view].inverse()
     pixel = views.camera.project(camera_from_result.apply(points[near]))
     size = np.array([views.camera.width, views.camera.height]) - 0.5

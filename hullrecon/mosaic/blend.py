@@ -23,7 +23,7 @@ VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
 
 
 def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
-    """Return the coarse, middle and fine band (h, w, channels); their sum is the picture."""
+    """Split a picture into coarse, middle and fine bands (h, w, channels) that sum to it."""
     import cv2
 
     size = (picture.shape[1], picture.shape[0])
@@ -40,7 +40,7 @@ def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
 
 
 def band_weight(ratio: NDArray[np.floating], steepness: float) -> Floats32:
-    """Return B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)) at r/R; 0 where that is NaN."""
+    """Weigh by B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)). Zero where r/R is NaN."""
     fall = np.exp(-steepness * np.nan_to_num(ratio, nan=0.0))
     return np.where(np.isfinite(ratio), fall / (1 + fall * fall), 0).astype(np.float32)
 
@@ -126,7 +126,13 @@ def _rank(
     image_views: dict[int, ImageView],
     limits: ViewLimits,
 ) -> BestViews:
-    """Return the best views of each texel of the patch; surface: as for view_cost."""
+    """Rank the best views of each texel of the patch.
+
+    Parameters
+    ----------
+    surface
+        as for view_cost.
+    """
     shape = patch.point.shape[:2]
     best = BestViews(
         view=np.full((VIEWS, *shape), -1, np.int32),
@@ -146,7 +152,7 @@ def _find_hidden(
     image_views: dict[int, ImageView],
     limits: ViewLimits,
 ) -> Mask:
-    """Return at which texels (h, w) something stands in the way of one of the best views."""
+    """Find texels (h, w) where something stands in the way of one of the best views."""
     hidden = np.zeros(best.view.shape[1:], bool)
     for k in np.unique(best.view[best.view >= 0]).tolist():
         rows = patch.rows(parts[k])[(best.view[(slice(None), *parts[k])] == k).any(axis=0)]
@@ -162,7 +168,7 @@ def view_cost(
     image_view: ImageView,
     limits: ViewLimits,
 ) -> Floats32:
-    """Return the cost (h, w) of a view for the part; inf where it does not see the texel.
+    """Compute a view's cost (h, w) for the part, inf where it does not see the texel.
 
     Parameters
     ----------
@@ -233,7 +239,7 @@ def blend(
 
 
 def _bounds(choice: BestViews, view: int, part: Part) -> Part:
-    """Return the rows and columns, within the part, of the texels that the view was chosen for."""
+    """Bound the texels, within the part, that the view was chosen for."""
     chosen = (choice.view[(slice(None), *part)] == view).any(axis=0)
     rows, columns = (np.flatnonzero(chosen.any(axis=axis)) for axis in (1, 0))
     return (
@@ -245,7 +251,7 @@ def _bounds(choice: BestViews, view: int, part: Part) -> Part:
 def _project(
     patch: SurfacePatch, part: Part, chosen: Mask, image_view: ImageView
 ) -> tuple[Floats32, Array]:
-    """Return pixels (h, w, 2) and r/R (h, w) at the chosen texels; NaN at the others."""
+    """Project the chosen texels to pixels (h, w, 2) and r/R (h, w), NaN at the others."""
     pixel = np.full((*chosen.shape, 2), -1.0, np.float32)
     ratio = np.full(chosen.shape, np.nan)
     pixel[chosen], ratio[chosen] = image_view.project(patch.point[part][chosen])
@@ -266,6 +272,6 @@ def _normalise(total: list[Floats32], weights: list[Floats32]) -> Floats32:
 
 
 def _variance(moments: Floats32) -> Floats32:
-    """Return the variance, NaN where nothing was blended."""
+    """Compute the variance, NaN where nothing was blended."""
     norm = np.where(moments[0] > 0, moments[0], np.nan)
     return np.asarray(np.maximum(moments[2] / norm - (moments[1] / norm) ** 2, 0), np.float32)

@@ -71,7 +71,7 @@ class TexelGrid:
         return np.stack(np.broadcast_arrays(along[None, :], girth[:, None]), axis=-1)
 
     def window_of(self, along_girth: Array, margin_m: float) -> Window:
-        """Return the texels around chart points (n, 2), empty when none is on the chart."""
+        """Bound the texels around chart points (n, 2). Empty if none is on the chart."""
         good = along_girth[np.isfinite(along_girth).all(axis=1)]
         if not len(good):
             return Window(0, 0, 0, 0)
@@ -87,7 +87,7 @@ class TexelGrid:
         return found.meet(self.whole)
 
     def tiles(self, size: int) -> Iterator[Window]:
-        """Yield square windows in row-major order; the last may stick out of the raster."""
+        """Yield square windows in row-major order. The last may stick out of the raster."""
         for top in range(0, self.height, size):
             for left in range(0, self.width, size):
                 yield Window(top, top + size, left, left + size)

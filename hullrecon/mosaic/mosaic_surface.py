@@ -37,14 +37,14 @@ class MosaicSurface:
     horizon: OcclusionHorizon | None = None
 
     def with_occlusion_horizon(self, grid: TexelGrid, span_m: float) -> MosaicSurface:
-        """Return the same, for views of the grid's texels from up to span_m away."""
+        """Add the horizon for views from up to span_m away."""
         low = [grid.west, grid.north - grid.height * grid.step_m]
         bounds = np.array([low, [grid.west + grid.width * grid.step_m, grid.north]])
         return replace(self, horizon=build_occlusion_horizon(self.mesh, self.chart, bounds, span_m))
 
 
 def build_mosaic_surface(mesh: Mesh, chart: Chart, reach_m: float) -> MosaicSurface:
-    """Return a surface without a horizon."""
+    """Build the surface without a horizon."""
     return MosaicSurface(mesh=mesh, scene=Scene(mesh), chart=chart, reach_m=reach_m)
 
 
@@ -58,23 +58,23 @@ class SurfacePatch:
     hidden_from: Floats32
 
     def part(self, which: tuple[slice, slice]) -> SurfacePatch:
-        """Return the patch of some of its rows and columns."""
+        """Cut out some rows and columns."""
         return SurfacePatch(
             point=self.point[which], normal=self.normal[which], hidden_from=self.hidden_from[which]
         )
 
     def only(self, which: Mask) -> SurfacePatch:
-        """Return the patch with no surface but at those texels (h, w)."""
+        """Keep the surface at those texels (h, w) alone."""
         return replace(self, point=np.where(which[..., None], self.point, np.nan))
 
     def rows(self, which: tuple[slice, slice]) -> Ints:
-        """Return the flat rows (h, w) of some of its rows and columns."""
+        """List the flat rows (h, w) of some rows and columns."""
         height, width = self.point.shape[:2]
         rows: Ints = np.arange(height * width).reshape(height, width)[which]
         return rows
 
     def cosines(self, rows: Ints, sensor: Array) -> Array:
-        """Return the cosines of the incidence (n,) of a sensor (3,) at flat rows of the patch."""
+        """Compute cosines of the incidence (n,) of a sensor (3,) at flat rows."""
         away = sensor - self.point.reshape(-1, 3)[rows]
         normal = self.normal.reshape(-1, 3)[rows]
         return np.asarray(np.einsum("ni,ni->n", away, normal) / np.linalg.norm(away, axis=1))
@@ -103,7 +103,7 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
-    """Return points and normals of the chart at texel centres, linear between some."""
+    """Evaluate the chart at texel centres, linear between some of them."""
     height, width = window.shape
     rows, columns = (np.arange(0, n + COARSE, COARSE, dtype=float) for n in (height, width))
     nodes = grid.centers(rows + window.top, columns + window.left)
@@ -115,7 +115,7 @@ def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Arr
 
 
 def _interpolate_axis(values: Array, count: int, axis: int) -> Array:
-    """Return values at every texel, linear along one axis."""
+    """Interpolate linearly at every texel along one axis."""
     at = np.arange(count) / COARSE
     low = at.astype(int)
     share = (at - low).reshape([-1 if k == axis else 1 for k in range(values.ndim)])
@@ -151,7 +151,7 @@ def seen(
 
 
 def find_unobstructed(surface: MosaicSurface, points: Array, normals: Array, sensor: Array) -> Mask:
-    """Return whether the straight line from each point (n, 3) to the sensor (3,) is free."""
+    """Mark points (n, 3) with a free straight line to the sensor (3,)."""
     start = points + OFF_SURFACE_M * normals
     away = sensor - start
     distance = np.linalg.norm(away, axis=1)

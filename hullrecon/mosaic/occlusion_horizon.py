@@ -83,7 +83,7 @@ def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: 
 
 
 def _blocks(field: Array, side: int) -> Array:
-    """Return (blocks, side * side, 3) in row-major order, NaN beyond the field's ends."""
+    """Reshape to (blocks, side * side, 3) in row-major order, NaN beyond the field's ends."""
     height, width = field.shape[:2]
     rows, columns = -(-height // side), -(-width // side)
     padded = np.full((rows * side, columns * side, 3), np.nan)
@@ -96,7 +96,7 @@ def _blocks(field: Array, side: int) -> Array:
 
 
 def _least_tangent(horizon: OcclusionHorizon, points: Array, normals: Array) -> Array:
-    """Return the least d / h (blocks,) over the horizon, inf where nothing stands out."""
+    """Minimise d / h (blocks,) over the horizon, inf where nothing stands out."""
     middle, up = np.nanmean(points, axis=1), np.nanmean(normals, axis=1)
     up /= np.linalg.norm(up, axis=1, keepdims=True)
     off = points - middle[:, None]

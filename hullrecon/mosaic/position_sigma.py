@@ -73,7 +73,7 @@ def median_position_sigma(
 
 
 def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Array:
-    """Return how points move (n, k, 3, 6) with a shift and a turn.
+    """Derive points' moves (n, k, 3, 6) by a shift and a turn.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Arra
 
 
 def _largest_sigma(covariance: Array, normals: Array) -> Array:
-    """Return the root of the largest eigenvalue of (n, k, 3, 3) in the tangent planes."""
+    """Take the largest sigma of (n, k, 3, 3) in the tangent planes."""
     tangent = np.eye(3) - normals[..., :, None] * normals[..., None, :]
     flat = tangent @ covariance @ tangent
     known = np.isfinite(flat).all(axis=(2, 3))

@@ -46,12 +46,12 @@ class SonarView:
         return np.asarray(self.pose.translation[0])
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Return pixels (range bin, beam) and r/R on the display, from u = w/2, v = 3h/4."""
+        """Project to pixels (range bin, beam) and r/R on the display from u = w/2, v = 3h/4."""
         inside = (points - self.center) @ self.pose.rotation.as_matrix()[0]
         return self.fan.locate(inside)
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Return ends of rays all over the aperture, at the last range at most."""
+        """Cast rays all over the aperture, ending at the last range at most."""
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
         gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         gone = np.where(np.isfinite(gone), np.minimum(gone, self.fan.range_m[-1]), np.nan)
@@ -187,7 +187,7 @@ class _HullCells:
             self._file.write(cells.astype(np.uint32).tobytes())
 
     def by_ping(self) -> Iterator[Ints]:
-        """Yield the indices of one ping after the other."""
+        """Yield the indices of each ping."""
         for parts in self._parts:
             yield np.concatenate(
                 [np.zeros(0, np.int64), *(self._read(at, length) for at, length in parts)]
@@ -201,7 +201,7 @@ class _HullCells:
 def _hull_cells(
     surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float
 ) -> Ints:
-    """Return flat indices into the image of the pixels that hold pieces of hull."""
+    """Find the flat indices of the pixels that hold pieces of hull."""
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
     pixel, ratio = image_view.project(point[rows])
@@ -212,14 +212,14 @@ def _hull_cells(
 
 
 def _gain(values: NDArray[np.uint8], means: Array) -> float:
-    """Return a ping's brightness over the dive's, held to a factor of two."""
+    """Estimate a ping's brightness over the dive's, held to a factor of two."""
     if len(values) < MIN_SAMPLES:
         return 1.0
     return float(np.clip(values.astype(float).sum() / max(means.sum(), 1e-9), 0.5, 2.0))
 
 
 def _smooth(total: Array, count: Array) -> Array:
-    """Average over 2 beams and 3 range bins (sigma); wider where nothing was counted."""
+    """Average over 2 beams and 3 range bins (sigma), wider where nothing was counted."""
     from scipy.ndimage import gaussian_filter
 
     wide = gaussian_filter(total, (8, 12), mode="nearest") / np.maximum(

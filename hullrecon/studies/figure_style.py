@@ -38,10 +38,7 @@ def new_canvas(
     sharey: Share = "none",
     height_ratios: tuple[float, ...] | None = None,
 ) -> tuple[Canvas, list[list[Axes]]]:
-    """Return a matplotlib figure and its axes (rows, columns), without pyplot's global state.
-
-    sharex, sharey, height_ratios: as subplots has them.
-    """
+    """Make a matplotlib figure and its axes (rows, columns), without pyplot's global state."""
     from matplotlib.figure import Figure as Canvas
 
     figure = Canvas(figsize=(width_in, height_in), dpi=150, layout="constrained")
@@ -60,7 +57,7 @@ def new_canvas(
 
 
 def colour(method: str) -> str:
-    """Return the colour of a method, given its name with or without the weighting."""
+    """Choose the colour of a method, given its name with or without the weighting."""
     return next((value for name, value in COLOURS.items() if method.startswith(name)), INK)
 
 
@@ -74,7 +71,7 @@ def label_log_axis(axis: Axis) -> None:
 
 
 def finish_figure(name: str, canvas: Canvas, table: list[str], caption: str) -> PublishedFigure:
-    """Return the picture as PNG bytes without date or version, the table's lines as CSV."""
+    """Render PNG bytes without date or version, and the table's lines as CSV."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(canvas)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 def run_studies(
     dive: DiveRun, names: Sequence[str], *, jobs: int = 1, progress: Progress | None = None
 ) -> list[StudyResult]:
-    """Run studies one after the other; what several need is made once.
+    """Run studies in order, making what several need once.
 
     Raises UsageError for an unknown id, InputError when the package holds no truth.
     """

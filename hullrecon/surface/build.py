@@ -191,7 +191,7 @@ def _sample(seen: Observations) -> Observations:
 
 
 def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart) -> Surface:
-    """Move the chart's mesh into space; faces that it cannot place are dropped."""
+    """Move the chart's mesh into space and drop faces that it cannot place."""
     base, normal = chart.from_chart(mesh.vertices[:, :2])
     vertices = base + normal * offset[:, None]
     placed = np.asarray(np.isfinite(vertices).all(axis=1))

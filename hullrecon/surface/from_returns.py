@@ -217,7 +217,7 @@ def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> 
 
 
 def _join(returns: SurfacePoints, landmarks: SurfacePoints) -> SurfacePoints:
-    """Join both; landmarks support the surface where there are no returns."""
+    """Join both. Landmarks support the surface where there are no returns."""
     n, alone = len(landmarks.point), not len(returns.point)
     return SurfacePoints(
         point=np.vstack([returns.point, landmarks.point]),
@@ -265,7 +265,7 @@ def move_to_hull_frame(
 
 
 def pose_sigma_along(normals: Array, levers: Array, covariance: Array, rotation: Array) -> Array:
-    """Propagate poses' covariances to points, along the surface's normals; (m,) m.
+    """Propagate poses' covariances to points along the normals, (m,) m.
 
     A point R p + t moves by dt + R (w x p).
 

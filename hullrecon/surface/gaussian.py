@@ -34,7 +34,7 @@ class Kernel:
     )  # of a gap in units of the lengths; from 1 on there is no covariance
 
     def matrix(self, a: Array, b: Array) -> sparse.csr_array:
-        """Return covariances (n, m) between points (n, 2) and (m, 2) of the chart."""
+        """Compute covariances (n, m) between points (n, 2) and (m, 2) of the chart."""
         from scipy.spatial import cKDTree
 
         scale = np.array(self.length)
@@ -47,16 +47,16 @@ class Kernel:
         return sparse.csr_array((value, (row, column)), shape=(len(left), len(right)))
 
     def covariance(self, at: Array) -> sparse.csr_array:
-        """Return the covariances (n, n) of points (n, 2) of the chart with each other."""
+        """Compute the covariances (n, n) of points (n, 2) of the chart with each other."""
         return self.matrix(at, at)
 
     def correlation(self, gap: Array) -> Array:
-        """Return correlations (k,) at gaps (k, 2) in units of the lengths."""
+        """Compute correlations (k,) at gaps (k, 2) in units of the lengths."""
         return np.asarray(compact(np.abs(gap[:, 0])) * compact(np.abs(gap[:, 1])))
 
 
 def compact(r: Array) -> Array:
-    """Return the function of [MelkumyanRamos2009] at radii r.
+    """Evaluate the compact function of [MelkumyanRamos2009] at radii r.
 
     It is (2 + cos 2 pi r)/3 (1 - r) + sin(2 pi r)/(2 pi), and zero from r = 1 on.
     """
@@ -190,8 +190,10 @@ def _log_likelihood(covariance: Array, values: Array, noise: Array) -> float:
 
 
 class Factor(Protocol):
+    """A factorised symmetric positive definite matrix."""
+
     def solve(self, right: Array) -> Array:
-        """Return a^-1 times (n,) or (n, k)."""
+        """Solve for the right-hand side (n,) or (n, k)."""
 
 
 class NotPositiveDefiniteError(StageError):

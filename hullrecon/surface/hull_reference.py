@@ -33,7 +33,7 @@ class CadHull:
     aft_perpendicular_m: float = 0.0
 
     def chart(self, points: Array, sensors: Array) -> Chart:
-        """Return the ship's own chart; it depends on neither the points nor the sensors."""
+        """Unroll the CAD model, whatever points and sensors are."""
         return chart_for_hull(self.mesh, self.up, self.bow, self.aft_perpendicular_m)
 
     def on_hull(self, label: Ints) -> Mask:
@@ -41,7 +41,7 @@ class CadHull:
         return np.asarray(label == 1)
 
     def deviation(self, vertices: Array) -> Array:
-        """Return the signed distance (n,) m of vertices (n, 3), outward positive."""
+        """Measure the signed distance (n,) m of vertices (n, 3), outward positive."""
         return Scene(self.mesh).closest(vertices).distance
 
     def comparison(self, poses_are_adjusted: bool) -> Comparison:
@@ -60,7 +60,7 @@ class UnknownHull:
     """A hull without a CAD model: everything stays in g."""
 
     def chart(self, points: Array, sensors: Array) -> Chart:
-        """Return a plane through points (n, 3), its normal to the side of the sensors (m, 3)."""
+        """Fit a plane through points (n, 3), its normal towards the sensors (m, 3)."""
         return chart_for_points(points, toward=sensors)
 
     def on_hull(self, label: Ints) -> Mask:
@@ -68,11 +68,11 @@ class UnknownHull:
         return np.ones(len(label), bool)
 
     def deviation(self, vertices: Array) -> Array:
-        """Return NaN (n,) for vertices (n, 3): there is nothing to deviate from."""
+        """Return NaN (n,), as there is nothing to deviate from."""
         return np.full(len(vertices), np.nan)
 
     def comparison(self, poses_are_adjusted: bool) -> Comparison:
-        """Offsets are from a plane; there is no CAD model to compare with."""
+        """Say that offsets are from a plane, with no CAD model to compare with."""
         return Comparison(reference="plane", note=None)
 
 

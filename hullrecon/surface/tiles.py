@@ -78,7 +78,7 @@ class Box:
         return np.flatnonzero(((at >= self.low - by) & (at <= self.high + by)).all(axis=1))
 
     def weight(self, at: Array, by: Array) -> Array:
-        """Return weights (n,) that fall from 1 inside to 0 at (2,) m beyond its border."""
+        """Weigh points (n, 2) from 1 inside to 0 at (2,) m beyond the border."""
         inside = np.minimum(at - (self.low - by), (self.high + by) - at) / (2 * by)
         return np.asarray(np.clip(inside, 0, 1).prod(axis=1))
 
@@ -109,7 +109,7 @@ def regress(kernel: Kernel, seen: Observations, wanted: Array, most: int = MOST)
 
 
 def _predict(kernel: Kernel, seen: Observations, wanted: Array) -> tuple[Array, Array]:
-    """Predict mean and sigma (m,); where nothing was seen, what the kernel says."""
+    """Predict mean and sigma (m,). Without observations the kernel decides."""
     if not len(seen.at):
         return np.zeros(len(wanted)), np.full(len(wanted), kernel.sigma)
     found = fit_robust(kernel, seen.at, seen.offset, seen.noise)

@@ -28,7 +28,7 @@ class Background(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class FieldBackground:
-    """The adjustment's deviation field; zero with its largest sigma outside the grid."""
+    """The adjustment's deviation field, zero with its largest sigma outside the grid."""
 
     chart: Chart
     field: DeviationField
@@ -85,7 +85,7 @@ def median_background(feet: Array, offset: Array, width_m: float) -> Background:
 
 
 def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:
-    """Return the mean place and the median value in each cell, in the cells' order."""
+    """Compute the mean place and median value of each cell, in the cells' order."""
     _, number = np.unique(cell, axis=0, return_inverse=True)
     number = number.reshape(-1)
     order = np.lexsort((value, number))

@@ -155,7 +155,7 @@ def estimate_hull_as_found(
 
 
 def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
-    """Return sagitta and turn (2, n) of the base's facets under vertices, 0 elsewhere."""
+    """Look up sagitta and turn (2, n) of the base's facets under vertices, 0 elsewhere."""
     out = np.zeros((2, len(mesh.vertices)))
     if which.any():
         face = Scene(base).closest(mesh.vertices[which]).face

@@ -147,14 +147,14 @@ def count_shapes(
 
 
 def _near(vertices: Array, features: Array, reach_m: float) -> Ints:
-    """Return the vertices near enough to any feature off the hull to be moved."""
+    """Find the vertices near enough to any feature off the hull to be moved."""
     if not len(features):
         return np.zeros(0, np.int64)
     return np.flatnonzero(np.isfinite(nearest(features, vertices, 1, reach_m)[0][:, 0]))
 
 
 def _intersections(shapes: list[Mesh], vertices: Array) -> Array:
-    """Intersect rays from the camera to vertices (n, 3) with the shapes; NaN for a miss."""
+    """Intersect rays from the camera to vertices (n, 3) with shapes. NaN where they miss."""
     if not shapes:
         return np.full(vertices.shape, np.nan)
     start = np.cumsum([0, *(len(s.vertices) for s in shapes)])

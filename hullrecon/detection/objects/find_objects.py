@@ -36,7 +36,7 @@ NEAR_M = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class HullObject:
-    """One structure, as in objects.json (docs/deliverables.md); lengths in m."""
+    """One structure, as in objects.json (docs/deliverables.md). Lengths in m."""
 
     center: list[float]  # in the frame of the surface, as all points
     normal: list[float]
@@ -125,7 +125,7 @@ class _Landmarks:
         return np.asarray(above > 0.5 * np.abs(region.rise(found, vertex)))
 
     def covariances(self, found: HullAsFound, region: Region) -> Array:
-        """Return the covariances (n, 3, 3) of landmarks that stand off as the region does."""
+        """Collect covariances (n, 3, 3) of landmarks that stand off as the region."""
         rows, vertex = self.at(found, region.core)
         return self.measured.covariance[rows[self.stand(found, region, rows, vertex)]]
 
@@ -229,7 +229,7 @@ def _rejection_reason(
     supporting: tuple[int, float],
     options: DetectOptions,
 ) -> str:
-    """Say why the region is not an object; nothing if it is.
+    """Say why the region is not an object. Empty if it is.
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ def _supporting_landmarks(
 
 
 def _center(found: HullAsFound, region: Region, area: Array) -> int:
-    """Return the vertex on the visible surface nearest to the middle of the highest part."""
+    """Find the visible vertex nearest to the middle of the highest part."""
     top = _top_rows(found, region)
     middle = np.average(found.base.vertices[top], axis=0, weights=np.maximum(area[top], 1e-12))
     return int(top[np.argmin(np.linalg.norm(found.base.vertices[top] - middle, axis=1))])
@@ -319,7 +319,7 @@ def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scen
 
 
 def _top_rows(found: HullAsFound, region: Region) -> Ints:
-    """Return the vertices of the core above four fifths of the height."""
+    """Select the vertices of the core above four fifths of the height."""
     top = region.core[region.rise(found, region.core) >= 0.8 * abs(region.height)]
     return top if len(top) else region.core
 
@@ -373,7 +373,7 @@ def _object(
 
 
 def _top(found: HullAsFound, region: Region, center: int) -> Array:
-    """Return the center's foot on the base, lifted to the region's height."""
+    """Lift the center's foot on the base to the region's height."""
     foot = found.base.vertices[center]
     return np.asarray(
         foot + found.normal[center] * (region.hull.offset(foot[None])[0] + region.height)

@@ -86,7 +86,9 @@ def measure_size(
     normal: Array,
     chart: Chart,
 ) -> ObjectSize:
-    """Measure a region's footprint; its sigmas hold what may lie beyond the open edge.
+    """Measure a region's footprint.
+
+    Its sigmas hold what may lie beyond the open edge.
 
     Parameters
     ----------
@@ -201,7 +203,7 @@ def _double_area(a: Array, b: Array) -> Array:
 
 
 def _loops(rim: Ints) -> list[list[int]]:
-    """Join directed edges (e, 2) to closed lines; where two touch, the first begun goes on."""
+    """Join directed edges (e, 2) to closed lines. Where two touch, the first begun goes on."""
     follow: dict[int, list[int]] = {}
     for a, b in rim.tolist():
         follow.setdefault(a, []).append(b)

@@ -115,7 +115,7 @@ def _heights(
 
 
 def _terms(a: Array, b: Array) -> Array:
-    """Return the terms (n, k, 6) at a, b (n, k) m: height, slopes, second order."""
+    """Evaluate the terms (n, k, 6) at a, b (n, k) m: height, slopes, second order."""
     return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=2)
 
 
@@ -136,7 +136,9 @@ def _error(
 
 
 def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
-    """Fit (n, 6) coefficients by weighted least squares with priors; as before without weight.
+    """Fit the coefficients by weighted least squares with priors.
+
+    Where nothing weighs they stay as before.
 
     Returns
     -------
@@ -158,7 +160,7 @@ def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array,
 
 
 def _median(values: Array) -> Array:
-    """Return the median along the rows, NaN left out; NaN where all are."""
+    """Take the median along the rows without NaN. NaN where all are."""
     ranked = np.sort(values, axis=1)
     count = np.isfinite(values).sum(axis=1)
     rows = np.arange(len(values))
@@ -169,7 +171,7 @@ def _median(values: Array) -> Array:
 
 
 def _tangents(normal: Array) -> tuple[Array, Array]:
-    """Return two unit vectors (n, 3) each, square to the normals and to each other."""
+    """Span two unit vectors (n, 3) each, square to the normals and to each other."""
     helper = np.where(np.abs(normal[:, :1]) < 0.7, np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
     east = np.cross(helper, normal)
     east /= np.maximum(np.linalg.norm(east, axis=1, keepdims=True), 1e-12)

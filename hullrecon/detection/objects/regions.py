@@ -46,7 +46,7 @@ class HullAround:
     covariance: Array  # (6, 6) of the coefficients
 
     def offset(self, points: Array) -> Array:
-        """Return the hull's offset from the base (n,) m, outward positive, at points (n, 3)."""
+        """Evaluate the hull's offset from the base (n,) m, outward positive, at (n, 3)."""
         return np.asarray(self._terms(points) @ self.coefficients)
 
     def sigma(self, points: Array) -> Array:
@@ -55,6 +55,7 @@ class HullAround:
         return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", terms, self.covariance, terms)))
 
     def _terms(self, points: Array) -> Array:
+        """Evaluate the (n, 6) terms of the polynomial at (n, 2) m: height, slopes, second order."""
         return _terms((points - self.middle) @ self.axes.T)
 
 
@@ -110,11 +111,11 @@ class Region:
     bluntness: float  # m, how much lower it is where three times as much of the footprint reaches
 
     def rise(self, found: HullAsFound, vertices: Ints) -> Array:
-        """Return how far vertices (n,) stand off the hull around, m, positive on its side."""
+        """Measure vertices (n,) above the hull around, m, positive on the region's side."""
         return self.rise_of(found.base.vertices[vertices], found.deviation_at(vertices))
 
     def rise_of(self, feet: Array, offset: Array) -> Array:
-        """Return how far points stand off the hull around, m, positive on its side.
+        """Measure points above the hull around, m, positive on the region's side.
 
         Parameters
         ----------
@@ -137,7 +138,7 @@ class _Relief:
     options: DetectOptions
 
     def clusters(self, rows: Ints) -> list[Ints]:
-        """Cluster vertices; what is nearer than `cluster_reach_m` is one."""
+        """Cluster vertices closer than `cluster_reach_m`."""
         label = dbscan(
             self.found.base.vertices[rows],
             self.options.cluster_reach_m,
@@ -202,7 +203,7 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 
 
 def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
-    """Tell whether a part is wide enough and twice as high as the level that cuts it off."""
+    """Check that a part is wide enough and twice as high as the level that cuts it off."""
     area = relief.area[rows]
     wide = area.sum() >= SPECK * relief.options.min_area_m2
     return bool(
@@ -211,7 +212,7 @@ def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
 
 
 def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
-    """Grow a seed to a region; None where no hull was measured around it to count from.
+    """Grow a seed to a region. None if no hull was measured around it to count from.
 
     Parameters
     ----------
@@ -260,5 +261,5 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
 
 
 def _height_of_top(height: Array, area: Array, top_m2: float) -> float:
-    """Return the height that so much of the area reaches, half of it at most."""
+    """Find the height that so much of the area reaches, half of it at most."""
     return weighted_quantile(height, area, 1 - min(0.5, top_m2 / area.sum()))

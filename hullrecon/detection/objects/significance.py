@@ -29,10 +29,11 @@ def height_sigma(found: HullAsFound, region: Region) -> float:
 
 
 def relief_left(over_m: Array, sigma_m: Array) -> float:
-    """Estimate the relief that smoothing left out, m; zero without landmarks.
+    """Estimate the relief that smoothing left out, m.
 
     It is the scatter of landmarks' heights (n,) over the surface beyond their own sigmas (n,).
-    Where landmarks are too far apart for the relief, the surface passes between them.
+    Where landmarks are too far apart for the relief, the surface passes between them. Zero without
+    landmarks.
     """
     if not len(over_m):
         return 0.0

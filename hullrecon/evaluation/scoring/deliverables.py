@@ -47,7 +47,7 @@ class TimedPoses:
     hull_from_delivered: Poses = field(default_factory=identity)  # where that frame lies
 
     def rows(self, which: Mask) -> TimedPoses:
-        """Return those rows."""
+        """Select some rows of the path."""
         sigma = None if self.sigma is None else self.sigma[which]
         return replace(self, t_s=self.t_s[which], poses=self.poses[which], sigma=sigma)
 
@@ -83,19 +83,19 @@ def read_table(path: Path) -> dict[str, Array]:
 
 
 def read_trajectory(path: Path) -> TimedPoses:
-    """Return trajectory.csv. Raises InputError where it cannot be read."""
+    """Read trajectory.csv. Raises InputError where it cannot be read."""
     table = read_table(path)
     sigma = columns(table, ("sigma_x", "sigma_y", "sigma_z")) if "sigma_x" in table else None
     return TimedPoses(t_s=table["t"], poses=poses_in(table), sigma=sigma)
 
 
 def poses_in(table: dict[str, Array]) -> Poses:
-    """Return the poses of a table with columns x, y, z, qx, qy, qz, qw."""
+    """Read the poses of a table with columns x, y, z, qx, qy, qz, qw."""
     return Poses(columns(table, ("qx", "qy", "qz", "qw")), columns(table, ("x", "y", "z")))
 
 
 def columns(table: dict[str, Array], names: tuple[str, ...]) -> Array:
-    """Return those columns side by side (n, names)."""
+    """Stack columns by name, (n, names)."""
     return np.stack([table[name] for name in names], axis=1)
 
 
@@ -137,7 +137,7 @@ def deliver_folder(folder: Path) -> Path:
 
 
 def _vertex_layout(lines: list[str]) -> tuple[int, np.dtype[np.void]]:
-    """Return count and row type of the first element, which must be the vertices."""
+    """Read count and row type of the first element, which must be the vertices."""
     count, row = 0, list[tuple[str, str]]()
     for line in lines:
         fields = line.split()

@@ -19,7 +19,7 @@ Match = tuple[ReportedObject, TrueStructure | None]
 
 
 def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) -> Figures:
-    """Score reported objects; each belongs to the nearest structure within reach.
+    """Score reported objects against the nearest structures within reach.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) 
 def find_reported(
     structure: TrueStructure, found: Sequence[ReportedObject], truth: Truth, motion: Poses
 ) -> ReportedObject | None:
-    """Find the report of a structure with the most images; None when it was missed."""
+    """Find the report of a structure with the most images. None when it was missed."""
     moved = [_move(found_object, motion) for found_object in found]
     own = [
         d
@@ -65,7 +65,7 @@ def find_reported(
 
 
 def reach_m(structure: TrueStructure) -> float:
-    """Return how far a report's centre may lie from the structure's."""
+    """Bound the distance of a report's centre from its structure's."""
     return 0.10 + 0.5 * max(structure.extent)
 
 

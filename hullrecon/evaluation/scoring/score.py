@@ -124,13 +124,13 @@ def _move(motion: Poses, found: ReportedObject) -> tuple[float, float, float]:
 
 
 def unit_of(name: str) -> str:
-    """Return the unit that a figure's name ends in; shares, ratios and counts have none."""
+    """Read the unit from a figure's name. Shares, ratios and counts have none."""
     endings = {"_m": "m", "_deg": "deg", "_percent": "%"}
     return next((unit for ending, unit in endings.items() if name.endswith(ending)), "")
 
 
 def table_rows(figures: Score) -> list[tuple[str, str, str]]:
-    """Return (figure, value, unit) for a table, with four digits."""
+    """List (figure, value, unit) for a table, with four digits."""
     rows = list[tuple[str, str, str]]()
     for part, values in figures.items():
         if isinstance(values, str):
@@ -143,7 +143,7 @@ def table_rows(figures: Score) -> list[tuple[str, str, str]]:
 
 
 def without_nan(figures: Mapping[str, object]) -> dict[str, object]:
-    """Return the same figures for JSON, which has no NaN: null in its place."""
+    """Put null in place of NaN, which JSON does not have."""
     return {name: _without_nan(value) for name, value in figures.items()}
 
 

@@ -10,7 +10,7 @@ from hullrecon.typing import Array
 
 
 def rms(values: Array) -> float:
-    """Return the root of the mean square; NaN of nothing."""
+    """Return the root mean square, NaN of nothing."""
     return float(np.sqrt(np.mean(np.square(values)))) if np.size(values) else float("nan")
 
 

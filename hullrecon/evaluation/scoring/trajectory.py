@@ -49,7 +49,7 @@ def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
 
 
 def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
-    """Return T_M_g of the poses T_g_v of a track, in a frame g that begins where its path does.
+    """Place g, in which a track is told, so that its path begins at the true pose.
 
     Depth and level are the water's; x, y and heading are those of the first pose that has a truth:
     sigmas are relative to it.

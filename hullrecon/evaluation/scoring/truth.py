@@ -92,7 +92,7 @@ class Truth:
 
     @cached_property
     def built(self) -> Scene:
-        """Return the hull as it is, to cast rays at."""
+        """Index the hull as it is, to cast rays at."""
         return Scene(self.built_mesh)
 
     @cached_property
@@ -126,11 +126,14 @@ class Truth:
         return np.asarray(np.isfinite(distance))
 
     def vehicle_at(self, t_s: Array) -> Poses:
-        """Return T_M_v at those times, held at both ends."""
+        """Interpolate hull_from_vehicle at those times, held at both ends."""
         return interpolate(_nanoseconds(self.t_s), self.poses, _nanoseconds(t_s))
 
     def cameras_at(self, rows: Ints) -> Poses:
-        """Return T_M_ct at frames by row. Raises InputError where truth/ states no camera."""
+        """Place the top camera at frames by row.
+
+        Raises InputError where truth/ states no camera.
+        """
         if self.mounts.tray_from_top is None:
             raise InputError("the truth states no mount of a camera", where="truth/extrinsics.json")
         angle = np.interp(self.t_s[rows], self.servo_t_s, self.servo_rad)
@@ -141,11 +144,11 @@ class Truth:
         )
 
     def structures(self) -> list[TrueStructure]:
-        """Return what stands out of the hull or is cut into it; no paint."""
+        """List what stands out of the hull or is cut into it, without paint."""
         return [o for o in self.objects if not o.painted and abs(o.height) > 0]
 
     def due(self) -> list[TrueStructure]:
-        """Return the structures that must be found.
+        """List the structures that must be found.
 
         They are at least 0.08 m high and seen in at least six frames.
         """
@@ -178,7 +181,7 @@ def read_truth(package: Path) -> Truth:
 
 
 def read_mesh(path: Path, metres_per_unit: float = 1.0) -> Mesh:
-    """Return a mesh file of any form, in metres. Raises InputError when it holds no triangle."""
+    """Read a mesh file of any form, in metres. Raises InputError without a triangle."""
     import trimesh
 
     loaded = trimesh.load(path, force="mesh", process=False)

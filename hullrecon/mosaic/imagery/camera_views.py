@@ -75,7 +75,7 @@ def images_of_camera(
 
 
 def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
-    """Return uncorrected views, in the order of the cameras."""
+    """List the views, uncorrected, in the order of the cameras."""
     return [
         CameraView(pose=s.poses[i], camera=s.camera, load=lambda: None)
         for s in cameras
@@ -126,7 +126,7 @@ def footprint_windows(
 
 
 def camera_views(cameras: Sequence[CameraImages], light: LightModel | None) -> list[CameraView]:
-    """Return views whose pictures are corrected for the light."""
+    """List the views with pictures corrected for the light."""
     image_views: list[CameraView] = []
     for k, images in enumerate(cameras):
         for i, row in enumerate(images.rows.tolist()):
@@ -185,7 +185,7 @@ def estimate_light(
 
 
 def _thumbnail(read: Read, row: int) -> NDArray[np.uint8] | None:
-    """Return a small copy with twice the field's cells a side."""
+    """Reduce an image to twice the field's cells a side."""
     import cv2
 
     picture = read(row)

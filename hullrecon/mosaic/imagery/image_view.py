@@ -35,10 +35,10 @@ class ImageView(Protocol):
         """
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Return points (n, 3) of the surface all over the image; NaN where it is missed."""
+        """Cast rays all over the image onto the surface (n, 3). NaN where they miss."""
 
     def picture(self) -> Floats32 | None:
-        """Return the image (h, w, channels), corrected, 0 to 255; None when it cannot be read."""
+        """Read the image (h, w, channels), corrected, 0 to 255. None if unreadable."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,7 @@ class CameraView:
         return np.asarray(self.pose.translation[0])
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Return the best place is the middle of the image; R is half its diagonal."""
+        """Project points. The best place is the image's middle, R half its diagonal."""
         rotation = self.pose.rotation.as_matrix()[0]
         inside = (points - self.center) @ rotation
         pixel = self.camera.project(inside)
@@ -81,7 +81,7 @@ class CameraView:
         return self.load()
 
     def _widest(self) -> float:
-        """Return the tangent beyond which the distortion would fold points back."""
+        """Find the tangent beyond which the distortion would fold points back."""
         c = self.camera
         return 1.5 * max(
             c.cx / c.fx, (c.width - c.cx) / c.fx, c.cy / c.fy, (c.height - c.cy) / c.fy

@@ -33,7 +33,7 @@ class LightModel:
     log_gain: Array  # (views,)
 
     def correct(self, picture: NDArray[np.uint8], camera: int, view: int) -> Floats32:
-        """Return the image as an even lamp would have shown it, 0 to 255 and beyond."""
+        """Correct an image as if the lamp were even, 0 to 255 and beyond."""
         import cv2
 
         size = (picture.shape[1], picture.shape[0])
@@ -98,7 +98,7 @@ def _field_at(samples: LightSamples, fields: list[Array]) -> Array:
 
 
 def _texel_mean(samples: LightSamples, values: Array) -> Array:
-    """Return the mean (m, channels) over the views of each sample's texel."""
+    """Average (m, channels) over the views of each sample's texel."""
     count = np.bincount(samples.texel)
     sums = np.stack([np.bincount(samples.texel, v) for v in values.T], axis=1)
     return np.asarray((sums / np.maximum(count, 1)[:, None])[samples.texel])
@@ -148,7 +148,7 @@ def _resized(level: Array) -> Array:
 
 
 def _smooth(field: Array, weight: Array) -> Array:
-    """Smooth by weight; cells that nothing fell into take their neighbours' value."""
+    """Smooth by weight, filling cells without samples from their neighbours."""
     from scipy.ndimage import gaussian_filter
 
     spread = gaussian_filter(weight.astype(float) + 1e-6, SMOOTH, mode="nearest")

@@ -26,7 +26,7 @@ class SonarFan:
     half_elevation: float  # rad
 
     def locate(self, points: Array) -> tuple[Array, Array]:
-        """Locate points (n, 3) in the image; NaN outside it.
+        """Locate points (n, 3) in the image. NaN outside it.
 
         Returns
         -------
@@ -51,7 +51,7 @@ class SonarFan:
         )
 
     def rays(self, bearings: int, elevations: int) -> Array:
-        """Return unit vectors (bearings * elevations, 3) in `sonar` all over the aperture."""
+        """Spread unit vectors (bearings * elevations, 3) in `sonar` over the aperture."""
         psi, theta = np.meshgrid(
             np.linspace(self.bearing[0], self.bearing[-1], bearings),
             np.linspace(-self.half_elevation, self.half_elevation, elevations),
@@ -62,7 +62,7 @@ class SonarFan:
         )
 
     def _best(self) -> float:
-        """Return the metres ahead of the instrument at v = 3h/4.
+        """Compute the metres ahead of the instrument at v = 3h/4.
 
         The display ends at the nearest range shown.
         """

@@ -47,7 +47,7 @@ class Presentation:
 def make_deliverables(
     surface: MosaicSurface, store: TileStore, presentation: Presentation
 ) -> MosaicDeliverables:
-    """Return the documents and pictures of a mosaic whose tiles are complete."""
+    """Make the documents and pictures of a mosaic whose tiles are complete."""
     frame, grid = presentation.frame, store.grid
     document = mosaic_document(store, frame, presentation.facts)
     caption = Caption(
@@ -79,7 +79,7 @@ def make_deliverables(
 def mosaic_document(
     store: TileStore, frame: Frame, facts: Mapping[str, object]
 ) -> dict[str, object]:
-    """Return mosaic.json: what the mosaic is, for programs and for the report's page."""
+    """Describe the mosaic for programs and the report's page, as mosaic.json."""
     grid = store.grid
     seen = int(store.views[1:].sum())
     area = seen * grid.step_m**2

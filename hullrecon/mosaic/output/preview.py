@@ -70,7 +70,7 @@ def preview_png(
 
 
 def _axis_names(caption: Caption) -> tuple[str, str]:
-    """Return what the axes are: in M the chart is the ship's, in g a plane through the survey."""
+    """Name the axes: the ship's chart in M, a plane through the survey in g."""
     if caption.frame != "M":
         return "along the survey's plane (m)", "across the survey's plane (m)"
     side = "left" if caption.flips[0] else "right"

@@ -28,7 +28,7 @@ class RasterBands:
 
     @property
     def creation_options(self) -> dict[str, object]:
-        """Return how GDAL stores them."""
+        """Choose how GDAL stores the bands."""
         if self.names[-1] != "alpha":
             return {"predictor": 3 if self.dtype.startswith("float") else 2}
         photometric = "RGB" if len(self.names) == 4 else "MINISBLACK"
@@ -60,7 +60,7 @@ class RasterLayout:
 def write_raster(
     path: Path, tiles: Iterable[NDArray[np.generic]], layout: RasterLayout, bands: RasterBands
 ) -> None:
-    """Write tiles in the order of grid.tiles(size); same bytes for the same tiles.
+    """Write tiles in the order of grid.tiles(size), as the same bytes for the same tiles.
 
     GDAL's driver for cloud-optimised files copies a whole file with its overviews. Both, deflated,
     stay in memory: on a full disk GDAL raises errors of its own and prints on standard error, a
@@ -122,7 +122,7 @@ def write_raster(
 
 
 def description(layout: RasterLayout, bands: RasterBands) -> dict[str, object]:
-    """Return what ImageDescription says."""
+    """Write the text of ImageDescription."""
     x, y = layout.corner
     return {
         "title": bands.title,

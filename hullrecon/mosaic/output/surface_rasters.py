@@ -29,7 +29,7 @@ SUPPORT_BY_RETURNS = "DVL returns within reach of the surface"
 
 
 def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, Array]:
-    """Return values (n,) at the vertices by raster, NaN where nothing was seen.
+    """Collect the values (n,) at the vertices by raster, NaN where unseen.
 
     Without a CAD model there is the support alone.
     """
@@ -72,7 +72,7 @@ def surface_tiles(
 
 
 def face_shares(mesh: Mesh, scene: Scene, points: Array) -> tuple[Ints, Array]:
-    """Return the corners (n, 3) of faces under points (n, 3), with barycentric shares."""
+    """Find the corners (n, 3) of faces under points (n, 3), with barycentric shares."""
     if not len(points):
         return np.zeros((0, 3), np.int64), np.zeros((0, 3))
     near = scene.closest(points)

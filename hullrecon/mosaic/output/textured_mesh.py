@@ -68,7 +68,7 @@ def build_textured_mesh(
 
 
 def _faces(good: Mask) -> Ints:
-    """Return two triangles (m, 3) for each cell whose four corners are good.
+    """Triangulate cells whose four corners are good.
 
     All are turned the same way; rows run down the girth, columns along.
     """

@@ -81,7 +81,7 @@ class TileStore:
         self._reduce(window, color)
 
     def _reduce(self, window: Window, color: NDArray[np.uint8]) -> None:
-        """Return the mean of seen texels in each block of the small copy."""
+        """Average seen texels in each block of the small copy."""
         n = self.reduction
         blocks = color.reshape(self.size // n, n, self.size // n, n, -1).astype(np.float32)
         alpha = blocks[..., -1:] / 255
@@ -93,13 +93,13 @@ class TileStore:
         target[...] = np.rint(small[: target.shape[0], : target.shape[1]])
 
     def variance_percentiles(self, percent: Sequence[float]) -> list[float]:
-        """Return the upper ends of the histogram's bins."""
+        """Read percentiles from the histogram, as upper ends of its bins."""
         share = np.cumsum(self.histogram) / max(1, self.histogram.sum())
         return [float((np.searchsorted(share, p / 100) + 1) * VARIANCE_STEP) for p in percent]
 
 
 def in_threads(make: Callable[[Window], Tile], windows: Sequence[Window]) -> Iterator[Tile]:
-    """Yield the tiles in the order of the windows, as many begun ahead as there are threads."""
+    """Yield tiles in the order of the windows, begun ahead in threads."""
     from concurrent.futures import ThreadPoolExecutor
 
     count = min(MAX_AT_A_TIME, len(os.sched_getaffinity(0)))

@@ -76,7 +76,7 @@ def compare_solutions(
 
 
 def comparison_table(figures: Mapping[str, MethodFigures]) -> tuple[list[str], list[list[str]]]:
-    """Lay the figures out in heads and rows; lengths in millimetres."""
+    """Lay the figures out in heads and rows, lengths in millimetres."""
     heads = [
         "method",
         *(f"{label}, {_unit(name)}".rstrip(", ") for name, label in TABLE.items()),

@@ -105,7 +105,7 @@ def _history(v: SolvedVariant) -> SolveHistory:
 
 
 def _aligned(v: SolvedVariant, start: DeadReckoning, truth: Truth) -> tuple[Array, Array]:
-    """Return landmarks and DVL points in M, aligned as the path is with the true one."""
+    """Align landmarks and DVL points in M as the path with the true one."""
     frame, motion = hull_frame(v.solution, truth), _alignment(v, truth)
     dvl = np.zeros((0, 3))
     if start.returns is not None:

@@ -134,7 +134,7 @@ def cost_history(solves: Sequence[SolveHistory]) -> PublishedFigure:
 
 
 def _draw_costs(row: list[Axes], solve: SolveHistory) -> None:
-    """Draw the two curves of one method; a dot where a round's cost comes near its last one."""
+    """Draw the two curves of a method, with a dot where a round comes near its last cost."""
     ink, name = colour(solve.method), solve.method.split()[0]
     last = np.array([solve.cost[solve.round == number][-1] for number in solve.round])
     _, near = np.unique(

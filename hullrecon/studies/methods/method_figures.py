@@ -43,7 +43,7 @@ TABLE = {
 def method_figures(
     solution: Solution, returns: Returns | None, rig: Rig, truth: Truth
 ) -> MethodFigures:
-    """Score one solution by part and name; parts that it cannot give are left out."""
+    """Score one solution by part and name, without parts that it cannot give."""
     global_from_hull = hull_frame(solution, truth)
     hull_poses = global_from_hull.inverse() @ solution.global_from_vehicle
     sigma = np.sqrt(np.einsum("nii->ni", solution.pose_covariance)[:, :3])
@@ -118,7 +118,7 @@ def height_figures(landmarks: Array, truth: Truth, motion: Poses) -> Figures:
 def height_over_steel(
     landmarks: Array, structure: TrueStructure, truth: Truth, motion: Poses
 ) -> tuple[Array, Array]:
-    """Return heights (n,) over the steel of landmarks on a structure, ours and true.
+    """Measure heights (n,) over the steel of landmarks on a structure, with the true.
 
     What the surroundings are off (a method may move the hull as a whole) is subtracted from ours.
     """

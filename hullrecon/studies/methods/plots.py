@@ -47,7 +47,7 @@ class CrossSection:
     cad_model: Array  # (m, 2) or empty
 
     def parts(self) -> dict[str, Array]:
-        """Return the points by what they are."""
+        """Sort the points by what they are."""
         return {
             "dvl": self.dvl,
             "on": self.on,

@@ -57,7 +57,7 @@ def cut_whole_hull(
     truth: Truth,
     half_m: float = 0.08,
 ) -> WholeSection:
-    """Return the slice across the whole hull at the structure, in M's y and z (x forward)."""
+    """Slice across the whole hull at the structure, in M's y and z (x forward)."""
     at = np.array(structure.center)
     near, hit = np.abs(landmarks[:, 0] - at[0]) < half_m, np.abs(dvl[:, 0] - at[0]) < 5 * half_m
     cad_model = np.zeros((0, 2))
@@ -80,7 +80,7 @@ def cut_whole_hull(
 
 
 def _axes(structure: TrueStructure) -> Array:
-    """Return rows: along the hull, over its girth, outward."""
+    """Span rows along the hull, over its girth and outward."""
     normal = np.array(structure.normal)
     along = np.array([1.0, 0.0, 0.0]) - normal * normal[0]
     along /= np.linalg.norm(along)
@@ -96,7 +96,7 @@ def _inside(local: Array, half_m: float, reach_m: float) -> Mask:
 
 
 def _profile(surface: Scene, foot: Array, axes: Array, line: Array) -> Array:
-    """Return (m, 2) tangent and height where rays from outside meet the surface."""
+    """Cast rays from outside onto the surface, as (m, 2) tangent and height."""
     start = foot + line[:, None] * axes[1] + 0.5 * axes[2]
     way = surface.cast(start, np.tile(-axes[2], (len(line), 1)))
     met = np.isfinite(way) & (way < 1.2)

@@ -36,7 +36,7 @@ class MethodVariant:
     as_published: bool  # without our weights, deviation field and rounds
 
     def chain(self, whole: Chain) -> Chain:
-        """Return the chain with this variant's options of adjust.
+        """Put this variant in place of the step adjust.
 
         As published is one solve from the registration on, as [Ozog2016] did it, so that its
         history is that of one function.
@@ -62,7 +62,7 @@ class MethodVariant:
         return self.method == "maxmix" and not self.as_published
 
     def workspace(self, dive: DiveRun) -> Workspace:
-        """Return where the variant is solved.
+        """Choose where the variant is solved.
 
         RUNS/<dive> for the one that the chain itself solves, else RUNS/<dive>/compare/<variant>.
         """
@@ -193,7 +193,7 @@ def read_dead_reckoning(dive: DiveRun) -> DeadReckoning:
 
 
 def read_objects(dive: DiveRun) -> tuple[ReportedObject, ...]:
-    """Read the objects that the chain's own detect reports; none where it left nothing."""
+    """Read the objects that the chain's own detect reports, none where it left nothing."""
     from hullrecon.records.deliverables import ReportedObject
     from hullrecon.steps.artifacts import DetectArtifact
 
@@ -202,7 +202,7 @@ def read_objects(dive: DiveRun) -> tuple[ReportedObject, ...]:
 
 
 def _setting(sections: Mapping[str, object], key: str) -> object:
-    """Return a value by dotted key; None where its section is absent."""
+    """Look up a value by dotted key. None where its section is absent."""
     section, _, name = key.rpartition(".")
     value = sections.get(section)
     return None if value is None else getattr(value, name, None)

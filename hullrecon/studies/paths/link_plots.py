@@ -170,12 +170,12 @@ def two_view_models(paths: Mapping[str, LinkedBy], truth: Truth) -> PublishedFig
 
 
 def path_length(translation: Array) -> Array:
-    """Return the way (n,) m from the first of positions (n, 3)."""
+    """Sum the way (n,) m from the first of positions (n, 3)."""
     return np.asarray(np.r_[0, np.cumsum(np.linalg.norm(np.diff(translation, axis=0), axis=1))])
 
 
 def horizontal_sigma(track: VehicleTrack) -> Array:
-    """Return the sigma (n,) m of the positions over the ground.
+    """Compute the sigma (n,) m of the positions over the ground.
 
     It is the root of the trace of their covariance. Depths are left out: their error, a pressure
     sensor's bias, is common to the whole path.

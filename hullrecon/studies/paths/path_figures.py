@@ -133,7 +133,7 @@ def lay_onto_cad_model(
 
 
 def _path_by_planes(dive: DiveRun) -> LinkedPath | None:
-    """Solve the path with the hull's planes, without images; None where they tie none."""
+    """Solve the path with the hull's planes, without images. None if none tie it."""
     inputs = _inputs(dive, "links")
     returns = inputs.navigate.returns
     if returns is None:
@@ -229,7 +229,7 @@ def _variance_map(store: TileStore) -> VarianceMap:
 
 
 def _inputs(dive: DiveRun, name: str) -> InputArtifacts:
-    """Return what a step is handed."""
+    """Read the input artifacts of a step."""
     return InputArtifacts(
         inputs_of(dive.chain.stage(name), dive.chain, dive.workspace, dive.chain.skip_reasons())
     )

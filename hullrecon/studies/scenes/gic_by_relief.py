@@ -148,7 +148,7 @@ def _label_relief(axis: Axes, peak_mm: Array) -> None:
 
 
 def _words(name: str, trials: CriterionTrials) -> str:
-    """Return where the criteria are equal and how often the homography is chosen at either end."""
+    """Say where the criteria are equal and how often the homography is chosen at either end."""
     crossing, share = trials.crossing_m(), trials.share_of_homography()
     where = "nowhere equal" if crossing is None else f"equal at {1e3 * crossing:.0f} mm"
     ends = [

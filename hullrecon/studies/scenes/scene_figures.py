@@ -100,7 +100,7 @@ def _views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Arr
 
 
 def peaks(x: Array, y: Array) -> Array:
-    """Return MATLAB's peaks for x and y from -3 to 3, scaled to a highest peak of 1.
+    """Evaluate MATLAB's peaks for x and y from -3 to 3, scaled to a highest peak of 1.
 
     Its deepest hollow is -0.81.
     """

@@ -43,11 +43,11 @@ class TransferredPoints:
         return np.asarray(np.mean(square < GATE_CHI2, axis=1))
 
     def semi_axes_px(self) -> Array:
-        """Return the semi-axes (p, 2) of the 99 % ellipse, the shorter first."""
+        """Compute semi-axes (p, 2) of the 99 % ellipse, the shorter first."""
         return np.asarray(np.sqrt(GATE_CHI2 * np.linalg.eigvalsh(self.covariance)))
 
     def outlines(self) -> Array:
-        """Return the ellipses (p, 73, 2) as closed lines."""
+        """Trace the ellipses (p, 73, 2) as closed lines."""
         angle = np.linspace(0, 2 * np.pi, 73)
         circle = np.sqrt(GATE_CHI2) * np.stack([np.cos(angle), np.sin(angle)])
         return np.asarray(

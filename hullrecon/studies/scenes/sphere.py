@@ -40,12 +40,12 @@ class MappedSphere:
     points: Array  # (m, 3) m, ends of its DVL beams
 
     def off_sphere_m(self) -> Array:
-        """Return by how much (n,) the path lies outside the sphere that fits it best."""
+        """Measure how far (n,) the path lies outside its best-fitting sphere."""
         middle, radius = fit_sphere(self.path)
         return np.asarray(np.linalg.norm(self.path - middle, axis=1) - radius)
 
     def error_m(self, truth: Array) -> Array:
-        """Return the distance (n,) of the path from the true one (n, 3)."""
+        """Measure the distance (n,) of the path from the true one (n, 3)."""
         return np.asarray(np.linalg.norm(self.path - truth, axis=1))
 
     def aligned_error_m(self, truth: Array) -> float:
@@ -74,7 +74,7 @@ class SphereSurvey:
 
     @property
     def drawn(self) -> dict[str, MappedSphere]:
-        """Return dead reckoning and the planes whose radius is nearest to the sphere's."""
+        """Choose dead reckoning and the planes with the radius nearest to the sphere's."""
         return {
             RECKONED: self.reckoned,
             PLANES: self.planes[min(self.planes, key=lambda r: abs(r - self.radius_m))],

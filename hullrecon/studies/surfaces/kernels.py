@@ -20,11 +20,11 @@ class RadialKernel(Kernel):
     NORM: ClassVar[float] = 2.0
 
     def correlation(self, gap: Array) -> Array:
-        """Return correlations (k,) at gaps (k, 2) in units of the lengths."""
+        """Compute correlations (k,) at gaps (k, 2) in units of the lengths."""
         return compact(np.linalg.norm(gap, axis=1))
 
     def covariance(self, at: Array) -> sparse.csr_array:
-        """Return the covariances (n, n) of points (n, 2) of the chart with each other.
+        """Compute the covariances (n, n) of points (n, 2) with each other.
 
         Raises NotPositiveDefiniteError where they are none, even if noise would hide it.
         """
@@ -40,12 +40,12 @@ class WendlandKernel(Kernel):
     NORM: ClassVar[float] = 2.0
 
     def correlation(self, gap: Array) -> Array:
-        """Return correlations (k,) at gaps (k, 2) in units of the lengths."""
+        """Compute correlations (k,) at gaps (k, 2) in units of the lengths."""
         return wendland(np.linalg.norm(gap, axis=1))
 
 
 def wendland(r: Array) -> Array:
-    """Return Wendland's C2 function [Wendland1995], positive definite in up to three dimensions."""
+    """Evaluate Wendland's C2 function [Wendland1995], positive definite up to 3-D."""
     return np.asarray(np.maximum(0.0, 1 - r) ** 4 * (4 * r + 1))
 
 

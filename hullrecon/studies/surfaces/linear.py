@@ -20,7 +20,7 @@ from hullrecon.typing import Array
 def by_triangles(
     charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
 ) -> tuple[Array, Array, Facts]:
-    """Interpolate between means over quarter cells; one sigma by their scatter."""
+    """Interpolate between means over quarter cells, with one sigma by their scatter."""
     seen = cell_means(charted[:, :2], charted[:, 2], observed.noise, 0.25 * options.cell_m)
     sigma = scatter_sigma(seen.at, seen.offset)
     facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
@@ -28,7 +28,7 @@ def by_triangles(
 
 
 def interpolate(at: Array, values: Array, wanted: Array) -> Array:
-    """Interpolate values at (m, 2), linear on Delaunay triangles; outside, the nearest."""
+    """Interpolate values at (m, 2) on Delaunay triangles, outside by the nearest."""
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
     if len(at) < 4 or np.linalg.matrix_rank(at - at.mean(axis=0), tol=1e-6) < 2:

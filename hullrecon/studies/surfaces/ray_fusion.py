@@ -42,7 +42,7 @@ def fuse_shapes(
 def move_along_rays(
     given: Unfused, views: CameraViews, options: DetectOptions
 ) -> tuple[Array, Array, Ints]:
-    """Move vertices along the rays that saw shapes there; those without one stay on the hull."""
+    """Move vertices along rays that saw shapes, and leave the others on the hull."""
     at = given.mesh.vertices
     fused = fuse_shapes(views, given.features, given.feature_height, at, options)
     taken = fused.count > 0
