@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+"""Whether two CAD models are of one hull, however they are meshed."""
+
 from __future__ import annotations
 
 from dataclasses import replace
@@ -9,10 +11,14 @@ import pytest
 from change.conftest import ADDED, address
 from change.simulated_surveys import ALONG, BEFORE, GIRTH, drawn, survey
 
-from hullrecon.change.compare_surveys import compare_surveys
+from hullrecon.change.compare_surveys import cad_model_gap, compare_surveys
 from hullrecon.change.options import ChangeOptions
 from hullrecon.errors import StageError
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.change import HullChange, HullSurvey
+
+BOX = np.array([[x, y, z] for x in (0.0, 10) for y in (-1.0, 1) for z in (0.0, 2)])
+FACES = np.array([[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7]], np.int32)
 
 
 def by_status(change: HullChange) -> dict[str, list]:
@@ -97,7 +103,7 @@ def test_an_object_where_the_first_dive_did_not_look_is_not_new() -> None:
     assert change.changed() == ()
 
 
-def test_an_object_where_the_second_dive_did_not_look_is_not_gone() -> None:
+def test_object_where_second_dive_did_not_look_is_not_gone() -> None:
     change = compare_surveys(
         survey(BEFORE, drawn(6)), survey(BEFORE[1:], drawn(106), along=(31.2, 34.0)), address
     )
@@ -111,7 +117,7 @@ def poorly_known(found: HullSurvey, sigma_m: float) -> HullSurvey:
     return replace(found, form_sigma=np.full(len(found.form_sigma), sigma_m))
 
 
-def test_an_object_that_one_dive_lists_is_new_by_the_number_of_objects_and_not_of_places() -> None:
+def test_listed_object_is_tested_by_number_of_objects() -> None:
     first = poorly_known(survey(BEFORE, drawn(10)), 0.0105)
     change = compare_surveys(
         first, survey((*BEFORE, replace(ADDED[0], height_m=-0.045)), drawn(110)), address
@@ -121,7 +127,7 @@ def test_an_object_that_one_dive_lists_is_new_by_the_number_of_objects_and_not_o
     assert 1e-5 < row.p_value < 0.01
 
 
-def test_what_one_dive_lists_and_the_other_neither_shows_nor_excludes_is_uncertain() -> None:
+def test_object_neither_shown_nor_excluded_is_uncertain() -> None:
     first = poorly_known(survey(BEFORE, drawn(11)), 0.0115)
     change = compare_surveys(
         first, survey((*BEFORE, replace(ADDED[0], height_m=-0.025)), drawn(111)), address
@@ -130,7 +136,7 @@ def test_what_one_dive_lists_and_the_other_neither_shows_nor_excludes_is_uncerta
     assert next(row for row in change.objects if row.second_id == 5).status == "uncertain"
 
 
-def test_a_structure_that_detection_missed_is_no_change_when_both_surfaces_show_it() -> None:
+def test_structure_in_both_surfaces_is_no_change() -> None:
     change = compare_surveys(
         survey(BEFORE, drawn(7)), survey(BEFORE, drawn(107), listed=BEFORE[:3]), address
     )
@@ -185,3 +191,24 @@ def test_the_same_dives_give_the_same_numbers() -> None:
     ]
     assert [r.change for r in rows[0].objects] == [r.change for r in rows[1].objects]
     assert (rows[0].offset.covariance == rows[1].offset.covariance).all()
+
+
+def test_the_same_hull_meshed_otherwise_is_the_same_hull() -> None:
+    """Quads split along the other diagonal, and one of them into four about its middle."""
+    turned = np.array([[0, 1, 2], [1, 3, 2], [4, 6, 5], [6, 7, 5]], np.int32)
+    fan = np.array([[0, 1, 8], [1, 3, 8], [3, 2, 8], [2, 0, 8], *FACES[2:]], np.int32)
+    for other in (Mesh(BOX, turned), Mesh(np.vstack([BOX, BOX[:4].mean(axis=0)]), fan)):
+        assert cad_model_gap(Mesh(BOX, FACES), other) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_gap_of_two_cad_models_is_the_same_from_both_sides() -> None:
+    """A part that one of them lacks counts, although all of the other lies on it."""
+    whole, half = Mesh(BOX, FACES), Mesh(BOX[:4], FACES[:2])
+    assert cad_model_gap(whole, half) == pytest.approx(10.0)
+    assert cad_model_gap(half, whole) == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize("shift_m", [0.001, 0.004])
+def test_the_gap_of_a_model_that_was_shifted_is_its_shift(shift_m: float) -> None:
+    moved = Mesh(BOX + np.array([shift_m, 0, 0]), FACES)
+    assert cad_model_gap(Mesh(BOX, FACES), moved) == pytest.approx(shift_m, rel=1e-3)

@@ -53,7 +53,7 @@ def test_a_box_that_grew_is_a_region_on_its_top() -> None:
     assert found.change == pytest.approx(0.03, abs=0.005)
 
 
-def test_an_edge_that_is_drawn_two_centimetres_elsewhere_is_no_change() -> None:
+def test_edge_drawn_2_cm_elsewhere_is_no_change() -> None:
     assert regions(relief((50, 40, 12, 0.08)), relief((51, 41, 12, 0.08), seed=1)) == []
 
 
@@ -131,13 +131,13 @@ def test_probability_grows_with_the_places_looked_at() -> None:
     assert many == pytest.approx(1 - (1 - one) ** 100, rel=1e-6)
 
 
-def test_probability_of_what_is_certain_is_tiny_and_never_negative() -> None:
+def test_p_value_of_certain_change_is_not_negative() -> None:
     assert 0 <= corrected_p_value(1.0, 0.001, 10_000) < 1e-100
     assert corrected_p_value(0.0, 0.01, 10) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("places", [1, 100, 10_000])
-def test_a_change_of_so_many_sigmas_has_the_largest_probability_that_is_reported(
+def test_significant_sigmas_invert_the_p_value(
     places: int,
 ) -> None:
     least = significant_sigmas(places, OPTIONS)
@@ -148,9 +148,7 @@ def test_a_change_of_so_many_sigmas_has_the_largest_probability_that_is_reported
 
 
 @pytest.mark.parametrize(("share", "reported"), [(0.8, 0), (1.2, 1)])
-def test_a_structure_a_fifth_above_the_smallest_change_is_reported_and_one_below_it_is_not(
-    share: float, reported: int
-) -> None:
+def test_smallest_change_parts_reported_from_unreported(share: float, reported: int) -> None:
     least = smallest_change(
         difference(relief(sigma=0.005), relief(seed=1, sigma=0.005), OPTIONS), 1000, OPTIONS
     )
@@ -159,12 +157,12 @@ def test_a_structure_a_fifth_above_the_smallest_change_is_reported_and_one_below
     assert len(regions(relief(sigma=0.005), box)) == reported
 
 
-def test_where_both_surveys_know_the_hull_well_the_smallest_change_is_the_one_asked_for() -> None:
+def test_smallest_change_is_option_where_hull_is_well_known() -> None:
     found = difference(
         relief(noise=1e-4, sigma=5e-4), relief(noise=1e-4, seed=1, sigma=5e-4), OPTIONS
     )
     assert smallest_change(found, 1000, OPTIONS) == OPTIONS.min_change_m
 
 
-def test_where_no_cell_was_seen_by_both_there_is_no_smallest_change() -> None:
+def test_smallest_change_without_common_cells_is_nan() -> None:
     assert np.isnan(smallest_change(difference(relief(), relief(views=0), OPTIONS), 1, OPTIONS))

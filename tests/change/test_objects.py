@@ -71,7 +71,7 @@ def test_a_recess_that_got_deeper_has_grown() -> None:
     assert row.change == pytest.approx(-0.04, abs=0.005)
 
 
-def test_what_came_or_went_changed_by_its_whole_height_with_the_sigma_of_its_object() -> None:
+def test_new_object_changed_by_its_whole_height() -> None:
     dome = survey(ADDED[2:], NONE)
     (new,), (gone,) = rows_of(survey((), NONE), dome), rows_of(dome, survey((), NONE))
     for row, sign in ((new, 1), (gone, -1)):
@@ -87,7 +87,7 @@ def test_what_came_or_went_changed_by_its_whole_height_with_the_sigma_of_its_obj
     assert 0 < new.height_before_sigma < 0.008
 
 
-def test_a_structure_that_no_dive_lists_has_the_sigma_of_its_surface() -> None:
+def test_unlisted_structure_has_sigma_of_surface() -> None:
     (row,) = rows_of(survey((), NONE), survey(ADDED[1:2], NONE, listed=()))
     assert (row.status, row.second_id) == ("new", None)
     assert row.height_after == pytest.approx(0.09, abs=0.005)
@@ -125,7 +125,7 @@ def test_the_place_of_an_object_has_its_delivered_sigma(before) -> None:
     assert row.sigma == pytest.approx([0.15, 0.04, 0.02])
 
 
-def test_the_place_of_a_structure_without_an_object_has_that_of_the_hull_poses(before) -> None:
+def test_unlisted_structure_has_place_sigma_of_hull_poses(before) -> None:
     rows = rows_of(before, survey((*BEFORE, ADDED[1]), NONE, listed=BEFORE))
     row = next(row for row in rows if row.status == "new")
     assert row.second_id is None

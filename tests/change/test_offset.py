@@ -55,7 +55,7 @@ def test_a_shift_along_the_hull_is_found_to_millimetres(shifted) -> None:
     assert np.abs(error_of(offset, true)[:3]).max() < 0.003
 
 
-def test_hull_poses_that_are_known_less_well_than_the_patch_is_long_give_the_same_shift() -> None:
+def test_offset_does_not_depend_on_wide_hull_pose_sigma() -> None:
     # four sigmas of both are more than the four metres of the patch
     loose = np.array([1.5, *SIGMAS[1:]]) ** 2
     there = Errors(pose=np.array([0.4, 0.0, 0.03, 0, 0, 0]), seed=0, noise_m=0.0)
@@ -92,7 +92,7 @@ def test_errors_are_within_three_of_their_sigmas_over_seeds() -> None:
     assert max(nees) < 22.5  # chi-square of six degrees of freedom at 0.1 %
 
 
-def test_without_structures_the_hull_poses_hold_what_the_form_leaves_open() -> None:
+def test_hull_poses_hold_offset_without_structures() -> None:
     a, b = drawn(14), drawn(114)
     offset = offset_of(survey((), a, hull=5), survey((), b, hull=5))
     sigma = np.sqrt(np.diag(offset.covariance))
@@ -121,7 +121,7 @@ def test_far_from_its_center_a_rotation_moves_the_hull() -> None:
     assert np.sqrt(there[0, 0]) < 1e-5
 
 
-def test_the_sigma_of_a_place_grows_with_its_distance_from_the_center() -> None:
+def test_offset_sigma_grows_with_distance_from_center() -> None:
     offset = SurveyOffset(
         first_from_second=exp(np.zeros((1, 6))),
         covariance=np.diag([0.001**2] * 3 + [0.001**2] * 3),

@@ -93,7 +93,7 @@ def test_facets_are_no_structures(radius_m: float, width_m: float) -> None:
 
 
 @pytest.mark.parametrize("at", [ON_EDGE, (1.45, 1.0), (2.0, 1.0)])
-def test_a_structure_lower_than_the_sagitta_of_wide_facets_is_found(
+def test_structure_lower_than_sagitta_of_facets_is_found(
     at: tuple[float, float],
 ) -> None:
     """They are turned by 11 degrees: over the third of a metre around the disc the curve parts from

@@ -24,6 +24,14 @@ from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import VehicleTrack
 
+SCHEMA = (
+    Path(__file__).resolve().parents[2]
+    / "hullrecon"
+    / "report"
+    / "schemas"
+    / "coverage.schema.json"
+)
+
 
 @pytest.fixture
 def hull(wall) -> coverage.HullPatches:
@@ -46,7 +54,7 @@ def test_the_cameras_area_is_its_footprint(hull, wall, views_at) -> None:
     assert facts["images"] == 2
 
 
-def test_the_ground_sample_distance_is_distance_over_focal_length(hull, wall, views_at) -> None:
+def test_gsd_is_distance_over_focal_length(hull, wall, views_at) -> None:
     facts = coverage.camera_facts(
         hull,
         find_visibility(views_at([2.0]), hull.mesh.vertices, hull.normal, Scene(wall)),
@@ -99,7 +107,7 @@ def _survey(poses: Poses) -> coverage.SonarSurvey:
     )
 
 
-def test_the_sonar_sees_a_strip_as_wide_as_its_fan_and_as_high_as_its_elevation(hull, wall) -> None:
+def test_sonar_sees_strip_of_its_fan_and_elevation(hull, wall) -> None:
     seen = coverage.visible_to_sonar(hull, _survey(_sonar_at(2.0, 4.0)), Scene(wall))
     x, _, z = hull.mesh.vertices[seen].T
     assert np.abs(x - 2).max() == pytest.approx(2 * np.tan(np.radians(30)), abs=0.1)
@@ -116,7 +124,7 @@ def test_beyond_its_range_and_from_behind_the_sonar_sees_nothing(hull, wall) -> 
     assert not coverage.visible_to_sonar(hull, _survey(behind), Scene(wall)).any()
 
 
-def test_the_area_seen_by_the_sonar_is_as_uncertain_as_the_hulls_pose_makes_it(hull, wall) -> None:
+def test_area_seen_by_sonar_has_sigma_of_hull_pose(hull, wall) -> None:
     """A fan that looks past the wall's edge: half a metre off sideways, the strip seen is a quarter
     of its width off.
     """
@@ -142,7 +150,7 @@ def _address(point: np.ndarray) -> dict[str, Any]:
     return {"address": f"x {point[0]:.1f}"}
 
 
-def test_a_hole_inside_the_survey_is_reported_with_its_address_and_area(hull, scenery) -> None:
+def test_hole_in_survey_has_address_and_area(hull, scenery) -> None:
     x, _, z = hull.mesh.vertices.T
     seen = (np.abs(x - 2) < 1.2) & (np.abs(z - 1) < 0.8)
     seen &= np.maximum(np.abs(x - 2.5), np.abs(z - 1.0)) > 0.25
@@ -215,15 +223,6 @@ def test_patches_wider_than_a_cell_leave_no_holes_between_them(wall, scenery) ->
     assert coverage.find_holes(coarse, seen, scenery.chart, _address) == []
 
 
-SCHEMA = (
-    Path(__file__).resolve().parents[2]
-    / "hullrecon"
-    / "report"
-    / "schemas"
-    / "coverage.schema.json"
-)
-
-
 @pytest.fixture
 def base(wall, scenery) -> BaseSurface:
     n = len(wall.vertices)
@@ -272,9 +271,7 @@ def test_a_hole_is_known_as_well_as_the_path_beside_it(base: BaseSurface) -> Non
     assert hole["address"] == "2.8 ± 0.3 m along, 1.00 ± 0.06 m across, 7.0 ± 0.1 m below waterline"
 
 
-def test_every_hole_keeps_to_the_schema_and_has_a_sigma_of_its_position(
-    base: BaseSurface, hull, scenery
-) -> None:
+def test_hole_keeps_to_schema_and_has_position_sigma(base: BaseSurface, hull, scenery) -> None:
     x, _, z = hull.mesh.vertices.T
     seen = (
         (np.abs(x - 2) < 1.2)

@@ -60,9 +60,7 @@ def test_a_level_is_offset_a_slope_is_tilt_and_the_rest_is_form(wall: Mesh, fine
     np.testing.assert_allclose(split.form, wave, atol=8e-4)
 
 
-def test_the_offset_is_as_uncertain_as_the_hulls_place_and_the_form_is_not(
-    wall: Mesh, fine: Mesh
-) -> None:
+def test_offset_has_sigma_of_hull_pose_and_form_has_not(wall: Mesh, fine: Mesh) -> None:
     split = _split(wall, fine, np.zeros(len(fine.vertices)))
     assert float(split.offset_sigma) == pytest.approx(0.02, rel=0.01)
     np.testing.assert_allclose(split.tilt_sigma, [0.003, 0.004], rtol=0.01)
@@ -97,7 +95,7 @@ def test_a_structure_is_form_and_moves_no_offset(wall: Mesh, fine: Mesh) -> None
         np.testing.assert_allclose(split.form[on], 0.1, atol=0.002)
 
 
-def test_what_was_not_seen_has_no_form_and_too_little_has_no_split(wall: Mesh, fine: Mesh) -> None:
+def test_unseen_hull_has_no_form_and_little_has_no_split(wall: Mesh, fine: Mesh) -> None:
     n = len(fine.vertices)
     surface = Surface(
         vertices=fine.vertices,

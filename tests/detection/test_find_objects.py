@@ -13,7 +13,7 @@ from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
 WALL_OFFSET_M = -0.012  # of the wall from its CAD model
 
 
-def test_the_disc_and_the_recess_are_reported_once_and_nothing_else(scenery, found) -> None:
+def test_disc_and_recess_alone_are_reported_once(scenery, found) -> None:
     objects, _ = reported(scenery, found)
     assert [round(o.height, 2) for o in objects] == [0.10, -0.05]
 
@@ -36,7 +36,7 @@ def test_size_area_and_volume_are_those_of_the_structure(scenery, found) -> None
     assert np.allclose(disc.normal, [0, 1, 0], atol=1e-6)
 
 
-def test_the_deviation_is_against_the_cad_model_and_absent_without_one(scenery, found) -> None:
+def test_object_deviation_needs_a_cad_model(scenery, found) -> None:
     disc, recess = reported(scenery, found)[0]
     assert disc.deviation == pytest.approx(0.10 - 0.012, abs=0.005)
     assert recess.deviation == pytest.approx(-0.05 - 0.012, abs=0.005)
@@ -65,7 +65,7 @@ def test_both_are_certain(scenery, found) -> None:
         assert 0.0005 < item.height_sigma < 0.006
 
 
-def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery, found) -> None:
+def test_rough_top_has_larger_height_sigma(scenery, found) -> None:
     (even, _), _ = reported(scenery, found)
     at = scenery.measured.foot
     top = np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.12
@@ -102,9 +102,7 @@ def test_a_height_within_its_own_uncertainty_is_not_reported(scenery, found) -> 
     assert "bare hull" in rejected[0].reason
 
 
-def test_on_a_coarsely_drawn_curve_a_structure_must_stand_out_from_the_facets(
-    scenery, found
-) -> None:
+def test_structure_must_stand_out_from_coarse_facets(scenery, found) -> None:
     objects, rejected = reported(
         scenery,
         replace(found, sagitta=np.full(len(found.sagitta), 0.04), turn=np.ones(len(found.turn))),
@@ -124,9 +122,7 @@ def test_a_structure_on_which_landmarks_disagree_is_not_reported(scenery, found)
     assert "agree" in rejected[0].reason
 
 
-def test_landmarks_on_the_hull_at_the_foot_of_the_edge_are_not_those_of_the_structure(
-    scenery, found
-) -> None:
+def test_landmarks_at_foot_of_edge_are_not_of_structure(scenery, found) -> None:
     on_disc = np.flatnonzero(
         np.hypot(scenery.measured.foot[:, 0] - 1.2, scenery.measured.foot[:, 2] - 1.0) < 0.1
     )
@@ -146,7 +142,7 @@ def test_landmarks_on_the_hull_at_the_foot_of_the_edge_are_not_those_of_the_stru
 
 
 @pytest.mark.parametrize(("radius_m", "seen"), [(0.03, True), (0.012, False)])
-def test_enough_views_must_show_as_much_of_a_structure_as_a_height_is_read_from(
+def test_enough_views_must_show_a_structures_top(
     radius_m: float, seen: bool, scenery, found
 ) -> None:
     """A disc of 28 cm2 holds the 8 cm2 of a top, one of 5 cm2 does not."""

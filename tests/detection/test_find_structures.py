@@ -70,7 +70,7 @@ def test_structures_on_the_wall_are_found_from_its_landmarks(
     assert np.nanmax(structures.as_found.deviation) > 0.07
 
 
-def test_without_views_the_cad_model_is_moved_to_the_dvls_surface(
+def test_without_views_cad_model_moves_to_dvl_surface(
     base: BaseSurface, landmarks: Landmarks
 ) -> None:
     structures = find_structures(base, landmarks, FIELD, None, DetectOptions())
@@ -88,7 +88,7 @@ def test_too_few_landmarks_are_as_none(scenery, base: BaseSurface, landmarks: La
     assert facts["objects"] == "the images gave too few landmarks on the surface"
 
 
-def test_with_neither_views_nor_cad_model_nothing_is_added_to_the_survey(
+def test_without_views_and_model_survey_stays_as_it_is(
     base: BaseSurface, landmarks: Landmarks
 ) -> None:
     structures = find_structures(

@@ -7,13 +7,12 @@ import pytest
 
 from hullrecon.detection.objects.heights import local_heights
 
+UP = np.array([[0.0, 0, 1]])
+
 
 def _feet(n: int = 4000, seed: int = 1) -> np.ndarray:
     rng = np.random.default_rng(seed)
     return np.column_stack([rng.uniform(0, 1, n), rng.uniform(0, 1, n), np.zeros(n)])
-
-
-UP = np.array([[0.0, 0, 1]])
 
 
 def _at(

@@ -7,10 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found
+from hullrecon.detection.as_found.hull_as_found import (
+    affordable_edge,
+    as_found_surface,
+    estimate_hull_as_found,
+    refine_near,
+    surface_on_cad_model,
+)
 from hullrecon.detection.options import DetectOptions
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.surface import Surface
 
 OFF = -0.012  # of the whole wall
+FLOOR = Mesh(
+    np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]),
+    np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+)
 
 
 def _edges(mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -34,9 +46,7 @@ def test_the_mesh_is_moved_by_its_deviation(found) -> None:
     assert np.allclose(found.mesh.vertices[:, [0, 2]], found.base.vertices[:, [0, 2]])
 
 
-def test_the_mesh_is_fine_where_seen_finer_at_structures_and_coarse_beyond(
-    found, height_at
-) -> None:
+def test_mesh_is_fine_where_seen_and_finer_at_structures(found, height_at) -> None:
     length, middle = _edges(found.base)
     structure = height_at(middle[:, 0], middle[:, 2]) != 0
     seen = (np.abs(middle[:, 0] - 2) < 1.5) & (np.abs(middle[:, 2] - 1) < 0.4)
@@ -45,7 +55,7 @@ def test_the_mesh_is_fine_where_seen_finer_at_structures_and_coarse_beyond(
     assert length.max() > 0.1
 
 
-def test_where_no_landmark_is_near_the_smooth_hull_holds_and_sigma_says_so(found) -> None:
+def test_hull_far_from_landmarks_is_smooth_with_wide_sigma(found) -> None:
     beyond = found.base.vertices[:, 2] > 1.7
     assert not found.measured[beyond].any()
     assert np.allclose(found.deviation[beyond], OFF)
@@ -85,7 +95,7 @@ def test_the_mesh_is_coarser_rather_than_too_large(scenery, found) -> None:
     assert len(coarse.mesh.vertices) < 2 * few.max_vertices < 0.5 * len(found.mesh.vertices)
 
 
-def test_where_all_is_high_the_mesh_is_not_refined_beyond_its_limit(scenery) -> None:
+def test_mesh_of_all_high_hull_keeps_to_its_limit(scenery) -> None:
     raised = replace(scenery.measured, offset=scenery.measured.offset + 0.2)
     few = DetectOptions(max_vertices=2000)
     coarse = estimate_hull_as_found(scenery.base, raised, scenery.background, scenery.views, few)
@@ -98,3 +108,70 @@ def test_the_same_input_gives_the_same_bytes(scenery, found) -> None:
     )
     assert again.mesh.vertices.tobytes() == found.mesh.vertices.tobytes()
     assert again.shapes.tobytes() == found.shapes.tobytes()
+
+
+def test_edges_are_short_near_the_points_and_long_elsewhere() -> None:
+    mesh = refine_near(FLOOR, np.array([[2.0, 2.0, 0.0]]), 0.1, 0.3)
+    corner = mesh.vertices[mesh.faces]
+    length = np.linalg.norm(corner - np.roll(corner, -1, axis=1), axis=2).max(axis=1)
+    distance = np.linalg.norm(corner.mean(axis=1) - [2, 2, 0], axis=1)
+    assert length[distance < 0.3].max() <= 0.1
+    assert length[distance > 4].min() > 0.5
+    assert len(mesh.faces) < 4000
+
+
+def test_without_points_the_mesh_stays() -> None:
+    assert refine_near(FLOOR, np.zeros((0, 3)), 0.1, 0.3) is FLOOR
+
+
+def test_a_large_survey_gets_a_coarser_mesh() -> None:
+    rng = np.random.default_rng(0)
+    points = rng.uniform(0, 10, (20000, 3)) * [1, 1, 0]  # 100 m2
+    assert affordable_edge(points, 0.03, 1_000_000) == 0.03
+    assert affordable_edge(points, 0.03, 10_000) == pytest.approx(np.sqrt(100 / 4300), rel=0.05)
+
+
+def test_support_is_zero_where_nothing_was_measured(scenery, found) -> None:
+    surface = as_found_surface(found, scenery.measured)
+    assert (surface.support[~found.measured] == 0).all()
+    assert np.median(surface.support[found.measured]) >= 3
+    assert np.allclose(surface.deviation, surface.vertices[:, 1] - 2)
+
+
+def test_sigma_holds_what_all_landmarks_share(scenery, found) -> None:
+    surface = as_found_surface(found, scenery.measured)
+    assert surface.sigma[found.measured].min() >= 0.004
+    assert np.allclose(
+        surface.sigma[found.measured] ** 2, found.sigma[found.measured] ** 2 + 0.004**2
+    )
+
+
+def _dvl(deviation: float) -> Surface:
+    x, z = np.meshgrid(np.arange(1, 2.01, 0.1), np.arange(0.5, 1.51, 0.1))
+    vertices = np.column_stack([x.ravel(), np.full(x.size, 2 + deviation), z.ravel()])
+    n = len(vertices)
+    return Surface(
+        vertices=vertices,
+        faces=np.zeros((0, 3), np.int32),
+        deviation=np.full(n, deviation),
+        sigma=np.full(n, 0.01),
+        support=np.full(n, 4),
+    )
+
+
+def test_cad_model_moves_to_dvl_surface_near_it(wall) -> None:
+    moved = surface_on_cad_model(wall, _dvl(0.03), 0.12)
+    x, y, z = moved.vertices.T
+    inside = (x > 1) & (x < 2) & (z > 0.5) & (z < 1.5)
+    assert np.allclose(y[inside], 2.03)
+    assert (moved.support[inside] == 4).all()
+    assert np.allclose(moved.sigma[inside], np.hypot(0.01, 0.01))
+
+
+def test_cad_model_far_from_dvl_surface_stays_unseen(wall) -> None:
+    moved = surface_on_cad_model(wall, _dvl(0.03), 0.12)
+    far = moved.vertices[:, 0] > 2.5
+    assert np.allclose(moved.vertices[far, 1], 2.0)
+    assert (moved.support[far] == 0).all()
+    assert np.isnan(moved.sigma[far]).all()
+    assert moved.deviation[far] == pytest.approx(0.0)

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from hullrecon.detection.base_surface import BaseSurface
-from hullrecon.detection.hull_position import hull_position
+from hullrecon.detection.hull_position import HullError, area_sigma, hull_position
 from hullrecon.geometry.charts.plane_chart import PlaneChart
-from hullrecon.geometry.poses import from_mount
+from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import Surface
 
 CENTER, NORMAL = np.array([1.5, 2.1, 2.0]), np.array([0.0, 1.0, 0.0])
@@ -51,7 +52,7 @@ def test_its_depth_is_as_uncertain_as_its_place_upwards(base: BaseSurface) -> No
     assert place.depth_sigma == pytest.approx(0.05)
 
 
-def test_its_depth_is_as_uncertain_as_the_water_surface_where_that_is_told_apart_from_the_hull(
+def test_depth_has_sigma_of_separately_known_water(
     base: BaseSurface,
 ) -> None:
     beside = replace(base, depth_sigma_m=0.09)
@@ -81,3 +82,34 @@ def test_off_the_chart_an_object_has_no_chart_coordinates(base: BaseSurface) -> 
         replace(base, depth_known=False)
     )
     assert (lost["along"], lost["girth"], lost["side"]) == (None, None, None)
+
+
+def _hull_pose(covariance: np.ndarray) -> HullPose:
+    """Upside down in g, with the survey's middle at x = 2."""
+    return HullPose(
+        global_from_hull=from_mount([0, 0, 0, 180, 0, 0]),
+        covariance=covariance,
+        survey_center=np.array([2.0, 0, 0]),
+    )
+
+
+def test_turned_hull_carries_dive_around_survey_middle() -> None:
+    off = HullError(hull_pose=_hull_pose(np.eye(6)), error=np.array([0, 0, 0, 0, 0, np.pi / 2]))
+    moved = off.poses(Poses(np.array([[0.0, 0, 0, 1]]), np.array([[3.0, 0, 1]])))
+    np.testing.assert_allclose(moved.translation, [[2.0, -1.0, 1.0]], atol=1e-12)
+    np.testing.assert_allclose(moved.rotation.as_rotvec(), [[0, 0, -np.pi / 2]], atol=1e-12)
+    np.testing.assert_array_equal(off.points(np.array([[3.0, 0, 1]])), moved.translation)
+
+
+def test_shifted_hull_leaves_dive_on_other_side() -> None:
+    off = HullError(hull_pose=_hull_pose(np.eye(6)), error=np.array([0.1, 0.2, 0.3, 0, 0, 0]))
+    np.testing.assert_allclose(off.points(np.zeros((1, 3))), [[-0.1, 0.2, 0.3]], atol=1e-12)
+
+
+def test_area_sigma_is_growth_by_one_sigma_of_each_error() -> None:
+    """Three square metres a metre along and four across, of errors that are correlated."""
+    covariance = np.zeros((6, 6))
+    covariance[:2, :2] = [[0.04, 0.01], [0.01, 0.09]]
+    slope = np.array([3.0, 4.0])
+    found = area_sigma(lambda off: 7 + float(slope @ off.error[:2]), _hull_pose(covariance))
+    assert found == pytest.approx(np.sqrt(slope @ covariance[:2, :2] @ slope), abs=1e-4)

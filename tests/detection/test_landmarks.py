@@ -39,7 +39,7 @@ def test_offset_foot_and_normal_are_those_of_the_surface() -> None:
     assert seen.row.tolist() == [0, 1]
 
 
-def test_landmarks_of_one_image_not_finite_or_far_off_are_left_out() -> None:
+def test_landmark_of_one_image_or_far_off_is_left_out() -> None:
     assert len(_measure([[1.0, 0.07, 2]], views=1)) == 0
     assert _measure([[np.nan, 0, 0], [1, 0.1, 1], [1, 0.8, 1]]).row.tolist() == [1]
 
@@ -49,7 +49,7 @@ def test_a_landmark_beside_the_rim_is_not_above_the_surface() -> None:
     assert seen.row.tolist() == [1, 2]
 
 
-def test_what_all_neighbours_share_does_not_count_against_a_landmark() -> None:
+def test_shared_sigma_does_not_reject_a_landmark() -> None:
     rng = np.random.default_rng(0)
     position = np.column_stack([rng.uniform(0, 4, 200), np.zeros(200), rng.uniform(0, 4, 200)])
     # the dive's place on the hull: 5 cm, far more than a landmark may have
@@ -63,7 +63,7 @@ def test_what_all_neighbours_share_does_not_count_against_a_landmark() -> None:
     assert seen.sigma[::4].min() >= MIN_SIGMA_M
 
 
-def test_a_hull_pose_known_to_decimetres_and_degrees_is_no_noise_of_a_landmark() -> None:
+def test_wide_hull_pose_sigma_is_no_landmark_noise() -> None:
     rng = np.random.default_rng(1)
     position = np.column_stack([rng.uniform(0, 4, 200), np.zeros(200), rng.uniform(0, 4, 200)])
     pose = HullPose(

@@ -61,7 +61,7 @@ def _features() -> tuple[np.ndarray, np.ndarray]:
     return np.column_stack([xy, 1.3 - deviation]), deviation
 
 
-def test_features_off_the_hull_become_shapes_and_those_on_it_do_not() -> None:
+def test_only_features_off_the_hull_become_shapes() -> None:
     in_camera, deviation = _features()
     shapes = detect_shapes(in_camera, deviation, 0.03, 0.06, 3, 0.06)
     assert [round(float(s.vertices[:, 2].mean()), 3) for s in shapes] == [1.2, 1.4]

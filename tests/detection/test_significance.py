@@ -15,7 +15,7 @@ def test_one_place_gives_the_two_sided_normal_probability() -> None:
     assert p_value(-1.96, 0.6, 0.8, 1) == pytest.approx(0.05, rel=1e-3)
 
 
-def test_the_more_places_were_looked_at_the_less_surprising_a_height() -> None:
+def test_p_value_grows_with_places_looked_at() -> None:
     assert p_value(3.0, 1.0, 0.0, 1000) == pytest.approx(1 - (1 - 0.0026998) ** 1000, rel=1e-3)
     assert p_value(20.0, 1.0, 0.0, 1e6) < 1e-80
 
@@ -36,7 +36,7 @@ def test_a_height_is_as_certain_as_its_landmarks(found) -> None:
         )
 
 
-def test_relief_between_landmarks_is_what_their_noise_does_not_explain() -> None:
+def test_relief_is_scatter_beyond_landmark_noise() -> None:
     random = np.random.default_rng(2)
     noise, relief = random.normal(0, 0.003, 4000), random.normal(0, 0.004, 4000)
     sigma = np.full(4000, 0.003)
@@ -45,13 +45,13 @@ def test_relief_between_landmarks_is_what_their_noise_does_not_explain() -> None
     assert relief_left(np.zeros(0), np.zeros(0)) == 0.0
 
 
-def test_a_small_object_and_a_large_one_were_looked_for_in_as_many_places() -> None:
+def test_places_do_not_depend_on_object_size() -> None:
     """The places are those that the survey holds: every top of 8 cm2 of 8 m2."""
     assert p_value(5.0, 1.0, 0.0, 8 / TOP_M2) == pytest.approx(10_000 * 5.733e-7, rel=1e-2)
     assert p_value(5.0, 1.0, 0.0, 800 / TOP_M2) > 0.4
 
 
-def test_the_false_alarm_probability_of_bare_hull_is_what_it_says() -> None:
+def test_false_alarm_rate_of_bare_hull_equals_p_value() -> None:
     """Of a thousand surveys of bare hull with 200 places each as many exceed a height as its
     probability says.
     """

@@ -27,7 +27,7 @@ def test_views_that_see_nothing_are_passed_over(views_at) -> None:
     assert [view for view, _ in iterate_views(views, np.array([[2.0, 2, 1]]))] == [0, 1]
 
 
-def test_every_view_that_sees_a_point_counts_and_the_nearest_is_kept(views_at, wall) -> None:
+def test_views_are_counted_and_nearest_is_kept(views_at, wall) -> None:
     views = views_at([1.8, 2.0, 2.3, 3.5])
     seen = find_visibility(views, np.array([[2.0, 2, 1]]), np.array([[0.0, 1, 0]]), Scene(wall))
     assert seen.views.tolist() == [3]

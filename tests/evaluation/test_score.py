@@ -38,7 +38,7 @@ def test_the_true_track_has_no_error(deliver: Any, package: Path) -> None:
         assert figures[f"{name}_rmse_m"] == pytest.approx(0, abs=1e-6)
 
 
-def test_a_shift_is_told_by_direction_and_gone_after_the_alignment(
+def test_shift_is_scored_by_direction_and_gone_aligned(
     deliver: Any, package: Path, path: np.ndarray
 ) -> None:
     deliver.track(np.add(path, [0.3, 0.02, -0.05]), sigma=(0.3, 0.01, 0.1))
@@ -83,7 +83,7 @@ def test_a_surface_a_centimetre_off_is_a_centimetre_off(
     assert figures["share_within_1_sigma"] == 0
 
 
-def test_a_surface_shifted_with_its_track_is_right_after_the_alignment(
+def test_surface_shifted_with_track_is_right_aligned(
     deliver: Any, package: Path, wall_points: np.ndarray, path: np.ndarray
 ) -> None:
     shift = [0.0, 0.03, 0.0]
@@ -94,7 +94,7 @@ def test_a_surface_shifted_with_its_track_is_right_after_the_alignment(
     assert figures["aligned_rmse_m"] == pytest.approx(0, abs=1e-5)
 
 
-def test_as_found_counts_where_two_views_saw_it_and_surface_where_one_return_is(
+def test_as_found_needs_two_views_and_surface_one_return(
     deliver: Any, package: Path, wall_points: np.ndarray
 ) -> None:
     support = np.repeat([0, 1, 2, 3], 100).astype("<i4")
@@ -112,7 +112,7 @@ def test_nothing_is_judged_where_the_truth_is_unknown(
     assert by_hand(deliver, package)["surface"] == {"vertices": 0}
 
 
-def test_labels_are_judged_where_the_steel_leaves_the_cad_model_clearly(
+def test_labels_are_scored_where_steel_leaves_cad_clearly(
     deliver: Any, package: Path, wall_points: np.ndarray, block_points: np.ndarray
 ) -> None:
     deliver.track()
@@ -187,7 +187,7 @@ def test_deliverables_in_g_are_moved_by_the_true_alignment(
     assert by_hand(deliver, package)["surface"]["rmse_m"] == pytest.approx(0, abs=1e-5)
 
 
-def test_a_path_in_g_is_compared_from_where_it_begins_along_the_axes_of_its_sigmas(
+def test_path_in_g_is_scored_from_its_begin_by_axis(
     deliver: Any, package: Path, path: np.ndarray, tmp_path: Path
 ) -> None:
     """g is turned by a right angle against M, and the path's origin is not quite where the dive

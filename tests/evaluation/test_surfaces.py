@@ -100,7 +100,7 @@ def test_without_a_cad_model_labels_have_no_figure(truth: Truth, wall_points: np
     assert "cad_model_alone_rmse_m" not in score_surface(cloud(wall_points), bare, identity(), 1)
 
 
-def test_the_boundary_is_where_the_mixture_of_the_adjustment_has_it() -> None:
+def test_label_boundary_is_that_of_the_mixture() -> None:
     """The number stands once in Python and once beside the residual that it belongs to."""
     text = (Path(__file__).resolve().parents[2] / "native" / "factors" / "mixture.h").read_text()
     assert f"{LABEL_BOUNDARY_M:.5f}" in text

@@ -32,7 +32,7 @@ def test_the_camera_stands_where_the_mounts_say(package: Path) -> None:
     np.testing.assert_allclose(camera.translation[0], [0.0, 1.5 - ahead, -down], atol=1e-9)
 
 
-def test_structures_are_without_paint_and_due_are_the_high_ones_seen_often(package: Path) -> None:
+def test_structures_are_unpainted_and_due_are_high_and_seen(package: Path) -> None:
     truth = read_truth(package)
     assert [o.id for o in truth.structures()] == [1, 3]
     assert [o.id for o in truth.due()] == [1]

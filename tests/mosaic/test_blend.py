@@ -10,7 +10,15 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.blend import VIEWS, ViewLimits, blend_tile, choose_views
+from hullrecon.mosaic.blend import (
+    STEEPNESS,
+    VIEWS,
+    ViewLimits,
+    band_weight,
+    blend_tile,
+    choose_views,
+    split_bands,
+)
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.imagery.image_view import CameraView
 from hullrecon.mosaic.mosaic_surface import (
@@ -52,7 +60,7 @@ def test_overlapping_views_reproduce_what_is_painted(
     assert tile.views[0, 0] == 0
 
 
-def test_views_that_disagree_leave_the_variance_of_their_weighted_intensities(
+def test_disagreeing_views_leave_their_weighted_variance(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     picture = [np.full((320, 400, 3), level, np.float32) for level in (100.0, 140.0)]
@@ -203,3 +211,39 @@ def test_where_a_view_grazes_the_surface_it_is_not_chosen(
     limit = -0.5 + 0.05 * np.tan(np.arccos(LIMITS.min_cosine))
     assert far > limit + 0.1
     assert limit - 0.02 < chosen.max() < limit
+
+
+def test_the_bands_sum_to_the_picture() -> None:
+    picture = np.random.default_rng(1).uniform(0, 255, (61, 83, 3)).astype(np.float32)
+    np.testing.assert_allclose(sum(split_bands(picture)), picture, atol=1e-3)
+
+
+def test_an_even_picture_is_all_in_the_coarsest_band() -> None:
+    low, middle, fine = split_bands(np.full((40, 48, 1), 77, np.float32))
+    np.testing.assert_allclose(low, 77, atol=1e-3)
+    np.testing.assert_allclose(middle, 0, atol=1e-3)
+    np.testing.assert_allclose(fine, 0, atol=1e-3)
+
+
+def test_a_single_bright_pixel_shows_in_the_finest_band() -> None:
+    picture = np.zeros((41, 41, 1), np.float32)
+    picture[20, 20] = 200
+    assert split_bands(picture)[2][20, 20, 0] > 180
+
+
+def test_the_weight_is_one_half_at_the_best_place() -> None:
+    for k in STEEPNESS:
+        np.testing.assert_allclose(band_weight(np.array([0.0]), k), 0.5)
+
+
+def test_the_weight_is_that_of_the_formula() -> None:
+    np.testing.assert_allclose(
+        band_weight(np.array([0.2]), 5.0), np.exp(-1) / (1 + np.exp(-2)), rtol=1e-6
+    )
+    np.testing.assert_allclose(
+        band_weight(np.array([0.1]), 50.0), np.exp(-5) / (1 + np.exp(-10)), rtol=1e-6
+    )
+
+
+def test_a_texel_that_the_view_does_not_hold_weighs_nothing() -> None:
+    assert band_weight(np.array([np.nan]), 10.0)[0] == 0

@@ -47,7 +47,7 @@ def images_at(camera: CameraModel, spots: list[tuple[float, float]], read=ramp) 
     return CameraImages(camera=camera, rows=np.arange(len(spots)), poses=poses, read=read)
 
 
-def test_images_that_are_usable_and_posed_are_taken_with_the_rigs_pose(camera: CameraModel) -> None:
+def test_usable_posed_images_have_pose_of_rig(camera: CameraModel) -> None:
     track = VehicleTrack(
         t_ns=np.arange(4),
         poses=from_rpy([[float(k), 0, 0] for k in range(4)], np.zeros((4, 3))),
@@ -84,7 +84,7 @@ def test_the_footprint_of_an_image_is_where_it_meets_the_surface(
     assert np.isnan(footprints.distance[1])
 
 
-def test_what_an_image_meets_far_beyond_the_rest_is_none_of_its_footprint(
+def test_far_hits_are_left_out_of_footprint(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:
     views = plain_views([images_at(camera, [(0.0, 0.0)])])
@@ -110,7 +110,7 @@ def test_the_window_of_an_image_holds_its_footprint_and_a_margin(
     assert missed.empty
 
 
-def test_a_sample_is_the_scenes_brightness_at_its_place_in_the_image(
+def test_light_sample_is_brightness_at_its_place(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:
     images = images_at(camera, [(0.0, 0.0)])
@@ -178,7 +178,7 @@ def test_the_light_of_fewer_than_two_images_is_not_estimated(
     assert estimate_light(flat_surface(), [images], views, footprints, lambda rows: rows) is None
 
 
-def test_the_lamp_over_an_even_plate_is_found_from_overlapping_images(
+def test_lamp_is_estimated_from_overlapping_images(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:
     images = images_at(

@@ -122,7 +122,7 @@ def test_frame_numbers_are_shown_in_the_ships_frame_only(
     assert numbered.preview == bare.preview
 
 
-def test_gaps_inside_the_outline_are_told_and_the_mosaics_shape_is_none() -> None:
+def test_gaps_inside_outline_count_and_shape_does_not() -> None:
     """A mosaic of 2 m by 1 m at 1 cm: a hole of 30 cm in it, a notch of 20 cm and a bay of 1 m at
     its rim.
     """

@@ -8,7 +8,7 @@ import pytest
 from hullrecon.mosaic.grid import TexelGrid, Window, grid_around
 
 
-def test_the_first_texel_lies_at_the_least_along_and_the_greatest_girth() -> None:
+def test_first_texel_is_at_least_along_greatest_girth() -> None:
     grid = TexelGrid(west=10.0, north=5.0, step_m=0.5, height=4, width=6)
     centers = grid.centers(np.arange(4.0), np.arange(6.0))
     np.testing.assert_allclose(centers[0, 0], [10.25, 4.75])
@@ -42,7 +42,7 @@ def test_tiles_cover_every_texel_once() -> None:
     assert (count == 1).all()
 
 
-def test_the_window_of_a_footprint_holds_it_with_its_margin_and_ends_at_the_raster() -> None:
+def test_footprint_window_has_margin_and_ends_at_raster() -> None:
     grid = TexelGrid(west=0.0, north=10.0, step_m=1.0, height=10, width=10)
     window = grid.window_of(np.array([[2.5, 8.5], [4.5, 7.5]]), margin_m=1.0)
     assert window == Window(top=0, bottom=4, left=1, right=6)

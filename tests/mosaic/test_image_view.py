@@ -12,7 +12,7 @@ from hullrecon.mosaic.imagery.image_view import CameraView
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 
 
-def test_a_point_below_the_camera_falls_on_the_middle_and_is_best(
+def test_point_ahead_of_camera_is_at_best_middle(
     camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     image_view = CameraView(pose=above(0.3, 0.2), camera=camera, load=lambda: None)
@@ -23,7 +23,7 @@ def test_a_point_below_the_camera_falls_on_the_middle_and_is_best(
     )
 
 
-def test_points_outside_the_image_or_behind_the_camera_are_not_held(
+def test_point_outside_image_or_behind_is_nan(
     camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     image_view = CameraView(pose=above(0.0, 0.0), camera=camera, load=lambda: None)
@@ -31,7 +31,7 @@ def test_points_outside_the_image_or_behind_the_camera_are_not_held(
     assert np.isnan(ratio).all()
 
 
-def test_a_distortion_that_folds_back_does_not_bring_far_points_into_the_image(
+def test_folding_distortion_keeps_far_points_outside(
     above: Callable[..., Poses],
 ) -> None:
     folding = CameraModel(width=400, height=320, fx=1000.0, fy=1000.0, cx=199.5, cy=159.5, k1=-1.0)

@@ -42,7 +42,7 @@ def test_without_a_skyline_every_texel_of_every_view_is_checked(
     assert (sample_surface(flat_surface(), GRID, GRID.whole).hidden_from == 0).all()
 
 
-def test_a_view_past_a_block_is_blocked_as_far_as_its_shadow_reaches(
+def test_block_hides_view_as_far_as_its_shadow(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     surface = flat_surface(([-0.9, -0.2, 0.0], [-0.7, 0.2, 0.15])).with_occlusion_horizon(GRID, 3.0)

@@ -66,7 +66,7 @@ def test_no_texel_that_a_ray_finds_hidden_is_taken_for_safe(
     assert blocked > 1000
 
 
-def test_a_structure_beyond_the_texels_but_within_reach_belongs_to_the_skyline(
+def test_structure_within_reach_belongs_to_horizon(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     surface = flat_surface(([0.5, -0.1, 0.0], [0.6, 0.1, 0.3]))

@@ -33,7 +33,7 @@ def test_half_a_degree_of_mount_moves_a_point_by_its_lever() -> None:
     assert mount[0, 0] == every[0, 0]
 
 
-def test_what_moves_a_point_along_the_normal_does_not_move_it_on_the_hull() -> None:
+def test_motion_along_normal_adds_no_position_sigma() -> None:
     along = replace(STILL, mount_sigma=np.array([0.0, 0.0, 0.03, 0.0, 0.0, 0.1]))
     assert position_sigma(along, AHEAD, BACK)[0][0, 0] == pytest.approx(0.0, abs=1e-12)
 

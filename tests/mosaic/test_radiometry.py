@@ -94,7 +94,7 @@ def test_the_first_field_takes_no_more_memory_for_more_images(
     assert peaks[1] < 1.1 * peaks[0]
 
 
-def test_the_images_of_the_first_field_are_chosen_from_the_first_to_the_last(
+def test_first_field_takes_images_of_whole_dive(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Two thirds of the dive have the lamp to the left: the median is theirs wherever they lie."""

@@ -66,7 +66,7 @@ def test_a_spot_lies_where_the_map_says(signs: tuple[int, int], tmp_path: Path) 
     assert (seen.min(), seen.max()) == ((0, 1399) if signs[0] < 0 else (100, 1499))
 
 
-def test_the_coordinate_system_is_local_and_no_program_takes_it_for_degrees(tmp_path: Path) -> None:
+def test_crs_is_local_and_not_in_degrees(tmp_path: Path) -> None:
     write_raster(tmp_path / "ortho.tif", tiles(4), layout(-1, 1), COLORS)
     with rasterio.open(tmp_path / "ortho.tif") as file:
         assert file.crs is not None
@@ -113,7 +113,7 @@ def test_the_description_gives_the_chart_without_the_map(tmp_path: Path) -> None
     assert (said["origin_along_m"], said["origin_girth_m"]) == pytest.approx((45.0, 6.0))
 
 
-def test_a_disk_that_takes_no_more_is_an_error_of_the_system_and_nothing_is_printed(
+def test_full_disk_raises_oserror_and_prints_nothing(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     before = resource.getrlimit(resource.RLIMIT_FSIZE)

@@ -115,7 +115,7 @@ def test_an_even_plate_becomes_even_whatever_the_beam_pattern(
     assert seen.std() < 0.15 * LEVEL
 
 
-def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(
+def test_sonar_shadow_of_block_is_not_mapped(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     pings, poses = pings_over([0.0], lambda points: np.full(len(points), 90.0))

@@ -12,7 +12,7 @@ DIRECTIONS = np.stack([np.zeros(57), np.sin(BEARING), np.cos(BEARING)], axis=1)
 FAN = build_fan(DIRECTIONS, np.linspace(1.0, 5.0, 201), np.radians(14))
 
 
-def test_a_point_straight_ahead_falls_on_the_middle_beam_at_its_range_bin() -> None:
+def test_point_ahead_is_on_middle_beam_at_its_range() -> None:
     pixel, ratio = FAN.locate(np.array([[0.0, 0.0, 3.0]]))
     np.testing.assert_allclose(pixel, [[100.0, 28.0]], atol=1e-9)
     assert np.isfinite(ratio[0])

@@ -25,7 +25,7 @@ GRID = TexelGrid(west=-1.2, north=1.2, step_m=0.1, height=24, width=24)
 LAYOUT = RasterLayout(grid=GRID, size=32, outside=OutsideMap(x_sign=-1, y_sign=1, frame="M"))
 
 
-def test_a_field_linear_over_the_surface_is_linear_over_its_texels(
+def test_linear_field_is_linear_over_texels(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     surface = flat_surface()
@@ -37,7 +37,7 @@ def test_a_field_linear_over_the_surface_is_linear_over_its_texels(
     assert np.isnan(tile[:24, :24][~on]).all()
 
 
-def test_counts_are_those_of_the_nearest_corner_and_zero_off_the_surface(
+def test_counts_are_of_nearest_corner_and_zero_off_surface(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     (tile,) = surface_tiles(flat_surface(), {"support": np.array([1.0, 2, 3, 4])}, LAYOUT)[
@@ -59,7 +59,7 @@ def test_shares_of_a_face_give_its_points_back() -> None:
     assert face_shares(mesh, Scene(mesh), np.zeros((0, 3)))[1].shape == (0, 3)
 
 
-def test_what_was_not_seen_has_no_value_and_without_a_cad_model_there_is_support_alone() -> None:
+def test_unseen_is_nan_and_without_model_support_alone() -> None:
     n = 3
     surface = Surface(
         vertices=np.zeros((n, 3)),

@@ -62,7 +62,7 @@ def test_on_a_left_handed_chart_the_sheet_faces_outward_too(
     np.testing.assert_allclose(mesh.uv[:, 1], (0.6 - mesh.vertices[:, 1]) / 1.2, atol=0.01)
 
 
-def test_the_glb_opens_upright_with_its_texture_and_the_same_bytes_each_time(
+def test_glb_is_upright_textured_and_deterministic(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=2000)

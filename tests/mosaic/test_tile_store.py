@@ -27,7 +27,7 @@ def store() -> TileStore:
     return make_tiles(GRID, 3, 64, 80, ramp, lambda tiles: tiles)
 
 
-def test_the_small_copy_is_reduced_until_it_fits_and_keeps_the_mean(store: TileStore) -> None:
+def test_small_copy_fits_and_keeps_the_mean(store: TileStore) -> None:
     assert store.reduction == 2
     assert store.small.shape == (50, 75, 4)
     # columns 80 and 81 mean 80.5, rounded to even
@@ -71,7 +71,7 @@ def test_a_tile_of_another_shape_is_refused() -> None:
         tiles.add(np.zeros((4, 5), np.uint8))
 
 
-def test_as_many_tiles_are_made_at_once_as_there_are_cores_and_kept_in_order(
+def test_tiles_are_made_by_all_cores_in_order(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 1, 2})

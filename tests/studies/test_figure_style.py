@@ -47,7 +47,7 @@ def test_a_picture_is_as_large_as_asked_and_without_a_date() -> None:
     assert re.search(rb"Software|matplotlib|20\d\d-\d\d", png) is None
 
 
-def test_a_logarithmic_axis_has_plain_numbers_at_one_two_and_five() -> None:
+def test_log_axis_has_plain_numbers_at_one_two_five() -> None:
     canvas, axes = new_canvas(4, 3)
     axis = axes[0][0]
     axis.plot([1, 2], [400, 12000])

@@ -26,7 +26,7 @@ def rows(csv: str) -> list[list[str]]:
     return [line.split(",") for line in csv.splitlines()]
 
 
-def test_the_homography_is_chosen_where_its_criterion_is_the_smaller() -> None:
+def test_homography_is_chosen_by_smaller_criterion() -> None:
     np.testing.assert_array_equal(RISING.share_of_homography(), [1.0, 1.0, 0.5])
 
 
@@ -46,7 +46,7 @@ def test_means_that_are_equal_at_a_height_cross_there() -> None:
     assert trials([[600.0], [700.0], [800.0]]).crossing_m() == pytest.approx(0.01)
 
 
-def test_the_table_has_a_row_a_height_and_scoring_with_mean_and_spread() -> None:
+def test_table_has_row_a_height_and_scoring() -> None:
     table = rows(
         gic_by_relief({"as published": RISING, "capped": trials([[600.0, 600.0]] * 3)}).csv
     )
@@ -58,7 +58,7 @@ def test_the_table_has_a_row_a_height_and_scoring_with_mean_and_spread() -> None
     assert (float(last["essential_mean"]), float(last["essential_sigma"])) == (700.0, 0.0)
 
 
-def test_the_caption_says_where_the_choice_turns_and_what_it_is_at_either_end() -> None:
+def test_caption_says_where_the_choice_turns() -> None:
     caption = gic_by_relief({"as published": RISING, "capped": RISING}).caption
     assert "as published: mean criteria equal at 46 mm" in caption
     assert (
@@ -67,7 +67,7 @@ def test_the_caption_says_where_the_choice_turns_and_what_it_is_at_either_end() 
     )
 
 
-def test_a_criterion_that_grows_to_many_times_the_other_is_drawn_and_the_same_bytes_again() -> None:
+def test_growing_criterion_is_drawn_deterministically() -> None:
     """On a logarithmic axis, beside one that is not."""
     steep = trials([[600.0, 600.0], [700.0, 720.0], [9000.0, 9500.0]])
     figure = gic_by_relief({"as published": steep, "capped": RISING})

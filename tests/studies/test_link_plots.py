@@ -145,9 +145,7 @@ def test_a_path_that_nothing_ties_is_drawn_without_a_link(
     assert figure.csv.splitlines() == ["first,second,across,joined,rejected"]
 
 
-def test_every_figure_is_a_picture_and_the_same_dive_gives_the_same_bytes(
-    track: VehicleTrack, truth: Truth
-) -> None:
+def test_figures_are_pictures_and_deterministic(track: VehicleTrack, truth: Truth) -> None:
     def draw() -> list[bytes]:
         off = drifted(track, 0.3)
         paths = {"automatic": LinkedBy(track=track, joined=12)}

@@ -51,9 +51,7 @@ def test_a_linked_path_is_a_track_of_the_same_nodes_in_g(start: DeadReckoning) -
     np.testing.assert_array_equal(track.sigma[:, :3], 1.0)
 
 
-def test_returns_on_a_true_path_lie_on_the_hull_and_on_a_bent_one_off_it(
-    start: DeadReckoning, package: Path
-) -> None:
+def test_returns_lie_on_hull_by_true_path_not_by_bent(start: DeadReckoning, package: Path) -> None:
     """The wall stands 12 mm proud of its CAD model, which its pose takes up."""
     truth = read_truth(package)
     bent = start.trajectory.track().path

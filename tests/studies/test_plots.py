@@ -45,7 +45,7 @@ def test_the_spread_of_the_residuals_is_said_in_millimetres() -> None:
     )
 
 
-def test_heights_are_listed_by_method_beside_the_true_and_the_delivered_one() -> None:
+def test_heights_are_listed_with_true_and_delivered() -> None:
     found = {"geva": np.array([0.02]), "maxmix": np.array([0.1, 0.11])}
     table = rows(
         structure_heights(
@@ -61,7 +61,7 @@ def test_heights_are_listed_by_method_beside_the_true_and_the_delivered_one() ->
     ]
 
 
-def test_a_method_without_landmarks_on_top_does_not_break_the_plot() -> None:
+def test_method_without_landmarks_on_top_is_plotted() -> None:
     figure = structure_heights({"naive": np.zeros(0), "maxmix": np.array([0.1])}, 0.11, "box", None)
     assert picture(figure).std() > 5
     assert "delivered" not in figure.caption

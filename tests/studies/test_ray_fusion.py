@@ -47,7 +47,7 @@ def test_many_views_give_the_mean_of_their_intersections(views_at) -> None:
     assert np.allclose(fused.vertex[0], np.mean(each, axis=0))
 
 
-def test_a_vertex_that_no_ray_needs_stays_where_the_cad_model_has_it(views_at) -> None:
+def test_vertex_without_hits_stays_on_the_cad_model(views_at) -> None:
     features = _plate(0.1)
     fused = fuse_shapes(views_at([2.0]), features, np.full(len(features), 0.1), VERTEX, OPTIONS)
     assert np.array_equal(fused.vertex[2], VERTEX[2])

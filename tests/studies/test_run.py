@@ -158,7 +158,7 @@ def test_what_the_chain_solves_itself_stands_in_its_own_place(
     assert not (root / "compare" / "maxmix-as-weighted-by-us").exists()
 
 
-def test_figures_alone_solves_what_is_missing_and_leaves_pictures_and_tables(
+def test_figures_solves_and_leaves_pictures_and_tables(
     opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(study, "open_dive", opened)
@@ -190,9 +190,7 @@ def test_a_variant_that_is_not_there_says_what_to_run(opened: Any) -> None:
         read_solutions(opened())
 
 
-def test_solutions_are_read_back_with_their_times_and_registration(
-    opened: Any, solution: Solution
-) -> None:
+def test_solutions_are_read_back_with_times(opened: Any, solution: Solution) -> None:
     dive = opened()
     with pytest.raises(InputError):
         read_solutions(dive)

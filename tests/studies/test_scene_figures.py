@@ -66,7 +66,7 @@ def test_published_criteria_cross_once_between_2_and_10_cm(tables) -> None:
     assert (np.diff(homography[peak_m >= 0.01]) > 0).all()
 
 
-def test_capped_outliers_let_the_homography_stand_for_more_relief(tables) -> None:
+def test_capped_outliers_favour_the_homography(tables) -> None:
     names = ("peak_m", "homography_mean", "essential_mean", "share_homography")
     peak_m, homography, essential, share = columns(
         tables["gic_by_relief"], "scoring", CAPPED, *names
@@ -102,7 +102,7 @@ def test_ellipses_grow_with_the_sigmas_of_the_pose(tables) -> None:
     assert (long[2] > 2.5 * long[1]).all()
 
 
-def test_planes_lay_the_path_on_its_sphere_whatever_the_characteristic_radius(tables) -> None:
+def test_planes_put_path_on_sphere_for_any_radius(tables) -> None:
     names = ("characteristic_radius_m", "off_sphere_rms_m", "map_off_sphere_rms_m", "map_radius_m")
     radius, path, of_map, found = columns(tables["sphere"], "path", "with planes", *names)
     before = columns(

@@ -31,7 +31,7 @@ def rows(csv: str) -> list[list[str]]:
     return [line.split(",") for line in csv.splitlines()]
 
 
-def test_the_gate_is_the_99_percent_point_of_two_degrees_of_freedom() -> None:
+def test_gate_is_chi_square_99_percent_of_two_dof() -> None:
     assert pytest.approx(9.2103, abs=1e-4) == GATE_CHI2
 
 

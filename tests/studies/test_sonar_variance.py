@@ -29,7 +29,7 @@ def test_the_table_tells_which_share_varies_by_more() -> None:
     )
 
 
-def test_means_are_said_by_source_and_pixels_of_one_view_do_not_count() -> None:
+def test_mean_variance_leaves_out_pixels_of_one_view() -> None:
     found = of_variance(200.0)
     mean = np.nanmean(found.variance)
     assert f"dead reckoned {mean:.0f}" in sonar_variance({"dead reckoned": found}).caption

@@ -59,13 +59,13 @@ def test_what_waves_about_a_sphere_is_as_far_off_it_as_it_waves() -> None:
     assert np.corrcoef(off, np.sin(3 * ANGLE))[0, 1] > 0.99
 
 
-def test_a_path_of_another_radius_is_off_the_truth_and_on_its_own_sphere() -> None:
+def test_path_of_other_radius_is_on_its_own_sphere() -> None:
     larger = mapped(0.2)
     np.testing.assert_allclose(larger.error_m(TRUTH), 0.2)
     np.testing.assert_allclose(larger.off_sphere_m(), 0.0, atol=1e-9)
 
 
-def test_alignment_takes_a_rigid_motion_out_of_the_error_and_a_scale_not() -> None:
+def test_alignment_removes_motion_but_not_scale() -> None:
     moved = replace(mapped(0.0), path=exp([[1.0, -2.0, 0.5, 0.1, 0.2, -0.3]]).apply(TRUTH))
     assert moved.error_m(TRUTH).min() > 1.0
     assert moved.aligned_error_m(TRUTH) < 1e-9
@@ -76,7 +76,7 @@ def test_the_planes_nearest_to_the_sphere_are_drawn(whole: SphereSurvey) -> None
     assert whole.drawn == {"dead reckoning": whole.reckoned, "with planes": whole.planes[5.0]}
 
 
-def test_the_table_has_a_row_for_dead_reckoning_and_one_a_characteristic_radius(
+def test_table_has_row_for_reckoning_and_each_radius(
     whole: SphereSurvey,
 ) -> None:
     table = rows(sphere(whole).csv)

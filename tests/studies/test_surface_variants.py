@@ -20,12 +20,16 @@ from steps.surveyed_cylinder import (
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.plane_chart import PlaneChart
-from hullrecon.studies.surfaces.linear import by_triangles
+from hullrecon.studies.surfaces.kernels import RadialKernel, WendlandKernel, wendland
+from hullrecon.studies.surfaces.linear import by_triangles, interpolate, scatter_sigma
 from hullrecon.studies.surfaces.variants import SURFACES
 from hullrecon.surface.build import SurfacePoints, build_surface
+from hullrecon.surface.gaussian import Kernel, NotPositiveDefiniteError, compact, fit
 from hullrecon.surface.options import SurfaceOptions
 
 __all__ = ["earlier"]
+FORMS = (Kernel, RadialKernel, WendlandKernel)
+CORNERS = np.array([[0.0, 0], [1, 0], [0, 1], [1, 1], [0.4, 0.6]])
 
 
 def test_linear_interpolation_runs_on_the_same_input(earlier: EarlierSteps) -> None:
@@ -72,3 +76,78 @@ def test_triangles_follow_a_wall_but_keep_its_noise(rng: np.random.Generator) ->
     error = (y - 2 - 0.03 * np.sin(x / 1.5) - 0.02 * np.cos(z))[inside]
     # measured over seeds: 5.1 to 5.6 mm, where the Gaussian process has 2.0 to 2.6 mm
     assert 0.004 < np.sqrt(np.mean(error**2)) < 0.008
+
+
+def test_compact_function_at_points_worked_out_by_hand() -> None:
+    # r = 1/2: (2 - 1)/3 * 1/2 + 0; r = 1/4: (2 + 0)/3 * 3/4 + 1/(2 pi)
+    assert np.allclose(
+        compact(np.array([0.0, 0.25, 0.5, 1.0, 2.0])), [1, 0.5 + 1 / (2 * np.pi), 1 / 6, 0, 0]
+    )
+
+
+def test_wendlands_function_at_points_worked_out_by_hand() -> None:
+    assert np.allclose(wendland(np.array([0.0, 0.5, 1.0, 3.0])), [1, 3 / 16, 0, 0])
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_sparse_matrix_equals_the_function_at_every_pair(
+    form: type[Kernel], rng: np.random.Generator
+) -> None:
+    kernel = form((3.0, 0.7), 0.2)
+    a, b = rng.uniform(0, 4, (40, 2)), rng.uniform(0, 4, (25, 2))
+    gap = ((a[:, None] - b[None]) / [3.0, 0.7]).reshape(-1, 2)
+    dense = 0.04 * kernel.correlation(gap).reshape(40, 25)
+    sparse = kernel.matrix(a, b)
+    assert np.allclose(sparse.toarray(), dense, atol=1e-15)
+    assert sparse.nnz < a.shape[0] * b.shape[0]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_covariance_ends_at_the_length(form: type[Kernel]) -> None:
+    kernel = form((2.0, 1.0), 1.0)
+    beyond = kernel.matrix(np.zeros((1, 2)), np.array([[2.01, 0.0], [0.0, 1.01], [1.9, 0.0]]))
+    assert beyond.toarray()[0, :2].tolist() == [0, 0]
+    assert beyond.toarray()[0, 2] > 0
+
+
+@pytest.mark.parametrize("form", [Kernel, WendlandKernel])
+def test_product_and_wendland_are_covariances(form: type[Kernel], rng: np.random.Generator) -> None:
+    at = rng.uniform(0, 3, (120, 2))
+    assert np.linalg.eigvalsh(form((1.5, 1.0), 1.0).matrix(at, at).toarray())[0] > -1e-12
+
+
+@pytest.mark.parametrize("side", [19, 24])
+def test_radial_kernel_that_is_no_covariance_is_refused(side: int) -> None:
+    at = 0.2 * np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(
+        -1, 2
+    ).astype(float)
+    with pytest.raises(NotPositiveDefiniteError, match="radial"):
+        fit(RadialKernel((1.0, 1.0), 0.1), at, np.zeros(len(at)), np.full(len(at), 0.5))
+
+
+def test_radial_kernel_that_is_a_covariance_works() -> None:
+    at = np.array([[0.0, 0], [0.5, 0], [5, 5]])
+    result = fit(RadialKernel((1.0, 1.0), 0.1), at, np.array([0.1, 0.1, 0]), np.full(3, 0.01))
+    assert result.mean(at)[0] == pytest.approx(0.1, abs=0.01)
+
+
+def test_a_plane_is_reproduced_inside() -> None:
+    values = 2 + 3 * CORNERS[:, 0] - CORNERS[:, 1]
+    wanted = np.array([[0.2, 0.3], [0.9, 0.95]])
+    assert np.allclose(interpolate(CORNERS, values, wanted), 2 + 3 * wanted[:, 0] - wanted[:, 1])
+
+
+def test_outside_the_nearest_value_holds() -> None:
+    assert interpolate(CORNERS, np.arange(5.0), np.array([[5.0, 0.1]])).tolist() == [1.0]
+
+
+def test_returns_on_one_line_still_give_a_value() -> None:
+    line = np.array([[0.0, 0], [1, 0], [2, 0], [3, 0], [4, 0]])
+    assert interpolate(line, np.arange(5.0), np.array([[2.2, 0.3]])).tolist() == [2.0]
+
+
+def test_the_scatter_is_that_of_the_noise(rng: np.random.Generator) -> None:
+    at = rng.uniform(0, 5, (2000, 2))
+    values = 0.02 * at[:, 0] + rng.normal(0, 0.01, 2000)
+    assert abs(scatter_sigma(at, values) / 0.01 - 1) < 0.1
+    assert scatter_sigma(at[:1], values[:1]) == 0.0

@@ -9,7 +9,8 @@ import pytest
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.plane_chart import PlaneChart
-from hullrecon.surface.build import SurfacePoints, build_surface
+from hullrecon.geometry.neighbours import nearest
+from hullrecon.surface.build import SurfacePoints, build_surface, supported_lattice
 from hullrecon.surface.options import SurfaceOptions
 
 
@@ -117,7 +118,7 @@ def test_returns_off_the_chart_are_an_error_with_advice(wall: PlaneChart) -> Non
         build_surface(lost, wall, SurfaceOptions())
 
 
-def test_returns_too_sparse_for_a_surface_are_an_error_with_advice(wall: PlaneChart) -> None:
+def test_returns_too_sparse_for_a_surface_are_refused(wall: PlaneChart) -> None:
     sparse = SurfacePoints(
         point=np.array([[0.1, 2, 0.1], [9.1, 2, 0.1]]),
         noise=np.ones(2),
@@ -128,7 +129,7 @@ def test_returns_too_sparse_for_a_surface_are_an_error_with_advice(wall: PlaneCh
         build_surface(sparse, wall, SurfaceOptions(reach_m=0.05))
 
 
-def test_heights_over_a_plane_give_the_same_wall_as_offsets_from_it(
+def test_heights_over_a_plane_equal_offsets_from_it(
     wall: PlaneChart, rng: np.random.Generator
 ) -> None:
     cloud = _cloud(rng)
@@ -138,9 +139,28 @@ def test_heights_over_a_plane_give_the_same_wall_as_offsets_from_it(
     np.testing.assert_allclose(by_height.sigma, by_offset.sigma, atol=1e-9)
 
 
-def test_a_chart_that_stands_on_edge_over_the_datum_gives_no_surface(
+def test_chart_on_edge_over_the_datum_gives_no_surface(
     wall: PlaneChart, rng: np.random.Generator
 ) -> None:
     floor = PlaneChart(np.zeros(3), np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]]))
     surface, _ = build_surface(_cloud(rng), wall, SurfaceOptions(fit=False), datum=floor)
     assert len(surface.faces) == 0
+
+
+def test_every_vertex_is_near_a_return() -> None:
+    at = np.array([[0.0, 0.0], [3.0, 1.0]])
+    mesh = supported_lattice(at, 0.1, 0.5)
+    assert nearest(at, mesh.vertices[:, :2], 1)[0].max() <= 0.5
+    area = len(mesh.faces) * 0.005
+    assert 0.6 * 2 * np.pi * 0.25 < area < 2 * np.pi * 0.25
+
+
+def test_every_vertex_belongs_to_a_face_and_faces_look_one_way() -> None:
+    mesh = supported_lattice(np.array([[0.03, -0.02]]), 0.1, 0.4)
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    assert (np.cross(b - a, c - a)[:, 2] > 0).all()
+    assert np.array_equal(np.unique(mesh.faces), np.arange(len(mesh.vertices)))
+
+
+def test_a_reach_below_the_spacing_gives_no_surface() -> None:
+    assert len(supported_lattice(np.array([[0.05, 0.05]]), 0.1, 0.02).faces) == 0

@@ -10,12 +10,19 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import StageError
+from hullrecon.geometry import poses
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import from_rpy, identity
 from hullrecon.records.solution import Landmarks, Mounts, Solution
 from hullrecon.records.trajectory import Returns, VehicleTrack
 from hullrecon.rig import rig_from_settings
-from hullrecon.surface.from_returns import SurfaceInputs, surface_from_survey
+from hullrecon.surface.from_returns import (
+    SurfaceInputs,
+    move_to_hull_frame,
+    pose_sigma_along,
+    statistical_inliers,
+    surface_from_survey,
+)
 from hullrecon.surface.hull_reference import UnknownHull
 from hullrecon.surface.options import SurfaceOptions
 
@@ -177,3 +184,97 @@ def test_fewer_than_four_returns_are_refused() -> None:
         surface_from_survey(
             replace(given, returns=replace(given.returns, flagged=flagged)), OPTIONS
         )
+
+
+def _grid() -> np.ndarray:
+    x, z = np.meshgrid(np.arange(20) * 0.1, np.arange(20) * 0.1)
+    return np.stack([x.ravel(), np.zeros(x.size), z.ravel()], axis=1)
+
+
+def test_a_return_far_from_its_neighbours_is_an_outlier() -> None:
+    points = np.vstack([_grid(), [[1.0, 3.0, 1.0]]])
+    kept = statistical_inliers(points)
+    assert not kept[-1]
+    assert kept[:-1].all()
+
+
+def test_a_stricter_threshold_keeps_fewer() -> None:
+    points = np.vstack(
+        [_grid(), np.random.default_rng(2).uniform([0, 0.3, 0], [2, 2.3, 2], (40, 3))]
+    )
+    strict = statistical_inliers(points, deviations=0.5)
+    loose = statistical_inliers(points, deviations=3.0)
+    assert strict.sum() < loose.sum()
+    assert not (strict & ~loose).any()
+
+
+def test_the_mean_distance_is_that_to_the_neighbours_asked_for() -> None:
+    line = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [10, 0, 0]])
+    # mean distance to two neighbours: 1.5, 1, 1, 1.5, 7.5; mean 2.5, deviation 2.51
+    assert statistical_inliers(line, neighbours=2, deviations=1.0).tolist() == [
+        True,
+        True,
+        True,
+        True,
+        False,
+    ]
+    assert statistical_inliers(line, neighbours=2, deviations=2.0).all()
+
+
+def test_a_single_point_is_kept() -> None:
+    assert statistical_inliers(np.zeros((1, 3))).tolist() == [True]
+
+
+def test_a_position_sigma_counts_along_the_normal_only() -> None:
+    covariance = np.diag([0.04, 0.01, 0.09, 0, 0, 0])[None]
+    sigma = pose_sigma_along(
+        np.array([[0.0, 1, 0]]), np.array([[0, 2.0, 0]]), covariance, np.eye(3)[None]
+    )
+    assert np.allclose(sigma, 0.1)
+
+
+def test_attitude_sigma_counts_by_its_lever() -> None:
+    covariance = np.diag([0, 0, 0, 0, 0, 0.01**2])[None]  # heading
+    ahead = pose_sigma_along(
+        np.array([[0.0, 1, 0]]), np.array([[3.0, 0, 0]]), covariance, np.eye(3)[None]
+    )
+    along_normal = pose_sigma_along(
+        np.array([[0.0, 1, 0]]), np.array([[0, 3.0, 0]]), covariance, np.eye(3)[None]
+    )
+    assert np.allclose(ahead, 0.03)
+    assert np.allclose(along_normal, 0.0)
+
+
+def test_the_sigma_equals_numeric_propagation(rng: np.random.Generator) -> None:
+    pose = poses.exp(rng.normal(size=(1, 6)))
+    point_v, normal = rng.normal(size=(1, 3)), rng.normal(size=(1, 3))
+    normal /= np.linalg.norm(normal)
+    root = 1e-2 * rng.normal(size=(6, 6))
+    lever = pose.rotation.apply(point_v)
+    sigma = pose_sigma_along(normal, lever, (root @ root.T)[None], pose.rotation.as_matrix())
+
+    def along(w: np.ndarray) -> float:
+        moved = poses.Poses(
+            (pose.rotation * poses.exp([[0, 0, 0, *w[3:]]]).rotation).as_quat(),
+            pose.translation + w[:3],
+        )
+        return float((moved.apply(point_v) @ normal.T).item())
+
+    gradient = np.array([(along(h) - along(-h)) / 2e-6 for h in 1e-6 * np.eye(6)])
+    assert sigma[0] == pytest.approx(np.sqrt(gradient @ root @ root.T @ gradient), rel=1e-6)
+
+
+def test_track_in_hull_frame_has_sigma_of_pose_guess() -> None:
+    quarter_turn = poses.from_mount([10.0, 0, 0, 0, 0, 90])  # x of M points along y of g
+    track = VehicleTrack(
+        t_ns=np.arange(2),
+        poses=poses.from_rpy([[10.0, 3, 1], [9.0, 3, 1]], np.zeros((2, 3))),
+        tray=np.zeros(2),
+        covariance=np.tile(np.diag([0.04, 0.01, 0.0, 1e-4, 0, 0]), (2, 1, 1)),
+        image=np.full((2, 2), -1),
+        frame=Frame.GLOBAL,
+    )
+    moved = move_to_hull_frame(track, quarter_turn, np.array([0.3, 0.5, 0.1]))
+    assert moved.frame is Frame.HULL
+    assert np.allclose(moved.poses.translation, [[3, 0, 1], [3, 1, 1]])
+    assert np.allclose(moved.covariance, np.diag([0.01 + 0.09, 0.04 + 0.25, 0.01, 1e-4, 0, 0]))

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import sparse
 
+from hullrecon.surface import gaussian as module
 from hullrecon.surface.gaussian import (
     Kernel,
+    NotPositiveDefiniteError,
+    factorise,
     fit,
     fit_robust,
     maximise_likelihood,
@@ -38,7 +42,7 @@ def test_the_next_return_is_less_certain_than_the_surface(rng: np.random.Generat
     assert np.allclose(result.sigma(at, noise=0.02) ** 2 - result.sigma(at) ** 2, 0.0004)
 
 
-def test_far_from_all_observations_the_base_surface_and_its_sigma_return() -> None:
+def test_far_from_observations_the_prior_returns() -> None:
     result = fit(KERNEL, np.zeros((1, 2)), np.array([0.5]), np.array([0.01]))
     assert result.mean(np.array([[5.0, 5.0]]))[0] == 0
     assert result.sigma(np.array([[5.0, 5.0]]))[0] == pytest.approx(0.1)
@@ -65,7 +69,7 @@ def test_a_wild_observation_hardly_moves_the_robust_surface(rng: np.random.Gener
     assert abs(robust[0]) < 0.5 * abs(plain[0])
 
 
-def test_likelihood_finds_the_lengths_and_the_noise_that_made_the_data(
+def test_likelihood_finds_true_lengths_and_noise(
     rng: np.random.Generator,
 ) -> None:
     truth = Kernel((4.0, 1.5), 0.05)
@@ -86,3 +90,34 @@ def test_lengths_stay_within_their_limits(rng: np.random.Generator) -> None:
     found, _ = maximise_likelihood(KERNEL, at, 0.3 * at[:, 0], np.full(60, 0.001), (0.5, 3.0))
     assert 0.5 <= found.length[0] <= 3.0 + 1e-9
     assert 0.5 <= found.length[1] <= 3.0 + 1e-9
+
+
+def _banded(n: int) -> sparse.csr_array:
+    return sparse.csr_array(
+        sparse.diags_array([-np.ones(n - 1), 2.5 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1])
+    )
+
+
+@pytest.mark.parametrize("small", [0, 1000])
+def test_dense_and_sparse_factors_solve(small: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "SMALL", small)
+    matrix = _banded(60)
+    right = np.arange(120.0).reshape(60, 2)
+    solver = factorise(matrix)
+    assert np.allclose(matrix @ solver.solve(right), right)
+
+
+@pytest.mark.parametrize("small", [0, 1000])
+def test_an_indefinite_matrix_is_refused_by_name(
+    small: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "SMALL", small)
+    matrix = _banded(60) - 3.0 * sparse.eye_array(60)
+    with pytest.raises(NotPositiveDefiniteError, match="not positive definite"):
+        factorise(sparse.csr_array(matrix))
+
+
+def test_a_singular_matrix_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "SMALL", 0)
+    with pytest.raises(NotPositiveDefiniteError):
+        factorise(sparse.csr_array(sparse.diags_array([np.r_[np.ones(9), 0.0]], offsets=[0])))

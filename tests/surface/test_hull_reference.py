@@ -14,7 +14,7 @@ SLAB = Mesh(  # the square z = 1, its outside up
 )
 
 
-def test_deviation_is_signed_outward_with_a_cad_model_and_unknown_without() -> None:
+def test_deviation_is_signed_outward_and_nan_without_model() -> None:
     points = np.array([[1.0, 1, 1.2], [2.0, 3, 0.9]])
     np.testing.assert_allclose(CadHull(mesh=SLAB).deviation(points), [0.2, -0.1], atol=1e-9)
     assert np.isnan(UnknownHull().deviation(points)).all()
@@ -26,7 +26,7 @@ def test_labels_count_only_where_there_is_a_cad_model() -> None:
     assert UnknownHull().on_hull(label).tolist() == [True, True, True]
 
 
-def test_without_a_cad_model_the_chart_is_a_plane_that_faces_the_sensors() -> None:
+def test_chart_without_model_is_a_plane_facing_sensors() -> None:
     rng = np.random.default_rng(0)
     wall = np.column_stack([rng.uniform(0, 4, 50), np.full(50, 2.0), rng.uniform(0, 2, 50)])
     chart = UnknownHull().chart(wall, np.array([[1.0, 0.5, 1], [3.0, 0.5, 1]]))
@@ -48,7 +48,7 @@ def test_comparison_without_a_cad_model_has_no_note() -> None:
     assert comparison.note is None
 
 
-def test_the_chart_of_a_model_stands_upright_whichever_axis_of_its_file_is_up() -> None:
+def test_chart_is_upright_whichever_file_axis_is_up() -> None:
     mesh = barge()
     # y is up
     turned = Mesh(mesh.vertices @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), mesh.faces)

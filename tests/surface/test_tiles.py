@@ -9,7 +9,7 @@ import pytest
 
 from hullrecon.surface import tiles
 from hullrecon.surface.gaussian import Kernel, fit_robust
-from hullrecon.surface.tiles import Observations
+from hullrecon.surface.tiles import Observations, cell_means
 
 KERNEL = Kernel((6.0, 2.0), 0.03)
 NOISE_M = 0.006
@@ -52,9 +52,7 @@ def test_few_observations_are_one_regression(seen: Observations, wanted: np.ndar
     np.testing.assert_array_equal(found.sigma, exact.sigma(wanted))
 
 
-def test_tiles_give_what_one_regression_gives_within_a_fraction_of_its_sigma(
-    seen: Observations, wanted: np.ndarray
-) -> None:
+def test_tiles_agree_with_one_regression(seen: Observations, wanted: np.ndarray) -> None:
     exact = fit_robust(KERNEL, seen.at, seen.offset, seen.noise)
     found = tiles.regress(KERNEL, seen, wanted, most=350)
     assert found.tiles >= 8
@@ -86,8 +84,30 @@ def test_no_tile_takes_more_than_it_may(
     assert max(taken) <= 350
 
 
-def test_far_from_all_observations_a_tile_says_what_the_kernel_says(seen: Observations) -> None:
+def test_tile_far_from_observations_gives_the_prior(seen: Observations) -> None:
     far = np.array([[500.0, 1.0], [1000.0, 1.0]])
     found = tiles.regress(KERNEL, seen, far, most=350)
     np.testing.assert_array_equal(found.mean, 0.0)
     np.testing.assert_allclose(found.sigma, KERNEL.sigma)
+
+
+def test_points_of_one_cell_become_their_weighted_mean() -> None:
+    at = np.array([[0.01, 0.01], [0.05, 0.03], [0.15, 0.01]])
+    seen = cell_means(at, np.array([1.0, 2.0, 7.0]), np.array([0.1, 0.2, 0.1]), 0.1)
+    assert seen.count.tolist() == [2, 1]
+    assert np.allclose(seen.offset, [(4 * 1 + 2) / 5, 7])
+    assert np.allclose(seen.at[0], [(4 * 0.01 + 0.05) / 5, (4 * 0.01 + 0.03) / 5])
+    assert np.allclose(seen.noise, [1 / np.sqrt(125), 0.1])
+
+
+def test_cells_on_either_side_of_zero_stay_apart() -> None:
+    seen = cell_means(np.array([[-0.01, 0.0], [0.01, 0.0]]), np.array([0.0, 1.0]), np.ones(2), 0.1)
+    assert seen.offset.tolist() == [0, 1]
+
+
+def test_the_information_of_all_returns_is_kept() -> None:
+    rng = np.random.default_rng(0)
+    noise = rng.uniform(0.01, 0.1, 300)
+    seen = cell_means(rng.uniform(-2, 2, (300, 2)), rng.normal(size=300), noise, 0.5)
+    assert seen.count.sum() == 300
+    assert np.isclose(np.sum(seen.noise**-2), np.sum(noise**-2))

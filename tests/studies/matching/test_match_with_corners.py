@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""SIFT features and corners matched side by side; each SIFT feature's copy is a corner beside it."""
+"""SIFT features and corners matched side by side. Each corner is a copy of a SIFT feature."""
 
 from dataclasses import replace
 from types import SimpleNamespace
