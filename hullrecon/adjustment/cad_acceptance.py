@@ -72,7 +72,7 @@ def place_cad_model(path: Stage, cad_model: CadModel, solver: RoundSolver) -> St
     if not placed.verdict.accepted:
         return placed
     if nothing_on_cad_model(path.estimate.measured, solver):
-        reason = "the method naive lays no landmark onto it, and there is no range of a DVL"
+        reason = "the method naive puts no landmark on it, and there is no range of a DVL"
         return replace(placed, verdict=Verdict(accepted=False, reason=reason))
     rounds = solver.coarse_rounds(placed.estimate, min(1, solver.options.rounds - 1))
     if not rounds:
@@ -109,9 +109,9 @@ def register(
 
 def _accept_registration(found: registration.Registration, segments: Segments | None) -> Verdict:
     if found.fitness < registration.GOOD_FITNESS:
-        what, besides = "it is laid", ""
+        what, besides = "it is placed", ""
         if segments is not None:
-            what = f"it and the {len(segments)} segments that outages leave of the path are laid"
+            what = f"it and the {len(segments)} segments that outages leave of the path are placed"
             besides = ", or the path of a segment is wrong"
         return Verdict(
             accepted=False,
@@ -193,7 +193,7 @@ def _reasons_against(found: RoundResult, solver: RoundSolver) -> Iterator[str]:
         worse.remove("attitude")
     if worse:
         parts = ", ".join(f"{name} by {100 * (growth[name] - 1):.0f} %" for name in worse)
-        yield f"laid onto it, the residuals grow: {parts}"
+        yield f"with it, the residuals grow: {parts}"
 
 
 def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
@@ -298,7 +298,8 @@ def _points_to_register(measured: Measurements, state: State) -> Array:
     landmarks = landmarks[np.isfinite(landmarks[:, 0])]
     if len(landmarks) < MIN_POINTS:
         raise StageError(
-            f"nothing to lay onto the CAD model: fewer than {MIN_POINTS} DVL returns and landmarks",
+            f"nothing to register to the CAD model: fewer than {MIN_POINTS} DVL returns and "
+            "landmarks",
             remedy="check topics.dvl and the cameras, or remove [hull] to run without a CAD model",
         )
     return landmarks
@@ -364,14 +365,14 @@ def _reasons_against_form(form: Form, sigmas_off: float) -> Iterator[str]:
     times = f"{np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres"
     if form.is_of_another_hull:
         yield (
-            f"the hull leaves it by {times}: it is another "
-            "ship's, or of another scale, or hull.deviation_sigma is too small"
+            f"the hull leaves it by {times}: it is another ship's, or of another scale, or "
+            "hull.deviation_sigma is too small"
         )
     if form.fits_better_scaled:
         yield (
-            "its proportions or its scale are not the hull's: stretched along its axes it fits the "
-            f"surveyed part better, by a chi-square of {form.scale_chi2:.0f} with three degrees of "
-            "freedom"
+            "its proportions or its scale are not the hull's: stretched along its axes it fits "
+            f"the surveyed part better, by a chi-square of {form.scale_chi2:.0f} with three "
+            "degrees of freedom"
         )
     if sigmas_off <= registration.GUESS_SIGMAS:
         return
@@ -380,6 +381,6 @@ def _reasons_against_form(form: Form, sigmas_off: float) -> Iterator[str]:
         yield f"{far}, and the surveyed part of the hull is too plain to tell that it is this one"
     if form.is_worse_than_stated:
         yield (
-            f"{far}, and there the hull leaves it by {times}: a "
-            "package may be mistaken in one of the two, but both point to another ship"
+            f"{far}, and there the hull leaves it by {times}: a package may be mistaken in one of "
+            "the two, but both point to another ship"
         )

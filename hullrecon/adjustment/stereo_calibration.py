@@ -145,16 +145,14 @@ def stereo_warning(
         )
         return (
             f"Stereo images and the DVL disagree about lengths: {describe_contradiction(found)}. "
-            "Both were doubted, and "
-            f"{known}; {cause}."
+            f"Both were doubted, and {known}; {cause}."
         )
     if found.turn_rad < REPORTED_TURN_RAD and found.shift_m < REPORTED_SHARE * length_m:
         return None
     return (
         f"The stereo calibration does not hold: {describe_contradiction(found)}. Where the two "
-        "cameras are to each other was "
-        f"estimated, and {known}. Calibrate them again, under water, and correct "
-        "camera.bottom.pose_in_top."
+        f"cameras are to each other was estimated, and {known}. Calibrate them again, under water, "
+        "and correct camera.bottom.pose_in_top."
     )
 
 

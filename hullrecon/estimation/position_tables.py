@@ -87,9 +87,8 @@ class PositionFit:
             return None
         return (
             f"The positions from outside disagree with navigation: {self.rms:.1f} of their sigmas "
-            f"of {self.sigma_m:.2g} m "
-            "(rms) are left between them. Check position.origin, position.frame, "
-            "position.time_offset, position.sigma_m and "
+            f"of {self.sigma_m:.2g} m (rms) are left between them. Check position.origin, "
+            "position.frame, position.time_offset, position.sigma_m and "
             "imu.heading_drift_deg_per_hour."
         )
 

@@ -164,7 +164,7 @@ def test_a_model_onto_which_nothing_is_laid_is_left_out():
     found = adjust(measured, AdjustOptions(), lambda _: None, Strategy(method="naive"))
     assert (
         found.verdict.reason
-        == "the method naive lays no landmark onto it, and there is no range of a DVL"
+        == "the method naive puts no landmark on it, and there is no range of a DVL"
     )
     assert summarise_adjustment(measured, found, AdjustOptions()).solution.hull_pose is None
 

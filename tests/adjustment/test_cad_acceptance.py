@@ -108,7 +108,7 @@ def test_a_model_in_other_units_is_refused():
 def test_model_that_fits_nowhere_is_refused():
     found = place(stretched(np.array([0.25, 0.3, 0.35])))
     assert (
-        "% of the surveyed points lie within three sigma of it, wherever it is laid"
+        "% of the surveyed points lie within three sigma of it, wherever it is placed"
         in found.verdict.reason
     )
     assert (
@@ -156,7 +156,7 @@ def test_without_ranges_landmarks_are_laid_onto_the_model():
 
 def test_dive_without_ranges_and_camera_cannot_register():
     estimate = true_path(ranges=False, camera=False)
-    with pytest.raises(StageError, match="nothing to lay onto the CAD model"):
+    with pytest.raises(StageError, match="nothing to register to the CAD model"):
         place(estimate.measured.cad_model, estimate)
 
 
@@ -251,7 +251,7 @@ def test_attitude_may_grow_within_stated_sigmas(stated_over_found, believed, mon
         lambda *_: {"images": 1.0, "odometry": 1.0, "attitude": 1.3},
     )
     reason = accept(round_with(100, 90, stated_over_found=stated_over_found), SOLVER).reason
-    assert reason == (None if believed else "laid onto it, the residuals grow: attitude by 30 %")
+    assert reason == (None if believed else "with it, the residuals grow: attitude by 30 %")
 
 
 def test_growth_of_undetermined_problem_is_taken_as_is(monkeypatch):
@@ -273,7 +273,7 @@ def test_round_bent_by_shifted_model_is_refused():
     )
     growth = residual_growth(bent, native.Options())
     assert any(growth[name] > limit for name, limit in MAX_GROWTH.items())
-    assert "laid onto it, the residuals grow: " in accept(round_with(100, 90, bent), SOLVER).reason
+    assert "with it, the residuals grow: " in accept(round_with(100, 90, bent), SOLVER).reason
 
 
 def test_refused_model_leaves_path_without_it():

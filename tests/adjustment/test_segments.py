@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A path that an outage cuts in two: each segment is laid onto the CAD model for itself, unless
+"""A path that an outage cuts in two: each segment is registered to the CAD model, unless
 images tie the two.
 """
 
@@ -124,7 +124,7 @@ def test_a_model_of_another_form_is_refused_for_its_segments_too():
     path, found = found_segments(dive)
     refused = register(path.estimate, other, solver(dive), found)
     assert (
-        "wherever it and the 2 segments that outages leave of the path are laid"
+        "wherever it and the 2 segments that outages leave of the path are placed"
         in refused.verdict.reason
     )
 

@@ -66,10 +66,10 @@ def find_weak_directions(
 def _sentence(kind: str, axis: int, sigma: float) -> str:
     if kind == "position":
         return (
-            f"The position {_DIRECTIONS[axis]} is uncertain by {sigma:.2f} m (one sigma): "
-            "the hull's form does not resolve it better."
+            f"The position {_DIRECTIONS[axis]} is uncertain by {sigma:.2f} m (one sigma): the "
+            "hull's form does not resolve it better."
         )
     return (
-        f"The {_ANGLES[axis]} of the hull is uncertain by {np.degrees(sigma):.2f} degrees "
-        "(one sigma)."
+        f"The {_ANGLES[axis]} of the hull is uncertain by {np.degrees(sigma):.2f} degrees (one "
+        "sigma)."
     )

@@ -104,9 +104,9 @@ def lines(number: int, done: Round) -> Iterator[str]:
     record, w = done.record, done.weights
     names = [name for name in native.FACTORS if np.any(record.cost_by_factor[name] > 0)]
     yield (
-        f"round {number}, {done.landmarks} landmarks, sigmas {w.pixel:.3g} px, "
-        f"tray {np.degrees(w.tray):.2g} deg, ranges {w.range_sigma:.3g} m, "
-        f"depths {done.depth_sigma_m:.2g} m (costs do not compare with those of other rounds)"
+        f"round {number}, {done.landmarks} landmarks, sigmas {w.pixel:.3g} px, tray "
+        f"{np.degrees(w.tray):.2g} deg, ranges {w.range_sigma:.3g} m, depths "
+        f"{done.depth_sigma_m:.2g} m (costs do not compare with those of other rounds)"
     )
     heads = [
         "iteration",

@@ -241,9 +241,8 @@ def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
         sources = "images and navigation" if len(solution.landmarks) else "navigation"
         return [
             f"The CAD model was left out: {adjusted.verdict.reason}. What is delivered comes from "
-            f"{sources} alone, in "
-            "frame g: positions are relative to where the dive began. Check [hull] mesh, units "
-            "and pose in dive.toml."
+            f"{sources} alone, in frame g: positions are relative to where the dive began. Check "
+            "[hull] mesh, units and pose in dive.toml."
         ]
     if adjusted.placement is None:
         return []
@@ -254,9 +253,8 @@ def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     return [
         *sentences,
         f"The hull lies {found.sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma "
-        "says; the sigmas of that pose "
-        "were widened as much. Where the hull's form does not tell, positions are no better than "
-        "that.",
+        "says; the sigmas of that pose were widened as much. Where the hull's form does not tell, "
+        "positions are no better than that.",
     ]
 
 
@@ -267,10 +265,9 @@ def _segment_warnings(placement: Placement) -> list[str]:
         return []
     return [
         f"Outages cut the path into {len(segments)} segments, known to {segments.loosest_m:.2f} m "
-        "from one to the next "
-        "(one sigma, the worst axis) before they were laid onto the CAD model. Where the hull's "
-        "form does not tell, "
-        "what one shows lies no better to what another shows than that."
+        "from one to the next (one sigma, the worst axis) before they were registered to the CAD "
+        "model. Where the hull's form does not tell, what one shows lies no better to what "
+        "another shows than that."
     ]
 
 
@@ -282,22 +279,21 @@ def _form_warnings(placement: Placement) -> list[str]:
     if form.contradicts:
         return [
             f"The hull leaves its CAD model by {np.sqrt(form.deviation):.1f} times "
-            "hull.deviation_sigma over metres; that "
-            "sigma was widened as much. If that is not known of the hull, the CAD model may be "
-            "another ship's: the sigmas of "
-            "position reach to where hull.pose has it."
+            "hull.deviation_sigma over metres; that sigma was widened as much. If that is not "
+            "known of the hull, the CAD model may be another ship's: the sigmas of position reach "
+            "to where hull.pose has it."
         ]
     if not form.confirms:
         return [
             "The surveyed part of the hull is too plain to tell whether the CAD model is of this "
-            "ship and scale: another "
-            "hull's would fit as well, and where on the hull the dive was is what hull.pose says."
+            "ship and scale: another hull's would fit as well, and where on the hull the dive was "
+            "is what hull.pose says."
         ]
     if max(form.scale_sigma) > TRUSTED_SCALE:
         return [
             "The surveyed part tells the CAD model's proportions and scale to "
-            f"{100 * max(form.scale_sigma):.0f} % "
-            "(one sigma): the sigmas of the position on the hull hold for a model that is to scale."
+            f"{100 * max(form.scale_sigma):.0f} % (one sigma): the sigmas of the position on the "
+            "hull hold for a model that is to scale."
         ]
     return []
 

@@ -47,15 +47,13 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
         out.append(
             f"The DVL measures distances {abs(error):.1f} ± {100 * sigma[SCALE]:.1f} % too {way}, "
             f"{_times(correction, allowed, SCALE)} dvl.scale_sigma: check the speed of sound that "
-            "it was set to. "
-            "The error was taken out."
+            "it was set to. The error was taken out."
         )
     if many[DRIFT]:
         out.append(
             f"The heading drifts by {-per_hour:.0f} ± {np.degrees(sigma[DRIFT]) * 3600:.0f} "
-            "degrees an hour, "
-            f"{_times(correction, allowed, DRIFT)} imu.heading_drift_deg_per_hour. The drift was "
-            "taken out."
+            f"degrees an hour, {_times(correction, allowed, DRIFT)} "
+            "imu.heading_drift_deg_per_hour. The drift was taken out."
         )
     for place, name in ((ROLL, "Roll"), (PITCH, "Pitch")):
         if many[place]:
@@ -68,9 +66,8 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
         way = "deep" if correction[DEPTH] > 0 else "shallow"
         out.append(
             f"Depths read {abs(correction[DEPTH]):.2f} ± {sigma[DEPTH]:.2f} m too {way}, "
-            f"{_times(correction, allowed, DEPTH)} "
-            "pressure.bias_sigma_m: check the gauge's zero and the draught. The error was taken "
-            "out."
+            f"{_times(correction, allowed, DEPTH)} pressure.bias_sigma_m: check the gauge's zero "
+            "and the draught. The error was taken out."
         )
     return out
 
@@ -83,10 +80,9 @@ def length_warning(conflict: float, covariance: Array) -> str:
     sigma = np.sqrt(covariance[SCALE, SCALE])
     return (
         "The DVL's velocities contradict all else that was measured about lengths, by "
-        f"{100 * conflict:.1f} %. That became the "
-        f"sigma of velocities and ranges, and lengths are known to {100 * sigma:.2g} % (one "
-        "sigma). Check the speed of sound "
-        "that the DVL was set to, and the camera's calibration under water."
+        f"{100 * conflict:.1f} %. That became the sigma of velocities and ranges, and lengths are "
+        f"known to {100 * sigma:.2g} % (one sigma). Check the speed of sound that the DVL was set "
+        "to, and the camera's calibration under water."
     )
 
 
@@ -171,8 +167,8 @@ class _Displacement:
         )
         return (
             f"The dive fits with {self.key} {' and '.join(parts)} from where dive.toml has it, "
-            f"{over.max():.0f} times what "
-            f"{self.key}_sigma allows. Where it sits was estimated: correct it there."
+            f"{over.max():.0f} times what {self.key}_sigma allows. Where it sits was estimated: "
+            "correct it there."
         )
 
 
@@ -192,8 +188,7 @@ def _turned_alike(found: list[_Displacement]) -> list[str]:
     keys = " and ".join(mount.key for mount in found)
     return [
         f"{keys} are turned the same way, by {np.degrees(size):.1f} degrees: it may be the IMU "
-        "that is "
-        f"turned instead (imu.mount_deg){tray}."
+        f"that is turned instead (imu.mount_deg){tray}."
     ]
 
 
