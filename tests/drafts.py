@@ -34,7 +34,7 @@ class Draft:
 
     def build(self) -> Any:
         """The record of the fields as they are now."""
-        values = {name: getattr(self, name) for name in self._kind.__dataclass_fields__}
+        values = {f.name: getattr(self, f.name) for f in dataclasses.fields(self._kind)}
         return self._kind(
             **{
                 name: value.build() if isinstance(value, Draft) else value
@@ -62,7 +62,7 @@ def covariance(problem: Problem | Draft, options: Options = Options()) -> Covari
 def leaves(draft: Draft, prefix: str = "") -> dict[str, Any]:
     """What stands in a draft by path: "stereo.pixel"."""
     found: dict[str, Any] = {}
-    for name in draft._kind.__dataclass_fields__:
+    for name in (field.name for field in dataclasses.fields(draft._kind)):
         value = getattr(draft, name)
         found |= (
             leaves(value, f"{prefix}{name}.")
