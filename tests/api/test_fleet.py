@@ -84,7 +84,7 @@ def test_every_dive_is_run_once_and_then_left_alone(
     assert ran(trace) == ["kestrel", "merlin", "osprey"]
 
 
-def test_a_new_and_a_changed_package_are_run_and_the_others_left_alone(
+def test_fleet_runs_new_and_changed_packages_alone(
     dive: Dive, dives: Path, runs: Path, trace: Path
 ) -> None:
     dive("kestrel")
@@ -161,7 +161,7 @@ def test_what_a_dive_delivered_of_which_one_step_failed_is_shown(
         assert [d["deliver_files"] for d in result.document()["dives"]] == [["report.txt"]]
 
 
-def test_what_an_earlier_run_delivered_is_not_shown_of_a_dive_whose_run_did_not_end(
+def test_fleet_hides_earlier_delivery_of_a_run_cut_off(
     dive: Dive, dives: Path, runs: Path, trace: Path
 ) -> None:
     package = dive("kestrel")
@@ -172,7 +172,7 @@ def test_what_an_earlier_run_delivered_is_not_shown_of_a_dive_whose_run_did_not_
         assert (found.state, found.ran, found.delivered) == ("failed", True, False)
 
 
-def test_a_failure_is_kept_in_mind_until_its_package_changes_or_a_day_has_passed_or_one_asks(
+def test_fleet_remembers_a_failure_until_something_changes(
     dive: Dive, dives: Path, runs: Path, trace: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     package = dive("kestrel", "fail")
@@ -198,7 +198,7 @@ def test_a_dive_that_was_killed_is_tried_again_at_once(
     assert len(ran(trace)) == 2
 
 
-def test_two_packages_of_one_name_are_both_refused_with_each_others_folder_and_the_rest_is_run(
+def test_fleet_refuses_two_packages_of_one_name(
     dive: Dive, dives: Path, runs: Path, trace: Path
 ) -> None:
     for folder in ("a", "b"):
@@ -214,7 +214,7 @@ def test_two_packages_of_one_name_are_both_refused_with_each_others_folder_and_t
     assert all(d.known for d in run_fleet(dives, runs).dives if d.state == "failed")
 
 
-def test_a_package_that_takes_the_name_of_a_delivered_one_changes_nothing_there(
+def test_package_taking_a_delivered_name_changes_nothing(
     dive: Dive, dives: Path, runs: Path, trace: Path
 ) -> None:
     dive("a", name="kestrel")
@@ -228,7 +228,7 @@ def test_a_package_that_takes_the_name_of_a_delivered_one_changes_nothing_there(
 
 
 @pytest.mark.parametrize("name", ["..", ".", "a/b", "kestrel\\n", "x" * 101, "$(touch here)", ""])
-def test_a_name_that_is_no_name_is_explained_and_nothing_is_written_for_it(
+def test_invalid_dive_name_is_explained_and_writes_nothing(
     name: str, dive: Dive, dives: Path, runs: Path, trace: Path
 ) -> None:
     dive("kestrel", name=name or '" # ')
@@ -239,9 +239,7 @@ def test_a_name_that_is_no_name_is_explained_and_nothing_is_written_for_it(
     assert ran(trace) == []
 
 
-def test_a_dive_whose_results_would_lie_above_the_packages_is_refused(
-    tmp_path: Path, trace: Path
-) -> None:
+def test_dive_with_results_above_packages_is_refused(tmp_path: Path, trace: Path) -> None:
     package = tmp_path / "kestrel" / "a"
     package.mkdir(parents=True)
     (package / "dive.toml").write_text('[dive]\nname = "kestrel"\n')
@@ -250,9 +248,7 @@ def test_a_dive_whose_results_would_lie_above_the_packages_is_refused(
     assert "would lie above the packages" in only.reason
 
 
-def test_results_among_the_packages_are_refused_before_anything_is_written(
-    dive: Dive, dives: Path
-) -> None:
+def test_results_among_packages_are_refused_before_writing(dive: Dive, dives: Path) -> None:
     package = dive("kestrel")
     for runs in (dives, package, package / "runs"):
         with pytest.raises(UsageError, match="would lie among the packages"):
@@ -318,7 +314,7 @@ def test_a_failed_dive_leaves_its_log_unless_that_is_empty(
     assert [p.name for p in (runs / FOLDER / "logs").iterdir()] == ["kestrel.log"]
 
 
-def test_a_package_that_is_gone_is_forgotten_and_those_of_other_folders_are_not(
+def test_fleet_forgets_packages_that_are_gone(
     dive: Dive, dives: Path, runs: Path, tmp_path: Path
 ) -> None:
     dive("kestrel")
@@ -348,7 +344,7 @@ def test_damaged_records_cost_a_look_at_each_dive_and_no_more(
     assert run_fleet(dives, runs).exit_code == 0
 
 
-def test_a_scheduler_where_nobody_answers_ends_the_fleet_before_any_dive(
+def test_fleet_ends_at_once_if_no_scheduler_answers(
     dive: Dive, dives: Path, runs: Path, trace: Path
 ) -> None:
     dive("kestrel")
@@ -389,7 +385,7 @@ def gone(process: int) -> bool:
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize("group", [True, False], ids=["group", "parent alone"])
-def test_a_killed_fleet_leaves_no_process_and_the_next_call_does_the_rest(
+def test_killed_fleet_leaves_no_process_and_resumes(
     number: int, group: bool, dive: Dive, dives: Path, runs: Path, trace: Path
 ) -> None:
     dive("a")
@@ -411,7 +407,7 @@ def test_a_killed_fleet_leaves_no_process_and_the_next_call_does_the_rest(
     assert states(run_fleet(dives, runs)) == dict.fromkeys("abcd", "up to date")
 
 
-def test_a_dive_that_takes_longer_than_its_time_limit_is_ended_and_the_others_are_delivered(
+def test_dive_beyond_time_limit_is_ended_alone(
     dive: Dive, dives: Path, runs: Path, trace: Path
 ) -> None:
     dive("kestrel"), dive("merlin", "wait"), dive("osprey")
@@ -430,7 +426,7 @@ def test_a_dive_that_takes_longer_than_its_time_limit_is_ended_and_the_others_ar
     assert states(preview_fleet(dives, runs))["merlin"] == "to do"
 
 
-def test_a_package_may_read_outside_itself_where_the_fleet_allows_it(
+def test_fleet_may_allow_files_outside_packages(
     dive: Dive, dives: Path, runs: Path, trace: Path
 ) -> None:
     dive("kestrel", "read outside"), dive("merlin")
@@ -443,7 +439,7 @@ def test_a_package_may_read_outside_itself_where_the_fleet_allows_it(
     assert ran(trace) == ["kestrel", "kestrel", "merlin"]
 
 
-def test_the_index_names_every_dive_while_they_run_and_at_the_end(
+def test_index_names_every_dive_during_and_after_the_run(
     dives: Path, runs: Path, dive: Dive
 ) -> None:
     dive("a")

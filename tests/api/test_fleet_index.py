@@ -94,7 +94,7 @@ def test_the_largest_object_stands_out_with_its_sigma_and_place(tmp_path: Path) 
     assert found.largest_m == 0.11
 
 
-def test_a_refused_cad_model_comes_first_and_the_direction_known_worst_after_the_objects(
+def test_findings_begin_with_a_refused_cad_model(
     tmp_path: Path,
 ) -> None:
     reason = {"alignment.json": "the CAD model does not fit the survey and was left out"}
@@ -113,7 +113,7 @@ def test_a_refused_cad_model_comes_first_and_the_direction_known_worst_after_the
     )
 
 
-def test_a_dive_of_which_one_step_failed_is_shown_with_what_it_delivered(tmp_path: Path) -> None:
+def test_index_shows_deliveries_beside_a_failed_step(tmp_path: Path) -> None:
     result(tmp_path, "a")
     FleetIndex(tmp_path).write(
         [fleet_dive("a", "failed", "no sonar mosaic: no ping meets the surface", delivered=True)]

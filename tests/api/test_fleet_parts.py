@@ -72,7 +72,7 @@ def reasons(dives: Path) -> dict[str, str]:
     return {s.path.name: s.reason for s in find_packages(dives)[1]}
 
 
-def test_a_package_is_a_folder_with_a_dive_toml_and_files_beside_them_need_no_word(
+def test_package_is_a_folder_with_a_dive_toml(
     dives: Path,
 ) -> None:
     (dives / "README.txt").touch()
@@ -89,7 +89,7 @@ def test_a_packages_folder_may_have_any_name(name: str, dives: Path) -> None:
     assert read_name(package, dives) == "kestrel"
 
 
-def test_fifos_sockets_and_devices_are_skipped_with_what_they_are(dives: Path) -> None:
+def test_special_files_are_skipped_by_kind(dives: Path) -> None:
     os.mkfifo(dives / "fifo")
     (dives / "zero").symlink_to("/dev/zero")
     here = os.getcwd()
@@ -104,9 +104,7 @@ def test_fifos_sockets_and_devices_are_skipped_with_what_they_are(dives: Path) -
     assert found == {"fifo": "a FIFO, not opened", "socket": "a socket, not opened", "zero": leaves}
 
 
-def test_links_that_leave_the_folder_are_not_followed_and_others_are_once(
-    tmp_path: Path, dives: Path
-) -> None:
+def test_links_out_of_the_folder_are_not_followed(tmp_path: Path, dives: Path) -> None:
     make(tmp_path / "elsewhere")
     (dives / "out").symlink_to(tmp_path / "elsewhere")
     (dives / "up").symlink_to("..")
@@ -130,9 +128,7 @@ def test_links_that_leave_the_folder_are_not_followed_and_others_are_once(
 
 
 @pytest.mark.parametrize("kind", ["fifo", "folder", "device", "link out", "lost link"])
-def test_a_dive_toml_that_is_no_file_of_the_folder_is_refused_without_opening_it(
-    kind: str, tmp_path: Path, dives: Path
-) -> None:
+def test_dive_toml_outside_the_folder_is_not_opened(kind: str, tmp_path: Path, dives: Path) -> None:
     package = dives / "a"
     package.mkdir()
     path = package / "dive.toml"
@@ -230,9 +226,7 @@ def test_the_signature_of_the_program_is_that_of_its_code(
     assert program_signature() != before
 
 
-def test_a_preview_of_hostile_names_is_a_document_that_the_schema_describes(
-    tmp_path: Path, dives: Path
-) -> None:
+def test_preview_of_hostile_names_fits_the_schema(tmp_path: Path, dives: Path) -> None:
     for k, name in enumerate(HOSTILE):
         package = make(dives / name, f'[dive]\nname = "dive-{k}"\n')
         (package / name).touch()
@@ -252,9 +246,7 @@ def test_a_preview_of_hostile_names_is_a_document_that_the_schema_describes(
     assert all("\n" not in dive.line() and "\x1b" not in dive.line() for dive in result.dives)
 
 
-def test_a_document_lists_the_deliverables_of_what_is_up_to_date_alone(
-    tmp_path: Path, dives: Path
-) -> None:
+def test_document_lists_deliverables_up_to_date_alone(tmp_path: Path, dives: Path) -> None:
     (tmp_path / "runs" / "kestrel" / "deliver" / "report").mkdir(parents=True)
     (tmp_path / "runs" / "kestrel" / "deliver" / "report" / "index.html").touch()
     rows = []
@@ -306,7 +298,7 @@ def test_a_document_lists_the_deliverables_of_what_is_up_to_date_alone(
         ("print('[' * 100000); raise SystemExit(1)", 1, "it said nothing"),
     ],
 )
-def test_how_a_process_ended_is_told_by_its_document_its_signal_or_its_last_line(
+def test_end_of_a_process_is_explained(
     code: str, exit_code: int, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(processes, "PROGRAM", (sys.executable, "-c", code))
@@ -330,7 +322,7 @@ raise SystemExit(3)
     assert max(int(end.reason) for end in ended.values()) <= 2
 
 
-def test_processes_that_still_run_are_ended_when_nobody_waits_any_more(
+def test_closing_run_each_ends_running_processes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     code = f"""
@@ -349,7 +341,7 @@ time.sleep(300)"""
     assert not Path(f"/proc/{(tmp_path / 'pid').read_text()}").exists()
 
 
-def test_a_module_in_the_folder_where_a_fleet_is_started_is_not_imported(
+def test_module_in_the_current_folder_is_not_imported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("hullrecon_cli", "numpy", "json", "click"):
@@ -367,7 +359,7 @@ def test_text_of_others_is_one_line_and_valid_utf_8() -> None:
     assert as_utf8(os.fsdecode(b"a\xff/\xc3\xa9")) == "a\\xff/é"
 
 
-def test_a_dive_ends_with_its_own_exit_code_whatever_a_library_does_at_the_end(
+def test_exit_code_survives_libraries_at_exit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "sitecustomize.py").write_text("import atexit, os\natexit.register(os._exit, 1)\n")

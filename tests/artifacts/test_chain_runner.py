@@ -75,7 +75,7 @@ def test_an_option_reruns_exactly_what_depends_on_it(
     assert toy.made(toy.run(package, workspace, **{section: kind(**option)})) == made
 
 
-def test_a_damaged_artifact_is_set_apart_and_made_anew_and_nothing_after_it(
+def test_damaged_artifact_alone_is_made_anew(
     toy: ModuleType, package: Path, workspace: Workspace
 ) -> None:
     toy.run(package, workspace)
@@ -175,7 +175,7 @@ def test_a_read_only_place_ends_with_the_folder_named(
         toy.run(package, Workspace(read_only_folder / "dive"))
 
 
-def test_a_run_that_reads_all_data_finds_a_flip_that_hides_behind_its_time(
+def test_read_data_finds_a_flip_behind_an_old_time(
     toy: ModuleType, package: Path, workspace: Workspace
 ) -> None:
     toy.run(package, workspace)

@@ -58,7 +58,7 @@ def test_a_flipped_bit_in_any_file_is_found_and_named(
     assert check_workspace(ran, NAMES, read_data=True).damaged == []
 
 
-def test_without_reading_data_a_missing_file_and_another_size_are_found(ran: Workspace) -> None:
+def test_check_without_data_finds_missing_and_resized_files(ran: Workspace) -> None:
     (ran.root / "left" / "raw.bin").unlink()
     (ran.root / "read" / "notes" / "words.txt").write_text("longer than before")
     assert check_workspace(ran, NAMES, read_data=False).damaged == [

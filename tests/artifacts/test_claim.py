@@ -47,7 +47,7 @@ def victim(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("place", PLACES)
-def test_a_link_among_a_runs_own_files_is_refused_and_what_it_leads_to_stays(
+def test_link_among_own_files_is_refused(
     place: str, toy: ModuleType, package: Path, workspace: Workspace, victim: Path
 ) -> None:
     toy.run(package, workspace)

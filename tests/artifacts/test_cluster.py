@@ -86,7 +86,7 @@ def certificates(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_cluster_with_certificates_gives_what_serial_gives_and_no_warning(
+def test_tls_cluster_gives_serial_results_without_warning(
     certificates: dict[str, str], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     names = {

@@ -49,7 +49,7 @@ def test_deliverables_are_copies_at_the_workspaces_top(ran: Workspace) -> None:
     assert not os.path.samefile(inside, shown)
 
 
-def test_an_edited_deliverable_is_said_kept_and_restored_and_harms_no_artifact(
+def test_edited_deliverable_is_kept_apart_and_restored(
     toy: ModuleType, package: Path, ran: Workspace, caplog: pytest.LogCaptureFixture
 ) -> None:
     shown = ran.root / "deliver" / "total.json"
@@ -80,7 +80,7 @@ def test_an_edit_is_kept_when_a_new_result_takes_its_place(
     assert (ran.root / "quarantine" / "deliver-1" / "total.json").read_text() == "mine"
 
 
-def test_a_new_result_takes_the_place_of_the_old_one_without_a_word(
+def test_new_result_replaces_the_old_one_silently(
     toy: ModuleType, package: Path, ran: Workspace, caplog: pytest.LogCaptureFixture
 ) -> None:
     toy.run(package, ran, left=toy.Options(power=2))
@@ -99,7 +99,7 @@ def test_a_removed_deliverable_comes_back(
     assert not (ran.root / "quarantine").exists()
 
 
-def test_a_flipped_bit_in_deliver_of_a_copied_workspace_is_found_and_healed(
+def test_flipped_bit_in_copied_deliver_is_healed(
     toy: ModuleType, package: Path, ran: Workspace, tmp_path: Path
 ) -> None:
     copied = Workspace(Path(shutil.copytree(ran.root, tmp_path / "copied")))
@@ -114,7 +114,7 @@ def test_a_flipped_bit_in_deliver_of_a_copied_workspace_is_found_and_healed(
 
 
 @pytest.mark.parametrize("name", ["hashes.json", "workspace.json", "deliver.json"])
-def test_a_flipped_bit_in_the_workspaces_own_documents_is_found_and_healed(
+def test_flipped_bit_in_own_documents_is_healed(
     name: str, toy: ModuleType, package: Path, ran: Workspace
 ) -> None:
     flip_quietly(ran.root / ".hullrecon" / name)
@@ -152,7 +152,7 @@ def test_a_pipe_in_deliver_does_not_hold_the_run_up(
 
 
 @pytest.mark.parametrize("number", [errno.EXDEV, errno.ENOSYS, errno.EOPNOTSUPP])
-def test_a_file_is_copied_where_the_file_system_has_no_call_for_it(
+def test_copy_falls_back_without_copy_file_range(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*arguments: int) -> int:

@@ -159,7 +159,7 @@ def test_swapping_with_nothing_is_an_error(tmp_path: Path) -> None:
         disk.exchange(_folder(tmp_path / "first", "1"), tmp_path / "absent")
 
 
-def test_a_commit_without_swap_that_was_cut_short_keeps_the_old_folder_in_sight(
+def test_commit_without_swap_cut_short_keeps_old_folder(
     tmp_path: Path,
 ) -> None:
     final = tmp_path / "final"
@@ -170,7 +170,7 @@ def test_a_commit_without_swap_that_was_cut_short_keeps_the_old_folder_in_sight(
     assert not disk.set_aside(final).exists()
 
 
-def test_a_commit_without_swap_that_came_through_forgets_the_old_folder(tmp_path: Path) -> None:
+def test_commit_without_swap_forgets_old_folder(tmp_path: Path) -> None:
     final = _folder(tmp_path / "final", "new")
     _folder(disk.set_aside(final), "old")
     assert disk.existing_folder(final) == final

@@ -77,7 +77,7 @@ def test_a_killed_worker_is_a_stage_error_and_the_next_map_works() -> None:
         assert list(executor.map(math.sqrt, [1.0, 4.0])) == [1.0, 2.0]
 
 
-def test_a_worker_has_one_thread_unless_the_parent_says_otherwise(
+def test_worker_has_one_thread_unless_the_parent_sets_more(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     for name in THREAD_VARIABLES:

@@ -54,7 +54,7 @@ def test_a_file_of_other_size_time_or_inode_is_read_again(file: Path, reads: lis
     assert len(reads) == 4
 
 
-def test_a_cache_that_does_not_trust_reads_each_file_once_in_a_run(
+def test_cache_without_trust_reads_each_file_once(
     file: Path, tmp_path: Path, reads: list[Path]
 ) -> None:
     first = HashCache(tmp_path / "hashes.json")

@@ -16,7 +16,7 @@ def test_versions_name_python_and_what_is_installed() -> None:
     assert {"numpy", "scipy", "msgspec"} <= versions().keys()
 
 
-def test_the_peak_counts_memory_that_was_freed_and_can_start_anew() -> None:
+def test_peak_memory_counts_freed_memory_and_resets() -> None:
     reset_peak_rss()
     before = peak_rss()
     # A mapping of its own: the heap of a process that has run other tests may hold 200 MB of free

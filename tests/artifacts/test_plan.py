@@ -43,7 +43,7 @@ def test_after_a_run_everything_is_fresh(look: Look, ran: Workspace) -> None:
     assert look() == dict.fromkeys(("read", "left", "right", "join"), ("up to date", []))
 
 
-def test_a_changed_option_makes_its_step_stale_and_those_after_it_wait(
+def test_changed_option_makes_step_stale_and_later_ones_wait(
     look: Look, toy: ModuleType, ran: Workspace
 ) -> None:
     assert look(left=toy.Options(power=2)) == {
@@ -90,9 +90,7 @@ def test_a_step_that_does_not_apply_is_skipped_with_its_reason(
     assert seen["right"] == ("skipped", ["no scale was given"])
 
 
-def test_what_needs_a_skipped_step_is_skipped_with_the_reason_named(
-    toy: ModuleType, package: Path
-) -> None:
+def test_step_after_skipped_step_is_skipped_with_reason(toy: ModuleType, package: Path) -> None:
     chain = toy.chain(package, scale=None)
     needy = toy.Stage("needy", "needy", ("right",), toy.Options, 1, toy.join)
     needier = toy.Stage("needier", "needier", ("needy",), toy.Options, 1, toy.join)

@@ -29,7 +29,7 @@ def test_the_items_pass_unchanged(progress: Progress, monkeypatch: pytest.Monkey
     assert list(progress.track(iter("abc"), "letters", 3)) == ["a", "b", "c"]
 
 
-def test_a_terminal_gets_bars_a_file_gets_lines_and_quiet_gets_nothing(
+def test_progress_is_bars_on_terminal_lines_in_file(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     assert type(choose_progress(quiet=True)) is Progress

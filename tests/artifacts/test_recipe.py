@@ -36,7 +36,7 @@ def recipe_of(source: Path, *files: str, inputs: dict[str, Path] | None = None) 
     return make_job(read, {}, inputs or {}, source, HashCache()).recipe
 
 
-def test_files_stand_by_their_path_in_the_package_and_a_folder_file_by_file(tmp_path: Path) -> None:
+def test_external_files_are_listed_by_path_in_the_package(tmp_path: Path) -> None:
     (tmp_path / "logs").mkdir()
     for name in ("logs/b.csv", "logs/a.csv", "top.yaml"):
         (tmp_path / name).write_text(name)
@@ -52,14 +52,14 @@ def test_a_missing_file_is_an_input_error_that_names_it(tmp_path: Path) -> None:
         recipe_of(tmp_path, "dive.mcap")
 
 
-def test_a_name_that_no_file_can_have_is_an_input_error_of_one_short_line(tmp_path: Path) -> None:
+def test_impossible_file_name_is_a_short_input_error(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         recipe_of(tmp_path, "x" * 5000)
     assert "cannot be read: File name too long" in caught.value.line()
     assert len(caught.value.what) < 150
 
 
-def test_a_stage_that_stumbles_over_such_a_name_itself_ends_likewise(tmp_path: Path) -> None:
+def test_impossible_file_name_in_external_is_an_input_error(tmp_path: Path) -> None:
     def look(settings: object, source: Path) -> list[Path]:
         return [source] if (source / ("x" * 5000)).is_dir() else []
 
@@ -76,7 +76,7 @@ def test_a_stage_that_stumbles_over_such_a_name_itself_ends_likewise(tmp_path: P
         external_files(read, settings_for(read, {}), tmp_path, HashCache())
 
 
-def test_the_key_changes_with_the_content_of_an_input_and_not_with_its_place(
+def test_key_depends_on_content_of_input_not_its_place(
     tmp_path: Path,
 ) -> None:
     for name, text in (("a", "one"), ("b", "one"), ("c", "two")):

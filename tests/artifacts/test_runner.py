@@ -52,7 +52,7 @@ def stage(run: Any, **more: Any) -> Stage:
     return Stage("make", "make", (), Options, 1, run, **more)
 
 
-def test_an_artifact_lies_at_its_place_with_a_manifest_of_all_it_holds(tmp_path: Path) -> None:
+def test_artifact_has_a_manifest_of_all_files(tmp_path: Path) -> None:
     def run(context: Context) -> None:
         context.out.arrays("a.npz", {"x": np.full(context.parameters.count, 1.5)})
         context.warn("one beam was lost")
@@ -116,7 +116,7 @@ def test_the_files_of_the_package_stand_in_the_manifest(
     }
 
 
-def test_a_folder_of_the_package_stands_in_the_manifest_file_by_file(tmp_path: Path) -> None:
+def test_external_folder_is_in_the_manifest_file_by_file(tmp_path: Path) -> None:
     (tmp_path / "package" / "images").mkdir(parents=True)
     for name in ("b.jpg", "a.jpg"):
         (tmp_path / "package" / "images" / name).write_text(name)
@@ -153,7 +153,7 @@ def test_reading_the_package_without_declaring_it_is_a_fault(package: Path, tmp_
         run_stage(stage(lambda context: context.source), {}, {}, tmp_path / "out", package)
 
 
-def test_work_over_processes_is_in_order_and_their_memory_is_told(tmp_path: Path) -> None:
+def test_map_over_processes_keeps_order_and_records_memory(tmp_path: Path) -> None:
     def run(context: Context) -> None:
         context.out.json("a.json", context.map(abs, [-3, 2, -1], "absolute values"))
 
@@ -203,7 +203,7 @@ def test_whatever_fails_the_old_artifact_stays(
     assert os.listdir(tmp_path) == ["out"]
 
 
-def test_sigterm_is_still_ours_after_a_stage_that_imports_pycolmap(tmp_path: Path) -> None:
+def test_sigterm_is_ours_after_pycolmap_was_imported(tmp_path: Path) -> None:
     pytest.importorskip("pycolmap")
     script = tmp_path / "script.py"
     script.write_text(STOPPED)

@@ -34,7 +34,7 @@ def test_the_stages_own_section_has_its_defaults_when_absent() -> None:
 
 
 @pytest.mark.parametrize("sections", [{"camera": Camera(Top())}, {"camera.top": Top()}])
-def test_a_dotted_name_finds_the_nested_section_and_its_single_keys(
+def test_dotted_name_finds_nested_sections_and_keys(
     sections: dict[str, object],
 ) -> None:
     settings = settings_for(stage("camera.top", "camera.top.mount"), sections)
@@ -53,7 +53,7 @@ def test_a_key_that_no_section_has_is_a_fault_of_the_declaration() -> None:
         settings_for(stage("camera.top.mnt"), {"camera.top": Top()})
 
 
-def test_reading_a_section_that_was_not_declared_is_a_fault_even_with_get() -> None:
+def test_undeclared_section_is_a_fault_even_with_get() -> None:
     settings = settings_for(stage("camera.top"), {"camera.top": Top(), "imu": Top()})
     with pytest.raises(RuntimeError, match="reads section 'imu'"):
         settings["imu"]
@@ -76,7 +76,7 @@ def test_an_option_that_is_not_finite_is_named() -> None:
         resolve_settings(settings_for(stage(), {"find": Options(float("nan"))}))
 
 
-def test_flatten_names_leaves_by_their_path_and_keeps_lists_whole() -> None:
+def test_flatten_names_leaves_by_path_and_keeps_lists() -> None:
     assert flatten({"a": {"b": {"c": 1}, "d": [1, 2]}, "e": {}}) == {
         "a.b.c": 1,
         "a.d": [1, 2],

@@ -67,7 +67,7 @@ def changing(toy: ModuleType, package: Path, step: str, change: Change) -> Chain
 
 @pytest.mark.parametrize("change", [append, rewrite_in_place, replace_file, remove])
 @pytest.mark.parametrize("step", ["read", "left", "join"])
-def test_a_package_that_changes_during_a_run_ends_it_and_nothing_is_delivered(
+def test_package_changed_during_run_delivers_nothing(
     step: str, change: Change, toy: ModuleType, package: Path, workspace: Workspace
 ) -> None:
     with pytest.raises(InputError, match=r"numbers\.txt") as caught:
@@ -86,7 +86,7 @@ def test_the_next_run_reads_the_changed_package_as_a_whole(
     assert toy.made(toy.run(package, workspace)) == ["read", "left", "right", "join"]
 
 
-def test_a_later_step_that_would_read_another_file_than_an_earlier_one_did_not_begin(
+def test_step_does_not_begin_on_a_changed_file(
     toy: ModuleType, package: Path, workspace: Workspace
 ) -> None:
     chain = toy.chain(package)

@@ -18,7 +18,7 @@ def test_a_value_is_read_with_its_type() -> None:
     assert SETTINGS.read("dvl.mount", tuple) == (0.0, 1.0)
 
 
-def test_a_whole_number_is_read_as_a_float_where_one_is_asked_for() -> None:
+def test_whole_number_is_read_as_float() -> None:
     value = SETTINGS.read("dvl.sigma_range", float)
     assert (value, type(value)) == (1.0, float)
 

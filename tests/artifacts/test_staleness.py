@@ -96,7 +96,7 @@ def test_nothing_changed_is_no_words_and_the_same_key() -> None:
     assert changed().key == MADE.key
 
 
-def test_an_integer_in_the_place_of_a_float_is_a_change_as_it_is_in_the_key() -> None:
+def test_integer_in_place_of_float_is_a_change() -> None:
     now = with_option("matches", {"max_pairs": 40.0, "ratio": 0.8, "roi": [1, 2]})
     assert now.key != MADE.key
     assert differences(MADE, now) == ["option matches.max_pairs changed from 40 to 40.0"]

@@ -146,7 +146,7 @@ def test_without_keeping_on_the_first_failure_ends_the_run(
     assert not (workspace.root / "join").exists()
 
 
-def test_what_an_earlier_run_delivered_is_withdrawn_when_a_needed_step_fails(
+def test_failed_run_withdraws_the_earlier_delivery(
     toy: ModuleType, package: Path, workspace: Workspace, caplog: pytest.LogCaptureFixture
 ) -> None:
     toy.run(package, workspace)
@@ -158,7 +158,7 @@ def test_what_an_earlier_run_delivered_is_withdrawn_when_a_needed_step_fails(
     assert f"what an earlier run delivered is in {aside} now" in caplog.text
 
 
-def test_a_withdrawn_delivery_returns_where_it_is_right_again_and_goes_where_another_comes(
+def test_withdrawn_delivery_returns_when_right_again(
     toy: ModuleType, package: Path, workspace: Workspace
 ) -> None:
     toy.run(package, workspace)
@@ -171,7 +171,7 @@ def test_a_withdrawn_delivery_returns_where_it_is_right_again_and_goes_where_ano
         assert not (workspace.root / "quarantine").exists()
 
 
-def test_a_recipe_without_failures_has_the_key_that_older_versions_gave_it(
+def test_recipe_without_failures_keeps_its_old_key(
     toy: ModuleType, package: Path, workspace: Workspace
 ) -> None:
     toy.run(package, workspace)

@@ -22,7 +22,7 @@ def test_a_dry_run_lists_and_removes_nothing(program, package: Path, runs: Path)
     assert artifacts(runs) == {"ingest", "navigate", "report"}
 
 
-def test_without_steps_and_without_a_terminal_clean_removes_nothing_and_names_what_it_would(
+def test_clean_without_terminal_or_steps_removes_nothing(
     program, package: Path, runs: Path
 ) -> None:
     program("run", package, "--runs", runs)

@@ -99,7 +99,7 @@ def test_check_ends_with_3_where_no_run_is_possible(capsys, package):
     assert "error" not in err
 
 
-def test_check_lists_all_files_that_are_missing_and_reads_the_rest(capsys, package):
+def test_check_lists_missing_files_and_reads_the_rest(capsys, package):
     (package / "top.yaml").unlink()
     (package / "hull.off").unlink()
     code, out, err = call(capsys, "check", package)
@@ -154,7 +154,7 @@ def test_check_never_tells_one_to_see_check(capsys, package, what):
         ), out + err
 
 
-def test_an_option_of_set_that_check_does_not_take_is_not_blamed_on_the_file(capsys, package):
+def test_wrong_set_option_of_check_does_not_blame_the_file(capsys, package):
     code, line = complaint(capsys, "check", package, "--set", "tray.sigma_deg=wide")
     assert code == 2
     assert line.startswith("error: tray.sigma_deg = 'wide': expected float")
@@ -193,7 +193,7 @@ def test_check_takes_options_in_place_of_the_files(capsys, package):
     assert "depth runs from 0.0 to 2.2 m" in out
 
 
-def test_check_of_a_bare_log_says_what_it_holds_and_what_is_missing(capsys, package):
+def test_check_of_bare_log_says_what_is_missing(capsys, package):
     code, out, err = call(capsys, "check", package / "logs")
     assert code == 3
     assert out.splitlines()[-1].startswith("verdict: not ready: no dive.toml yet")
@@ -337,7 +337,7 @@ def test_a_bow_across_the_ship_is_one_line_and_code_three(capsys, package):
     assert complaint(capsys, "check", package)[0] == 2
 
 
-def test_a_run_refuses_a_bow_across_the_ship_before_it_reads_a_log(capsys, package, tmp_path):
+def test_run_refuses_bow_across_the_ship_before_reading(capsys, package, tmp_path):
     (package / "hull.off").write_text(TETRAHEDRON.format(20).replace("0 20 0", "0 5 0"))
     (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "+y"'))
     code, line = complaint(capsys, "run", package, "--runs", tmp_path / "runs")
@@ -352,7 +352,7 @@ def test_a_run_refuses_a_bow_across_the_ship_before_it_reads_a_log(capsys, packa
     assert (code, out.split()[:2]) == (0, ["ingest", "ran"])
 
 
-def test_a_calibration_of_another_size_is_one_line_with_both_sizes_and_code_three(capsys, package):
+def test_calibration_of_another_size_ends_with_code_3(capsys, package):
     (package / "top.yaml").write_text(YAML.replace("32", "640").replace("24", "480"))
     code, line = complaint(capsys, "check", package)
     assert code == 3
@@ -383,7 +383,7 @@ def test_check_ends_with_a_verdict_whatever_stands_against_a_run(capsys, package
     assert json.loads(out)["error"]["exit_code"] == code == 3
 
 
-def test_a_log_without_a_message_is_told_why_by_init_and_check_alike(capsys, tmp_path):
+def test_init_and_check_explain_a_log_without_messages(capsys, tmp_path):
     from benchmarks.fuzz.seed_ad2cp import TEXT, block
 
     (tmp_path / "profiles.ad2cp").write_bytes(block(0x16, bytes(100)) + block(TEXT, b"x" * 20))

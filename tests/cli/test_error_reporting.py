@@ -41,7 +41,7 @@ def state_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (errno.ENAMETOOLONG, 2), (errno.ELOOP, 3),
     ],
 )  # fmt: skip
-def test_an_error_of_the_system_has_its_exit_code_wherever_it_was_met(
+def test_system_error_has_its_exit_code_anywhere(
     number: int, code: int, capfd: pytest.CaptureFixture[str], state_home: Path
 ) -> None:
     assert exit_code_of(OSError(number, os.strerror(number), "/somewhere"), CallState()) == code
@@ -207,9 +207,7 @@ def test_a_name_of_300_characters_is_one_line(command: list[str], program, tmp_p
     assert "internal" not in answer.err
 
 
-def test_a_traceback_goes_to_the_users_state_before_a_run_has_begun(
-    state_home: Path, tmp_path: Path
-) -> None:
+def test_traceback_before_a_run_is_in_the_users_state(state_home: Path, tmp_path: Path) -> None:
     path = write_fault_file(ZeroDivisionError("ours"), tmp_path / "runs" / "toy")
     assert path is not None
     assert path.parent == state_home
@@ -241,7 +239,7 @@ def test_no_place_for_a_traceback_is_said(
     )
 
 
-def test_private_files_are_for_the_owner_and_only_the_last_are_kept(tmp_path: Path) -> None:
+def test_private_files_are_the_owners_and_few(tmp_path: Path) -> None:
     (tmp_path / "other.txt").touch()
     written = [write_private_file(tmp_path, "fault", str(k)) for k in range(KEPT + 3)]
     assert len(set(written)) == KEPT + 3

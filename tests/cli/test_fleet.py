@@ -51,9 +51,7 @@ def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Path]
     return make
 
 
-def test_a_fleet_says_how_many_were_delivered_and_one_line_for_each_that_failed(
-    program, make, runs: Path
-) -> None:
+def test_fleet_prints_counts_and_a_line_for_each_failure(program, make, runs: Path) -> None:
     dives = make(kestrel="deliver", merlin="fail", osprey="deliver")
     answer = program("fleet", dives, "--runs", runs, "--jobs", 2)
     assert (answer.code, answer.out) == (4, "3 dives: 2 delivered, 1 failed, 3 run now\n")
@@ -120,7 +118,7 @@ def test_json_is_one_document_as_the_schema_has_it(program, make, runs: Path) ->
     ]
 
 
-def test_a_dry_run_says_what_would_be_run_and_why_and_writes_nothing(
+def test_dry_run_says_what_and_why_and_writes_nothing(
     program, make, runs: Path, tmp_path: Path
 ) -> None:
     answer = program("fleet", make(kestrel="deliver", merlin="fail"), "--runs", runs, "--dry-run")
@@ -137,7 +135,7 @@ def test_a_dry_run_says_what_would_be_run_and_why_and_writes_nothing(
     assert violations(document, SCHEMA) == []
 
 
-def test_a_wrong_folder_of_dives_ends_with_3_and_wrong_usage_with_2(
+def test_fleet_ends_with_3_for_wrong_folder_2_for_usage(
     program, make, runs: Path, tmp_path: Path
 ) -> None:
     dives = make(kestrel="deliver")
@@ -183,9 +181,7 @@ def test_names_of_others_cannot_write_on_the_terminal(program, make, runs: Path)
     ]
 
 
-def test_a_call_with_nothing_to_do_opens_dive_toml_alone_and_imports_no_step(
-    program, make, runs: Path
-) -> None:
+def test_idle_fleet_opens_dive_toml_alone(program, make, runs: Path) -> None:
     dives = make(**{f"dive{k}": "deliver" for k in range(3)})
     assert program("fleet", dives, "--runs", runs, "--jobs", 3).code == 0
     code = f"""
@@ -210,9 +206,7 @@ print(code, sorted(set(os.path.relpath(path, {str(dives.parent)!r}) for path in 
     assert answer.stderr.splitlines()[-1] == f"0 {opened} []"
 
 
-def test_a_time_limit_and_files_outside_are_options_of_the_command(
-    program, make, runs: Path
-) -> None:
+def test_fleet_takes_time_limit_and_allow_outside(program, make, runs: Path) -> None:
     dives = make(kestrel="read outside", merlin="wait")
     answer = program(
         "fleet", dives, "--runs", runs, "--jobs", 2, "--allow-outside", "--time-limit", 5

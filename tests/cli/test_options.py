@@ -89,7 +89,7 @@ def test_every_option_changes_a_step_and_is_named_there(affected: Any) -> None:
             assert said[0].endswith('to "another value"')
 
 
-def test_a_steps_own_options_change_it_and_the_steps_that_read_them(affected: Any) -> None:
+def test_own_options_change_the_steps_that_read_them(affected: Any) -> None:
     for stage in STAGES:
         for key in stage.parameters.__struct_fields__:
             reads = {stage.name, f"{stage.name}.{key}"}

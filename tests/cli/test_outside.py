@@ -50,7 +50,7 @@ def package(tmp_path) -> Path:
         "study figures",
     ],
 )
-def test_a_command_that_reads_packages_refuses_a_file_outside_in_one_line(capsys, package, command):
+def test_commands_refuse_files_outside_in_one_line(capsys, package, command):
     runs = [] if command == "check" else ["--runs", str(package.parent / "runs")]
     assert main([*command.split(), str(package), *runs]) == 3
     line = capsys.readouterr().err.strip()
@@ -75,7 +75,7 @@ def test_set_may_name_any_file(capsys, package):
     assert "hull.off: 4 faces" in capsys.readouterr().out
 
 
-def test_clean_reads_nothing_of_the_package_and_needs_no_permission(capsys, package):
+def test_clean_reads_nothing_of_the_package(capsys, package):
     assert main(["clean", str(package), "--yes", "--runs", str(package.parent / "runs")]) == 0
 
 

@@ -60,7 +60,7 @@ def test_a_second_run_makes_nothing(program, package: Path, runs: Path) -> None:
     assert set(states(answer).values()) == {"up to date"}
 
 
-def test_a_second_package_of_the_same_name_replaces_the_first_ones_results_with_a_word(
+def test_second_package_of_same_name_warns_and_replaces(
     program, package: Path, runs: Path, tmp_path: Path
 ) -> None:
     program("run", package, "--runs", runs)
@@ -76,7 +76,7 @@ def test_a_second_package_of_the_same_name_replaces_the_first_ones_results_with_
     assert "another dive package" not in program("run", other, "--runs", runs).err
 
 
-def test_a_package_is_the_same_by_a_relative_path_by_a_link_and_by_its_run(
+def test_package_is_known_by_path_link_and_run(
     program, package: Path, runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     program("run", package, "--runs", runs)
@@ -344,9 +344,7 @@ def test_the_findings_are_those_at_the_head_of_the_report(tmp_path: Path) -> Non
     assert len(delivery_lines(tmp_path)) == 2
 
 
-def test_a_wrong_choice_given_by_set_lists_the_choices_and_does_not_blame_the_file(
-    program, package: Path, runs: Path
-) -> None:
+def test_wrong_choice_by_set_lists_the_choices(program, package: Path, runs: Path) -> None:
     answer = program("run", package, "--runs", runs, "--set", "navigate.end=wel")
     assert answer.code == 2
     assert (
@@ -363,9 +361,7 @@ def test_a_wrong_choice_given_by_set_lists_the_choices_and_does_not_blame_the_fi
     )
 
 
-def test_a_value_out_of_bounds_given_by_set_is_said_to_come_from_there(
-    program, package: Path, runs: Path
-) -> None:
+def test_value_out_of_bounds_names_set(program, package: Path, runs: Path) -> None:
     answer = program("run", package, "--runs", runs, "--set", "navigate.times=99")
     assert answer.code == 2
     assert answer.err.endswith("(from --set)\n")
@@ -401,7 +397,7 @@ def test_the_log_file_of_a_run_that_fails_holds_the_error(
     [("badly", 4, "too few words (log.txt): write more"), ("fault", 1, "internal error")],
 )
 @pytest.mark.parametrize("as_json", [False, True])
-def test_a_step_that_fails_alone_leaves_the_delivery_and_ends_with_its_code(
+def test_step_failing_alone_delivers_and_ends_with_its_code(
     as_json: bool,
     how: str,
     code: int,

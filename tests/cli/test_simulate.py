@@ -33,7 +33,7 @@ def call(capfd: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, st
     return code, *capfd.readouterr()
 
 
-def test_help_says_what_it_does_and_describes_every_option_with_its_bounds_and_unit(
+def test_help_describes_every_option_with_bounds(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     code, out, _ = call(capfd, "simulate", "--help")
@@ -65,7 +65,7 @@ def test_json_is_one_document_with_the_counts(
     assert made["seconds"] == pytest.approx(0.8 / 0.3 + 2, abs=0.5)
 
 
-def test_an_option_out_of_bounds_is_one_line_and_code_two_and_no_folder(
+def test_option_out_of_bounds_ends_with_code_2(
     capfd: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     code, out, err = call(capfd, "simulate", tmp_path / "dive", "--legs", "0")
@@ -85,7 +85,7 @@ def test_a_folder_with_something_in_it_is_one_line_and_code_six(
     assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
 
 
-def test_an_interrupted_simulation_leaves_nothing_and_can_be_repeated(
+def test_interrupted_simulation_leaves_nothing(
     capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupt(*_: object) -> None:
@@ -98,7 +98,7 @@ def test_an_interrupted_simulation_leaves_nothing_and_can_be_repeated(
     assert call(capfd, "simulate", tmp_path / "dive", *QUICK)[0] == 0
 
 
-def test_images_are_counted_on_standard_error_while_they_are_written(
+def test_simulate_counts_images_on_standard_error(
     capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from hullrecon.artifacts import progress

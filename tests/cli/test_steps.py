@@ -60,7 +60,7 @@ def test_a_switch_can_be_turned_off(program, package: Path, runs: Path) -> None:
 
 
 @pytest.mark.parametrize("stage", stages(), ids=lambda stage: stage.name)
-def test_every_field_of_every_step_is_an_option_that_hides_no_common_one(stage) -> None:
+def test_fields_of_steps_are_options_beside_the_common_ones(stage) -> None:
     flags = [
         flag
         for parameter in command(stage.name).params

@@ -32,7 +32,7 @@ def row_of(first: str) -> str:
 
 
 @pytest.mark.parametrize("sensor", sorted(TYPES))
-def test_a_sensors_row_names_every_type_that_is_read_for_it_and_no_other(sensor: str) -> None:
+def test_sensor_row_names_exactly_the_types_read(sensor: str) -> None:
     read = {kind.replace("/msg/", "/") for kind in TYPES[sensor]}
     assert set(re.findall(r"`(\w+/\w+)`", row_of(sensor))) == {
         OLD_NAMES.get(kind, kind) for kind in read

@@ -53,7 +53,7 @@ def test_documents_that_the_code_cites_exist() -> None:
     assert not missing
 
 
-def test_decisions_are_numbered_without_gaps_and_cited_by_numbers_that_exist() -> None:
+def test_decisions_are_numbered_and_cited_rightly() -> None:
     files = sorted(p.name for p in (ROOT / "docs/adr").glob("*.md"))
     numbers = [int(name[:4]) for name in files]
     assert numbers == list(range(1, len(numbers) + 1))

@@ -59,7 +59,7 @@ def test_the_huber_thresholds_leave_the_same_share_beyond() -> None:
     assert max(beyond) - min(beyond) < 3e-4
 
 
-def test_the_numbers_of_a_comparison_of_two_dives_are_the_defaults() -> None:
+def test_numbers_of_a_comparison_are_the_defaults() -> None:
     from hullrecon.change.options import ChangeOptions
 
     o = ChangeOptions()

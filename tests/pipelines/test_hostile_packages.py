@@ -80,7 +80,7 @@ def test_the_name_of_a_packages_folder_or_file_runs_no_code(
     assert (tmp_path / "runs/kestrel/deliver/report.txt").exists()
 
 
-def test_a_vessel_of_several_lines_that_looks_like_a_name_is_only_a_vessel(
+def test_vessel_of_several_lines_is_only_a_vessel(
     pipeline: Pipeline, make_package, trace: Path, tmp_path: Path
 ) -> None:
     package = make_package(tmp_path / "dives" / "a", "kestrel")
@@ -93,7 +93,7 @@ def test_a_vessel_of_several_lines_that_looks_like_a_name_is_only_a_vessel(
     assert {p.name for p in (tmp_path / "runs").glob("[!.]*")} <= {PAGE}
 
 
-def test_a_topics_name_that_init_writes_into_dive_toml_runs_no_code(
+def test_topic_name_written_by_init_runs_no_code(
     pipeline: Pipeline, call, program: Path, trace: Path, tmp_path: Path
 ) -> None:
     kit = Kit()
@@ -190,7 +190,7 @@ def test_runs_that_are_the_folder_of_dives_are_refused(
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_links_and_special_files_of_a_package_are_not_followed_out_of_the_folder(
+def test_links_and_special_files_are_not_followed(
     call, pipelines: Path, program: Path, make_package, trace: Path, tmp_path: Path
 ) -> None:
     make_package(tmp_path / "private", "private")

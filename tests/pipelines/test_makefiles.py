@@ -57,7 +57,7 @@ def test_a_dive_is_made_step_by_step_and_then_left_alone(
     assert trace.read_text().split() == ran
 
 
-def test_a_touched_dive_is_looked_at_but_not_made_again_and_make_is_content(
+def test_touched_dive_is_not_made_again(
     make_dive, make_package, trace: Path, tmp_path: Path
 ) -> None:
     package = make_package(tmp_path / "package", "kestrel")

@@ -137,7 +137,7 @@ def test_systemd_finds_nothing_wrong_with_the_units(call, units: Path) -> None:
     assert (answer.returncode, complaints) == (0, []), answer.stderr
 
 
-def test_the_services_command_makes_what_is_new_and_prints_nothing(
+def test_service_makes_what_is_new_silently(
     call, units: Path, make_package, trace: Path, tmp_path: Path
 ) -> None:
     make_package(tmp_path / "dives" / "a", "kestrel")
@@ -194,7 +194,7 @@ def _free_port() -> str:
         return str(probe.getsockname()[1])
 
 
-def test_a_dask_launch_gives_the_same_bytes_and_leaves_no_process(
+def test_dask_launch_gives_same_bytes_leaves_no_process(
     call, pipelines: Path, program: Path, make_package, tmp_path: Path
 ) -> None:
     pytest.importorskip("distributed")
@@ -243,7 +243,7 @@ def test_a_dask_launch_passes_the_programs_exit_code(
     assert "no dive.toml" in answer.stderr
 
 
-def test_a_dask_launch_ends_though_a_worker_does_not_and_leaves_no_process(
+def test_dask_launch_kills_a_worker_that_does_not_end(
     call, pipelines: Path, program: Path, tmp_path: Path
 ) -> None:
     """A worker that is told to end while it starts has been seen to go on for ever."""

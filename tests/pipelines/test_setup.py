@@ -52,9 +52,7 @@ def setup(call, pipelines: Path, tools: Path, tmp_path: Path):
     return run
 
 
-def test_what_will_be_installed_is_listed_with_the_command_before_it_runs(
-    setup, tmp_path: Path
-) -> None:
+def test_setup_lists_packages_and_command_before_it_runs(setup, tmp_path: Path) -> None:
     answer = setup()
     assert answer.returncode == 0, answer.stderr
     lines = answer.stdout.splitlines()
@@ -71,9 +69,7 @@ def test_system_packages_can_be_skipped(setup, tmp_path: Path) -> None:
     assert not (tmp_path / "calls").exists()
 
 
-def test_a_user_without_root_is_told_which_packages_are_missing_and_the_command_for_them(
-    setup, tools: Path, tmp_path: Path
-) -> None:
+def test_user_without_root_is_told_packages_and_command(setup, tools: Path, tmp_path: Path) -> None:
     script(tools / "id", "echo 1000")
     script(tools / "sudo", "exit 1")
     answer = setup()
@@ -86,9 +82,7 @@ def test_a_user_without_root_is_told_which_packages_are_missing_and_the_command_
     assert not (tmp_path / "calls").exists()
 
 
-def test_a_library_that_is_missing_is_named_when_system_packages_are_skipped(
-    call, pipelines: Path, tmp_path: Path
-) -> None:
+def test_skipped_packages_name_a_missing_library(call, pipelines: Path, tmp_path: Path) -> None:
     """Without root and with SKIP_SYSTEM_PACKAGES=1 the build fails: its cause is in the last lines,
     with what to install.
     """
@@ -123,7 +117,7 @@ def test_a_browser_that_was_removed_is_not_there(setup, tools: Path, tmp_path: P
     assert "chromium" in (tmp_path / "calls").read_text()
 
 
-def test_on_debian_root_is_told_of_the_browser_before_it_is_installed(
+def test_debian_root_is_told_before_a_browser_is_installed(
     setup, tools: Path, tmp_path: Path
 ) -> None:
     script(tools / "apt-get", f"echo 'apt-get runs'; echo $* >> {tmp_path}/calls")
@@ -147,7 +141,7 @@ def without_a_browser(answer, why: str) -> None:
     assert why in line
 
 
-def test_on_ubuntu_no_browser_is_installed_as_its_chromium_is_a_snap(setup, tmp_path: Path) -> None:
+def test_ubuntu_gets_no_browser_as_chromium_is_a_snap(setup, tmp_path: Path) -> None:
     (tmp_path / "os-release").write_text('NAME="Ubuntu"\nID=ubuntu\nID_LIKE=debian\n')
     without_a_browser(setup("browser"), "install Google Chrome")
     assert not (tmp_path / "calls").exists()
@@ -165,7 +159,7 @@ def test_a_user_without_root_is_told_the_command_for_the_browser(
     assert not (tmp_path / "calls").exists()
 
 
-def test_the_browser_is_left_out_when_system_packages_are_skipped(setup, tmp_path: Path) -> None:
+def test_no_browser_when_system_packages_are_skipped(setup, tmp_path: Path) -> None:
     without_a_browser(setup("browser", SKIP_SYSTEM_PACKAGES="1"), "SKIP_SYSTEM_PACKAGES=1")
     assert not (tmp_path / "calls").exists()
 
@@ -200,9 +194,7 @@ def checkout(tmp_path: Path, pipelines: Path) -> Path:
     return folder
 
 
-def test_setup_installs_again_for_native_code_but_not_for_a_module_that_moved(
-    call, checkout: Path
-) -> None:
+def test_setup_reinstalls_for_native_code_not_moved_modules(call, checkout: Path) -> None:
     def installations() -> int:
         answer = call("make", "-C", checkout, "setup")
         assert answer.returncode == 0, answer.stderr
