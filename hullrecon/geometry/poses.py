@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rigid motions in batches. `Poses` holds T_a_b of n frames b in one frame a: p_a = R p_b + t.
+"""Rigid motions in batches. `Poses` holds a_from_b of n frames b in one frame a: p_a = R p_b + t.
 
 Quaternions are x y z w. Small rotations are perturbed on the right, R Exp(w), everywhere in
 hullrecon (native included). A 6-vector of a motion is (translation, rotation): `log` gives (t, w)

@@ -31,7 +31,7 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
     hull = adjusted.state.hull
     if hull is None:
         return native.covariance(adjusted.problem, adjusted.settings)
-    # the last round holds T_g_M where its profile put it; what is unknown about it is still unknown
+    # The last round holds the hull where its profile put it; here it is free again.
     free = native.covariance(adjusted.problem.free("T_g_M"), adjusted.settings)
     if not adjusted.strategy.deviation_field:
         return free

@@ -48,8 +48,7 @@ Calibration = Annotated[
     FileName | None,
     Meta(
         description="camera_info YAML of the camera, relative to dive.toml; absent: the CameraInfo "
-        "that was logged beside its "
-        "images"
+        "that was logged beside its images"
     ),
 ]
 TimeOffset = Annotated[Offset, Meta(description="s, added to the stamps")]
@@ -145,8 +144,8 @@ class Imu(Section, frozen=True):
         Three | None,
         Meta(
             description="deg, roll, pitch, yaw of the IMU (axes forward, starboard, down) in the "
-            "vehicle; absent: aligned. "
-            "To be given where attitude comes from a DVL's own sensors: then of the frame dvl"
+            "vehicle; absent: aligned. To be given where attitude comes from a DVL's own sensors: "
+            "then of the frame dvl"
         ),
     ] = None
     sigma_roll_pitch_deg: Annotated[
@@ -195,8 +194,8 @@ class Dvl(Section, frozen=True):
     mount: Annotated[
         MountNumbers,
         Meta(
-            description="m and deg, T_s_d: the DVL on the tray; by the log's tf_static, else 0, 0, "
-            "0, 0, 90, 0"
+            description="m and deg, tray_from_dvl: the DVL on the tray; by the log's tf_static, "
+            "else 0, 0, 0, 0, 90, 0"
         ),
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
@@ -222,8 +221,8 @@ class CameraTop(Section, frozen=True):
     mount: Annotated[
         MountNumbers,
         Meta(
-            description="m and deg, T_s_ct: the camera on the tray; by the log's tf_static, else "
-            "0, 0, 0, 90, 0, 90"
+            description="m and deg, tray_from_top: the camera on the tray; by the log's tf_static, "
+            "else 0, 0, 0, 90, 0, 90"
         ),
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
@@ -240,9 +239,8 @@ class CameraBottom(Section, frozen=True):
     pose_in_top: Annotated[
         MountNumbers,
         Meta(
-            description="m and deg, T_ct_cb: the camera in the top camera's frame; by the log's "
-            "tf_static, else 0, 0.1, 0, 0, "
-            "0, 0"
+            description="m and deg, top_from_bottom: the camera in the top camera's frame; by the "
+            "log's tf_static, else 0, 0.1, 0, 0, 0, 0"
         ),
     ] = FROM_LOG
     pose_sigma: Annotated[
@@ -287,8 +285,7 @@ class Sonar(Section, frozen=True):
         tuple[Annotated[float, Meta(gt=-90, lt=90)], ...] | None,
         Meta(
             description="deg, of each beam from the middle of the fan, growing from port to "
-            "starboard, for logs that do not "
-            "say where the beams point"
+            "starboard, for logs that do not say where the beams point"
         ),
     ] = None
     time_offset: TimeOffset = 0.0
@@ -346,7 +343,7 @@ class Hull(Section, frozen=True):
 
     mesh: Annotated[FileName, Meta(description="STL, PLY, OBJ, OFF or GLB, relative to dive.toml")]
     units: Annotated[Literal["m", "mm", "cm", "ft", "in"], Meta(description="of the mesh")] = "m"
-    pose: Annotated[Six, Meta(description="m and deg, first guess of T_g_M")] = (
+    pose: Annotated[Six, Meta(description="m and deg, first guess of global_from_hull")] = (
         0.0,
         0.0,
         0.0,
@@ -358,9 +355,8 @@ class Hull(Section, frozen=True):
         Six | None,
         Meta(
             description="m and deg, of the guess, in M's axes: the translation is that of the "
-            "middle of the survey; absent: "
-            "1 m, vertically 0.3 m, 1 degree of heel and trim, 5 of heading, by the axis that "
-            "`hull.pose` turns up"
+            "middle of the survey; absent: 1 m, vertically 0.3 m, 1 degree of heel and trim, 5 of "
+            "heading, by the axis that `hull.pose` turns up"
         ),
     ] = None
     bow: Annotated[
