@@ -28,6 +28,8 @@ from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Mask
 
 Facts = dict[str, object]
+# without a deviation field, offsets over areas wider than this are the hull's, not a structure's
+BACKGROUND_WIDTH_M = 1.5
 MAX_OFFSET_M = 0.6  # landmarks farther off the hull are left out
 CAD_EDGE_M = 0.12  # edges of a CAD model that is moved to the DVL's surface, whose own are 0.1 m
 
@@ -78,7 +80,7 @@ def find_structures(
     if len(measured) < options.min_landmarks:
         return _without_landmarks(base, "the images gave too few landmarks on the surface")
     # The hull without structures, then with them
-    background = _choose_background(base, field, measured, options)
+    background = _choose_background(base, field, measured)
     found = estimate_hull_as_found(base.mesh, measured, background, views, options, fusion)
     # Structures: regions that stand off and are certain
     objects, rejected = find_objects(found, measured, views, base, options)
@@ -106,12 +108,11 @@ def _choose_background(
     base: BaseSurface,
     field: DeviationField | None,
     measured: SurfaceLandmarks,
-    options: DetectOptions,
 ) -> Background:
     """Take the deviation field where it is whole, else medians of landmarks."""
     if field is not None and np.isfinite(field.value).all():
         return FieldBackground(chart=base.chart, field=field)
-    return median_background(measured.foot, measured.offset, options.background_width_m)
+    return median_background(measured.foot, measured.offset, BACKGROUND_WIDTH_M)
 
 
 def _without_landmarks(base: BaseSurface, why: str) -> Structures:

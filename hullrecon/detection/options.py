@@ -37,20 +37,6 @@ class DetectOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     max_edge_m: Annotated[
         Positive, Meta(description="m, longest edge of the as-found mesh where the hull was seen")
     ] = 0.03
-    reach_m: Annotated[
-        Positive,
-        Meta(description="m, landmarks within this distance of a vertex decide its height"),
-    ] = 0.08
-    neighbours: Annotated[
-        Count, Meta(description="nearest landmarks from which the height of a vertex is estimated")
-    ] = 20
-    background_width_m: Annotated[
-        Positive,
-        Meta(
-            description="m, without a deviation field: offsets over areas wider than this are "
-            "the hull's, not a structure's"
-        ),
-    ] = 1.5
     max_vertices: Annotated[
         Count, Meta(description="of the as-found mesh; it is made coarser rather than larger")
     ] = 1_500_000

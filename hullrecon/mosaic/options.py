@@ -20,9 +20,6 @@ class MosaicOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     tile_px: Annotated[
         int, Meta(ge=64, le=4096, multiple_of=16, description="px, side of a tile of the raster")
     ] = 512
-    reach_m: Annotated[
-        float, Meta(gt=0, description="m, largest distance of the surface from the chart")
-    ] = 0.6
 
 
 class OpticalOptions(MosaicOptions, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -29,7 +29,7 @@ def applies(settings: Mapping[str, object], package: Path) -> str | None:
 
 def run(context: Context[OpticalOptions]) -> None:
     options, artifacts = context.parameters, InputArtifacts(context.inputs)
-    inputs = read_mosaic_inputs(artifacts, options.reach_m)
+    inputs = read_mosaic_inputs(artifacts)
     cameras = _usable_images(context, artifacts, inputs)
     try:
         mosaic = optical_mosaic(inputs.surface, cameras, options, context.progress)

@@ -47,7 +47,7 @@ def run(context: Context[SonarOptions]) -> None:
     artifacts = InputArtifacts(context.inputs)
     settings = artifacts.mounted(context.settings)
     pings = _pings(artifacts)
-    inputs = read_mosaic_inputs(artifacts, context.parameters.reach_m)
+    inputs = read_mosaic_inputs(artifacts)
     poses = ping_poses(artifacts, settings, inputs.track)
     with context.out.scratch() as scratch:
         mosaic = blend_pings(inputs.surface, pings, poses, settings, context.progress, scratch)

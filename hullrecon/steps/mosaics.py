@@ -20,6 +20,7 @@ from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.artifacts import InputArtifacts
 
+REACH_M = 0.6  # largest distance of the surface from the chart
 MosaicContext = Context[OpticalOptions] | Context[SonarOptions]
 
 
@@ -37,7 +38,7 @@ class MosaicInputs:
     surface_name: str  # which surface it is, for captions
 
 
-def read_mosaic_inputs(inputs: InputArtifacts, reach_m: float) -> MosaicInputs:
+def read_mosaic_inputs(inputs: InputArtifacts) -> MosaicInputs:
     """Read the surface as found (else the DVL's) and the best path that there is."""
     as_found = inputs.detect.as_found if inputs.detect is not None else None
     solution = inputs.adjust.solution if inputs.adjust is not None else None
@@ -47,7 +48,7 @@ def read_mosaic_inputs(inputs: InputArtifacts, reach_m: float) -> MosaicInputs:
         inputs.surface.chart,
     )
     return MosaicInputs(
-        surface=build_mosaic_surface(surface.mesh(), chart, reach_m),
+        surface=build_mosaic_surface(surface.mesh(), chart, REACH_M),
         outside=outside_map(chart, inputs.surface.surface.vertices, track.frame),
         as_found=as_found,
         by_images=inputs.detect is not None and inputs.detect.is_found_by_images,

@@ -14,6 +14,7 @@ from detection.conftest import Scenery, landmarks_on_wall, reported, views_along
 
 from hullrecon.detection.as_found.background import median_background
 from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found
+from hullrecon.detection.find_structures import BACKGROUND_WIDTH_M
 from hullrecon.detection.options import DetectOptions
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.casting import Scene
@@ -67,7 +68,7 @@ def round_hull(
     return Scenery(
         base,
         measured,
-        median_background(near.foot, near.distance, OPTIONS.background_width_m),
+        median_background(near.foot, near.distance, BACKGROUND_WIDTH_M),
         views,
         chart,
     )

@@ -55,6 +55,17 @@ def test_mesh_is_fine_where_seen_and_finer_at_structures(found, height_at) -> No
     assert length.max() > 0.1
 
 
+def test_longer_edges_make_a_coarser_mesh(scenery, found) -> None:
+    coarse = estimate_hull_as_found(
+        scenery.base,
+        scenery.measured,
+        scenery.background,
+        scenery.views,
+        DetectOptions(max_edge_m=0.06),
+    )
+    assert len(coarse.mesh.vertices) < 0.7 * len(found.mesh.vertices)
+
+
 def test_hull_far_from_landmarks_is_smooth_with_wide_sigma(found) -> None:
     beyond = found.base.vertices[:, 2] > 1.7
     assert not found.measured[beyond].any()

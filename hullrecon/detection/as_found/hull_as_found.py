@@ -25,6 +25,8 @@ from hullrecon.typing import Array, Ints, Mask
 
 # one vertex a cell is asked who saw it: on bare hull, near structures
 COARSE_CELL_M, FINE_CELL_M = 0.06, 0.02
+REACH_M = 0.08  # landmarks within this distance of a vertex decide its height
+NEIGHBOURS = 20  # nearest landmarks from which the height of a vertex is estimated
 FINE_EDGE_M = 0.012  # longest edge of the mesh at structures
 SHADOW_M = 0.15  # a structure's shadow hardly reaches farther
 SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the DVL's surface
@@ -109,15 +111,15 @@ def estimate_hull_as_found(
     hull_at_foot, _ = background.at(measured.foot)
     height = measured.offset - hull_at_foot
     edge = affordable_edge(measured.foot, options.max_edge_m, options.max_vertices)
-    mesh = refine_near(base, measured.foot, edge, options.reach_m)
-    coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height, options)
+    mesh = refine_near(base, measured.foot, edge, REACH_M)
+    coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height)
     high = np.abs(coarse.value) >= MIN_OFFSET_M
     old = len(mesh.vertices)
     left = max(options.max_vertices - old, 1)
     fine = min(edge, affordable_edge(mesh.vertices[high], FINE_EDGE_M, left))
     mesh = refine_near(mesh, mesh.vertices[high], fine, 2 * FINE_EDGE_M)
     normal = vertex_normals(mesh)
-    heights = coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height, options))
+    heights = coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height))
     hull, hull_sigma = background.at(mesh.vertices)
     known = np.isfinite(heights.value)
     moved, raised, shapes = fusion(
@@ -171,12 +173,8 @@ def _near_structures(mesh: Mesh, height: Array) -> Mask:
     return np.asarray(np.isfinite(nearest(mesh.vertices[off], mesh.vertices, 1, SHADOW_M)[0][:, 0]))
 
 
-def _regress(
-    at: Array, normal: Array, measured: SurfaceLandmarks, height: Array, options: DetectOptions
-) -> Heights:
-    return local_heights(
-        at, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach_m
-    )
+def _regress(at: Array, normal: Array, measured: SurfaceLandmarks, height: Array) -> Heights:
+    return local_heights(at, normal, measured.foot, height, measured.sigma, NEIGHBOURS, REACH_M)
 
 
 def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mesh:

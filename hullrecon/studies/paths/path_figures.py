@@ -25,7 +25,6 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
-from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.navigation.planes.planar_graph import planar_graph
 from hullrecon.records.links import LinkedPath, no_links
@@ -195,7 +194,7 @@ def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, V
     """
     inputs = _inputs(dive, "mosaic-sonar")
     settings = inputs.mounted(settings_for(dive.chain.stage("mosaic-sonar"), dive.chain.sections))
-    surface = read_mosaic_inputs(inputs, settings.read("mosaic-sonar", SonarOptions).reach_m)
+    surface = read_mosaic_inputs(inputs)
     pings = inputs.ingest.sonar
     assert pings is not None
     delivered = {} if inputs.adjust is None else {"adjusted": surface.track}
