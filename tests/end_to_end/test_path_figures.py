@@ -19,7 +19,7 @@ from hullrecon.studies import run_studies
 from hullrecon.studies.matching.comparison import VARIANTS
 from hullrecon.studies.methods.variants import read_dead_reckoning
 from hullrecon.studies.paths.path_figures import draw_path_figures
-from hullrecon.studies.surfaces.variants import AS_FOUND, SURFACES
+from hullrecon.studies.surfaces.comparison import AS_FOUND, SURFACES
 
 pytestmark = pytest.mark.slow
 DIVE = (

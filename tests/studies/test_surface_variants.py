@@ -20,9 +20,15 @@ from steps.surveyed_cylinder import (
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.plane_chart import PlaneChart
-from hullrecon.studies.surfaces.kernels import RadialKernel, WendlandKernel, wendland
-from hullrecon.studies.surfaces.linear import by_triangles, interpolate, scatter_sigma
-from hullrecon.studies.surfaces.variants import SURFACES
+from hullrecon.studies.surfaces.comparison import SURFACES
+from hullrecon.studies.surfaces.regression import (
+    RadialKernel,
+    WendlandKernel,
+    by_triangles,
+    interpolate,
+    scatter_sigma,
+    wendland,
+)
 from hullrecon.surface.build import SurfacePoints, build_surface
 from hullrecon.surface.gaussian import Kernel, NotPositiveDefiniteError, compact, fit
 from hullrecon.surface.options import SurfaceOptions

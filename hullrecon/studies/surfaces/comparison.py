@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.runner import RunContext, run_chain
@@ -17,10 +18,33 @@ from hullrecon.evaluation.scoring.surfaces import score_surface
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.poses import identity
 from hullrecon.records.surface import Surface
+from hullrecon.steps import detect, surface
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, SurfaceArtifact
 from hullrecon.studies.methods.variants import build_step
-from hullrecon.studies.surfaces.variants import AS_FOUND, SURFACES
+from hullrecon.studies.surfaces.ray_fusion import move_along_rays
+from hullrecon.studies.surfaces.regression import (
+    RadialKernel,
+    WendlandKernel,
+    by_triangles,
+    heights_over_plane,
+    offsets_from_plane,
+)
+from hullrecon.surface.build import gaussian_process
 
+_RUN = surface.run
+SURFACES = {  # stages that take the place of the step surface
+    "linear": replace(surface.STAGE, run=partial(_RUN, regression=by_triangles)),
+    "radial kernel": replace(
+        surface.STAGE, run=partial(_RUN, regression=partial(gaussian_process, form=RadialKernel))
+    ),
+    "wendland kernel": replace(
+        surface.STAGE, run=partial(_RUN, regression=partial(gaussian_process, form=WendlandKernel))
+    ),
+    "offsets from a plane": replace(surface.STAGE, run=partial(_RUN, reference=offsets_from_plane)),
+    "heights over a plane": replace(surface.STAGE, run=partial(_RUN, reference=heights_over_plane)),
+}
+# and the place of the step detect
+AS_FOUND = {"rays": replace(detect.STAGE, run=partial(detect.run, fusion=move_along_rays))}
 VariantFigures = dict[str, object]  # by name, or why there are none
 TABLE = {"rmse_m": "rms, mm", "p95_m": "95 %, mm", "share_within_1.96_sigma": "in 1.96 sigma"}
 MIN_SUPPORT = 1  # returns or views behind a vertex that is scored

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Regressions of the DVL's surface as [Ozog2016 3.2.2] has them, which the product does not use."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from scipy import sparse
+
+from hullrecon.errors import StageError
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.plane_chart import PlaneChart, fit_plane_chart
+from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.surface.build import MIN_FACING, Facts, SurfacePoints
+from hullrecon.surface.gaussian import Kernel, NotPositiveDefiniteError, compact
+from hullrecon.surface.options import SurfaceOptions
+from hullrecon.surface.tiles import cell_means
+from hullrecon.typing import Array
+
+INDEPENDENT = "The CAD model's shape does not enter the regression of the returns."
+MAX_FOLDED_SHARE = 0.01  # of the returns that may lie where the hull turns away from the plane
+
+
+class RadialKernel(Kernel):
+    """The Melkumyan-Ramos function of the radius, as printed: not positive definite in general."""
+
+    NAME: ClassVar[str] = "radial"
+    NORM: ClassVar[float] = 2.0
+
+    def correlation(self, gap: Array) -> Array:
+        """Compute correlations (k,) at gaps (k, 2) in units of the lengths."""
+        return compact(np.linalg.norm(gap, axis=1))
+
+    def covariance(self, at: Array) -> sparse.csr_array:
+        """Compute the covariances (n, n) of points (n, 2) with each other.
+
+        Raises NotPositiveDefiniteError where they are none, even if noise would hide it.
+        """
+        matrix = self.matrix(at, at)
+        _require_covariance(matrix, self.sigma)
+        return matrix
+
+
+class WendlandKernel(Kernel):
+    """Wendland's C2 function of the radius."""
+
+    NAME: ClassVar[str] = "wendland"
+    NORM: ClassVar[float] = 2.0
+
+    def correlation(self, gap: Array) -> Array:
+        """Compute correlations (k,) at gaps (k, 2) in units of the lengths."""
+        return wendland(np.linalg.norm(gap, axis=1))
+
+
+def wendland(r: Array) -> Array:
+    """Evaluate Wendland's C2 function [Wendland1995], positive definite up to 3-D."""
+    return np.asarray(np.maximum(0.0, 1 - r) ** 4 * (4 * r + 1))
+
+
+def _require_covariance(matrix: sparse.csr_array, sigma_m: float) -> None:
+    from scipy.sparse.linalg import eigsh
+
+    n = matrix.shape[0]
+    small = n <= 400
+    least = (
+        np.linalg.eigvalsh(matrix.toarray())[0]
+        if small
+        else eigsh(matrix, k=1, which="SA", tol=1e-4, v0=np.ones(n))[0][0]
+    )
+    if least < -1e-9 * n * sigma_m**2:
+        raise NotPositiveDefiniteError(
+            f"the radial kernel is no covariance on these points (least eigenvalue {least:.2g} m2)",
+            where="surface",
+            remedy="use the product's kernel or Wendland's",
+        )
+
+
+def by_triangles(
+    charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
+) -> tuple[Array, Array, Facts]:
+    """Interpolate between means over quarter cells, with one sigma by their scatter."""
+    seen = cell_means(charted[:, :2], charted[:, 2], observed.noise, 0.25 * options.cell_m)
+    sigma = scatter_sigma(seen.at, seen.offset)
+    facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
+    return interpolate(seen.at, seen.offset, wanted), np.full(len(wanted), sigma), facts
+
+
+def interpolate(at: Array, values: Array, wanted: Array) -> Array:
+    """Interpolate values at (m, 2) on Delaunay triangles, outside by the nearest."""
+    from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+
+    if len(at) < 4 or np.linalg.matrix_rank(at - at.mean(axis=0), tol=1e-6) < 2:
+        return np.asarray(NearestNDInterpolator(at, values)(wanted))
+    inside = np.asarray(LinearNDInterpolator(at, values)(wanted))
+    return np.where(np.isfinite(inside), inside, NearestNDInterpolator(at, values)(wanted))
+
+
+def scatter_sigma(at: Array, values: Array, neighbours: int = 6) -> float:
+    """Return one robust sigma of values about the mean of their neighbours."""
+    count = min(neighbours, len(at) - 1)
+    if count < 1:
+        return 0.0
+    _, near = nearest(at, at, count + 1)
+    off = values - values[near[:, 1:]].mean(axis=1)
+    return float(robust_sigma(off, about=0.0) / np.sqrt(1 + 1 / count))
+
+
+def offsets_from_plane(
+    points: Array, chart: Chart, sensors: Array
+) -> tuple[Chart, PlaneChart | None, Facts]:
+    """Regress offsets from a plane through the points (n, 3).
+
+    Raises StageError where the hull bends too far around for a plane.
+    """
+    plane = _plane(points, sensors)
+    _, normals = chart.from_chart(chart.to_chart(points)[:, :2])
+    facing = normals[np.isfinite(normals).all(axis=1)] @ plane.axes[2]
+    if np.mean(facing < MIN_FACING) > MAX_FOLDED_SHARE:
+        raise StageError(
+            "the hull bends too far around for a plane",
+            where="surface",
+            remedy="take the CAD model as reference, or a shorter survey",
+        )
+    return plane, None, {"reference": "plane", "comparison": INDEPENDENT}
+
+
+def heights_over_plane(
+    points: Array, chart: Chart, sensors: Array
+) -> tuple[Chart, PlaneChart | None, Facts]:
+    """Regress heights over a plane through the points (n, 3), numbered by the hull's chart."""
+    return chart, _plane(points, sensors), {"reference": "none", "comparison": INDEPENDENT}
+
+
+def _plane(points: Array, sensors: Array) -> PlaneChart:
+    return fit_plane_chart(points, sensors.mean(axis=0), np.array([0.0, 0.0, 1.0]))
