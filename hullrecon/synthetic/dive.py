@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hullrecon.findings.logs import count_noun
 from hullrecon.errors import UsageError
+from hullrecon.findings.logs import count_noun
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import DiveSpec, Survey
 from hullrecon.synthetic.vehicle.motion import Motion, leg_corners, simulate_path, ticks

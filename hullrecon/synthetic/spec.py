@@ -125,6 +125,15 @@ class Cameras(Checked):
         7.0, "Images that see a point of the steel during one leg", "", 1, 60
     )
     jpeg_quality: int = describe_field(88, "Quality of the JPEG files", "", 1, 100)
+    lens_error_px: float = describe_field(
+        0.0, "Smooth error of the lenses that the calibration lacks, rms", "px", 0, 5
+    )
+    readout_s: float = describe_field(
+        0.0, "Time from an image's first row to its last, exposed in turn", "s", 0, 0.15
+    )
+    camera_offset_s: float = describe_field(
+        0.0, "Time by which the stamps of the images are late", "s", -1, 1
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

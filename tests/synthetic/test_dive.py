@@ -90,7 +90,7 @@ def test_dive_flies_as_many_legs_as_hull_has_skin_for() -> None:
 def test_dive_along_hull_in_blocks_is_same_dive(
     dive: Dive, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The twin: what the sensors give must not depend on how the hull is parted to fit into memory."""
+    """What the sensors give does not depend on how the hull is parted to fit into memory."""
     monkeypatch.setattr(dive_module, "HullSkin", partial(HullSkin, block_cells=1e4))
     parted = simulate_dive(dive.spec)
     assert len(parted.hull.skin) > 2

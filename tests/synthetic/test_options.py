@@ -21,7 +21,7 @@ from hullrecon.synthetic.spec import (
 
 def test_every_described_field_is_option_under_name_of_its_own() -> None:
     names = [option.name for option in options()]
-    assert len(names) == len(set(names)) == 46
+    assert len(names) == len(set(names)) == 49
     assert {
         "legs",
         "cameras",
@@ -45,7 +45,7 @@ def test_name_ends_in_its_unit() -> None:
         "m/s": "_m_per_s",
         "deg": "_deg",
         "deg/h": "_deg_per_hour",
-        "px": ("_width", "_height"),
+        "px": ("_width", "_height", "_px"),
         "s": "_s",
     }
     for option in options():

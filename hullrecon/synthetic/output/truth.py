@@ -16,11 +16,14 @@ import numpy as np
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.output.dive_toml import cameras_of
 from hullrecon.synthetic.output.plain_log import write_table
+from hullrecon.synthetic.sensors.rendering import lens_error
 from hullrecon.synthetic.vehicle.rig import SONAR_ORIGIN, TRAY_ORIGIN
 from hullrecon.synthetic.world.items import MARKS, Item, height_of
 from hullrecon.typing import Array
 
+LENS_GRID = 9  # samples of a lens's error along either side
 BEHIND_M = 1.35  # a point so far behind the standoff lies round the bilge, where the hull hides it
 
 
@@ -38,6 +41,8 @@ def write_truth(folder: Path, dive: Dive) -> None:
     _json(folder / "alignment.json", {"T_g_M": _place(motion.global_from_hull)})
     _json(folder / "extrinsics.json", _extrinsics(dive))
     _json(folder / "objects.json", _objects(dive))
+    if errors := _camera_errors(dive):
+        _json(folder / "camera_errors.json", errors)
     write_ply(folder / "as_built.ply", dive.hull.window(dive.seen_along, dive.seen_girth))
 
 
@@ -87,6 +92,31 @@ def _extrinsics(dive: Dive) -> dict[str, Any]:
         mounts = {name: mounts[name] for name in ("T_s_d", "T_sonarservo_o")}
     placed: dict[str, Any] = {name: _place(mount) for name, mount in mounts.items()}
     return {"tray_origin": list(TRAY_ORIGIN), "sonar_origin": list(SONAR_ORIGIN), **placed}
+
+
+def _camera_errors(dive: Dive) -> dict[str, Any]:
+    """List the errors of the cameras that were simulated; empty where there are none.
+
+    A lens's error is sampled on a grid: pixel (u, v) sees what its calibration puts at
+    (u + du, v + dv).
+    """
+    cameras = dive.spec.cameras
+    if not (cameras.lens_error_px or cameras.readout_s or cameras.camera_offset_s):
+        return {}
+    out: dict[str, Any] = {
+        "readout_s": cameras.readout_s,
+        "camera_offset_s": cameras.camera_offset_s,
+        "lens_error_px": cameras.lens_error_px,
+        "lenses": {},
+    }
+    for name, camera in cameras_of(dive).items():
+        error = lens_error(dive.spec, name, camera)
+        if error is not None:
+            u = np.linspace(0, camera.width - 1, LENS_GRID).round().astype(int)
+            v = np.linspace(0, camera.height - 1, LENS_GRID).round().astype(int)
+            du, dv = np.moveaxis(error[np.ix_(v, u)].round(5), -1, 0).tolist()
+            out["lenses"][name] = {"u": u.tolist(), "v": v.tolist(), "du": du, "dv": dv}
+    return out
 
 
 def _objects(dive: Dive) -> dict[str, Any]:

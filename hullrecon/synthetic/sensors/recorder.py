@@ -63,7 +63,7 @@ class Streams:
     joints: instruments.Series
     positions: instruments.Series = instruments.NO_POSITIONS
     cameras: tuple[str, ...]  # names of those carried
-    frame_s: Array
+    frame_s: Array  # as stamped
     frames: InTurn[tuple[bytes, ...]]  # by frame, a JPEG file for each camera
     ping_s: Array
     pings: InTurn[NDArray[np.uint8]]  # by ping, (beams, ranges)
@@ -83,7 +83,7 @@ def record(dive: Dive, track: Track = without_progress) -> Streams:
         joints=instruments.joints(spec, motion),
         positions=instruments.positions(spec, motion),
         cameras=cameras,
-        frame_s=dive.frame_s,
+        frame_s=dive.frame_s + spec.cameras.camera_offset_s,
         frames=InTurn(zip(*[images] * len(cameras), strict=True)),
         ping_s=ping_s,
         pings=InTurn(pinged),

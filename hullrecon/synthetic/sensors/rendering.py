@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.spec import Cameras, DiveSpec
 from hullrecon.synthetic.vehicle.rig import LAMP_IN_TOP, TRAY_ORIGIN
 from hullrecon.synthetic.world.atlas import Albedo, Atlas, PaintedHull, PlateAtlas, paint_atlas
 from hullrecon.synthetic.world.built_hull import Block
@@ -20,6 +21,7 @@ from hullrecon.typing import Array, Floats32, Pixels
 
 ABSORPTION = np.array([1.55, 0.9, 1.1], np.float32)  # RGB, relative: red goes first
 VEIL = np.array([0.020, 0.062, 0.050], np.float32)  # RGB, of an endless water column
+LENS_WAVES = 6  # of a lens's error in either axis, of at most one period over the image
 ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0.5 GB
 
 
@@ -45,22 +47,58 @@ def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
     """Render the RGB images (h, w, 3) of the top and the bottom camera, None without one."""
     rig, motion, random = dive.rig, dive.motion, dive.spec.random("camera")
     paint, absorption = _paint(dive), 2.0 / dive.spec.visibility_m
-    top = lens(rig.camera_top)
-    bottom = lens(rig.camera_bottom) if rig.camera_bottom is not None else None
-    hull_from_top = motion.in_hull(motion.on_tray(dive.frame_s, rig.tray_from_top, TRAY_ORIGIN))
-    hull_from_bottom = motion.in_hull(
-        motion.on_tray(dive.frame_s, rig.tray_from_top @ rig.top_from_bottom, TRAY_ORIGIN)
+    top = lens(rig.camera_top, lens_error(dive.spec, "camera_top", rig.camera_top))
+    bottom = None
+    if rig.camera_bottom is not None:
+        error = lens_error(dive.spec, "camera_bottom", rig.camera_bottom)
+        bottom = lens(rig.camera_bottom, error)
+    exposed_s = row_times(dive.frame_s, dive.spec.cameras)
+    each = exposed_s.shape[1]  # poses of an image
+    tray_from_bottom = rig.tray_from_top @ rig.top_from_bottom
+    hull_from_top, hull_from_bottom = (
+        motion.in_hull(motion.on_tray(exposed_s.ravel(), mount, TRAY_ORIGIN))
+        for mount in (rig.tray_from_top, tray_from_bottom)
     )
-    for k in range(len(dive.frame_s)):
+    for k in range(0, exposed_s.size, each):
         scene = Scene(dive.hull.near(hull_from_top.translation[k, 0]), paint, absorption)
-        lamp = hull_from_top[k].apply(LAMP_IN_TOP[None])[0]
-        first = photograph(scene, top, hull_from_top[k], lamp, random)
-        yield (
-            first,
-            None
-            if bottom is None
-            else photograph(scene, bottom, hull_from_bottom[k], lamp, random),
-        )
+        rows = slice(k, k + each)
+        lamp = hull_from_top[rows].apply(np.tile(LAMP_IN_TOP, (each, 1)))
+        first = photograph(scene, top, hull_from_top[rows], lamp, random)
+        second = None
+        if bottom is not None:
+            second = photograph(scene, bottom, hull_from_bottom[rows], lamp, random)
+        yield first, second
+
+
+def row_times(frame_s: Array, cameras: Cameras) -> Array:
+    """List when the rows of each image are exposed (n, h), s; once (n, 1) without a readout time.
+
+    The first row is exposed at the frame's own time.
+    """
+    if cameras.readout_s == 0:
+        return frame_s[:, None]
+    rows = np.arange(cameras.image_height) / (cameras.image_height - 1)
+    return np.asarray(frame_s[:, None] + cameras.readout_s * rows)
+
+
+def lens_error(spec: DiveSpec, name: str, camera: CameraModel) -> Array | None:
+    """Draw the smooth error (h, w, 2) px of a lens: pixel p sees what calibration puts at p + it.
+
+    It has no affine part, which any calibration would have found. None without an error.
+    """
+    if spec.cameras.lens_error_px == 0:
+        return None
+    random = spec.random(f"lens error {name}")
+    y, x = np.mgrid[-1 : 1 : camera.height * 1j, -1 : 1 : camera.width * 1j]
+    error = np.zeros((camera.height, camera.width, 2))
+    for k in range(2):
+        for a, b, phase in random.uniform(-np.pi, np.pi, (LENS_WAVES, 3)):
+            error[..., k] += np.cos(a * x + b * y + phase)
+    affine = np.stack([np.ones(x.size), x.ravel(), y.ravel()], axis=1)
+    flat = error.reshape(-1, 2)
+    flat = flat - affine @ np.linalg.lstsq(affine, flat, rcond=None)[0]
+    rms_px = np.sqrt((flat**2).sum(axis=1).mean())
+    return np.asarray((spec.cameras.lens_error_px / rms_px * flat).reshape(error.shape))
 
 
 def _paint(dive: Dive) -> Albedo:
@@ -86,10 +124,13 @@ def _atlas(dive: Dive) -> Atlas | PlateAtlas:
     return PlateAtlas(spec, dive.items, texel_m)
 
 
-def lens(camera: CameraModel) -> Lens:
-    """Compute the rays of all pixels of a camera, row by row."""
+def lens(camera: CameraModel, error_px: Array | None = None) -> Lens:
+    """Compute the rays of all pixels of a camera, row by row, with its lens's error (h, w, 2)."""
     x, y = np.meshgrid(np.arange(camera.width, dtype=float), np.arange(camera.height, dtype=float))
-    ray = camera.rays(np.stack([x.ravel(), y.ravel()], 1)).astype(np.float32)
+    pixel = np.stack([x.ravel(), y.ravel()], 1)
+    if error_px is not None:
+        pixel += error_px.reshape(-1, 2)
+    ray = camera.rays(pixel).astype(np.float32)
     return Lens(
         camera, ray, np.asarray(ray[:, 2] ** 2.5, np.float32).reshape(camera.height, camera.width)
     )
@@ -98,10 +139,27 @@ def lens(camera: CameraModel) -> Lens:
 def photograph(
     scene: Scene, view: Lens, hull_from_camera: Poses, lamp: Array, random: np.random.Generator
 ) -> NDArray[np.uint8]:
-    """Render an image (h, w, 3) RGB from one pose, with the lamp at a point of the hull's frame."""
+    """Render an image (h, w, 3) RGB.
+
+    Parameters
+    ----------
+    scene
+        The hull and the water.
+    view
+        The lens.
+    hull_from_camera
+        One pose, or one a row (h).
+    lamp
+        Its place (1, 3) or (h, 3) in the hull's frame.
+    random
+        Of particles and noise.
+    """
     shape = view.vignetting.shape
-    direction = view.ray @ hull_from_camera.rotation.as_matrix()[0].T.astype(np.float32)
-    hits = scene.block.rays.cast(hull_from_camera.translation, direction)
+    each = len(view.ray) // len(hull_from_camera)  # pixels that share a pose
+    turn = hull_from_camera.rotation.as_matrix().swapaxes(1, 2).astype(np.float32)
+    direction = (view.ray.reshape(len(turn), each, 3) @ turn).reshape(-1, 3)
+    camera, lamp = (np.repeat(at, each, axis=0) for at in (hull_from_camera.translation, lamp))
+    hits = scene.block.rays.cast(camera, direction)
     range_m = np.where(hits.hit, hits.range_m, np.float32(8.0))
     corner = scene.block.built.mesh.faces[hits.face]
     chart = np.einsum("nk,nkd->nd", hits.weight, scene.block.built.chart[corner])
@@ -113,9 +171,7 @@ def photograph(
     )
     albedo = scene.atlas.look_up(along_m, girth_m, seen).reshape(-1, 3)
     point = direction * range_m[:, None]
-    light, lamp_way = _lamp(
-        scene, hits.hit, point, normal, chart, hull_from_camera.translation[0], lamp
-    )
+    light, lamp_way = _lamp(scene, hits.hit, point, normal, chart, camera, lamp)
     water = np.exp(-scene.absorption * ABSORPTION * (range_m + lamp_way)[:, None])
     veil = VEIL * (1 - np.exp(-scene.absorption * ABSORPTION * 1.3 * range_m[:, None]))
     radiance = albedo * light[:, None] * water * hits.hit[:, None] + veil
@@ -142,7 +198,7 @@ def _lamp(
     j = np.clip(np.rint((chart[:, 1] - patch.girth_m[0]) / 0.03), 0, busy.shape[1] - 1).astype(int)
     ask = np.flatnonzero(busy[i, j] & hit)
     if len(ask):
-        start = camera + point[ask] + 0.004 * normal[ask]
+        start = camera[ask] + point[ask] + 0.004 * normal[ask]
         light[ask[scene.block.rays.is_blocked(start, to_lamp[ask], way[ask])]] *= np.float32(0.25)
     return np.asarray(light, np.float32), np.asarray(way, np.float32)
 

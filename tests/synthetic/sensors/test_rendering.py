@@ -44,7 +44,7 @@ def scene(
 
 def shoot(world: Scene, distance: float = 1.0, view: Lens | None = None) -> np.ndarray:
     pose = Poses(_turn(), np.array([[0.0, distance, 0.0]]))
-    lamp = np.array([0.2, distance, 0.3])
+    lamp = np.array([[0.2, distance, 0.3]])
     return photograph(world, view or lens(CAMERA), pose, lamp, np.random.default_rng(0))
 
 

@@ -87,7 +87,8 @@ def test_hull_of_takes_mesh_by_its_path(tmp_path: Path) -> None:
 
 def test_mesh_without_triangles_is_refused(tmp_path: Path) -> None:
     (tmp_path / "points.ply").write_text(
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n"
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+        "property float z\nend_header\n0 0 0\n"
     )
     with pytest.raises(InputError, match="no triangles"):
         hull_from_mesh(tmp_path / "points.ply")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Links between two pieces of a path that is well known within each, and not at all between them."""
+"""Links between two parts of a path that is known within each, and not between them."""
 
 from dataclasses import dataclass
 

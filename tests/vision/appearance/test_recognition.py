@@ -222,9 +222,7 @@ def test_on_paint_that_comes_again_nothing_is_taken(dive):
     assert not (found.found.pairs.joined & found.found.pairs.across).any()
 
 
-def test_links_confirming_two_paths_are_refused_as_ambiguous(
-    dive, monkeypatch
-):
+def test_links_confirming_two_paths_are_refused_as_ambiguous(dive, monkeypatch):
     monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.CONTROLS", 0)
     (asked,) = link(dive, repeats_m=3.0).found.appearance
     assert asked.refusal == "images that look alike confirm more than one path"
@@ -254,9 +252,7 @@ def test_one_thing_that_looks_like_another_is_not_enough(dive, monkeypatch):
     assert asked.refusal == "too few images that look alike confirm each other"
 
 
-def test_links_are_undone_where_images_put_together_do_not_match(
-    dive, monkeypatch
-):
+def test_links_are_undone_where_images_put_together_do_not_match(dive, monkeypatch):
     """One thing seen from several sides that looks like another: all links agree, and what lies
     around it does not match.
     """
@@ -309,9 +305,7 @@ def test_matches_across_outage_tie_path_where_no_paint_repeats(rig_of):
     assert found.found.appearance == ()
 
 
-def test_one_look_alike_rejects_matches_without_a_long_part(
-    dive, monkeypatch
-):
+def test_one_look_alike_rejects_matches_without_a_long_part(dive, monkeypatch):
     monkeypatch.setattr("hullrecon.vision.appearance.recognition.MAX_ALIKE", 1000)
     assert link(dive, repeats_m=3.0, looking=TrustingMatcher).found.path.part.max() == 0
     monkeypatch.setattr("hullrecon.vision.appearance.recognition.LEAST_REACH", 10.0)

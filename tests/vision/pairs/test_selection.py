@@ -23,7 +23,7 @@ DEPTH = 1.0
 
 
 def random_walk(covariance):
-    """An error model without errors that persist: covariance (n, 6, 6) of twists that accumulates."""
+    """An error model of twists that accumulate, covariance (n, 6, 6)."""
     n = len(covariance)
     return TrajectoryErrorModel(
         by_error=np.zeros((n, 6, 0)),
