@@ -44,7 +44,7 @@ mesh = "hull.stl"
 units = "m"
 pose = [0.0, 0.0, 0.0, 180.0, 0.0, 0.0]
 [adjust]
-method = 'geva'
+threads = 2
 """
 LONG_DIVE_TOML = (
     DIVE_TOML

@@ -31,15 +31,10 @@ def test_a_model_with_y_up_is_counted_by_the_pose_that_says_so():
     assert lines == ["region bow: 8.0 m2 of the CAD model"]
 
 
-def test_each_region_is_named_with_its_area():
-    lines, warnings = told(hull(BOW), barge())
+def test_regions_are_told_with_area_or_how_far_the_hull_reaches():
+    far = HullRegion(name="far", along=(30.0, 40.0))
+    lines, (warning,) = told(hull(BOW, far), barge())
     assert lines == ["region bow: 8.0 m2 of the CAD model"]
-    assert warnings == []
-
-
-def test_a_region_without_hull_is_suspected_with_how_far_the_hull_reaches():
-    lines, (warning,) = told(hull(HullRegion(name="far", along=(30.0, 40.0))), barge())
-    assert lines == []
     assert warning.startswith("hull.region far holds no hull: the CAD model reaches from 0.")
     assert warning.endswith("4.7 m in girth")
 
@@ -51,11 +46,10 @@ def test_without_a_hull_nothing_is_counted(mesh):
     assert len(warnings) == (mesh is not None)
 
 
-def test_a_region_lies_on_the_side_that_the_bow_says():
+def test_region_is_counted_from_bow_and_aft_perpendicular():
     mesh = barge()
     turned = Mesh(mesh.vertices @ np.diag([-1.0, -1.0, 1.0]), mesh.faces)
-    lines, warnings = told(hull(BOW, bow="-x"), turned)
-    assert (lines, warnings) == (["region bow: 8.0 m2 of the CAD model"], [])
-    assert told(hull(BOW), turned)[0] == []
     astern = HullRegion(name="bow", along=(19.0, 23.0), girth=(0.0, 2.0))
-    assert told(hull(astern, bow="-x", aft_perpendicular=4.0), turned)[0] == lines
+    found = told(hull(astern, bow="-x", aft_perpendicular=4.0), turned)
+    assert found == (["region bow: 8.0 m2 of the CAD model"], [])
+    assert told(hull(BOW), turned)[0] == []

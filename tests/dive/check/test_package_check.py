@@ -190,16 +190,19 @@ def test_the_simulated_dive_raises_no_suspicion(data):
     assert "the mesh is watertight" in found.lines()
 
 
-@pytest.mark.parametrize(
-    ("override", "suspicion"),
-    [
-        ("imu.frame=enu", "gravity"),
-        ("dvl.mount=[0,0,0.08,0,-90,0]", "downward speed"),
-        ("camera.bottom.pose_in_top=[0,100,0,0,0,0]", "100.000 m apart"),
-    ],
-)
-def test_a_wrong_entry_for_the_simulated_dive_is_suspected(data, override, suspicion):
-    assert any(suspicion in line for line in sentences(check(data / "dive-a", override).warnings))
+def test_wrong_frame_of_the_simulated_dive_is_a_warning(data):
+    found = check(data / "dive-a", "imu.frame=enu")
+    assert "imu-upside-down" in {warning.code for warning in found.warnings}
+
+
+def test_document_lists_findings_and_gates_by_errors(package):
+    found = check(package, "topics.imu=/nothing")
+    listed = found.document()["findings"]
+    assert set(listed[0]) == {"code", "severity", "where", "values", "sentence"}
+    errors = [f["sentence"] for f in listed if f["severity"] == "error"]
+    assert errors == found.reasons
+    assert errors
+    assert not found.run_is_possible
 
 
 def test_lever_arms_that_are_left_to_defaults_are_asked_for(package):

@@ -300,7 +300,6 @@ def outer_share(mesh: Mesh, middle_y: float) -> float:
 @pytest.mark.parametrize(
     ("name", "faces", "said"),
     [
-        ("JBC_rigidBodyHull_HULL.obj.gz", 86668, "8 duplicate faces"),
         ("kvlcc2_lq_3dpea.stl", 7060, "degenerate faces"),
         ("wigley.stl.gz", 12892, "12888 of 12892 faces had their normals inward"),
         ("DTC-scaled_decimated30k.stl", 30000, "the mesh is watertight"),

@@ -12,7 +12,7 @@ from hullrecon.dive.logs.fixed_frames import FixedSensor, fixed_sensors
 from hullrecon.dive.logs.messages.descriptions import frame_tree
 from hullrecon.findings.finding import sentences
 from hullrecon.steps.ingest import USES, request_of
-from tests.dive.config.test_log_proposals import entries_of, static
+from tests.dive.init.test_proposals import entries_of, static
 
 JOINTS = {"tray": "tray", "sonar_tray": "other"}
 # two steps of the kit's `static`: axes forward, port, up in the vehicle's
