@@ -299,3 +299,7 @@ def test_images_of_low_saliency_are_not_compared_across_legs():
     found = link(SMALL, saliency=0.2).found
     assert not found.pairs.across.any()
     assert found.path.part.tolist() == [0] * 60
+
+
+def test_min_saliency_admits_images_across_legs():
+    assert joined_across(link(SMALL, saliency=0.4, min_saliency=0.3).found)

@@ -2,11 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Words of descriptors that lie in known heaps."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from hullrecon.vision.appearance.recognition import learn_words
 from hullrecon.vision.appearance.vocabulary import learn_vocabulary
-from hullrecon.vision.features.extraction import root_sift
+from hullrecon.vision.features.extraction import no_features, root_sift
+from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.stereo.matching import no_matches
+from hullrecon.vision.stereo.node_view import NodeFeatures
 
 
 def heaps(count, each, seed=3):
@@ -73,3 +79,17 @@ def test_products_are_whole_numbers_that_float32_holds():
     brightest[:, :4] = 255  # the longest that a descriptor of 512 can be
     words = learn_vocabulary(brightest, seed=1)
     assert int((words.fine.astype(int) ** 2).sum(1).max()) * 2 < 2**24
+
+
+def test_words_of_images_depend_on_the_seed(look):
+    node = look([0] * 6)
+
+    def words(seed):
+        worker = SimpleNamespace(
+            read=lambda image, stereo: NodeFeatures(top=node.top, bottom=no_features()),
+            options=MatchOptions(seed=seed),
+        )
+        return learn_words(worker, [SimpleNamespace(image=0, stereo=no_matches())])[0].fine
+
+    np.testing.assert_array_equal(words(1), words(1))
+    assert not np.array_equal(words(1), words(2))

@@ -270,3 +270,21 @@ def test_motion_without_length_has_five_sixths_of_chi2(rig, two):
     assert agrees(certain, known, 50.0)
     assert not agrees(replace(certain, scaled=False), known, 50.0)
     assert agrees(replace(certain, scaled=False), known, 50.0 * 6 / 5)
+
+
+def test_min_inliers_decides_whether_pair_matches(rig, two):
+    views = [stereo_view(rig, node) for node in two]
+    found = PairMatcher(rig, OPTIONS).match(*views, expected(*two), (1,), False)
+    options = MatchOptions(min_inliers=len(found.first) + 1)
+    strict = PairMatcher(rig, options).match(*views, expected(*two), (1,), False)
+    assert found.reason is Reason.MATCHED
+    assert strict.reason is Reason.FEW_INLIERS
+
+
+def test_smaller_sigma_px_narrows_the_search(rig, two):
+    views = [stereo_view(rig, node) for node in two]
+    wide, narrow = (
+        PairMatcher(rig, MatchOptions(sigma_px=sigma)).match(*views, expected(*two), (1,), False)
+        for sigma in (0.4, 0.02)
+    )
+    assert len(narrow.first) < 0.8 * len(wide.first)
