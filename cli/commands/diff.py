@@ -25,7 +25,7 @@ def diff(first: Path, second: Path, out: Path | None) -> None:
     for QGIS, a map and a page.
     """
     from hullrecon.api import change
-    from hullrecon.report.change.verdict import move_sentence, object_sentence, verdict
+    from hullrecon.report.change.chapter import move_sentence, object_sentence, verdict
 
     found = change.diff(first, second)
     folder = out or Path(f"change-{found.change.first}-{found.change.second}")

@@ -44,7 +44,7 @@ def write_change(folder: Path, found: RunComparison) -> tuple[str, ...]:
 
     Raises StorageError when the folder holds anything but an earlier comparison.
     """
-    from hullrecon.report.change.deliver import comparison_files
+    from hullrecon.report.change.files import comparison_files
 
     if folder.is_dir() and any(folder.iterdir()) and not (folder / DOCUMENT).is_file():
         raise StorageError(

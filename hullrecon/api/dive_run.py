@@ -67,8 +67,11 @@ class RunResult:
 
     @property
     def failure(self) -> Exception | None:
-        """Why the first step that failed alone did, such as a mosaic. None if none failed."""
-        return first_failure(self.outcomes)
+        """Why a step that fails alone did, such as a mosaic, or a deliverable. None if none failed."""
+        from hullrecon.steps.report import failed_delivery
+
+        failed = failed_delivery(self.workspace.root) if self.is_delivered else None
+        return first_failure(self.outcomes) or failed
 
 
 def open_dive(

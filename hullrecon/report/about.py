@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What [report] of dive.toml says of an inspection: who asked for it, who dived, with what, in
-which water, and to what end.
-"""
+"""What [report] of dive.toml says of an inspection: who asked, who dived, with what, the result."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ SHOWN = (640, 200)  # pixels, twice the size on the page: sharp on fine screens
 
 @dataclass(frozen=True, kw_only=True)
 class AboutInspection:
-    """Texts of the page's blocks, empty where dive.toml has none; logo: PNG."""
+    """Texts of the page's blocks, empty if dive.toml has none."""
 
     client: str = ""
     operator: str = ""
@@ -28,10 +26,10 @@ class AboutInspection:
     equipment: tuple[str, ...] = ()
     water: str = ""
     conclusion: str = ""
-    logo: bytes | None = None
+    logo: bytes | None = None  # PNG
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return what is said, by heading; the conclusion has a block of its own."""
+        """Return the texts by heading; the conclusion has a block of its own."""
         rows = [
             ("Client", self.client),
             ("Inspected by", self.operator),
@@ -51,8 +49,9 @@ class AboutInspection:
 
 
 def read_logo(path: Path) -> bytes:
-    """Return a logo as PNG of at most SHOWN pixels, without what else its file holds. Raises
-    InputError where it is no PNG, JPEG or WebP of at most 4 MiB.
+    """Return a logo as PNG of at most SHOWN pixels, without what else its file holds.
+
+    Raises InputError if it is no PNG, JPEG or WebP of at most 4 MiB.
     """
     from PIL import Image
 

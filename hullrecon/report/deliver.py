@@ -1,43 +1,25 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write everything that people take away, and the page that they open first."""
+"""Write all deliverables of a survey; one that cannot be written costs only itself."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import shutil
-from collections.abc import Mapping
+import traceback
+from collections.abc import Collection, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Protocol
 
-from hullrecon.report.content.object_images import Crop, object_crops, photo_jpeg
-from hullrecon.report.content.page import render_page
-from hullrecon.report.content.page_context import page_context
-from hullrecon.report.export.chart_export import chart_document, chart_mesh, chart_ply
-from hullrecon.report.export.csv_export import csv_text
-from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
-from hullrecon.report.export.las import las_bytes
-from hullrecon.report.export.object_layers import (
-    object_layers,
-    objects_geojson,
-    objects_gpkg,
-    photo_name,
-)
-from hullrecon.report.export.objects_table import objects_table
-from hullrecon.report.export.summary import summary_document
-from hullrecon.report.export.table import csv_metadata
-from hullrecon.report.export.trajectory import trajectory_table, trajectory_tum
-from hullrecon.report.figures.all_plots import draw_all_plots
-from hullrecon.report.foxglove.dive_result import FILE as FOXGLOVE
-from hullrecon.report.foxglove.dive_result import dive_result_mcap
-from hullrecon.report.pdf.render import PDF, render_pdf
+from hullrecon.errors import HullreconError
+from hullrecon.report.deliverables import DELIVERABLES, Delivery
+from hullrecon.report.export.summary import FileEntry, summary_document
 from hullrecon.report.survey import Survey
 
-FOLDER, SCHEMAS = "deliver", "schemas"
+FOLDER = "deliver"
 
 
 class FileWriter(Protocol):
@@ -50,15 +32,7 @@ class FileWriter(Protocol):
         """Write indented JSON with sorted keys."""
 
     def path(self, name: str) -> AbstractContextManager[Path]:
-        """Return a temporary path to write to, made durable and renamed at the end of the `with`."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FileEntry:
-    """Size and hash of one delivered file."""
-
-    bytes: int
-    sha256: str
+        """Return a temporary path to write to, which is renamed at the end of the `with`."""
 
 
 class DeliverableWriter:
@@ -81,10 +55,8 @@ class DeliverableWriter:
 
     def write_json(self, name: str, value: object) -> None:
         """Write a document with sorted keys. Raises ValueError for a NaN."""
-        self.write(
-            name,
-            json.dumps(value, indent=1, sort_keys=True, allow_nan=False, ensure_ascii=False) + "\n",
-        )
+        text = json.dumps(value, indent=1, sort_keys=True, allow_nan=False, ensure_ascii=False)
+        self.write(name, f"{text}\n")
 
     def copy(self, name: str, source: Path) -> None:
         """Copy a file of a step."""
@@ -95,95 +67,64 @@ class DeliverableWriter:
         self._entries[name] = FileEntry(bytes=source.stat().st_size, sha256=digest)
 
 
-def deliver(survey: Survey, out: FileWriter) -> None:
-    """Write all deliverables of a survey, then the report, then summary.json, which lists them."""
-    writer = DeliverableWriter(out)
-    photos = object_crops(survey)
-    _write_motion(writer, survey)
-    _write_surfaces(writer, survey)
-    _write_chart(writer, survey)
-    _write_objects(writer, survey, photos)
-    writer.write(FOXGLOVE, dive_result_mcap(survey))
-    for name, source in survey.provenance.copies.items():
-        writer.copy(name, source)
-    plots = draw_all_plots(survey)
-    for plot in plots:
-        writer.write(f"plots/{plot.name}.png", plot.png)
-        writer.write(f"plots/{plot.name}.csv", csv_text(plot.table))
-    _write_schemas(writer)
-    context = page_context(survey, plots, writer.entries, photos)
-    if PDF not in survey.provenance.missing:
-        writer.write(PDF, render_pdf(context))
-    writer.write("report/index.html", render_page({**context, "deliverables": writer.entries}))
-    out.json(f"{FOLDER}/summary.json", summary_document(survey, writer.entries))
+@dataclass(frozen=True, kw_only=True)
+class DeliveryFailure:
+    """A deliverable that could not be written, by a fault of ours."""
+
+    name: str
+    reason: str  # type and message of the error, in a line
+    traceback: str
 
 
-def _write_schemas(writer: DeliverableWriter) -> None:
-    """Write the schema of each document that is delivered, summary.json's among them."""
-    schemas = resources.files("hullrecon.report") / SCHEMAS
-    for name in sorted({*writer.entries, "summary.json"}):
-        schema = schemas / f"{Path(name).stem}.schema.json"
-        if name.endswith(".json") and schema.is_file():
-            writer.write(f"{SCHEMAS}/{schema.name}", schema.read_bytes())
+def deliver(
+    survey: Survey, out: FileWriter, only: Collection[str] | None = None
+) -> list[DeliveryFailure]:
+    """Write the deliverables of a survey, the report last, then summary.json, which lists them.
+
+    Parameters
+    ----------
+    only
+        Names of the deliverables to write, all if None.
+
+    Returns
+    -------
+    list of DeliveryFailure
+        The deliverables that could not be written. All others are.
+
+    Raises
+    ------
+    HullreconError, MemoryError, OSError
+        What the user, the memory or the disk is at fault for, which concerns all deliverables.
+    """
+    delivery = Delivery(survey, DeliverableWriter(out))
+    failures: list[DeliveryFailure] = []
+    for entry in DELIVERABLES:
+        if entry.name in survey.provenance.missing or not (only is None or entry.name in only):
+            continue
+        try:
+            if not entry.needs(survey):
+                entry.write(delivery)
+        except Exception as error:
+            if _concerns_all(error):
+                raise
+            failures.append(_failure(entry.name, error))
+            delivery.failed[entry.name] = failures[-1].reason
+    document = summary_document(survey, delivery.out.entries, delivery.failed)
+    out.json(f"{FOLDER}/summary.json", document)
+    return failures
 
 
-def _write_motion(writer: DeliverableWriter, survey: Survey) -> None:
-    trajectory = trajectory_table(survey)
-    tables = (
-        [trajectory]
-        if survey.findings.objects is None
-        else [trajectory, objects_table(survey.findings.objects)]
-    )
-    for table in tables:
-        writer.write(table.file, table.csv)
-    writer.write_json("csv-metadata.json", csv_metadata(tables))
-    writer.write("trajectory.tum", trajectory_tum(survey.track))
-    adjusted = survey.adjusted
-    if adjusted is None:
-        return
-    if survey.facts.hull is not None and adjusted.solution.hull_pose is not None:
-        alignment = alignment_document(
-            adjusted.solution.hull_pose, survey.facts.hull, adjusted.weak_directions
-        )
-        writer.write_json("alignment.json", alignment)
-    if len(adjusted.solution.landmarks):
-        writer.write("landmarks.ply", landmarks_ply(survey, adjusted.solution))
+def _concerns_all(error: Exception) -> bool:
+    """Return whether an error says something of the user's input, the memory or the disk.
+
+    Libraries raise OSError without a number for what is wrong with a picture or a raster.
+    """
+    if isinstance(error, OSError):
+        return error.errno is not None
+    return isinstance(error, HullreconError | MemoryError)
 
 
-def _write_surfaces(writer: DeliverableWriter, survey: Survey) -> None:
-    surfaces = survey.surfaces
-    for name, surface in (("surface.ply", surfaces.surveyed), ("as_found.ply", surfaces.as_found)):
-        if surface is not None:
-            writer.write(name, surface_ply(survey, surface, surfaces.deviation))
-    if surfaces.as_found is not None and (surfaces.as_found.support > 0).any():
-        points = las_bytes(
-            surfaces.as_found,
-            surfaces.deviation,
-            survey.track.frame,
-            int(survey.track.t_ns[-1]),
-            by_images=surfaces.found_by_images,
-            up=(0.0, 0.0, 1.0) if surfaces.chart is None else surfaces.chart.ship_axes[2],
-        )
-        writer.write("as_found.las", points)
-    for name, document in survey.findings.documents.items():
-        writer.write_json(name, document)
-
-
-def _write_chart(writer: DeliverableWriter, survey: Survey) -> None:
-    surfaces = survey.surfaces
-    if surfaces.chart is None or surfaces.outside is None or surfaces.surveyed is None:
-        return
-    mesh = chart_mesh(surfaces.chart, surfaces.surveyed.vertices)
-    writer.write("chart.ply", chart_ply(survey, mesh))
-    writer.write_json("chart.json", chart_document(surfaces.chart, surfaces.outside, mesh))
-
-
-def _write_objects(writer: DeliverableWriter, survey: Survey, photos: Mapping[int, Crop]) -> None:
-    objects, surfaces = survey.findings.objects, survey.surfaces
-    for number, crop in photos.items():
-        writer.write(photo_name(number), photo_jpeg(crop))
-    if objects is None or surfaces.chart is None or surfaces.outside is None:
-        return
-    layers = object_layers(objects, photos, surfaces.chart, surfaces.outside)
-    writer.write_json("objects.geojson", objects_geojson(layers, surfaces.outside))
-    writer.write("objects.gpkg", objects_gpkg(layers, surfaces.outside, int(survey.track.t_ns[-1])))
+def _failure(name: str, error: Exception) -> DeliveryFailure:
+    reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+    trace = "".join(traceback.format_exception(error))
+    return DeliveryFailure(name=name, reason=reason, traceback=trace)

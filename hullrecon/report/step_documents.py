@@ -18,73 +18,56 @@ class StepDocument(Struct, frozen=True, kw_only=True):
 
 
 class LogFindings(StepDocument, frozen=True):
-    """findings.json of ingest: what was lost, the CAD model as checked, and remarks, each a
-    sentence.
-    """
+    """findings.json of ingest, in sentences."""
 
-    lost: tuple[str, ...] = ()
-    hull: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()  # data that was lost
+    hull: tuple[str, ...] = ()  # of the CAD model, as checked
     notes: tuple[str, ...] = ()
 
 
 class NavigationFacts(StepDocument, frozen=True):
-    """navigation.json of navigate. start_ns: of the first velocity; intervals count from it."""
+    """navigation.json of navigate."""
 
-    start_ns: int = 0
-    outages_s: tuple[Interval, ...] = ()
+    start_ns: int = 0  # of the first velocity
+    outages_s: tuple[Interval, ...] = ()  # of the DVL
     attitude_gaps_s: tuple[Interval, ...] = ()
     remarks: tuple[str, ...] = ()
 
 
 class PairFacts(StepDocument, frozen=True):
-    """pairs.json of matches: how many pairs gave no geometry, by reason."""
+    """pairs.json of matches."""
 
-    failed: Mapping[str, int] = {}
+    failed: Mapping[str, int] = {}  # number of pairs without a geometry, by reason
 
 
 class FactorResiduals(StepDocument, frozen=True):
-    """Residuals of one kind of measurement, in their own sigma. robust_sigma: from their median;
-    share_beyond_3: of three sigmas.
-    """
+    """Residuals of one kind of measurement, in their own sigma."""
 
     rms: float
     count: float = 0
-    robust_sigma: float | None = None
-    share_beyond_3: float | None = None
+    robust_sigma: float | None = None  # from their median
+    share_beyond_3: float | None = None  # beyond three sigmas
 
 
 class AdjustSigmas(StepDocument, frozen=True):
-    """One sigma of a pixel and of a DVL range, as the adjustment weighted them; None where there
-    was none.
-    """
+    """Sigmas with which the adjustment weighted, None of what was not measured."""
 
     pixel_px: float | None = None
-    range_m: float | None = None
+    range_m: float | None = None  # of a DVL range
 
 
 class SensorErrors(StepDocument, frozen=True):
-    """Errors of the navigation's sensors that the adjustment estimated, or one sigma of each (zero:
-    not known). dvl_scale and heading_drift_rad_s: what is added to the sensor's velocities, as a
-    share of the true ones, and to its rate of turn.
-    """
+    """Errors of the navigation's sensors as estimated, or one sigma of each (zero: not known)."""
 
-    dvl_scale: float = 0.0
-    heading_drift_rad_s: float = 0.0
+    dvl_scale: float = 0.0  # added to velocities, as a share of the true ones
+    heading_drift_rad_s: float = 0.0  # added to the rate of turn
     roll_bias_rad: float = 0.0
     pitch_bias_rad: float = 0.0
     depth_bias_m: float = 0.0
 
 
-class WeakDirection(StepDocument, frozen=True):
-    """A direction in which the survey as a whole is uncertain: unit vector, sigma, and a sentence."""
-
-    direction: tuple[float, ...] = ()
-    sigma: float = 0.0
-    sentence: str = ""
-
-
 class RefinedParameter(StepDocument, frozen=True):
-    """A parameter of a camera: as calibrated, as found, and its sigma."""
+    """A parameter of a camera."""
 
     calibrated: float
     found: float
@@ -92,56 +75,47 @@ class RefinedParameter(StepDocument, frozen=True):
 
 
 class PositionFacts(StepDocument, frozen=True):
-    """Positions from outside against the adjusted path: their number, from the first to the last,
-    their median sigma, rms of their residuals in sigmas by the median, and how many are outliers.
-    """
+    """Positions from outside (USBL, GPS) against the adjusted path."""
 
     count: int
-    span_s: float
-    sigma_m: float
-    rms_sigmas: float
+    span_s: float  # from the first to the last
+    sigma_m: float  # median
+    rms_sigmas: float  # of the residuals in their sigmas, by the median
     outliers: int
 
 
 class StereoContradictionFacts(StepDocument, frozen=True):
-    """sentence: what of the stereo rig's calibration the dive contradicts; None where it matters to
-    nobody.
-    """
+    """What the dive says of the stereo rig's calibration."""
 
-    sentence: str | None = None
+    sentence: str | None = None  # what it contradicts, None if that has no effect on the result
 
 
 class AdjustSummary(StepDocument, frozen=True):
-    """adjust.json of adjust. intrinsics: by camera and name, empty where the calibrations were
-    held; cad_model_refused: why the CAD model was left out, None where it was not;
-    stereo_contradiction: None where the rig's calibration holds; positions: None where there were
-    none from outside.
-    """
+    """adjust.json of adjust."""
 
     method: str = "maxmix"
     observations: int = 0
     observations_left_out: int = 0
-    residuals_before: Mapping[str, FactorResiduals] = {}
+    residuals_before: Mapping[str, FactorResiduals] = {}  # by kind of measurement
     residuals_after: Mapping[str, FactorResiduals] = {}
     sigmas: AdjustSigmas = AdjustSigmas()
     navigation: SensorErrors | None = None
     navigation_sigma: SensorErrors = SensorErrors()
+    # by camera and name, empty if the calibrations were held
     intrinsics: Mapping[str, Mapping[str, RefinedParameter]] = {}
-    cad_model_refused: str | None = None
-    stereo_contradiction: StereoContradictionFacts | None = None
+    cad_model_refused: str | None = None  # why the CAD model was left out
+    stereo_contradiction: StereoContradictionFacts | None = None  # None if the calibration holds
     positions: PositionFacts | None = None
 
 
 class SurfaceFacts(StepDocument, frozen=True):
-    """surface.json of surface. comparison: how far one with the CAD model is circular; None without
-    a CAD model.
-    """
+    """surface.json of surface."""
 
-    comparison: str | None = None
+    comparison: str | None = None  # how far one with the CAD model is circular
 
 
 class DetectSettings(StepDocument, frozen=True):
-    """What of the options of detect says which objects are reported."""
+    """The options of detect that decide which objects are reported."""
 
     min_height_m: float
     min_area_m2: float
@@ -150,18 +124,16 @@ class DetectSettings(StepDocument, frozen=True):
 
 
 class DetectFacts(StepDocument, frozen=True):
-    """detect.json of detect. objects: why objects were not looked for; None where they were.
-    as_found: what the hull as found was made of where that is not landmarks.
-    """
+    """detect.json of detect."""
 
-    objects: str | None = None
-    as_found: str | None = None
+    objects: str | None = None  # why objects were not looked for
+    as_found: str | None = None  # what the hull as found was made of, if not of landmarks
     not_reported: tuple[RejectedRegion, ...] = ()
 
 
 class MosaicFacts(StepDocument, frozen=True):
-    """mosaic.json of a mosaic step. gap_area_m2: of its gaps inside its outline."""
+    """mosaic.json of a mosaic step."""
 
     caption: str = ""
     resolution_m: float | None = None
-    gap_area_m2: float = 0.0
+    gap_area_m2: float = 0.0  # of gaps inside the outline

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""All that a report draws on, by parts; what a dive cannot have is None."""
+"""All that a report draws on, by parts. What a dive does not have is None."""
 
 from __future__ import annotations
 
@@ -48,90 +48,77 @@ class ImageSource(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class DiveFacts:
-    """What was dived, what was carried, and what the log, its navigation and its image pairs say in
-    sentences. has_depth: a pressure sensor was logged; has_attitude: an IMU was; node_pairs: all
-    pairs of nodes whose images were compared; about: what [report] of dive.toml says of the
-    inspection.
-    """
+    """The dive, what it carried, and what its log says."""
 
     dive: Dive
     hull: Hull | None = None
     dvl: DvlPings | None = None
     returns: Returns | None = None  # of the DVL, attached to nodes
-    has_depth: bool = True
-    has_attitude: bool = True
+    has_depth: bool = True  # a pressure sensor was logged
+    has_attitude: bool = True  # an IMU was logged
     rig: Rig
     images: Mapping[Camera, ImageSource] = field(default_factory=dict)
     log: LogFindings = field(default_factory=LogFindings)
     navigation: NavigationFacts = field(default_factory=NavigationFacts)
     pairs: PairFacts = field(default_factory=PairFacts)
-    node_pairs: NodePairs | None = None
+    node_pairs: NodePairs | None = None  # all whose images were compared
     about: AboutInspection = field(default_factory=AboutInspection)
 
 
 @dataclass(frozen=True, kw_only=True)
 class AdjustedDive:
-    """What the adjustment left. weak_directions: as adjust.json has them; iterations: the record of
-    the solve; depth_sigma_m: of any depth below the water surface, None where it is not known.
-    """
+    """What the adjustment left."""
 
     solution: Solution
     summary: AdjustSummary = field(default_factory=AdjustSummary)
-    weak_directions: tuple[Document, ...] = ()
-    iterations: Arrays = field(default_factory=dict)
-    depth_sigma_m: float | None = None
+    weak_directions: tuple[Document, ...] = ()  # as adjust.json has them
+    iterations: Arrays = field(default_factory=dict)  # the record of the solve
+    depth_sigma_m: float | None = None  # of any depth below the water surface
 
     @property
     def has_cad_model(self) -> bool:
-        """Return whether the dive was aligned with a CAD model."""
+        """Whether the dive was aligned with a CAD model."""
         return self.solution.hull_pose is not None
 
     @property
     def cad_model_was_refused(self) -> bool:
-        """Return whether there was a CAD model that the adjustment left out."""
+        """Whether there was a CAD model that the adjustment left out."""
         return not self.has_cad_model and self.summary.cad_model_refused is not None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Surfaces:
-    """The hull chart, the surveyed surface (the DVL's, of landmarks where there is none) and the
-    hull as found with the parts of its deviation. outside: the map in which rasters and vector
-    layers lie. comparison: how far a comparison of the DVL's surface with the CAD model is
-    circular, in a sentence. cad_model: as given, in M. found_by_images: whether images are what
-    supports the hull as found, not returns of the DVL.
-    """
+    """The hull's chart and surfaces."""
 
     chart: Chart | None = None
-    outside: OutsideMap | None = None
-    surveyed: Surface | None = None
+    outside: OutsideMap | None = None  # the map in which rasters and vector layers lie
+    surveyed: Surface | None = None  # from the DVL, from landmarks without one
     as_found: Surface | None = None
-    deviation: DeviationSplit | None = None
-    comparison: str = ""
-    cad_model: Mesh | None = None
-    found_by_images: bool = True
+    deviation: DeviationSplit | None = None  # of as_found
+    comparison: str = ""  # how far one of the DVL's surface with the CAD model is circular
+    cad_model: Mesh | None = None  # as given, in M
+    found_by_images: bool = True  # the support of as_found counts images, else DVL returns
 
 
 @dataclass(frozen=True, kw_only=True)
 class Findings:
-    """What is on the hull, and how much of it was seen. documents: objects.json and coverage.json
-    as they are delivered.
-    """
+    """What is on the hull, and how much of it was seen."""
 
     objects: tuple[ReportedObject, ...] | None = None
+    not_looked_for: str = ""  # why objects were not looked for; empty where they were
     not_reported: tuple[RejectedRegion, ...] = ()
     coverage: Coverage | None = None
+    # objects.json and coverage.json, as they are delivered
     documents: Mapping[str, Document] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mosaic:
-    """What a mosaic step left: mosaic.json, the preview (PNG bytes), and whether there is a
-    textured mesh.
-    """
+    """What a mosaic step left."""
 
     facts: MosaicFacts
-    preview: bytes
-    has_mesh: bool
+    preview: bytes  # PNG
+    has_mesh: bool  # a textured mesh was written
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,62 +129,70 @@ class Mosaics:
     sonar: Mosaic | None = None
 
     def named(self) -> dict[str, Mosaic]:
-        """Return those that there are by name: optical, sonar."""
+        """Return the mosaics that the dive has by name: optical, sonar."""
         both = {"optical": self.optical, "sonar": self.sonar}
         return {name: mosaic for name, mosaic in both.items() if mosaic is not None}
 
 
 @dataclass(frozen=True, kw_only=True)
 class EarlierComparison:
-    """What changed since an earlier dive of the hull: the texts, and the map (PNG bytes)."""
+    """What changed since an earlier dive of the hull."""
 
     chapter: ChangeChapter
-    map: bytes
+    map: bytes  # PNG
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepRun:
-    """One step as its manifest has it: name, version, resolved settings by section, hashes of its
-    inputs, warnings, and the run block, which differs between equal runs.
-    """
+    """One step as its manifest has it."""
 
     name: str
     version: int
-    settings: Document
-    inputs: Document
+    settings: Document  # resolved, by section
+    inputs: Document  # hashes
     warnings: tuple[str, ...]
-    run: Document
+    run: Document  # what differs between equal runs
+
+
+@dataclass(frozen=True, kw_only=True)
+class Carried:
+    """What a dive went out with."""
+
+    camera: bool = True
+    sonar: bool = True  # an imaging sonar
+    cad_model: bool = True
+    earlier_dive: bool = False  # named, to be compared with
 
 
 @dataclass(frozen=True, kw_only=True)
 class Provenance:
-    """How the results came about. missing: deliverables that cannot be given, with the reason of
-    each; copies: files of the steps that are delivered as they are, by their name in deliver/.
-    """
+    """How the results came about."""
 
     steps: tuple[StepRun, ...] = ()
+    carried: Carried = field(default_factory=Carried)
+    failures: Mapping[str, str] = field(default_factory=dict)  # why a step has no result, by name
+    # deliverables that the dive cannot give, with the reason of each (missing_deliverables)
     missing: Mapping[str, str] = field(default_factory=dict)
+    # files of the steps that are delivered as they are, by their name in deliver/
     copies: Mapping[str, Path] = field(default_factory=dict)
 
     def settings_of(self, step: str) -> Mapping[str, object]:
-        """Return the options of a step as it ran; nothing where it did not, or its manifest is not
-        there.
-        """
+        """Return the options of a step as it ran, none if it did not or left no manifest."""
         found = next((run.settings.get(step) for run in self.steps if run.name == step), None)
         return found if isinstance(found, Mapping) else {}
 
     def warnings(self) -> list[str]:
-        """Return what the steps warned of, with the step's name, in the order of the chain."""
+        """Return the warnings of the steps, with the step's name, in the order of the chain."""
         return [f"{step.name}: {text}" for step in self.steps for text in step.warnings]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Survey:
-    """The dive, adjusted or not. track: its best path; trajectory: dead reckoned."""
+    """The dive, adjusted or not."""
 
     facts: DiveFacts
-    track: VehicleTrack
-    trajectory: Trajectory
+    track: VehicleTrack  # the best path: adjusted, else dead reckoned
+    trajectory: Trajectory  # dead reckoned
     adjusted: AdjustedDive | None = None
     surfaces: Surfaces = field(default_factory=Surfaces)
     findings: Findings = field(default_factory=Findings)
@@ -212,5 +207,31 @@ class Survey:
 
     @property
     def is_in_hull_frame(self) -> bool:
-        """Return whether results are in M, that is aligned with a CAD model."""
+        """Whether results are in M, that is aligned with a CAD model."""
         return self.track.frame == Frame.HULL
+
+    @property
+    def frame_in_words(self) -> str:
+        """Say in what frame positions are, and where its axes point as far as sensors tell."""
+        if self.is_in_hull_frame:
+            return "the hull frame: that of the CAD model's file"
+        level, zero = "local level", "at the water surface"
+        if not self.facts.has_attitude:
+            level = "local, level where the vehicle was at the first pose"
+        if not self.facts.has_depth:
+            zero = "at the depth of the first pose, which was not measured"
+        return f"{level}: z down, z = 0 {zero}"
+
+    @property
+    def origin_in_words(self) -> str:
+        """Say what positions without a CAD model count from."""
+        facts = self.facts
+        heading = "the heading is that of the first attitude"
+        depth = "depths are below the water surface"
+        refused = self.adjusted is not None and self.adjusted.cad_model_was_refused
+        why = "The CAD model was left out" if refused else "There is no CAD model to align with"
+        return (
+            f"{why}: positions are relative to the start of the dive; "
+            f"{heading if facts.has_attitude else 'no heading was measured'}, and "
+            f"{depth if facts.has_depth else 'no depth was measured'}."
+        )

@@ -25,7 +25,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.change import HullChange, HullSurvey
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.change.chapter import change_chapter, is_foreseen
-from hullrecon.report.change.deliver import change_files
+from hullrecon.report.change.files import change_files
 from hullrecon.steps.artifacts import (
     CHANGE_CHAPTER,
     HULL_SURVEY_FILES,

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -13,15 +14,14 @@ import msgspec
 from hullrecon.artifacts.stage import Context, Stage, StageSettings
 from hullrecon.dive.config.config_errors import ONE_LINE
 from hullrecon.dive.config.schema import Dive, FileName, Hull
+from hullrecon.errors import HullreconError
 from hullrecon.geometry.charts.outside_map import outside_map
 from hullrecon.records.deliverables import Coverage, ReportedObject
-from hullrecon.records.solution import Solution
 from hullrecon.report.about import AboutInspection, read_logo
 from hullrecon.report.change.chapter import ChangeChapter
-from hullrecon.report.content.missing_deliverables import OF_OBJECTS, Carried, missing_deliverables
 from hullrecon.report.deliver import deliver
+from hullrecon.report.deliverables import missing_deliverables
 from hullrecon.report.export.trajectory import track_of
-from hullrecon.report.pdf.render import PDF, why_no_pdf
 from hullrecon.report.step_documents import (
     AdjustSummary,
     DetectFacts,
@@ -33,6 +33,7 @@ from hullrecon.report.step_documents import (
 )
 from hullrecon.report.survey import (
     AdjustedDive,
+    Carried,
     DiveFacts,
     Document,
     EarlierComparison,
@@ -69,6 +70,7 @@ DELIVERED = {
     "variance.tif": "variance_{}.tif",
     "views.tif": "views_{}.tif",
 }
+TRACEBACKS = "tracebacks.txt"  # in the step's folder: of deliverables that could not be written
 SURFACE_RASTERS = tuple(
     f"{name}.tif" for name in ("deviation", "deviation_sigma", "form", "form_sigma", "support")
 )
@@ -101,8 +103,33 @@ class ReportOptions(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
 
 def run(context: Context[ReportOptions]) -> None:
-    """Write deliver/ from what the chain left."""
-    deliver(read_survey(context), context.out)
+    """Write deliver/ from what the chain left.
+
+    What cannot be written is a warning, with its traceback in TRACEBACKS of the step's folder.
+    """
+    failures = deliver(read_survey(context), context.out)
+    for failure in failures:
+        context.warn(f"{failure.name} could not be written: {failure.reason}")
+    if failures:
+        traces = "\n".join(f"{failure.name}\n{failure.traceback}" for failure in failures)
+        context.out.bytes(TRACEBACKS, traces.encode())
+
+
+def failed_delivery(run: Path) -> HullreconError | None:
+    """Return the error that tells of deliverables that could not be written; None where all were.
+
+    run: RUNS/<dive>. Its exit code is that of a fault of ours.
+    """
+    summary, traces = run / "report" / "deliver" / "summary.json", run / "report" / TRACEBACKS
+    if not traces.is_file():
+        return None
+    failed = json.loads(summary.read_text(encoding="utf-8"))["failed"]
+    name, why = next(iter(failed.items()))
+    more = f" and {len(failed) - 1} more" if len(failed) > 1 else ""
+    return HullreconError(
+        f"internal error: {name}{more} could not be written ({why}); all else is delivered",
+        remedy=f"traceback in {traces}",
+    )
 
 
 def read_survey(context: Context[ReportOptions]) -> Survey:
@@ -119,7 +146,7 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
     facts = artifacts.detect.facts if artifacts.detect is not None else {}
     detect = msgspec.convert({**facts, "objects": _reason(facts)}, DetectFacts)
     track = track_of(artifacts.navigate.trajectory, solution)
-    return Survey(
+    survey = Survey(
         facts=_dive_facts(
             context, artifacts, rig if solution is None else rig.with_mounts(solution.mounts)
         ),
@@ -136,10 +163,19 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
             steps=tuple(
                 _step_run(context.inputs[name], name) for name in CHAIN if name in context.inputs
             ),
-            missing=_missing(context, artifacts, rig, solution, detect, mosaics),
+            carried=Carried(
+                camera=rig.tray_from_top is not None,
+                sonar=context.settings["sonar.mount"] is not None
+                and artifacts.ingest.sonar is not None,
+                cad_model=context.settings["hull"] is not None,
+                earlier_dive=context.settings["change.earlier"] is not None,
+            ),
+            failures=context.failures,
             copies=_copies(context),
         ),
     )
+    missing = missing_deliverables(survey)
+    return replace(survey, provenance=replace(survey.provenance, missing=missing))
 
 
 def _reason(facts: Document) -> str | None:
@@ -192,9 +228,7 @@ def _about(context: Context[ReportOptions]) -> AboutInspection:
 
 
 def files_of_package(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the files of the package that the report reads: images that lie there as files, and
-    the logo.
-    """
+    """Return the files of the package that the report reads: images and the logo."""
     logo = settings.read("report", ReportOptions).logo
     return [*external(settings, package), *([Path(logo)] if logo is not None else [])]
 
@@ -234,6 +268,7 @@ def _findings(artifact: DetectArtifact | None, detect: DetectFacts) -> Findings:
     if artifact.coverage:
         documents["coverage.json"] = artifact.coverage
     return Findings(
+        not_looked_for=detect.objects or "",
         objects=None if rows is None else msgspec.convert(rows, tuple[ReportedObject, ...]),
         not_reported=detect.not_reported,
         coverage=msgspec.convert(artifact.coverage, Coverage) if artifact.coverage else None,
@@ -257,26 +292,6 @@ def _change(artifacts: InputArtifacts) -> EarlierComparison | None:
     if found is None:
         return None
     return EarlierComparison(chapter=msgspec.convert(found.chapter, ChangeChapter), map=found.map)
-
-
-def _missing(
-    context: Context[ReportOptions], artifacts: InputArtifacts, rig: Rig, solution: Solution | None, detect: DetectFacts,
-    mosaics: dict[str, Mosaic | None],
-) -> dict[str, str]:  # fmt: skip
-    carried = Carried(
-        camera=rig.tray_from_top is not None,
-        sonar=context.settings["sonar.mount"] is not None and artifacts.ingest.sonar is not None,
-        cad_model=context.settings["hull"] is not None,
-        earlier_dive=context.settings["change.earlier"] is not None,
-    )
-    missing = missing_deliverables(carried, context.inputs, solution, context.failures)
-    if detect.objects is not None:
-        missing |= dict.fromkeys(OF_OBJECTS, detect.objects)
-    for name, mosaic in mosaics.items():
-        if mosaic is not None and not mosaic.has_mesh:
-            missing[f"mosaic_{name}.glb"] = "too little was seen for a textured mesh"
-    no_pdf = why_no_pdf()
-    return missing if no_pdf is None else missing | {PDF: no_pdf}
 
 
 def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
@@ -321,7 +336,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=CHAIN[2:],
     parameters=ReportOptions,
-    version=14,
+    version=15,
     run=run,
     uses=("dive", "logs", "hull", "camera.top.time_offset", "change.earlier", *RIG_KEYS),
     external=files_of_package,

@@ -19,7 +19,7 @@ from report.change.conftest import MOVE, hull_change, object_change
 from benchmarks.chromium import NARROW, WIDE, visit
 from hullrecon.api.fleet.index_page import FleetIndex
 from hullrecon.geometry.charts.outside_map import OutsideMap
-from hullrecon.report.change.deliver import comparison_files
+from hullrecon.report.change.files import comparison_files
 
 pytestmark = pytest.mark.slow
 SIZES = pytest.mark.parametrize("size", [WIDE, NARROW], ids=["wide", "narrow"])

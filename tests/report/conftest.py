@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import pickle
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -22,7 +23,9 @@ from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory
+from hullrecon.report.content import page_context
 from hullrecon.report.export.trajectory import track_of
+from hullrecon.report.figures import map_pictures, plan_view, plots
 from hullrecon.report.step_documents import AdjustSummary, NavigationFacts
 from hullrecon.report.survey import (
     AdjustedDive,
@@ -61,6 +64,38 @@ class FlatChart:
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         return {}
+
+
+PICTURES = {
+    page_context: ("form_png", "ship_svg"),
+    plan_view: ("ground_png",),
+    map_pictures: ("field_layer",),
+    plots: ("convergence", "labels", "residuals", "sigmas", "deviation_histogram"),
+}
+
+
+@pytest.fixture(scope="session", autouse=True)
+def pictures_drawn() -> Iterator[dict[bytes, object]]:
+    """Draw each picture of the page once a session: they are most of the time, and pure functions.
+
+    Yields what was drawn, by function and arguments; a test of equal bytes clears it between runs.
+    """
+    drawn: dict[bytes, object] = {}
+
+    def once(function: Callable[..., object]) -> Callable[..., object]:
+        def draw(*args: object, **kwargs: object) -> object:
+            key = pickle.dumps((function.__name__, args, kwargs))
+            if key not in drawn:
+                drawn[key] = function(*args, **kwargs)
+            return drawn[key]
+
+        return draw
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module, names in PICTURES.items():
+            for name in names:
+                patch.setattr(module, name, once(getattr(module, name)))
+        yield drawn
 
 
 @pytest.fixture

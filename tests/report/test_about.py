@@ -14,8 +14,8 @@ from PIL import Image
 
 from hullrecon.errors import InputError
 from hullrecon.report.about import AboutInspection, read_logo
-from hullrecon.report.content.page import render_page
 from hullrecon.report.content.page_context import page_context
+from hullrecon.report.render import render_page
 from hullrecon.report.survey import Survey
 
 ABOUT = AboutInspection(

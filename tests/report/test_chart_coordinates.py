@@ -11,8 +11,11 @@ import pytest
 from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Hull
-from hullrecon.report.export.chart_coordinates import chart_coordinates
-from hullrecon.report.export.trajectory import vehicle_depth
+from hullrecon.report.export.trajectory import (
+    chart_coordinates,
+    trajectory_table,
+    vehicle_depth,
+)
 from hullrecon.report.survey import Survey
 
 POINTS = np.array([[3.0, -1.2, 0.0], [6.0, 2.0, 0.1], [9.0, 0.001, 0.0]])
@@ -66,9 +69,9 @@ def test_without_a_chart_all_is_lost(bare: Survey) -> None:
     assert at.side == ["", "", ""]
 
 
-def test_the_vehicles_depth_is_that_of_the_adjusted_path_or_the_reckoned_one(
-    survey: Survey, bare: Survey
-) -> None:
+def test_depth_is_of_the_adjusted_or_the_reckoned_path(survey: Survey, bare: Survey) -> None:
     np.testing.assert_allclose(vehicle_depth(survey), 2.0)
     np.testing.assert_allclose(vehicle_depth(bare), 2.0)
-    assert vehicle_depth(replace(bare, facts=replace(bare.facts, has_depth=False))) is None
+    blind = replace(bare, facts=replace(bare.facts, has_depth=False))
+    (depth,) = (c for c in trajectory_table(blind).columns if c.name == "depth")
+    assert set(depth.values) == {""}

@@ -12,11 +12,11 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
+from hullrecon.errors import InputError
 from hullrecon.records.deliverables import ReportedObject
-from hullrecon.records.solution import Solution
+from hullrecon.report import deliverables
 from hullrecon.report.deliver import DeliverableWriter, deliver
 from hullrecon.report.survey import Provenance, Survey
 
@@ -52,7 +52,7 @@ def delivered(folder: Folder) -> set[str]:
     return {path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file()}
 
 
-def test_an_entry_has_size_and_hash_of_what_was_written(folder: Folder) -> None:
+def test_an_entry_has_size_and_hash_of_its_file(folder: Folder) -> None:
     writer = DeliverableWriter(folder)
     writer.write("a.txt", "grüße")
     entry = writer.entries["a.txt"]
@@ -79,7 +79,7 @@ def test_a_document_has_sorted_keys_and_no_nan(folder: Folder) -> None:
     assert "nan.json" not in writer.entries
 
 
-def test_a_copy_has_the_bytes_and_the_hash_of_its_source(folder: Folder, tmp_path: Path) -> None:
+def test_a_copy_has_bytes_and_hash_of_its_source(folder: Folder, tmp_path: Path) -> None:
     source = tmp_path / "ortho.tif"
     source.write_bytes(b"II*\x00" * 50)
     writer = DeliverableWriter(folder)
@@ -92,55 +92,45 @@ def test_a_copy_has_the_bytes_and_the_hash_of_its_source(folder: Folder, tmp_pat
     assert writer.entries["ortho_optical.tif"].bytes == 200
 
 
-def test_a_whole_survey_delivers_what_it_has(survey: Survey, folder: Folder) -> None:
+def test_a_whole_survey_is_delivered_with_schemas_and_summary(
+    survey: Survey, folder: Folder
+) -> None:
     documents = {"objects.json": {"objects": []}, "coverage.json": {"frame": "M"}}
-    deliver(replace(survey, findings=replace(survey.findings, documents=documents)), folder)
+    found = replace(survey.findings, documents=documents)
+    assert deliver(replace(survey, findings=found), folder) == []
     names = delivered(folder)
-    assert {
+    plots = {name for name in names if name.startswith("plots/")}
+    assert {"plots/convergence.png", "plots/convergence.csv"} <= plots
+    documented = ("summary", "alignment", "objects", "coverage", "chart")
+    assert names - plots == {
         "trajectory.csv",
         "trajectory.tum",
+        "csv-metadata.json",
         "alignment.json",
         "landmarks.ply",
         "surface.ply",
+        "chart.ply",
+        "chart.json",
         "as_found.ply",
         "as_found.las",
         "objects.json",
         "objects.csv",
+        "objects.geojson",
+        "objects.gpkg",
+        "objects/1.jpg",
         "coverage.json",
+        "dive_result.mcap",
         "report/index.html",
         "report/report.pdf",
         "summary.json",
-        "plots/convergence.png",
-        "plots/convergence.csv",
-    } <= names
-
-
-def test_each_document_is_delivered_with_its_schema_and_no_other(
-    survey: Survey, folder: Folder
-) -> None:
-    deliver(
-        replace(
-            survey, findings=replace(survey.findings, documents={"coverage.json": {"frame": "M"}})
-        ),
-        folder,
-    )
-    found = {name for name in delivered(folder) if name.startswith("schemas/")}
-    documents = {
-        "summary",
-        "alignment",
-        "coverage",
-        *({"chart"} if "chart.json" in delivered(folder) else ()),
+        *(f"schemas/{name}.schema.json" for name in documented),
     }
-    assert found == {f"schemas/{name}.schema.json" for name in documents}
-
-
-def test_the_summary_lists_every_file_but_itself(survey: Survey, folder: Folder) -> None:
-    deliver(survey, folder)
     summary = json.loads((folder.root / "deliver" / "summary.json").read_text())
-    assert set(summary["deliverables"]) == delivered(folder) - {"summary.json"}
+    assert set(summary["deliverables"]) == names - {"summary.json"}
+    assert summary["failed"] == {}
 
 
-def test_a_bare_dive_delivers_its_path_plots_and_report(bare: Survey, folder: Folder) -> None:
+def test_a_bare_dive_delivers_path_plots_and_report(bare: Survey, folder: Folder) -> None:
     deliver(bare, folder)
     assert {name for name in delivered(folder) if not name.startswith("plots/")} == {
         "trajectory.csv",
@@ -154,77 +144,54 @@ def test_a_bare_dive_delivers_its_path_plots_and_report(bare: Survey, folder: Fo
     }
 
 
+def test_only_the_deliverables_asked_for_are_written(survey: Survey, folder: Folder) -> None:
+    deliver(survey, folder, only=("trajectory.tum", "alignment.json"))
+    assert delivered(folder) == {"trajectory.tum", "alignment.json", "summary.json"}
+
+
 def test_files_of_the_steps_are_delivered_by_their_name(
     bare: Survey, folder: Folder, tmp_path: Path
 ) -> None:
     (tmp_path / "points3D.bin").write_bytes(b"abc")
     copies = Provenance(copies={"colmap/points3D.bin": tmp_path / "points3D.bin"})
-    deliver(replace(bare, provenance=copies), folder)
+    deliver(replace(bare, provenance=copies), folder, only=("colmap/", "report/index.html"))
     assert (folder.root / "deliver" / "colmap" / "points3D.bin").read_bytes() == b"abc"
-    assert (
-        "../colmap/points3D.bin" in (folder.root / "deliver" / "report" / "index.html").read_text()
-    )
+    page = (folder.root / "deliver" / "report" / "index.html").read_text()
+    assert "../colmap/points3D.bin" in page
 
 
-def test_what_changed_is_delivered_with_the_schema_of_its_document(
+def test_a_change_document_is_delivered_with_its_schema(
     bare: Survey, folder: Folder, tmp_path: Path
 ) -> None:
     (tmp_path / "change.json").write_text("{}")
     copies = Provenance(copies={"change/change.json": tmp_path / "change.json"})
-    deliver(replace(bare, provenance=copies), folder)
+    deliver(replace(bare, provenance=copies), folder, only=("change/", "schemas/"))
     assert {"change/change.json", "schemas/change.schema.json"} <= delivered(folder)
 
 
-def test_without_a_cad_model_no_alignment_is_delivered(
-    survey: Survey, solution: Solution, folder: Folder
-) -> None:
+def test_without_a_cad_model_no_alignment_is_delivered(survey: Survey, folder: Folder) -> None:
     assert survey.adjusted is not None
-    free = replace(solution, hull_pose=None)
-    deliver(
-        replace(survey, track=free.track(), adjusted=replace(survey.adjusted, solution=free)),
-        folder,
+    free = replace(survey.adjusted.solution, hull_pose=None)
+    unaligned = replace(
+        survey, track=free.track(), adjusted=replace(survey.adjusted, solution=free)
     )
-    names = delivered(folder)
-    assert "alignment.json" not in names
-    assert "landmarks.ply" in names
+    deliver(unaligned, folder, only=("alignment.json", "landmarks.ply"))
+    assert delivered(folder) == {"landmarks.ply", "summary.json"}
 
 
-def test_without_a_landmark_there_is_no_cloud(
-    survey: Survey, solution: Solution, folder: Folder
-) -> None:
-    assert survey.adjusted is not None
-    none = replace(
-        solution.landmarks,
-        position=np.zeros((0, 3)),
-        label=np.zeros(0, np.int64),
-        deviation=np.zeros(0),
-        covariance=np.zeros((0, 3, 3)),
-        views=np.zeros(0, np.int64),
-        color=np.zeros((0, 3), np.uint8),
-    )
-    deliver(
-        replace(
-            survey, adjusted=replace(survey.adjusted, solution=replace(solution, landmarks=none))
-        ),
-        folder,
-    )
-    assert "landmarks.ply" not in delivered(folder)
-
-
-def test_the_alignment_has_the_weak_directions_as_adjust_gave_them(
-    survey: Survey, folder: Folder
-) -> None:
-    deliver(survey, folder)
+def test_the_alignment_has_the_weak_directions_of_adjust(survey: Survey, folder: Folder) -> None:
+    deliver(survey, folder, only=("alignment.json",))
     alignment = json.loads((folder.root / "deliver" / "alignment.json").read_text())
     assert alignment["weak_directions"][0]["direction"] == [1.0, 0, 0]
     assert alignment["T_g_M"]["translation"] == [10.0, 20.0, 3.0]
 
 
-def test_objects_csv_has_the_columns_of_the_documents_page(
+def test_objects_csv_has_the_documented_columns(
     survey: Survey, found: ReportedObject, folder: Folder
 ) -> None:
     second = replace(found, id=2, deviation=None, address='by "the" keel, port')
-    deliver(replace(survey, findings=replace(survey.findings, objects=(found, second))), folder)
+    objects = replace(survey.findings, objects=(found, second))
+    deliver(replace(survey, findings=objects), folder, only=("objects.csv",))
     with (folder.root / "deliver" / "objects.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["id"] for row in rows] == ["1", "2"]
@@ -232,3 +199,65 @@ def test_objects_csv_has_the_columns_of_the_documents_page(
     assert rows[1]["address"] == 'by "the" keel, port'
     assert list(rows[0])[:4] == ["id", "center_x_m", "center_y_m", "center_z_m"]
     assert list(rows[0])[16:18] == ["address", "image_count"]
+
+
+def break_(monkeypatch: pytest.MonkeyPatch, function: str, error: Exception) -> None:
+    """Make a function that writes deliverables raise an error."""
+
+    def broken(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(deliverables, function, broken)
+
+
+@pytest.mark.parametrize(
+    ("function", "lost"),
+    [
+        ("las_bytes", {"as_found.las"}),
+        ("chart_mesh", {"chart.ply", "chart.json"}),
+        ("object_crops", {"objects/"}),
+        ("draw_all_plots", {"plots/"}),
+        ("page_context", {"report/index.html", "report/report.pdf"}),
+    ],
+)
+def test_a_deliverable_that_fails_costs_only_itself(
+    survey: Survey, folder: Folder, monkeypatch: pytest.MonkeyPatch, function: str, lost: set[str]
+) -> None:
+    some = {"as_found.las", "chart.ply", "chart.json", "objects/", "plots/", "objects.gpkg"}
+    some |= {"report/index.html"} if "report/index.html" not in lost else lost
+    break_(monkeypatch, function, ValueError("the picture is 20,000 px\nwide"))
+    failures = deliver(survey, folder, only=some)
+    assert {failure.name for failure in failures} == lost
+    assert all(
+        function in failure.traceback or "broken" in failure.traceback for failure in failures
+    )
+    summary = json.loads((folder.root / "deliver" / "summary.json").read_text())
+    assert summary["failed"] == dict.fromkeys(lost, "ValueError: the picture is 20,000 px wide")
+    written = delivered(folder)
+    for name in some - lost:
+        assert any(file == name or file.startswith(name) for file in written), name
+    if "report/index.html" not in lost:
+        page = (folder.root / "deliver" / "report" / "index.html").read_text()
+        assert "Deliverables that could not be written" in page
+        assert f"{min(lost)}: ValueError: the picture is 20,000 px wide" in page
+
+
+def test_a_pdf_that_fails_stands_on_the_page(
+    bare: Survey, folder: Folder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # an OSError without a number is a library's, not the disk's
+    break_(monkeypatch, "render_pdf", OSError("cannot identify image file"))
+    deliver(bare, folder, only=("report/report.pdf", "report/index.html"))
+    page = (folder.root / "deliver" / "report" / "index.html").read_text()
+    assert "report/report.pdf: OSError: cannot identify image file" in page
+
+
+@pytest.mark.parametrize(
+    "error", [OSError(28, "No space left on device"), MemoryError(), InputError("no such ship")]
+)
+def test_an_error_that_concerns_all_ends_the_step(
+    bare: Survey, folder: Folder, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    break_(monkeypatch, "trajectory_tum", error)
+    with pytest.raises(type(error)):
+        deliver(bare, folder, only=("trajectory.tum",))

@@ -18,8 +18,8 @@ from hullrecon.report.content.deviation import (
     deviation_figures,
     deviation_rows,
 )
-from hullrecon.report.figures.chart_map import form_png
-from hullrecon.report.figures.survey_map import chart_view
+from hullrecon.report.figures.hull_map import hull_map
+from hullrecon.report.figures.map_pictures import form_png
 from hullrecon.report.survey import Survey
 
 
@@ -97,7 +97,7 @@ def test_the_map_spans_the_bare_hull_and_not_its_structures(
     survey: Survey, split: DeviationSplit
 ) -> None:
     """A structure far beyond the hull's form leaves its colours as they are."""
-    view = chart_view(survey)
+    view = hull_map(survey)
     assert view is not None
     assert view.found is not None
     low = replace(split, form=np.where(np.isfinite(split.form), split.form, np.nan))
@@ -107,7 +107,7 @@ def test_the_map_spans_the_bare_hull_and_not_its_structures(
     def colours(form: np.ndarray) -> np.ndarray:
         assert view is not None
         assert view.found is not None
-        png = form_png(view.found, replace(low, form=form), view.extent, [])
+        png = form_png(view.found, replace(low, form=form), replace(view, objects=[]))
         return np.asarray(Image.open(BytesIO(png)).convert("RGB"), int)
 
     before, after = colours(split.form), colours(one)
@@ -119,8 +119,8 @@ def test_the_map_spans_the_bare_hull_and_not_its_structures(
 def test_the_map_of_a_hull_that_was_not_seen_is_empty(
     survey: Survey, split: DeviationSplit
 ) -> None:
-    view = chart_view(survey)
+    view = hull_map(survey)
     assert view is not None
     assert view.found is not None
     nothing = replace(split, form=np.full(15, np.nan), form_sigma=np.full(15, np.nan))
-    assert form_png(view.found, nothing, view.extent, []).startswith(b"\x89PNG")
+    assert form_png(view.found, nothing, view).startswith(b"\x89PNG")

@@ -18,11 +18,10 @@ from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory
-from hullrecon.report.export.csv_export import csv_text, numbers, seconds
 from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
 from hullrecon.report.export.objects_table import objects_table
 from hullrecon.report.export.ply import ply_bytes
-from hullrecon.report.export.table import csv_metadata
+from hullrecon.report.export.table import csv_metadata, csv_text, numbers, seconds
 from hullrecon.report.export.trajectory import track_of, trajectory_table, trajectory_tum
 from hullrecon.report.survey import Survey
 

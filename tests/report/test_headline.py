@@ -13,7 +13,6 @@ from msgspec.structs import replace as replace_struct
 from hullrecon.records.deliverables import RejectedRegion, ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit
-from hullrecon.report.content.frame_words import origin_in_words
 from hullrecon.report.content.headline import (
     headline,
     key_figures,
@@ -116,10 +115,10 @@ def test_a_cad_model_that_was_left_out_is_not_said_to_be_none(
         "a local frame (g), as the CAD model was left out, see warnings; median"
         in headline(in_g)[1]
     )
-    assert origin_in_words(in_g).startswith(
+    assert in_g.origin_in_words.startswith(
         "The CAD model was left out: positions are relative to the start of the dive"
     )
-    assert origin_in_words(replace(in_g, adjusted=None)).startswith(
+    assert replace(in_g, adjusted=None).origin_in_words.startswith(
         "There is no CAD model to align with"
     )
 

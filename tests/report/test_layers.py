@@ -20,12 +20,8 @@ from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.content.object_images import object_crops, photo_jpeg
 from hullrecon.report.export.chart_export import chart_document, chart_mesh, chart_ply
-from hullrecon.report.export.object_layers import (
-    object_layers,
-    objects_geojson,
-    objects_gpkg,
-    photo_name,
-)
+from hullrecon.report.export.geopackage import geojson, geopackage
+from hullrecon.report.export.object_layers import object_layers, photo_name
 from hullrecon.report.survey import Survey
 
 CHART = PlaneChart(np.array([0.0, 0, 0]), np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, -1]]))
@@ -101,12 +97,12 @@ def test_the_chart_document_gives_the_map_and_a_plane_exactly() -> None:
 def test_an_outline_lies_on_the_map_in_every_layer(found: ReportedObject) -> None:
     layers = object_layers([found], {1}, CHART, OUTSIDE)
     want = np.array(found.outline)[:, :2] * [-1, 1]
-    (feature,) = objects_geojson(layers, OUTSIDE)["features"]  # type: ignore[misc]
+    (feature,) = geojson(layers[0], OUTSIDE, [1])["features"]  # type: ignore[misc]
     ring = np.array(feature["geometry"]["coordinates"][0])
     np.testing.assert_allclose(ring[:-1], want, atol=1e-5)
     np.testing.assert_array_equal(ring[0], ring[-1])
     assert feature["properties"]["photo"] == "objects/1.jpg"
-    base = database(objects_gpkg(layers, OUTSIDE, 1_777_887_000_468_241_234))
+    base = database(geopackage(layers, OUTSIDE, 1_777_887_000_468_241_234))
     (blob,) = base.execute("SELECT geom FROM objects").fetchone()
     np.testing.assert_array_equal(polygon(blob)[:-1], want)
     (blob,) = base.execute("SELECT geom FROM object_centers").fetchone()
@@ -128,7 +124,7 @@ def test_the_geopackage_keeps_to_the_standards_tables(found: ReportedObject) -> 
     layers = object_layers(
         [found, replace(found, id=2, outline=(), depth=None)], set(), CHART, OUTSIDE
     )
-    base = database(objects_gpkg(layers, OUTSIDE, 1_777_887_000_468_241_234))
+    base = database(geopackage(layers, OUTSIDE, 1_777_887_000_468_241_234))
     assert base.execute("PRAGMA application_id").fetchone() == (0x47504B47,)
     assert base.execute("PRAGMA integrity_check").fetchone() == ("ok",)
     assert base.execute("PRAGMA foreign_key_check").fetchall() == []
@@ -152,14 +148,14 @@ def test_the_geopackage_keeps_to_the_standards_tables(found: ReportedObject) -> 
 
 def test_a_dive_without_objects_has_empty_layers() -> None:
     layers = object_layers([], set(), CHART, OUTSIDE)
-    assert objects_geojson(layers, OUTSIDE)["features"] == []
-    base = database(objects_gpkg(layers, OUTSIDE, 0))
+    assert geojson(layers[0], OUTSIDE, [])["features"] == []
+    base = database(geopackage(layers, OUTSIDE, 0))
     assert base.execute("SELECT min_x FROM gpkg_contents").fetchall() == [(None,), (None,)]
 
 
 def test_the_same_objects_give_the_same_bytes(found: ReportedObject) -> None:
     one, two = (
-        objects_gpkg(object_layers([found], {1}, CHART, OUTSIDE), OUTSIDE, 5) for _ in range(2)
+        geopackage(object_layers([found], {1}, CHART, OUTSIDE), OUTSIDE, 5) for _ in range(2)
     )
     assert one == two
 

@@ -14,20 +14,30 @@ import rasterio
 from PIL import Image
 
 from hullrecon.records.surface import DeviationSplit, Surface
-from hullrecon.report.figures import map_layers
-from hullrecon.report.figures.chart_map import Extent, Shading, form_shadings, project_surface
-from hullrecon.report.figures.map_layers import (
+from hullrecon.report.figures import map_pictures
+from hullrecon.report.figures.hull_map import (
+    Extent,
+    MapField,
+    Shading,
+    form_shadings,
+    hull_map,
+    project_surface,
+)
+from hullrecon.report.figures.map_pictures import (
     MapLayer,
-    bounds_of,
     field_layer,
     mosaic_layer,
     palette,
+    survey_layers,
 )
-from hullrecon.report.figures.survey_map import chart_view, survey_layers
 from hullrecon.report.step_documents import MosaicFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Survey
 
 SHADING = Shading(colours="RdBu_r", low=-10.0, high=10.0, label="form (mm)", extend="both")
+
+
+def field(values: np.ndarray) -> MapField:
+    return MapField(name="form", title="Form", values=values, shading=SHADING, note="")
 
 
 def pixels_of(layer: MapLayer) -> np.ndarray:
@@ -93,16 +103,16 @@ def test_the_hazy_range_of_an_underwater_mosaic_is_spread_and_its_colours_stay(
 
 
 def test_a_large_mosaic_is_shown_smaller(ortho: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(map_layers, "MOST_PIXELS", 6)
+    monkeypatch.setattr(map_pictures, "MOST_PIXELS", 6)
     layer = mosaic_layer("optical", "Camera mosaic", ortho)
     assert pixels_of(layer).shape == (2, 3, 4)
     assert layer.bounds == (10.0, 5.0, 13.0, 7.0)
 
 
 def test_every_pixel_of_a_field_has_a_colour_of_its_legend(survey: Survey, plate: Surface) -> None:
-    view = chart_view(survey)
+    view = hull_map(survey)
     values = 8.0 * np.sin(np.arange(len(plate.vertices)))
-    picture = pixels_of(field_layer("form", "Form", view.found, values, SHADING, view.extent))
+    picture = pixels_of(field_layer(view.found, field(values), view.extent))
     shown = picture[picture[..., 3] == 255][:, :3]
     assert set(np.unique(picture[..., 3])) == {0, 255}
     known = {tuple(colour) for colour in palette("RdBu_r").tolist()}
@@ -110,10 +120,8 @@ def test_every_pixel_of_a_field_has_a_colour_of_its_legend(survey: Survey, plate
 
 
 def test_a_field_is_read_back_from_its_pixels(survey: Survey, plate: Surface) -> None:
-    view = chart_view(survey)
-    layer = field_layer(
-        "form", "Form", view.found, 4.0 * plate.vertices[:, 0], SHADING, view.extent
-    )
+    view = hull_map(survey)
+    layer = field_layer(view.found, field(4.0 * plate.vertices[:, 0]), view.extent)
     picture = pixels_of(layer)
     left, bottom, right, top = layer.bounds
     level = {tuple(colour): k for k, colour in enumerate(palette("RdBu_r").tolist())}
@@ -126,9 +134,9 @@ def test_a_field_is_read_back_from_its_pixels(survey: Survey, plate: Surface) ->
 
 
 def test_what_was_not_seen_is_transparent(survey: Survey, plate: Surface) -> None:
-    view = chart_view(survey)
-    picture = pixels_of(field_layer("form", "Form", view.found, np.zeros(15), SHADING, view.extent))
-    left, _, right, _ = bounds_of(view.extent)
+    view = hull_map(survey)
+    picture = pixels_of(field_layer(view.found, field(np.zeros(15)), view.extent))
+    left, _, right, _ = view.extent.bounds
     # the plate is seen up to along = 1, which is x = -1
     seen_to = int((-1.0 - left) / (right - left) * picture.shape[1])
     middle = picture[picture.shape[0] // 2, :, 3]
@@ -138,8 +146,8 @@ def test_what_was_not_seen_is_transparent(survey: Survey, plate: Surface) -> Non
 
 def test_bounds_are_in_map_coordinates() -> None:
     extent = Extent(along=(30.0, 40.0), girth=(2.0, 7.0), flips=(True, False))
-    assert bounds_of(extent) == (-40.0, 2.0, -30.0, 7.0)
-    assert bounds_of(replace(extent, flips=(False, True))) == (30.0, -7.0, 40.0, -2.0)
+    assert extent.bounds == (-40.0, 2.0, -30.0, 7.0)
+    assert replace(extent, flips=(False, True)).bounds == (30.0, -7.0, 40.0, -2.0)
 
 
 def test_the_bare_hull_sets_the_colours_and_not_its_objects(
@@ -159,7 +167,7 @@ def test_the_bare_hull_sets_the_colours_and_not_its_objects(
 
 def test_a_dive_has_the_layers_that_it_gives(survey: Survey, bare: Survey, ortho: Path) -> None:
     def names(dive: Survey) -> list[str]:
-        view = chart_view(dive)
+        view = hull_map(dive)
         return [] if view is None else [layer.name for layer in survey_layers(dive, view)]
 
     assert names(survey) == ["form", "form_sigma", "coverage"]
@@ -175,7 +183,7 @@ def test_a_dive_has_the_layers_that_it_gives(survey: Survey, bare: Survey, ortho
 
 
 def test_coverage_by_the_dvl_is_not_called_the_cameras(survey: Survey) -> None:
-    view = chart_view(survey)
+    view = hull_map(survey)
     assert view is not None
     of_dvl = replace(survey, surfaces=replace(survey.surfaces, found_by_images=False))
     layers = [survey_layers(dive, view)[-1] for dive in (survey, of_dvl)]
@@ -185,7 +193,7 @@ def test_coverage_by_the_dvl_is_not_called_the_cameras(survey: Survey) -> None:
 
 
 def test_the_note_of_the_form_says_what_it_leaves_out(survey: Survey) -> None:
-    form = survey_layers(survey, chart_view(survey))[0]
+    form = survey_layers(survey, hull_map(survey))[0]
     assert (
         "as a whole the patch lies 6 mm outside it (one sigma 20 mm, not significantly different from zero)"
         in form.note

@@ -26,15 +26,13 @@ from hullrecon.report.content.page_context import (
     coverage_rows,
     describe_position,
     deviation_map,
-    draw_plan,
     hole_text,
-    mark_of,
     mosaic_context,
     percentile_text,
     region_rows,
 )
-from hullrecon.report.figures.plan_view import SigmaEllipse
-from hullrecon.report.figures.survey_map import chart_view
+from hullrecon.report.figures.hull_map import hull_map
+from hullrecon.report.figures.plan_view import survey_plan
 from hullrecon.report.step_documents import MosaicFacts
 from hullrecon.report.survey import Mosaic, Survey
 
@@ -81,25 +79,29 @@ def test_a_hole_without_an_address_is_named_all_the_same() -> None:
 
 
 def test_without_a_chart_there_is_no_plan(bare: Survey) -> None:
-    assert chart_view(bare) is None
+    assert hull_map(bare) is None
 
 
 def test_the_plan_names_its_extent_and_its_objects(survey: Survey) -> None:
-    view = chart_view(survey)
+    view = hull_map(survey)
     assert view is not None
-    svg = draw_plan(survey, view)
+    svg = survey_plan(survey, view)
     assert "path of the vehicle, hull seen, 1 object." in svg
     assert "Object 1: height 0.100 ± 0.004 m, frame 3 + 0.2 m, port" in svg
 
 
-def test_a_mark_stands_where_its_object_is(found: ReportedObject) -> None:
-    ellipse = SigmaEllipse(half_axes=(0.3, 0.02), angle_rad=0.0)
-    mark = mark_of(found, np.array([1.5, -2.0]), ellipse)
-    assert (mark.label, mark.along, mark.girth, mark.ellipse) == ("1", 1.5, -2.0, ellipse)
+def test_an_object_stands_at_its_centre_on_the_chart(survey: Survey, found: ReportedObject) -> None:
+    view = hull_map(survey)
+    assert view is not None
+    (placed,) = view.objects
+    assert placed.found is found
+    np.testing.assert_allclose(placed.at, [1.0, -1.2])
+    assert placed.ellipse is not None
+    assert placed.ellipse.half_axes == pytest.approx((0.3, 0.02))
 
 
 def test_without_a_cad_model_there_is_no_map_of_the_deviation(survey: Survey, bare: Survey) -> None:
-    view = chart_view(survey)
+    view = hull_map(survey)
     assert view is not None
     assert (deviation_map(survey, view) or "").startswith("data:image/png;base64,")
     assert deviation_map(replace(survey, track=bare.track), view) is None
@@ -183,7 +185,7 @@ def test_frames_are_numbered_on_the_ship_alone(survey: Survey, bare: Survey) -> 
     in_g = replace(
         bare, facts=replace(bare.facts, hull=survey.facts.hull), surfaces=survey.surfaces
     )
-    on_ship, off_ship = (draw_plan(dive, chart_view(dive)) for dive in (survey, in_g))
+    on_ship, off_ship = (survey_plan(dive, hull_map(dive)) for dive in (survey, in_g))
     assert ">fr " in on_ship
     assert ">fr " not in off_ship
     assert "on the hull's chart" in unescape(on_ship)

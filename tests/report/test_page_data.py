@@ -16,10 +16,10 @@ import pytest
 
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.links import NodePairs
-from hullrecon.report.content.page import render_page
 from hullrecon.report.content.page_context import page_context
 from hullrecon.report.content.page_data import script_json
 from hullrecon.report.export.object_layers import object_layers
+from hullrecon.report.render import render_page
 from hullrecon.report.survey import Survey
 
 WEB = Path(__file__).resolve().parents[2] / "hullrecon" / "report" / "web"

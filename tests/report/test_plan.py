@@ -13,27 +13,27 @@ from PIL import Image
 
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.surface import Surface
-from hullrecon.report.figures.chart_map import (
+from hullrecon.report.content.deviation import weighted_percentiles
+from hullrecon.report.figures.hull_map import (
     Extent,
+    SigmaEllipse,
+    charted_objects,
     extent_of,
-    ground_png,
+    hull_map,
     project_surface,
-    seen_faces,
-    weighted_percentiles,
+    sigma_ellipse,
 )
+from hullrecon.report.figures.map_pictures import ground_png
 from hullrecon.report.figures.plan_view import (
     LEFT,
     TOP,
     WIDTH,
     Mark,
     Plan,
-    SigmaEllipse,
     nice_below,
     nice_step,
     plan_svg,
-    sigma_ellipse,
 )
-from hullrecon.report.figures.survey_map import chart_view, object_ellipses
 from hullrecon.report.survey import Survey
 
 EXTENT = Extent(along=(30.0, 40.0), girth=(2.0, 7.0))
@@ -150,10 +150,10 @@ def test_percentiles_go_by_weight() -> None:
 
 
 def test_only_seen_faces_are_painted(survey: Survey, plate: Surface) -> None:
-    view = chart_view(survey)
+    view = hull_map(survey)
     assert view is not None
     assert view.found is not None
-    assert len(seen_faces(view.found)) == 8
+    assert len(view.found.seen_faces()) == 8
     picture = np.asarray(
         Image.open(
             BytesIO(ground_png(view.found, Extent(along=(-1.0, 3.0), girth=(-2.0, 0.0)), 400))
@@ -178,7 +178,7 @@ def test_faces_across_the_seam_of_the_chart_are_left_out(plate: Surface) -> None
 
 
 def test_a_chart_seen_from_inside_is_drawn_flipped(survey: Survey) -> None:
-    view = chart_view(survey)
+    view = hull_map(survey)
     assert view is not None
     assert view.extent.flips == (True, False)
 
@@ -208,7 +208,9 @@ def test_each_object_has_the_ellipse_of_its_own_place(
     survey: Survey, found: ReportedObject
 ) -> None:
     unknown = replace(found, position_covariance=None)
-    ellipse, none = object_ellipses([found, unknown], survey.surfaces.chart)  # type: ignore[arg-type]
+    assert survey.surfaces.chart is not None
+    placed = charted_objects([found, unknown], survey.surfaces.chart)
+    ellipse, none = (one.ellipse for one in placed)
     assert ellipse is not None
     assert ellipse.half_axes == pytest.approx((0.3, 0.02))
     assert none is None

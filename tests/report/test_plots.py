@@ -12,11 +12,11 @@ from PIL import Image
 from hullrecon.records.sensors import DvlPings
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
-from hullrecon.report.figures.all_plots import draw_all_plots
-from hullrecon.report.figures.deviation_histogram import deviation_histogram
 from hullrecon.report.figures.plots import (
     convergence,
     depth_and_standoff,
+    deviation_histogram,
+    draw_all_plots,
     labels,
     residuals,
     standoff,

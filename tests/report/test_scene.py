@@ -14,16 +14,14 @@ import numpy as np
 import pytest
 from report.conftest import FlatChart
 
-from hullrecon.report.figures.survey_map import chart_view
-from hullrecon.report.scene import parts
-from hullrecon.report.scene.parts import scene_parts
-from hullrecon.report.scene.relief import relief_of
-from hullrecon.report.scene.scene_data import SceneView, make_scene
+from hullrecon.report import scene_view as parts
+from hullrecon.report.figures.hull_map import hull_map
+from hullrecon.report.scene_view import SceneView, make_scene, relief_of, scene_parts
 from hullrecon.report.survey import Survey
 
 
 def scene_of(survey: Survey) -> SceneView:
-    scene = make_scene(survey, chart_view(survey))
+    scene = make_scene(survey, hull_map(survey))
     assert scene is not None
     return scene
 
@@ -89,7 +87,7 @@ def test_without_a_cad_model_the_surveyed_surface_is_shown_without_form(survey: 
 
 
 def test_a_dive_without_a_surface_has_no_view(bare: Survey) -> None:
-    assert make_scene(bare, chart_view(bare)) is None
+    assert make_scene(bare, hull_map(bare)) is None
 
 
 def test_objects_and_path_are_in_the_frame_of_the_survey(survey: Survey) -> None:
@@ -164,7 +162,7 @@ def test_a_large_mesh_is_thinned_keeps_its_shape_and_gives_the_same_bytes() -> N
 def test_a_long_path_is_thinned_and_small_objects_keep_their_outline(
     survey: Survey, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hullrecon.report.scene.scene_data.MAX_PATH", 2)
+    monkeypatch.setattr("hullrecon.report.scene_view.MAX_PATH", 2)
     document = scene_of(survey).document
     assert len(document["path"]) == 2  # type: ignore[arg-type]
     outline = document["objects"][0]["outline"]  # type: ignore[index]

@@ -19,7 +19,13 @@ from hullrecon.dive.config.schema import Dive, DiveConfig, Logs
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.step_documents import SurfaceFacts
-from hullrecon.steps.report import STAGE, ReportOptions, files_of_package
+from hullrecon.steps.report import (
+    STAGE,
+    TRACEBACKS,
+    ReportOptions,
+    failed_delivery,
+    files_of_package,
+)
 
 
 def save(folder: Path, name: str, record: object) -> None:
@@ -134,13 +140,44 @@ def test_the_facts_of_a_surface_without_a_cad_model_compare_it_with_nothing() ->
 def test_a_machine_without_pango_delivers_the_page_and_says_why_there_is_no_pdf(
     navigated: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hullrecon.steps.report.why_no_pdf", lambda: "Pango is not installed")
+    monkeypatch.setattr(
+        "hullrecon.report.deliverables.why_no_pdf", lambda: "Pango is not installed"
+    )
     deliver = run(navigated, tmp_path / "report")
     assert (
         json.loads((deliver / "summary.json").read_text())["absent"]["report/report.pdf"]
         == "Pango is not installed"
     )
     assert sorted(p.name for p in (deliver / "report").iterdir()) == ["index.html"]
+
+
+def test_a_deliverable_that_fails_is_warned_of_and_told_by_the_run(
+    navigated: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(_: object) -> bytes:
+        raise ValueError("a layer is 20,000 px wide")
+
+    monkeypatch.setattr("hullrecon.report.deliverables.render_pdf", broken)
+    deliver = run(navigated, tmp_path / "report")
+    why = "ValueError: a layer is 20,000 px wide"
+    assert (deliver / "trajectory.csv").is_file()
+    assert (deliver / "report" / "index.html").is_file()
+    assert json.loads((deliver / "summary.json").read_text())["failed"] == {
+        "report/report.pdf": why
+    }
+    warnings = json.loads((tmp_path / "report" / "manifest.json").read_text())["warnings"]
+    assert warnings == [f"report/report.pdf could not be written: {why}"]
+    assert "in broken" in (tmp_path / "report" / TRACEBACKS).read_text()
+    error = failed_delivery(tmp_path)
+    assert error is not None
+    assert error.exit_code == 1
+    assert "report/report.pdf could not be written" in error.line()
+    assert str(tmp_path / "report" / TRACEBACKS) in error.line()
+
+
+def test_a_whole_delivery_ends_without_an_error(navigated: dict[str, Path], tmp_path: Path) -> None:
+    run(navigated, tmp_path / "report")
+    assert failed_delivery(tmp_path) is None
 
 
 def test_the_page_says_what_the_package_says_of_the_inspection(

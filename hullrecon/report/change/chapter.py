@@ -1,58 +1,67 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What changed between two dives, as the texts of a chapter of the report or of a page."""
+"""What changed between two dives in words: a line, sentences, a chapter of report or page."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.records.change import CHANGED, HullChange, ObjectChange, SurveyOffset
-from hullrecon.report.change.verdict import move_sentence, object_sentence, outcome, verdict
-from hullrecon.report.content.phrases import length, probability, with_minus
+from hullrecon.records.change import (
+    CHANGED,
+    HullChange,
+    ObjectChange,
+    SurfaceMove,
+    SurveyOffset,
+)
+from hullrecon.report.content.phrases import (
+    count,
+    join,
+    length,
+    probability,
+    with_minus,
+    with_sigma,
+)
 
 GATE = 1e-3  # an offset less likely than this says that a hull pose is worse than it claims
+
+MOVED = "stretch of bare hull moved"
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChangeRow:
-    """One object of either dive: what became of it, its numbers in both, where it is, heights and
-    change in mm with their sigmas, and the chance that nothing changed.
-    """
+    """One object of either dive, in words."""
 
-    status: str
+    status: str  # what became of it
     changed: bool
-    first: str
+    first: str  # its number in the first dive
     second: str
     address: str
-    before: str
+    before: str  # height, mm, with its sigma
     after: str
     change: str
-    chance: str
+    chance: str  # that nothing changed
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChangeChapter:
-    """The texts. first, second: names of the dives; outcome: the verdict without them; lines: a
-    sentence a change; moves: stretches of bare hull that moved, with the chance of each that
-    nothing did; offset: how the dives lie beside each other; area_first, area_second, area_both: of
-    the map that each covers and that both looked at, m²; detectable: a length; places: how many.
-    """
+    """The texts of the chapter."""
 
-    first: str
+    first: str  # name of the first dive
     second: str
-    outcome: str
+    outcome: str  # the verdict without the dives' names
     verdict: str
-    lines: tuple[str, ...]
+    lines: tuple[str, ...]  # a sentence a change
     rows: tuple[ChangeRow, ...]
-    moves: tuple[tuple[str, str], ...]
-    offset: str
-    area_first: str
+    moves: tuple[tuple[str, str], ...]  # bare hull that moved, with the chance that it did not
+    offset: str  # of the second dive relative to the first
+    area_first: str  # m² of the map that the first dive covers
     area_second: str
     area_both: str
-    detectable: str
-    places: str
+    detectable: str  # smallest change of height that stands out in half of the area
+    places: str  # how many were looked at
 
 
 def change_chapter(change: HullChange) -> ChangeChapter:
@@ -78,9 +87,7 @@ def change_chapter(change: HullChange) -> ChangeChapter:
 
 
 def offset_sentence(offset: SurveyOffset) -> str:
-    """Return how the second dive was moved to lie on the first, and whether their hull poses
-    foresaw it.
-    """
+    """Say how the second dive was moved onto the first, and whether the hull poses foresaw it."""
     at = offset.first_from_second.apply(offset.center[None])[0] - offset.center
     turn = np.degrees(np.linalg.norm(offset.first_from_second.rotation.as_rotvec()[0]))
     sigma = np.sqrt(np.diag(offset.covariance))[:3]
@@ -96,9 +103,10 @@ def offset_sentence(offset: SurveyOffset) -> str:
         else "farther than their hull poses foresaw"
     )
     return (
-        f"To lie on the first dive the second was moved by {numbers}, in the middle of what it saw, and turned by {turn:.2f}°"
-        f" ({gate}: one sigma {prior} mm, chi-square {offset.chi_square:.1f} of 6). This is no change of the hull and was taken"
-        " off: each dive knows its place on the CAD model no better."
+        f"To lie on the first dive the second was moved by {numbers}, in the middle of what it"
+        f" saw, and turned by {turn:.2f}° ({gate}: one sigma {prior} mm, chi-square"
+        f" {offset.chi_square:.1f} of 6). This is no change of the hull and was taken off: each"
+        " dive knows its place on the CAD model no better."
     )
 
 
@@ -130,3 +138,60 @@ def _millimetres(value: float, sigma: float) -> str:
         return "–"
     known = f" ± {1000 * sigma:.0f}" if np.isfinite(sigma) else ""
     return f"{with_minus(f'{1000 * value:.0f}')}{known}"
+
+
+def verdict(change: HullChange) -> str:
+    """Say in a line what changed between which dives."""
+    return f"{change.first} to {change.second}: {outcome(change)}"
+
+
+def outcome(change: HullChange) -> str:
+    """Say what changed, of how much hull, and how small a change would have stood out there."""
+    number = {status: sum(row.status == status for row in change.objects) for status in CHANGED}
+    parts = [f"{n} {status}" for status, n in number.items() if n]
+    if change.moves:
+        parts.append(count(len(change.moves), MOVED, "stretches of bare hull moved"))
+    what = join(parts) if parts else "no change"
+    unseen = sum(row.status.startswith("not seen") for row in change.objects)
+    left = f", {count(unseen, 'object')} where only one dive looked" if unseen else ""
+    unsure = sum(row.status == "uncertain" for row in change.objects)
+    if unsure:
+        left += f", {count(unsure, 'object')} that one dive lists"
+        left += " and the other neither shows nor excludes"
+    if not math.isfinite(change.detectable_m):
+        return f"{what}{left}; no hull was seen well enough by both dives"
+    return (
+        f"{what}{left}; {change.area_both:.1f} m² compared, in half of which a structure whose"
+        f" height changed by {length(change.detectable_m)} would stand out"
+    )
+
+
+def object_sentence(row: ObjectChange) -> str:
+    """Say in a line what became of an object."""
+    name = _name(row)
+    where = f" at {row.address}" if row.address else ""
+    if row.status in ("grown", "shrunk"):
+        return f"{row.status}: {name}{where}, height {_signed(row.change, row.change_sigma)}"
+    height, sigma = row.height_after, row.height_after_sigma
+    if row.status == "gone":
+        height, sigma = row.height_before, row.height_before_sigma
+    size = with_sigma(1000 * abs(height), 1000 * sigma, "mm")
+    return f"{row.status}: {name}{where}, {'recess' if height < 0 else 'height'} {size}"
+
+
+def move_sentence(row: SurfaceMove) -> str:
+    """Say in a line how bare hull moved."""
+    where = f" at {row.address}" if row.address else ""
+    move = _signed(row.move, row.move_sigma)
+    return f"moved: {row.area:.2f} m² of bare hull{where}, {move} along the normal"
+
+
+def _name(row: ObjectChange) -> str:
+    """Call an object by its number in the second dive, if that has it."""
+    if row.second_id is not None:
+        return f"object {row.second_id}"
+    return "a structure" if row.first_id is None else f"object {row.first_id} of the first dive"
+
+
+def _signed(value: float, sigma: float) -> str:
+    return with_minus(f"{1000 * value:+.0f} ± {1000 * sigma:.0f} mm")

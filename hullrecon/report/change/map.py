@@ -27,14 +27,12 @@ CHANGED_OBJECT, OTHER_OBJECT, MOVED_HULL, ONE_DIVE_ONLY = (
 
 @dataclass(frozen=True, kw_only=True)
 class OutlineStyle:
-    """How an outline is drawn: colour and width (points) of its line, dashed or not; fill: colour
-    inside, "none" for none.
-    """
+    """How an outline is drawn."""
 
-    line: str
-    width: float = 1.0
+    line: str  # colour
+    width: float = 1.0  # points
     dashed: bool = False
-    fill: str = "none"
+    fill: str = "none"  # colour inside
 
 
 OUTLINES = {
@@ -46,7 +44,7 @@ OUTLINES = {
 
 
 def change_png(change: HullChange, outside: OutsideMap) -> bytes:
-    """Return the picture."""
+    """Draw the map as PNG."""
     low, step = change.map.lattice.origin, change.map.lattice.step_m
     ends = outside.to_map(np.stack([low, low + step * (np.array(change.map.lattice.shape) - 1)]))
     width, height = np.abs(ends[1] - ends[0])
@@ -74,8 +72,9 @@ def change_png(change: HullChange, outside: OutsideMap) -> bytes:
 
 
 def _draw_cells(axis: Axes, grid: ChangeMap, ends: Array) -> None:
-    """Draw how far each cell moved, grey where only one dive saw it; ends (2, 2): first and last
-    cell on the map, m.
+    """Draw how far each cell moved, grey if only one dive saw it.
+
+    ends (2, 2): first and last cell on the map, m.
     """
     skip = max(1, int(np.ceil(np.sqrt(grid.change.size / MAX_PIXELS))))
     extent = (float(ends[0, 0]), float(ends[1, 0]), float(ends[0, 1]), float(ends[1, 1]))
@@ -153,7 +152,7 @@ def _outline(ring: Array, kind: str) -> Polygon:
 
 
 def _label(row: ObjectChange) -> str:
-    """Return an object's number in the second dive, where it has one, and what became of it."""
+    """Say an object's number in the second dive, if it has one, and what became of it."""
     if row.second_id is not None:
         return f"{row.second_id} {row.status}"
     return row.status if row.first_id is None else f"{row.status} (was {row.first_id})"

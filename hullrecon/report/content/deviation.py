@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The deviation from the CAD model in numbers and words: the form, and apart from it how far the
-whole patch stands off.
-"""
+"""The deviation from the CAD model in numbers and words: its form, and the patch's offset."""
 
 from __future__ import annotations
 
@@ -12,51 +10,47 @@ import numpy as np
 
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.report.content.phrases import signed_range, with_minus
-from hullrecon.report.figures.chart_map import weighted_percentiles
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
 
 @dataclass(frozen=True, kw_only=True)
 class DeviationFigures:
-    """Metres. offset of the surveyed patch from its CAD model, outward positive, with its sigma;
-    tilt (2,), m/m, along and in girth, with its sigma; form (3,): 5th, 50th and 95th percentile of
-    the seen area; form_sigma: median over it.
-    """
+    """The deviation of the surveyed patch."""
 
-    offset: float
+    offset: float  # m from the CAD model, outward positive
     offset_sigma: float
-    tilt: Array
+    tilt: Array  # (2,) m/m along and in girth
     tilt_sigma: Array
-    form: Array
-    form_sigma: float
+    form: Array  # (3,) m, 5th, 50th and 95th percentile of the seen area
+    form_sigma: float  # m, median of the seen area
 
     @property
     def offset_words(self) -> str:
-        """Return the offset in a sentence's part, with what its sigma makes of it."""
-        side = (
-            "from"
-            if round(1000 * abs(self.offset)) == 0
-            else "outside"
-            if self.offset > 0
-            else "inside"
-        )
-        known = (
-            ""
-            if abs(self.offset) > 2 * self.offset_sigma
-            else ", not significantly different from zero"
-        )
-        return f"{1000 * abs(self.offset):.0f} mm {side} it (one sigma {1000 * self.offset_sigma:.0f} mm{known})"
+        """Say the offset, its sigma, and whether it is significant."""
+        size, sigma = 1000 * abs(self.offset), 1000 * self.offset_sigma
+        side = "outside" if self.offset > 0 else "inside"
+        known = "" if size > 2 * sigma else ", not significantly different from zero"
+        side = "from" if round(size) == 0 else side
+        return f"{size:.0f} mm {side} it (one sigma {sigma:.0f} mm{known})"
 
     @property
     def form_words(self) -> str:
-        """Return the form's percentiles in a sentence's part."""
+        """Say the form's percentiles and its sigma."""
         low, _, high = 1000 * self.form
-        return f"{signed_range(low, high)} mm (5th to 95th percentile; one sigma {1000 * self.form_sigma:.1f} mm)"
+        sigma = f"one sigma {1000 * self.form_sigma:.1f} mm"
+        return f"{signed_range(low, high)} mm (5th to 95th percentile; {sigma})"
+
+
+def weighted_percentiles(values: Array, weights: Array, percent: tuple[float, ...]) -> Array:
+    """Return percentiles of weighted values (n,), by linear interpolation of cumulated weight."""
+    order = np.argsort(values, kind="stable")
+    share = np.cumsum(weights[order]) - 0.5 * weights[order]
+    return np.asarray(np.interp(np.array(percent) / 100 * weights.sum(), share, values[order]))
 
 
 def deviation_figures(survey: Survey) -> DeviationFigures | None:
-    """Return the figures; None without a CAD model or a hull as found."""
+    """Sum up the deviation. None without a CAD model or a hull as found."""
     found, split = survey.surfaces.as_found, survey.surfaces.deviation
     if found is None or split is None or not survey.is_in_hull_frame:
         return None
@@ -75,7 +69,7 @@ def deviation_figures(survey: Survey) -> DeviationFigures | None:
 
 
 def deviation_document(figures: DeviationFigures | None) -> dict[str, object] | None:
-    """Return the member `deviation` of summary.json; None without a CAD model."""
+    """Return the member `deviation` of summary.json. None without a CAD model."""
     if figures is None:
         return None
     low, middle, high = (round(float(v), 5) for v in figures.form)
@@ -90,7 +84,7 @@ def deviation_document(figures: DeviationFigures | None) -> dict[str, object] | 
 
 
 def deviation_rows(figures: DeviationFigures | None) -> list[tuple[str, str]]:
-    """Return the table of the page's chapter on the deviation."""
+    """Return the table of the page's chapter."""
     if figures is None:
         return []
     slopes = " / ".join(

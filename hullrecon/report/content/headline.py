@@ -7,7 +7,6 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
-from hullrecon.records.deliverables import SensorCoverage
 from hullrecon.report.content.deviation import deviation_figures
 from hullrecon.report.content.phrases import (
     area_words,
@@ -29,8 +28,8 @@ _AXES = {
 
 
 def headline(survey: Survey) -> list[str]:
-    """Return at most ten sentences, the most important first."""
-    lines = [
+    """Sum up the dive in at most ten sentences, the most important first."""
+    lines = (
         _dive(survey),
         _position(survey),
         _stereo_calibration(survey.adjusted),
@@ -39,13 +38,16 @@ def headline(survey: Survey) -> list[str]:
         _objects(survey),
         _change(survey),
         _deviation(survey),
-    ]
-    lines += [_coverage(survey), _landmarks(survey.adjusted), _mosaics(survey), _rejected(survey)]
+        _coverage(survey),
+        _landmarks(survey.adjusted),
+        _mosaics(survey),
+        _rejected(survey),
+    )
     return [line for line in lines if line][:10]
 
 
 def verdict(survey: Survey) -> str:
-    """Return the one sentence that a reader asks for first: what is on the hull."""
+    """Say what a reader asks first: what is on the hull."""
     if survey.findings.objects is None:
         reason = survey.provenance.missing.get("objects.json", "the step did not run")
         return f"Objects were not looked for: {reason}."
@@ -53,49 +55,32 @@ def verdict(survey: Survey) -> str:
 
 
 def key_figures(survey: Survey) -> list[tuple[str, str, str]]:
-    """Return the figures on top of the page: what, how much, and a remark; those that the dive
-    gives.
-    """
-    found, coverage, figures = (
-        survey.findings.objects,
-        survey.findings.coverage,
-        deviation_figures(survey),
-    )
+    """Return the figures on top of the page that the dive gives: what, how much, and a remark."""
+    found, coverage = survey.findings.objects, survey.findings.coverage
+    figures, rows = deviation_figures(survey), list[tuple[str, str, str]]()
     seen = coverage.camera if coverage is not None else None
-    rows = (
-        []
-        if found is None
-        else [("Objects" if len(found) != 1 else "Object", str(len(found)), "on the hull")]
-    )
+    if found is not None:
+        rows.append(("Objects" if len(found) != 1 else "Object", str(len(found)), "on the hull"))
     if seen is not None and seen.area_m2:
         rows.append((seen_words(survey), f"{seen.area_m2:.1f} m²", "by camera"))
     if survey.surfaces.chart is not None:
         along, girth = survey.track.sigma_on_chart(survey.surfaces.chart)
         if np.isfinite(along + girth):
             across = "in girth" if survey.is_in_hull_frame else "across"
-            rows.append(
-                (
-                    "Vehicle, along the hull",
-                    f"± {length(along)}",
-                    f"± {length(girth)} {across}, one sigma",
-                )
-            )
+            remark = f"± {length(girth)} {across}, one sigma"
+            rows.append(("Vehicle, along the hull", f"± {length(along)}", remark))
     if figures is not None:
         low, _, high = 1000 * figures.form
         form = f"{signed_range(low, high)}\N{NO-BREAK SPACE}mm"
-        rows.append(
-            ("Form off the CAD model", form, f"one sigma {1000 * figures.form_sigma:.1f} mm")
-        )
+        sigma = f"one sigma {1000 * figures.form_sigma:.1f} mm"
+        rows.append(("Form off the CAD model", form, sigma))
     return rows
 
 
 def path_length_m(survey: Survey) -> float:
-    """Return the length of the vehicle's path to the millimetre, m: one number, which sentences and
-    files round alike.
-    """
-    return round(
-        float(np.linalg.norm(np.diff(survey.track.poses.translation, axis=0), axis=1).sum()), 3
-    )
+    """Return the length of the vehicle's path, to the millimetre for sentences and files alike."""
+    steps = np.diff(survey.track.poses.translation, axis=0)
+    return round(float(np.linalg.norm(steps, axis=1).sum()), 3)
 
 
 def _dive(survey: Survey) -> str:
@@ -110,15 +95,15 @@ def _dive(survey: Survey) -> str:
 
 def _position(survey: Survey) -> str:
     sigma = lengths(np.median(survey.track.sigma[:, :3], axis=0).tolist())
+    known = f"median one sigma in x / y / z: {sigma}."
     if survey.adjusted is None:
-        return f"Positions are dead reckoned in a local frame (g); median one sigma in x / y / z: {sigma}."
-    why = (
-        "the CAD model was left out, see warnings"
-        if survey.adjusted.cad_model_was_refused
-        else "there is no CAD model"
-    )
-    frame = "the ship's frame (M)" if survey.is_in_hull_frame else f"a local frame (g), as {why}"
-    return f"Positions are adjusted by method {survey.method} and given in {frame}; median one sigma in x / y / z: {sigma}."
+        return f"Positions are dead reckoned in a local frame (g); {known}"
+    frame = "the ship's frame (M)"
+    if not survey.is_in_hull_frame:
+        refused = survey.adjusted.cad_model_was_refused
+        why = "the CAD model was left out, see warnings" if refused else "there is no CAD model"
+        frame = f"a local frame (g), as {why}"
+    return f"Positions are adjusted by method {survey.method} and given in {frame}; {known}"
 
 
 def _stereo_calibration(adjusted: AdjustedDive | None) -> str:
@@ -132,14 +117,17 @@ def _from_outside(adjusted: AdjustedDive | None) -> str:
         return ""
     outliers = f", {count(found.outliers, 'outlier')} apart" if found.outliers else ""
     return (
-        f"{count(found.count, 'position')} from outside (USBL or GPS) over {duration(found.span_s)}, sigma "
-        f"{length(found.sigma_m)}, bound its drift; they lie {found.rms_sigmas:.1f} sigmas (rms{outliers}) from the path."
+        f"{count(found.count, 'position')} from outside (USBL or GPS) over {duration(found.span_s)}"
+        f", sigma {length(found.sigma_m)}, bound its drift; they lie {found.rms_sigmas:.1f} sigmas "
+        f"(rms{outliers}) from the path."
     )
 
 
 def weak_sentences(survey: Survey, min_sigma_m: float = 0.05) -> list[str]:
-    """Return the adjustment's sentences where it has any; else one for each axis whose median sigma
-    exceeds the least.
+    """Say in which directions the position is uncertain.
+
+    In the adjustment's sentences, if it has any, else for each axis whose median sigma exceeds
+    min_sigma_m.
     """
     directions = survey.adjusted.weak_directions if survey.adjusted is not None else ()
     sentences = [str(w["sentence"]) for w in directions if w.get("sentence")]
@@ -170,16 +158,15 @@ def _objects(survey: Survey) -> str:
 
 
 def _looked_for(survey: Survey) -> list[str]:
-    """Return what a place of the hull has to show to be reported as an object; nothing where the
-    settings are not known.
-    """
+    """Say what a place of the hull has to show to be an object, if the settings are known."""
     settings = survey.provenance.settings_of("detect")
     if not settings:
         return []
     options = msgspec.convert(settings, DetectSettings)
     return [
-        f"Looked for: what is at least {1000 * options.min_height_m:g} mm high or deep, {1e4 * options.min_area_m2:g} cm²"
-        f" large, shown by {count(options.min_views, 'image')}, and bare hull with a probability below {options.max_p_value:g}."
+        f"Looked for: what is at least {1000 * options.min_height_m:g} mm high or deep, "
+        f"{1e4 * options.min_area_m2:g} cm² large, shown by {count(options.min_views, 'image')}, "
+        f"and bare hull with a probability below {options.max_p_value:g}."
     ]
 
 
@@ -198,15 +185,13 @@ def _deviation(survey: Survey) -> str:
     if figures is None:
         return ""
     return (
-        f"Within the surveyed patch the hull's form departs from its CAD model by {figures.form_words}; "
-        f"as a whole the patch lies {figures.offset_words}."
+        "Within the surveyed patch the hull's form departs from its CAD model by "
+        f"{figures.form_words}; as a whole the patch lies {figures.offset_words}."
     )
 
 
 def seen_words(survey: Survey) -> str:
-    """Return of what areas seen are counted: without a CAD model nothing is known of the hull
-    beyond the measured surface.
-    """
+    """Say of what areas are counted: without a CAD model only the measured surface is known."""
     return "Hull seen" if survey.is_in_hull_frame else "Measured surface seen"
 
 
@@ -214,16 +199,14 @@ def _coverage(survey: Survey) -> str:
     coverage = survey.findings.coverage
     if coverage is None:
         return ""
-    sensors: tuple[tuple[str, SensorCoverage | None], ...] = (
-        ("camera", coverage.camera), ("sonar", coverage.sonar), ("DVL", coverage.dvl)
-    )  # fmt: skip
+    sensors = {"camera": coverage.camera, "sonar": coverage.sonar, "DVL": coverage.dvl}
     parts = [
         f"{area_words(seen.area_m2, seen.area_sigma_m2)} by {name}"
-        for name, seen in sensors
+        for name, seen in sensors.items()
         if seen is not None and seen.area_m2
     ]
-    holes = f"{count(len(coverage.holes), 'hole')} of more than {coverage.min_hole_m2:g} m² in the coverage"
-    gaps = f"; {holes}" if coverage.holes else ""
+    holes, least = count(len(coverage.holes), "hole"), coverage.min_hole_m2
+    gaps = f"; {holes} of more than {least:g} m² in the coverage" if coverage.holes else ""
     return f"{seen_words(survey)}: {join(parts)}{gaps}." if parts else ""
 
 
@@ -233,12 +216,9 @@ def _landmarks(adjusted: AdjustedDive | None) -> str:
     label = adjusted.solution.landmarks.label
     text = f"{count(len(label), 'landmark was', 'landmarks were')} measured in the images"
     share = 100 * float(np.mean(label == 1))
-    on_hull = (
-        f", {share:.1f} % of them taken to lie on the CAD model's surface"
-        if adjusted.has_cad_model
-        else ""
-    )
-    return f"{text}{on_hull}."
+    if adjusted.has_cad_model:
+        text += f", {share:.1f} % of them taken to lie on the CAD model's surface"
+    return f"{text}."
 
 
 def _mosaics(survey: Survey) -> str:
@@ -253,8 +233,9 @@ def _rejected(survey: Survey) -> str:
     lost, warnings = survey.facts.log.lost, survey.provenance.warnings()
     if not lost and not warnings:
         return "The log was read completely and no step raised a warning."
-    parts = [count(len(lost), "span of data was lost", "spans of data were lost")] if lost else []
-    parts += (
-        [count(len(warnings), "warning was raised", "warnings were raised")] if warnings else []
-    )
+    parts = []
+    if lost:
+        parts.append(count(len(lost), "span of data was lost", "spans of data were lost"))
+    if warnings:
+        parts.append(count(len(warnings), "warning was raised", "warnings were raised"))
     return f"{join(parts)[0].upper()}{join(parts)[1:]}; see rejected data and warnings."

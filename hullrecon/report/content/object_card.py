@@ -25,35 +25,25 @@ def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> Ca
         ("Extent along the hull, in girth", " × ".join(_extents(found))),
         (
             "Area, volume",
-            f"{_scaled(found.area, found.area_sigma, 1e4, 'cm²')}, {_scaled(found.volume, found.volume_sigma, 1e3, 'l')}",
+            f"{_scaled(found.area, found.area_sigma, 1e4, 'cm²')}, "
+            f"{_scaled(found.volume, found.volume_sigma, 1e3, 'l')}",
         ),
     ]
     if found.open_edge:
-        rows.append(
-            (
-                "Outline beyond which nothing was measured",
-                f"{100 * found.open_edge:.0f} %: it may be larger, as the sigmas of its size say",
-            )
-        )
+        open_edge = f"{100 * found.open_edge:.0f} %"
+        words = f"{open_edge}: it may be larger, as the sigmas of its size say"
+        rows.append(("Outline beyond which nothing was measured", words))
     if found.deviation is not None:
-        rows.append(
-            (
-                "Largest distance to the CAD model",
-                with_sigma(found.deviation, found.deviation_sigma, "m"),
-            )
-        )
+        distance = with_sigma(found.deviation, found.deviation_sigma, "m")
+        rows.append(("Largest distance to the CAD model", distance))
     if found.along is not None and found.girth is not None:
-        places = (
-            with_sigma(found.along, found.sigma_along, "m"),
-            with_sigma(found.girth, found.sigma_girth, "m"),
-        )
-        rows.append(
-            ("Along, girth" if survey.is_in_hull_frame else "Along, across", ", ".join(places))
-        )
+        along = with_sigma(found.along, found.sigma_along, "m")
+        girth = with_sigma(found.girth, found.sigma_girth, "m")
+        axes = "Along, girth" if survey.is_in_hull_frame else "Along, across"
+        rows.append((axes, f"{along}, {girth}"))
     if found.depth is not None:
-        rows.append(
-            ("Depth below the water surface", with_sigma(found.depth, found.depth_sigma, "m"))
-        )
+        depth = with_sigma(found.depth, found.depth_sigma, "m")
+        rows.append(("Depth below the water surface", depth))
     sigmas = found.position_sigma or (None, None, None)
     center = ", ".join(
         with_sigma(c, s, "").strip() for c, s in zip(found.center, sigmas, strict=True)
@@ -74,48 +64,38 @@ def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> Ca
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectCell:
-    """A cell of the table of objects: its text, and the number that it is sorted by, None for
-    words.
-    """
+    """A cell of the table of objects."""
 
     text: str
-    value: float | None = None
+    value: float | None = None  # by which it is sorted; None for words
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectRows:
-    """The table of objects: headings, and a row of cells by each object's number."""
+    """The table of objects."""
 
     headings: Sequence[str]
-    rows: Sequence[tuple[int, Sequence[ObjectCell]]]
+    rows: Sequence[tuple[int, Sequence[ObjectCell]]]  # cells by each object's number
 
 
 def object_rows(survey: Survey) -> ObjectRows:
-    """Return the table of objects. Columns that no object has (a depth, a side) are left out."""
+    """Tabulate the objects. Columns that no object fills (a depth, a side) are left out."""
     across = "Girth" if survey.is_in_hull_frame else "Across"
-    columns = [_column(found, across) for found in survey.findings.objects or ()]
-    names = [
-        name
-        for name in (columns[0] if columns else ())
-        if any(c[name].text != "–" for c in columns)
-    ]
-    objects = survey.findings.objects or ()
-    rows = [
-        (found.id, [cells[name] for name in names])
-        for found, cells in zip(objects, columns, strict=True)
-    ]
+    cells = {found.id: _cells(found, across) for found in survey.findings.objects or ()}
+    headings = next(iter(cells.values()), {})
+    names = [n for n in headings if any(row[n].text != "–" for row in cells.values())]
+    rows = [(number, [row[name] for name in names]) for number, row in cells.items()]
     return ObjectRows(headings=names, rows=rows)
 
 
-def _column(found: ReportedObject, across: str) -> dict[str, ObjectCell]:
+def _cells(found: ReportedObject, across: str) -> dict[str, ObjectCell]:
     """Return the cells of an object by their headings."""
+    area = _scaled(found.area, found.area_sigma, 1e4, "cm²")
     return {
         "No.": ObjectCell(text=str(found.id), value=found.id),
         "Kind": ObjectCell(text="protrusion" if found.height >= 0 else "recess"),
         "Height": _number(found.height, found.height_sigma, "m"),
-        "Area": ObjectCell(
-            text=_scaled(found.area, found.area_sigma, 1e4, "cm²"), value=found.area
-        ),
+        "Area": ObjectCell(text=area, value=found.area),
         "Along": _number(found.along, found.sigma_along, "m"),
         across: _number(found.girth, found.sigma_girth, "m"),
         "Depth": _number(found.depth, found.depth_sigma, "m"),
@@ -124,18 +104,14 @@ def _column(found: ReportedObject, across: str) -> dict[str, ObjectCell]:
 
 
 def _number(value: float | None, sigma: float | None, unit: str) -> ObjectCell:
-    return (
-        ObjectCell(text="–")
-        if value is None
-        else ObjectCell(text=with_sigma(value, sigma, unit), value=value)
-    )
+    if value is None:
+        return ObjectCell(text="–")
+    return ObjectCell(text=with_sigma(value, sigma, unit), value=value)
 
 
 def _extents(found: ReportedObject) -> list[str]:
     sigmas = found.extent_sigma or (None, None)
-    return [
-        with_sigma(extent, sigma, "m") for extent, sigma in zip(found.extent, sigmas, strict=True)
-    ]
+    return [with_sigma(size, sigma, "m") for size, sigma in zip(found.extent, sigmas, strict=True)]
 
 
 def _scaled(value: float, sigma: float | None, factor: float, unit: str) -> str:

@@ -23,15 +23,13 @@ from hullrecon.typing import Array, Ints, Pixels
 
 @dataclass(frozen=True, kw_only=True)
 class Crop:
-    """A part of one image with its contrast stretched: picture (h, w, 3) RGB, outline (n, 2) in its
-    pixels, pixels per metre there, and where it is from.
-    """
+    """A part of an image that shows an object, with its contrast stretched."""
 
-    picture: Pixels
-    outline: Array
-    pixels_per_m: float
+    picture: Pixels  # (h, w, 3) RGB
+    outline: Array  # (n, 2) of the object, px in the picture
+    pixels_per_m: float  # at the object
     camera: Camera
-    row: int
+    row: int  # of the image in the camera's index
     t_ns: int
 
     @property
@@ -51,16 +49,17 @@ class Crop:
 
 
 def object_crops(survey: Survey) -> dict[int, Crop]:
-    """Return the picture of each object by its number; objects that no image shows have none."""
-    found = {
-        o.id: best_crop(o, survey.track, survey.facts.rig, survey.facts.images)
-        for o in survey.findings.objects or ()
-    }
-    return {number: crop for number, crop in found.items() if crop is not None}
+    """Cut out the picture of each object, by its number, if an image shows it."""
+    facts, crops = survey.facts, dict[int, Crop]()
+    for found in survey.findings.objects or ():
+        crop = best_crop(found, survey.track, facts.rig, facts.images)
+        if crop is not None:
+            crops[found.id] = crop
+    return crops
 
 
 def photo_jpeg(crop: Crop, min_width: int = 800) -> bytes:
-    """Return an object's picture as a file: enlarged, with its outline drawn in."""
+    """Encode an object's picture, enlarged, with its outline drawn in."""
     import cv2
 
     factor = _enlargement(crop.width, crop.height, min_width)
@@ -69,44 +68,33 @@ def photo_jpeg(crop: Crop, min_width: int = 800) -> bytes:
     # in sixteenths of a pixel
     line = np.rint(16 * (factor * (crop.outline + 0.5) - 0.5)).astype(np.int32)
     for color, width in (((0, 0, 0), 5), ((255, 255, 255), 2)):
-        cv2.polylines(
-            picture,
-            [line[:, None]],
-            isClosed=True,
-            color=color,
-            thickness=width,
-            lineType=cv2.LINE_AA,
-            shift=4,
-        )
+        cv2.polylines(picture, [line[:, None]], True, color, width, cv2.LINE_AA, shift=4)
     return _jpeg(np.asarray(picture, np.uint8), 90)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectView:
-    """One image of a camera at a node of the track: camera_from_result T_c_M (T_c_g without a CAD
-    model), the image's row.
-    """
+    """One image of a camera at a node of the track."""
 
     camera: Camera
     model: CameraModel
-    camera_from_result: Poses
-    row: int
+    camera_from_result: Poses  # T_c_M, T_c_g without a CAD model
+    row: int  # of the image in the camera's index
 
 
 def best_crop(
     found: ReportedObject, track: VehicleTrack, rig: Rig, images: Mapping[Camera, ImageSource]
 ) -> Crop | None:
-    """Return the picture of an object; None when no image shows it.
+    """Cut an object out of the image whose middle is nearest to it. None if no image shows it.
 
-    The view is that among the object's images (all, when it names none) whose middle lies nearest
-    to the object's centre.
+    Images are those that the object names, all if it names none.
     """
     views = [
         view
         for camera, source in images.items()
         for view in _ranked_views(found, track, rig, camera, source.index)
     ]
-    for _, view in sorted(views, key=lambda item: item[0])[:5]:
+    for _, view in sorted(views, key=lambda item: item[0])[:5]:  # some may not decode
         crop = _cut_image(found, view, images[view.camera])
         if crop is not None:
             return crop
@@ -116,9 +104,7 @@ def best_crop(
 def _ranked_views(
     found: ReportedObject, track: VehicleTrack, rig: Rig, camera: Camera, index: ImageIndex
 ) -> list[tuple[float, ObjectView]]:
-    """Return views that have the centre inside the image, with its distance from the middle in half
-    diagonals.
-    """
+    """Return views of the object's centre, with its distance from the middle in half diagonals."""
     rows = track.image[:, camera.column]
     wanted = _rows_named(found.images, camera, index)
     nodes = np.flatnonzero((rows >= 0) & (np.isin(rows, wanted) if wanted is not None else True))
@@ -126,9 +112,8 @@ def _ranked_views(
         return []
     model = rig.camera_models[camera]
     camera_from_result = rig.poses_along(track.path[nodes], camera).inverse()
-    pixel = model.project(
-        camera_from_result.apply(np.tile(np.array(found.center), (len(nodes), 1)))
-    )
+    center = np.tile(np.array(found.center), (len(nodes), 1))
+    pixel = model.project(camera_from_result.apply(center))
     size = np.array([model.width, model.height])
     inside = np.all((pixel > 0) & (pixel < size), axis=1)
     score = np.linalg.norm(pixel - size / 2, axis=1) / np.linalg.norm(size / 2)
@@ -147,21 +132,16 @@ def _ranked_views(
 
 
 def _rows_named(images: Sequence[str], camera: Camera, index: ImageIndex) -> Ints | None:
-    """Return rows of the camera's index for names like camera_top/1777887000468241234.jpg; None
-    when no image is named.
-    """
+    """Return the rows of images named like camera_top/1777887000468241234.jpg. None without any."""
     if not images:
         return None
-    stamps = [
-        int(name.split("/")[1].split(".")[0])
-        for name in images
-        if name.startswith(camera.key + "/")
-    ]
+    named = [name.split("/")[1] for name in images if name.startswith(camera.key + "/")]
+    stamps = [int(name.split(".")[0]) for name in named]
     return np.flatnonzero(np.isin(index.t_ns, stamps))
 
 
 def _cut_image(found: ReportedObject, view: ObjectView, source: ImageSource) -> Crop | None:
-    """Return the part of an image around the object; None where the image cannot be read."""
+    """Cut the surroundings of an object out of an image. None if the image cannot be read."""
     picture = source.read(view.row) if source.index.usable[view.row] else None
     if picture is None:
         return None
@@ -187,15 +167,13 @@ def _cut_image(found: ReportedObject, view: ObjectView, source: ImageSource) -> 
 
 
 def stretch_contrast(picture: Pixels) -> Pixels:
-    """Return the picture with its contrast stretched between the 1st and 99th percentile:
-    underwater pictures use a third of the range.
-    """
+    """Stretch the contrast between the 1st and 99th percentile: water leaves a third of it."""
     low, high = np.percentile(picture, (1, 99))
     return np.asarray(np.clip((picture - low) * (245 / max(high - low, 20)) + 5, 0, 255), np.uint8)
 
 
 def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
-    """Return a data URI; small cuts are enlarged so that a browser's smoothing does not blur them."""
+    """Encode a picture as a data URI, enlarged if small: a browser's smoothing would blur it."""
     import cv2
 
     factor = _enlargement(picture.shape[1], picture.shape[0], min_width)
@@ -203,15 +181,14 @@ def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
         picture = np.asarray(
             cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC), np.uint8
         )
-    return (
-        "data:image/jpeg;base64,"
-        + b64encode(_jpeg(np.asarray(picture, np.uint8), quality)).decode()
-    )
+    data = b64encode(_jpeg(np.asarray(picture, np.uint8), quality))
+    return "data:image/jpeg;base64," + data.decode()
 
 
 def _enlargement(width: int, height: int, min_width: int) -> float:
-    """Factor, at least 1, that widens a picture to min_width and keeps its height below four times
-    that: an object at an image's border leaves a sliver.
+    """Return the factor, at least 1, that widens a picture to min_width.
+
+    Its height stays below four times that: an object at an image's border leaves a sliver.
     """
     return max(1.0, min(min_width / width, 4 * min_width / height))
 

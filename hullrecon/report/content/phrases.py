@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers as a surveyor writes them: unit and sigma beside each, no more digits than the sigma
-deserves.
-"""
+"""Numbers as a surveyor writes them: with unit and sigma, and no digits beyond the sigma's."""
 
 from __future__ import annotations
 
@@ -11,8 +9,9 @@ from collections.abc import Sequence
 
 
 def decimals(sigma: float) -> int:
-    """Return the digits after the point so that a sigma keeps one significant one, two when it
-    begins with a 1.
+    """Count the digits after the point that a sigma deserves.
+
+    One significant digit, two if it begins with a 1.
     """
     if not math.isfinite(sigma) or sigma <= 0:
         return 3
@@ -21,12 +20,12 @@ def decimals(sigma: float) -> int:
 
 
 def with_minus(numbers: str) -> str:
-    """Return numbers with minus signs where Python writes hyphens."""
+    """Replace the hyphens of numbers by minus signs."""
     return numbers.replace("-", "−")
 
 
 def with_sigma(value: float, sigma: float | None, unit: str) -> str:
-    """Return a text like 0.112 ± 0.004 m. Without a sigma the value alone; a lost value is a dash."""
+    """Write a value as 0.112 ± 0.004 m, alone if it has no sigma; a lost value is a dash."""
     if not math.isfinite(value):
         return "–"
     if sigma is None or not math.isfinite(sigma):
@@ -36,13 +35,15 @@ def with_sigma(value: float, sigma: float | None, unit: str) -> str:
 
 
 def area_words(area_m2: float, sigma_m2: float | None = None) -> str:
-    """Return a text like 5.9 ± 0.2 m², the value alone without a sigma."""
-    return f"{area_m2:.1f}{f' ± {max(sigma_m2, 0.1):.1f}' if sigma_m2 is not None else ''} m²"
+    """Write an area as 5.9 ± 0.2 m², alone if it has no sigma."""
+    known = "" if sigma_m2 is None else f" ± {max(sigma_m2, 0.1):.1f}"
+    return f"{area_m2:.1f}{known} m²"
 
 
 def error_with_sigma(error: float, sigma: float, unit: str) -> str:
-    """Return an error with its sign, like −0.12 ± 0.03°; the unit brings its own space. A sigma of
-    zero is not known.
+    """Write an error with its sign, like −0.12 ± 0.03°; the unit brings its own space.
+
+    A sigma of zero is not known.
     """
     shown = min(4, decimals(sigma)) if sigma > 0 else 2
     known = f" ± {sigma:.{shown}f}" if sigma > 0 else ""
@@ -50,7 +51,7 @@ def error_with_sigma(error: float, sigma: float, unit: str) -> str:
 
 
 def length(metres: float) -> str:
-    """Return a length in the unit that reads best."""
+    """Write a length in the unit that reads best."""
     if not math.isfinite(metres):
         return "–"
     if abs(metres) < 0.0995:
@@ -59,27 +60,22 @@ def length(metres: float) -> str:
 
 
 def lengths(metres: Sequence[float]) -> str:
-    """Return several lengths in one unit: 0.350 / 0.041 / 0.098 m; millimetres where all are below
-    0.1 m.
-    """
+    """Write several lengths in one unit: 0.350 / 0.041 / 0.098 m, in mm if all are below 0.1 m."""
     finite = [abs(m) for m in metres if math.isfinite(m)]
+    factor, digits, unit = 1, 3 if finite and min(finite) < 0.0995 else 2, "m"
     if finite and max(finite) < 0.0995:
-        digits = 1 if min(finite) < 0.00995 else 0
-        return (
-            " / ".join("–" if not math.isfinite(m) else f"{1000 * m:.{digits}f}" for m in metres)
-            + " mm"
-        )
-    digits = 3 if finite and min(finite) < 0.0995 else 2
-    return " / ".join("–" if not math.isfinite(m) else f"{m:.{digits}f}" for m in metres) + " m"
+        factor, digits, unit = 1000, 1 if min(finite) < 0.00995 else 0, "mm"
+    texts = (f"{factor * m:.{digits}f}" if math.isfinite(m) else "–" for m in metres)
+    return f"{' / '.join(texts)} {unit}"
 
 
 def signed_range(low: float, high: float, decimals: int = 0) -> str:
-    """Return two signed numbers: −10 to +16."""
+    """Write two signed numbers: −10 to +16."""
     return with_minus(f"{low:+.{decimals}f} to {high:+.{decimals}f}")
 
 
 def duration(seconds: float) -> str:
-    """Return a text like 117 s, 12 min 05 s, 3 h 02 min."""
+    """Write a time as 117 s, 12 min 05 s, 3 h 02 min."""
     whole = round(seconds)
     if whole < 180:
         return f"{whole} s"
@@ -89,25 +85,17 @@ def duration(seconds: float) -> str:
 
 
 def probability(p: float | None) -> str:
-    """Return a probability; a very small one as a bound, since a tail is not known to thirty
-    digits.
-    """
+    """Write a probability, a very small one as a bound: no tail is known to thirty digits."""
     if p is None or not math.isfinite(p):
         return "–"
     return "< 0.0001" if p < 1e-4 else f"{p:.4f}"
 
 
 def count(number: int, one: str, many: str = "") -> str:
-    """Return a text like 1 object, 1,024 objects."""
+    """Write a number of things: 1 object, 1,024 objects."""
     return f"{number:,} {one if number == 1 else many or one + 's'}"
 
 
 def join(parts: Sequence[str]) -> str:
-    """Return a text like a, b and c."""
-    return (
-        parts[0]
-        if len(parts) == 1
-        else ", ".join(parts[:-1]) + " and " + parts[-1]
-        if parts
-        else ""
-    )
+    """Write a list: a, b and c."""
+    return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How well images overlapped and fit, what the adjustment found of the sensors, how long each step
-took: tables in words.
-"""
+"""Quality of the data as tables in words: overlap, residuals, calibration, time of each step."""
 
 from __future__ import annotations
 
@@ -16,8 +14,6 @@ from hullrecon.records.links import NodePairs
 from hullrecon.report.content.phrases import count, duration, error_with_sigma, with_sigma
 from hullrecon.report.step_documents import AdjustSummary, FactorResiduals, SensorErrors
 from hullrecon.report.survey import Survey
-
-IMAGE_FACTORS = {"stereo": "Features seen by both cameras", "mono": "Features seen by one camera"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,21 +33,21 @@ def quality_tables(survey: Survey) -> list[WordTable]:
 
 
 def _overlap(survey: Survey) -> WordTable:
-    pairs = survey.facts.node_pairs
-    kinds = (("Neighbours along the track", False), ("Images of other legs", True))
-    rows = (
-        [_overlap_row(pairs, name, across) for name, across in kinds] if pairs is not None else []
-    )
+    pairs, rows = survey.facts.node_pairs, list[tuple[str, ...]]()
+    if pairs is not None:
+        rows.append(_overlap_row(pairs, "Neighbours along the track", across=False))
+        rows.append(_overlap_row(pairs, "Images of other legs", across=True))
     return WordTable(
         name="overlap",
-        caption="Overlap of images: median of the matched ones and 5th to 95th percentile, on the path known by then",
+        caption="Overlap of images: median of the matched ones and 5th to 95th percentile, "
+        "on the path known by then",
         headings=("Images compared", "Pairs", "Matched", "Overlap"),
         rows=[row for row in rows if row],
     )
 
 
 def _overlap_row(pairs: NodePairs, name: str, across: bool) -> tuple[str, ...]:
-    """Return a row of the pairs across legs, or of the others; empty where there is none."""
+    """Return a row of the pairs across legs, or of the others; empty if there are none."""
     of_kind = pairs.across == across
     matched = of_kind & pairs.joined
     overlap = 100 * pairs.overlap[matched & np.isfinite(pairs.overlap)]
@@ -65,35 +61,30 @@ def _overlap_row(pairs: NodePairs, name: str, across: bool) -> tuple[str, ...]:
 
 
 def _residuals(survey: Survey) -> WordTable:
-    rows: list[tuple[str, ...]] = []
-    summary = survey.adjusted.summary if survey.adjusted is not None else None
-    if summary is not None and summary.sigmas.pixel_px is not None:
-        rows += [_residual_row(summary.residuals_after[key], name, summary.sigmas.pixel_px, "px")
-                 for key, name in IMAGE_FACTORS.items() if key in summary.residuals_after]  # fmt: skip
-    if (
-        summary is not None
-        and summary.sigmas.range_m is not None
-        and "range" in summary.residuals_after
-    ):
-        rows.append(
-            _residual_row(
-                summary.residuals_after["range"], "DVL ranges", 1000 * summary.sigmas.range_m, "mm"
-            )
-        )
-    if (
-        summary is not None
-        and summary.positions is not None
-        and "position" in summary.residuals_after
-    ):
-        name = "Positions from outside, north and east"
-        rows.append(
-            _residual_row(summary.residuals_after["position"], name, summary.positions.sigma_m, "m")
-        )
+    summary = survey.adjusted.summary if survey.adjusted is not None else AdjustSummary()
+    pixel, metre, positions = summary.sigmas.pixel_px, summary.sigmas.range_m, summary.positions
+    kinds = (  # residuals, name, one sigma in the unit
+        ("stereo", "Features seen by both cameras", pixel, "px"),
+        ("mono", "Features seen by one camera", pixel, "px"),
+        ("range", "DVL ranges", None if metre is None else 1000 * metre, "mm"),
+        (
+            "position",
+            "Positions from outside, north and east",
+            None if positions is None else positions.sigma_m,
+            "m",
+        ),
+    )
+    found = summary.residuals_after
     return WordTable(
         name="residuals-px",
-        caption="Residuals after the adjustment: median-based sigma, root mean square, and how many lie beyond three sigmas",
+        caption="Residuals after the adjustment: median-based sigma, root mean square, "
+        "and how many lie beyond three sigmas",
         headings=("Measured", "Residuals", "Robust sigma", "RMS", "Beyond 3 sigmas"),
-        rows=rows,
+        rows=[
+            _residual_row(found[key], name, sigma, unit)
+            for key, name, sigma, unit in kinds
+            if sigma is not None and key in found
+        ],
     )
 
 
@@ -107,23 +98,17 @@ def _residual_row(
 
 def _calibration(survey: Survey) -> WordTable:
     summary = survey.adjusted.summary if survey.adjusted is not None else AdjustSummary()
-    rows = (
-        []
-        if summary.navigation is None
-        else _sensor_errors(survey, summary.navigation, summary.navigation_sigma)
-    )
+    rows = list[tuple[str, str]]()
+    if summary.navigation is not None:
+        rows += _sensor_errors(survey, summary.navigation, summary.navigation_sigma)
     for camera, parameters in summary.intrinsics.items():
-        rows += [
-            (
-                f"Camera {camera}, {name}",
-                f"{with_sigma(p.found, p.sigma, '').strip()} (calibrated {p.calibrated:.6g})",
-            )
-            for name, p in parameters.items()
-        ]
+        for name, p in parameters.items():
+            found = with_sigma(p.found, p.sigma, "").strip()
+            rows.append((f"Camera {camera}, {name}", f"{found} (calibrated {p.calibrated:.6g})"))
     return WordTable(
         name="calibration",
-        caption="Errors of the sensors (measured less true) as the adjustment estimated and took them out; without ± the sigma "
-        "is not known",
+        caption="Errors of the sensors (measured less true) as the adjustment estimated and took "
+        "them out; without ± the sigma is not known",
         headings=("Sensor", "Estimate"),
         rows=rows,
     )
@@ -132,43 +117,45 @@ def _calibration(survey: Survey) -> WordTable:
 def _sensor_errors(
     survey: Survey, found: SensorErrors, sigma: SensorErrors
 ) -> list[tuple[str, str]]:
-    """Return a row for each error of a sensor that was carried. Scale and drift were estimated as
-    what corrects the sensor: its error has the other sign. The tray's backlash is left out: its
-    sigma does not hold against truth.
+    """Return a row for each error of a sensor that was carried.
+
+    Scale and drift were estimated as what corrects the sensor: its error has the other sign. The
+    tray's backlash is left out, since its sigma does not hold against truth.
     """
-    rows = []
-    if survey.facts.dvl is not None:
-        scale, scale_sigma = -100 * found.dvl_scale, 100 * sigma.dvl_scale
-        rows.append(
-            ("Scale error of the DVL's velocities", error_with_sigma(scale, scale_sigma, " %"))
-        )
-    if survey.facts.has_attitude:
-        drift, drift_sigma = (
-            3600 * math.degrees(v) for v in (-found.heading_drift_rad_s, sigma.heading_drift_rad_s)
-        )
-        rows += [
-            ("Drift of the heading", error_with_sigma(drift, drift_sigma, "° per hour")),
+    facts, degree = survey.facts, math.degrees(1.0)
+    per_hour = 3600 * degree
+    errors = (
+        (
+            facts.dvl is not None,
+            "Scale error of the DVL's velocities",
+            (-100 * found.dvl_scale, 100 * sigma.dvl_scale, " %"),
+        ),
+        (
+            facts.has_attitude,
+            "Drift of the heading",
             (
-                "Bias of roll",
-                error_with_sigma(
-                    math.degrees(found.roll_bias_rad), math.degrees(sigma.roll_bias_rad), "°"
-                ),
+                -per_hour * found.heading_drift_rad_s,
+                per_hour * sigma.heading_drift_rad_s,
+                "° per hour",
             ),
-            (
-                "Bias of pitch",
-                error_with_sigma(
-                    math.degrees(found.pitch_bias_rad), math.degrees(sigma.pitch_bias_rad), "°"
-                ),
-            ),
-        ]
-    if survey.facts.has_depth:
-        rows.append(
-            (
-                "Bias of the depth",
-                error_with_sigma(1000 * found.depth_bias_m, 1000 * sigma.depth_bias_m, " mm"),
-            )
-        )
-    return rows
+        ),
+        (
+            facts.has_attitude,
+            "Bias of roll",
+            (degree * found.roll_bias_rad, degree * sigma.roll_bias_rad, "°"),
+        ),
+        (
+            facts.has_attitude,
+            "Bias of pitch",
+            (degree * found.pitch_bias_rad, degree * sigma.pitch_bias_rad, "°"),
+        ),
+        (
+            facts.has_depth,
+            "Bias of the depth",
+            (1000 * found.depth_bias_m, 1000 * sigma.depth_bias_m, " mm"),
+        ),
+    )
+    return [(name, error_with_sigma(*numbers)) for carried, name, numbers in errors if carried]
 
 
 def _times(survey: Survey) -> WordTable:
@@ -179,7 +166,9 @@ def _times(survey: Survey) -> WordTable:
             total += float(seconds)
             held = f"{memory / 1e6:,.0f} MB" if isinstance(memory, int | float) else "–"
             rows.append((step.name, duration(float(seconds)), held))
-    caption = f"Time and memory by step: {duration(total)} for {count(len(rows), 'step')}, this report's own not counted"
-    return WordTable(
-        name="times", caption=caption, headings=("Step", "Time", "Most memory held"), rows=rows
+    caption = (
+        f"Time and memory by step: {duration(total)} for {count(len(rows), 'step')}, "
+        "this report's own not counted"
     )
+    headings = ("Step", "Time", "Most memory held")
+    return WordTable(name="times", caption=caption, headings=headings, rows=rows)

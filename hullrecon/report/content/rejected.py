@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Section 9 and the parameters: what was lost, rejected or not delivered, and every resolved
-option.
-"""
+"""What was lost, rejected or not delivered, and every resolved option."""
 
 from __future__ import annotations
 
@@ -16,14 +14,10 @@ from hullrecon.report.survey import StepRun, Survey
 
 
 def rejected_groups(survey: Survey) -> list[tuple[str, list[str]]]:
-    """Return what was lost, rejected or not delivered, by heading; headings without an item are
-    left out.
-    """
+    """Return what was lost, rejected or not delivered, by heading with at least one item."""
     facts = survey.facts
-    pairs = [
-        f"{reason}: {count(number, 'pair')}"
-        for reason, number in sorted(facts.pairs.failed.items())
-    ]
+    failed = sorted(facts.pairs.failed.items())
+    pairs = [f"{reason}: {count(number, 'pair')}" for reason, number in failed]
     navigation = facts.navigation
     outages = [f"no DVL {_between(navigation, interval)}" for interval in navigation.outages_s]
     gaps = [
@@ -82,21 +76,16 @@ def settings_rows(steps: Iterable[StepRun]) -> list[tuple[str, str]]:
 def _flatten(values: Mapping[str, object], above: str = "") -> list[tuple[str, object]]:
     out: list[tuple[str, object]] = []
     for key, value in values.items():
-        out += (
-            _flatten(value, f"{above}{key}.")
-            if isinstance(value, Mapping)
-            else [(above + key, value)]
-        )
+        if isinstance(value, Mapping):
+            out += _flatten(value, f"{above}{key}.")
+        else:
+            out.append((above + key, value))
     return out
 
 
 def _value(value: object) -> str:
     if isinstance(value, Mapping):
         return " ".join(f"{key} {_value(member)}" for key, member in value.items())
-    return (
-        ", ".join(map(_value, value))
-        if isinstance(value, list | tuple)
-        else "not set"
-        if value is None
-        else str(value)
-    )
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_value, value))
+    return "not set" if value is None else str(value)

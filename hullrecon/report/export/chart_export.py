@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The chart itself, for programs without hullrecon: chart.ply, a mesh that knows its chart
-coordinates, and chart.json, which says how to go from them to the ship and back.
-"""
+"""The chart for programs without hullrecon: as a mesh, and how to go from it to the ship."""
 
 from __future__ import annotations
 
@@ -22,33 +20,33 @@ STEP_M = 0.1  # between vertices: 0.6 mm off a bilge of 2 m radius
 MAX_VERTICES = 250_000  # of a larger survey the step is longer
 MARGIN_M = 0.5  # around what was seen
 TO_POINT = (
-    "along = along_from_x * x, girth = girth_from_y * y. In chart.ply find the face whose corners' (along, girth) hold the "
-    "point and interpolate x, y, z and nx, ny, nz linearly: the point on the hull, and the outward normal there. What lies off "
-    "the hull by an offset (deviation.tif, a height) is the point plus offset times normal."
+    "along = along_from_x * x, girth = girth_from_y * y. In chart.ply find the face whose corners' "
+    "(along, girth) hold the point and interpolate x, y, z and nx, ny, nz linearly: the point on "
+    "the hull, and the outward normal there. What lies off the hull by an offset (deviation.tif, a "
+    "height) is the point plus offset times normal."
 )
 TO_CHART = (
-    "The inverse: find the face, the place on it and the offset for which point plus offset times normal, both interpolated as "
-    "above, is the given point (Newton's method from the closest point takes some steps). x = along / along_from_x, "
-    "y = girth / girth_from_y. The closest point itself, at which the objects' outlines and deviation.tif lie, is up to offset "
-    "times the angle between neighbouring faces away."
+    "The inverse: find the face, the place on it and the offset for which point plus offset times "
+    "normal, both interpolated as above, is the given point (Newton's method from the closest "
+    "point takes some steps). x = along / along_from_x, y = girth / girth_from_y. The closest "
+    "point itself, at which the objects' outlines and deviation.tif lie, is up to offset times the "
+    "angle between neighbouring faces away."
 )
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChartMesh:
-    """The chart as a mesh: along_girth (n, 2) m, points and outward normals (n, 3), faces (m, 3),
-    outward; step_m between vertices.
-    """
+    """The chart as a mesh."""
 
-    along_girth: Array
-    points: Array
-    normals: Array
-    faces: Ints
-    step_m: float
+    along_girth: Array  # (n, 2) m, of the vertices
+    points: Array  # (n, 3) m
+    normals: Array  # (n, 3) outward
+    faces: Ints  # (m, 3) outward
+    step_m: float  # between vertices
 
 
 def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
-    """Return the part of a chart around points (n, 3) that were seen, on a lattice."""
+    """Sample the part of a chart around points (n, 3) that were seen on a lattice."""
     at = chart.to_chart(seen)[:, :2]
     at = at[np.isfinite(at).all(axis=1)]
     low, high = at.min(axis=0) - MARGIN_M, at.max(axis=0) + MARGIN_M

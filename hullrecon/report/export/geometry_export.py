@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Landmarks and surfaces as PLY, and the alignment as JSON: the deliverables that other programs
-read.
-"""
+"""Landmarks and surfaces as PLY, and the alignment as JSON, for other programs."""
 
 from __future__ import annotations
 
@@ -16,7 +14,6 @@ from hullrecon.dive.config.schema import Hull
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.solution import HullPose, Solution
 from hullrecon.records.surface import DeviationSplit, Surface
-from hullrecon.report.content.frame_words import frame_in_words
 from hullrecon.report.export.ply import columns, ply_bytes
 from hullrecon.report.survey import Survey
 
@@ -29,14 +26,15 @@ def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
 def header_comments(survey: Survey) -> list[str]:
     """Return what the header of each PLY says: frame and units."""
     return [
-        f"frame {survey.track.frame}: {frame_in_words(survey)}",
+        f"frame {survey.track.frame}: {survey.frame_in_words}",
         "unit metre; sigma is one standard deviation",
     ]
 
 
 def landmarks_ply(survey: Survey, solution: Solution) -> bytes:
-    """Return landmarks.ply (docs/deliverables.md). sigma is that of one axis: the square root of a
-    third of the covariance's trace.
+    """Return landmarks.ply (docs/deliverables.md).
+
+    sigma is that of one axis: the square root of a third of the covariance's trace.
     """
     sigma = np.sqrt(np.einsum("nii->n", solution.landmarks.covariance) / 3)
     color = {
@@ -56,8 +54,9 @@ def landmarks_ply(survey: Survey, solution: Solution) -> bytes:
 
 
 def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None = None) -> bytes:
-    """Return the bytes of surface.ply and as_found.ply (docs/deliverables.md), the latter with the
-    form of the deviation, NaN without a CAD model.
+    """Return surface.ply or as_found.ply (docs/deliverables.md).
+
+    The latter has the form of the deviation, NaN without a CAD model.
     """
     values = {
         "deviation": surface.deviation.astype(np.float32),
@@ -84,16 +83,16 @@ def motion_document(motion: Poses) -> dict[str, list[float]]:
 def alignment_document(
     hull_pose: HullPose, hull: Hull, weak_directions: Sequence[Mapping[str, object]]
 ) -> dict[str, object]:
-    """Return alignment.json (docs/deliverables.md): T_g_M, the guess before, and the directions
-    that stay uncertain.
+    """Return alignment.json (docs/deliverables.md): T_g_M, its first guess, what is uncertain.
 
-    covariance: of where the hull lies given the dive's own frame, with the CAD model's error in it
-    (HullPose.covariance).
+    The covariance is that of where the hull lies in the dive's own frame, with the CAD model's
+    error in it (HullPose.covariance).
     """
     return {
         "T_g_M": motion_document(hull_pose.global_from_hull),
         "covariance": hull_pose.covariance.tolist(),
-        "covariance_order": "translation x y z in g (m), rotation x y z perturbed on the right (rad), about survey_center",
+        "covariance_order": "translation x y z in g (m), "
+        "rotation x y z perturbed on the right (rad), about survey_center",
         "survey_center": hull_pose.survey_center.tolist(),
         "prior": {
             **motion_document(from_mount(hull.pose)),

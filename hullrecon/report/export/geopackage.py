@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A GeoPackage (OGC 12-128r18) of points and polygons as bytes: an SQLite database of the
-standard's tables.
-"""
+"""Layers of points and polygons as a GeoPackage (OGC 12-128r18) and as GeoJSON."""
 
 from __future__ import annotations
 
@@ -13,45 +11,81 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.typing import Array
 
 SRS_ID = 100_000  # of the local coordinate system; EPSG's own end below it
 APPLICATION_ID, USER_VERSION = 0x47504B47, 10300  # "GPKG", version 1.3
 TYPES = {int: "INTEGER", float: "DOUBLE", str: "TEXT"}
 SCHEMA = """
-CREATE TABLE gpkg_spatial_ref_sys (srs_name TEXT NOT NULL, srs_id INTEGER NOT NULL PRIMARY KEY, organization TEXT NOT NULL,
+CREATE TABLE gpkg_spatial_ref_sys (srs_name TEXT NOT NULL, srs_id INTEGER NOT NULL PRIMARY KEY, \
+organization TEXT NOT NULL,
  organization_coordsys_id INTEGER NOT NULL, definition TEXT NOT NULL, description TEXT);
-CREATE TABLE gpkg_contents (table_name TEXT NOT NULL PRIMARY KEY, data_type TEXT NOT NULL, identifier TEXT UNIQUE,
- description TEXT DEFAULT '', last_change DATETIME NOT NULL, min_x DOUBLE, min_y DOUBLE, max_x DOUBLE, max_y DOUBLE,
+CREATE TABLE gpkg_contents (table_name TEXT NOT NULL PRIMARY KEY, data_type TEXT NOT NULL, \
+identifier TEXT UNIQUE,
+ description TEXT DEFAULT '', last_change DATETIME NOT NULL, min_x DOUBLE, min_y DOUBLE, \
+max_x DOUBLE, max_y DOUBLE,
  srs_id INTEGER REFERENCES gpkg_spatial_ref_sys(srs_id));
-CREATE TABLE gpkg_geometry_columns (table_name TEXT NOT NULL UNIQUE REFERENCES gpkg_contents(table_name),
- column_name TEXT NOT NULL, geometry_type_name TEXT NOT NULL, srs_id INTEGER NOT NULL REFERENCES gpkg_spatial_ref_sys(srs_id),
+CREATE TABLE gpkg_geometry_columns (table_name TEXT NOT NULL UNIQUE REFERENCES \
+gpkg_contents(table_name),
+ column_name TEXT NOT NULL, geometry_type_name TEXT NOT NULL, srs_id INTEGER NOT NULL REFERENCES \
+gpkg_spatial_ref_sys(srs_id),
  z TINYINT NOT NULL, m TINYINT NOT NULL, PRIMARY KEY (table_name, column_name));
 """
 WGS84 = (
-    'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],'
-    'UNIT["degree",0.0174532925199433]]'
+    'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],'
+    'PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]]'
 )
+
+
+Fields = Mapping[str, int | float | str | None]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layer:
-    """Features of one kind: polygons, closed rings (k, 2), or points (1, 2) in map coordinates, and
-    for each its fields: whole numbers, numbers, words or None, the same names in the same order.
-    """
+    """Features of one kind."""
 
     name: str
     description: str
-    polygons: bool
-    shapes: Sequence[Array]
-    fields: Sequence[Mapping[str, int | float | str | None]]
-    types: Mapping[str, type]
+    polygons: bool  # else points
+    shapes: Sequence[Array]  # open rings (k, 2), or points (1, 2), in map coordinates
+    fields: Sequence[Fields]  # of each shape
+    types: Mapping[str, type]  # int, float or str of each field, in order
+
+
+def geojson(layer: Layer, outside: OutsideMap, ids: Sequence[object]) -> dict[str, object]:
+    """Return polygons as GeoJSON.
+
+    Its coordinates are metres of the map, not degrees: the member `crs` of the 2008 specification
+    tells programs that read it.
+    """
+    features = []
+    for number, ring, fields in zip(ids, layer.shapes, layer.fields, strict=True):
+        corners = [*ring.round(5).tolist(), ring[0].round(5).tolist()]
+        geometry = {"type": "Polygon", "coordinates": [corners]}
+        properties = dict(fields)
+        features.append(
+            {"type": "Feature", "id": number, "properties": properties, "geometry": geometry}
+        )
+    return {
+        "type": "FeatureCollection",
+        "name": layer.name,
+        "crs": {"type": "name", "properties": {"name": outside.wkt}},
+        "features": features,
+    }
+
+
+def geopackage(layers: Sequence[Layer], outside: OutsideMap, t_ns: int) -> bytes:
+    """Return layers of a map as a GeoPackage.
+
+    t_ns: of the dive's last pose, which stands for the time of the file: equal runs are equal.
+    """
+    changed = f"{np.datetime64(t_ns, 'ns').astype('datetime64[ms]')}Z"
+    return geopackage_bytes(layers, outside.name, outside.wkt, changed)
 
 
 def geopackage_bytes(layers: Sequence[Layer], crs_name: str, wkt: str, changed: str) -> bytes:
-    """Return the file. changed: time of the last change, ISO 8601: that of the dive, so that equal
-    runs give equal bytes.
-    """
+    """Return the file; changed: time of its last change, ISO 8601."""
     database = sqlite3.connect(":memory:")
     try:
         database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
@@ -74,11 +108,9 @@ def geopackage_bytes(layers: Sequence[Layer], crs_name: str, wkt: str, changed: 
 
 def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None:
     corners = np.concatenate([np.zeros((0, 2)), *layer.shapes])
-    box = (
-        [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()]
-        if len(corners)
-        else [None] * 4
-    )
+    box: list[float | None] = [None] * 4
+    if len(corners):
+        box = [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()]
     entry = (layer.name, "features", layer.name, layer.description, changed, *box, SRS_ID)
     database.execute("INSERT INTO gpkg_contents VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", entry)
     kind = "POLYGON" if layer.polygons else "POINT"
@@ -87,9 +119,8 @@ def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None
         (layer.name, kind, SRS_ID),
     )
     fields = "".join(f', "{name}" {TYPES[of]}' for name, of in layer.types.items())
-    database.execute(
-        f'CREATE TABLE "{layer.name}" (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, geom {kind}{fields})'
-    )
+    key = "fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL"
+    database.execute(f'CREATE TABLE "{layer.name}" ({key}, geom {kind}{fields})')
     marks = ", ".join("?" * (1 + len(layer.types)))
     names = ", ".join(["geom", *(f'"{name}"' for name in layer.types)])
     rows = [
@@ -100,8 +131,9 @@ def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None
 
 
 def geometry_blob(shape: Array, polygon: bool) -> bytes:
-    """Return a polygon of one ring (k, 2), closed here, or a point (1, 2), as GeoPackage stores it:
-    header with the envelope of polygons, then WKB, little endian.
+    """Encode a polygon of one ring (k, 2), closed here, or a point (1, 2).
+
+    A header, with the envelope of polygons, then WKB, little endian.
     """
     ring = np.vstack([shape, shape[:1]]) if polygon else shape
     head = b"GP" + struct.pack("<BBi", 0, 0b011 if polygon else 0b001, SRS_ID)

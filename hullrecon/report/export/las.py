@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull as found as a point cloud (ASPRS LAS 1.4), for programs of surveyors: what was seen of
-it, with sigma.
-"""
+"""The hull as found as a point cloud (ASPRS LAS 1.4), for programs of surveyors."""
 
 from __future__ import annotations
 
@@ -30,10 +28,20 @@ def las_bytes(
     by_images: bool = True,
     up: Sequence[float] | Array = (0.0, 0.0, 1.0),
 ) -> bytes:
-    """Return as_found.las (docs/deliverables.md): the seen vertices in frame M or g. split: the
-    deviation's parts, None without a CAD model; then there is no deviation. t_ns: time of the
-    dive's last pose, which stands for that of the file. by_images: what the support counts, else
-    returns of the DVL. up (3,): the axis that points up in M.
+    """Return as_found.las (docs/deliverables.md): the seen vertices, with their sigmas.
+
+    Parameters
+    ----------
+    split
+        Parts of the deviation, None without a CAD model.
+    frame
+        M or g.
+    t_ns
+        Time of the dive's last pose, which stands for that of the file.
+    by_images
+        Whether the support counts images, else returns of the DVL.
+    up
+        (3,) the axis that points up in M.
     """
     import laspy
 
@@ -70,8 +78,9 @@ def las_bytes(
 
 
 def frame_wkt(frame: str, up: Sequence[float] | Array = (0.0, 0.0, 1.0)) -> str:
-    """Return a local engineering system of three axes in WKT 1, as LAS asks for: metres, tied to no
-    place on Earth. up (3,): in M; the level axes have the names that a chart on paper gives them.
+    """Return a local engineering system of three axes in WKT 1: metres, tied to no place on Earth.
+
+    up (3,): in M. The level axes have the names that a chart on paper gives them.
     """
     name, datum, ways = "hull frame of the ship (M)", "the ship", _ways(np.asarray(up, float))
     if frame != "M":
@@ -85,9 +94,7 @@ def frame_wkt(frame: str, up: Sequence[float] | Array = (0.0, 0.0, 1.0)) -> str:
 
 
 def _ways(up: Array) -> tuple[str, ...]:
-    """Return where x, y, z of a right-handed frame point, of which one is level to the right
-    (east).
-    """
+    """Name where x, y, z of a right-handed frame point, with a level one to the right as east."""
     turn = gltf_from(up)[:3, :3]  # rows east, up, south
     names = (("EAST", "WEST"), ("UP", "DOWN"), ("SOUTH", "NORTH"))
     row = np.argmax(np.abs(turn), axis=0)

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The objects as layers over the orthos: objects.geojson and objects.gpkg, in the map coordinates
-of the rasters.
-"""
+"""The objects as layers over the orthos: their outlines and centers in map coordinates."""
 
 from __future__ import annotations
 
@@ -13,9 +11,10 @@ import numpy as np
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.records.deliverables import ReportedObject
-from hullrecon.report.export.geopackage import Layer, geopackage_bytes
+from hullrecon.report.export.geopackage import Fields, Layer
 from hullrecon.typing import Array
 
+# of a feature, as in objects.json, metres
 FIELDS: dict[str, type] = {
     "id": int,
     "kind": str,
@@ -41,44 +40,42 @@ FIELDS: dict[str, type] = {
     "open_edge": float,
     "address": str,
 }
-Fields = dict[str, int | float | str | None]
 
 
 def object_layers(
     objects: Sequence[ReportedObject], photos: Collection[int], chart: Chart, outside: OutsideMap
 ) -> list[Layer]:
-    """Return outlines and centers of objects, those without an outline on the chart left out of the
-    first; photos: ids of those with a photo file.
+    """Return outlines, of objects that have one on the chart, and centers.
+
+    photos: ids of the objects with a photo file.
     """
-    fields = [object_fields(found, photos) for found in objects]
-    rings = [_on_map(found.outline, chart, outside) for found in objects]
-    drawn = [k for k, ring in enumerate(rings) if len(ring) >= 3]
+    outlines = [_on_map(found.outline, chart, outside) for found in objects]
     centers = [_on_map((found.center,), chart, outside) for found in objects]
-    placed = [k for k, center in enumerate(centers) if len(center)]
-    types = {**FIELDS, "photo": str}
-    return [
-        Layer(
-            name="objects",
-            description="outlines of the objects' footprints",
-            polygons=True,
-            types=types,
-            shapes=[rings[k] for k in drawn],
-            fields=[fields[k] for k in drawn],
-        ),
-        Layer(
-            name="object_centers",
-            description="the objects' centers",
-            polygons=False,
-            types=types,
-            shapes=[centers[k] for k in placed],
-            fields=[fields[k] for k in placed],
-        ),
-    ]
+    fields = [object_fields(found, photos) for found in objects]
+    kinds = (
+        ("objects", "outlines of the objects' footprints", True, outlines, 3),
+        ("object_centers", "the objects' centers", False, centers, 1),
+    )
+    layers = []
+    for name, description, polygons, shapes, least in kinds:
+        kept = [k for k, shape in enumerate(shapes) if len(shape) >= least]
+        layer = Layer(
+            name=name,
+            description=description,
+            polygons=polygons,
+            types={**FIELDS, "photo": str},
+            shapes=[shapes[k] for k in kept],
+            fields=[fields[k] for k in kept],
+        )
+        layers.append(layer)
+    return layers
 
 
 def object_fields(found: ReportedObject, photos: Collection[int]) -> Fields:
-    """Return the fields of a feature, as in objects.json, metres."""
-    values: Fields = {name: getattr(found, name) for name in FIELDS if name != "kind"}
+    """Return the fields of a feature."""
+    values: dict[str, int | float | str | None] = {
+        name: getattr(found, name) for name in FIELDS if name != "kind"
+    }
     return values | {
         "kind": "protrusion" if found.height >= 0 else "recess",
         "photo": photo_name(found.id) if found.id in photos else None,
@@ -88,36 +85,6 @@ def object_fields(found: ReportedObject, photos: Collection[int]) -> Fields:
 def photo_name(number: int) -> str:
     """Return the file of an object's photo, below deliver/."""
     return f"objects/{number}.jpg"
-
-
-def objects_geojson(layers: Sequence[Layer], outside: OutsideMap) -> dict[str, object]:
-    """Return objects.geojson: the outlines. Its coordinates are metres of the map, not degrees,
-    which the member `crs` of the 2008 specification says to programs that read it.
-    """
-    outlines = layers[0]
-    return {
-        "type": "FeatureCollection",
-        "name": "objects",
-        "crs": {"type": "name", "properties": {"name": outside.wkt}},
-        "features": [
-            {
-                "type": "Feature",
-                "id": fields["id"],
-                "properties": dict(fields),
-                "geometry": {
-                    "type": "Polygon",
-                    "coordinates": [[*ring.round(5).tolist(), ring[0].round(5).tolist()]],
-                },
-            }
-            for ring, fields in zip(outlines.shapes, outlines.fields, strict=True)
-        ],
-    }
-
-
-def objects_gpkg(layers: Sequence[Layer], outside: OutsideMap, t_ns: int) -> bytes:
-    """Return objects.gpkg; t_ns: time of the dive's last pose, which stands for that of the file."""
-    changed = f"{np.datetime64(t_ns, 'ns').astype('datetime64[ms]')}Z"
-    return geopackage_bytes(layers, outside.name, outside.wkt, changed)
 
 
 def _on_map(points: Sequence[Sequence[float]], chart: Chart, outside: OutsideMap) -> Array:

@@ -17,10 +17,9 @@ def ply_bytes(
     faces: NDArray[np.integer] | None = None,
     comments: Sequence[str] = (),
 ) -> bytes:
-    """Return a PLY of vertex properties (n,) in the order given, float32, float64, uint8 or int32,
-    and triangles (m, 3), with comments in its header.
+    """Return a PLY of vertex properties (n,), in the order given, and triangles (m, 3).
 
-    Raises KeyError for a property of another type.
+    Raises KeyError for a property that is not float32, float64, uint8 or int32.
     """
     columns = {name: np.asarray(values) for name, values in vertex.items()}
     count = len(next(iter(columns.values())))
@@ -44,7 +43,8 @@ def ply_bytes(
 
 
 def columns(points: NDArray[np.float64]) -> dict[str, NDArray[np.generic]]:
-    """Return x, y, z of (n, 3) points as double: a float has steps of 4 mm at a ship's length from
-    a harbour's origin.
+    """Return x, y, z of points (n, 3) as double.
+
+    Single precision has steps of 4 mm at a ship's length from a harbour's origin.
     """
     return {name: np.ascontiguousarray(points[:, k]) for k, name in enumerate("xyz")}

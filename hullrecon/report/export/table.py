@@ -1,15 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tables whose columns say their unit and meaning: the CSV, and csv-metadata.json beside it (CSV on
-the Web, W3C).
-"""
+"""Tables whose columns say their unit and meaning: CSV, and csv-metadata.json (CSV on the Web)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from hullrecon.report.export.csv_export import csv_text
+import numpy as np
+from numpy.typing import NDArray
 
 QUDT = "http://qudt.org/vocab/unit/"
 UNITS = {"m": "M", "rad": "RAD", "s": "SEC", "m2": "M2", "m3": "M3"}  # names of QUDT
@@ -17,27 +16,23 @@ UNITS = {"m": "M", "rad": "RAD", "s": "SEC", "m2": "M2", "m3": "M3"}  # names of
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """A column of a table. name: without its unit; unit: "" for numbers without one and for words;
-    words: whether its cells are.
-    """
+    """A column of a table."""
 
-    name: str
-    unit: str
+    name: str  # without its unit
+    unit: str  # "" of words and of numbers without one
     meaning: str
     values: Sequence[object]
-    words: bool = False
+    words: bool = False  # whether its cells are words
 
     @property
     def heading(self) -> str:
-        """Return what the table's first row calls it: the name, and its unit where it has one
-        (`sigma_x_m`).
-        """
+        """Return what the first row calls it: the name and, if it has one, its unit."""
         return f"{self.name}_{self.unit}" if self.unit else self.name
 
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """A table and what a row of it is."""
+    """A table, and what a row of it is."""
 
     file: str
     title: str
@@ -50,9 +45,7 @@ class Table:
 
 
 def csv_metadata(tables: Sequence[Table]) -> Mapping[str, object]:
-    """Return csv-metadata.json: a group of tables, each with name, unit, meaning and type of its
-    columns.
-    """
+    """Return csv-metadata.json: name, unit, meaning and type of the columns of tables."""
     return {
         "@context": "http://www.w3.org/ns/csvw",
         "tables": [
@@ -73,6 +66,27 @@ def _entry(column: Column) -> dict[str, str]:
         "datatype": "string" if column.words else "number",
         "dc:description": column.meaning,
     }
-    return entry | (
-        {"unit": column.unit, "qudt:hasUnit": QUDT + UNITS[column.unit]} if column.unit else {}
-    )
+    if column.unit:
+        entry |= {"unit": column.unit, "qudt:hasUnit": QUDT + UNITS[column.unit]}
+    return entry
+
+
+def seconds(t_ns: NDArray[np.int64]) -> list[str]:
+    """Write times as seconds since 1970 with all nine decimals, which a float64 does not hold."""
+    return [f"{t // 10**9}.{t % 10**9:09d}" for t in np.asarray(t_ns, np.int64).tolist()]
+
+
+def numbers(values: NDArray[np.float64], form: str = ".9f") -> list[str]:
+    """Write values as cells; a lost value is an empty one."""
+    return [format(v, form) if np.isfinite(v) else "" for v in np.asarray(values, float).tolist()]
+
+
+def csv_text(table: Mapping[str, Sequence[object]]) -> str:
+    """Write columns as CSV; cells with a comma, a quote or a line end are quoted (RFC 4180)."""
+    rows = zip(*table.values(), strict=True)
+    return "\n".join([",".join(table), *(",".join(_cell(c) for c in row) for row in rows), ""])
+
+
+def _cell(value: object) -> str:
+    text = "" if value is None else str(value)
+    return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"\n\r') else text

@@ -1,19 +1,18 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The trajectory as people take it away: the vehicle in the hull frame (global without a CAD
-model), with sigmas.
-"""
+"""The trajectory as people take it away: the vehicle in the frame of the results, with sigmas."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from hullrecon.geometry.charts.address import is_hull_chart, side_of
 from hullrecon.geometry.charts.tangents import tangents_at
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
-from hullrecon.report.export.chart_coordinates import chart_coordinates
-from hullrecon.report.export.csv_export import numbers, seconds
-from hullrecon.report.export.table import Column, Table
+from hullrecon.report.export.table import Column, Table, numbers, seconds
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
@@ -23,45 +22,55 @@ def track_of(trajectory: Trajectory, solution: Solution | None) -> VehicleTrack:
     return trajectory.track() if solution is None else solution.track()
 
 
+@dataclass(frozen=True, kw_only=True)
+class ChartCoordinates:
+    """Where n points lie on the ship."""
+
+    along: Array  # (n,) m, NaN off the chart
+    girth: Array
+    side: list[str]  # "" off the ship
+    frame: Array  # (n,) number of the ship's frame, NaN without a spacing
+
+
+def chart_coordinates(survey: Survey, points: Array) -> ChartCoordinates:
+    """Lay points (n, 3) in the frame of the results on the chart; without one all are NaN."""
+    chart, hull = survey.surfaces.chart, survey.facts.hull
+    lost = np.full(len(points), np.nan)
+    if chart is None or not len(points):
+        return ChartCoordinates(along=lost, girth=lost, side=[""] * len(points), frame=lost)
+    along, girth = chart.to_chart(points)[:, :2].T
+    on_ship = is_hull_chart(chart)
+    spacing = hull.frame_spacing if hull is not None and on_ship else None
+    return ChartCoordinates(
+        along=along,
+        girth=girth,
+        side=[side_of(float(g)) if on_ship and np.isfinite(g) else "" for g in girth],
+        frame=along / spacing if spacing else lost,
+    )
+
+
 def trajectory_table(survey: Survey) -> Table:
     """Return trajectory.csv (docs/deliverables.md): a row a node."""
     track, frame = survey.track, survey.track.frame
-    place, turn = track.poses.translation, track.poses.quaternion
-    columns = [Column(name="t", unit="s", meaning="since 1970 (UTC)", values=seconds(track.t_ns))]
-    columns += [
-        Column(
-            name=n,
-            unit="m",
-            meaning=f"position of the vehicle in {frame}",
-            values=numbers(place[:, k]),
-        )
-        for k, n in enumerate("xyz")
+    where, turn = f"position of the vehicle in {frame}", f"rotation of the vehicle in {frame}"
+    cells: list[tuple[str, str, str, list[str]]] = [
+        ("t", "s", "since 1970 (UTC)", seconds(track.t_ns))
     ]
-    columns += [
-        Column(
-            name=n,
-            unit="",
-            meaning=f"rotation of the vehicle in {frame}, unit quaternion",
-            values=numbers(turn[:, k]),
-        )
-        for k, n in enumerate(("qx", "qy", "qz", "qw"))
-    ]
-    columns += [
-        Column(
-            name=f"sigma_{n}",
-            unit=unit,
-            meaning=f"one sigma of {what}",
-            values=numbers(track.sigma[:, k], ".6g"),
-        )
-        for k, (n, unit, what) in enumerate(_SIGMAS)
-    ]
-    columns.append(
-        Column(name="tray", unit="rad", meaning="angle of the tray", values=numbers(track.tray))
-    )
+    for name, values in zip("xyz", track.poses.translation.T, strict=True):
+        cells.append((name, "m", where, numbers(values)))
+    for name, values in zip(("qx", "qy", "qz", "qw"), track.poses.quaternion.T, strict=True):
+        cells.append((name, "", f"{turn}, unit quaternion", numbers(values)))
+    for (name, unit, what), values in zip(_SIGMAS, track.sigma[:, :6].T, strict=True):
+        cells.append((f"sigma_{name}", unit, f"one sigma of {what}", numbers(values, ".6g")))
+    cells.append(("tray", "rad", "angle of the tray", numbers(track.tray)))
+    cells += _ship_cells(survey)
     return Table(
         file="trajectory.csv",
         title="the vehicle at every node",
-        columns=[*columns, *_ship_columns(survey)],
+        columns=[
+            Column(name=name, unit=unit, meaning=meaning, values=values, words=name == "side")
+            for name, unit, meaning, values in cells
+        ],
     )
 
 
@@ -75,62 +84,48 @@ _SIGMAS = (
 )
 
 
-def _ship_columns(survey: Survey) -> list[Column]:
-    """Return where on the ship the vehicle stood, and how well that is known."""
+def _ship_cells(survey: Survey) -> list[tuple[str, str, str, list[str]]]:
+    """Return where on the ship the vehicle was, and how well that is known."""
     track = survey.track
     at = chart_coordinates(survey, track.poses.translation)
     along_sigma, girth_sigma = chart_sigmas(survey)
-    lost = np.full(len(at.along), np.nan)
-    depth = vehicle_depth(survey)
-    depth, depth_sigma = (lost, lost) if depth is None else (depth, vehicle_depth_sigma(survey))
-
-    def length(name: str, meaning: str, values: Array, form: str = ".4f") -> Column:
-        return Column(name=name, unit="m", meaning=meaning, values=numbers(values, form))
-
+    depth = depth_sigma = np.full(len(at.along), np.nan)
+    if survey.facts.has_depth:
+        depth, depth_sigma = vehicle_depth(survey), vehicle_depth_sigma(survey)
+    below = "along the hull, of the point below the vehicle"
     return [
-        length("along", "along the hull, of the point below the vehicle", at.along),
-        length("girth", "girth from the keel, port positive", at.girth),
-        Column(name="side", unit="", meaning="port, starboard or keel", values=at.side, words=True),
-        Column(
-            name="frame",
-            unit="",
-            meaning="number of the ship's frame",
-            values=numbers(at.frame, ".3f"),
-        ),
-        length("depth", "below the water surface", depth),
-        length("sigma_along", "one sigma along the hull", along_sigma, ".6g"),
-        length("sigma_girth", "one sigma in girth", girth_sigma, ".6g"),
-        length("depth_sigma", "one sigma of the depth", depth_sigma, ".6g"),
+        ("along", "m", below, numbers(at.along, ".4f")),
+        ("girth", "m", "girth from the keel, port positive", numbers(at.girth, ".4f")),
+        ("side", "", "port, starboard or keel", at.side),
+        ("frame", "", "number of the ship's frame", numbers(at.frame, ".3f")),
+        ("depth", "m", "below the water surface", numbers(depth, ".4f")),
+        ("sigma_along", "m", "one sigma along the hull", numbers(along_sigma, ".6g")),
+        ("sigma_girth", "m", "one sigma in girth", numbers(girth_sigma, ".6g")),
+        ("depth_sigma", "m", "one sigma of the depth", numbers(depth_sigma, ".6g")),
     ]
 
 
 def chart_sigmas(survey: Survey) -> tuple[Array, Array]:
-    """Return one sigma (n,) m of the vehicle along the hull and in girth, by the chart's tangents
-    below it; NaN off the chart.
-    """
+    """Return one sigma (n,) m of the vehicle along the hull and in girth, NaN off the chart."""
     track, chart = survey.track, survey.surfaces.chart
     if chart is None:
         return np.full(len(track.t_ns), np.nan), np.full(len(track.t_ns), np.nan)
-    along, girth = (
-        track.sigma_towards(direction) for direction in tangents_at(chart, track.poses.translation)
-    )
+    along, girth = map(track.sigma_towards, tangents_at(chart, track.poses.translation))
     return along, girth
 
 
-def vehicle_depth(survey: Survey) -> Array | None:
-    """Return the depth (n,) m of the vehicle at the nodes, adjusted where it was; None where none
-    was measured.
-    """
-    if not survey.facts.has_depth:
-        return None
+def vehicle_depth(survey: Survey) -> Array:
+    """Return the depth (n,) m of the vehicle at the nodes, adjusted if it was."""
     if survey.adjusted is not None:
         return survey.adjusted.solution.global_from_vehicle.translation[:, 2]
     return survey.trajectory.translation[:, 2]
 
 
 def vehicle_depth_sigma(survey: Survey) -> Array:
-    """Return one sigma (n,) m of the depth at the nodes: in g that of the position; in M, whose
-    covariance says how the vehicle lies to the hull, that of the pressure sensor's bias and noise.
+    """Return one sigma (n,) m of the depth at the nodes.
+
+    In g it is that of the position. In M, whose covariance says how the vehicle lies to the hull,
+    it is that of the pressure sensor's bias and noise.
     """
     adjusted, nodes = survey.adjusted, len(survey.track.t_ns)
     if adjusted is None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The plots of deliver/plots: how the solution came about, and how the vehicle moved."""
+"""The plots of deliver/plots: the solution, the vehicle's motion, the deviation."""
 
 from __future__ import annotations
 
@@ -9,11 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.records.iterations import broken, reached_cost
 from hullrecon.records.sensors import DvlPings
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.report.content.deviation import weighted_percentiles
 from hullrecon.report.content.phrases import count as phrase
-from hullrecon.report.export.csv_export import numbers, seconds
+from hullrecon.report.content.phrases import signed_range
+from hullrecon.report.export.table import numbers, seconds
 from hullrecon.report.figures.style import (
     BLUE,
     GRAY,
@@ -26,17 +31,51 @@ from hullrecon.report.figures.style import (
     png_bytes,
 )
 from hullrecon.report.step_documents import FactorResiduals
+from hullrecon.report.survey import Survey
 from hullrecon.typing import Array, Arrays, Ints
-
-HEARD_S = 2.0  # between pings of the DVL: over more nothing is known of the distance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+HEARD_S = 2.0  # between pings of the DVL: over more nothing is known of the distance
+NAMES = {  # of the histogram's curves
+    "landmarks": "landmarks, offset included",
+    "as_found": "area seen, offset included",
+    "form": "form of the area seen",
+}
+
+
+def draw_all_plots(survey: Survey) -> list[Plot]:
+    """Draw the plots whose numbers a survey has, in the order of the page."""
+    has_depth = survey.facts.has_depth
+    depth = depth_and_standoff(
+        survey.track.t_ns,
+        survey.trajectory.translation[:, 2] if has_depth else None,
+        survey.facts.dvl,
+    )
+    found = [sigmas(survey.track)] if depth is None else [depth, sigmas(survey.track)]
+    adjusted = survey.adjusted
+    if adjusted is not None:
+        iterations, summary = adjusted.iterations, adjusted.summary
+        if len(iterations.get("cost", ())):
+            found.append(convergence(iterations))
+            if {"on_surface", "label_changes"} <= set(iterations) and adjusted.has_cad_model:
+                found.append(labels(iterations))
+        if set(summary.residuals_before) & set(summary.residuals_after):
+            found.append(residuals(summary.residuals_before, summary.residuals_after))
+    histogram = None
+    if survey.is_in_hull_frame:
+        solution = adjusted.solution if adjusted is not None else None
+        histogram = deviation_histogram(
+            solution, survey.surfaces.as_found, survey.surfaces.deviation
+        )
+    return [*found, histogram] if histogram else found
+
 
 def convergence(iterations: Arrays) -> Plot:
-    """Draw the cost by iteration, and by factor where the record has it; lines break between
-    rounds, whose costs do not compare.
+    """Draw the cost by iteration, and by factor if the record has it.
+
+    Lines break between rounds, whose costs do not compare.
     """
     cost = _reached(iterations)
     rounds = _rounds(iterations, len(cost))
@@ -68,7 +107,8 @@ def convergence(iterations: Arrays) -> Plot:
     if len(falls) == 1:
         alt = f"The cost falls {falls[0]}."
     else:
-        alt = f"The cost falls {', then '.join(falls)}. Costs of two rounds do not compare: sigmas and landmarks change."
+        alt = f"The cost falls {', then '.join(falls)}."
+        alt += " Costs of two rounds do not compare: sigmas and landmarks change."
     table = {
         "round": rounds.tolist(),
         "iteration": step.tolist(),
@@ -81,9 +121,7 @@ def convergence(iterations: Arrays) -> Plot:
 
 
 def labels(iterations: Arrays) -> Plot:
-    """Draw the share of the landmarks on the hull and the labels changed, by iteration [Ozog2016
-    Fig. 4.12], with breaks between rounds.
-    """
+    """Draw the share of landmarks on the hull and the labels changed [Ozog2016 Fig. 4.12]."""
     on, changed = (np.asarray(iterations[k], np.int64) for k in ("on_surface", "label_changes"))
     rounds, step = _rounds(iterations, len(on)), np.arange(len(on))
     of = (
@@ -99,7 +137,8 @@ def labels(iterations: Arrays) -> Plot:
     label_counts(right.yaxis)
     for axis in (left, right):
         _mark_rounds(axis, iterations, rounds, names=False)
-    alt = f"{on[-1]:,} of {of[-1]:,} landmarks end as on the hull; {changed[-1]:,} labels changed at the last iteration."
+    alt = f"{on[-1]:,} of {of[-1]:,} landmarks end as on the hull; "
+    alt += f"{changed[-1]:,} labels changed at the last iteration."
     table = {
         "round": rounds.tolist(),
         "iteration": step.tolist(),
@@ -113,28 +152,20 @@ def labels(iterations: Arrays) -> Plot:
 
 
 def _reached(iterations: Arrays) -> Array:
-    """Return the cost (k,) at the last accepted point; the record's own where it does not say which
-    were.
-    """
+    """Return the cost (k,) at the last accepted point, of the record if it does not tell these."""
     cost = np.asarray(iterations["cost"], float)
-    return (
-        reached_cost(cost, np.asarray(iterations["accepted"], bool))
-        if "accepted" in iterations
-        else cost
-    )
+    if "accepted" not in iterations:
+        return cost
+    return reached_cost(cost, np.asarray(iterations["accepted"], bool))
 
 
 def _rounds(iterations: Arrays, count: int) -> Ints:
-    """Return the round (count,) of each row, 1 where the record does not say."""
-    return (
-        np.asarray(iterations["round"], np.int64)
-        if "round" in iterations
-        else np.ones(count, np.int64)
-    )
+    """Return the round (count,) of each row, 1 if the record does not say."""
+    return np.asarray(iterations.get("round", np.ones(count)), np.int64)
 
 
 def _mark_rounds(axis: Axes, iterations: Arrays, rounds: Ints, names: bool = True) -> None:
-    """Draw a line where each round begins, and what its cost is whitened with."""
+    """Draw a line where each round begins, and the sigma of a pixel in it."""
     starts = np.r_[0, np.flatnonzero(np.diff(rounds)) + 1]
     if len(starts) == 1:
         return
@@ -192,23 +223,21 @@ def residuals(before: Mapping[str, FactorResiduals], after: Mapping[str, FactorR
 
 
 def standoff(dvl: DvlPings) -> Array:
-    """Return the distance (n,) m from the DVL to the hull: the median over the beams of range times
-    the cosine between beam and instrument axis.
+    """Return the distance (n,) m from the DVL to the hull along the instrument's axis.
+
+    It is the median over the beams of range times the cosine between beam and axis.
     """
     depth = dvl.ranges * dvl.beams[:, 2]
-    filled = np.sort(np.where(np.isfinite(depth), depth, np.inf), axis=1)
-    valid = np.isfinite(depth).sum(axis=1)
-    rows = np.arange(len(depth))
-    low, high = (
-        filled[rows, np.maximum(0, (valid - 1) // 2)],
-        filled[rows, np.minimum(valid // 2, depth.shape[1] - 1)],
-    )
-    return np.where(valid > 0, 0.5 * (low + high), np.nan)
+    gap = np.full(len(depth), np.nan)
+    heard = np.isfinite(depth).any(axis=1)
+    gap[heard] = np.nanmedian(depth[heard], axis=1)
+    return gap
 
 
 def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) -> Plot | None:
-    """Draw the depth of the vehicle at the nodes and the distance to the hull, over the time of the
-    dive; without a pressure sensor (depth_m None) or a DVL the other alone, None without both.
+    """Draw depth and distance to the hull over the dive, or the one that was measured.
+
+    depth_m: at the nodes, None without a pressure sensor. None without either.
     """
     gap = standoff(dvl) if dvl is not None and np.isfinite(dvl.ranges).any() else None
     if depth_m is None and gap is None:
@@ -244,9 +273,7 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
 
 
 def _while_heard(t_ns: Ints, heard_ns: Ints, value: Array) -> Array:
-    """Return values at times (n,), NaN where the next that were heard, at heard_ns (m,) ascending,
-    lie more than HEARD_S apart or away.
-    """
+    """Interpolate values to times (n,); NaN in gaps of more than HEARD_S between heard_ns (m,)."""
     after = np.searchsorted(heard_ns, t_ns)
     before = np.clip(after - 1, 0, len(heard_ns) - 1)
     apart_ns = heard_ns[np.clip(after, 0, len(heard_ns) - 1)] - heard_ns[before]
@@ -288,3 +315,68 @@ def sigmas(track: VehicleTrack) -> Plot:
         png=png_bytes(figure),
         table=table,
     )
+
+
+def deviation_histogram(
+    solution: Solution | None, as_found: Surface | None, split: DeviationSplit | None
+) -> Plot | None:
+    """Draw shares of landmarks and of the area seen by distance to the CAD model, and of its form.
+
+    The offset stands in it with its sigma. None without the parts of the deviation.
+    """
+    if as_found is None or split is None:
+        return None
+    area = np.where(as_found.support > 0, vertex_areas(as_found.mesh()), 0.0)
+    groups = {"as_found": (as_found.deviation, area), "form": (split.form, area)}
+    if solution is not None:
+        groups = {
+            "landmarks": (solution.landmarks.deviation, np.ones(len(solution.landmarks))),
+            **groups,
+        }
+    shares = {n: (v[np.isfinite(v)], w[np.isfinite(v)]) for n, (v, w) in groups.items()}
+    shares = {n: (v, w / w.sum()) for n, (v, w) in shares.items() if w.sum() > 0}
+    if "form" not in shares:
+        return None
+    # on the CAD model is the middle of a bin, not a border
+    edges = np.asarray(0.004 * (np.arange(-50, 52) - 0.5), float)
+    figure, (axis,) = new_figure()
+    table = {"from_m": numbers(edges[:-1], ".3f"), "to_m": numbers(edges[1:], ".3f")}
+    for (name, (values, weights)), color in zip(
+        shares.items(), (BLUE, ORANGE, GREEN), strict=False
+    ):
+        share = (
+            100
+            * np.histogram(np.clip(values, edges[0], edges[-1] - 1e-9), edges, weights=weights)[0]
+        )
+        axis.stairs(share, 1000 * edges, color=color, linewidth=1.6, label=NAMES[name])
+        table[f"{name}_percent"] = numbers(np.asarray(share, float), ".6f")
+    offset, sigma = 1000 * float(split.offset), 1000 * float(split.offset_sigma)
+    axis.errorbar(
+        [offset],
+        [60],
+        xerr=[sigma],
+        color=ORANGE,
+        marker="o",
+        markersize=4,
+        capsize=3,
+        label="offset, one sigma",
+    )
+    axis.axvline(0, color=GRAY, linewidth=1)
+    axis.set(xlabel="distance to the CAD model, outward positive (mm)", ylabel="share (%)")
+    axis.set_yscale("symlog", linthresh=0.1)
+    axis.legend(fontsize=8, frameon=False)
+    return Plot(
+        name="deviation_histogram",
+        title="Deviation from the CAD model",
+        alt=f"{_form_words(*shares['form'], split)}; offset of the whole patch {offset:+.0f} mm, "
+        f"one sigma {sigma:.0f} mm.",
+        png=png_bytes(figure),
+        table=table,
+    )
+
+
+def _form_words(form: Array, weight: Array, split: DeviationSplit) -> str:
+    low, high = 1000 * weighted_percentiles(form, weight, (5, 95))
+    sigma = 1000 * float(np.nanmedian(split.form_sigma))
+    spread = f"5th to 95th percentile {signed_range(low, high, 1)} mm"
+    return f"Form: {spread}, median one sigma {sigma:.1f} mm"

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ship as its CAD model has it, seen from the side or from below, with the surveyed patch on
-it, as SVG.
-"""
+"""The ship of the CAD model from the side or below, with the surveyed patch on it, as SVG."""
 
 from __future__ import annotations
 
@@ -28,13 +26,11 @@ STEEL, PATCH = np.array([0.50, 0.58, 0.66]), np.array([0.88, 0.42, 0.10])
 
 @dataclass(frozen=True, kw_only=True)
 class Side:
-    """A way to look at a ship whose axes are forward, port, up. right, up (3,): of the picture;
-    words: where the viewer is.
-    """
+    """A way to look at a ship whose axes are forward, port, up."""
 
-    right: Array
+    right: Array  # (3,) of the picture
     up: Array
-    words: str
+    words: str  # where the viewer is
 
     @property
     def toward(self) -> Array:
@@ -42,7 +38,7 @@ class Side:
         return np.cross(self.right, self.up)
 
     def project(self, points: Array) -> Array:
-        """Return places on the picture (..., 2), metres, of points (..., 3)."""
+        """Return places on the picture (..., 2) m of points (..., 3)."""
         return np.asarray(points @ np.stack([self.right, self.up], axis=1))
 
     @property
@@ -69,8 +65,9 @@ def facing_side(patch: Mesh) -> Side:
 
 
 def ship_svg(ship: Mesh, patch: Mesh) -> tuple[str, str]:
-    """Return the picture, and in words which side it shows; ship, patch: in axes forward, port, up,
-    metres.
+    """Draw a ship with a patch, and name the side that it shows.
+
+    ship, patch: in axes forward, port, up, metres.
     """
     side = facing_side(patch)
     at = side.project(ship.vertices)
@@ -82,27 +79,30 @@ def ship_svg(ship: Mesh, patch: Mesh) -> tuple[str, str]:
         f"The ship from its CAD model, {side.words}; the surveyed patch is in colour. "
         f"The bow is on the {'left' if side.bow_is_left else 'right'}."
     )
+    surveyed = side.project(patch.vertices[np.unique(patch.faces)])
     picture = b64encode(_render(ship, patch, side, (low, high))).decode()
     box = f'x="{MARGIN}" y="{MARGIN}" width="{width:.1f}" height="{height:.1f}"'
     svg = (
         f'<svg class="ship" viewBox="0 0 {WIDTH:.0f} {height + 2 * MARGIN + FOOT:.0f}" role="img" '
-        f'aria-label="{escape(text, quote=True)}" xmlns="http://www.w3.org/2000/svg"><title>{escape(text)}</title>'
+        f'aria-label="{escape(text, quote=True)}" xmlns="http://www.w3.org/2000/svg">'
+        f"<title>{escape(text)}</title>"
         f'<image {box} preserveAspectRatio="none" href="data:image/png;base64,{picture}"/>'
-        f"{_frame(side.project(patch.vertices[np.unique(patch.faces)]), low, scale, height)}{_foot(side, scale, height)}</svg>"
+        f"{_frame(surveyed, low, scale, height)}{_foot(side, scale, height)}</svg>"
     )
     return svg, side.words
 
 
 def _frame(patch: Array, low: Array, scale: float, height: float) -> str:
-    """Return a rectangle around the patch, which is given as places (n, 2) on the picture."""
+    """Draw a rectangle around the patch, given as places (n, 2) on the picture."""
     (x0, y0), (x1, y1) = (patch.min(axis=0) - low) * scale, (patch.max(axis=0) - low) * scale
     x, y = MARGIN + (x0 + x1) / 2, MARGIN + height - (y0 + y1) / 2
     w, h = (max(LEAST_FRAME, span + 12) for span in (x1 - x0, y1 - y0))
-    return f'<rect class="patch" x="{x - w / 2:.1f}" y="{y - h / 2:.1f}" width="{w:.1f}" height="{h:.1f}"/>'
+    box = f'x="{x - w / 2:.1f}" y="{y - h / 2:.1f}" width="{w:.1f}" height="{h:.1f}"'
+    return f'<rect class="patch" {box}/>'
 
 
 def _foot(side: Side, scale: float, height: float) -> str:
-    """Return bow, stern and between them a scale bar, below the ship."""
+    """Draw bow, stern and between them a scale bar, below the ship."""
     y = 2 * MARGIN + height + 8
     left, right = ("bow", "stern") if side.bow_is_left else ("stern", "bow")
     metres = nice_below(0.25 * WIDTH / scale)
@@ -116,9 +116,7 @@ def _foot(side: Side, scale: float, height: float) -> str:
 
 
 def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) -> bytes:
-    """Return the shaded ship with the patch as PNG, transparent around it; it fills the bounds
-    (2,), (2,) of the picture.
-    """
+    """Draw the shaded ship with the patch as PNG, transparent around it, filling the bounds."""
     from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
 
@@ -138,9 +136,7 @@ def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) ->
 
 
 def _halved(png: bytes) -> bytes:
-    """Return a picture of half the size: faces drawn without smoothing leave no seams, and this
-    smooths their outline.
-    """
+    """Halve a picture: faces drawn without smoothing leave no seams; this smooths their outline."""
     from PIL import Image
 
     buffer = BytesIO()

@@ -19,15 +19,13 @@ INK, BLUE, ORANGE, GREEN, GRAY = "#1c2733", "#1f5f99", "#c8541b", "#2b7a4b", "#7
 
 @dataclass(frozen=True, kw_only=True)
 class Plot:
-    """A picture with the numbers behind it: name (file stem), title, alt (what it shows), png,
-    table (columns).
-    """
+    """A picture with the numbers behind it."""
 
-    name: str
+    name: str  # stem of its files
     title: str
-    alt: str
+    alt: str  # what it shows, in words
     png: bytes
-    table: Mapping[str, Sequence[object]]
+    table: Mapping[str, Sequence[object]]  # columns by heading
 
 
 def new_figure(
@@ -56,9 +54,7 @@ def style_axes(axis: Axes) -> None:
 
 
 def label_log_axis(axis: Axis) -> None:
-    """Label a logarithmic axis with plain numbers, not powers of ten: many spans are shorter than a
-    decade.
-    """
+    """Label a logarithmic axis with plain numbers: many spans are shorter than a decade."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""dive_result.mcap: the dive in 3-D and in time, for Foxglove: where the vehicle was, what its DVL
-met, hull and objects.
-"""
+"""dive_result.mcap: the dive in 3-D and in time, for Foxglove."""
 
 from __future__ import annotations
 
@@ -20,7 +18,6 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_matrix, from_rpy, tray_poses
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.surface import Surface
-from hullrecon.report.content.frame_words import frame_in_words
 from hullrecon.report.export.geometry_export import landmarks_in_hull
 from hullrecon.report.foxglove import messages, schemas
 from hullrecon.report.foxglove.messages import Message
@@ -71,7 +68,7 @@ def dive_result_mcap(survey: Survey) -> bytes:
             channels[name] = writer.register_channel(name, "json", number)
     about = {
         "dive": survey.facts.dive.name,
-        "frame": frame_in_words(survey),
+        "frame": survey.frame_in_words,
         "unit": "metre, second, radian",
     }
     writer.add_metadata("hullrecon", about)
@@ -96,8 +93,9 @@ def survey_messages(survey: Survey) -> Iterator[TimedMessage]:
 
 
 def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
-    """Yield where the sensors sit on the tray, and how hull and global frame lie to each other. A
-    viewer's z is up: where that of the frame is not, `global_z_up` or `hull_z_up` is the frame
+    """Yield the sensors' mounts on the tray, and how hull and global frame lie to each other.
+
+    A viewer's z is up: if that of the frame is not, `global_z_up` or `hull_z_up` is the frame
     turned upright.
     """
     rig = survey.facts.rig
@@ -191,9 +189,7 @@ def _dvl_returns(survey: Survey, frame: str) -> Iterator[TimedMessage]:
 
 
 def _columns(points: Array) -> dict[str, NDArray[np.generic]]:
-    """Return x, y, z of points (n, 3) in single precision, a tenth of a millimetre at a ship's
-    length.
-    """
+    """Return x, y, z of points (n, 3) in single precision: 0.1 mm at a ship's length."""
     return {name: points[:, k].astype(np.float32) for k, name in enumerate("xyz")}
 
 
@@ -211,7 +207,7 @@ def _cad_model(mesh: Mesh, t_ns: int, frame: str) -> Message:
 
 
 def _object(found: ReportedObject, t_ns: int, frame: str) -> Message:
-    """Return an object's outline, a label in front of it, and what the table says of it."""
+    """Show an object: its outline, a label in front of it, and facts where it is selected."""
     sigma = "" if found.height_sigma is None else f" ± {1000 * found.height_sigma:.0f}"
     text = f"{found.id}: {1000 * found.height:.0f}{sigma} mm"
     facts = {"height_m": f"{found.height:.4f}", "views": found.views, "address": found.address}

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +55,9 @@ def frame_transform(t_ns: int, parent: str, child: str, poses: Poses, row: int =
 
 
 def point_cloud(t_ns: int, frame: str, columns: Mapping[str, NDArray[np.generic]]) -> Message:
-    """Return points of columns (n,), among them x, y, z, of numpy's types uint8 to float64. Raises
-    ValueError for others.
+    """Return points of columns (n,), among them x, y, z.
+
+    Raises ValueError for a type that is not one of numpy's uint8 to float64.
     """
     rows = np.empty(
         len(columns["x"]),
@@ -63,22 +65,21 @@ def point_cloud(t_ns: int, frame: str, columns: Mapping[str, NDArray[np.generic]
     )
     for name, values in columns.items():
         rows[name] = values
-    offsets = (
-        {name: rows.dtype.fields[name][1] for name in columns}
-        if rows.dtype.fields is not None
-        else {}
-    )
-    kinds = {
-        name: NUMERIC_TYPES.index(values.dtype.name.upper()) for name, values in columns.items()
-    }
+    members: Mapping[str, Any] = rows.dtype.fields or {}
+    fields = [
+        {
+            "name": name,
+            "offset": members[name][1],
+            "type": NUMERIC_TYPES.index(values.dtype.name.upper()),
+        }
+        for name, values in columns.items()
+    ]
     return {
         "timestamp": time(t_ns),
         "frame_id": frame,
         "pose": ORIGIN,
         "point_stride": rows.dtype.itemsize,
-        "fields": [
-            {"name": name, "offset": offsets[name], "type": kinds[name]} for name in columns
-        ],
+        "fields": fields,
         "data": base64.b64encode(rows.tobytes()).decode(),
     }
 
@@ -89,9 +90,15 @@ def scene_update(entities: Sequence[Message]) -> Message:
 
 
 def entity(
-    t_ns: int, frame: str, name: str, *, facts: Mapping[str, object] | None = None, lines: Sequence[Message] = (),
-    texts: Sequence[Message] = (), models: Sequence[Message] = (),
-) -> Message:  # fmt: skip
+    t_ns: int,
+    frame: str,
+    name: str,
+    *,
+    facts: Mapping[str, object] | None = None,
+    lines: Sequence[Message] = (),
+    texts: Sequence[Message] = (),
+    models: Sequence[Message] = (),
+) -> Message:
     """Return a visual element of a scene, which stays; facts are shown where it is selected."""
     return {
         "timestamp": time(t_ns),

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""JSON Schemas of Foxglove's well-known messages, as far as they are written here, and of one
-message of our own.
+"""JSON Schemas of the Foxglove messages that are written here, and of one message of our own.
 
 Foxglove knows a message by its schema's name and decodes its fields by the schema: a `time` and a
 `duration` by their titles, bytes by contentEncoding.

@@ -17,7 +17,7 @@ STEEL = (150, 160, 170, 255)
 
 
 def ship_glb(mesh: Mesh) -> bytes:
-    """Return a CAD model in M as a GLB, thinned where it has more triangles than a viewer can turn."""
+    """Return a CAD model in M as a GLB of at most MAX_FACES triangles."""
     import trimesh
 
     shown = _thinned(mesh)

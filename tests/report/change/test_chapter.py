@@ -12,8 +12,13 @@ import pytest
 from report.change.conftest import hull_change, object_change
 
 from hullrecon.records.change import HullChange
-from hullrecon.report.change.chapter import ChangeChapter, change_chapter, offset_sentence
-from hullrecon.report.change.verdict import outcome, verdict
+from hullrecon.report.change.chapter import (
+    ChangeChapter,
+    change_chapter,
+    offset_sentence,
+    outcome,
+    verdict,
+)
 
 
 def test_the_chapter_says_verdict_and_a_line_a_change(change: HullChange) -> None:

@@ -17,9 +17,7 @@ from report.change.conftest import T_NS, hull_change
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.records.change import HullChange
-from hullrecon.report.change.deliver import change_files, comparison_files
-from hullrecon.report.change.layers import change_layers
-from hullrecon.report.change.table import COLUMNS
+from hullrecon.report.change.files import HEADINGS, change_files, change_layer, comparison_files
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 SCHEMAS = DOCS.parent / "hullrecon" / "report" / "schemas"
@@ -123,7 +121,7 @@ def test_the_offset_is_given_with_its_covariances(document) -> None:
 
 def test_the_table_has_a_line_for_each_and_units_in_its_headings(files: dict[str, bytes]) -> None:
     rows = list(csv.DictReader(io.StringIO(files["change.csv"].decode())))
-    assert list(rows[0]) == list(COLUMNS) == described()
+    assert list(rows[0]) == list(HEADINGS.values()) == described()
     assert [row["status"] for row in rows][-1] == "surface moved"
     assert (rows[3]["change_m"], rows[3]["change_sigma_m"]) == ("0.031", "0.004")
     assert rows[4]["change_m"] == ""
@@ -140,7 +138,7 @@ def test_the_layer_lies_on_the_map_seen_from_outside(files: dict[str, bytes]) ->
 
 
 def test_a_place_without_an_outline_is_a_square(change: HullChange, outside: OutsideMap) -> None:
-    (layer,) = change_layers(change, outside)
+    layer = change_layer(change, outside)
     assert len(layer.shapes) == 7
     assert np.ptp(layer.shapes[2], axis=0) == pytest.approx([0.1, 0.1])
 

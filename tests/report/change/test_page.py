@@ -10,8 +10,8 @@ import pytest
 from report.change.conftest import hull_change
 
 from hullrecon.records.change import HullChange
-from hullrecon.report.change.page import change_page
-from hullrecon.report.change.verdict import verdict
+from hullrecon.report.change.chapter import verdict
+from hullrecon.report.change.files import change_page
 
 PNG = b"\x89PNG not really"
 

@@ -7,7 +7,7 @@ import pytest
 from report.change.conftest import MOVE, hull_change, object_change
 
 from hullrecon.records.change import HullChange
-from hullrecon.report.change.verdict import move_sentence, object_sentence, verdict
+from hullrecon.report.change.chapter import move_sentence, object_sentence, verdict
 
 
 def test_the_verdict_is_one_line_with_what_changed_and_what_would_have_shown(

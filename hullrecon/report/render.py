@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Render report.pdf: the page's content on paper, with page numbers, by WeasyPrint; nothing is read
-but templates and fonts.
-"""
+"""Render the page and the PDF from their templates: self-contained, nothing from a network."""
 
 from __future__ import annotations
 
@@ -15,11 +13,8 @@ from importlib import resources
 from pathlib import Path
 from typing import TypedDict, cast
 
-from hullrecon.report.content.page import read_template, render_template
-
-PDF = "report/report.pdf"  # in deliver/
 _FONT = "font:"  # scheme of the fonts named in print.css
-MAX_CARDS = 40  # of more objects there is a photo with a line; all numbers stand in the annex
+MAX_CARDS = 40  # of more objects the PDF has a photo with a line; all numbers are in its annex
 _PICTURES = "/* Pictures */"  # before the rules of plan and ship in print.css
 
 
@@ -28,7 +23,7 @@ class _Card(TypedDict):
 
 
 class _Shown(TypedDict):
-    """What is looked into of the page's variables; the template takes the others as they are."""
+    """Those of the page's variables that the PDF looks into; its template takes the others."""
 
     sections: Sequence[tuple[str, str]]
     cards: Sequence[_Card]
@@ -36,37 +31,63 @@ class _Shown(TypedDict):
     ship: tuple[str, str] | None
 
 
+def render_page(context: Mapping[str, object]) -> str:
+    """Render the page that people open first, from the variables of page_context."""
+    # built from report/web
+    built = {"script": read_template("report.js"), "style": read_template("report.css")}
+    return render_template("page.html", {**context, **built})
+
+
+def render_template(name: str, variables: Mapping[str, object]) -> str:
+    """Render a template of this package. A variable that is not there is an error.
+
+    Values are escaped, but in style sheets.
+    """
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FunctionLoader(read_template),
+        autoescape=lambda file: file is None or not file.endswith(".css"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(name).render(variables)
+
+
+def read_template(name: str) -> str:
+    """Return a file of report/templates."""
+    return (resources.files("hullrecon.report") / "templates" / name).read_text(encoding="utf-8")
+
+
 def why_no_pdf() -> str | None:
-    """Return why this machine cannot make a PDF, in a sentence; None where it can."""
+    """Say why this machine cannot make a PDF. None if it can."""
     try:
         # where a library is missing, WeasyPrint prints how to install it
         with redirect_stdout(io.StringIO()):
             import weasyprint  # noqa: F401
     except OSError:
-        return "Pango is not installed (Debian packages libpango-1.0-0, libpangoft2-1.0-0, libharfbuzz-subset0)"
+        packages = "libpango-1.0-0, libpangoft2-1.0-0, libharfbuzz-subset0"
+        return f"Pango is not installed (Debian packages {packages})"
     return None
 
 
 def render_pdf(context: Mapping[str, object]) -> bytes:
-    """Return the report as PDF, tagged for screen readers; context: the variables of page_context.
-    Same context, same bytes.
+    """Render the report as PDF, tagged for screen readers, from the variables of page_context.
 
-    Raises OSError where Pango is missing.
+    Same context, same bytes. Raises OSError if Pango is missing.
     """
     import weasyprint
 
     for name in ("weasyprint", "fontTools"):  # they speak of fonts and CSS, not of the dive
         logging.getLogger(name).setLevel(logging.ERROR)
     document = weasyprint.HTML(string=render_html(context), url_fetcher=_fetch, base_url=_FONT)
-    return bytes(
-        document.write_pdf(
-            pdf_variant="pdf/ua-1", pdf_identifier=b"hullrecon", dpi=200, optimize_images=True
-        )
-    )
+    options = {"pdf_variant": "pdf/ua-1", "pdf_identifier": b"hullrecon"}
+    return bytes(document.write_pdf(dpi=200, optimize_images=True, **options))
 
 
 def render_html(context: Mapping[str, object]) -> str:
-    """Return what is laid out on the pages."""
+    """Render what is laid out on the pages of the PDF."""
     shown = cast(_Shown, context)
     # rules of the page do not reach into a picture
     style, _, pictures = read_template("print.css").partition(_PICTURES)
@@ -84,13 +105,14 @@ def render_html(context: Mapping[str, object]) -> str:
 
 
 def _with_style(svg: str, rules: str) -> str:
-    """Return a picture with rules of its own."""
+    """Give a picture rules of its own."""
     return re.sub(r"<svg[^>]*>", lambda found: f"{found[0]}<style>{rules}</style>", svg, count=1)
 
 
 def _fetch(url: str, headers: Mapping[str, str] | None = None) -> object:
-    """Return a font, or a picture of a data URI. Raises ValueError for anything else: nothing comes
-    from disk or network.
+    """Return a font, or a picture of a data URI. Raises ValueError for anything else.
+
+    So nothing comes from disk or network.
     """
     import matplotlib
     from weasyprint.urls import URLFetcher, URLFetcherResponse
@@ -100,10 +122,6 @@ def _fetch(url: str, headers: Mapping[str, str] | None = None) -> object:
     if not url.startswith(_FONT):
         raise ValueError(f"the report names {url.split(':')[0]}")
     name = Path(url.removeprefix(_FONT)).name
-    if name.startswith("DejaVu"):
-        return URLFetcherResponse(
-            url, (Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name).read_bytes()
-        )
-    return URLFetcherResponse(
-        url, (resources.files("hullrecon.report") / "templates" / "fonts" / name).read_bytes()
-    )
+    own = resources.files("hullrecon.report") / "templates" / "fonts" / name
+    font = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name
+    return URLFetcherResponse(url, (font if name.startswith("DejaVu") else own).read_bytes())

@@ -1,0 +1,279 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of what lies on the hull's chart: layers of the page's map, the plan's ground, the form.
+
+A layer fills a rectangle of the map coordinates. Layers come from `survey_layers` alone: a source
+of tiles would be another function beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hullrecon.records.surface import DeviationSplit
+from hullrecon.report.figures.hull_map import (
+    Bounds,
+    ChartedSurface,
+    Extent,
+    HullMap,
+    MapField,
+    Shading,
+    form_shadings,
+    survey_fields,
+)
+from hullrecon.report.figures.style import new_figure, png_bytes
+from hullrecon.report.format_limits import WEBP_SIDE_PX, reduction
+from hullrecon.report.survey import Survey
+from hullrecon.typing import Array, Ints32, Mask, Pixels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import TriMesh
+    from matplotlib.figure import Figure
+
+# of a mosaic: 10 m² at 1 mm a pixel in some 4 MB; the GeoTIFF beside has all of them
+MOST_PIXELS = 12e6
+FIELD_STEP_M = 0.005  # a pixel of a field, which is smooth over centimetres
+MOST_FIELD_PIXELS = 2.5e6  # 10 m by 6 m at that; far below CANVAS_PIXELS, through which it is read
+MOST_NARROW = 12.0  # sides of a map of the form, as drawn
+MOSAIC_TITLES = {"optical": "Camera mosaic", "sonar": "Sonar mosaic"}
+RASTERS = {  # the delivered raster of a layer
+    "optical": "ortho_optical.tif",
+    "sonar": "ortho_sonar.tif",
+    "form": "form.tif",
+    "form_sigma": "form_sigma.tif",
+    "coverage": "support.tif",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapLayer:
+    """A picture on the map."""
+
+    name: str  # stem of ids in the page
+    title: str
+    webp: bytes
+    bounds: Bounds
+    step_m: float  # side of a pixel
+    legend: Shading | None = None  # None for a photograph
+    note: str = ""  # sentences that a reader of the map needs
+
+
+def survey_layers(survey: Survey, view: HullMap) -> list[MapLayer]:
+    """Draw the layers of a dive, the first shown first: mosaics, form, sigma, coverage."""
+    rasters, layers = survey.provenance.copies, list[MapLayer]()
+    for name, mosaic in survey.mosaics.named().items():
+        if RASTERS[name] in rasters:
+            note = f"{mosaic.facts.caption} Contrast stretched."
+            layers.append(mosaic_layer(name, MOSAIC_TITLES[name], rasters[RASTERS[name]], note))
+    if view.found is not None and survey.surfaces.as_found is not None:
+        fields = survey_fields(survey, view.found)
+        layers += [field_layer(view.found, field, view.extent) for field in fields]
+    return [replace(layer, note=f"{layer.note} {_resolution(layer, rasters)}") for layer in layers]
+
+
+def _resolution(layer: MapLayer, rasters: Mapping[str, Path]) -> str:
+    """Say at what resolution a layer is shown, and which delivered raster is finer."""
+    shown, raster = f"Shown at {_millimetres(layer.step_m)} a pixel", RASTERS.get(layer.name)
+    if raster is None or raster not in rasters:
+        return f"{shown}."
+    import rasterio
+
+    with rasterio.open(rasters[raster]) as source:
+        full_m = float(source.res[0])
+    finer = full_m < 0.999 * layer.step_m
+    return f"{shown}; {raster} has {_millimetres(full_m)}." if finer else f"{shown}."
+
+
+def _millimetres(step_m: float) -> str:
+    return f"{1000 * step_m:.1f} mm" if step_m < 0.01 else f"{1000 * step_m:.0f} mm"
+
+
+def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer:
+    """Return an ortho (GeoTIFF) as a layer of at most MOST_PIXELS, its contrast stretched.
+
+    It is transparent where nothing was seen.
+    """
+    import rasterio
+    from rasterio.enums import Resampling
+
+    with rasterio.open(ortho) as source:
+        shrink = reduction(source.width, source.height, WEBP_SIDE_PX, MOST_PIXELS)
+        shape = (max(1, round(source.height / shrink)), max(1, round(source.width / shrink)))
+        bands = (1, 2, 3) if source.count >= 3 else (1, 1, 1)
+        picture = source.read(bands, out_shape=(3, *shape), resampling=Resampling.average)
+        seen = source.dataset_mask(out_shape=shape)
+        left, bottom, right, top = (float(v) for v in source.bounds)
+        step_m = float(source.res[0]) * shrink
+    rgba = np.dstack([*_stretched(np.asarray(picture, np.uint8), seen > 0), seen])
+    bounds = (left, bottom, right, top)
+    return MapLayer(
+        name=name, title=title, webp=webp_bytes(rgba), bounds=bounds, step_m=step_m, note=note
+    )
+
+
+def _stretched(picture: Pixels, seen: Mask) -> Pixels:
+    """Spread the brightness of bands (3, h, w) over the range: water leaves a third of it.
+
+    Colour grows less, or it would glare.
+    """
+    level = picture.mean(axis=0, dtype=np.float32)
+    if not seen.any():
+        return picture
+    low, high = np.percentile(level[seen], (0.5, 99.5))
+    gain = 220 / max(high - low, 25.0)
+    bands = [
+        np.clip(15 + (level - low) * gain + (band - level) * min(gain, 1.25), 0, 255)
+        for band in picture
+    ]
+    return np.stack([band.astype(np.uint8) for band in bands])
+
+
+def field_layer(found: ChartedSurface, field: MapField, extent: Extent) -> MapLayer:
+    """Draw a field over what was seen.
+
+    Pixels have the colours of the legend and no others: the page reads a value from its pixel.
+    """
+    step_m = field_step_m(extent)
+    level, seen = _levels(found, field.values, field.shading, extent, step_m)
+    colours = palette(field.shading.colours)[level]
+    rgba = np.dstack([colours, np.where(seen, 255, 0).astype(np.uint8)])
+    return MapLayer(
+        name=field.name,
+        title=field.title,
+        webp=webp_bytes(rgba, lossless=True),
+        bounds=extent.bounds,
+        step_m=step_m,
+        legend=field.shading,
+        note=field.note,
+    )
+
+
+def field_step_m(extent: Extent) -> float:
+    """Return the side of a pixel of a field's picture, m."""
+    width, height = (span / FIELD_STEP_M for span in extent.size)
+    return FIELD_STEP_M * reduction(width, height, WEBP_SIDE_PX, MOST_FIELD_PIXELS)
+
+
+def palette(name: str) -> Pixels:
+    """Return the colours (256, 3) of a legend, from its low to its high end."""
+    from matplotlib import colormaps
+
+    return np.asarray(np.rint(255 * colormaps[name](np.linspace(0, 1, 256))[:, :3]), np.uint8)
+
+
+def _levels(
+    found: ChartedSurface, values: Array, shading: Shading, extent: Extent, step_m: float
+) -> tuple[Pixels, Mask]:
+    """Return values as levels 0 to 255 of the shading, and where there are any: both (h, w)."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    width, height = (span / step_m for span in extent.size)
+    figure, axis = _filled_figure(extent, width, height)
+    canvas = FigureCanvasAgg(figure)
+    faces = found.seen_faces()
+    faces = faces[np.isfinite(values[faces]).all(axis=1)]
+    _draw(axis, found, faces, np.nan_to_num(values), replace(shading, colours="gray"))
+    canvas.draw()
+    drawn = np.asarray(canvas.buffer_rgba())
+    return np.ascontiguousarray(drawn[..., 0]), np.asarray(drawn[..., 3] >= 128)
+
+
+def webp_bytes(rgba: Pixels, lossless: bool = False) -> bytes:
+    """Encode a picture (h, w, 4) as WebP; lossless keeps every colour as it is."""
+    from PIL import Image
+
+    buffer = BytesIO()
+    picture = Image.fromarray(np.ascontiguousarray(rgba, np.uint8), "RGBA")
+    quality = 60 if lossless else 84
+    picture.save(
+        buffer, format="WEBP", lossless=lossless, exact=lossless, quality=quality, method=3
+    )
+    return buffer.getvalue()
+
+
+def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> bytes:
+    """Draw the seen faces tinted by views, transparent elsewhere, as the plan's ground.
+
+    The picture fills the extent without a frame; a tall one is at most twice width_px high.
+    """
+    width, height = extent.size
+    height_px = width_px * height / width
+    shrink = reduction(width_px, height_px, 2 * width_px)
+    figure, axis = _filled_figure(extent, width_px / shrink, height_px / shrink)
+    views = np.minimum(found.surface.support, 8).astype(float)
+    shading = Shading(colours="GnBu", low=-4, high=12, label="views", extend="max")
+    _draw(axis, found, found.seen_faces(), views, shading)
+    return png_bytes(figure, transparent=True)
+
+
+def form_png(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> bytes:
+    """Draw maps of form (blue inward, red outward) and its sigma, mm, with the objects' numbers.
+
+    They lie below each other, those of a tall hull beside each other.
+    """
+    extent = view.extent
+    width, height = extent.size
+    if height > 1.5 * width:
+        figure, axes = new_figure(7.6, min(9.0, max(4.0, 3.0 * height / width)), columns=2)
+    else:
+        figure, axes = new_figure(7.6, 2 * min(5.0, max(1.8, 6.0 * height / width + 0.6)), rows=2)
+    fields = (1000 * np.nan_to_num(split.form), 1000 * np.nan_to_num(split.form_sigma))
+    for axis, values, shading in zip(axes, fields, form_shadings(found, split) or (), strict=False):
+        drawn = _draw(axis, found, found.seen_faces(), values, shading)
+        if drawn is not None:
+            bar = figure.colorbar(drawn, ax=axis, shrink=0.9, pad=0.01, extend=shading.extend)
+            bar.set_label(shading.label, size=9)
+            bar.ax.tick_params(labelsize=8)
+    # a strip is drawn wider than it is: of 330 m by 2 m nothing would be seen
+    stretch = max(1.0, width / height / MOST_NARROW) / max(1.0, height / width / MOST_NARROW)
+    for axis in axes:
+        axis.set(
+            xlim=extent.limits[0],
+            ylim=extent.limits[1],
+            aspect="equal" if stretch == 1 else stretch,
+            xlabel="along (m)" + (f", {1 / stretch:.0f} times as large" if stretch < 1 else ""),
+            ylabel="girth (m)" + (f",\n{stretch:.0f} times as large" if stretch > 1 else ""),
+        )
+    style = {"boxstyle": "circle", "fc": "white", "lw": 0.8}
+    for placed in view.objects:
+        at = (float(placed.at[0]), float(placed.at[1]))
+        number = str(placed.found.id)
+        axes[0].annotate(number, at, fontsize=8, ha="center", va="center", bbox=style)
+    return png_bytes(figure)
+
+
+def _filled_figure(extent: Extent, width_px: float, height_px: float) -> tuple[Figure, Axes]:
+    """Return a figure of that many pixels, at least one a side, that the extent fills."""
+    from matplotlib.figure import Figure
+
+    size = (max(1.0, width_px) / 100, max(1.0, height_px) / 100)
+    figure = Figure(figsize=size, dpi=100, frameon=False)
+    axis = figure.add_axes((0, 0, 1, 1))
+    axis.set(xlim=extent.limits[0], ylim=extent.limits[1])
+    axis.axis("off")
+    return figure, axis
+
+
+def _draw(
+    axis: Axes, found: ChartedSurface, faces: Ints32, values: Array, shading: Shading
+) -> TriMesh | None:
+    """Colour faces by the values at their corners. None if there are none."""
+    if not len(faces):
+        return None
+    drawn: TriMesh = axis.tripcolor(
+        *np.nan_to_num(found.at).T,  # no face uses a vertex off the chart
+        faces,
+        values,
+        cmap=shading.colours,
+        vmin=shading.low,
+        vmax=shading.high,
+        shading="gouraud",
+    )
+    return drawn

@@ -1,0 +1,233 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page's 3-D view: the hull as found, the rest of the ship, path and objects.
+
+report/web/src/scene.js is given a document, and one packed block of arrays that it points into. All
+arrays are little-endian, each begins at a multiple of four bytes. A vertex is three uint16 inside
+the part's box; its form an int16 in steps of `form_step_m` along a normal of three int8 (in
+127ths), and so its relief, the part of the form that may be exaggerated; its place on the map two
+float32; a triangle three uint32.
+"""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.charts.outside_map import OutsideMap
+from hullrecon.geometry.meshes.mesh import vertex_normals
+from hullrecon.records.deliverables import ReportedObject
+from hullrecon.report.figures.hull_map import HullMap
+from hullrecon.report.survey import Surfaces, Survey
+from hullrecon.typing import Array, Ints, Mask
+
+SceneDocument = Mapping[str, object]
+BLOCK = "scene-block"  # id of the element that holds the packed arrays
+MAX_SURVEYED, MAX_REST = 220_000, 80_000  # triangles: what a telephone still turns smoothly
+MAX_PATH = 2000  # points
+RADIUS_M = 0.4  # of the relief: wider than structures are, narrower than a hull's dents and waves
+SPACING_M = 0.05
+MAX_SAMPLES = 20_000
+_STEPS = 65535
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScenePart:
+    """A mesh of the 3-D view."""
+
+    vertices: Array  # (n, 3) m, of the hull without its form
+    form: Array  # (n,) m along the normals: with it the hull is as found
+    normals: Array  # (n, 3) outward
+    faces: Ints  # (m, 3)
+    chart: Array  # (n, 2) along, girth of the vertices, NaN off the chart
+
+    @property
+    def has_form(self) -> bool:
+        return bool(np.abs(self.form).max(initial=0.0) > 0)
+
+    def as_found(self) -> Array:
+        """Return the vertices of the hull as found."""
+        return self.vertices + self.form[:, None] * self.normals
+
+
+def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]:
+    """Return the surveyed part of the hull and the rest of the ship, None for a part without faces.
+
+    Offset and tilt of the patch are left out: they are not known well enough to be shown as a
+    shape. Without a CAD model the surveyed part has no form.
+    """
+    surface = surfaces.as_found if surfaces.as_found is not None else surfaces.surveyed
+    if surface is None or surfaces.chart is None or not len(surface.faces):
+        return None, None
+    form = np.zeros(len(surface.vertices))
+    if surfaces.deviation is not None and surface is surfaces.as_found:
+        form = np.nan_to_num(surfaces.deviation.form)
+    chart = surfaces.chart.to_chart(surface.vertices)[:, :2]
+    smooth, rough = surfaces.chart.from_chart(chart)[1], vertex_normals(surface.mesh())
+    # of the form: not those of its bumps
+    normals = np.where(np.isfinite(smooth).all(axis=1, keepdims=True), smooth, rough)
+    base = surface.vertices - form[:, None] * normals
+    whole = ScenePart(
+        vertices=base, form=form, normals=normals, faces=surface.faces.astype(np.int64), chart=chart
+    )
+    seen = np.asarray((surface.support[surface.faces] > 0).all(axis=1), bool)
+    return _decimate(_submesh(whole, seen), MAX_SURVEYED), _decimate(
+        _submesh(whole, ~seen), MAX_REST
+    )
+
+
+def _submesh(part: ScenePart, faces: Mask) -> ScenePart | None:
+    """Keep those faces (m,) bool and the vertices that they use."""
+    kept = part.faces[faces]
+    if not len(kept):
+        return None
+    used, index = np.unique(kept, return_inverse=True)
+    return _at(part, used, part.vertices[used], index.reshape(-1, 3))
+
+
+def _at(part: ScenePart, which: Ints, vertices: Array, faces: Ints) -> ScenePart:
+    """Make a mesh of other vertices, with form, normal and chart point of `which` of the part's."""
+    return ScenePart(
+        vertices=vertices,
+        faces=faces,
+        form=part.form[which],
+        normals=part.normals[which],
+        chart=part.chart[which],
+    )
+
+
+def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
+    """Thin a mesh to about so many triangles; form and chart are those of the nearest vertices."""
+    if part is None or len(part.faces) <= most:
+        return part
+    import open3d as o3d
+    from scipy.spatial import cKDTree
+
+    found = part.as_found()
+    mesh = o3d.geometry.TriangleMesh(
+        o3d.utility.Vector3dVector(found), o3d.utility.Vector3iVector(part.faces.astype(np.int32))
+    )
+    mesh = mesh.simplify_quadric_decimation(target_number_of_triangles=most)
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
+    nearest = np.asarray(cKDTree(found).query(vertices)[1], np.int64)
+    return _at(part, nearest, vertices - part.form[nearest, None] * part.normals[nearest], faces)
+
+
+def relief_of(points: Array, form: Array) -> Array:
+    """Return the relief (n,) m of a form (n,) at points (n, 3): a smoothed median of RADIUS_M.
+
+    It leaves out what stands on the hull: objects, growth, noise. The points are thinned to one a
+    cell first, since a mesh is finer at objects; over wide surveys cell and radius grow.
+    """
+    from scipy.spatial import cKDTree
+
+    if not form.any():
+        return np.zeros(len(points))
+    spacing = SPACING_M
+    samples = _thin(points, spacing)
+    while len(samples) > MAX_SAMPLES:
+        spacing *= np.sqrt(2.0)
+        samples = _thin(points, spacing)
+    radius = RADIUS_M * spacing / SPACING_M
+    at, samples_form = points[samples], form[samples]
+    tree = cKDTree(at)
+    neighbours = tree.query_ball_point(at, radius, return_sorted=True)
+    medians = np.array([np.median(samples_form[near]) for near in neighbours])
+    neighbours = tree.query_ball_point(at, radius / 2, return_sorted=True)
+    smooth = np.array([medians[near].mean() for near in neighbours])
+    distance, nearest = tree.query(points, k=min(4, len(at)))
+    distance, nearest = (np.reshape(values, (len(points), -1)) for values in (distance, nearest))
+    weight = 1.0 / (distance + 0.25 * spacing) ** 2
+    return np.asarray((smooth[nearest] * weight).sum(axis=1) / weight.sum(axis=1))
+
+
+def _thin(points: Array, spacing: float) -> Array:
+    """Return the indices of the first point in each cube of that side (m)."""
+    _, first = np.unique(np.floor(points / spacing).astype(np.int64), axis=0, return_index=True)
+    return np.sort(first)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneView:
+    """The 3-D view."""
+
+    document: SceneDocument
+    block: str  # the packed arrays as base64
+
+
+def make_scene(survey: Survey, view: HullMap | None) -> SceneView | None:
+    """Make the 3-D view of a survey. None without a surface or a map."""
+    surveyed, rest = scene_parts(survey.surfaces)
+    if surveyed is None or view is None:
+        return None
+    outside = view.extent.outside
+    block, path = bytearray(), _known(survey.track.poses.translation)
+    document: SceneDocument = {
+        "block": BLOCK,
+        "frame": str(survey.track.frame),
+        "up": view.chart.ship_axes[2].tolist(),
+        "forward": view.chart.ship_axes[0].tolist(),
+        "forward_name": "bow" if survey.is_in_hull_frame else "x",
+        "surveyed": _pack(surveyed, outside, block),
+        "rest": None if rest is None else _pack(rest, outside, block),
+        "has_form": surveyed.has_form,
+        "has_cad": survey.is_in_hull_frame,
+        "path": _rounded(path[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
+        "objects": [
+            _object(o)
+            for o in survey.findings.objects or ()
+            if np.isfinite((*o.center, *o.normal)).all()
+        ],
+    }
+    return SceneView(document=document, block=b64encode(bytes(block)).decode())
+
+
+def _pack(part: ScenePart, outside: OutsideMap, block: bytearray) -> SceneDocument:
+    """Append a part's arrays to the block; return where they lie and how they are scaled."""
+    relief = relief_of(part.vertices, part.form)
+    low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
+    span = np.maximum(high - low, 1e-6)
+    form_step = max(float(np.abs(part.form).max(initial=0.0)), 1e-6) / 32767
+    return {
+        "count": len(part.vertices),
+        "triangles": len(part.faces),
+        "low": low.tolist(),
+        "step": (span / _STEPS).tolist(),
+        "form_step_m": form_step,
+        "vertices": _append(block, np.round((part.vertices - low) / span * _STEPS).astype("<u2")),
+        "form": _append(block, np.round(part.form / form_step).astype("<i2")),
+        "relief": _append(block, np.round(relief / form_step).astype("<i2")),
+        "normals": _append(block, np.round(127 * part.normals).astype("i1")),
+        "map": _append(block, outside.to_map(part.chart).astype("<f4")),
+        "faces": _append(block, part.faces.astype("<u4")),
+    }
+
+
+def _append(block: bytearray, values: np.ndarray) -> int:
+    """Append an array; return the byte at which it begins."""
+    block.extend(bytes(-len(block) % 4))
+    start = len(block)
+    block.extend(np.ascontiguousarray(values).tobytes())
+    return start
+
+
+def _object(found: ReportedObject) -> SceneDocument:
+    return {
+        "id": found.id,
+        "kind": "protrusion" if found.height >= 0 else "recess",
+        "at": _rounded(np.array(found.center, float)),
+        "normal": _rounded(np.array(found.normal, float)),
+        "outline": _rounded(_known(np.array(found.outline, float).reshape(-1, 3))),
+    }
+
+
+def _known(points: Array) -> Array:
+    """Return the points (n, 3) without a NaN."""
+    return points[np.isfinite(points).all(axis=1)]
+
+
+def _rounded(values: Array) -> list[object]:
+    return list(np.round(np.asarray(values, float), 4).tolist())
