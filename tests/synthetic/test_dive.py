@@ -91,7 +91,7 @@ def test_dive_along_hull_in_blocks_is_same_dive(
     dive: Dive, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the sensors give does not depend on how the hull is parted to fit into memory."""
-    monkeypatch.setattr(dive_module, "HullSkin", partial(HullSkin, block_cells=1e4))
+    monkeypatch.setattr(dive_module, "HullSkin", partial(HullSkin, block_cells=1.3e4))
     parted = simulate_dive(dive.spec)
     assert len(parted.hull.skin) > 2
     np.testing.assert_allclose(parted.motion.position, dive.motion.position, atol=1e-7)

@@ -44,7 +44,7 @@ def initial_guess(dive: Dive) -> Poses:
     """Misplace the hull as an operator would, by the guess's errors at the middle of the survey."""
     spec, random = dive.spec, dive.spec.random("guess")
     sign = random.choice([-1.0, 1.0], 4)
-    middle = dive.hull.skin.middle()
+    middle = dive.hull.skin.middle
     shift = sign[:3] * [spec.guess.along_m, spec.guess.across_m, 0.6 * spec.guess.across_m]
     turn = np.radians(spec.guess.turn_deg) * np.array([0.3, 0.2, sign[3]])
     slip = Poses(Rotation.from_rotvec(turn).as_quat()[None], np.zeros((1, 3)))

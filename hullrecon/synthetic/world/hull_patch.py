@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,8 +131,9 @@ class HullSkin:
             normal[rows] = smooth.sample(smooth.normal, along_m[rows], girth_m[rows])
         return point, normal
 
+    @cached_property
     def middle(self) -> Array:
-        """Average the grid's points."""
+        """The mean (3,) of the grid's points."""
         total = np.zeros(3)
         for first, last in zip(
             self._edges[:-1], [*self._edges[1:-1], len(self.along_m)], strict=True

@@ -12,10 +12,10 @@ import pytest
 
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.geometry.poses import from_mount
-from hullrecon.synthetic.dive import Dive, simulate_dive
-from hullrecon.synthetic.options import spec_from, with_options
+from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.options import with_options
 from hullrecon.synthetic.output.dive_toml import dive_toml, initial_guess
-from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT, TRANSPONDER
+from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT, TRANSPONDER, true_rig
 
 
 def decode(text: str) -> DiveConfig:
@@ -66,11 +66,9 @@ def test_positions_are_told_with_their_lever_arm_and_sigma(dive: Dive) -> None:
 
 
 @pytest.mark.parametrize(("cameras", "kept"), [("mono", {"top"}), ("none", set())])
-def test_rig_with_fewer_cameras_says_so(cameras: str, kept: set[str]) -> None:
-    spec = spec_from(
-        legs=1, leg_length_m=1.0, structures=0, marks=0, barnacles=0, cameras=cameras, sonar=False
-    )
-    config = decode(dive_toml(simulate_dive(spec)))
+def test_rig_with_fewer_cameras_says_so(dive: Dive, cameras: str, kept: set[str]) -> None:
+    spec = with_options(dive.spec, cameras=cameras, sonar=False)
+    config = decode(dive_toml(replace(dive, spec=spec, rig=true_rig(spec))))
     assert {name for name in ("top", "bottom") if getattr(config.camera, name) is not None} == kept
     assert (config.topics.camera_top is not None) == ("top" in kept)
     assert config.sonar is None

@@ -75,9 +75,9 @@ def test_path_follows_same_surface(whole: BuiltHull, parted: BuiltHull) -> None:
 
 
 def test_middle_is_same(whole: BuiltHull, parted: BuiltHull) -> None:
-    np.testing.assert_allclose(parted.skin.middle(), whole.skin.middle(), atol=1e-9)
+    np.testing.assert_allclose(parted.skin.middle, whole.skin.middle, atol=1e-9)
     np.testing.assert_allclose(
-        whole.skin.middle(), whole.skin.patch(0).point.reshape(-1, 3).mean(0), atol=1e-12
+        whole.skin.middle, whole.skin.patch(0).point.reshape(-1, 3).mean(0), atol=1e-12
     )
 
 
