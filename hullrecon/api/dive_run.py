@@ -67,7 +67,7 @@ class RunResult:
 
     @property
     def failure(self) -> Exception | None:
-        """Why a step that fails alone did, such as a mosaic, or a deliverable. None if none failed."""
+        """Why a step that fails alone, such as a mosaic, or a deliverable failed; else None."""
         from hullrecon.steps.report import failed_delivery
 
         failed = failed_delivery(self.workspace.root) if self.is_delivered else None
