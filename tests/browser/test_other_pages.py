@@ -23,12 +23,15 @@ from hullrecon.report.change.files import comparison_files
 
 pytestmark = pytest.mark.slow
 SIZES = pytest.mark.parametrize("size", [WIDE, NARROW], ids=["wide", "narrow"])
-LONG = "a dive with a name as long as people give them, 2026-05-04 port side between the bilge keel and the waterline"
+LONG = (
+    "a dive with a name as long as people give them, "
+    "2026-05-04 port side between the bilge keel and the waterline"
+)
 
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """The page of three dives, one of them failed, and that of a change with one row of each kind."""
+    """The page of three dives, one of them failed, and that of a change with rows of each kind."""
     folder = tmp_path_factory.mktemp("pages")
     for name in ("april", "may"):
         result(folder, name)
@@ -72,15 +75,18 @@ def test_the_page_is_accessible_and_needs_nothing_else(
 
 @SIZES
 @pytest.mark.parametrize("name", ["fleet", "change"])
-def test_the_keyboard_reaches_every_link_and_every_part_that_scrolls(
+def test_the_keyboard_reaches_links_and_scrolling_parts(
     chromium: Browser, pages: dict[str, Path], name: str, size: tuple[int, int]
 ) -> None:
     with visit(chromium, pages[name], size) as seen:
         wanted = seen.page.evaluate("""() => {
-          const all = [...document.querySelectorAll('a[href], button, input, summary, [tabindex="0"]')]
+          const focusable = 'a[href], button, input, summary, [tabindex="0"]'
+          const all = [...document.querySelectorAll(focusable)]
           all.forEach((one, k) => { one.dataset.stop = k })
-          const scrolls = (one) => one.scrollWidth > one.clientWidth + 1 && getComputedStyle(one).overflowX !== 'visible'
-          const mute = [...document.querySelectorAll('main *')].filter((one) => scrolls(one) && one.dataset.stop === undefined)
+          const scrolls = (one) =>
+            one.scrollWidth > one.clientWidth + 1 && getComputedStyle(one).overflowX !== 'visible'
+          const mute = [...document.querySelectorAll('main *')].filter(
+            (one) => scrolls(one) && one.dataset.stop === undefined)
           return { stops: all.length, mute: mute.map((one) => one.outerHTML.slice(0, 80)) }
         }""")
         assert wanted["mute"] == []

@@ -39,7 +39,7 @@ def scroll_through(seen: Visit) -> None:
 
 
 @pytest.mark.parametrize("size", [WIDE, NARROW], ids=["wide", "narrow"])
-def test_the_page_opens_offline_needs_nothing_else_and_its_console_is_empty(
+def test_the_page_opens_offline_with_an_empty_console(
     chromium: Browser, report: Path, size: tuple[int, int]
 ) -> None:
     with visit(chromium, report, size) as seen:
@@ -101,7 +101,7 @@ def test_a_click_on_an_object_of_the_map_opens_its_card(page: Visit) -> None:
 
 
 @pytest.mark.parametrize("size", [WIDE, NARROW], ids=["wide", "narrow"])
-def test_numbers_of_objects_side_by_side_stand_apart_and_can_be_touched(
+def test_numbers_of_neighbouring_objects_stand_apart(
     chromium: Browser, report: Path, tmp_path: Path, size: tuple[int, int]
 ) -> None:
     """All objects within 3 cm of the first: each number keeps 24 pixels to itself (WCAG 2.5.8)."""
@@ -137,9 +137,7 @@ def test_a_click_in_the_table_opens_the_card(page: Visit) -> None:
     assert page.page.locator("#card h3").inner_text().startswith("2 ·")
 
 
-def test_five_hundred_objects_sort_in_order_and_each_row_moves_once(
-    chromium: Browser, crowded: Path
-) -> None:
+def test_five_hundred_objects_sort_moving_each_row_once(chromium: Browser, crowded: Path) -> None:
     """How long it takes is measured by benchmarks.page; here is counted what it costs."""
     with visit(chromium, crowded) as seen:
         assert seen.page.locator("#object-table tbody tr").count() == OBJECTS
@@ -147,7 +145,8 @@ def test_five_hundred_objects_sort_in_order_and_each_row_moves_once(
             moved = seen.page.evaluate("""async () => {
               let added = 0
               const body = document.querySelector('#object-table tbody')
-              const watch = new MutationObserver((records) => { for (const one of records) added += one.addedNodes.length })
+              const watch = new MutationObserver((records) => {
+                for (const one of records) added += one.addedNodes.length })
               watch.observe(body, { childList: true, subtree: true })
               const headings = [...document.querySelectorAll('#object-table thead button')]
               headings.find((one) => one.textContent.trim() === 'Height').click()
@@ -157,10 +156,12 @@ def test_five_hundred_objects_sort_in_order_and_each_row_moves_once(
             }""")
             assert moved == OBJECTS
             column = seen.page.evaluate("""() => {
-              const heading = [...document.querySelectorAll('#object-table thead th')].find((one) => one.ariaSort)
+              const headings = [...document.querySelectorAll('#object-table thead th')]
+              const heading = headings.find((one) => one.ariaSort)
               const index = heading.cellIndex
               const rows = [...document.querySelectorAll('#object-table tbody tr')]
-              return [heading.ariaSort, heading.textContent.trim(), rows.map((row) => Number(row.cells[index].dataset.value))]
+              const values = rows.map((row) => Number(row.cells[index].dataset.value))
+              return [heading.ariaSort, heading.textContent.trim(), values]
             }""")
             assert column[:2] == [direction, "Height"]
             assert column[2] == sorted(column[2], reverse=direction == "descending")
@@ -169,9 +170,7 @@ def test_five_hundred_objects_sort_in_order_and_each_row_moves_once(
         assert weight(seen) <= HEAVIEST
 
 
-def test_without_javascript_the_page_still_holds_every_object_and_a_plan(
-    chromium: Browser, report: Path
-) -> None:
+def test_without_javascript_the_page_has_objects_and_plan(chromium: Browser, report: Path) -> None:
     context = chromium.new_context(java_script_enabled=False)
     try:
         page = context.new_page()
@@ -187,7 +186,7 @@ def test_without_javascript_the_page_still_holds_every_object_and_a_plan(
         context.close()
 
 
-def test_the_keyboard_sorts_the_table_opens_a_card_and_comes_back_to_where_it_was(
+def test_the_keyboard_sorts_opens_a_card_and_returns(
     page: Visit,
 ) -> None:
     table, focused = (

@@ -62,9 +62,7 @@ def test_each_picture_can_be_laid_on_the_hull(page: Visit, scene: Locator) -> No
         seen.append(now)
 
 
-def test_the_slider_goes_from_the_cad_model_to_the_hull_as_found_and_relief_is_labelled(
-    page: Visit, scene: Locator
-) -> None:
+def test_the_slider_goes_from_cad_model_to_hull_as_found(page: Visit, scene: Locator) -> None:
     page.page.select_option("#scene-picture", "plain")
     found = picture_at_rest(scene)
     page.page.locator("#scene-factor").fill("20")
@@ -81,9 +79,7 @@ def test_the_slider_goes_from_the_cad_model_to_the_hull_as_found_and_relief_is_l
     assert share_changed(cad_model, picture_at_rest(scene)) == 0
 
 
-def test_wheel_and_keys_move_the_view_and_the_button_brings_it_back(
-    page: Visit, scene: Locator
-) -> None:
+def test_wheel_and_keys_move_the_view_a_button_resets_it(page: Visit, scene: Locator) -> None:
     home = picture_at_rest(scene)
     scene.hover()
     page.page.mouse.wheel(0, -400)
@@ -111,9 +107,7 @@ def test_a_click_on_a_number_opens_the_card_of_the_object(page: Visit, scene: Lo
     assert "Height above the hull" in card.inner_text()
 
 
-def test_the_scale_bar_has_a_round_length_and_grows_as_one_comes_closer(
-    page: Visit, scene: Locator
-) -> None:
+def test_the_scale_bar_is_round_and_grows_when_closer(page: Visit, scene: Locator) -> None:
     bar = page.page.locator(".scene-bar")
     picture_at_rest(scene)
     first = bar.inner_text().strip()
@@ -136,9 +130,7 @@ def test_a_browser_without_webgl_shows_a_sentence_and_a_picture(
         assert seen.messages == []
 
 
-def test_on_a_small_screen_the_whole_panel_can_be_reached_below_the_view(
-    chromium: Browser, report: Path
-) -> None:
+def test_a_small_screen_has_the_panel_below_the_view(chromium: Browser, report: Path) -> None:
     with visit(chromium, report, NARROW) as seen:
         scene = seen.show_scene()
         outer = scene.bounding_box()

@@ -146,7 +146,7 @@ def solution(trajectory: Trajectory) -> Solution:
 
 @pytest.fixture
 def plate() -> Surface:
-    """The plate z = 0 of M from (-1, -2) to (3, 0), 1 m squares; half of it seen, raised by 6 mm."""
+    """The plate z = 0 of M from (-1, -2) to (3, 0), 1 m squares, half seen, raised by 6 mm."""
     x, y = np.meshgrid(np.arange(-1.0, 4.0), np.arange(-2.0, 1.0))
     index = np.arange(15).reshape(3, 5)
     a, b, c, d = (
@@ -282,8 +282,8 @@ WEAK = {
 
 @pytest.fixture
 def survey(
-    trajectory: Trajectory, solution: Solution, plate: Surface, split: DeviationSplit, found: ReportedObject,
-    pictures: Pictures, rig: Rig,
+    trajectory: Trajectory, solution: Solution, plate: Surface, split: DeviationSplit,
+    found: ReportedObject, pictures: Pictures, rig: Rig,
     dvl: DvlPings,
 ) -> Survey:  # fmt: skip
     """With everything but mosaics."""

@@ -57,7 +57,7 @@ def chapter_of(html: str) -> str:
     return found
 
 
-def test_the_chapter_is_numbered_titled_by_the_earlier_dive_and_in_the_contents(
+def test_the_change_chapter_is_numbered_titled_and_listed(
     compared: Survey,
 ) -> None:
     for html in (page_of(compared), render_html(page_context(compared, [], {}, {}))):
@@ -85,8 +85,8 @@ def test_the_page_has_verdict_map_and_a_row_for_each_object(compared: Survey) ->
     assert [row.split()[0] for row in rows] == ["gone", "new", "grown", "uncertain", "unchanged"]
     assert rows[2] == "grown 1 1 frame 51, port 110 ± 3 141 ± 4 31 ± 4 < 0.0001"
     assert (
-        "moved: 0.36 m² of bare hull at frame 53, port, −12 ± 3 mm along the normal (chance of none: 0.0002)"
-        in seen
+        "moved: 0.36 m² of bare hull at frame 53, port, −12 ± 3 mm along the normal "
+        "(chance of none: 0.0002)" in seen
     )
     assert "dashed: bare hull that moved" in seen
     assert set(re.findall(r'href="\.\./(change/[^"]+)"', chapter)) == {
@@ -141,7 +141,7 @@ def test_the_name_of_the_earlier_dive_is_no_markup(compared: Survey) -> None:
     assert "<b>may" not in page_of(replace(compared, change=named))
 
 
-def test_a_reason_why_there_is_no_comparison_stands_in_the_report(survey: Survey) -> None:
+def test_the_report_says_why_there_is_no_comparison(survey: Survey) -> None:
     missing = {"change/": "no comparison with an earlier dive: this is no run"}
     without = replace(survey, provenance=replace(survey.provenance, missing=missing))
     assert "no comparison with an earlier dive: this is no run" in words(page_of(without))

@@ -45,7 +45,7 @@ def test_percentiles_of_the_form_go_by_the_area_seen(
     assert found.form_sigma == pytest.approx(0.002)
 
 
-def test_the_words_of_an_offset_say_its_side_and_what_its_sigma_makes_of_it(
+def test_the_words_of_an_offset_say_side_and_significance(
     figures: DeviationFigures,
 ) -> None:
     assert (
@@ -82,7 +82,7 @@ def test_the_document_holds_the_same_numbers(figures: DeviationFigures) -> None:
     assert deviation_document(None) is None
 
 
-def test_without_a_cad_model_a_split_or_anything_seen_there_are_no_figures(
+def test_without_a_deviation_there_are_no_figures(
     survey: Survey, bare: Survey, split: DeviationSplit
 ) -> None:
     assert deviation_figures(replace(survey, track=bare.track)) is None

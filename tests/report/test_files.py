@@ -147,7 +147,7 @@ def test_sigma_towards_a_direction_uses_the_whole_covariance(trajectory: Traject
     )
 
 
-def test_landmarks_are_in_the_hull_frame_with_label_deviation_and_sigma(
+def test_landmarks_ply_is_in_the_hull_frame_with_its_fields(
     survey: Survey, solution: Solution, ply_reader: Reader
 ) -> None:
     vertices, faces = ply_reader(landmarks_ply(survey, solution))

@@ -244,7 +244,7 @@ def test_equal_surveys_give_equal_bytes(whole: Survey) -> None:
     assert dive_result_mcap(whole) == dive_result_mcap(whole)
 
 
-def test_a_cad_model_with_y_up_has_a_frame_that_stands_upright_in_a_viewer(whole: Survey) -> None:
+def test_a_cad_model_with_y_up_has_an_upright_frame(whole: Survey) -> None:
     class Lying(FlatChart):
         ship_axes = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 

@@ -37,12 +37,12 @@ def test_a_clouds_fields_say_where_each_value_lies() -> None:
     assert violations(value, schemas.POINT_CLOUD) == []
 
 
-def test_a_number_of_a_type_that_foxglove_does_not_know_is_refused() -> None:
+def test_a_number_type_unknown_to_foxglove_is_refused() -> None:
     with pytest.raises(ValueError, match="not in tuple"):
         messages.point_cloud(0, "hull", {"x": np.zeros(2, np.float16)})
 
 
-def test_an_entity_without_a_list_that_foxglove_asks_for_breaks_the_schema() -> None:
+def test_an_entity_without_a_required_list_breaks_the_schema() -> None:
     entity = messages.entity(
         0, "hull", "1", facts={"views": 3}, lines=[messages.line_loop(np.eye(3), (1, 0, 0, 1), 2.0)]
     )

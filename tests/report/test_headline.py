@@ -68,7 +68,7 @@ def test_an_adjusted_dive_names_method_and_frame(survey: Survey) -> None:
     assert "adjusted by method maxmix and given in the ship's frame (M)" in headline(survey)[1]
 
 
-def test_positions_from_outside_are_told_with_how_far_they_lie_from_the_path(
+def test_positions_from_outside_have_their_distance_to_the_path(
     survey: Survey,
 ) -> None:
     assert survey.adjusted is not None
@@ -84,7 +84,8 @@ def test_positions_from_outside_are_told_with_how_far_they_lie_from_the_path(
 
 def test_a_stereo_calibration_that_does_not_hold_is_said_on_top(survey: Survey) -> None:
     assert survey.adjusted is not None
-    said = "The stereo calibration does not hold: the images fit with the bottom camera turned by 0.10 degrees from it."
+    said = "The stereo calibration does not hold: the images fit with the bottom camera turned"
+    said += " by 0.10 degrees from it."
     for sentence, lines in ((said, 1), (None, 0)):
         summary = AdjustSummary(stereo_contradiction=StereoContradictionFacts(sentence=sentence))
         doubted = replace(survey, adjusted=replace(survey.adjusted, summary=summary))
@@ -125,7 +126,8 @@ def test_a_cad_model_that_was_left_out_is_not_said_to_be_none(
 
 def test_landmarks_on_the_hull_are_a_share_of_all(survey: Survey) -> None:
     assert line_with(survey, "landmarks were") == (
-        "3 landmarks were measured in the images, 66.7 % of them taken to lie on the CAD model's surface."
+        "3 landmarks were measured in the images, "
+        "66.7 % of them taken to lie on the CAD model's surface."
     )
 
 
@@ -158,8 +160,9 @@ def test_objects_that_were_not_looked_for_are_not_mentioned(bare: Survey) -> Non
 
 def test_form_and_offset_are_told_apart_each_with_its_sigma(survey: Survey) -> None:
     assert line_with(survey, "CAD model by") == (
-        "Within the surveyed patch the hull's form departs from its CAD model by −3 to +3 mm (5th to 95th percentile; one "
-        "sigma 2.0 mm); as a whole the patch lies 6 mm outside it (one sigma 20 mm, not significantly different from zero)."
+        "Within the surveyed patch the hull's form departs from its CAD model by −3 to +3 mm "
+        "(5th to 95th percentile; one sigma 2.0 mm); as a whole the patch lies 6 mm outside it "
+        "(one sigma 20 mm, not significantly different from zero)."
     )
 
 
@@ -213,7 +216,7 @@ def test_the_verdict_says_why_nothing_was_looked_for(survey: Survey, bare: Surve
     assert verdict(survey) in headline(survey)
 
 
-def test_where_no_object_was_found_the_page_says_what_was_looked_for_and_what_was_examined(
+def test_without_an_object_the_headline_says_what_was_sought(
     survey: Survey,
 ) -> None:
     options = {
@@ -243,7 +246,8 @@ def test_where_no_object_was_found_the_page_says_what_was_looked_for_and_what_wa
         provenance=replace(survey.provenance, steps=(*survey.provenance.steps, detect)),
     )
     assert verdict(clean) == (
-        "No object was found. Looked for: what is at least 30 mm high or deep, 25 cm² large, shown by 3 images, and bare hull"
+        "No object was found. Looked for: what is at least 30 mm high or deep, 25 cm² large, "
+        "shown by 3 images, and bare hull"
         " with a probability below 0.001. 1 region examined and not reported."
     )
 

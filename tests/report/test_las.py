@@ -32,7 +32,7 @@ def partly_seen(plate: Surface) -> Surface:
     )
 
 
-def test_the_points_are_those_that_were_seen_to_a_tenth_of_a_millimetre(
+def test_points_are_the_seen_vertices_to_a_tenth_of_a_mm(
     partly_seen: Surface, split: DeviationSplit
 ) -> None:
     cloud = read(las_bytes(partly_seen, split, "M", T_NS))

@@ -44,7 +44,7 @@ def polygon(blob: bytes) -> np.ndarray:
     return np.frombuffer(blob, "<f8", 2 * count, 53).reshape(-1, 2)
 
 
-def test_the_chart_mesh_goes_from_chart_to_ship_and_faces_outward() -> None:
+def test_the_chart_mesh_lies_on_the_ship_facing_outward() -> None:
     mesh = chart_mesh(CHART, CORNERS)
     assert mesh.step_m == 0.1
     np.testing.assert_allclose(

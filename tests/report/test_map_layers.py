@@ -76,7 +76,7 @@ def test_a_mosaic_lies_where_its_raster_lies(ortho: Path) -> None:
     assert layer.legend is None
 
 
-def test_the_hazy_range_of_an_underwater_mosaic_is_spread_and_its_colours_stay(
+def test_a_hazy_mosaic_is_stretched_and_its_colours_stay(
     tmp_path: Path,
 ) -> None:
     values = np.full((4, 20, 20), 255, np.uint8)
@@ -195,6 +195,6 @@ def test_coverage_by_the_dvl_is_not_called_the_cameras(survey: Survey) -> None:
 def test_the_note_of_the_form_says_what_it_leaves_out(survey: Survey) -> None:
     form = survey_layers(survey, hull_map(survey))[0]
     assert (
-        "as a whole the patch lies 6 mm outside it (one sigma 20 mm, not significantly different from zero)"
-        in form.note
+        "as a whole the patch lies 6 mm outside it "
+        "(one sigma 20 mm, not significantly different from zero)" in form.note
     )

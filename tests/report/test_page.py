@@ -82,7 +82,7 @@ def test_the_page_needs_no_network(survey: Survey) -> None:
     assert "link" not in [t for t, _ in page.tags]
 
 
-def test_every_tag_is_closed_and_every_link_inside_the_page_leads_somewhere(survey: Survey) -> None:
+def test_tags_are_closed_and_inner_links_lead_somewhere(survey: Survey) -> None:
     page = page_of(survey)
     assert page.open == []
     ids = page.with_attribute("id")
@@ -170,7 +170,7 @@ def after(survey: Survey, seconds: float, peak_rss_bytes: int) -> list[str]:
     return render_page(page_context(again, [], FILES, object_crops(again))).splitlines()
 
 
-def test_two_runs_of_other_speed_differ_only_in_lines_that_are_marked_volatile(
+def test_runs_of_other_speed_differ_in_volatile_lines_only(
     survey: Survey,
 ) -> None:
     quick, slow = after(survey, 1.0, 10**8), after(survey, 9.0, 3 * 10**8)
@@ -206,7 +206,7 @@ def test_mosaics_are_shown_with_their_caption(survey: Survey) -> None:
     assert "sonar at 17.6 mm per pixel" in " ".join(headline(shown))
 
 
-def test_the_summary_has_at_most_ten_lines_and_begins_with_the_dive(survey: Survey) -> None:
+def test_the_summary_has_ten_lines_and_begins_with_the_dive(survey: Survey) -> None:
     lines = headline(survey)
     assert len(lines) <= 10
     assert (
@@ -215,8 +215,8 @@ def test_the_summary_has_at_most_ten_lines_and_begins_with_the_dive(survey: Surv
     )
     assert "The position along the hull is uncertain by 0.50 m." in lines
     assert (
-        "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m."
-        in lines
+        "1 object found on the hull (1 protrusion); "
+        "the largest, no. 1, has a height of 0.100 ± 0.004 m." in lines
     )
     assert any(
         line.startswith("Within the surveyed patch the hull's form departs from its CAD model by")
@@ -224,9 +224,7 @@ def test_the_summary_has_at_most_ten_lines_and_begins_with_the_dive(survey: Surv
     )
 
 
-def test_without_the_adjustments_words_a_large_sigma_is_said_all_the_same(
-    survey: Survey, bare: Survey
-) -> None:
+def test_a_large_sigma_is_said_without_adjusts_sentences(survey: Survey, bare: Survey) -> None:
     assert weak_sentences(
         replace(survey, adjusted=replace(survey.adjusted, weak_directions=()))
     ) == ["The position along x of the ship is uncertain by 0.50 m (one sigma)."]
@@ -274,9 +272,7 @@ def test_a_row_of_sigmas_has_one_unit(survey: Survey) -> None:
     )
 
 
-def test_the_page_says_how_circular_a_comparison_with_the_cad_model_is(
-    survey: Survey, bare: Survey
-) -> None:
+def test_the_page_says_how_circular_the_comparison_is(survey: Survey, bare: Survey) -> None:
     assert "The comparison is partly circular." in page_of(survey).text
     in_g = replace(bare, surfaces=survey.surfaces)
     assert "circular" not in page_of(in_g).text
@@ -319,7 +315,7 @@ def test_no_page_denies_holes_beside_a_mosaic_with_gaps(survey: Survey) -> None:
     assert "the mosaics have gaps that their captions name" in page_of(torn).text
 
 
-def test_coverage_by_region_is_a_table_where_dive_toml_has_regions(survey: Survey) -> None:
+def test_regions_of_dive_toml_have_a_table_of_coverage(survey: Survey) -> None:
     """On the page and in print; without regions neither has a word of them."""
     share = RegionShare(area_m2=2.0, area_sigma_m2=0.01, share=0.25, share_sigma=0.001)
     bow = RegionCoverage(
@@ -393,12 +389,13 @@ def test_what_a_reader_asks_first_is_on_top(survey: Survey) -> None:
     )
     assert found is not None
     assert (
-        found[1]
-        == "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m."
+        found[1] == "1 object found on the hull (1 protrusion); "
+        "the largest, no. 1, has a height of 0.100 ± 0.004 m."
     )
     words = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", found[2])).strip()
     assert words == (
-        "Object 1 on the hull Hull seen 4.0 m² by camera Vehicle, along the hull ± 0.50 m ± 20 mm in girth, one sigma "
+        "Object 1 on the hull Hull seen 4.0 m² by camera "
+        "Vehicle, along the hull ± 0.50 m ± 20 mm in girth, one sigma "
         "Form off the CAD model −3 to +3 mm one sigma 2.0 mm"
     )
 

@@ -150,7 +150,8 @@ def test_without_a_pressure_sensor_a_card_has_no_depth(
 def test_the_place_of_the_whole_survey_is_told_with_its_sigma(survey: Survey, bare: Survey) -> None:
     assert (
         describe_position(survey)
-        == "Its position as a whole is known to 0.50 m along the hull and 20 mm in girth (one sigma, median)."
+        == "Its position as a whole is known to 0.50 m along the hull and 20 mm in girth "
+        "(one sigma, median)."
     )
     assert describe_position(bare) == ""
 

@@ -113,7 +113,7 @@ def test_the_page_holds_its_data_once(survey: Survey, bare: Survey) -> None:
     assert data_of(bare)["frame"] == "g"
 
 
-def test_what_is_bundled_comes_with_its_licence_and_loads_nothing() -> None:
+def test_bundled_scripts_have_their_licence_and_load_nothing() -> None:
     versions = json.loads((WEB / "package.json").read_text())["devDependencies"]
     for name in ("report.js", "report.css"):
         text = (TEMPLATES / name).read_text()

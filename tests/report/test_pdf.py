@@ -121,12 +121,8 @@ def test_many_objects_have_a_photo_line_and_their_numbers(
     reader = PdfReader(io.BytesIO(render_pdf(context)))
     text = re.sub(r"\s+", "", "".join(page.extract_text() for page in reader.pages))
     for card in context["cards"]:  # type: ignore[attr-defined]
-        assert (
-            f"{card['id']}·Protrusion,{dict(card['rows'])['Height above the hull around it']}".replace(
-                " ", ""
-            )
-            in text
-        )
+        height = dict(card["rows"])["Height above the hull around it"]
+        assert f"{card['id']}·Protrusion,{height}".replace(" ", "") in text
     annex = text.split("Annex:thenumbersofallobjects")[-1]
     for card in context["cards"]:  # type: ignore[attr-defined]
         for _, value in card["rows"]:

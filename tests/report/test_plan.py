@@ -106,7 +106,7 @@ def test_frame_numbers_stand_beside_metres() -> None:
 
 
 def ticks(svg: str) -> list[str]:
-    """The words of the ticks along both axes and of the frames, without those at the path's ends."""
+    """The words of the ticks along both axes and of the frames, without the path's ends."""
     texts = [e for e in ElementTree.fromstring(svg).iter() if e.tag.endswith("text")]
     return [
         str(e.text)

@@ -25,7 +25,7 @@ from hullrecon.report.step_documents import FactorResiduals
 from hullrecon.report.survey import Survey
 
 
-def test_all_plots_of_a_whole_survey_have_pictures_words_and_numbers(survey: Survey) -> None:
+def test_plots_of_a_survey_have_picture_words_and_numbers(survey: Survey) -> None:
     found = {p.name: p for p in draw_all_plots(survey)}
     assert list(found) == [
         "depth_standoff",

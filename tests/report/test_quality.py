@@ -45,9 +45,7 @@ def adjusted(survey: Survey, summary: AdjustSummary) -> Survey:
     return replace(survey, adjusted=replace(survey.adjusted, summary=summary))
 
 
-def test_pairs_are_counted_by_kind_with_the_overlap_of_those_that_matched(
-    survey: Survey, pairs: NodePairs
-) -> None:
+def test_pairs_are_counted_by_kind_with_their_overlap(survey: Survey, pairs: NodePairs) -> None:
     found = tables(replace(survey, facts=replace(survey.facts, node_pairs=pairs)))["overlap"]
     assert found.rows == [
         ("Neighbours along the track", "3", "2", "70 % (61 to 79 %)"),

@@ -53,7 +53,7 @@ def test_pairs_are_counted_by_reason_singular_and_plural(bare: Survey) -> None:
     assert items == ["inconsistent with navigation: 12 pairs", "too few inliers: 1 pair"]
 
 
-def test_what_the_log_lost_and_what_the_check_of_the_cad_model_found_are_apart(
+def test_lost_data_and_findings_of_the_cad_model_are_apart(
     bare: Survey,
 ) -> None:
     log = LogFindings(lost=("2 s of /dvl",), hull=("22 boundary edges",), notes=("no sonar",))
@@ -103,7 +103,7 @@ def test_options_are_listed_once_by_section_and_key() -> None:
     ]
 
 
-def test_nested_options_have_dotted_names_and_absent_sections_no_row() -> None:
+def test_nested_options_have_dotted_names() -> None:
     assert settings_rows([step("x", {"hull": None, "camera": {"top": {"mount": 1}}})]) == [
         ("camera.top.mount", "1")
     ]

@@ -79,7 +79,7 @@ def test_the_block_holds_what_the_document_says(survey: Survey) -> None:
     np.testing.assert_allclose(read["map"], surveyed.chart * [-1, 1], atol=1e-4)
 
 
-def test_without_a_cad_model_the_surveyed_surface_is_shown_without_form(survey: Survey) -> None:
+def test_without_a_cad_model_the_scene_has_no_form(survey: Survey) -> None:
     surfaces = replace(survey.surfaces, as_found=None, deviation=None)
     scene = scene_of(replace(survey, surfaces=surfaces))
     assert scene.document["has_form"] is False
@@ -98,7 +98,7 @@ def test_objects_and_path_are_in_the_frame_of_the_survey(survey: Survey) -> None
     assert document["forward_name"] == "bow"
 
 
-def test_the_view_stands_upright_whichever_axis_of_the_model_is_up(survey: Survey) -> None:
+def test_the_scene_is_upright_whichever_axis_is_up(survey: Survey) -> None:
     class Lying(FlatChart):
         ship_axes = np.array([[0.0, 0, -1], [1, 0, 0], [0, -1, 0]])
 
@@ -114,7 +114,7 @@ def wavy(n: int = 120) -> tuple[np.ndarray, np.ndarray]:
     return np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()]), form.ravel()
 
 
-def test_relief_keeps_the_waves_of_a_hull_and_leaves_out_what_stands_on_it() -> None:
+def test_relief_keeps_waves_and_leaves_out_objects() -> None:
     points, form = wavy()
     relief = relief_of(points, form)
     wave = 0.02 * np.sin(2 * np.pi * points[:, 0] / 6)
@@ -123,7 +123,7 @@ def test_relief_keeps_the_waves_of_a_hull_and_leaves_out_what_stands_on_it() -> 
     assert np.abs(relief).max() < 0.025
 
 
-def test_relief_does_not_depend_on_how_finely_an_object_is_meshed() -> None:
+def test_relief_does_not_depend_on_the_mesh_of_an_object() -> None:
     points, form = wavy()
     box = (np.abs(points[:, :2] - 3) < 0.15).all(axis=1)
     dense = np.vstack([points, *[points[box] + [dx, 0, 0] for dx in np.linspace(0.001, 0.02, 20)]])
@@ -131,7 +131,7 @@ def test_relief_does_not_depend_on_how_finely_an_object_is_meshed() -> None:
     assert np.abs(relief).max() < 0.025
 
 
-def test_a_large_mesh_is_thinned_keeps_its_shape_and_gives_the_same_bytes() -> None:
+def test_a_large_mesh_is_thinned_to_the_same_bytes() -> None:
     n = 60
     points, form = wavy(n)
     index = np.arange(n * n).reshape(n, n)
@@ -159,7 +159,7 @@ def test_a_large_mesh_is_thinned_keeps_its_shape_and_gives_the_same_bytes() -> N
     np.testing.assert_array_equal(thin.faces, again.faces)
 
 
-def test_a_long_path_is_thinned_and_small_objects_keep_their_outline(
+def test_a_long_path_is_thinned_small_outlines_are_kept(
     survey: Survey, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("hullrecon.report.scene_view.MAX_PATH", 2)
@@ -169,7 +169,7 @@ def test_a_long_path_is_thinned_and_small_objects_keep_their_outline(
     np.testing.assert_allclose(outline, (survey.findings.objects or ())[0].outline, atol=1e-4)
 
 
-def test_the_document_is_json_without_a_nan_and_each_array_begins_at_a_multiple_of_four(
+def test_the_scene_has_no_nan_and_arrays_are_aligned_to_four(
     survey: Survey,
 ) -> None:
     document = scene_of(survey).document

@@ -93,9 +93,7 @@ def test_the_scale_bar_is_as_long_as_it_says() -> None:
     assert float(pixels) / float(metres) == pytest.approx((1000 - 2 * 26) / 40, rel=1e-3)
 
 
-def test_the_survey_draws_its_ship_from_the_chart_and_the_hull_as_found(
-    survey: Survey, bare: Survey
-) -> None:
+def test_the_ship_is_drawn_from_chart_and_hull_as_found(survey: Survey, bare: Survey) -> None:
     chart = build_axis_chart(Mesh(SHIP.vertices, SHIP.faces), Z)
     patch = PATCHES["starboard"][0]
     count = len(patch.vertices)

@@ -103,7 +103,7 @@ def test_every_heading_ends_in_the_unit_of_its_column(
         } <= set(headings)
 
 
-def test_one_name_has_one_meaning_in_the_table_and_in_the_document(found: ReportedObject) -> None:
+def test_a_name_means_the_same_in_table_and_document(found: ReportedObject) -> None:
     (row,) = csv.DictReader(io.StringIO(objects_table([found]).csv))
     assert "images" not in row  # objects.json lists them under that name
     assert row["image_count"] == str(len(found.images))

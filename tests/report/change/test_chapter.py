@@ -34,7 +34,7 @@ def test_the_chapter_says_verdict_and_a_line_a_change(change: HullChange) -> Non
     ]
 
 
-def test_the_table_has_what_is_new_gone_grown_and_unchanged_with_numbers_of_both_dives(
+def test_the_table_of_changes_has_numbers_of_both_dives(
     change: HullChange,
 ) -> None:
     rows = change_chapter(change).rows

@@ -55,7 +55,7 @@ def test_all_files_are_there(files: dict[str, bytes]) -> None:
     assert all(files.values())
 
 
-def test_a_comparison_by_itself_has_a_page_too_and_the_document_is_last(
+def test_a_comparison_alone_has_a_page_and_its_document_last(
     change: HullChange, outside: OutsideMap, files
 ) -> None:
     alone = comparison_files(change, outside, T_NS)

@@ -57,8 +57,8 @@ def test_each_object_has_a_row_with_its_numbers_in_both_dives(page: str) -> None
     assert len(rows) == 6
     assert "<strong>gone</strong>" in rows[0]
     assert (
-        '<td class="number">110 ± 3</td><td class="number">141 ± 4</td><td class="number">31 ± 4</td>'
-        in rows[3]
+        '<td class="number">110 ± 3</td><td class="number">141 ± 4</td>'
+        '<td class="number">31 ± 4</td>' in rows[3]
     )
     assert rows[4].count("–") >= 3
     assert "<strong>" not in rows[5]
@@ -72,8 +72,8 @@ def test_without_changes_the_page_says_so() -> None:
     page = change_page(hull_change(), PNG)
     assert "Neither dive found an object." in page
     assert (
-        "No stretch of bare hull was found that moved by more than the errors of both dives explain."
-        in page
+        "No stretch of bare hull was found that moved by more than the errors of both dives "
+        "explain." in page
     )
 
 

@@ -10,12 +10,13 @@ from hullrecon.records.change import HullChange
 from hullrecon.report.change.chapter import move_sentence, object_sentence, verdict
 
 
-def test_the_verdict_is_one_line_with_what_changed_and_what_would_have_shown(
+def test_the_verdict_says_what_changed_and_what_would_show(
     change: HullChange,
 ) -> None:
     line = verdict(change)
     assert line.startswith(
-        "may to june: 2 new, 1 gone, 1 grown and 1 stretch of bare hull moved, 1 object where only one dive"
+        "may to june: 2 new, 1 gone, 1 grown and 1 stretch of bare hull moved, "
+        "1 object where only one dive"
     )
     assert "7.6 m² compared" in line
     assert line.endswith(
@@ -29,10 +30,11 @@ def test_no_change_is_said_to_be_none() -> None:
     assert line.startswith("may to june: no change; 7.6 m² compared")
 
 
-def test_an_object_that_one_dive_alone_lists_without_certainty_is_counted() -> None:
+def test_an_uncertain_object_of_one_dive_is_counted() -> None:
     line = verdict(hull_change([object_change("uncertain", None, 2, 31.0, 0.0, -0.03)]))
     assert line.startswith(
-        "may to june: no change, 1 object that one dive lists and the other neither shows nor excludes; "
+        "may to june: no change, 1 object that one dive lists "
+        "and the other neither shows nor excludes; "
     )
 
 
