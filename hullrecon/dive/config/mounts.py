@@ -39,7 +39,7 @@ ON_SERVO = {  # sensor and servo of each mount
     "sonar.mount": ("sonar", "sonar.origin"),
 }
 LEVEL_M, VERTICAL_M = 1.0, 0.3  # the draught is known better than the berth
-# heel and trim are small and read off; the heading is a compass's beside steel
+# heel and trim are small and read off; the heading is that of a compass near steel
 TILT_DEG, HEADING_DEG = 1.0, 5.0
 
 

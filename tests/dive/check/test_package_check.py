@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import dataclasses
+import json
 from pathlib import Path
 
 import numpy as np
@@ -202,6 +203,7 @@ def test_document_lists_findings_and_gates_by_errors(package):
     errors = [f["sentence"] for f in listed if f["severity"] == "error"]
     assert errors == found.reasons
     assert errors
+    assert json.loads(json.dumps(listed)) == listed  # plain values alone
     assert not found.run_is_possible
 
 
