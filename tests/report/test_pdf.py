@@ -23,7 +23,7 @@ from hullrecon.report.render import render_html, render_pdf
 from hullrecon.report.survey import Survey
 
 FILES = {f"file-{k:02d}.csv": FileEntry(bytes=1000 + k, sha256=f"{k:02x}" * 32) for k in range(40)}
-MANY, OPTIONS = 8, 40
+MANY, OPTIONS = 4, 40
 
 
 def context_of(survey: Survey, plots: bool = False) -> dict[str, object]:
@@ -41,18 +41,26 @@ ABOUT = AboutInspection(
 
 
 @pytest.fixture(scope="module")
-def rendered() -> dict[str, bytes]:
-    """What was rendered by a test of this file, for the others: a PDF takes two seconds."""
+def rendered() -> dict[str, tuple[dict[str, object], bytes]]:
+    """What a test of this file rendered, for the others: a PDF takes seconds."""
     return {}
 
 
 @pytest.fixture
-def pdf(survey: Survey, rendered: dict[str, bytes]) -> bytes:
-    """The report of the dive, with plots and the blocks on the inspection."""
-    if "pdf" not in rendered:
-        inspected = replace(survey, facts=replace(survey.facts, about=ABOUT))
-        rendered["pdf"] = render_pdf(context_of(inspected, plots=True))
-    return rendered["pdf"]
+def paper(
+    survey: Survey, rendered: dict[str, tuple[dict[str, object], bytes]]
+) -> tuple[dict[str, object], bytes]:
+    """Context and PDF of a dive of many objects, with plots and the inspection."""
+    if "paper" not in rendered:
+        inspected = replace(crowded(survey), facts=replace(survey.facts, about=ABOUT))
+        context = context_of(inspected, plots=True)
+        rendered["paper"] = context, render_pdf(context)
+    return rendered["paper"]
+
+
+@pytest.fixture
+def pdf(paper: tuple[dict[str, object], bytes]) -> bytes:
+    return paper[1]
 
 
 def pages_of(pdf: bytes) -> list[str]:
@@ -85,9 +93,9 @@ def test_each_page_has_its_number_dive_and_software(pdf: bytes) -> None:
         )
 
 
-def test_nothing_is_lost_on_the_way_to_paper(survey: Survey) -> None:
-    context = context_of(crowded(survey))
-    pages = pages_of(render_pdf(context))
+def test_nothing_is_lost_on_the_way_to_paper(paper: tuple[dict[str, object], bytes]) -> None:
+    context, pdf = paper
+    pages = pages_of(pdf)
     text = re.sub(r"\s+", "", "".join(pages))
     for name, entry in FILES.items():
         assert name in text
@@ -105,7 +113,7 @@ def test_nothing_is_lost_on_the_way_to_paper(survey: Survey) -> None:
 def _check_rows(text: str) -> None:
     """Every object has its row in the list and in the annex."""
     listed, annex = (
-        text.split("Objects, 8 in all")[1],
+        text.split("Objects, 4 in all")[1],
         text.split("Annex: the numbers of all objects")[-1],
     )
     for k in range(1, MANY + 1):
