@@ -29,7 +29,7 @@ def seconds(t_ns: Ints, start_ns: int) -> Array:
 
 
 def format_time(t_ns: int) -> str:
-    """Format a stamp as UTC to the millisecond, or as seconds where it lies outside the calendar."""
+    """Format a stamp as UTC to the millisecond, or as seconds outside of the calendar."""
     try:
         whole = datetime.fromtimestamp(t_ns // NS, UTC).strftime("%Y-%m-%dT%H:%M:%S")
     except (ValueError, OverflowError, OSError):
