@@ -7,13 +7,6 @@
 
 namespace hullrecon {
 
-// Tangent plane of the mesh near a query, held until the next refresh: distance(p) = normal . p + offset, in M.
-struct Facet {
-  Vec3 normal = Vec3::Zero();
-  double offset = 0;
-  bool active = false;
-};
-
 // A DVL beam through the frames, from the DVL to M: `end` is the point at `length` along it, `along` its direction.
 struct Beam {
   Mat3 tray;

@@ -7,10 +7,9 @@
 // and the max-mixture is the smaller: an exact loss on s, continuous, its derivative that of the winning label.
 #pragma once
 
-#include <ceres/loss_function.h>
-
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace hullrecon {
 
@@ -34,7 +33,7 @@ class Mixture {
 enum class Label { Off, On, Free };
 
 // The mixture's cost times a weight (the share of a landmark in its correlation cell); with a held label, that label's cost.
-class MixtureLoss final : public ceres::LossFunction {
+class MixtureLoss {
  public:
   MixtureLoss(const Mixture& mixture, Label label, double weight)
       : ratio_(mixture.ratio()),
@@ -44,11 +43,10 @@ class MixtureLoss final : public ceres::LossFunction {
                 : label == Label::On ? std::numeric_limits<double>::infinity()
                                      : -1) {}
 
-  void Evaluate(double s, double rho[3]) const override {
+  void operator()(double s, double& rho, double& slope) const {
     const bool on = s <= change_;
-    rho[0] = weight_ * (on ? s : s * ratio_ + constant_);
-    rho[1] = weight_ * (on ? 1.0 : ratio_);
-    rho[2] = 0;
+    rho = weight_ * (on ? s : s * ratio_ + constant_);
+    slope = weight_ * (on ? 1.0 : ratio_);
   }
 
  private:
@@ -61,15 +59,14 @@ class MixtureLoss final : public ceres::LossFunction {
 //   rho(u) = u                          for u <= Phi,
 //            3 Phi - 4 Phi^2 / (Phi + u)  beyond,
 // continuous with its slope, bounded by 3 Phi (docs/methods.md 16). Phi = 5 by default.
-class ScalingLoss final : public ceres::LossFunction {
+class ScalingLoss {
  public:
   explicit ScalingLoss(double phi) : phi_(phi) {}
 
-  void Evaluate(double u, double rho[3]) const override {
+  void operator()(double u, double& rho, double& slope) const {
     const double scale = u <= phi_ ? 1.0 : 2 * phi_ / (phi_ + u);
-    rho[0] = u <= phi_ ? u : 3 * phi_ - 2 * phi_ * scale;
-    rho[1] = scale * scale;
-    rho[2] = 0;  // left out, as of all losses here
+    rho = u <= phi_ ? u : 3 * phi_ - 2 * phi_ * scale;
+    slope = scale * scale;
   }
 
  private:
@@ -79,22 +76,19 @@ class ScalingLoss final : public ceres::LossFunction {
 // The loss of a factor: Huber's, the mixture's, that of links or none. rho and its slope at s, the whitened residual squared.
 struct Robust {
   double huber = std::numeric_limits<double>::infinity();
-  const MixtureLoss* mixture = nullptr;
+  std::optional<MixtureLoss> mixture;
   double scaling = std::numeric_limits<double>::infinity();  // Phi of ScalingLoss
 
   void operator()(double s, double& rho, double& slope) const {
     rho = s, slope = 1;
     if (mixture) {
-      double all[3];
-      mixture->Evaluate(s, all);
-      rho = all[0], slope = all[1];
+      (*mixture)(s, rho, slope);
     } else if (s > huber * huber) {
       const double r = std::sqrt(s);
       rho = 2 * huber * r - huber * huber, slope = huber / r;
     } else if (s > scaling) {
-      double all[3];
-      ScalingLoss(scaling).Evaluate(s, all);
-      rho = all[0], slope = all[1];
+      const ScalingLoss loss(scaling);
+      loss(s, rho, slope);
     }
   }
 };

@@ -6,7 +6,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <cmath>
 
 namespace hullrecon {
 
@@ -20,26 +19,13 @@ inline Mat3 hat(const Vec3& v) {
   return m;
 }
 
-inline Quaternion exp(const Vec3& w) {
-  const double angle2 = w.squaredNorm(), angle = std::sqrt(angle2);
-  const double half = angle2 > 1e-16 ? std::sin(0.5 * angle) / angle : 0.5 - angle2 / 48;
-  return Quaternion(std::cos(0.5 * angle), half * w[0], half * w[1], half * w[2]);
-}
+Quaternion exp(const Vec3& w);
 
 // The rotation vector of at most pi.
-inline Vec3 log(const Quaternion& q) {
-  const double sine = q.vec().norm(), sign = q.w() < 0 ? -1.0 : 1.0;
-  const double scale = sine > 1e-9 ? 2 * std::atan2(sine, std::abs(q.w())) / sine : 2 / std::abs(q.w());
-  return sign * scale * q.vec();
-}
+Vec3 log(const Quaternion& q);
 
 // d Log(R Exp(w)) / dw at w = 0, where r = Log(R): the inverse of SO(3)'s right Jacobian.
-inline Mat3 log_derivative(const Vec3& r) {
-  const double angle2 = r.squaredNorm(), half = 0.5 * std::sqrt(angle2);
-  const double c = angle2 > 1e-6 ? (1 - half / std::tan(half)) / angle2 : 1.0 / 12 + angle2 / 720;
-  const Mat3 h = hat(r);
-  return Mat3::Identity() + 0.5 * h + c * h * h;
-}
+Mat3 log_derivative(const Vec3& r);
 
 // d Ry(theta) p / d theta = Ry(theta) (e_y x p)
 inline Vec3 turn_y(const Vec3& p) {
@@ -58,8 +44,6 @@ struct Motion {
   Vec3 to_child(const Vec3& p) const { return q.conjugate() * (p - t); }
 };
 
-inline Mat3 rotation_y(double angle) {
-  return Eigen::AngleAxisd(angle, Vec3::UnitY()).toRotationMatrix();
-}
+Mat3 rotation_y(double angle);
 
 }  // namespace hullrecon

@@ -31,6 +31,13 @@ void derive(double* const* J, int k, const Fill& fill) {
   fill(j);
 }
 
+// Tangent plane of the mesh near a query, held until the next refresh: distance(p) = normal . p + offset, in M.
+struct Facet {
+  Vec3 normal = Vec3::Zero();
+  double offset = 0;
+  bool active = false;
+};
+
 // Interpolates the deviation field: sum of weight * node, m outward, each node once. The weights are held by their owner.
 struct FieldAt {
   std::span<const double> weight;

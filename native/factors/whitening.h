@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Whitens residuals and wraps them for Ceres. Sigmas act here and nowhere else.
+// Whitens residuals. Sigmas act here and nowhere else.
 #pragma once
-
-#include <ceres/cost_function.h>
 
 #include <Eigen/Core>
 
@@ -52,22 +50,5 @@ bool whitened(const Residual& residual, const Whitening& whitening, const Sizes&
   }
   return true;
 }
-
-template <class Residual, class Whitening>
-class Cost final : public ceres::CostFunction {
- public:
-  Cost(Residual residual, Whitening whitening) : residual_(std::move(residual)), whitening_(std::move(whitening)) {
-    set_num_residuals(Residual::kRows);
-    for (int size : residual_.sizes()) mutable_parameter_block_sizes()->push_back(size);
-  }
-
-  bool Evaluate(const double* const* x, double* r, double** J) const override {
-    return whitened(residual_, whitening_, parameter_block_sizes(), x, r, J);
-  }
-
- private:
-  Residual residual_;
-  Whitening whitening_;
-};
 
 }  // namespace hullrecon

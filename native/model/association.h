@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "factors/residuals.h"
+#include "factors/residual.h"
 #include "mesh/mesh_index.h"
 
 namespace hullrecon {

@@ -22,6 +22,7 @@ struct LinearFactor {
 
  private:
   std::vector<const double*> x_;
+  std::vector<int> sizes_;
   std::vector<double*> pointers_;
   std::vector<std::vector<double>> raw_;
 };

@@ -23,6 +23,14 @@ std::unique_ptr<MeshIndex> mesh(const Tables& t) {
   return std::make_unique<MeshIndex>(std::move(vertices), std::move(faces));
 }
 
+// Summed as Eigen sums a vector of so many rows.
+template <int Rows = kMostRows>
+double squared_norm(const double* r, int rows) {
+  if (rows == Rows) return Eigen::Matrix<double, Rows, 1>(r).squaredNorm();
+  if constexpr (Rows > 1) return squared_norm<Rows - 1>(r, rows);
+  return 0;
+}
+
 }  // namespace
 
 Model::Model(const Tables& tables, const Options& options)
@@ -141,7 +149,7 @@ Kind Model::kind_of(int64_t factor) const {
 
 int64_t Model::row_of(int64_t factor) const {
   const Kind kind = kind_of(factor);
-  const int64_t i = factor - first_[static_cast<size_t>(kind)];
+  const int64_t i = number_of(factor);
   if (kind == Kind::Prior) return i < tables_.prior_pose_node.rows() ? i : 0;
   return kind == Kind::Surface ? surface_rows_[i] : kind == Kind::Deviation ? field_rows_[i] : i;
 }
@@ -150,7 +158,7 @@ void Model::blocks_of(int64_t factor, std::vector<int32_t>& out) const {
   const Tables& t = tables_;
   const auto landmark = static_cast<int32_t>(poses()), global = static_cast<int32_t>(landmark + landmarks());
   const Kind kind = kind_of(factor);
-  const int64_t i = row_of(factor), number = factor - first_[static_cast<size_t>(kind)];
+  const int64_t i = row_of(factor), number = number_of(factor);
   const auto anchor = [&](int32_t plane) { return t.plane_anchor.data[plane]; };
   const auto also = [&](std::span<const int32_t> nodes) {
     for (int32_t node : nodes) out.push_back(first_node() + node);
@@ -224,43 +232,32 @@ void Model::blocks_of(int64_t factor, std::vector<int32_t>& out) const {
   }
 }
 
-Factor Model::factor(int64_t i) const {
-  Factor out{nullptr, nullptr, kind_of(i), row_of(i), {}};
-  blocks_of(i, out.blocks);
-  visit(i, [&](const auto& residual, const auto& whitening, const Robust& robust) {
-    out.cost = std::make_unique<Cost<std::decay_t<decltype(residual)>, std::decay_t<decltype(whitening)>>>(residual, whitening);
-    if (robust.mixture) out.loss = std::make_unique<MixtureLoss>(*robust.mixture);
-    if (std::isfinite(robust.huber)) out.loss = std::make_unique<ceres::HuberLoss>(robust.huber);
-    if (std::isfinite(robust.scaling)) out.loss = std::make_unique<ScalingLoss>(robust.scaling);
-  });
+Robust Model::robust(int64_t factor) const {
+  Robust out;
+  switch (kind_of(factor)) {
+    case Kind::Stereo:
+      out.huber = options_.huber_stereo;
+      break;
+    case Kind::Mono:
+      out.huber = options_.huber_mono;
+      break;
+    case Kind::Range:
+    case Kind::PlaneRange:
+      out.huber = options_.huber_range;
+      break;
+    case Kind::Position:
+      out.huber = options_.huber_position;
+      break;
+    case Kind::Surface:
+      out.mixture = surface_loss(row_of(factor));
+      break;
+    case Kind::Link:
+      if (tables_.link_kernel.data[row_of(factor)] == kScaling) out.scaling = options_.link_phi;
+      break;
+    default:
+      break;
+  }
   return out;
-}
-
-Odometry Model::odometry(int64_t i) const {
-  const Tables& t = tables_;
-  return {Motion(t.odometry_measured.row(i)),
-          matrix<6, 2>(t.odometry_by_navigation.row(i)),
-          matrix<6, 3>(t.odometry_by_mount.row(i)),
-          matrix<6, 1>(t.odometry_by_tray.row(i)),
-          t.odometry_tray.data[i],
-          Motion(t.odometry_mount.data).q};
-}
-
-Range Model::range(int64_t i) const {
-  const Tables& t = tables_;
-  return {Motion(t.range_offset.row(i)), t.range_tray_offset.data[i], Vec3(t.range_beam.row(i)).normalized(),
-          Vec3(t.tray_origin.data),      t.range_measured.data[i],    range_nodes_.at(i),
-          association_.range(i),         association_.refused()};
-}
-
-PlaneRange Model::plane_range(int64_t i) const {
-  const Tables& t = tables_;
-  return {Motion(t.plane_range_offset.row(i)),
-          t.plane_range_tray_offset.data[i],
-          Vec3(t.plane_range_beam.row(i)).normalized(),
-          Vec3(t.tray_origin.data),
-          t.plane_range_measured.data[i],
-          t.plane_range_node.data[i] == t.plane_anchor.data[t.plane_range_plane.data[i]]};
 }
 
 MixtureLoss Model::surface_loss(int64_t row) const {
@@ -278,12 +275,11 @@ void Model::refresh(bool trial, bool surface_too) {
     association_.refresh_surface(
         [&](int64_t i) { return Vec3(hull_from_global * (landmark(tables_.surface_landmark.data[i]) - hull.t)); });
   }
-  const auto ray = [&](int64_t i) {
+  const auto cast = [&](int64_t i) {
     const double* const x[] = {blocks_[tables_.range_node.data[i]].data, hull_data, mount};
-    const Beam beam = range(i).at(x, 0);
-    return std::pair(beam.end_hull, beam.along_hull);
+    return ray(i, x);
   };
-  association_.refresh_range(ray, trial);
+  association_.refresh_range(cast, trial);
 }
 
 std::vector<int32_t> Model::labels() const {
@@ -308,10 +304,8 @@ std::array<double, kKindNames.size()> Model::costs() const {
     x.clear();
     for (int32_t b : blocks) x.push_back(blocks_[b].data);
     double rho = 0, slope;
-    visit(i, [&](const auto& residual, const auto& whitening, const Robust& robust) {
-      Eigen::Matrix<double, std::decay_t<decltype(residual)>::kRows, 1> r;
-      if (whitened(residual, whitening, std::array<int, 0>{}, x.data(), r.data(), nullptr)) robust(r.squaredNorm(), rho, slope);
-    });
+    double r[kMostRows];
+    if (evaluate(i, {}, x.data(), r, nullptr)) robust(i)(squared_norm(r, rows_of(i)), rho, slope);
     return 0.5 * rho;
   };
   const auto work = [&](int64_t begin, int64_t end) {

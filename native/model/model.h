@@ -1,19 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Turns tables into unknowns and factors: what solve, evaluate and covariance share. Nothing of Ceres' Problem here.
+// Turns tables into unknowns and factors: what solve, evaluate and covariance share. Nothing of Ceres here.
 #pragma once
 
-#include <ceres/cost_function.h>
-#include <ceres/loss_function.h>
-
 #include <array>
-#include <limits>
-#include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "factors/mixture.h"
-#include "factors/whitening.h"
 #include "model/association.h"
 #include "model/field_nodes.h"
 #include "model/tables.h"
@@ -37,6 +33,7 @@ enum class Kind : int8_t {
   Velocity,
   Position
 };
+constexpr int kMostRows = 9;  // of a residual: the prior of a camera's intrinsics
 constexpr std::array<const char*, 15> kKindNames{"prior", "attitude",   "tray",        "odometry",  "stereo",
                                                  "mono",  "range",      "surface",     "deviation", "link",
                                                  "plane", "plane_pair", "plane_range", "velocity",  "position"};
@@ -52,14 +49,7 @@ struct Block {
   std::string name;
 };
 
-// As Ceres takes it.
-struct Factor {
-  std::unique_ptr<ceres::CostFunction> cost;
-  std::unique_ptr<ceres::LossFunction> loss;  // null: none
-  Kind kind;
-  int64_t row;                  // in its table
-  std::vector<int32_t> blocks;  // in blocks()
-};
+struct Range;  // factors/hull_residuals.h
 
 class Model {
  public:
@@ -69,16 +59,17 @@ class Model {
   // intrinsics_bottom, world, nodes of the deviation field, planes, switches of links.
   const std::vector<Block>& blocks() const { return blocks_; }
 
-  // Factors are numbered by kind, then by row. They are made when asked for: half a million kept would cost 300 MB.
+  // Factors are numbered by kind, then by row. Their residuals are made when they are evaluated: half a million kept would cost
+  // 300 MB.
   int64_t factors() const { return first_.back(); }
   std::pair<int64_t, int64_t> factors_of(Kind kind) const;  // first, end
   Kind kind_of(int64_t factor) const;
   int64_t row_of(int64_t factor) const;  // in its table
   void blocks_of(int64_t factor, std::vector<int32_t>& blocks) const;
-  Factor factor(int64_t factor) const;
-  // Calls use(residual, whitening, robust) with the factor's own types: no virtual call, no memory of its own.
-  template <class Use>
-  void visit(int64_t factor, const Use& use) const;
+  int rows_of(int64_t factor) const;  // of its residual
+  // Evaluates a factor's residual (factors/residual.h) at the blocks x and whitens it. sizes: of the blocks; J may be null.
+  bool evaluate(int64_t factor, std::span<const int> sizes, const double* const* x, double* r, double* const* J) const;
+  Robust robust(int64_t factor) const;  // its loss, of the whitened residual squared
 
   int64_t poses() const { return tables_.pose.rows(); }
   int64_t landmarks() const { return tables_.landmark.rows(); }
@@ -116,13 +107,16 @@ class Model {
   void add_block(double* data, int size, int tangent, std::string name);
   void number_factors();
   void hold_labels();
+  int64_t number_of(int64_t factor) const { return factor - first_[static_cast<size_t>(kind_of(factor))]; }  // in its kind
+  // Call use(residual, whitening) with the factor's own types (model/factors.cpp).
+  template <class Use>
+  void visit(int64_t factor, const Use& use) const;
   template <class Use>
   void visit_prior(int64_t row, const Use& use) const;
   template <class Use>
   void visit_link(int64_t row, const Use& use) const;
-  Odometry odometry(int64_t row) const;
   Range range(int64_t row) const;
-  PlaneRange plane_range(int64_t row) const;
+  std::pair<Vec3, Vec3> ray(int64_t row, const double* const* x) const;  // origin and direction in M of a beam
 
   Tables tables_;
   Options options_;
@@ -142,111 +136,5 @@ class Model {
   std::array<int64_t, kKindNames.size() + 1> first_{};  // factor of each kind
   std::vector<int32_t> held_labels_;                    // empty: labels are free
 };
-
-// Rows of the tables as matrices, and their whitening.
-template <int Rows, int Columns>
-Eigen::Matrix<double, Rows, Columns> matrix(const double* data) {
-  return Eigen::Map<const Eigen::Matrix<double, Rows, Columns, Columns == 1 ? Eigen::ColMajor : Eigen::RowMajor>>(data);
-}
-
-template <int N>
-Diagonal<N> diagonal(const double* sigma) {
-  return {matrix<N, 1>(sigma).cwiseInverse()};
-}
-
-template <class Use>
-void Model::visit_prior(int64_t row, const Use& use) const {
-  const Tables& t = tables_;
-  if (row < t.prior_pose_node.rows()) {
-    return use(MotionPrior<8>{Motion(t.prior_pose.row(row))}, Full<6>{matrix<6, 6>(t.prior_pose_sqrt.row(row))}, Robust{});
-  }
-  const int k = global_priors_[row - t.prior_pose_node.rows()];
-  if (k == kNavigation) return use(VectorPrior<6>{{}}, diagonal<6>(t.prior_navigation_sigma.data), Robust{});
-  if (k == kWorld) return use(VectorPrior<3>{{}}, diagonal<3>(t.prior_world_sigma.data), Robust{});
-  if (k >= kTopIntrinsics) {
-    VectorPrior<9> prior;
-    std::copy_n(&intrinsics_start_[9 * (k - kTopIntrinsics)], 9, prior.expected.begin());
-    return use(prior, diagonal<9>(t.prior_intrinsics_sigma.data), Robust{});
-  }
-  const std::array<std::pair<const Table<double>*, const Table<double>*>, 4> motions{{{&t.prior_T_g_M, &t.prior_T_g_M_sqrt},
-                                                                                      {&t.prior_T_s_ct, &t.prior_T_s_ct_sqrt},
-                                                                                      {&t.prior_T_ct_cb, &t.prior_T_ct_cb_sqrt},
-                                                                                      {&t.prior_T_s_d, &t.prior_T_s_d_sqrt}}};
-  use(MotionPrior<7>{Motion(motions[k].first->data)}, Full<6>{matrix<6, 6>(motions[k].second->data)}, Robust{});
-}
-
-template <class Use>
-void Model::visit_link(int64_t row, const Use& use) const {
-  const Tables& t = tables_;
-  const CameraPair pair{Vec3(t.tray_origin.data), Motion(t.link_measured.row(row)), t.link_camera_first.data[row] == 1,
-                        t.link_camera_second.data[row] == 1};
-  const auto under_kernel = [&]<class Link>(const Link& link) {
-    constexpr int n = Link::kRows;
-    const Eigen::Matrix<double, n, n> root = matrix<6, 6>(t.link_sqrt.row(row)).template topLeftCorner<n, n>();
-    if (t.link_kernel.data[row] == kSwitch) {
-      Full<n + 1> with_switch{Eigen::Matrix<double, n + 1, n + 1>::Zero()};
-      with_switch.root.template topLeftCorner<n, n>() = root, with_switch.root(n, n) = std::sqrt(options_.link_phi);
-      return use(SwitchedLink<Link>{link}, with_switch, Robust{});
-    }
-    Robust robust;
-    if (t.link_kernel.data[row] == kScaling) robust.scaling = options_.link_phi;
-    use(link, Full<n>{root}, robust);
-  };
-  t.link_scaled.data[row] == 1 ? under_kernel(ScaledLink{pair}) : under_kernel(BearingLink{pair});
-}
-
-template <class Use>
-void Model::visit(int64_t factor, const Use& use) const {
-  const Tables& t = tables_;
-  const Kind kind = kind_of(factor);
-  const int64_t i = factor - first_[static_cast<size_t>(kind)];
-  const Vec3 tray(t.tray_origin.data);
-  const Robust none{};
-  switch (kind) {
-    case Kind::Prior:
-      return visit_prior(i, use);
-    case Kind::Attitude:
-      return use(Attitude{Vec3(t.pressure_origin.data), Vec3(t.attitude_measured.row(i))}, diagonal<3>(t.attitude_sigma.row(i)),
-                 none);
-    case Kind::Tray:
-      return use(Tray{t.tray_measured.data[i], t.tray_direction.data[i]}, Scalar{1 / t.tray_sigma.data[i]}, none);
-    case Kind::Odometry:
-      return use(odometry(i), Full<6>{matrix<6, 6>(t.odometry_sqrt.row(i))}, none);
-    case Kind::Stereo:
-      return use(Stereo{tray, matrix<4, 1>(t.stereo_pixel.row(i))}, Scalar{1 / t.stereo_sigma_px(i)},
-                 Robust{options_.huber_stereo, nullptr});
-    case Kind::Mono:
-      return use(Mono{tray, matrix<2, 1>(t.mono_pixel.row(i)), t.mono_camera.data[i] == 1}, Scalar{1 / t.mono_sigma_px(i)},
-                 Robust{options_.huber_mono, nullptr});
-    case Kind::Range:
-      return use(range(i), Scalar{1 / t.range_sigma.data[i]}, Robust{options_.huber_range, nullptr});
-    case Kind::Surface: {
-      const int64_t row = surface_rows_[i];
-      const MixtureLoss loss = surface_loss(row);
-      return use(Surface{surface_nodes_.at(row), association_.surface(row)}, Scalar{1 / options_.sigma_on},
-                 Robust{none.huber, &loss});
-    }
-    case Kind::Deviation:
-      return use(FieldPrior{prior_nodes_.at(field_rows_[i])}, Scalar{1.0}, none);
-    case Kind::Link:
-      return visit_link(i, use);
-    case Kind::Plane:
-      return use(PlaneSighting{Vec3(t.sighting_measured.row(i)),
-                               t.sighting_node.data[i] == t.plane_anchor.data[t.sighting_plane.data[i]]},
-                 Full<3>{matrix<3, 3>(t.sighting_sqrt.row(i))}, none);
-    case Kind::PlanePair:
-      return use(PlanePair{Vec3(t.pair_measured.row(i)), Vec3(t.pair_point.row(i)), Vec3(t.pair_place.row(i)),
-                           matrix<3, 3>(t.pair_by_place.row(i)),
-                           t.plane_anchor.data[t.pair_first.data[i]] == t.plane_anchor.data[t.pair_second.data[i]]},
-                 Full<3>{matrix<3, 3>(t.pair_sqrt.row(i))}, none);
-    case Kind::PlaneRange:
-      return use(plane_range(i), Scalar{1 / t.plane_range_sigma.data[i]}, Robust{options_.huber_range});
-    case Kind::Velocity:
-      return use(Velocity{t.velocity_before.data[i], t.velocity_after.data[i]}, diagonal<6>(t.velocity_sigma.row(i)), none);
-    case Kind::Position:
-      return use(Position{Vec3(t.position_antenna.row(i)), matrix<2, 1>(t.position_measured.row(i))},
-                 Scalar{1 / t.position_sigma.data[i]}, Robust{options_.huber_position});
-  }
-}
 
 }  // namespace hullrecon

@@ -37,7 +37,7 @@ py::tuple in_regions(const Doubles& regions, const Doubles& points) {
   if (regions.ndim() != 2 || regions.shape(1) != 7) throw InputError("the array must be (n, 7)", "regions", "");
   if (points.ndim() != 2 || points.shape(1) != 2) throw InputError("the array must be (n, 2)", "points", "");
   std::vector<SearchRegion> sought(regions.shape(0));
-  if (!sought.empty()) std::memcpy(sought.data(), regions.data(), sizeof(SearchRegion) * sought.size());
+  if (!sought.empty()) std::memcpy(static_cast<void*>(sought.data()), regions.data(), sizeof(SearchRegion) * sought.size());
   FeaturePairs found;
   {
     py::gil_scoped_release free;

@@ -56,9 +56,9 @@ struct ImageTerms::Cameras {
       : tables(model.tables()),
         intrinsics{model.blocks()[model.block("intrinsics_top")].data, model.blocks()[model.block("intrinsics_bottom")].data},
         bottom(model.blocks()[model.block("T_ct_cb")].data),
-        bottom_from_top(bottom.rotation().transpose()),
-        pair{model.options().huber_stereo, nullptr},
-        single{model.options().huber_mono, nullptr} {}
+        bottom_from_top(bottom.rotation().transpose()) {
+    pair.huber = model.options().huber_stereo, single.huber = model.options().huber_mono;
+  }
 
   double inverse_sigma(int32_t observation) const {
     const auto stereo = static_cast<int32_t>(tables.stereo_node.rows());

@@ -55,9 +55,7 @@ SmallFactors::SmallFactors(const Model& model, const ReducedLayout& layout) : mo
         column += width;
         if (!global) ++met[at + 1];
       }
-      model.visit(i, [&](const auto& residual, const auto&, const Robust&) {
-        rows_.push_back(std::decay_t<decltype(residual)>::kRows);
-      });
+      rows_.push_back(model.rows_of(i));
       factor_.push_back(i);
       part_start_.push_back(static_cast<int64_t>(part_.size()));
       value_start_.push_back(value_start_.back() + int64_t{rows_.back()} * (column + 1));
@@ -130,11 +128,9 @@ void SmallFactors::evaluate(int64_t f, double* to, Scratch& s) const {
     next += 9 * rows;
   }
   Eigen::Map<Eigen::MatrixXd> out(to, rows, (value_start_[f + 1] - value_start_[f]) / rows);
-  double residual[9], rho, slope = 1;
-  model_.visit(factor_[f], [&](const auto& of, const auto& whitening, const Robust& robust) {
-    whitened(of, whitening, s.sizes, s.x.data(), residual, s.J.data());
-    robust(Eigen::Map<Eigen::VectorXd>(residual, rows).squaredNorm(), rho, slope);
-  });
+  double residual[kMostRows], rho, slope = 1;
+  model_.evaluate(factor_[f], s.sizes, s.x.data(), residual, s.J.data());
+  model_.robust(factor_[f])(Eigen::Map<Eigen::VectorXd>(residual, rows).squaredNorm(), rho, slope);
   const double weight = std::sqrt(slope);
   int column = 0;
   for (size_t k = 0; k < s.blocks.size(); ++k) {
@@ -176,11 +172,9 @@ bool SmallFactors::cost(std::array<double, kKindNames.size()>& by_kind) const {
       model_.blocks_of(factor_[f], blocks);
       x.clear();
       for (int32_t b : blocks) x.push_back(model_.blocks()[b].data);
-      double r[9], rho = 0, slope;
-      model_.visit(factor_[f], [&](const auto& residual, const auto& whitening, const Robust& robust) {
-        if (!whitened(residual, whitening, std::array<int, 0>{}, x.data(), r, nullptr)) good = false;
-        robust(Eigen::Map<Eigen::VectorXd>(r, rows_[f]).squaredNorm(), rho, slope);
-      });
+      double r[kMostRows], rho = 0, slope;
+      if (!model_.evaluate(factor_[f], {}, x.data(), r, nullptr)) good = false;
+      model_.robust(factor_[f])(Eigen::Map<Eigen::VectorXd>(r, rows_[f]).squaredNorm(), rho, slope);
       sums[f / kChunk][static_cast<size_t>(model_.kind_of(factor_[f]))] += 0.5 * rho;
     }
   };

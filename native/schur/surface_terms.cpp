@@ -59,8 +59,7 @@ double SurfaceTerms::cost() const {
     Vec3 normal;
     for (int64_t k = begin * kChunk; k < std::min(count, end * kChunk); ++k) {
       const double r = residual(term_[k], global_from_hull, hull.t, normal);
-      const MixtureLoss mixture = loss(term_[k]);
-      Robust{Robust{}.huber, &mixture}(r * r, rho, slope);
+      loss(term_[k])(r * r, rho, slope);
       sums[k / kChunk] += 0.5 * rho;
     }
   };
@@ -76,8 +75,7 @@ void SurfaceTerms::linearise() {
     for (int64_t k = begin; k < end; ++k) {
       SurfaceTerm& term = term_[k];
       const double r = residual(term, global_from_hull, hull.t, term.n);
-      const MixtureLoss mixture = loss(term);
-      Robust{Robust{}.huber, &mixture}(r * r, rho, slope);
+      loss(term)(r * r, rho, slope);
       const double root = std::sqrt(slope), scale = root / model_.options().sigma_on;
       term.n *= scale, term.r = root * r, term.by_field = -scale;
       term.turn.noalias() = global_from_hull.transpose() * term.n.cross(images_.at(term.rank) - hull.t);

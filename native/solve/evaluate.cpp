@@ -21,16 +21,17 @@ std::vector<size_t> by_column(const Model& model, const std::vector<int32_t>& bl
 
 void lay_out(const Model& model, bool with_jacobian, Evaluation& out, std::vector<int64_t>& first_row) {
   out.start.assign(1, 0);
+  std::vector<int32_t> blocks;
   for (int64_t i = 0; i < model.factors(); ++i) {
-    const Factor f = model.factor(i);
+    model.blocks_of(i, blocks);
     first_row.push_back(static_cast<int64_t>(out.start.size()) - 1);
     int64_t width = 0;
     if (with_jacobian)
-      for (int32_t b : f.blocks) width += model.blocks()[b].tangent;
-    for (int r = 0; r < f.cost->num_residuals(); ++r) {
+      for (int32_t b : blocks) width += model.blocks()[b].tangent;
+    for (int r = 0; r < model.rows_of(i); ++r) {
       out.start.push_back(out.start.back() + width);
-      out.kind.push_back(static_cast<int32_t>(f.kind));
-      out.table_row.push_back(static_cast<int32_t>(f.row));
+      out.kind.push_back(static_cast<int32_t>(model.kind_of(i)));
+      out.table_row.push_back(static_cast<int32_t>(model.row_of(i)));
     }
   }
   out.residual.resize(out.kind.size()), out.weight.resize(out.kind.size());

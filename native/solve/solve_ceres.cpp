@@ -5,6 +5,7 @@
 #include <ceres/ceres.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "common/blas_guard.h"
 #include "common/errors.h"
@@ -89,6 +90,37 @@ class Record final : public ceres::IterationCallback {
   LabelCount labels_;
 };
 
+// A factor of the model as Ceres takes it.
+class Cost final : public ceres::CostFunction {
+ public:
+  Cost(const Model& model, int64_t factor, const std::vector<int32_t>& blocks) : model_(model), factor_(factor) {
+    set_num_residuals(model.rows_of(factor));
+    for (int32_t b : blocks) mutable_parameter_block_sizes()->push_back(model.blocks()[b].size);
+  }
+  bool Evaluate(const double* const* x, double* r, double** J) const override {
+    return model_.evaluate(factor_, parameter_block_sizes(), x, r, J);
+  }
+
+ private:
+  const Model& model_;
+  int64_t factor_;
+};
+
+// The loss of labels or of links. Its second derivative is left out.
+class Loss final : public ceres::LossFunction {
+ public:
+  explicit Loss(const Robust& robust) : robust_(robust) {}
+  void Evaluate(double s, double rho[3]) const override { robust_(s, rho[0], rho[1]), rho[2] = 0; }
+
+ private:
+  Robust robust_;
+};
+
+ceres::LossFunction* loss(const Robust& robust) {
+  if (std::isfinite(robust.huber)) return new ceres::HuberLoss(robust.huber);
+  return robust.mixture || std::isfinite(robust.scaling) ? new Loss(robust) : nullptr;
+}
+
 // The model owns the unknowns, the problem costs and losses; manifolds outlive the problem here.
 struct Manifolds {
   PoseManifold pose;
@@ -98,12 +130,13 @@ struct Manifolds {
 
 void fill(ceres::Problem& problem, Manifolds& manifolds, Model& model, ceres::ParameterBlockOrdering& order) {
   std::vector<char> used(model.blocks().size());
+  std::vector<int32_t> blocks;
   std::vector<double*> x;
   for (int64_t i = 0; i < model.factors(); ++i) {
-    Factor f = model.factor(i);
+    model.blocks_of(i, blocks);
     x.clear();
-    for (int32_t b : f.blocks) x.push_back(model.blocks()[b].data), used[b] = 1;
-    problem.AddResidualBlock(f.cost.release(), f.loss.release(), x);
+    for (int32_t b : blocks) x.push_back(model.blocks()[b].data), used[b] = 1;
+    problem.AddResidualBlock(new Cost(model, i, blocks), loss(model.robust(i)), x);
   }
   for (size_t b = 0; b < used.size(); ++b) {
     if (!used[b]) continue;

@@ -5,7 +5,7 @@
 
 #include "factors/camera.h"
 #include "factors/manifolds.h"
-#include "factors/residuals.h"
+#include "factors/residual.h"
 
 #include "expect.h"
 

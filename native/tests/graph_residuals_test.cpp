@@ -144,19 +144,19 @@ TEST_CASE("a link behind a switch") {
 
 TEST_CASE("the loss of links is the integral of the weight that dynamic covariance scaling gives") {
   const ScalingLoss loss(5.0);
-  double rho[3], before = 0, sum = 0;
+  double rho, slope, before = 0, sum = 0;
   for (double u = 0; u < 60; u += 1e-3) {
-    loss.Evaluate(u + 5e-4, rho);
+    loss(u + 5e-4, rho, slope);
     const double s = std::min(1.0, 10 / (5 + u + 5e-4));
-    CHECK(rho[1] == doctest::Approx(s * s));
+    CHECK(slope == doctest::Approx(s * s));
     sum += 1e-3 * s * s;
-    loss.Evaluate(u + 1e-3, rho);
-    CHECK(rho[0] == doctest::Approx(sum).epsilon(1e-5));
-    CHECK(rho[0] > before);
-    before = rho[0];
+    loss(u + 1e-3, rho, slope);
+    CHECK(rho == doctest::Approx(sum).epsilon(1e-5));
+    CHECK(rho > before);
+    before = rho;
   }
-  loss.Evaluate(1e12, rho);
-  CHECK(rho[0] == doctest::Approx(15));
+  loss(1e12, rho, slope);
+  CHECK(rho == doctest::Approx(15));
 }
 
 TEST_CASE("a plane seen from a pose") {

@@ -7,9 +7,11 @@
 #include <deque>
 #include <random>
 
+#include "factors/camera.h"
 #include "factors/manifolds.h"
 #include "model/linear_factor.h"
 #include "model/model.h"
+#include "schur/camera_chain.h"
 
 namespace hullrecon {
 
@@ -126,10 +128,12 @@ struct SmallProblem {
     for (int l = 0; l < kLandmarks; ++l) {
       const int middle = std::min(kPoses - 1, l / 3);
       for (int i = std::max(0, middle - 1); i <= std::min(kPoses - 1, middle + 1); ++i) {
-        const double* x[] = {tables.landmark.row(l), tables.pose.row(i),         tables.T_s_ct.data,
-                             tables.T_ct_cb.data,    tables.intrinsics_top.data, tables.intrinsics_bottom.data};
-        double seen[4];
-        Stereo{Vec3(tables.tray_origin.data), Eigen::Vector4d::Zero()}(x, seen, nullptr);
+        const CameraChain chain(tables.pose.row(i), Motion(tables.T_s_ct.data), Vec3(tables.tray_origin.data));
+        const Vec3 in_top = chain.camera_from_global * (Vec3(tables.landmark.row(l)) - chain.centre);
+        Projection top, bottom;
+        project(tables.intrinsics_top.data, in_top, false, top);
+        project(tables.intrinsics_bottom.data, Motion(tables.T_ct_cb.data).to_child(in_top), false, bottom);
+        double seen[] = {top.pixel[0], top.pixel[1], bottom.pixel[0], bottom.pixel[1]};
         for (double& p : seen) p += normal();
         if ((l + i) % 5 != 0) {
           node.push_back(i), landmark.push_back(l);

@@ -4,7 +4,7 @@
 
 #include "factors/manifolds.h"
 #include "factors/mixture.h"
-#include "factors/residuals.h"
+#include "factors/navigation_residuals.h"
 
 #include "expect.h"
 
@@ -15,14 +15,15 @@ TEST_CASE("whitening multiplies residual and derivative alike") {
   const double* x[] = {six};
   double r[6], raw[36];
   double* J[] = {raw};
+  const std::array sizes{6};
   Eigen::Matrix<double, 6, 6> root = Eigen::Matrix<double, 6, 6>::Zero();
   root(0, 5) = 3;
-  CHECK(Cost(VectorPrior<6>{{}}, Full<6>{root}).Evaluate(x, r, J));
+  CHECK(whitened(VectorPrior<6>{{}}, Full<6>{root}, sizes, x, r, J));
   CHECK((r[0] == 3 && r[5] == 0));
   CHECK((raw[5] == 3 && raw[0] == 0));
-  CHECK(Cost(VectorPrior<6>{{}}, Diagonal<6>{{1, 2, 3, 4, 5, 6}}).Evaluate(x, r, J));
+  CHECK(whitened(VectorPrior<6>{{}}, Diagonal<6>{{1, 2, 3, 4, 5, 6}}, sizes, x, r, J));
   CHECK((r[5] == 6 && raw[35] == 6 && raw[34] == 0));
-  CHECK(Cost(VectorPrior<6>{{}}, Scalar{0.5}).Evaluate(x, r, nullptr));
+  CHECK(whitened(VectorPrior<6>{{}}, Scalar{0.5}, sizes, x, r, nullptr));
   CHECK(r[3] == 0.5);
 }
 
@@ -32,28 +33,28 @@ TEST_CASE("the labels change at 0.05595 m and the loss is continuous there") {
   CHECK((mixture.on(-0.0559) && !mixture.on(0.0560)));
   const MixtureLoss loss(mixture, Label::Free, 1.0);
   const double s = std::pow(mixture.boundary() / 0.02, 2);
-  double below[3], above[3];
-  loss.Evaluate(s * (1 - 1e-12), below), loss.Evaluate(s * (1 + 1e-12), above);
-  CHECK(below[0] == doctest::Approx(above[0]).epsilon(1e-9));
-  CHECK((below[1] == 1.0 && above[1] == doctest::Approx(4e-4)));
+  double below, above, slope_below, slope_above;
+  loss(s * (1 - 1e-12), below, slope_below), loss(s * (1 + 1e-12), above, slope_above);
+  CHECK(below == doctest::Approx(above).epsilon(1e-9));
+  CHECK((slope_below == 1.0 && slope_above == doctest::Approx(4e-4)));
 }
 
 TEST_CASE("the loss is twice the likelier label's negative log likelihood") {
   const MixtureLoss loss({0.02, 1.0}, Label::Free, 0.3);
   for (double h : {0.0, 0.03, 0.0561, 0.5, 3.0}) {
     const double on = h * h / (2 * 0.02 * 0.02) + std::log(0.02), off = h * h / 2;
-    double rho[3];
-    loss.Evaluate(h * h / 4e-4, rho);
-    CHECK(rho[0] == doctest::Approx(0.3 * 2 * (std::min(on, off) - std::log(0.02))));
+    double rho, slope;
+    loss(h * h / 4e-4, rho, slope);
+    CHECK(rho == doctest::Approx(0.3 * 2 * (std::min(on, off) - std::log(0.02))));
   }
 }
 
 TEST_CASE("a held label keeps its branch") {
-  double rho[3];
-  MixtureLoss({0.02, 1.0}, Label::On, 2.0).Evaluate(1e4, rho);
-  CHECK((rho[0] == 2e4 && rho[1] == 2.0));
-  MixtureLoss({0.02, 1.0}, Label::Off, 1.0).Evaluate(0.0, rho);
-  CHECK(rho[0] == doctest::Approx(2 * std::log(50.0)));
+  double rho, slope;
+  MixtureLoss({0.02, 1.0}, Label::On, 2.0)(1e4, rho, slope);
+  CHECK((rho == 2e4 && slope == 2.0));
+  MixtureLoss({0.02, 1.0}, Label::Off, 1.0)(0.0, rho, slope);
+  CHECK(rho == doctest::Approx(2 * std::log(50.0)));
 }
 
 TEST_CASE("minus undoes plus on every manifold") {
