@@ -29,21 +29,20 @@ SIGMA_KEYS = (
 
 @dataclass(frozen=True, kw_only=True)
 class NavigationSigmas:
-    """One sigma of each error. One unknown for the dive: mount (6,) of the DVL on the tray, m and
-    rad; scale of the DVL's velocities; heading_drift_rad_s; tilt_bias_rad of roll and pitch;
-    depth_bias_m; tray_rad, the servo's backlash. White: tilt_rad of roll and pitch; depth_m;
-    range_m of a DVL beam.
+    """One sigma of each error of navigation's sensors.
+
+    Errors of the first group are one unknown each for the dive, the last three are white.
     """
 
-    mount: Array
-    scale: float
+    mount: Array  # (6,) of the DVL on the tray, m and rad
+    scale: float  # of the DVL's velocities
     heading_drift_rad_s: float
-    tilt_bias_rad: float
+    tilt_bias_rad: float  # of roll and pitch
     depth_bias_m: float
-    tray_rad: float
-    tilt_rad: float
+    tray_rad: float  # the servo's backlash
+    tilt_rad: float  # of roll and pitch
     depth_m: float
-    range_m: float
+    range_m: float  # of a DVL beam
 
 
 def sigmas_from_settings(settings: Mapping[str, object]) -> NavigationSigmas:

@@ -50,7 +50,7 @@ def poses(transform: np.ndarray) -> Poses:
 
 @dataclass(frozen=True, kw_only=True)
 class LinkedDive:
-    """global_from_vehicle (n, 4, 4): the truth, tray at zero; what navigation made of it; the rig."""
+    """True global_from_vehicle (n, 4, 4), tray at zero; navigation of it; the rig."""
 
     global_from_vehicle: np.ndarray
     trajectory: Trajectory

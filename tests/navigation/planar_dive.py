@@ -47,7 +47,7 @@ def surface_x(axes: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
 def true_path(
     legs: int, leg_m: float, spacing_m: float, axes: np.ndarray, rng: np.random.Generator
 ) -> tuple[Poses, np.ndarray]:
-    """The vehicle faces the hull, +x, and goes sideways; legs (n,): the number of each pose's leg."""
+    """The vehicle faces the hull, +x, and goes sideways; legs (n,): number of each pose's leg."""
     per_leg = round(leg_m / STEP_M)
     k = np.tile(np.arange(per_leg), legs)
     leg = np.repeat(np.arange(legs), per_leg)

@@ -13,14 +13,17 @@ from navigation.instruments import RIG
 from navigation.wall_dive import AlongWall, late, logs_along_wall
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.clocks.clock_errors import ClockError, Sensor, on_time
-from hullrecon.navigation.clocks.images import ImageMotions, dvl_beside_images, imu_beside_images
-from hullrecon.navigation.clocks.instruments import (
+from hullrecon.navigation.clocks.comparisons import (
+    Comparison,
+    ImageMotions,
+    Sensor,
+    compare_depth,
+    compare_directions,
+    compare_hull_turns,
+    compare_turns,
     hull_normals,
-    imu_beside_dvl,
-    pressure_beside_dvl,
 )
-from hullrecon.navigation.clocks.time_shift import find_far_shift, find_time_shift
+from hullrecon.navigation.clocks.time_offsets import Refined, refine, weigh
 from hullrecon.navigation.sensors.attitude import attitude_history
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
@@ -34,7 +37,7 @@ def logged():
 
 @pytest.fixture(scope="module")
 def attitude(logged):
-    return attitude_history(logged.imu, 0.002, 0.6)
+    return attitude_history(logged.imu, 0.002)
 
 
 @pytest.fixture(scope="module")
@@ -100,69 +103,62 @@ def test_a_dvl_of_no_or_two_beams_has_no_normals():
     ].shape == (0, 3)
 
 
+def refined(comparison: Comparison, offsets: dict[Sensor, float] | None = None) -> Refined:
+    (evidence,) = weigh([comparison])
+    return refine(evidence, offsets or {comparison.first: evidence.minima_s[0]})
+
+
 @pytest.mark.parametrize("seconds", [0.0, 1.0, -0.7])
-def test_the_hull_stands_still_at_the_imus_time(logged, attitude, seconds):
+def test_hull_stands_still_at_the_offset_of_the_imu(logged, attitude, seconds):
     moved = late(logged, Sensor.DVL, -seconds)
-    found = imu_beside_dvl(moved.dvl, attitude, servo(logged.tray, START_NS), RIG)
-    shift = find_time_shift(found.residuals, found.block)
-    assert shift.seconds == pytest.approx(seconds, abs=4 * shift.sigma_s)
-    assert shift.sigma_s < 0.1
+    found = refined(compare_hull_turns(moved.dvl, attitude, servo(logged.tray, START_NS), RIG))
+    sigma_s = np.sqrt(found.variance)
+    assert found.relative_s == pytest.approx(seconds, abs=4 * sigma_s)
+    assert sigma_s < 0.1
 
 
 @pytest.mark.parametrize("seconds", [0.0, 1.0, -0.7])
-def test_the_depth_follows_the_dvl_at_the_pressures_time(logged, attitude, seconds):
-    moved = late(logged, Sensor.PRESSURE, seconds)
-    found = pressure_beside_dvl(
-        logged.dvl, attitude, moved.pressure, servo(logged.tray, START_NS), RIG
-    )
-    shift = find_time_shift(found.residuals, found.block)
-    assert shift.seconds == pytest.approx(seconds, abs=4 * shift.sigma_s)
-    assert shift.sigma_s < 0.1
+def test_depth_follows_the_dvl_at_the_offset_of_the_pressure(logged, attitude, seconds):
+    moved, joint = late(logged, Sensor.PRESSURE, seconds), servo(logged.tray, START_NS)
+    found = refined(compare_depth(logged.dvl, attitude, moved.pressure, joint, RIG))
+    sigma_s = np.sqrt(found.variance)
+    assert found.relative_s == pytest.approx(seconds, abs=4 * sigma_s)
+    assert sigma_s < 0.1
 
 
-def test_the_attitude_that_levels_the_dvl_is_that_of_the_clock_that_the_imu_shares(
-    logged, attitude
-):
-    """A DVL that is late beside IMU and pressure is levelled by the attitude of their time, or its
-    shift comes out wrong.
-    """
+def test_depth_of_late_dvl_is_levelled_by_attitude_of_its_time(logged, attitude):
+    """With the attitude of its stamps, the DVL's offset comes out wrong."""
     moved, joint = late(logged, Sensor.DVL, 1.5), servo(logged.tray, START_NS)
-    by_theirs, by_its_own = (
-        pressure_beside_dvl(moved.dvl, attitude, logged.pressure, joint, RIG, late_s)
-        for late_s in (None, 0.0)
-    )
-    right, wrong = (
-        find_time_shift(found.residuals, found.block) for found in (by_theirs, by_its_own)
-    )
-    assert right.seconds == pytest.approx(-1.5, abs=4 * right.sigma_s)
-    assert abs(wrong.seconds + 1.5) > abs(right.seconds + 1.5)
+    depth = compare_depth(moved.dvl, attitude, logged.pressure, joint, RIG)
+    right = refined(depth, {Sensor.DVL: 1.5})
+    wrong = refined(depth, {Sensor.PRESSURE: -1.5})
+    assert right.relative_s == pytest.approx(-1.5, abs=4 * np.sqrt(right.variance))
+    assert abs(wrong.relative_s + 1.5) > abs(right.relative_s + 1.5)
 
 
-def test_less_than_a_minute_is_too_short_to_say_how_sure_a_shift_is(logged, attitude):
+def test_less_than_a_minute_is_too_short_for_an_offset(logged, attitude):
     few = logged.dvl.t_ns < START_NS + 50 * 10**9
     rows = {
         name: getattr(logged.dvl, name)[few]
         for name in ("t_ns", "velocity", "velocity_sigma", "ranges")
     }
     pings, joint = replace(logged.dvl, **rows), servo(logged.tray, START_NS)
-    assert not imu_beside_dvl(pings, attitude, joint, RIG).is_enough
-    assert not pressure_beside_dvl(pings, attitude, logged.pressure, joint, RIG).is_enough
+    assert not compare_hull_turns(pings, attitude, joint, RIG).is_enough
+    assert not compare_depth(pings, attitude, logged.pressure, joint, RIG).is_enough
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.4, -2.0])
-def test_images_tell_the_times_of_attitude_and_velocity(logged, attitude, motions, seconds):
+def test_images_show_offsets_of_attitude_and_velocity(logged, attitude, motions, seconds):
     early = replace(
         motions,
         first_ns=motions.first_ns - round(seconds * 1e9),
         second_ns=motions.second_ns - round(seconds * 1e9),
     )
-    turns = imu_beside_images(early, attitude, servo(logged.tray, START_NS), RIG)
-    imu = find_far_shift(turns.residuals, turns.block)
-    assert imu.seconds == pytest.approx(seconds, abs=0.02)
-    velocities = usable_velocities(logged.dvl, (START_NS, START_NS + 240 * 10**9), 0.6)
-    steps = dvl_beside_images(early, velocities, RIG)
-    dvl = find_far_shift(steps.residuals, steps.block)
-    assert dvl.seconds == pytest.approx(seconds, abs=0.1)
+    found = refined(compare_turns(early, attitude, servo(logged.tray, START_NS), RIG))
+    assert found.relative_s == pytest.approx(seconds, abs=0.02)
+    velocities = usable_velocities(logged.dvl, (START_NS, START_NS + 240 * 10**9))
+    found = refined(compare_directions(early, velocities, RIG))
+    assert found.relative_s == pytest.approx(seconds, abs=0.1)
 
 
 def test_few_motions_tell_nothing(logged, attitude, motions):
@@ -174,15 +170,6 @@ def test_few_motions_tell_nothing(logged, attitude, motions):
         ),
         sigma_rad=motions.sigma_rad[:5],
     )
-    velocities = usable_velocities(logged.dvl, (START_NS, START_NS + 240 * 10**9), 0.6)
-    assert not imu_beside_images(few, attitude, servo(logged.tray, START_NS), RIG).is_enough
-    assert not dvl_beside_images(few, velocities, RIG).is_enough
-
-
-def test_stamps_are_moved_within_the_error_and_of_its_sensor_alone():
-    wrong = ClockError(
-        sensor=Sensor.IMU, from_ns=10, to_ns=20, late_s=-1e-9, sigma_s=1e-9, beside=(Sensor.DVL,)
-    )
-    t_ns = np.array([5, 10, 15, 20, 25])
-    assert on_time(t_ns, [wrong], Sensor.IMU).tolist() == [5, 11, 16, 21, 25]
-    assert on_time(t_ns, [wrong], Sensor.DVL).tolist() == t_ns.tolist()
+    velocities = usable_velocities(logged.dvl, (START_NS, START_NS + 240 * 10**9))
+    assert not compare_turns(few, attitude, servo(logged.tray, START_NS), RIG).is_enough
+    assert not compare_directions(few, velocities, RIG).is_enough

@@ -11,16 +11,18 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon
-from hullrecon.navigation.options import NavigateOptions
+from hullrecon.navigation.dead_reckoning.dead_reckon import (
+    Navigated,
+    NavigationLogs,
+    dead_reckon,
+    usable_logs,
+)
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.rig import Rig
 
-OPTIONS = NavigateOptions()
-
 
 def reckoned(logs: NavigationLogs, rig: Rig, sigmas: NavigationSigmas = SIGMAS) -> Navigated:
-    return dead_reckon(logs, rig, sigmas, OPTIONS)
+    return dead_reckon(usable_logs(logs), rig, sigmas)
 
 
 def truth_at(simulated, found: Navigated) -> Poses:
@@ -115,7 +117,7 @@ def central(changed, step: float) -> np.ndarray:
     """Numeric derivative (m, 6) of the odometry by a cause: `changed(c)` gives logs and rig with it
     accounted for.
     """
-    plus, minus = (dead_reckon(*changed(c), SIGMAS, OPTIONS).odometry for c in (step, -step))
+    plus, minus = (dead_reckon(*changed(c), SIGMAS).odometry for c in (step, -step))
     turn = (
         Rotation.from_quat(minus.quaternion).inv() * Rotation.from_quat(plus.quaternion)
     ).as_rotvec()
@@ -274,23 +276,6 @@ def test_a_wild_velocity_is_rejected_and_reported(simulated, perfect, rig):
     assert any("1 velocity rejected" in sentence for sentence in found.remarks)
 
 
-def test_stamps_out_of_order_and_repeated_are_put_right_and_said(perfect, rig):
-    order = np.arange(len(perfect.dvl.t_ns))
-    order[[50, 51]] = [51, 50]
-    order = np.concatenate([order, [300]])
-    dvl = replace(
-        perfect.dvl,
-        **{
-            f: getattr(perfect.dvl, f)[order]
-            for f in ("t_ns", "velocity", "velocity_sigma", "ranges")
-        },
-    )
-    found, plain = reckoned(replace(perfect, dvl=dvl), rig), reckoned(perfect, rig)
-    assert np.array_equal(found.trajectory.translation, plain.trajectory.translation)
-    assert any(words.startswith("dvl:") and "backwards" in words for words in found.remarks)
-    assert any("1 repeated" in words for words in found.remarks)
-
-
 def test_a_hole_in_the_attitude_is_reported_and_widens_the_turn(perfect, rig):
     t = (perfect.imu.t_ns - perfect.dvl.t_ns[0]) * 1e-9
     kept = (t < 20) | (t > 22)
@@ -319,24 +304,24 @@ def test_a_pressure_sensor_that_stopped_measures_no_depth_afterwards(simulated, 
     assert (error < 3 * sigma).all()
     assert sigma[-1] > 1.05 * sigma[read][-1]  # DVL, mount and tray drift from there
     assert (
-        "pressure: no reading for 24.4 s of the path's 39.0; there the depth is counted on by the DVL"
-        in found.remarks
-    )
+        "pressure: no reading for 24.4 s of the path's 39.0; there the depth "
+        "is counted on by the DVL"
+    ) in found.remarks
 
 
 def test_what_nodes_say_of_the_depth_is_no_more_than_a_slow_pressure_sensor_did(
     simulated, noisy, rig, frames
 ):
     many = replace(noisy, top=frames(np.arange(0.25, 39.5, 0.1)))
-    usual = dead_reckon(many, rig, SIGMAS, NavigateOptions()).attitude.sigma[:, 0]
+    usual = dead_reckon(many, rig, SIGMAS).attitude.sigma[:, 0]
     assert usual[50:-50] == pytest.approx(SIGMAS.depth_m, rel=0.01)
     pressure = replace(
         noisy.pressure, t_ns=noisy.pressure.t_ns[::10], depth=noisy.pressure.depth[::10]
     )
     slow = replace(many, pressure=pressure)
-    sigma = dead_reckon(slow, rig, SIGMAS, NavigateOptions()).attitude.sigma[:, 0]
+    sigma = dead_reckon(slow, rig, SIGMAS).attitude.sigma[:, 0]
     assert (1 / sigma**2).sum() == pytest.approx(40 / SIGMAS.depth_m**2, rel=0.1)
-    rare = dead_reckon(noisy, rig, SIGMAS, NavigateOptions()).attitude.sigma[:, 0]
+    rare = dead_reckon(noisy, rig, SIGMAS).attitude.sigma[:, 0]
     assert (rare == SIGMAS.depth_m).all()
 
 

@@ -50,7 +50,7 @@ SWING = 0.3 * np.sin(0.2 * T)
 @pytest.mark.parametrize("step_deg", [3.0, -1.5])
 def test_a_step_is_found_measured_and_taken_off(step_deg: float) -> None:
     step = np.radians(step_deg) * (T >= 60)
-    found = attitude_history(imu(SWING, step), 0.002, 0.6)
+    found = attitude_history(imu(SWING, step), 0.002)
     assert found.steps.row.tolist() == [1500]
     assert found.steps.size == pytest.approx([np.radians(step_deg)], abs=np.radians(0.1))
     assert np.abs(heading(found.quaternion) - SWING).max() < np.radians(0.15)
@@ -59,7 +59,7 @@ def test_a_step_is_found_measured_and_taken_off(step_deg: float) -> None:
 def test_the_error_that_a_step_leaves_is_within_its_sigma() -> None:
     errors = []
     for seed in range(12):
-        found = attitude_history(imu(SWING, 0.05 * (T >= 60), seed=seed), 0.002, 0.6)
+        found = attitude_history(imu(SWING, 0.05 * (T >= 60), seed=seed), 0.002)
         turned = (
             np.diff(heading(found.quaternion)[[1450, 1550]])[0] - np.diff(SWING[[1450, 1550]])[0]
         )
@@ -72,7 +72,7 @@ def test_a_heading_that_parts_slowly_from_the_rates_makes_the_turn_as_unsure_as_
     None
 ):
     slow = np.radians(3) * np.clip((T - 60) / 0.8, 0, 1)
-    found = attitude_history(imu(SWING, slow), 0.002, 0.6)
+    found = attitude_history(imu(SWING, slow), 0.002)
     assert len(found.steps.row) == 0
     assert len(found.steps.disagreement) > 0
     at = np.round(1e9 * np.array([20, 40, 58, 64])).astype(np.int64)
@@ -86,7 +86,7 @@ def test_turns_of_the_vehicle_are_no_steps_though_its_rates_have_a_scale() -> No
         np.interp(T, [0, 40, 41.5, 90, 91, 120], [0, 0, 1.5, 1.5, 0.5, 0.5]), 0.2 * RATE_HZ
     )
     for scale in (1.0, 0.98):
-        assert len(attitude_history(imu(sharp, np.zeros(len(T)), scale), 0.002, 0.6).steps.row) == 0
+        assert len(attitude_history(imu(sharp, np.zeros(len(T)), scale), 0.002).steps.row) == 0
 
 
 def test_without_rates_a_turn_faster_than_a_vehicle_can_is_a_step() -> None:
@@ -94,13 +94,13 @@ def test_without_rates_a_turn_faster_than_a_vehicle_can_is_a_step() -> None:
         found = imu(yaw, step)
         return replace(found, angular_velocity=np.full_like(found.angular_velocity, np.nan))
 
-    found = attitude_history(silent(SWING, 0.06 * (T >= 60)), 0.002, 0.6)
+    found = attitude_history(silent(SWING, 0.06 * (T >= 60)), 0.002)
     assert found.steps.row.tolist() == [1500]
     assert np.abs(heading(found.quaternion) - SWING).max() < 5 * found.steps.sigma_rad
     sharp = gaussian_filter1d(np.interp(T, [0, 40, 41.5, 120], [0, 0, 1.2, 1.2]), 0.2 * RATE_HZ)
-    assert len(attitude_history(silent(sharp, np.zeros(len(T))), 0.002, 0.6).steps.row) == 0
+    assert len(attitude_history(silent(sharp, np.zeros(len(T))), 0.002).steps.row) == 0
 
 
 def test_several_steps_are_each_found() -> None:
     step = 0.05 * (T >= 20) - 0.1 * (T >= 60) + 0.02 * (T >= 100)
-    assert attitude_history(imu(SWING, step), 0.002, 0.6).steps.row.tolist() == [500, 1500, 2500]
+    assert attitude_history(imu(SWING, step), 0.002).steps.row.tolist() == [500, 1500, 2500]

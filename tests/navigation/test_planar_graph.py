@@ -15,7 +15,7 @@ from navigation.planar_dive import aligned, simulate
 from hullrecon import native
 from hullrecon.geometry.poses import tray_poses
 from hullrecon.navigation.planes.planar_graph import PlanarGraph, PlanarSolution, planar_graph
-from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
+from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.records.links import CameraLinks, no_links
 from hullrecon.studies.scenes.ellipsoid_dive import (
     STEP_S,
@@ -57,7 +57,7 @@ def test_planes_take_a_heading_drift_out_of_the_path(drifting) -> None:
 
 
 def test_they_gain_across_the_hull_and_in_heading_and_nothing_along_it(drifting) -> None:
-    """g's x points into the hull, y along it: a patch slid along a smooth hull is the same patch."""
+    """x points into the hull, y along it: a patch slid along a smooth hull is the same."""
     dive, alone, planar = drifting
     before, after = (
         np.sqrt(np.mean(aligned(s.path.poses.translation, dive.truth.translation) ** 2, axis=0))
@@ -73,7 +73,7 @@ def test_they_gain_across_the_hull_and_in_heading_and_nothing_along_it(drifting)
 
 def test_errors_lie_within_a_few_of_the_sigmas_of_the_solve(drifting) -> None:
     dive, _, planar = drifting
-    sigma = np.sqrt(np.einsum("nii->ni", native.covariance(planar.problem, OPTIONS).pose))
+    sigma = np.sqrt(np.einsum("nii->ni", native.covariance(planar.problem).pose))
     error = planar.path.poses.translation - dive.truth.translation
     turn = (dive.truth.rotation.inv() * planar.path.poses.rotation).as_rotvec()
     ratio = np.sqrt(np.mean((np.hstack([error, turn]) / sigma[:, :6])[20:] ** 2, axis=0))
@@ -119,7 +119,7 @@ def test_patches_whose_place_along_the_hull_is_a_guess_are_not_compared() -> Non
     lost = with_outage(dive, 0.2, 2.3)
     alone, planar = solve(lost)
     assert rms_m(lost, planar) <= 1.05 * rms_m(lost, alone)
-    sigma = np.sqrt(np.einsum("nii->ni", native.covariance(planar.problem, OPTIONS).pose))[:, :3]
+    sigma = np.sqrt(np.einsum("nii->ni", native.covariance(planar.problem).pose))[:, :3]
     error = planar.path.poses.translation - dive.truth.translation
     ratio = np.sqrt(np.mean((error / np.maximum(sigma, 1e-3))[20:] ** 2, axis=0))
     assert (ratio < 2.5).all()

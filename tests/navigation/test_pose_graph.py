@@ -347,7 +347,7 @@ def test_the_relative_covariance_is_that_of_poses_moved_as_their_joint_covarianc
     found = graph_of(dive).solve(links)
     pair = (7, 41)
     pose = found.problem.unknowns.pose
-    joint = native.pair_covariance(found.problem, np.array([pair], np.int32), OPTIONS).pose[0]
+    joint = native.pair_covariance(found.problem, np.array([pair], np.int32)).pose[0]
     middle = relative_cameras(pose[:, :7], pose[:, 7], dive, *pair, bottom)
     jacobian = np.zeros((6, 14))
     for column in range(14):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Positions from outside on a dive without a camera: what they do to its path, and what is refused."""
+"""Positions from outside on a dive without a camera, and what is refused of them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from navigation.linked_dive import DVL_TURN_SIGMA, LinkedDive, poses, simulate
 from hullrecon import native
 from hullrecon.estimation.position_tables import fit_of_positions, place_path, with_positions
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
-from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
+from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.records.links import no_links
 from hullrecon.records.sensors import PositionFixes
 from hullrecon.records.trajectory import PositionTies
@@ -148,7 +148,7 @@ def test_fixes_that_contradict_navigation_are_told_in_words(dive: LinkedDive) ->
 def test_without_fixes_the_problem_is_the_same(dive: LinkedDive) -> None:
     problem = solve(dive, None).problem
     assert with_positions(problem, None) is problem
-    assert fit_of_positions(problem, None, np.zeros((3, 3)), OPTIONS) is None
+    assert fit_of_positions(problem, None, np.zeros((3, 3))) is None
     assert solve(dive, None).fit_of_positions() is None
 
 
@@ -185,7 +185,10 @@ def test_one_fix_tells_nothing_and_two_do(dive: LinkedDive) -> None:
     alone = attach_positions(rows(fixes, slice(0, 1)), dive.trajectory, ORIGIN)
     assert alone.ties is None
     assert alone.sentences() == [
-        "Positions from outside tell nothing of this dive: there is one alone, and where the dive began is free."
+        (
+            "Positions from outside tell nothing of this dive: there is one alone, and "
+            "where the dive began is free."
+        )
     ]
     both = attach_positions(rows(fixes, np.array([0, 29])), dive.trajectory, ORIGIN)
     assert both.ties is not None
@@ -223,6 +226,6 @@ def test_the_rows_of_the_table_are_those_of_the_ties(dive: LinkedDive) -> None:
     ties = ties_of(dive, fixes_of(dive))
     problem = with_positions(solve(dive, None).problem, ties)
     np.testing.assert_array_equal(problem.positions.node, ties.node)
-    found = native.evaluate(problem, OPTIONS)
+    found = native.evaluate(problem)
     assert int((found.factor == native.FACTORS.index("position")).sum()) == 2 * len(ties)
     assert DVL_TURN_SIGMA > 0

@@ -13,7 +13,6 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.dead_reckon import dead_reckon, usable_frames
 from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
-from hullrecon.navigation.options import NavigateOptions
 from hullrecon.records.sensors import ImuSamples
 
 START_NS, SECOND = 1_777_887_000_000_000_000, 10**9
@@ -21,7 +20,7 @@ START_NS, SECOND = 1_777_887_000_000_000_000, 10**9
 
 @pytest.fixture(scope="session")
 def found(perfect, rig):
-    return dead_reckon(perfect, rig, SIGMAS, NavigateOptions())
+    return dead_reckon(perfect, rig, SIGMAS)
 
 
 def test_a_return_carries_the_vehicle_from_its_node_to_its_ping(simulated, found, rig):
@@ -56,15 +55,13 @@ def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(simulated, 
 def test_an_image_that_does_not_decode_has_no_node(perfect, rig):
     usable = perfect.top.usable.copy()
     usable[3] = False
-    gone = dead_reckon(
-        replace(perfect, top=replace(perfect.top, usable=usable)), rig, SIGMAS, NavigateOptions()
-    )
+    gone = dead_reckon(replace(perfect, top=replace(perfect.top, usable=usable)), rig, SIGMAS)
     assert 3 not in gone.trajectory.image[:, 0]
     assert {2, 4} <= set(gone.trajectory.image[:, 0].tolist())
 
 
 def test_a_dive_without_cameras_has_nodes_at_its_pings(perfect, rig):
-    blind = dead_reckon(replace(perfect, top=None), rig, SIGMAS, NavigateOptions())
+    blind = dead_reckon(replace(perfect, top=None), rig, SIGMAS)
     assert (blind.trajectory.image == -1).all()
     assert np.isin(blind.trajectory.t_ns, perfect.dvl.t_ns).all()
     assert len(blind.odometry.first) == len(blind.trajectory.t_ns) - 1
@@ -104,7 +101,7 @@ def test_where_the_dvl_is_silent_at_the_ends_images_get_nodes_as_far_as_they_go_
         return 10 <= second < 70
 
     silent = heard_only(perfect, 15, 25)
-    found = dead_reckon(silent, rig, SIGMAS, NavigateOptions(), walk(silent, goes_on))
+    found = dead_reckon(silent, rig, SIGMAS, walk(silent, goes_on))
     assert found.trajectory.image[0, 0] == 10
     assert found.trajectory.image[-1, 0] == 69
     assert (np.diff(found.trajectory.image[:, 0]) == 1).all()
@@ -113,7 +110,7 @@ def test_where_the_dvl_is_silent_at_the_ends_images_get_nodes_as_far_as_they_go_
     assert not {8, 71} & {second for _, second in asked}
     (sentence,) = [remark for remark in found.remarks if "silent" in remark]
     assert "the first 9.8 s and the last 9.8 s" in sentence
-    without = dead_reckon(silent, rig, SIGMAS, NavigateOptions())
+    without = dead_reckon(silent, rig, SIGMAS)
     assert without.trajectory.image[0, 0] > 25
     assert without.trajectory.image[-1, 0] < 55
 
@@ -122,7 +119,7 @@ def test_images_are_not_followed_across_a_blank(perfect, rig):
     usable = perfect.top.usable.copy()
     usable[60:66] = False
     logs = replace(heard_only(perfect, 0, 25), top=replace(perfect.top, usable=usable))
-    found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
+    found = dead_reckon(logs, rig, SIGMAS, walk(logs))
     assert found.trajectory.image[:, 0].max() == 59
 
 
@@ -168,7 +165,6 @@ def test_in_an_outage_images_that_go_on_from_neither_side_have_no_pose(
         logs,
         rig,
         SIGMAS,
-        NavigateOptions(),
         walk(
             logs,
             lambda first, second: (
@@ -184,13 +180,13 @@ def test_in_an_outage_images_that_go_on_from_neither_side_have_no_pose(
 
 def perfect_images(perfect, rig):
     """Rows of the images that have a pose where the DVL is never silent."""
-    return dead_reckon(perfect, rig, SIGMAS, NavigateOptions()).trajectory.image[:, 0].tolist()
+    return dead_reckon(perfect, rig, SIGMAS).trajectory.image[:, 0].tolist()
 
 
 def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfect, rig):
     """And before it as after it: the walk counts from the first velocity both ways."""
     logs = heard_only(perfect, 15, 25)
-    found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
+    found = dead_reckon(logs, rig, SIGMAS, walk(logs))
     t = found.trajectory
     seconds = (t.t_ns - START_NS) * 1e-9
     start = np.flatnonzero(seconds >= 15)[0]
@@ -217,7 +213,7 @@ def test_beyond_the_imu_the_attitude_is_off_by_no_more_than_it_says(
     logs = replace(
         perfect, imu=ImuSamples(**{name: value[read] for name, value in vars(perfect.imu).items()})
     )
-    found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
+    found = dead_reckon(logs, rig, SIGMAS, walk(logs))
     t = found.trajectory
     assert t.image[:, 0].tolist() == perfect_images(perfect, rig)
     seconds = (t.t_ns - START_NS) * 1e-9
@@ -241,5 +237,5 @@ def test_beyond_the_imu_the_attitude_is_off_by_no_more_than_it_says(
 def test_without_images_the_path_ends_with_the_imu(perfect, rig):
     read = perfect.imu.t_ns <= START_NS + 20 * SECOND
     imu = ImuSamples(**{name: value[read] for name, value in vars(perfect.imu).items()})
-    found = dead_reckon(replace(perfect, imu=imu, top=None), rig, SIGMAS, NavigateOptions())
+    found = dead_reckon(replace(perfect, imu=imu, top=None), rig, SIGMAS)
     assert found.trajectory.t_ns[-1] - imu.t_ns[-1] < 2 * SECOND

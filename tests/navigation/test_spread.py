@@ -23,7 +23,6 @@ from hullrecon.navigation.dead_reckoning.error_propagation import (
     twist_by_pose_error,
 )
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning, reckon
-from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
@@ -44,7 +43,7 @@ def imu_rows(imu: ImuSamples, rows: np.ndarray) -> ImuSamples:
 def path_of(logs: NavigationLogs, rig: Rig, error: np.ndarray) -> Reckoning:
     """Dead reckoning of instruments that err by `error` (ERRORS,), the depth's bias aside."""
     span = int(logs.imu.t_ns[0]), int(logs.imu.t_ns[-1])
-    velocities = usable_velocities(logs.dvl, span, 0.6)
+    velocities = usable_velocities(logs.dvl, span)
     velocities = replace(
         velocities, velocity=(1 + error[error_propagation.SCALE]) * velocities.velocity
     )
@@ -127,9 +126,7 @@ def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_change
     )
     drifted = replace(silent, imu=replace(silent.imu, quaternion=turned.as_quat()))
     off = certain(heading_drift_rad_s=drift)
-    base, other = (
-        dead_reckon(logs, rig, off, NavigateOptions()).trajectory for logs in (silent, drifted)
-    )
+    base, other = (dead_reckon(logs, rig, off).trajectory for logs in (silent, drifted))
     moved = (other.translation - base.translation)[:, :2]
     assert np.linalg.norm(moved[-1]) > 0.1
     for k in (20, 40, 60, -1):
@@ -143,7 +140,7 @@ def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_change
 def relative_by_error(
     logs: NavigationLogs, rig: Rig, first: np.ndarray, second: np.ndarray, step: float = 1e-4
 ) -> np.ndarray:
-    """(m, 6, ERRORS): central differences of the relative poses of paths that were reckoned anew."""
+    """Central differences (m, 6, ERRORS) of relative poses of paths reckoned anew."""
     out = np.zeros((len(first), 6, error_propagation.ERRORS))
     for k in range(error_propagation.DEPTH_BIAS):
         error = step * np.eye(error_propagation.ERRORS)[k]
@@ -238,14 +235,14 @@ def test_a_model_gives_each_nodes_own_covariance_back() -> None:
 
 
 def test_with_pressure_no_error_of_the_dvl_moves_the_depth(perfect, rig) -> None:
-    found = dead_reckon(perfect, rig, SIGMAS, NavigateOptions())
+    found = dead_reckon(perfect, rig, SIGMAS)
     z = found.trajectory.covariance[:, 2, 2]
     assert np.allclose(z, z[0])
     assert z[0] == pytest.approx(SIGMAS.depth_bias_m**2, rel=0.01)
 
 
 def test_without_pressure_the_depth_of_the_start_is_one_unknown_for_the_dive(perfect, rig) -> None:
-    found = dead_reckon(replace(perfect, pressure=None), rig, SIGMAS, NavigateOptions())
+    found = dead_reckon(replace(perfect, pressure=None), rig, SIGMAS)
     assert found.trajectory.covariance[30, 2, 2] > 100.0
     poses_found = found.trajectory.poses()
     errors = NavigationErrors(global_from_camera=poses_found, model=found.error_model)
@@ -254,7 +251,7 @@ def test_without_pressure_the_depth_of_the_start_is_one_unknown_for_the_dive(per
 
 
 def test_velocity_noise_accumulates_and_is_no_smaller_later(noisy, rig) -> None:
-    walk = dead_reckon(noisy, rig, SIGMAS, NavigateOptions()).error_model.walk
+    walk = dead_reckon(noisy, rig, SIGMAS).error_model.walk
     assert (np.diff(walk[:, 0, 0]) > 0).all()
     # sigma^2 period duration
     assert walk[-1, 0, 0] == pytest.approx(0.003**2 * 0.05 * 39.5, rel=0.05)
@@ -267,7 +264,7 @@ def test_a_path_through_a_hole_of_the_imu_is_known_as_badly_as_it_is(perfect, ri
     t = (perfect.imu.t_ns - perfect.imu.t_ns[0]) * 1e-9
     there = (t < 20.0) | (t > 32.0)
     silent = replace(perfect, imu=imu_rows(perfect.imu, there))
-    whole, found = (dead_reckon(logs, rig, SIGMAS, NavigateOptions()) for logs in (perfect, silent))
+    whole, found = (dead_reckon(logs, rig, SIGMAS) for logs in (perfect, silent))
     assert len(whole.trajectory.t_ns) == len(found.trajectory.t_ns)
     turn = (whole.trajectory.poses().rotation.inv() * found.trajectory.poses().rotation).magnitude()
     shift = np.linalg.norm(found.trajectory.translation - whole.trajectory.translation, axis=1)
@@ -285,7 +282,7 @@ def test_two_holes_are_two_errors(perfect, rig) -> None:
     def end_variance(*spans: tuple[float, float]) -> float:
         there = np.all([(t < begin) | (t > end) for begin, end in spans], axis=0)
         logs = replace(perfect, imu=imu_rows(perfect.imu, there))
-        return float(dead_reckon(logs, rig, SIGMAS, NavigateOptions()).error_model.walk[-1, 0, 0])
+        return float(dead_reckon(logs, rig, SIGMAS).error_model.walk[-1, 0, 0])
 
     first, second, none = (
         end_variance((20.0, 26.0)),
@@ -307,12 +304,11 @@ def test_a_heading_that_parts_from_the_rates_turns_the_rest_of_the_path(perfect,
     turned = (
         Rotation.from_euler("z", off[:, None]) * Rotation.from_quat(perfect.imu.quaternion)
     ).as_quat()
-    whole = dead_reckon(perfect, rig, SIGMAS, NavigateOptions()).trajectory
+    whole = dead_reckon(perfect, rig, SIGMAS).trajectory
     found = dead_reckon(
         replace(perfect, imu=replace(perfect.imu, quaternion=turned)),
         rig,
         SIGMAS,
-        NavigateOptions(),
     ).trajectory
     sigma = np.sqrt(np.einsum("nii->ni", found.covariance))
     turn = (whole.poses().rotation.inv() * found.poses().rotation).magnitude()

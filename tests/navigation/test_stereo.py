@@ -19,7 +19,6 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated
 from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
-from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
 from hullrecon.navigation.stereo_odometry.visual_odometry import (
@@ -201,7 +200,6 @@ def navigated(rig, aids: Aids, blind: tuple[int, ...] = (), count: int = 6) -> N
         KnownMotion(blind),
         rig,
         SIGMAS,
-        NavigateOptions(),
         np.zeros(1),
     )
 
@@ -260,9 +258,9 @@ def test_a_pressure_sensor_that_stopped_holds_no_depth_under_the_cameras(rig) ->
     assert found.attitude.sigma[:3, 0].tolist() == [SIGMAS.depth_m] * 3
     assert (found.attitude.sigma[3:, 0] >= 100.0).all()
     assert (
-        "pressure: no reading for 2.6 s of the path's 5.0; there the depth is counted on by the cameras"
-        in found.remarks
-    )
+        "pressure: no reading for 2.6 s of the path's 5.0; there the depth is "
+        "counted on by the cameras"
+    ) in found.remarks
 
 
 def test_nodes_that_share_a_reading_of_the_pressure_share_what_it_says(rig) -> None:

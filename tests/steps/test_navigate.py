@@ -18,7 +18,7 @@ from hullrecon.artifacts.stage import load_arrays, settings_for
 from hullrecon.dive.config import schema
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import CameraModel
-from hullrecon.navigation.clocks.clock_errors import Sensor
+from hullrecon.navigation.clocks.comparisons import Sensor
 from hullrecon.navigation.sigmas import sigmas_from_settings
 from hullrecon.records.sensors import (
     DvlPings,
@@ -175,8 +175,8 @@ def test_a_dvl_whose_clock_is_late_is_put_right_and_said(ingest: Path, tmp_path:
     report = json.loads((out / "navigation.json").read_text())
     (clock,) = report["clocks"]
     assert clock["sensor"] == "DVL"
-    assert clock["late_s"] == pytest.approx(0.8, abs=4 * clock["sigma_s"])
-    assert report["remarks"][0].startswith(f"DVL: the clock is {clock['late_s']:.2f} s late")
+    assert clock["seconds"] == pytest.approx(0.8, abs=4 * clock["sigma_s"])
+    assert report["remarks"][0].startswith(f"DVL: the clock is {clock['seconds']:.2f} s late")
     path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
     assert path.t_ns[0] == pytest.approx(logs.dvl.t_ns[0], abs=0.1 * SECOND)
 

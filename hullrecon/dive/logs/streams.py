@@ -86,7 +86,7 @@ def dvl_pings(
     for row, sample in enumerate(samples):
         if len(sample.ranges) == width:
             ranges[row] = sample.ranges
-    ranges[~(ranges > 0)] = np.nan
+    ranges[~((ranges > 0) & np.isfinite(ranges))] = np.nan  # no return
     if width and not np.isfinite(ranges).any():
         notes.append(Finding("ranges-all-lost", where="dvl"))
         ranges, width = ranges[:, :0], 0

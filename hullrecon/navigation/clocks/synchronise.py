@@ -1,380 +1,206 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Put right the clocks of DVL, IMU, pressure sensor and cameras that are late or early beside the
-others, or jumped.
-"""
+"""Estimate and correct the time offsets of DVL, IMU, pressure sensor and cameras."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass, fields, replace
+from typing import TypeVar
 
 import numpy as np
 
+from hullrecon.dive.logs.timeline import JUMP_S
 from hullrecon.geometry.poses import from_matrix
-from hullrecon.navigation.clocks.clock_errors import (
-    ClockError,
+from hullrecon.navigation.clocks.comparisons import (
+    LEAST_MOTIONS,
+    ImageMotions,
     Sensor,
-    describe_errors,
-    join_errors,
-    late_beside,
-    on_time,
-    put_images_right,
-)
-from hullrecon.navigation.clocks.images import ImageMotions, dvl_beside_images, imu_beside_images
-from hullrecon.navigation.clocks.instruments import imu_beside_dvl, pressure_beside_dvl
-from hullrecon.navigation.clocks.stretches import (
-    PREFERRED,
-    Decision,
     Span,
-    decide_by_stretch,
-    stretches,
+    compare_depth,
+    compare_directions,
+    compare_hull_turns,
+    compare_turns,
 )
-from hullrecon.navigation.clocks.time_shift import (
+from hullrecon.navigation.clocks.time_offsets import (
     FAR_S,
-    Disagreement,
-    find_far_shift,
-    find_time_shift,
-    preference,
-    sum_of_sigmas,
-)
-from hullrecon.navigation.clocks.whose_clock import (
-    LEAST_BY_HULL_S,
-    LEAST_S,
-    Late,
-    against_most,
-    agree,
-    by_depth_too,
-    by_turn_and_depth,
-    error_of,
-    usable,
+    Hypothesis,
+    TimeOffset,
+    assign,
+    explain,
+    segments,
+    time_offsets,
+    weigh,
 )
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
+    Heard,
     NavigationLogs,
-    sort_streams,
+    hear,
     usable_frames,
 )
 from hullrecon.navigation.dead_reckoning.image_walk import STRIDE_S
-from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
-from hullrecon.navigation.sensors.servo import Servo, servo
-from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
-from hullrecon.records.sensors import DvlPings
+from hullrecon.navigation.dead_reckoning.nodes import pair_frames
+from hullrecon.navigation.sensors.attitude import AttitudeHistory
+from hullrecon.navigation.sensors.servo import servo
+from hullrecon.navigation.sensors.velocity import Velocities
+from hullrecon.records.clock import NS, format_time
 from hullrecon.rig import Rig
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Ints
 
-RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6  # of images whose motion is looked at, spread over a stretch
+RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6  # of images whose motion is measured, in each segment
+MOST_PAUSES = 4  # of a stream, the longest; one with more loses readings all the time
+SAME_S = 0.1  # offsets of two hypotheses that differ by less are one
 
 # From two rows of the upper camera's images: second_from_first (4, 4), its translation of any
 # length, and the sigmas (2,) rad of its turn and direction; None where they do not tell.
 MeasureMotion = Callable[[int, int], tuple[Array, Array] | None]
+Stream = TypeVar("Stream")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Synchronised:
-    """Logs with their clocks put right, in time order; what was wrong with the clocks; sentences on
-    what was put right, and on what could not be told.
-    """
+    """Logs with their clocks corrected."""
 
     logs: NavigationLogs
-    errors: list[ClockError]
-    remarks: list[str]
+    heard: Heard | None  # velocities and attitude of these logs; None where clocks were corrected
+    offsets: list[TimeOffset]  # that were corrected
+    remarks: list[str]  # on what was corrected, and on what is wrong and not known whose
 
 
 def synchronise(
     logs: NavigationLogs,
     rig: Rig,
     tilt_rad: float,
-    longest_gap_s: float,
     measure: MeasureMotion | None = None,
 ) -> Synchronised:
-    """Return the logs with their clocks put right.
+    """Correct the time offsets of a dive's sensors.
 
-    The dive is looked at as a whole, and each stretch between pauses that may be jumps for what
-    contradicts that. With images (measure), IMU and DVL are held against what these show of the
-    camera's motion, and the pressure sensor against the DVL; the clocks that most sensors share are
-    right. Without images the DVL's ranges to the hull and the pressure sensor tell.
+    Parameters
+    ----------
+    logs, rig
+        The dive, streams in time order.
+    tilt_rad
+        Sigma of roll and pitch where the IMU's rates do not tell it.
+    measure
+        Measures the motion between two images; None without a camera.
     """
-    logs, messages = sort_streams(logs)
-    look = _Look(logs, rig, tilt_rad, longest_gap_s, None if logs.top is None else measure)
-    errors, undecided = look.by_images() if look.sees else look.by_hull()
-    errors = join_errors(errors)
-    remarks = [*messages, *describe_errors(errors), *undecided]
-    return Synchronised(logs=_put_right(logs, errors), errors=errors, remarks=remarks)
+    frames = usable_frames(logs.top)
+    streams = {Sensor.DVL: logs.dvl.t_ns, Sensor.IMU: logs.imu.t_ns}
+    streams |= {} if logs.pressure is None else {Sensor.PRESSURE: logs.pressure.t_ns}
+    streams |= {} if measure is None or not len(frames[0]) else {Sensor.IMAGES: frames[0]}
+    stamps = list(streams.values())
+    span = min(int(t_ns[0]) for t_ns in stamps), max(int(t_ns[-1]) for t_ns in stamps)
+    spans = segments((t for t_ns in stamps for t in _pauses(t_ns)), span)
+    heard = hear(logs, tilt_rad)
+    velocities, attitude = heard.velocities, heard.attitude
+    tray = servo(logs.tray, int(logs.dvl.t_ns[0]))
 
-
-class _Look:
-    """What the sensors of a dive say of each other's clocks, stretch by stretch."""
-
-    def __init__(
-        self,
-        logs: NavigationLogs,
-        rig: Rig,
-        tilt_rad: float,
-        longest_gap_s: float,
-        measure: MeasureMotion | None,
-    ) -> None:
-        self._logs, self._rig, self._measure = logs, rig, measure
-        self._servo: Servo = servo(logs.tray, int(logs.dvl.t_ns[0]))
-        heard = int(logs.imu.t_ns[0]), int(logs.imu.t_ns[-1])
-        self._velocities: Velocities = usable_velocities(logs.dvl, heard, longest_gap_s)
-        self._attitude: AttitudeHistory = attitude_history(logs.imu, tilt_rad, longest_gap_s)
-        self._frames = usable_frames(logs.top)
-        self.sees = measure is not None and len(self._frames[0]) > 1
-
-    def by_images(self) -> Decision:
-        """Return whose clocks are wrong beside those that most share, by what images show of the
-        motion; by the hull where they show none.
-        """
-        motions = self._motions()
-
-        def of_imu(span: Span) -> Late | None:
-            return _late(
-                imu_beside_images(_between(motions, span), self._attitude, self._servo, self._rig)
-            )
-
-        def of_dvl(span: Span) -> Late | None:
-            return _late(dvl_beside_images(_between(motions, span), self._velocities, self._rig))
-
-        imu, dvl = (
-            _ByStretch(self._stretches(Sensor.IMAGES, Sensor.IMU), of_imu),
-            _ByStretch(self._stretches(Sensor.IMAGES, Sensor.DVL), of_dvl),
-        )
-        if not (imu.is_known or dvl.is_known):
-            return self.by_hull()
-
-        def decide(span: Span) -> Decision:
-            late = {Sensor.IMAGES: Late(seconds=0.0, sigma_s=0.0, sure=False)}
-            for sensor, found in ((Sensor.IMU, imu.at(span)), (Sensor.DVL, dvl.at(span))):
-                late |= {} if found is None else {sensor: found}
-            if Sensor.DVL not in late:
-                return against_most(span, late), []
-            imu_late_s = (
-                late[Sensor.IMU].seconds - late[Sensor.DVL].seconds if Sensor.IMU in late else 0.0
-            )
-            sunk = self._sunk(span, imu_late_s)
-            if sunk is not None:
-                late[Sensor.PRESSURE] = late[Sensor.DVL].and_later(sunk)
-            return by_depth_too(span, late, sunk) or against_most(span, late), []
-
-        def better(span: Span, first: Sequence[ClockError], second: Sequence[ClockError]) -> float:
-            seen = _between(motions, span)
-            return sum_of_sigmas(
-                [
-                    _prefer(
-                        imu_beside_images(seen, self._attitude, self._servo, self._rig),
-                        Sensor.IMU,
-                        Sensor.IMAGES,
-                        first,
-                        second,
-                    ),
-                    _prefer(
-                        dvl_beside_images(seen, self._velocities, self._rig),
-                        Sensor.DVL,
-                        Sensor.IMAGES,
-                        first,
-                        second,
-                    ),
-                    self._prefer_by_depth(span, first, second),
-                ]
-            )
-
-        return decide_by_stretch(self._stretches(*Sensor), decide, better)
-
-    def by_hull(self) -> Decision:
-        """Return whose clocks are wrong, by the DVL's ranges to the hull, which stands still, and
-        by depth.
-        """
-        imu = _ByStretch(self._stretches(Sensor.DVL, Sensor.IMU), self._turned)
-
-        def decide(span: Span) -> Decision:
-            turned = imu.at(span)
-            if turned is not None and turned.sure and abs(turned.seconds) >= LEAST_BY_HULL_S:
-                error = by_turn_and_depth(span, turned, self._sunk(span, turned.seconds))
-            else:
-                error = self._by_turn_near_and_depth(span) if turned is None else None
-            return self._decide_by_depth(span) if error is None else ([error], [])
-
-        def better(span: Span, first: Sequence[ClockError], second: Sequence[ClockError]) -> float:
-            turn = _prefer(self._hull_turns(span), Sensor.IMU, Sensor.DVL, first, second)
-            return sum_of_sigmas([turn, self._prefer_by_depth(span, first, second)])
-
-        return decide_by_stretch(
-            self._stretches(Sensor.DVL, Sensor.IMU, Sensor.PRESSURE), decide, better
-        )
-
-    def _by_turn_near_and_depth(self, span: Span) -> ClockError | None:
-        """Return the error of the DVL's clock where the depth tells the same as the turns do among
-        near shifts: these alone may fit by chance, where far ones fit as well. None else.
-        """
-        turn = self._hull_turns(span)
-        near = (
-            usable(find_time_shift(turn.residuals, turn.block))
-            if turn is not None and turn.is_enough
-            else None
-        )
-        if near is None or not near.sure or abs(near.seconds) < LEAST_BY_HULL_S:
-            return None
-        sunk = self._sunk(span, near.seconds)
-        return (
-            by_turn_and_depth(span, near, sunk)
-            if sunk is not None and sunk.sure and agree(near, sunk)
-            else None
-        )
-
-    def _decide_by_depth(self, span: Span) -> Decision:
-        """Return which of DVL and pressure sensor is wrong, where they part."""
-        sunk = self._sunk(span)
-        if sunk is None or not sunk.sure or abs(sunk.seconds) < LEAST_S[Sensor.PRESSURE]:
-            return [], []
-        error = self._by_depth_alone(span, sunk)
-        if error is not None:
-            return [error], []
-        return [], [
-            f"DVL and pressure: their clocks part by {abs(sunk.seconds):.2f} s (sigma {sunk.sigma_s:.3f} s); which"
-            " of them is wrong is not known, and both were left as they are"
+    motions = None
+    if Sensor.IMAGES in streams and measure is not None:
+        motions = _motions(frames, spans, measure, velocities, attitude)
+    if motions is not None and len(motions) >= LEAST_MOTIONS:
+        comparisons = [
+            compare_turns(motions, attitude, tray, rig),
+            compare_directions(motions, velocities, rig),
         ]
+    elif _is_a_minute_off(logs):
+        comparisons = []
+    else:
+        comparisons = [compare_hull_turns(logs.dvl, attitude, tray, rig)]
+    if logs.pressure is not None:
+        comparisons.append(compare_depth(logs.dvl, attitude, logs.pressure, tray, rig))
 
-    def _prefer_by_depth(
-        self, span: Span, first: Sequence[ClockError], second: Sequence[ClockError]
-    ) -> float:
-        """Return how many sigmas better the depth and what the DVL sank agree by some errors than
-        by others.
-        """
-        one, other = (
-            self._sinking(span, late_beside(errors, Sensor.IMU, Sensor.DVL))
-            for errors in (first, second)
-        )
-        if one is None or other is None:
-            return 0.0
-        by_first, by_second = (
-            late_beside(errors, Sensor.PRESSURE, Sensor.DVL) for errors in (first, second)
-        )
-        return preference(one.residuals(by_first), other.residuals(by_second), one.block)
+    # Explain the dive as a whole and each segment, then choose for each segment.
+    known = [comparison for comparison in comparisons if comparison is not None]
+    evidence = weigh(known)
+    hypotheses, unknown = [explain([])[0]], []
+    parts = [weigh([c.within(part) for c in known]) for part in spans] if len(spans) > 1 else []
+    for own in [evidence, *parts]:
+        found = explain(own)
+        if len(found) > 1:
+            unknown.append(_describe_unknown(found))
+        elif not any(_same(found[0], other) for other in hypotheses):
+            hypotheses.append(found[0])
+    chosen = [hypotheses[k] for k in assign(evidence, spans, [h.corrections() for h in hypotheses])]
+    offsets = time_offsets(spans, chosen, list(streams))
+    remarks = [*describe_offsets(offsets), *([] if offsets else dict.fromkeys(unknown))]
+    return Synchronised(
+        logs=_corrected(logs, offsets),
+        heard=None if offsets else heard,
+        offsets=offsets,
+        remarks=remarks,
+    )
 
-    def _by_depth_alone(self, span: Span, sunk: Late) -> ClockError | None:
-        """Return which of DVL and pressure sensor, which part, is wrong: by where the hull stands
-        more still. None where that does not tell.
-        """
-        turn = self._hull_turns(span)
-        better = (
-            0.0
-            if turn is None
-            else preference(turn.residuals(sunk.seconds), turn.residuals(0.0), turn.block)
-        )
-        if better >= PREFERRED:
-            late = self._sunk(span, None) or sunk  # with the attitude of the pressure sensor's time
-            return error_of(
-                Sensor.DVL, span, -late.seconds, late.sigma_s, [Sensor.IMU, Sensor.PRESSURE]
-            )
-        if better <= -PREFERRED:
-            return error_of(
-                Sensor.PRESSURE, span, sunk.seconds, sunk.sigma_s, [Sensor.DVL, Sensor.IMU]
-            )
-        return None
 
-    def _sunk(self, span: Span, imu_late_s: float | None = 0.0) -> Late | None:
-        """Return how late the pressure sensor is beside the DVL; imu_late_s: how late the IMU is;
-        None: as late.
-        """
-        return _late(self._sinking(span, imu_late_s))
+def _same(first: Hypothesis, second: Hypothesis) -> bool:
+    one, other = first.corrections(), second.corrections()
+    return one.keys() == other.keys() and all(abs(one[s] - other[s]) < SAME_S for s in one)
 
-    def _sinking(self, span: Span, imu_late_s: float | None) -> Disagreement | None:
-        pressure = self._logs.pressure
-        if pressure is None:
-            return None
-        return pressure_beside_dvl(
-            self._pings(span), self._attitude, pressure, self._servo, self._rig, imu_late_s
-        )
 
-    def _turned(self, span: Span) -> Late | None:
-        """Return how late the IMU is beside the DVL. None where it began and ended over a minute
-        before the DVL, or after it.
+def _describe_unknown(alike: Sequence[Hypothesis]) -> str:
+    """Say which clocks part where it is not known which of them is wrong."""
+    sensors = dict.fromkeys(sensor for hypothesis in alike for sensor in hypothesis.wrong)
+    first = alike[0].wrong[0]
+    return (
+        f"{' and '.join(sensors)}: their clocks part by {abs(alike[0].offsets[first]):.2f} s "
+        f"(sigma {alike[0].sigma_s[first]:.3f} s); which of them is wrong is not known, and they "
+        "were left as they are"
+    )
 
-        That is a clock farther off than what is looked at, and some nearer shift might fit by
-        chance.
-        """
-        began_s, ended_s = (
-            (self._logs.imu.t_ns[end] - self._logs.dvl.t_ns[end]) * 1e-9 for end in (0, -1)
-        )
-        if min(abs(began_s), abs(ended_s)) > FAR_S and began_s * ended_s > 0:
-            return None
-        return _late(self._hull_turns(span))
 
-    def _hull_turns(self, span: Span) -> Disagreement | None:
-        return imu_beside_dvl(self._pings(span), self._attitude, self._servo, self._rig)
+def _is_a_minute_off(logs: NavigationLogs) -> bool:
+    """Tell whether the IMU began and ended a minute before or after the DVL.
 
-    def _stretches(self, *sensors: Sensor) -> list[Span]:
-        """Return the stretches between the pauses of some sensors."""
-        logs = self._logs
-        streams = {
-            Sensor.DVL: logs.dvl.t_ns,
-            Sensor.IMU: logs.imu.t_ns,
-            Sensor.PRESSURE: None if logs.pressure is None else logs.pressure.t_ns,
-            Sensor.IMAGES: self._frames[0],
-        }
-        stamps = [streams[sensor] for sensor in sensors]
-        return stretches([t_ns for t_ns in stamps if t_ns is not None and len(t_ns)])
+    That is an offset beyond those searched, and some nearer one might fit by chance.
+    """
+    began_s, ended_s = ((logs.imu.t_ns[end] - logs.dvl.t_ns[end]) / NS for end in (0, -1))
+    return bool(min(abs(began_s), abs(ended_s)) > FAR_S and began_s * ended_s > 0)
 
-    def _pings(self, span: Span) -> DvlPings:
-        dvl = self._logs.dvl
-        rows: Mask = (dvl.t_ns >= span[0]) & (dvl.t_ns <= span[1])
-        return replace(
-            dvl,
-            t_ns=dvl.t_ns[rows],
-            velocity=dvl.velocity[rows],
-            velocity_sigma=dvl.velocity_sigma[rows],
-            ranges=dvl.ranges[rows],
-        )
 
-    def _motions(self) -> ImageMotions:
-        """Return the motions over some runs of images in each stretch, where DVL and IMU were
-        heard.
-        """
-        t_ns, row = self._frames
-        spans = self._stretches(Sensor.IMAGES, Sensor.IMU, Sensor.DVL)
-        inside = [np.flatnonzero((t_ns >= begin) & (t_ns <= end)) for begin, end in spans]
-        runs = max(LEAST_RUNS, RUNS // len(spans))
-        pairs = [
-            pair
-            for rows in inside
-            for run in choose_runs(t_ns, rows, runs)
-            for pair in itertools.pairwise(run)
-        ]
-        found = [
-            (t_ns[a], t_ns[b], *motion)
-            for a, b in pairs
-            if self._measure is not None
-            and self._heard(int(t_ns[a]), int(t_ns[b]))
-            and (motion := self._measure(int(row[a]), int(row[b]))) is not None
-        ]
-        return ImageMotions(
-            first_ns=np.array([one[0] for one in found], np.int64),
-            second_ns=np.array([one[1] for one in found], np.int64),
-            second_from_first=from_matrix(np.array([one[2] for one in found]).reshape(-1, 4, 4)),
-            sigma_rad=np.array([one[3] for one in found]).reshape(-1, 2),
-        )
+def _pauses(t_ns: Ints) -> list[int]:
+    """Find the middles of a stream's longest pauses: those that a jump of its clock would leave."""
+    step = np.diff(t_ns)
+    if not len(step):
+        return []
+    long = np.flatnonzero(step - np.median(step) >= JUMP_S * NS)
+    longest = long[np.argsort(-step[long], kind="stable")[:MOST_PAUSES]]
+    return [int(t) for t in t_ns[longest] + step[longest] // 2]
 
-    def _heard(self, first_ns: int, second_ns: int) -> bool:
-        """Return whether DVL and IMU were heard from one instant to the other."""
-        v, a = self._velocities, self._attitude
-        if (
-            not len(v.t_ns)
-            or first_ns < max(v.t_ns[0], a.t_ns[0])
-            or second_ns > min(v.t_ns[-1], a.t_ns[-1])
-        ):
-            return False
-        return not any(
-            ((gap[:, 0] < second_ns) & (gap[:, 1] > first_ns)).any() for gap in (v.outages, a.holes)
-        )
+
+def _motions(
+    frames: tuple[Ints, Ints],
+    spans: Sequence[Span],
+    measure: MeasureMotion,
+    velocities: Velocities,
+    attitude: AttitudeHistory,
+) -> ImageMotions:
+    """Measure the camera's motion in some runs of images of each segment, outside of outages."""
+    t_ns, row = frames
+    ends = [stream.t_ns[[0, -1]] for stream in (velocities, attitude) if len(stream.t_ns)]
+    begin, end = max(e[0] for e in ends), min(e[1] for e in ends)
+    outages = np.concatenate([velocities.outages, attitude.holes])
+    found = []
+    for span in spans:
+        inside = np.flatnonzero((t_ns >= span[0]) & (t_ns <= span[1]))
+        for run in choose_runs(t_ns, inside, max(LEAST_RUNS, RUNS // len(spans))):
+            for a, b in itertools.pairwise(run):
+                silent = (outages[:, 0] < t_ns[b]) & (outages[:, 1] > t_ns[a])
+                if t_ns[a] < begin or t_ns[b] > end or silent.any():
+                    continue
+                motion = measure(int(row[a]), int(row[b]))
+                if motion is not None:
+                    found.append((t_ns[a], t_ns[b], *motion))
+    return ImageMotions(
+        first_ns=np.array([one[0] for one in found], np.int64),
+        second_ns=np.array([one[1] for one in found], np.int64),
+        second_from_first=from_matrix(np.array([one[2] for one in found]).reshape(-1, 4, 4)),
+        sigma_rad=np.array([one[3] for one in found]).reshape(-1, 2),
+    )
 
 
 def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
-    """Return runs of frames that are spread evenly over those `inside`, each frame of a run at
-    least a stride after the one before. t_ns (n,): stamps in time order; inside (m,): rows in
-    order.
-    """
+    """Choose runs of frames, spread evenly over the rows `inside` (m,), a stride between frames."""
     if len(inside) < 2:
         return []
     starts = np.unique(np.linspace(inside[0], inside[-1], runs + 2)[1:-1].astype(int)).tolist()
@@ -382,88 +208,79 @@ def choose_runs(t_ns: Ints, inside: Ints, runs: int) -> list[list[int]]:
     for start, end in zip(starts, [*starts[1:], int(inside[-1]) + 1], strict=True):
         chosen = [start]
         for k in range(start + 1, end):
-            if len(chosen) < RUN_FRAMES and t_ns[k] - t_ns[chosen[-1]] >= 0.9 * STRIDE_S * 1e9:
+            if len(chosen) < RUN_FRAMES and t_ns[k] - t_ns[chosen[-1]] >= 0.9 * STRIDE_S * NS:
                 chosen.append(k)
         out.append(chosen)
     return out
 
 
-class _ByStretch:
-    """What is known of two clocks, by the stretches between the pauses of their two sensors."""
-
-    def __init__(self, spans: Sequence[Span], late: Callable[[Span], Late | None]) -> None:
-        self._spans, self._late = spans, cache(late)
-
-    @property
-    def is_known(self) -> bool:
-        """Return whether anything is known of the whole or of any stretch."""
-        return any(self._late(span) is not None for span in [self._whole, *self._spans])
-
-    def at(self, span: Span) -> Late | None:
-        """Return what is known in a span that lies within one of the stretches, or of the whole
-        where it covers them all.
-        """
-        if span[0] <= self._whole[0] and span[1] >= self._whole[1]:
-            return self._late(self._whole)
-        middle = (span[0] + span[1]) // 2
-        return next((self._late(own) for own in self._spans if own[0] <= middle <= own[1]), None)
-
-    @property
-    def _whole(self) -> Span:
-        return self._spans[0][0], self._spans[-1][1]
+def corrected_stamps(t_ns: Ints, offsets: Sequence[TimeOffset], sensor: Sensor) -> Ints:
+    """Subtract a sensor's offsets from its stamps."""
+    out = t_ns.copy()
+    for offset in offsets:
+        if offset.sensor is sensor:
+            out[(t_ns >= offset.from_ns) & (t_ns <= offset.to_ns)] -= round(offset.seconds * NS)
+    return out
 
 
-def _late(found: Disagreement | None) -> Late | None:
-    """Return by how much a clock is late by how it parts from another one; None where that is not
-    known.
-    """
-    return (
-        None
-        if found is None or not found.is_enough
-        else usable(find_far_shift(found.residuals, found.block))
+def _corrected(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> NavigationLogs:
+    wrong = {offset.sensor for offset in offsets}
+
+    def moved(record: Stream, sensor: Sensor) -> Stream:
+        if record is None or sensor not in wrong:
+            return record
+        stamps: Ints = record.t_ns  # type: ignore[attr-defined]
+        return replace(record, t_ns=corrected_stamps(stamps, offsets, sensor))  # type: ignore[type-var]
+
+    top, bottom = moved(logs.top, Sensor.IMAGES), moved(logs.bottom, Sensor.IMAGES)
+    if top is not None and bottom is not None and logs.bottom is not None:
+        # both cameras share a clock, unless the lower one pairs better as it is
+        pairs = [
+            len(pair_frames(np.sort(top.t_ns), np.sort(lower.t_ns)))
+            for lower in (bottom, logs.bottom)
+        ]
+        bottom = bottom if pairs[0] >= pairs[1] else logs.bottom
+    return replace(
+        logs,
+        dvl=_in_order(moved(logs.dvl, Sensor.DVL)),
+        imu=_in_order(moved(logs.imu, Sensor.IMU)),
+        pressure=_in_order(moved(logs.pressure, Sensor.PRESSURE)),
+        top=top,
+        bottom=bottom,
     )
 
 
-def _prefer(
-    found: Disagreement | None,
-    sensor: Sensor,
-    other: Sensor,
-    first: Sequence[ClockError],
-    second: Sequence[ClockError],
-) -> float:
-    """Return how many sigmas better two sensors agree by some errors than by others."""
-    if found is None:
-        return 0.0
-    by_first, by_second = (
-        found.residuals(late_beside(errors, sensor, other)) for errors in (first, second)
-    )
-    return preference(by_first, by_second, found.block)
+def _in_order(record: Stream) -> Stream:
+    """Sort a record whose offset changed, and leave out what then has the stamp of another row."""
+    if record is None:
+        return record
+    stamps: Ints = record.t_ns  # type: ignore[attr-defined]
+    if (np.diff(stamps) > 0).all():
+        return record
+    rows = np.unique(stamps, return_index=True)[1]
+    kept = {
+        field.name: value[rows]
+        for field in fields(record)  # type: ignore[arg-type]
+        if field.name not in ("beams", "directions", "range_m")
+        and (value := getattr(record, field.name)).shape[:1] == stamps.shape
+    }
+    return replace(record, **kept)  # type: ignore[type-var]
 
 
-def _between(motions: ImageMotions, span: Span) -> ImageMotions:
-    rows = np.flatnonzero((motions.first_ns >= span[0]) & (motions.second_ns <= span[1]))
-    return ImageMotions(
-        first_ns=motions.first_ns[rows],
-        second_ns=motions.second_ns[rows],
-        second_from_first=motions.second_from_first[rows],
-        sigma_rad=motions.sigma_rad[rows],
-    )
-
-
-def _put_right(logs: NavigationLogs, errors: Sequence[ClockError]) -> NavigationLogs:
-    if not errors:
-        return logs
-    pressure = logs.pressure
-    if pressure is not None:
-        pressure = replace(pressure, t_ns=on_time(pressure.t_ns, errors, Sensor.PRESSURE))
-    top, bottom = put_images_right(logs.top, logs.bottom, errors)
-    return sort_streams(
-        replace(
-            logs,
-            dvl=replace(logs.dvl, t_ns=on_time(logs.dvl.t_ns, errors, Sensor.DVL)),
-            imu=replace(logs.imu, t_ns=on_time(logs.imu.t_ns, errors, Sensor.IMU)),
-            pressure=pressure,
-            top=top,
-            bottom=bottom,
+def describe_offsets(offsets: Sequence[TimeOffset]) -> list[str]:
+    """Say by how much each sensor's clock was wrong; offsets by sensor and time."""
+    out = []
+    for sensor, parts in itertools.groupby(offsets, key=lambda offset: offset.sensor):
+        found = list(parts)
+        spans = ", ".join(
+            f"{abs(part.seconds):.2f} s {'late' if part.seconds > 0 else 'early'} "
+            f"(sigma {part.sigma_s:.3f} s) from {format_time(part.from_ns)} "
+            f"to {format_time(part.to_ns)}"
+            for part in found
         )
-    )[0]
+        *most, last = found[0].relative_to
+        others = f"those of {', '.join(most)} and {last}" if most else f"that of {last}"
+        out.append(
+            f"{sensor}: the clock is {spans}, relative to {others}; the stamps were put right"
+        )
+    return out

@@ -16,18 +16,16 @@ from hullrecon.navigation.dead_reckoning.error_propagation import (
     trajectory_covariance,
 )
 from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
-from hullrecon.navigation.dead_reckoning.nodes import Nodes, choose_nodes
+from hullrecon.navigation.dead_reckoning.nodes import NODE_SPACING_S, Nodes, choose_nodes
 from hullrecon.navigation.dead_reckoning.odometry import odometry, widen_for_tray
 from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning, reckon
 from hullrecon.navigation.dead_reckoning.remarks import remarks_of
 from hullrecon.navigation.dead_reckoning.returns import flag_ranges, returns
 from hullrecon.navigation.dead_reckoning.unplaced import describe_unplaced
-from hullrecon.navigation.options import NavigateOptions
-from hullrecon.navigation.sensors.attitude import attitude_history
-from hullrecon.navigation.sensors.clock import in_order
+from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
 from hullrecon.navigation.sensors.depth import Depth, depth_at_nodes_sigma, hold_to_pressure
 from hullrecon.navigation.sensors.servo import servo
-from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
+from hullrecon.navigation.sensors.velocity import LONGEST_GAP_S, Velocities, usable_velocities
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.sensors import (
     DvlPings,
@@ -46,6 +44,9 @@ from hullrecon.records.trajectory import (
 from hullrecon.rig import Rig
 from hullrecon.typing import Ints
 
+# before the first and after the last velocity each image within REACH_S gets a node; beyond, as far
+# as it goes on from the image next to it
+REACH_S = 1.0
 # of the way across an outage: from there on images that show nothing are not worth a pose
 LOST_SIGMA_M = 0.5
 
@@ -64,7 +65,7 @@ class NavigationLogs:
 
 @dataclass(frozen=True, kw_only=True)
 class Navigated:
-    """The records of the step; remarks: sentences for the log; facts: numbers for navigation.json."""
+    """What the step leaves: records, remarks for the log, and facts for navigation.json."""
 
     trajectory: Trajectory
     error_model: TrajectoryErrorModel
@@ -79,8 +80,8 @@ def dead_reckon(
     logs: NavigationLogs,
     rig: Rig,
     sigmas: NavigationSigmas,
-    options: NavigateOptions,
     walk: ImageWalk | None = None,
+    heard: Heard | None = None,
 ) -> Navigated:
     """Return the records of a dive reckoned from DVL, IMU, pressure and tray.
 
@@ -91,17 +92,14 @@ def dead_reckon(
 
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """
-    logs, messages = sort_streams(logs)
-    velocities, start_ns, span = _velocities(logs, options, walk)
-    history = attitude_history(logs.imu, sigmas.tilt_rad, options.longest_gap_s)
+    heard = hear(logs, sigmas.tilt_rad) if heard is None else heard
+    velocities, start_ns, span = _velocities(logs, heard.velocities, walk)
+    history = heard.attitude
     path = reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig, start_ns)
-    nodes = _nodes(logs, path, span, options, walk)
+    nodes = _nodes(logs, path, span, walk)
     at = path.at(nodes.t_ns)
-    depth = _depth(logs.pressure, path, nodes, options)
-    flagged = flag_ranges(
-        logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigmas.range_m
-    )
-    beams = returns(logs.dvl, path, at, flagged)
+    depth = _depth(logs.pressure, path, nodes)
+    beams = returns(logs.dvl, path, at, flag_ranges(logs.dvl, sigmas.range_m))
     notes, facts = remarks_of(logs.dvl.t_ns, path, nodes, depth, beams)
     notes += describe_unplaced(logs.dvl, logs.imu, logs.pressure, velocities, nodes.t_ns, beams)
     poses = _poses(path, at, depth)
@@ -121,33 +119,44 @@ def dead_reckon(
         odometry=widen_for_tray(odometry(path, at), path.servo.unread_sigma(at.t_ns)),
         returns=beams,
         attitude=_attitude(path, at, depth, sigmas),
-        remarks=[*messages, *notes],
+        remarks=notes,
         facts=facts,
     )
 
 
-def sort_streams(logs: NavigationLogs) -> tuple[NavigationLogs, list[str]]:
-    """Return each stream in time order without repeated stamps, and what was put right."""
-    messages: list[str] = []
-    dvl, found = in_order(logs.dvl, "dvl")
-    messages += found
-    imu, found = in_order(finite_attitude(logs.imu), "imu")
-    messages += found
-    pressure, tray = logs.pressure, logs.tray
-    if pressure is not None:
-        sorted_pressure, found = in_order(pressure, "pressure")
-        pressure = sorted_pressure if np.isfinite(sorted_pressure.depth).sum() > 1 else None
-        messages += found
-    if tray is not None:
-        tray, found = in_order(tray, "tray")
-        messages += found
-    return replace(logs, dvl=dvl, imu=imu, pressure=pressure, tray=tray), messages
+@dataclass(frozen=True, kw_only=True)
+class Heard:
+    """What DVL and IMU gave, before it is integrated."""
+
+    velocities: Velocities  # while the IMU was read
+    attitude: AttitudeHistory
+
+
+def hear(logs: NavigationLogs, tilt_rad: float) -> Heard:
+    """Reject outliers of the DVL's velocities and smooth the IMU's attitude.
+
+    tilt_rad: white sigma of roll and pitch where the IMU's rates do not tell it.
+    """
+    slack = int(LONGEST_GAP_S * 1e9)
+    read = int(logs.imu.t_ns[0]) - slack, int(logs.imu.t_ns[-1]) + slack
+    return Heard(
+        velocities=usable_velocities(logs.dvl, read), attitude=attitude_history(logs.imu, tilt_rad)
+    )
+
+
+def usable_logs(logs: NavigationLogs) -> NavigationLogs:
+    """Keep the IMU's readings with an orientation, and the pressure if it has two readings.
+
+    Raises StageError where the IMU gave fewer than two orientations.
+    """
+    pressure = logs.pressure
+    if pressure is not None and np.isfinite(pressure.depth).sum() < 2:
+        pressure = None
+    return replace(logs, imu=finite_attitude(logs.imu), pressure=pressure)
 
 
 def finite_attitude(imu: ImuSamples) -> ImuSamples:
-    """Return the readings that have an orientation. Raises StageError where there are fewer than
-    two.
-    """
+    """Keep the readings with an orientation; raises StageError for fewer than two."""
     known = np.isfinite(imu.quaternion).all(axis=1) & (np.linalg.norm(imu.quaternion, axis=1) > 0.5)
     if not known.any():
         raise StageError(
@@ -170,16 +179,22 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
 
 
 def _velocities(
-    logs: NavigationLogs, options: NavigateOptions, walk: ImageWalk | None
+    logs: NavigationLogs, found: Velocities, walk: ImageWalk | None
 ) -> tuple[Velocities, int, tuple[int, int]]:
-    """Return the velocities while the IMU runs and as far as images go on beyond it, the stamp of
-    the first one that the IMU runs at, and from when to when images have a pose, ns.
+    """Extend the velocities as far beyond the IMU's readings as images go on.
+
+    Returns
+    -------
+    tuple
+        The velocities, the stamp of the first one while the IMU was read, and from when to when
+        images get a pose, ns.
     """
-    slack, reach = int(options.longest_gap_s * 1e9), int(options.reach_s * 1e9)
-    attitude = int(logs.imu.t_ns[0]) - slack, int(logs.imu.t_ns[-1]) + slack
-    found = usable_velocities(logs.dvl, attitude, options.longest_gap_s)
+    reach = int(REACH_S * 1e9)
     if len(found.t_ns) < 2:
-        where = f"{len(logs.dvl.t_ns)} pings, {len(found.t_ns)} with a velocity while the IMU was running"
+        where = (
+            f"{len(logs.dvl.t_ns)} pings, {len(found.t_ns)} with a velocity "
+            "while the IMU was running"
+        )
         raise StageError(
             "the DVL gave no velocity to reckon with",
             where=where,
@@ -191,7 +206,7 @@ def _velocities(
     if span != reached:
         first = span[0] if span[0] < reached[0] else heard[0]
         last = span[1] if span[1] > reached[1] else heard[1]
-        found = usable_velocities(logs.dvl, (first, last), options.longest_gap_s)
+        found = usable_velocities(logs.dvl, (first, last))
     return found, heard[0], span
 
 
@@ -199,10 +214,9 @@ def _nodes(
     logs: NavigationLogs,
     path: Reckoning,
     span_ns: tuple[int, int],
-    options: NavigateOptions,
     walk: ImageWalk | None,
 ) -> Nodes:
-    heard, reach = path.velocities.t_ns, int(options.reach_s * 1e9)
+    heard, reach = path.velocities.t_ns, int(REACH_S * 1e9)
     pings = logs.dvl.t_ns[
         (logs.dvl.t_ns >= heard[0] - reach) & (logs.dvl.t_ns <= heard[-1] + reach)
     ]
@@ -215,7 +229,6 @@ def _nodes(
         bottom,
         pings,
         span_ns,
-        options.node_spacing_s,
         [span for span in lost if span is not None],
     )
     if len(nodes.t_ns) < 2:
@@ -225,13 +238,11 @@ def _nodes(
     return nodes
 
 
-def _depth(
-    pressure: PressureSamples | None, path: Reckoning, nodes: Nodes, options: NavigateOptions
-) -> Depth | None:
+def _depth(pressure: PressureSamples | None, path: Reckoning, nodes: Nodes) -> Depth | None:
     """Return what the pressure adds; None where no sensor was read at any node."""
     if pressure is None:
         return None
-    found = hold_to_pressure(pressure, path, nodes.t_ns, 0.5 * options.node_spacing_s)
+    found = hold_to_pressure(pressure, path, nodes.t_ns, 0.5 * NODE_SPACING_S)
     return None if found.unread_s.all() else found
 
 
@@ -256,9 +267,10 @@ def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
 def _attitude(
     path: Reckoning, at: Instant, depth: Depth | None, sigmas: NavigationSigmas
 ) -> Attitude:
-    """Return depth, roll and pitch of the nodes; what no reading is near was counted on, not
-    measured, and has a wide sigma. Nodes that share a reading of the pressure have together what it
-    says.
+    """Record depth, roll and pitch of the nodes with their sigmas.
+
+    What no reading is near was not measured and has a wide sigma. Nodes that share a reading of
+    the pressure sensor are together as sure as that reading.
     """
     n = len(at.t_ns)
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T

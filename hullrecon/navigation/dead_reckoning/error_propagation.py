@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far dead reckoning may be off at each node: errors that persist as unknowns of the dive, J P
-J', plus what is white.
+"""Propagate the errors of dead reckoning to every node.
+
+Errors that persist are unknowns of the dive with covariance J P J'; white noise adds to that.
 """
 
 from __future__ import annotations
@@ -43,10 +44,9 @@ ERRORS = 10
 def dead_reckoning_errors(
     path: Reckoning, at: Instant, poses: Poses, depth: Depth | None, sigmas: NavigationSigmas
 ) -> TrajectoryErrorModel:
-    """Return what makes the published T_g_v (n,) at those instants wrong, relative to the start in
-    x, y and heading.
+    """Compute the errors of dead-reckoned poses global_from_vehicle (n,) relative to the start.
 
-    Depth is absolute: its bias and the smoothed noise of the pressure; without pressure it drifts
+    Depth is absolute: its bias and the smoothed noise of the pressure. Without pressure it drifts
     like x and y, from the next node that was read where the sensor was silent for a while.
     """
     by_error = pose_by_error(at)
@@ -82,18 +82,17 @@ def dead_reckoning_errors(
 
 
 def _drift_since_start(path: Reckoning, at: Instant) -> Array:
-    """Return (n,) m2, each axis: variance by the velocities since the path's start, negative before
-    it.
-    """
+    """Compute the variance (n,) m2, each axis, by velocities since the start, negative before."""
     start = np.full(len(at.t_ns), path.start_ns)
     variance = velocity_variance(path, np.minimum(start, at.t_ns), np.maximum(start, at.t_ns))
     return np.asarray(np.sign(at.t_ns - start) * variance)
 
 
 def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
-    """Return (n, 6, 6), as above, of twists: every turn that no reading tells, beyond the IMU's
-    readings or where its heading stepped, turns the rest of the path about the place where it was
-    made.
+    """Compute the covariance (n, 6, 6) of twists by turns of the attitude that no reading shows.
+
+    Beyond the IMU's readings, or where its heading stepped, such a turn rotates the rest of the
+    path about the place where it was made.
     """
     turned, stepped = path.attitude.turned_unread(at.t_ns), path.attitude.turned_by_steps(at.t_ns)
     about = 0.5 * (poses.translation[1:] + poses.translation[:-1])
@@ -105,8 +104,9 @@ def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
 
 
 def _by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Array:
-    """Return (n,) m2, each axis, as above: where a tray or an attitude that was not read turns the
-    velocity by some sigma_rad (n,), the way is off with it. stretch (n,) ascending: over which that
+    """Compute the variance (n,) m2, each axis, by velocities turned by an unread tray or attitude.
+
+    sigma_rad (n,): of the direction. stretch (n,): ascending numbers of the spans over which that
     is one error.
     """
     step_m = np.linalg.norm(np.diff(at.instrument, axis=0), axis=1)
@@ -121,9 +121,7 @@ def _by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Array:
 
 
 def _nearest_depth(at: Instant, depth: Depth) -> Ints:
-    """Return for each node (n,) the node nearest in time at which the depth was measured: itself in
-    the rule.
-    """
+    """Find for each node (n,) the node nearest in time at which the depth was measured."""
     read = np.flatnonzero(depth.unread_s == 0)
     after = np.minimum(np.searchsorted(read, np.arange(len(at.t_ns))), len(read) - 1)
     before = np.maximum(after - 1, 0)
@@ -132,8 +130,9 @@ def _nearest_depth(at: Instant, depth: Depth) -> Ints:
 
 
 def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:
-    """Return (n, 6, 6) of T_g_v, (translation in g, rotation perturbed on the right in v), of each
-    node alone.
+    """Compute the covariance (n, 6, 6) of each pose global_from_vehicle alone.
+
+    Errors are (translation in the global frame, rotation perturbed on the right in the vehicle's).
     """
     persistent = model.by_error @ model.error_covariance @ np.swapaxes(model.by_error, 1, 2)
     from_twist = np.linalg.inv(twist_by_pose_error(poses))
@@ -144,10 +143,10 @@ def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:
 
 
 def twist_by_pose_error(poses: Poses) -> Array:
-    """Return (n, 6, 6): errors (translation in g, rotation perturbed on the right in v) as twists
-    about the origin of g.
+    """Compute the twists about the global origin that pose errors are: (n, 6, 6).
 
-    omega = R w, rho = t + p x omega.
+    Pose errors are (translation in the global frame, rotation perturbed on the right in the
+    vehicle's): omega = R w, rho = t + p x omega.
     """
     rotation = poses.rotation.as_matrix()
     out = np.zeros((len(rotation), 6, 6))
@@ -158,10 +157,12 @@ def twist_by_pose_error(poses: Poses) -> Array:
 
 
 def pose_by_error(at: Instant) -> Array:
-    """Return (n, 6, ERRORS): derivatives of (translation in g, rotation perturbed on the right in
-    v) by the DVL's scale, the heading drift, the mount's rotation vector, the tray's backlash, roll
-    and pitch bias, and the heading at the start. Depth by the DVL; the column of the depth's bias
-    is zero.
+    """Compute the derivatives (n, 6, ERRORS) of poses by the errors that persist.
+
+    Poses are (translation in the global frame, rotation perturbed on the right in the vehicle's).
+    The errors are the DVL's scale, the heading drift, the mount's rotation vector, the tray's
+    backlash, roll and pitch bias, the depth's bias (zero here: depth by the DVL) and the heading
+    at the start.
 
     A drift c turns the velocity at the time s by c s: the path moves by c z x (integral of s v ds),
     the lever arm by c t z x (-R r).
@@ -188,8 +189,9 @@ def pose_by_error(at: Instant) -> Array:
 
 
 def _error_sigma(sigmas: NavigationSigmas, depth_is_measured: bool) -> Array:
-    """Return (ERRORS,) prior sigma of each error; the heading at the start is known like a roll or
-    pitch.
+    """Compute the prior sigma (ERRORS,) of each error.
+
+    The heading at the start is known like a roll or pitch.
     """
     out = np.zeros(ERRORS)
     out[SCALE], out[DRIFT], out[MOUNT_TURN] = (

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far images carry the path on where DVL or IMU are silent: as far as each goes on from the one
-before.
-"""
+"""Follow images where DVL or IMU are silent, as far as each overlaps the one before."""
 
 from __future__ import annotations
 
@@ -23,17 +21,14 @@ GoesOn = Callable[[int, int], bool]
 
 @dataclass(frozen=True, kw_only=True)
 class ImageWalk:
-    """Frames of one camera, stamps and rows in time order, followed where nothing else says where
-    they are. goes_on tells whether one frame goes on from another; progress shows how far a walk
-    is.
-    """
+    """Frames of one camera, followed where nothing else measures the motion."""
 
-    frames: tuple[Ints, Ints]
-    goes_on: GoesOn
-    progress: Callable[[range], Iterable[int]] = iter
+    frames: tuple[Ints, Ints]  # stamps (n,), in time order, and rows in the index
+    goes_on: GoesOn  # tells whether one frame shows what another does
+    progress: Callable[[range], Iterable[int]] = iter  # shows how far a walk is
 
     def widened(self, span_ns: tuple[int, int]) -> tuple[int, int]:
-        """Return a span widened on both sides as far as each frame goes on from the one before it."""
+        """Widen a span on both sides as far as each frame overlaps the one before it."""
         t_ns = self.frames[0]
         inside = np.flatnonzero((t_ns >= span_ns[0]) & (t_ns <= span_ns[1]))
         if not len(inside):
@@ -43,8 +38,9 @@ class ImageWalk:
         return min(span_ns[0], int(t_ns[first])), max(span_ns[1], int(t_ns[last]))
 
     def lost_in(self, outage_ns: tuple[int, int]) -> tuple[int, int] | None:
-        """Return the first and the last stamp in an outage whose frames go on from neither of its
-        sides; None without any.
+        """Find the first and last stamp in an outage of frames that overlap neither of its sides.
+
+        None where there are none.
         """
         t_ns = self.frames[0]
         begin, end = (
@@ -58,9 +54,7 @@ class ImageWalk:
         return (int(t_ns[first]), int(t_ns[last])) if first <= last else None
 
     def _follow(self, at: int, steps: range) -> int:
-        """Return the last frame along `steps` that is reached from one without a pause, by strides
-        where frames are dense.
-        """
+        """Follow frames along `steps`, by strides where they are dense, and name the last."""
         for k in self.progress(steps):
             if (k - at) * steps.step <= 0:
                 continue
@@ -72,9 +66,7 @@ class ImageWalk:
         return at
 
     def _stride(self, at: int, following: int, steps: range) -> int:
-        """Return the farthest frame along `steps` within a stride's time of one, at least the
-        following one.
-        """
+        """Find the farthest frame along `steps` within a stride's time, at least the next."""
         t_ns = self.frames[0]
         while (
             following + steps.step in steps

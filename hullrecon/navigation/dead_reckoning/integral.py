@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Running integrals of signals sampled at uneven times, with the signal straight between its
-samples.
-"""
+"""Integrate signals sampled at uneven times, linear between their samples."""
 
 from __future__ import annotations
 
@@ -15,13 +13,11 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class Integral:
-    """t_s (n,), signal (n, ...), total (n, ...): its integral from the first sample, by the
-    trapezoid.
-    """
+    """A running integral from the first sample, by the trapezoidal rule."""
 
-    t_s: Array
-    signal: Array
-    total: Array
+    t_s: Array  # (n,)
+    signal: Array  # (n, ...)
+    total: Array  # (n, ...) integral up to each sample
 
     def at(self, t_s: Array) -> Array:
         """Return (m, ...) at times (m,). Beyond the ends the signal holds its last value."""

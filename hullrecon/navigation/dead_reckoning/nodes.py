@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the nodes of the trajectory stand: at the camera's frames, and at DVL pings far from any."""
+"""Place the nodes of the trajectory at the camera's frames, and at DVL pings far from any."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from hullrecon.records.clock import nearest, seconds_to_nearest
 from hullrecon.typing import Ints, Mask
 
 FAR_FROM_FRAME_S = 1.0
+NODE_SPACING_S = 0.4  # between nodes where there is no camera
 
 
 @dataclass(frozen=True)
 class Nodes:
-    """t_ns (n,); image (n, 2): row in the index of camera_top and camera_bottom, -1 where none.
-    unpaired: frames of the bottom camera without a partner; outside: frames that navigation does
-    not reach; lone: frames of the top camera without a partner, where there is a bottom camera.
-    """
+    """Nodes of the trajectory in time order."""
 
-    t_ns: Ints
+    t_ns: Ints  # (n,)
+    # (n, 2) rows in the indices of camera_top and camera_bottom, -1 where there is none
     image: Ints
-    unpaired: int
-    outside: int
-    lone: int = 0
+    unpaired: int  # frames of the bottom camera without a partner
+    outside: int  # frames that navigation does not reach
+    lone: int = 0  # frames of the top camera without a partner, where there is a bottom camera
 
 
 def pair_frames(top_ns: Ints, bottom_ns: Ints) -> Ints:
-    """Return rows (k, 2) of frames taken together: nearest stamps, both ways, within half a frame
-    period. Both in time order.
+    """Pair the frames of two cameras: mutually nearest stamps within half a frame period.
+
+    Returns rows (k, 2) of stamps in time order.
     """
     if not len(top_ns) or not len(bottom_ns):
         return np.zeros((0, 2), np.int64)
@@ -50,13 +50,24 @@ def choose_nodes(
     bottom: tuple[Ints, Ints],
     pings_ns: Ints,
     span_ns: tuple[int, int],
-    spacing_s: float,
     lost_ns: Sequence[tuple[int, int]] = (),
+    spacing_s: float = NODE_SPACING_S,
 ) -> Nodes:
-    """Return nodes in time order. top, bottom: stamps and rows in the index of the usable frames,
-    in time order. A pair stands at the top camera's stamp. span_ns: what navigation covers; frames
-    outside get no node, nor those in the spans lost_ns. spacing_s: least distance between the pings
-    chosen.
+    """Place nodes at the camera's frames, and at DVL pings far from any frame.
+
+    Parameters
+    ----------
+    top, bottom
+        Stamps and rows in the index of the usable frames, in time order. A pair stands at the top
+        camera's stamp.
+    pings_ns
+        Stamps of the DVL.
+    span_ns
+        What navigation covers; frames outside get no node.
+    lost_ns
+        Spans in which frames get no node either.
+    spacing_s
+        Least time between the pings chosen.
     """
     pair = pair_frames(top[0], bottom[0])
     unpaired = np.setdiff1d(np.arange(len(bottom[0])), pair[:, 1])
@@ -81,9 +92,7 @@ def choose_nodes(
 
 
 def _thin(t_ns: Ints, spacing_s: float) -> Mask:
-    """Return the first stamp of each cell of the clock; the cells are as wide as the spacing, less
-    a tenth for jitter.
-    """
+    """Choose the first stamp of each cell of the clock, 0.9 of the spacing wide for jitter."""
     if not len(t_ns):
         return np.zeros(0, bool)
     cell = (t_ns - t_ns[0]) // int(0.9e9 * spacing_s)

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Relative motion between neighbouring nodes, by DVL and IMU alone, and what the errors that
-persist do to it.
+"""Compute the motion between neighbouring nodes by DVL and IMU, and its derivatives by errors.
 
 The pressure has no part in it: it enters the adjustment as depth. Each derivative says how the
 measured motion would change if dead reckoning had known the error: a true speed of (1 + e) v, a
@@ -61,8 +60,10 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
 
 
 def widen_for_tray(found: Odometry, tray_sigma: Array) -> Odometry:
-    """Return the edges with what a wrong angle does to them in second order: their derivative is
-    that at the angle as logged. tray_sigma (n,): rad, where the tray was not read.
+    """Widen the edges by the second-order effect of a wrong tray angle.
+
+    Their derivative is that at the angle as logged. tray_sigma (n,): rad, where the tray was not
+    read.
     """
     turn = np.maximum(tray_sigma[found.first], tray_sigma[found.second])
     covariance = found.covariance.copy()
@@ -73,8 +74,9 @@ def widen_for_tray(found: Odometry, tray_sigma: Array) -> Odometry:
 
 
 def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
-    """Return (m, 6, 6) of the steps' white part: velocity noise and outages; the turn's noise,
-    which also swings the lever.
+    """Compute the white covariance (m, 6, 6) of steps by velocity noise, outages and turns.
+
+    The turn's noise also swings the lever.
     """
     start, stop = at.t_ns[:-1], at.t_ns[1:]
     shift = velocity_variance(path, start, stop) + LEAST_SIGMA_M**2
@@ -91,8 +93,10 @@ def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
 
 
 def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
-    """Return (m,) m2, each axis: a velocity's noise holds until the next ping, and outages add
-    their own. An interval has the sum of its parts, whatever sigma each ping has.
+    """Compute the variance (m,) m2, each axis, of steps by the velocity's noise and by outages.
+
+    A velocity's noise holds until the next ping. An interval has the sum of its parts, whatever
+    sigma each ping has.
     """
     v = path.velocities
     period = float(np.median(np.diff(v.t_ns))) * 1e-9
@@ -102,9 +106,7 @@ def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
     )
 
     def gained_until(t_ns: Ints) -> Array:
-        """Return the integral of sigma^2 from the first velocity on, before and after the
-        velocities as at their ends.
-        """
+        """Integrate sigma^2 from the first velocity on; beyond the ends it is as there."""
         t_s = (t_ns - path.start_ns) * 1e-9
         early, late = np.minimum(t_s - heard_s[0], 0), np.maximum(t_s - heard_s[-1], 0)
         return np.asarray(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Attach positions from outside to the nodes of the path, and say whether they tell anything of it."""
+"""Attach positions from outside to the nodes of the path, or say why they show nothing."""
 
 from __future__ import annotations
 
@@ -21,13 +21,11 @@ ONE_PLACE = 0.99  # quantile of what fixes of one place scatter
 
 @dataclass(frozen=True, kw_only=True)
 class AttachedPositions:
-    """ties: None where there are too few, or all of one place; outside: fixes before or after the
-    path, or that no node is near to; refusal: why they tell nothing, None where they do.
-    """
+    """Position fixes attached to the nodes of a path."""
 
-    ties: PositionTies | None
-    outside: int
-    refusal: str | None
+    ties: PositionTies | None  # None where there are too few, or all of one place
+    outside: int  # fixes before or after the path, or far from any node
+    refusal: str | None  # why they show nothing, None where they do
 
     def sentences(self) -> list[str]:
         """Return what the report warns of."""
@@ -39,7 +37,8 @@ class AttachedPositions:
                 else f"{self.outside} positions from outside lie"
             )
             out.append(
-                f"{lie} before or after the path, or more than {FARTHEST_S:g} s from a pose, and cannot be used."
+                f"{lie} before or after the path, or more than {FARTHEST_S:g} s from a "
+                "pose, and cannot be used."
             )
         if self.refusal is not None:
             out.append(f"Positions from outside tell nothing of this dive: {self.refusal}.")
@@ -54,7 +53,7 @@ class AttachedPositions:
 def attach_positions(
     fixes: PositionFixes, trajectory: Trajectory, origin: Array
 ) -> AttachedPositions:
-    """Return the fixes at the nodes; origin (3,): where they were measured, in the vehicle's frame."""
+    """Attach fixes to the nodes; origin (3,): of the antenna in the vehicle's frame."""
     t = trajectory.t_ns
     node = nearest(t, fixes.t_ns)
     near = np.abs(t[node] - fixes.t_ns) <= FARTHEST_S * 1e9
@@ -75,8 +74,9 @@ def attach_positions(
 
 
 def _refusal(ties: PositionTies) -> str | None:
-    """Return why positions say nothing of a path whose heading and place are free: one is met by
-    any, those of one place by any path that stays there.
+    """Say why positions show nothing of a path whose heading and place are free.
+
+    One position is met by any such path, and those of one place by any that stays there.
     """
     if len(ties) < 2:
         return (
@@ -89,4 +89,7 @@ def _refusal(ties: PositionTies) -> str | None:
     square = float((weight[:, None] * (ties.north_east - middle) ** 2).sum())
     if square > chdtri(2 * len(ties) - 2, 1 - ONE_PLACE):
         return None
-    return f"all {len(ties)} are of one place within their sigma of {np.median(ties.sigma):.2g} m, so no heading shows in them"
+    return (
+        f"all {len(ties)} are of one place within their sigma of "
+        f"{np.median(ties.sigma):.2g} m, so no heading shows in them"
+    )

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Strapdown dead reckoning at the DVL's rate [Ozog2016 1.2] (docs/methods.md 2), with the
-derivatives by the errors that persist.
+"""Strapdown dead reckoning at the DVL's rate, with its derivatives by the errors that persist.
 
-The DVL gives the velocity of the instrument in its own axes; through T_s_d, the tray's angle and
-the attitude it becomes a velocity in g, which is integrated. The vehicle stands one lever arm from
-the instrument: p_v = p_d - R_g_v r_v(theta). That is the integral of `v_v = v_d - omega x r - r'`,
-tray rotation included, without differentiating an attitude.
+See [Ozog2016 1.2] and docs/methods.md 2. The DVL gives the velocity of the instrument in its own
+axes; through T_s_d, the tray's angle and the attitude it becomes a velocity in g, which is
+integrated. The vehicle stands one lever arm from the instrument: p_v = p_d - R_g_v r_v(theta). That
+is the integral of `v_v = v_d - omega x r - r'`, tray rotation included, without differentiating an
+attitude.
 """
 
 from __future__ import annotations
@@ -43,12 +43,10 @@ PATH, MOMENT, MOUNT, TRAY, BACKLASH, TILT = (
 
 @dataclass(frozen=True, kw_only=True)
 class Reckoning:
-    """A path that can be asked at any time. `sums` integrates (n, 3, 10) in g, columns as above;
-    start_ns: where it begins.
-    """
+    """A path that can be evaluated at any time."""
 
-    start_ns: int
-    sums: Integral
+    start_ns: int  # where it begins
+    sums: Integral  # (n, 3, 10) in g, columns as above
     attitude: AttitudeHistory
     servo: Servo
     velocities: Velocities
@@ -75,18 +73,16 @@ class Reckoning:
 
 @dataclass(frozen=True, kw_only=True)
 class Instant:
-    """n instants: t_s since the start, R_g_v, sums (n, 3, 10), tray (n,) rad and its direction,
-    lever (n, 3) m of the instrument in vehicle, lever_by_tray (n, 3).
-    """
+    """The vehicle at n instants, with what the derivatives of its path need."""
 
     t_ns: Ints
-    t_s: Array
-    rotation: Rotation
-    sums: Array
-    tray: Array
-    direction: Array
-    lever: Array
-    lever_by_tray: Array
+    t_s: Array  # since the start
+    rotation: Rotation  # global_from_vehicle
+    sums: Array  # (n, 3, 10)
+    tray: Array  # (n,) rad
+    direction: Array  # (n,) +1 or -1: in which the tray last moved
+    lever: Array  # (n, 3) m of the instrument in the vehicle's frame
+    lever_by_tray: Array  # (n, 3) its derivative
 
     @property
     def instrument(self) -> Array:
@@ -105,7 +101,7 @@ def reckon(
     rig: Rig,
     start_ns: int | None = None,
 ) -> Reckoning:
-    """Return the path of at least two velocities, from the first of them, or from one at start_ns."""
+    """Integrate at least two velocities to a path, from the first or from start_ns."""
     t_ns = velocities.t_ns
     start = int(t_ns[0]) if start_ns is None else start_ns
     t = seconds(t_ns, start)

@@ -21,8 +21,9 @@ FEW_PERIODS = 2.5  # of the DVL, to the next velocity: one ping may be lost
 def remarks_of(
     pings_ns: Ints, path: Reckoning, nodes: Nodes, depth: Depth | None, returns: Returns
 ) -> tuple[list[str], dict[str, object]]:
-    """Return sentences, and the numbers behind them for navigation.json: times there are seconds
-    since start_ns.
+    """Describe what was wrong with the sensors, with the numbers for navigation.json.
+
+    Times there are seconds since start_ns.
     """
 
     def since(t_ns: Ints) -> list[float]:
@@ -64,13 +65,19 @@ def remarks_of(
         (depth is None, "no pressure: the depth is counted from the start and drifts"),
         (
             len(steps),
-            f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the first at {_first(steps)}",
+            (
+                f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the "
+                f"first at {_first(steps)}"
+            ),
         ),
         (no_depth, f"pressure: {no_depth}; there the depth is counted on by the DVL"),
         (not path.servo.is_read, "no tray angles: the tray is taken to stand at zero"),
         (
             no_angle,
-            f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings",
+            (
+                f"tray: {no_angle}; there it is taken to stand as last read, or to turn "
+                "evenly between two readings"
+            ),
         ),
         (nodes.outside, _without_pose(nodes.outside)),
         (
@@ -79,7 +86,10 @@ def remarks_of(
         ),
         (
             nodes.unpaired,
-            f"{_times(nodes.unpaired, 'image')} of the lower camera without a partner in the upper one",
+            (
+                f"{_times(nodes.unpaired, 'image')} of the lower camera without a "
+                "partner in the upper one"
+            ),
         ),
     ]
     facts: dict[str, object] = {
@@ -103,8 +113,9 @@ def remarks_of(
 
 
 def _bridged(velocities: Velocities) -> str:
-    """Return how many outages were bridged that last longer than a few periods of the DVL; between
-    two pings of a slow one nothing was lost.
+    """Count the outages that last longer than a few periods of the DVL.
+
+    Between two pings of a slow DVL nothing was lost.
     """
     few_ns = (
         FEW_PERIODS * float(np.median(np.diff(velocities.t_ns)))
@@ -114,14 +125,16 @@ def _bridged(velocities: Velocities) -> str:
     outages = velocities.outages[np.diff(velocities.outages, axis=1)[:, 0] > few_ns]
     if not len(outages):
         return ""
-    return f"DVL: {_times(len(outages), 'outage')} bridged at constant velocity, {_longest(outages)}{_unsure(velocities)}"
+    return (
+        f"DVL: {_times(len(outages), 'outage')} bridged at constant velocity, "
+        f"{_longest(outages)}{_unsure(velocities)}"
+    )
 
 
 def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
-    """Return the spans between two nodes with images that are far longer than usual: (first, last,
-    m of way).
+    """Find the spans between two nodes with images that are far longer than usual.
 
-    way_m (n,): how far the vehicle had come.
+    Returns (first, last, m of way) of each; way_m (n,): how far the vehicle had come.
     """
     seen = np.flatnonzero((nodes.image >= 0).any(axis=1))
     if len(seen) < 3:
@@ -135,9 +148,7 @@ def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
 def _without_images(
     nodes_ns: Ints, blank: list[tuple[int, int, float]], velocities: Velocities
 ) -> str:
-    """Return what the longest of the spans without images means for the path; its way where the DVL
-    was heard.
-    """
+    """Say what the longest span without images means for the path."""
     if not blank:
         return ""
     first, last, way_m = max(blank, key=lambda span: nodes_ns[span[1]] - nodes_ns[span[0]])
@@ -145,7 +156,8 @@ def _without_images(
     bridged_m2 = velocities.bridged_variance(nodes_ns[[first]], nodes_ns[[last]])[0]
     way = f" and {way_m:.1f} m of way" if bridged_m2 < (0.1 * way_m) ** 2 else ""
     return (
-        f"camera: {_times(len(blank), 'span')} without images that have a pose, the longest {lasts_s:.1f} s{way}; there"
+        f"camera: {_times(len(blank), 'span')} without images that have a pose, the longest "
+        f"{lasts_s:.1f} s{way}; there"
         " navigation and the hull's form alone say where the vehicle went"
     )
 
@@ -161,8 +173,14 @@ def _heading_steps(size_deg: Array, at_ns: Ints) -> str:
         return ""
     largest = int(np.argmax(np.abs(size_deg)))
     when = format_time(int(at_ns[largest]))
-    what = f"{_times(len(size_deg), 'step')} in the heading, by {size_deg[largest]:+.1f} degrees at {when}"
-    return f"IMU: {what}{' the largest' if len(size_deg) > 1 else ''}, that no turn of the vehicle made; taken off what follows"
+    what = (
+        f"{_times(len(size_deg), 'step')} in the heading, by "
+        f"{size_deg[largest]:+.1f} degrees at {when}"
+    )
+    return (
+        f"IMU: {what}{' the largest' if len(size_deg) > 1 else ''}, that no turn of the "
+        "vehicle made; taken off what follows"
+    )
 
 
 def _disagreements(apart_deg: Array, at_ns: Ints) -> str:
@@ -170,8 +188,14 @@ def _disagreements(apart_deg: Array, at_ns: Ints) -> str:
     if len(apart_deg) == 0:
         return ""
     largest = int(np.argmax(apart_deg))
-    what = f"heading and rates part {_times(len(apart_deg), 'time')}, at most by {apart_deg[largest]:.1f} degrees"
-    return f"IMU: {what} at {format_time(int(at_ns[largest]))}; the turn there is known no better than that"
+    what = (
+        f"heading and rates part {_times(len(apart_deg), 'time')}, at most by "
+        f"{apart_deg[largest]:.1f} degrees"
+    )
+    return (
+        f"IMU: {what} at {format_time(int(at_ns[largest]))}; the turn there is "
+        "known no better than that"
+    )
 
 
 def _longest(spans_ns: Ints) -> str:
@@ -189,15 +213,14 @@ def _unsure(velocities: Velocities) -> str:
 def _without_pose(count: int) -> str:
     """Return how many images navigation does not reach, and why."""
     return (
-        f"{_times(count, 'image')} {'has' if count == 1 else 'have'} no pose: DVL and IMU did not both run then, and they"
+        f"{_times(count, 'image')} {'has' if count == 1 else 'have'} no pose: DVL and IMU "
+        "did not both run then, and they"
         " could not be followed from images that have one"
     )
 
 
 def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
-    """Return where images alone carry the path, before the first and after the last velocity; ""
-    where they do not.
-    """
+    """Say where images alone carry the path, before the first and after the last velocity."""
     heard_ns, ends_ns = velocities.t_ns[[0, -1]], nodes_ns[[0, -1]]
     sigma_m = np.sqrt(
         velocities.bridged_variance(
@@ -206,7 +229,8 @@ def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
     )
     ends = _silent_ends(heard_ns, ends_ns)
     return ends and (
-        f"DVL: silent over {ends} of the path, which each image carries on from the one before; navigation alone knows the way"
+        f"DVL: silent over {ends} of the path, which each image carries on from the one "
+        "before; navigation alone knows the way"
         f" there to {sigma_m:.2f} m (one sigma, each axis)"
     )
 
@@ -217,14 +241,16 @@ def _silent_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
     ends = _silent_ends(attitude.t_ns[[0, -1]], ends_ns)
     sigma_deg = np.degrees(attitude.unread_sigma(ends_ns).max())
     return ends and (
-        f"IMU: silent over {ends} of the path, which each image carries on from the one before; navigation alone knows the"
+        f"IMU: silent over {ends} of the path, which each image carries on from the one "
+        "before; navigation alone knows the"
         f" attitude there to {sigma_deg:.0f} degrees (one sigma, each axis)"
     )
 
 
 def _silent_ends(heard_ns: Ints, ends_ns: Ints) -> str:
-    """Return for how long nothing was read at the ends (2,) of the path; heard_ns (2,): the first
-    and the last reading.
+    """Say for how long nothing was read at the ends (2,) of the path.
+
+    heard_ns (2,): the first and the last reading.
     """
     lasts_s = np.array([heard_ns[0] - ends_ns[0], ends_ns[1] - heard_ns[1]]) * 1e-9
     return " and ".join(

@@ -12,16 +12,21 @@ from hullrecon.navigation.sensors.smoothing import running_median
 from hullrecon.records.clock import nearest
 from hullrecon.records.sensors import DvlPings
 from hullrecon.records.trajectory import Returns
-from hullrecon.typing import Array, Mask
+from hullrecon.typing import Mask
+
+WINDOW_S = 3.0  # of neighbouring ranges that a range is compared with
+# a range is flagged where it leaves their median by more than either
+JUMP_M, OUTLIER_SIGMAS = 0.5, 5.0
 
 
 def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Returns:
-    """Return one row a beam that came back, by ping and then by beam. flagged (pings, beams). Pings
-    beyond the nodes' span by more than a second are left out: nothing places them.
+    """Attach each beam that came back to the nearest node, by ping and then by beam.
+
+    flagged (pings, beams). Pings beyond the nodes' span by more than a second are left out: nothing
+    places them.
     """
     inside = (dvl.t_ns >= nodes.t_ns[0] - 10**9) & (dvl.t_ns <= nodes.t_ns[-1] + 10**9)
-    back = mark_lost(dvl.ranges)
-    ping, beam = np.nonzero(np.isfinite(back) & inside[:, None])
+    ping, beam = np.nonzero(np.isfinite(dvl.ranges) & inside[:, None])
     at = path.at(dvl.t_ns)
     node = nearest(nodes.t_ns, dvl.t_ns)
     offset = nodes.poses()[node].inverse() @ at.poses()
@@ -32,30 +37,22 @@ def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Re
         translation=offset.translation[ping],
         tray_offset=(at.tray - nodes.tray[node])[ping],
         beam=dvl.beams[beam],
-        range_m=back[ping, beam],
+        range_m=dvl.ranges[ping, beam],
         flagged=flagged[ping, beam],
     )
 
 
-def mark_lost(ranges: Array) -> Array:
-    """Return ranges with what is no return (zero, negative, infinite) as NaN."""
-    return np.where(np.isfinite(ranges) & (ranges > 0), ranges, np.nan)
-
-
-def flag_ranges(
-    dvl: DvlPings, window_s: float, jump_m: float, sigmas: float, sigma_range_m: float
-) -> Mask:
-    """Return which ranges (n, b) leave the median of their beam's neighbours by jump_m or so many
-    robust sigma of the window.
+def flag_ranges(dvl: DvlPings, sigma_range_m: float, sigmas: float = OUTLIER_SIGMAS) -> Mask:
+    """Flag DVL ranges (n, b) that disagree with the median of their beam's neighbours.
 
     The robust sigma is that of the neighbours' own departures, at least the instrument's.
     """
-    ranges = mark_lost(dvl.ranges)
+    ranges = dvl.ranges
     if len(ranges) < 3:
         return np.zeros(ranges.shape, bool)
     period_s = float(np.median(np.diff(dvl.t_ns))) * 1e-9
-    count = 2 * max(1, round(0.5 * window_s / max(period_s, 1e-3))) + 1
+    count = 2 * max(1, round(0.5 * WINDOW_S / max(period_s, 1e-3))) + 1
     away = np.abs(ranges - running_median(ranges, count))
     sigma = np.maximum(NORMAL_MAD * running_median(away, count), sigma_range_m)
     with np.errstate(invalid="ignore"):
-        return np.asarray((away > jump_m) | (away > sigmas * sigma))
+        return np.asarray((away > JUMP_M) | (away > sigmas * sigma))

@@ -7,7 +7,6 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.dive.check.consistency_checks import UNPLACED_S, UNPLACED_SHARE, seconds_beyond
-from hullrecon.navigation.dead_reckoning.returns import mark_lost
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples
 from hullrecon.records.trajectory import Returns
@@ -22,13 +21,15 @@ def describe_unplaced(
     nodes_ns: Ints,
     returns: Returns,
 ) -> list[str]:
-    """Return a sentence each on velocities without an attitude, ranges beyond the path, and an IMU
-    that ran on without a velocity; none where these are few.
+    """Say how much was measured where nothing places the vehicle; nothing where that is little.
+
+    These are velocities without an attitude, ranges beyond the path, and an IMU that ran on without
+    a velocity.
     """
     given_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     used_ns = np.concatenate([velocities.t_ns, velocities.outliers])
     unread = int(np.count_nonzero((given_ns < used_ns.min()) | (given_ns > used_ns.max())))
-    back = int(np.count_nonzero(np.isfinite(mark_lost(dvl.ranges))))
+    back = int(np.count_nonzero(np.isfinite(dvl.ranges)))
     unheard_s = seconds_beyond(imu.t_ns, pressure, (int(nodes_ns[0]), int(nodes_ns[-1])))
     return [
         *_share(unread, len(given_ns), "velocities", "where no attitude was read"),
@@ -41,12 +42,14 @@ def _share(count: int, of: int, noun: str, where: str) -> list[str]:
     if count < UNPLACED_SHARE * max(of, 1):
         return []
     return [
-        f"DVL: {100 * count / of:.0f} % of its {noun} ({count} of {of}) lie {where} and are not used"
+        f"DVL: {100 * count / of:.0f} % of its {noun} ({count} of {of}) lie "
+        f"{where} and are not used"
     ]
 
 
 def _silent(seconds: float) -> str:
     return (
-        f"IMU: {seconds:.1f} s of its readings under water lie before or after the path: the DVL gave no velocity then, and "
+        f"IMU: {seconds:.1f} s of its readings under water lie before or after the path: "
+        "the DVL gave no velocity then, and "
         "nothing says where the vehicle was"
     )

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Patches of the hull that the DVL saw more than once, which bound the drift where no image does."""
+"""Patches of the hull that the DVL saw again bound the drift where no image does."""

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two patches of one hull compared: how the second stands to what the first's curvature leads to,
-and how sure that is.
-"""
+"""Compare two patches of one hull: the second against what the first's curvature leads to."""
 
 from __future__ import annotations
 
@@ -26,23 +24,18 @@ MIN_DISTANCE_M = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class PatchPairs:
-    """m pairs of patches on a path. first, second (m,). place (m, 3) m: of the second's centre in
-    the vehicle frame of the first's anchor; position (m, 2) m: in the first's axes. expected (m,
-    3): (height m, slopes) of the hull there, over the first's plane carried on by the mean of both
-    curvatures, and by_position (m, 3, 2): its derivative; gap (m, 3): those of the second less
-    these. noise (m, 3, 3): of the gap by curvature and roughness of the hull; fit (m, 3, 3): by the
-    fits of the two planes.
-    """
+    """Pairs (m) of patches on a path, with the difference between their planes."""
 
-    first: Ints
-    second: Ints
-    place: Array
-    position: Array
+    first: Ints  # (m,)
+    second: Ints  # (m,)
+    place: Array  # (m, 3) m, the second's centre in the vehicle frame of the first's anchor
+    position: Array  # (m, 2) m, the same in the first's axes
+    # (m, 3) height m and slopes there, by the first's plane and the mean of both curvatures
     expected: Array
-    by_position: Array
-    gap: Array
-    noise: Array
-    fit: Array
+    by_position: Array  # (m, 3, 2) derivative of expected
+    gap: Array  # (m, 3) height and slopes of the second less the expected ones
+    noise: Array  # (m, 3, 3) of the gap, by curvature and roughness of the hull
+    fit: Array  # (m, 3, 3) of the gap, by the fits of the two planes
 
     def __len__(self) -> int:
         return len(self.first)
@@ -93,8 +86,9 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
 
 
 def _roughness(position: Array, change: Array) -> Array:
-    """Return the covariance (m, 3, 3) of gaps by what two curvatures leave open; change (m, 3):
-    between them.
+    """Compute the covariance (m, 3, 3) of gaps by what two curvatures leave open.
+
+    change (m, 3): between the two curvatures.
     """
     distance = np.maximum(np.linalg.norm(position, axis=1), MIN_DISTANCE_M)
     of_axes = np.sqrt(change[:, [0, 2]] ** 2 + change[:, [1]] ** 2)
@@ -106,8 +100,9 @@ def _roughness(position: Array, change: Array) -> Array:
 def gap_by_poses(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array
 ) -> Array:
-    """Return the derivative (m, 3, 14) of the gaps by both anchors' (translation in g, rotation on
-    the right, tray).
+    """Differentiate the gaps by both anchors' poses and trays: (m, 3, 14).
+
+    Each anchor has (translation in g, rotation on the right, tray).
     """
     return position_and_gap_by_poses(patches, pairs, path, tray_origin)[:, 2:]
 
@@ -115,8 +110,9 @@ def gap_by_poses(
 def position_and_gap_by_poses(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array
 ) -> Array:
-    """Return the derivative (m, 5, 14) of position and gap by both anchors' (translation in g,
-    rotation on the right, tray).
+    """Differentiate positions and gaps by both anchors' poses and trays: (m, 5, 14).
+
+    Each anchor has (translation in g, rotation on the right, tray).
     """
     anchors = [patches.anchor[pairs.first], patches.anchor[pairs.second]]
     out = np.zeros((len(pairs), 5, 14))
@@ -137,9 +133,7 @@ def position_and_gap_by_poses(
 
 
 def _perturbed(poses: Poses, tray: Array, column: int, step: float, tray_origin: Array) -> Poses:
-    """Return what the patches hang on, moved: the vehicle, or its tray, which carries the DVL and
-    so what was seen by it.
-    """
+    """Move the vehicle, or its tray, which carries the DVL and so the patches seen by it."""
     vector = np.zeros((1, 6))
     if column < 3:
         return Poses(poses.quaternion, poses.translation + step * np.eye(3)[column])
@@ -159,8 +153,10 @@ def _exp(vector: Array) -> Poses:
 def _gap(
     patches: Patches, first: Ints, second: Ints, motion: Poses
 ) -> tuple[Array, Array, Array, Array]:
-    """Return position (m, 2), expected and gap (m, 3), and the turn (m, 2, 2) of the second's axes
-    along the hull into the first's. motion: T_v1_v2 of what carries the patches.
+    """Compute position (m, 2), expected and gap (m, 3), and the turn (m, 2, 2) between the axes.
+
+    The turn takes the second's axes along the hull into the first's. motion: first_from_second of
+    what carries the patches.
     """
     axes = patches.axes[first]
     rotation = axes.swapaxes(1, 2) @ motion.rotation.as_matrix() @ patches.axes[second]
@@ -180,7 +176,7 @@ def _gap(
 
 
 def _by_curvature(position: Array) -> tuple[Array, Array]:
-    """Return the derivatives of x' K x (m, 3) and K x (m, 2, 3) at places x by (K_aa, K_ae, K_ee)."""
+    """Differentiate x' K x (m, 3) and K x (m, 2, 3) at places x by (K_aa, K_ae, K_ee)."""
     a, e = position.T
     zero = np.zeros_like(a)
     slopes = np.stack([np.stack([a, e, zero], axis=1), np.stack([zero, a, e], axis=1)], axis=1)
@@ -188,8 +184,9 @@ def _by_curvature(position: Array) -> tuple[Array, Array]:
 
 
 def _by_position(position: Array, own: Array, other: Array) -> Array:
-    """Return the derivative (m, 3, 2) of expected height and slopes by the place, between
-    curvatures own and other (m, 3).
+    """Differentiate expected height and slopes by the place: (m, 3, 2).
+
+    own, other (m, 3): the two curvatures.
     """
     by_height = 2 * np.einsum("mij,mj->mi", _matrix(own / 3 + other / 6), position)
     return np.concatenate([by_height[:, None], _matrix(0.5 * (own + other))], axis=1)
@@ -201,9 +198,7 @@ def _matrix(curvature: Array) -> Array:
 
 
 def _carried(position: Array) -> Array:
-    """Return the derivative (m, 3, 3) of a plane's (height, slopes) at places by those at its
-    centre.
-    """
+    """Differentiate a plane's (height, slopes) at places by those at its centre: (m, 3, 3)."""
     out = np.tile(np.eye(3), (len(position), 1, 1))
     out[:, 0, 1:] = position
     return out
@@ -224,18 +219,17 @@ def _turn_curvature(turn: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneDifference:
-    """What TiedPlanes has of pairs: difference (m, 3) m, the square root of its information (m, 3,
-    3), and by_place (m, 3, 3).
-    """
+    """The difference between two patches' planes, as TiedPlanes has it."""
 
-    difference: Array
+    difference: Array  # (m, 3) m
     information: Array
-    by_place: Array
+    by_place: Array  # (m, 3, 3)
 
 
 def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> PlaneDifference:
-    """Return the plane to be expected at the second's centre less the first's. noise (m, 3, 3): of
-    the gaps.
+    """Compute the plane expected at the second's centre less the first's.
+
+    noise (m, 3, 3): of the gaps.
     """
     axes, slopes = patches.axes[pairs.first], pairs.expected[:, 1:]
     length = np.sqrt(1 + np.sum(slopes**2, axis=1))[:, None, None]

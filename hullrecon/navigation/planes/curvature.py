@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The characteristic curvature of a hull [Ozog2016 2.3.4]: how strongly it bends, from its CAD
-model, or from the dive itself.
+"""Estimate how strongly a hull bends, from its CAD model or from the dive [Ozog2016 2.3.4].
 
-It is the sigma about zero of the curvature K in azimuth, in twist and in elevation (1/m): what is
-known of a patch before its returns are looked at. A patch measures its own curvature, so that this
-matters little: in the sphere of [Ozog2016 C] the map is the same for radii from 4 to 20 m.
+The characteristic curvature is the sigma about zero of the curvature K in azimuth, in twist and in
+elevation (1/m): what is known of a patch before its returns are looked at. A patch measures its own
+curvature, so that this matters little: in the sphere of [Ozog2016 C] the map is the same for radii
+from 4 to 20 m.
 """
 
 from __future__ import annotations
@@ -28,8 +28,9 @@ CLIPPED = 95  # percentile: edges and knuckles are no curvature
 
 
 def curvature_of_patches(patches: Patches) -> Array:
-    """Return the characteristic curvature (3,) of patches that were fitted with a broad one: the
-    spread of theirs, less that of their noise.
+    """Estimate the characteristic curvature (3,) from patches that were fitted with a broad one.
+
+    It is their spread, less that of their noise.
     """
     if len(patches) < LEAST_NEIGHBOURS:
         return BROAD
@@ -39,9 +40,7 @@ def curvature_of_patches(patches: Patches) -> Array:
 
 
 def curvature_of_mesh(mesh: Mesh, seed: int = 0) -> Array:
-    """Return the characteristic curvature (3,) of a CAD model in M: of points spread over it, by
-    how the normals near them turn.
-    """
+    """Estimate the characteristic curvature (3,) of a CAD model by how its normals turn."""
     points, normals = _sample(mesh, np.random.default_rng(seed))
     near = cKDTree(points).query_ball_point(points, NEAR_M)
     found = [

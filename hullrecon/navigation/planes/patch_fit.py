@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A curved patch of the hull through the ends of DVL beams: the plane that touches it, its
-curvature, and how sure both are.
-"""
+"""Fit a curved patch of the hull through the ends of DVL beams."""
 
 from __future__ import annotations
 
@@ -23,31 +21,26 @@ TURNS = 4  # of rejecting outliers and turning the axes into the plane that touc
 
 @dataclass(frozen=True, kw_only=True)
 class PatchFit:
-    """A patch in the frame of its points. center (3,) on the surface; axes (3, 3): columns azimuth,
-    elevation, normal towards the vehicle. Over the plane that touches it at the centre it stands
-    0.5 x' K x towards the vehicle; curvature (3,) 1/m: K_aa, K_ae, K_ee, with its covariance;
-    plane_covariance (3, 3) of (height m, slopes) at the centre as if K were known; by_curvature (3,
-    3): what a change of K changes of these. sigma_m: of a range; kept (n,): which points agree;
-    to_plane (n,) m: from a point on along its beam to the plane.
-    """
+    """A patch in the frame of its points, which stands 0.5 x' K x over its tangent plane."""
 
-    center: Array
-    axes: Array
-    curvature: Array
+    center: Array  # (3,) on the surface
+    axes: Array  # (3, 3), columns azimuth, elevation, normal towards the vehicle
+    curvature: Array  # (3,) 1/m: K_aa, K_ae, K_ee, towards the vehicle
     curvature_covariance: Array
-    plane_covariance: Array
-    by_curvature: Array
-    sigma_m: float
-    kept: Mask
-    to_plane: Array
+    plane_covariance: Array  # (3, 3) of (height m, slopes) at the centre as if K were known
+    by_curvature: Array  # (3, 3) derivative of these by K
+    sigma_m: float  # of a range
+    kept: Mask  # (n,) points that agree
+    to_plane: Array  # (n,) m from a point along its beam to the plane
 
 
 def fit_patch(
     points: Array, rays: Array, sigma_range_m: float, curvature_sigma: Array
 ) -> PatchFit | None:
-    """Return the patch of points (n, 3) that beams of unit directions rays (n, 3) met; None where
-    they are too few, lie on a line, or not on a smooth surface. curvature_sigma (3,) 1/m: of K
-    about zero.
+    """Fit a patch to points (n, 3) that beams of unit directions rays (n, 3) met.
+
+    curvature_sigma (3,) 1/m: of K about zero. None where the points are too few, lie on a line, or
+    not on a smooth surface.
     """
     kept = np.ones(len(points), bool)
     if len(points) < LEAST_RETURNS:
@@ -96,8 +89,9 @@ def fit_patch(
 
 
 def patch_axes(normal: Array) -> Array:
-    """Return axes (3, 3) with that unit normal (3,) as third column: the first is level where the
-    normal is not upright.
+    """Choose axes (3, 3) with a unit normal (3,) as third column.
+
+    The first is level where the normal is not upright.
     """
     level = np.cross([0.0, 0.0, 1.0], normal)
     if np.linalg.norm(level) < 0.3:  # under a flat bottom: the first axis is the vehicle's y
@@ -107,9 +101,7 @@ def patch_axes(normal: Array) -> Array:
 
 
 def height_over_plane(curvature: Array, local: Array) -> Array:
-    """Return how far the patch stands over the plane that touches it, (n,) m, at points (n, >=2) in
-    its axes.
-    """
+    """Compute the height (n,) m of the patch over its tangent plane at points (n, >=2)."""
     a, e = local[:, 0], local[:, 1]
     return np.asarray(np.sum(curvature * np.stack([0.5 * a**2, a * e, 0.5 * e**2], axis=1), axis=1))
 

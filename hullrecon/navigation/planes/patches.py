@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The patches of the hull under a path: one for each window of DVL returns that fit a smooth
-surface [Ozog2016 2.3.4].
+"""Find patches of the hull under a path: windows of DVL returns that fit a smooth surface.
+
+See [Ozog2016 2.3.4].
 """
 
 from __future__ import annotations
@@ -25,32 +26,26 @@ LEAST_DISTANCE_M = 0.1
 
 @dataclass(frozen=True, kw_only=True)
 class Patches:
-    """Patches along a path, in its order. anchor (w,): the node in the middle of the window; one
-    array a patch: rows of the returns, and their to_plane. In the vehicle frame of the anchor:
-    center (w, 3) and axes (w, 3, 3); the rest as in PatchFit. travelled (w,) m: of the path up to
-    the anchor.
-    """
+    """Patches (w) along a path, in its order; see PatchFit for the fields not explained here."""
 
-    anchor: Ints
-    rows: tuple[Ints, ...]
-    center: Array
-    axes: Array
+    anchor: Ints  # (w,) node in the middle of the window
+    rows: tuple[Ints, ...]  # of the returns, one array a patch
+    center: Array  # (w, 3) in the vehicle frame of the anchor
+    axes: Array  # (w, 3, 3) in the vehicle frame of the anchor
     curvature: Array
     curvature_covariance: Array
     plane_covariance: Array
     by_curvature: Array
     sigma_m: Array
     to_plane: tuple[Array, ...]
-    travelled: Array
+    travelled: Array  # (w,) m of the path up to the anchor
 
     def __len__(self) -> int:
         return len(self.anchor)
 
     @property
     def plane(self) -> Array:
-        """Return each patch's plane (w, 3) m in the vehicle frame of its anchor, as TiedPlanes has
-        it.
-        """
+        """Compute the patches' planes (w, 3) m in their anchors' frames, as in TiedPlanes."""
         normal = self.axes[:, :, 2]
         return np.asarray(-np.sum(normal * self.center, axis=1, keepdims=True) * normal)
 
@@ -58,8 +53,9 @@ class Patches:
 def find_patches(
     returns: Returns, path: VehiclePath, t_ns: Ints, rig: Rig, curvature_sigma: Array
 ) -> Patches:
-    """Return the patches that the returns show along a path T_g_v with stamps t_ns (n,).
-    curvature_sigma (3,) 1/m: of azimuth, twist and elevation about zero, what is known of the hull
+    """Find the patches that the returns show along a path with stamps t_ns (n,).
+
+    curvature_sigma (3,) 1/m: of azimuth, twist and elevation about zero, known of the hull
     beforehand.
     """
     travelled = travelled_m(path.poses)
@@ -103,9 +99,7 @@ def find_patches(
 def _seen_from(
     returns: Returns, windows: list[Ints], path: VehiclePath, anchors: list[int], rig: Rig
 ) -> tuple[Array, Array]:
-    """Return the ends (m, 3) and unit directions (m, 3) of the windows' beams, one window after the
-    other, in the vehicle frames of their anchors.
-    """
+    """Compute ends and unit directions (m, 3) of the windows' beams in their anchors' frames."""
     if not windows:
         return np.zeros((0, 3)), np.zeros((0, 3))
     beams = rig.dvl_points(returns.take(np.concatenate(windows)), path)

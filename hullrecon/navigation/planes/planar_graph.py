@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pose graph with planes: solved without them, then with the patches that the path shows to be
-seen again, in rounds.
-"""
+"""Solve the pose graph without planes, then with patches that the path shows to be seen again."""
 
 from __future__ import annotations
 
@@ -45,14 +43,11 @@ MAX_NAVIGATION_CHI2 = 22.5
 
 @dataclass(frozen=True, kw_only=True)
 class PlanarSolution(GraphSolution):
-    """A solved pose graph, with planes or without. patches: seen on its path; offered: pairs that
-    would say more than is known; refusal: why planes were left out though they were offered, None
-    where they were not left out.
-    """
+    """A solved pose graph, with planes or without."""
 
-    patches: int
-    offered: int
-    refusal: str | None
+    patches: int  # seen on its path
+    offered: int  # pairs that would add to what is known
+    refusal: str | None  # why planes that were offered were left out; None where they were not
 
     @property
     def planes(self) -> TiedPlanes | None:
@@ -62,16 +57,14 @@ class PlanarSolution(GraphSolution):
 
 @dataclass(frozen=True, kw_only=True)
 class Offer:
-    """Pairs of patches that gain, those of them that agree, and the planes that these make, None of
-    too few. roughness (3,): of the hull in height and slopes, in units of what curvature leaves
-    open.
-    """
+    """Pairs of patches that add to what is known."""
 
     patches: int
+    # (3,) of the hull in height and slopes, in units of what curvature leaves open
     roughness: Array
     offered: int
     agreeing: frozenset[tuple[int, int]]
-    planes: TiedPlanes | None
+    planes: TiedPlanes | None  # that agreeing pairs make; None of too few
 
     @property
     def trusted(self) -> bool:
@@ -81,17 +74,14 @@ class Offer:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanarGraph:
-    """A pose graph, the DVL's returns that show the hull, and its characteristic curvature (3,),
-    None where the dive has to tell it.
-    """
+    """A pose graph, the DVL's returns that show the hull, and its characteristic curvature."""
 
     graph: PoseGraph
     returns: Returns
-    curvature: Array | None
+    curvature: Array | None  # (3,), None where the dive has to show it
 
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> PlanarSolution:
-        """Return the path of least cost with links, and with planes where these say more than is
-        known without them.
+        """Solve for the path with links, and with planes where these add to what is known.
 
         Planes that contradict each other or navigation are left out, all of them: a wrong one is
         worse than none.
@@ -119,8 +109,10 @@ class PlanarGraph:
     def _offer(
         self, alone: GraphSolution, solved: GraphSolution, curvature: Array, rough: Array
     ) -> Offer:
-        """Return the ties that the path of `solved` shows. alone: the solution without planes,
-        which says what is known; curvature and rough (3,): of the hull as known by now.
+        """Propose the ties between planes that a solved path shows.
+
+        alone: the solution without planes, which says what is known. curvature and rough (3,): of
+        the hull as known by now.
         """
         path, rig = solved.path, self.graph.rig
         patches = self._patches(solved, curvature)
@@ -152,9 +144,7 @@ class PlanarGraph:
 
 
 def planar_graph(graph: PoseGraph, returns: Returns, cad_model: Mesh | None) -> PlanarGraph:
-    """Return a pose graph with the planes that the returns show, of the curvature of a CAD model
-    where there is one.
-    """
+    """Join a pose graph with the planes of its returns, of the CAD model's curvature."""
     return PlanarGraph(
         graph=graph,
         returns=returns,
@@ -176,14 +166,23 @@ def _refusal(offer: Offer, solved: GraphSolution) -> str | None:
     """Return why planes are left out, None where they are not, or none was offered."""
     if offer.offered >= LEAST_TIES and not offer.trusted:
         share = 100 * len(offer.agreeing) / offer.offered
-        return f"only {share:.0f} % of {offer.offered} patches of the hull that were passed again are as they were: no smooth hull"
+        return (
+            f"only {share:.0f} % of {offer.offered} patches of the hull that were passed again "
+            "are as they were: no smooth hull"
+        )
     if offer.roughness.max() > MAX_ROUGHNESS:
-        return f"what is passed again differs {offer.roughness.max():.0f} times as much as a smooth hull would"
+        return (
+            f"what is passed again differs {offer.roughness.max():.0f} times as "
+            "much as a smooth hull would"
+        )
     if solved.graph.planes is None:
         return None
     found = solved.problem.unknowns.navigation / solved.problem.priors.navigation_sigma
     if found @ found > MAX_NAVIGATION_CHI2:
-        return f"they ask for navigation errors {np.sqrt(found @ found / len(found)):.1f} times as large as their sigmas"
+        return (
+            f"they ask for navigation errors {np.sqrt(found @ found / len(found)):.1f} "
+            "times as large as their sigmas"
+        )
     return None
 
 

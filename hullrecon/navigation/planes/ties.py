@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which patches are one piece of the hull seen again: near each other on it, alike within what is
-known, and worth tying.
+"""Find patches that are one piece of the hull seen again, and are worth tying.
 
-A wrong tie is worse than none, so each has to pass a gate both ways; and a tie that says less than
-is known already, as between nodes that images tie, is left out.
+They are near each other on the hull and alike within what is known. A wrong tie is worse than none,
+so each has to pass a gate both ways. A tie that adds nothing to what is known, as between nodes
+that images tie, is left out.
 """
 
 from __future__ import annotations
@@ -44,9 +44,7 @@ LEAST_GAIN = 1.0
 
 
 def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
-    """Return pairs (m,) of patches of different passes whose footprints meet on the hull, the
-    earlier first.
-    """
+    """Propose pairs (m,) of patches of different passes whose footprints meet."""
     if len(patches) < 2:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     at = path.poses[patches.anchor]
@@ -68,7 +66,8 @@ def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
 
 
 def gaining(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Return which pairs (m,) measure their gap better than it is known, in at least one direction.
+    """Select pairs (m,) that measure their gap better than it is known, in at least one direction.
+
     joint (m, 14, 14): the covariance of both anchors' poses and trays on the path.
     """
     known, measured = _known(patches, pairs, path, rig, joint), pairs.noise + pairs.fit
@@ -79,12 +78,11 @@ def gaining(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
 
 
 def located(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Return which pairs (m,) lie to each other along the hull as the path has them, within a part
-    of the reach of curvature.
+    """Select pairs (m,) whose place along the hull is known within a part of curvature's reach.
 
     Farther off, as after minutes without a DVL, the hull there has another form than the one that
-    is compared; gaps, taken as straight in the place, would pull the path along to where that form
-    fits best and be sure of it.
+    is compared; gaps, linearised in the place, would pull the path along to where that form fits
+    best and be sure of it.
     """
     by_poses = position_and_gap_by_poses(patches, pairs, path, rig.tray_origin)[:, :2]
     variance = np.linalg.eigvalsh(by_poses @ joint @ by_poses.swapaxes(1, 2)).max(
@@ -94,9 +92,7 @@ def located(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
 
 
 def passing(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Return which pairs (m,) are alike within what is known, the second seen from the first and
-    the first from the second.
-    """
+    """Select pairs (m,) that are alike within what is known, seen from the first and the second."""
     back = compare_patches(patches, pairs.second, pairs.first, path)
     swapped = np.r_[7:14, 0:7]
     agrees = np.ones(len(pairs), bool)
@@ -112,8 +108,9 @@ def passing(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
 def roughness(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Array:
-    """Return by how much the gaps of pairs in height and slopes (3,) exceed what is known of them
-    and measured: a robust ratio over the dive, at least one.
+    """Estimate by how much the gaps of pairs exceed what is known of them: (3,) height and slopes.
+
+    A robust ratio over the dive, at least one.
     """
     whole = _known(patches, pairs, path, rig, joint) + pairs.noise + pairs.fit
     ratio = np.abs(pairs.gap) / np.sqrt(np.einsum("mii->mi", whole))
@@ -121,8 +118,7 @@ def roughness(
 
 
 def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPlanes:
-    """Return the patches that the pairs touch as planes, their returns as ranges to them, and the
-    pairs.
+    """Make planes of the patches that pairs touch, with their returns as ranges to them.
 
     A patch in many pairs brings its own error into each: the more there are, the less each says.
     """

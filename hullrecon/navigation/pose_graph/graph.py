@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pose graph [KimEustice2009; Ozog2016 2]: odometry, depth, attitude and links, with
-navigation's systematic errors and the cameras' mount as unknowns, solved by the native module.
+"""Solve the pose graph of odometry, depth, attitude and links [KimEustice2009; Ozog2016 2].
+
+Navigation's systematic errors and the cameras' mount are unknowns; the native module solves.
 """
 
 from __future__ import annotations
@@ -55,9 +56,10 @@ OPTIONS = native.Options(
 
 @dataclass(frozen=True, kw_only=True)
 class PoseGraph:
-    """What navigation measured, the rig with its priors, what guards against wrong links (scaling,
-    switch or none), the planes of the hull that tie passes and the positions from outside that
-    bound the path, None where there are none.
+    """Navigation's measurements, the rig with its priors, and what guards against wrong links.
+
+    The guard is scaling, a switch or none. The planes of the hull that tie passes and the positions
+    from outside are None where there are none.
     """
 
     trajectory: Trajectory
@@ -92,8 +94,9 @@ class PoseGraph:
     def _solve_unguarded(
         self, links: CameraLinks, pose: Array, known: native.Unknowns | None = None
     ) -> native.Unknowns:
-        """Return the unknowns of least cost when all links are right. Starts: pose (n, 8), T_g_v
-        and the tray, and known, the other unknowns.
+        """Solve with all links taken to be right.
+
+        Starts: pose (n, 8), global_from_vehicle and the tray, and known, the other unknowns.
         """
         problem = self._problem(links, native.LinkKernel.NONE, _vehicle(pose))
         start = problem.unknowns if known is None else self._started(problem, known)
@@ -173,14 +176,12 @@ class PoseGraph:
 
 @dataclass(frozen=True, kw_only=True)
 class GraphSolution:
-    """A solved pose graph. problem: at its solution; rejected (m,): links that the rest
-    contradicts.
-    """
+    """A solved pose graph."""
 
     graph: PoseGraph
     links: CameraLinks
-    problem: native.Problem
-    rejected: Mask
+    problem: native.Problem  # at its solution
+    rejected: Mask  # (m,) links that the rest contradicts
     converged: bool
 
     @property
@@ -192,8 +193,9 @@ class GraphSolution:
         )
 
     def relative_errors(self, bottom: Mask) -> GraphErrors:
-        """Return how well the nodes' leading cameras are known relative to each other; bottom (n,):
-        where that is the bottom one.
+        """Prepare the covariances of the nodes' leading cameras relative to each other.
+
+        bottom (n,): nodes where the bottom camera leads.
         """
         return GraphErrors(problem=self.problem, bottom=bottom)
 
@@ -223,7 +225,7 @@ class GraphSolution:
         )
 
     def _sigma_of_parts(self, part: Ints) -> Array:
-        """Return the sigma (parts,) m of the middle of each part relative to that of the largest."""
+        """Compute the sigma (parts,) m of each part's middle relative to that of the largest."""
         rows = [np.flatnonzero(part == k) for k in range(part.max(initial=-1) + 1)]
         if not rows:
             return np.zeros(0)
@@ -238,17 +240,16 @@ class GraphSolution:
 
 @dataclass(frozen=True, kw_only=True)
 class GraphErrors:
-    """Relative covariances of the leading cameras from the joint marginals of a solved graph.
-    bottom (n,): nodes where the bottom camera leads.
-    """
+    """Relative covariances of the leading cameras, from joint marginals of a solved graph."""
 
     problem: native.Problem
-    bottom: Mask
+    bottom: Mask  # (n,) nodes where the bottom camera leads
 
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
-        """Return the covariance (m, 6, 6) of second_from_first: (translation in second's axes,
-        rotation perturbed on its right). The camera's mount is taken as known: its error is common
-        to both.
+        """Compute the covariance (m, 6, 6) of second_from_first.
+
+        It is of (translation in second's axes, rotation perturbed on its right). The camera's mount
+        is taken as known: its error is common to both.
         """
         if len(first) == 0:
             return np.zeros((0, 6, 6))
@@ -295,8 +296,9 @@ class GraphErrors:
         return vehicle, tray, mount
 
     def _by_vehicle(self, nodes: Ints) -> Array:
-        """Return the derivative (m, 6, 7) of the camera's (position in g, rotation on the right) by
-        the vehicle's (translation, rotation, tray).
+        """Differentiate the camera's pose by the vehicle's pose and tray: (m, 6, 7).
+
+        Poses are (position in g, rotation on the right).
         """
         vehicle, tray, mount = (x[nodes] for x in self._chain)
         axis = np.array([0.0, 1.0, 0.0])
@@ -311,17 +313,16 @@ class GraphErrors:
 
 
 def _unlinked_motions(odometry: Odometry, links: CameraLinks) -> Odometry:
-    """Return the odometry without what the images of two nodes measured that a link joins: images
-    speak once.
-    """
+    """Remove from the odometry what images of two linked nodes measured: images speak once."""
     nodes = 1 + max(int(odometry.second.max(initial=0)), int(links.second.max(initial=0)))
     linked = np.isin(odometry.first * nodes + odometry.second, links.first * nodes + links.second)
     return odometry.take(~(odometry.from_images & linked))
 
 
 def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> native.LinkTable:
-    """Return the links as factors. A node's links share its features' noise: the more there are,
-    the less each says.
+    """Make factors of the links.
+
+    A node's links share its features' noise: the more there are, the less each says.
     """
     degree = np.bincount(np.concatenate([links.first, links.second]), minlength=nodes)
     shared = np.maximum(0.5 * (degree[links.first] + degree[links.second]) / SHARED_IMAGES, 1.0)
@@ -339,8 +340,9 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
 
 
 def _whitening(links: CameraLinks) -> Array:
-    """Return the square root of the information (m, 6, 6); of a link without a length, of its five
-    numbers, in the leading block.
+    """Compute the square root of the links' information (m, 6, 6).
+
+    Of a link without a length, of its five numbers, in the leading block.
     """
     covariance = links.covariance.copy()
     free = np.flatnonzero(~links.scaled)
@@ -364,9 +366,10 @@ def _vehicle(pose: Array) -> Poses:
 
 
 def _rejected(problem: native.Problem, count: int) -> Mask:
-    """Return which links have a whitened square beyond what dynamic covariance scaling lets speak:
-    of the links themselves, not as a switch leaves them, which takes the square of a wrong one to
-    nothing.
+    """Find links whose whitened square exceeds what dynamic covariance scaling lets speak.
+
+    It is that of the links themselves, not as a switch leaves them, which takes the square of a
+    wrong one to nothing.
     """
     bare = replace(problem.links, kernel=np.full(count, int(native.LinkKernel.NONE), np.int32))
     bare_unknowns = replace(problem.unknowns, link_switch=np.ones(0))
@@ -391,7 +394,7 @@ def _unknowns(
 
 
 def linked_parts(nodes: int, first: Ints, second: Ints) -> Ints:
-    """Return for each node the part that it belongs to, 0 the largest; -1 where no link touches it."""
+    """Label nodes with the part that links join, 0 the largest; -1 without links."""
     graph = coo_array((np.ones(len(first)), (first, second)), shape=(nodes, nodes))
     label = connected_components(graph, directed=False)[1]
     touched = np.zeros(nodes, bool)

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the pose graph's solve begins: dead reckoning, and along the images' own directions where
-the DVL was silent.
+"""Start the pose graph's solve: dead reckoning, and along the images where the DVL was silent.
 
 There dead reckoning goes straight on, whatever the vehicle does. A link of one camera says the
 direction and not the length of a step: from a start that goes the wrong way after a turn, such
@@ -26,8 +25,9 @@ UNKNOWN_SHARE, UNKNOWN_M = 0.3, 0.02
 def path_along_links(
     trajectory: Trajectory, odometry: Odometry, links: CameraLinks, rig: Rig
 ) -> Poses:
-    """Return T_g_v (n) of dead reckoning, in which a step that odometry knows badly has the
-    direction and turn of the link across it, and its own length.
+    """Turn the steps of dead reckoning that odometry knows badly along the links across them.
+
+    A step keeps its own length. Returns global_from_vehicle (n).
     """
     reckoned = trajectory.poses()
     bearings = np.flatnonzero(~links.scaled)
@@ -59,9 +59,7 @@ def path_along_links(
 
 
 def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
-    """Return T_g_v (n, 4, 4): from node to node as reckoned, but to the nodes of `along` by its
-    motions (4, 4) from others.
-    """
+    """Chain motions to poses (n, 4, 4): as reckoned, but to the nodes of `along` by its motions."""
     steps = (reckoned[:-1].inverse() @ reckoned[1:]).matrix()
     out = reckoned.matrix()
     for k in range(1, len(out)):
@@ -71,7 +69,7 @@ def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
 
 
 def _vehicle_from_camera(trajectory: Trajectory, rig: Rig, node: Ints, is_bottom: Mask) -> Poses:
-    """Return T_v_c (m) of the leading cameras at nodes (m,), the bottom one where is_bottom (m,)."""
+    """Look up vehicle_from_camera (m) of the leading cameras, the bottom one where is_bottom."""
     mount = np.repeat(rig.tray_from(Camera.TOP).matrix(), len(node), axis=0)
     if rig.top_from_bottom is not None:
         mount[is_bottom] = rig.tray_from(Camera.BOTTOM).matrix()[0]

@@ -16,8 +16,9 @@ MOST_LISTED = 5
 
 
 def describe_parts(path: LinkedPath, t_ns: Ints) -> str | None:
-    """Return a sentence on the parts into which the images of a dive fall, and how well navigation
-    alone ties them; None where all are tied together. t_ns (n,): of the nodes.
+    """Describe the parts into which a dive's images fall, and how well navigation alone ties them.
+
+    None where all are tied together. t_ns (n,): of the nodes.
     """
     size = np.bincount(path.part[path.part >= 0])
     if len(size) < 2:
@@ -29,7 +30,8 @@ def describe_parts(path: LinkedPath, t_ns: Ints) -> str | None:
     rest = len(size) - len(listed)
     more = f", and {rest} smaller" if rest else ""
     return (
-        f"The images fall into {len(size)} parts that navigation alone ties together: {'; '.join(spans)}{more}. "
+        f"The images fall into {len(size)} parts that navigation alone ties together: "
+        f"{'; '.join(spans)}{more}. "
         "Positions within a part are better than that, between parts they are not."
     )
 

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Attitude between and at the IMU's readings: the slow part from its orientation, the fast part
-from its rates.
+"""Attitude at any time: the slow part from the IMU's orientation, the fast part from its rates.
 
 An orientation is noisy from one reading to the next and true in the long run; integrated rates are
 the reverse. Their disagreement, accumulated, is smoothed and taken off; how much it is smoothed
@@ -25,6 +24,7 @@ from hullrecon.navigation.sensors.heading_steps import (
     find_jumps,
 )
 from hullrecon.navigation.sensors.smoothing import local_line
+from hullrecon.navigation.sensors.velocity import LONGEST_GAP_S
 from hullrecon.records.clock import gaps, longest_step, period, seconds
 from hullrecon.records.sensors import ImuSamples
 from hullrecon.typing import Array, Ints
@@ -38,18 +38,15 @@ BRIDGED_FOR_S = 4.0
 
 @dataclass(frozen=True)
 class AttitudeHistory:
-    """R_g_v at the IMU's stamps: quaternion (n, 4). sigma_rad: white error of one attitude after
-    smoothing; walk: variance of a turn by the rates alone, rad2/s; holes (m, 2): intervals without
-    readings, ns. fused: rates were used. steps: of the logged heading, which were taken off.
-    """
+    """Attitude global_from_vehicle at the IMU's stamps."""
 
     t_ns: Ints
-    quaternion: Array
-    sigma_rad: float
-    walk: float
-    holes: Ints
-    fused: bool
-    steps: HeadingSteps = NO_STEPS
+    quaternion: Array  # (n, 4)
+    sigma_rad: float  # white error of one attitude after smoothing
+    walk: float  # variance of a turn by the rates alone, rad2/s
+    holes: Ints  # (m, 2) intervals without readings, ns
+    fused: bool  # rates were used
+    steps: HeadingSteps = NO_STEPS  # of the logged heading, which were taken off
 
     def rotation(self, at_ns: Ints) -> Rotation:
         """Return R_g_v (m) at times (m,), the ends held."""
@@ -71,8 +68,9 @@ class AttitudeHistory:
         )
 
     def turned_unread(self, at_ns: Ints) -> Array:
-        """Return variance (m,) rad2, each axis, of the turn since the last reading, negative before
-        the first one.
+        """Compute the variance (m,) rad2, each axis, of the turn since the last reading.
+
+        It is negative before the first one.
         """
         after, before = (
             np.maximum(0, at_ns - self.t_ns[-1]) * 1e-9,
@@ -84,8 +82,9 @@ class AttitudeHistory:
         return np.asarray(BRIDGED_RATE_RAD_S**2 * seconds2)
 
     def turned_by_steps(self, at_ns: Ints) -> Array:
-        """Return variance (m,) rad2, about z of g, of the heading's steps before those times: what
-        is left of those that were taken off, and what heading and rates disagree about.
+        """Compute the variance (m,) rad2, about z of g, of the heading's steps up to some times.
+
+        It is what is left of steps that were taken off, and the disagreement of heading and rates.
         """
         out = self.steps.sigma_rad**2 * np.searchsorted(
             self.t_ns[self.steps.row], at_ns, side="right"
@@ -106,9 +105,7 @@ class AttitudeHistory:
         )
 
     def hole_sigma(self, at_ns: Ints) -> Array:
-        """Return (m,) rad, each axis: of an attitude in a hole, by the time to the nearest reading;
-        0 elsewhere.
-        """
+        """Compute the sigma (m,) rad, each axis, of an attitude in a hole; 0 elsewhere."""
         out = np.zeros(len(at_ns))
         for begin, end in self.holes:
             inside = (at_ns > begin) & (at_ns < end)
@@ -116,17 +113,16 @@ class AttitudeHistory:
         return out
 
     def unread_sigma(self, at_ns: Ints) -> Array:
-        """Return (m,) rad, each axis: of an attitude in a hole or beyond the readings, by the time
-        to the next; 0 where there was one.
-        """
+        """Compute the sigma (m,) rad, each axis, of attitudes in holes or beyond the readings."""
         return np.hypot(np.sqrt(np.abs(self.turned_unread(at_ns))), self.hole_sigma(at_ns))
 
 
 def attitude_history(
-    imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: float
+    imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: float = LONGEST_GAP_S
 ) -> AttitudeHistory:
-    """Return the attitude by an IMU's record in time order. sigma_tilt_rad: white error of roll and
-    pitch where rates cannot tell it.
+    """Smooth an IMU's orientation by its rates, and take off steps of its heading.
+
+    sigma_tilt_rad: white error of roll and pitch where rates cannot show it.
     """
     holes = gaps(imu.t_ns, longest_gap_s)
     t = seconds(imu.t_ns, int(imu.t_ns[0]))
@@ -149,20 +145,17 @@ def attitude_history(
 
 
 def _stamps_turn(t: Array, imu: ImuSamples) -> float:
-    """Return by how much, rad, the vehicle turns about an axis while stamps that come unevenly, as
-    in bursts, are off.
-    """
+    """Estimate the turn about an axis, rad, during the error of uneven stamps, as of bursts."""
     step, usual = np.diff(t), period(t)
     uneven_s = np.sqrt(np.mean(np.square(step[step <= longest_step(usual)] - usual)))
     return float(uneven_s * np.sqrt(np.nanmean(np.square(imu.angular_velocity))))
 
 
 def _disagreement(t: Array, imu: ImuSamples) -> Array:
-    """Return small rotation in g (n, 3) of the logged orientation against the integrated rates,
-    their mean bias taken off.
+    """Compute the rotation in g (n, 3) of the logged orientation against the integrated rates.
 
-    Accumulated as a sum: its wander stays far below a degree, so that the order of rotations does
-    not count.
+    The rates' mean bias is taken off. Accumulated as a sum: its wander stays far below a degree, so
+    that the order of rotations does not count.
     """
     row = np.arange(len(t))
     known = np.isfinite(imu.angular_velocity).all(axis=1)
@@ -178,9 +171,10 @@ def _disagreement(t: Array, imu: ImuSamples) -> Array:
 
 
 def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
-    """Return white variance (rad2) of the orientation and walk (rad2/s) of the rates: the variance
-    of differences over a lag is twice the first plus the second times the lag. Medians, so that a
-    jolt does not count.
+    """Estimate the white variance (rad2) of the orientation and the walk (rad2/s) of the rates.
+
+    The variance of differences over a lag is twice the first plus the second times the lag.
+    Medians, so that a jolt does not count.
     """
     step = period(t)
     lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))

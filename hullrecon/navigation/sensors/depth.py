@@ -35,28 +35,24 @@ AT_AN_EDGE = 2.5
 
 @dataclass(frozen=True, kw_only=True)
 class Depth:
-    """z to add to the DVL's vertical path at the nodes: shift (n,) and its sigma (n,), m. measured
-    (n,): depth of the sensor there; shared (n,): how many nodes come to a reading, 0 where none was
-    near. steps (k,): stamps where the pressure jumped against the DVL; white: scatter of one
-    reading, m. unread_s (n,): how far in time the next reading is, 0 where the depth was measured;
-    silence: the same in words, "" without any.
-    """
+    """What the pressure adds to the DVL's vertical path at the nodes (n)."""
 
-    shift: Array
-    sigma: Array
-    measured: Array
-    shared: Array
-    steps: Ints
-    white: float
-    unread_s: Array
-    silence: str
+    shift: Array  # (n,) m, to be added to z
+    sigma: Array  # (n,) m, of shift
+    measured: Array  # (n,) m, depth of the sensor
+    shared: Array  # (n,) nodes to a reading, 0 where none was near
+    steps: Ints  # (k,) stamps where the pressure jumped against the DVL
+    white: float  # scatter of one reading, m
+    unread_s: Array  # (n,) to the next reading, 0 where the depth was measured
+    silence: str  # the same in words, "" without any
 
 
 def hold_to_pressure(
     pressure: PressureSamples, path: Reckoning, nodes_ns: Ints, window_s: float
 ) -> Depth:
-    """Return what the pressure adds to the path's depth, from a record in time order; window_s:
-    half a node's share of the time, over which readings are averaged.
+    """Hold the path's depth to the pressure sensor.
+
+    window_s: half a node's share of the time, over which readings are averaged.
     """
     known = np.isfinite(pressure.depth)
     t_ns, depth = pressure.t_ns[known], pressure.depth[known]
@@ -91,9 +87,10 @@ def hold_to_pressure(
 
 
 def nodes_per_reading(read_ns: Ints, nodes_ns: Ints, measured: Mask) -> Array:
-    """Return how many nodes there are to a reading around each (n,), 1 where readings are more: by
-    so many depths at nodes are one and the same reading's. measured (n,): nodes whose depth was;
-    the others are not counted, and have 0.
+    """Count the nodes to a reading around each node (n,), 1 where readings are more.
+
+    By so many, depths at nodes are one and the same reading's. measured (n,): nodes whose depth was
+    measured; the others are not counted, and have 0.
     """
     period_s = float(np.median(np.diff(read_ns))) * 1e-9 if len(read_ns) > 1 else 0.0
     half_ns = round(1e9 * max(AROUND_S, AROUND_PERIODS * period_s))
@@ -106,8 +103,9 @@ def nodes_per_reading(read_ns: Ints, nodes_ns: Ints, measured: Mask) -> Array:
 
 
 def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
-    """Return the sigma (n,) m of depths at nodes, shared (n,) to a reading of that sigma: together
-    they say what it says. Wide where none was read.
+    """Compute the sigma (n,) m of depths at nodes, shared (n,) to a reading of that sigma.
+
+    Together they are as sure as the reading. Wide where none was read.
     """
     return np.where(shared > 0, sigma_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
 
@@ -115,9 +113,10 @@ def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
 def _smooth(
     t_s: Array, values: Array, at_s: Array, edges_s: Array, widths_s: tuple[float, float]
 ) -> Array:
-    """Return values (m,) at times at_s (m,) of readings (n,), those of each stretch between two
-    edges smoothed alone: over the first width where the DVL was heard, over the second where it was
-    silent. A stretch of less than two readings takes all.
+    """Smooth readings (n,), at times at_s (m,), within each stretch between two edges.
+
+    The first width is for stretches where the DVL was heard, the second where it was silent. A
+    stretch of less than two readings takes all.
     """
     out = np.zeros(len(at_s))
     stretch, stretch_at = (np.searchsorted(edges_s, times, side="right") for times in (t_s, at_s))
@@ -131,8 +130,9 @@ def _smooth(
 
 
 def _noise_left(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:
-    """Return by how much (n,), in 1/sqrt(s), smoothing leaves of a density of white noise; more at
-    the edges of a stretch, to the one side of which there are no readings.
+    """Compute the share (n,), 1/sqrt(s), of white noise that smoothing leaves.
+
+    It is more at the edges of a stretch, which have no readings on one side.
     """
     width = np.where(
         _silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]
@@ -147,7 +147,7 @@ def _noise_left(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> A
 
 
 def _silent(stretch: Ints) -> Mask:
-    """Return in which stretches the DVL was silent: the edges begin and end its silences by turns."""
+    """Tell in which segments the DVL was silent: edges begin and end its silences by turns."""
     return np.asarray(stretch % 2 == 1)
 
 

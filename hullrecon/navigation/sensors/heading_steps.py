@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Steps in an IMU's heading that the vehicle did not make: a filter that is reset, a compass that
-finds north again.
+"""Find steps in an IMU's heading that the vehicle did not make.
 
-An orientation that steps by degrees between two readings, while the rates beside it go on, has not
-turned the vehicle.
+A filter is reset, or a compass finds north again. An orientation that steps by degrees between two
+readings, while the rates go on evenly, has not turned the vehicle.
 """
 
 from __future__ import annotations
@@ -31,16 +30,14 @@ FASTEST_RAD_S = 1.0  # of a vehicle that inspects, where no rates are logged
 
 @dataclass(frozen=True)
 class HeadingSteps:
-    """row (k,): the first reading after each step; size (k,) rad, about z of g; sigma_rad: how well
-    a size is known. disagreement (d,) and disagreement_rad (d,): readings in the middle of BESIDE_S
-    to either side over which heading and rates part by so much, but slowly: either may be wrong.
-    """
+    """Steps (k) of a heading that the vehicle did not make."""
 
-    row: Ints
-    size: Array
-    sigma_rad: float
+    row: Ints  # (k,) first reading after each step
+    size: Array  # (k,) rad, about z of g
+    sigma_rad: float  # of a size
+    # (d,) readings about which heading and rates part slowly: either may be wrong
     disagreement: Ints
-    disagreement_rad: Array
+    disagreement_rad: Array  # (d,) by how much they part
 
     def taken_off(self, quaternion: Array) -> Array:
         """Return the attitudes (n, 4) as if the heading had not stepped."""
@@ -58,8 +55,9 @@ NO_STEPS = HeadingSteps(np.zeros(0, np.int64), np.zeros(0), 0.0, np.zeros(0, np.
 
 
 def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD) -> HeadingSteps:
-    """Return the steps of a heading (n,) rad less what the rates say of it. least_rad: of a step
-    between two readings.
+    """Find the steps of a heading (n,) rad, less what the rates say of it.
+
+    least_rad: of a step between two readings.
     """
     count = round(BESIDE_S / period(t_s)) if len(t_s) > 2 else 0
     if count < 3 or len(t_s) < 4 * count:
@@ -91,9 +89,7 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
 
 
 def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
-    """Return the steps of a heading without rates: turns between two readings that no vehicle
-    makes, beside others that do not.
-    """
+    """Find the steps of a heading without rates: turns that no vehicle makes."""
     if len(t_s) < 12:
         return NO_STEPS
     orientation, step = Rotation.from_quat(quaternion), np.diff(t_s)

@@ -21,14 +21,12 @@ FEW_READINGS = 3  # fewer are no record of a tray that turns, but the angle at w
 
 @dataclass(frozen=True, kw_only=True)
 class Servo:
-    """Readings t_ns (n,), angle (n,) rad; direction (n,): +1 or -1, the sense in which it last
-    moved. is_read: False of a tray that stands at zero, as no angle was logged.
-    """
+    """Readings of the tray's angle."""
 
-    t_ns: Ints
-    angle: Array
-    direction: Array
-    is_read: bool = True
+    t_ns: Ints  # (n,)
+    angle: Array  # (n,) rad
+    direction: Array  # (n,) +1 or -1, the sense in which it last moved
+    is_read: bool = True  # False of a tray that is taken to stand at zero, as no angle was logged
 
     def angle_at(self, t_ns: Ints) -> Array:
         """Return (m,) rad, linear; the ends held."""
@@ -44,9 +42,10 @@ class Servo:
         ]
 
     def unread_sigma(self, t_ns: Ints) -> Array:
-        """Return (m,) rad: sigma of what the tray may have turned since it was last read; 0 where
-        it was not silent. Between two readings no more than they differ: a joint that is logged
-        when it turns is silent while it stands.
+        """Compute the sigma (m,) rad of what the tray may have turned since it was last read.
+
+        It is 0 where the tray was not silent, and between two readings no more than they differ: a
+        joint that is logged when it turns is silent while it stands.
         """
         if len(self.t_ns) < FEW_READINGS:
             return np.zeros(len(t_ns))
@@ -60,9 +59,7 @@ class Servo:
         return np.asarray(np.minimum(UNREAD_RATE_RAD_S * unread_s(self.t_ns, t_ns), most))
 
     def silence(self, t_ns: Ints) -> str:
-        """Return in words how long no angle was read; "" where none was missed. t_ns (m,): the
-        nodes.
-        """
+        """Say how long no angle was read at the nodes t_ns (m,); "" where none was missed."""
         return describe_silence(self.t_ns, t_ns) if self.is_read else ""
 
 
@@ -83,9 +80,10 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
 
 
 def _directions(angle: Array, travel: float) -> Array:
-    """Return +1 or -1 a reading: the sense flips when the angle has come back by `travel` from its
-    farthest point, and is dated back to that point. A scan, since each flip decides what the next
-    one is measured from.
+    """Find in which sense, +1 or -1, a servo last moved at each reading.
+
+    The sense flips when the angle has come back by `travel` from its farthest point, and is dated
+    back to that point. A scan, since each flip decides what the next one is measured from.
     """
     out = np.ones(len(angle))
     sense, far, turned, first = 0, 0, 0, angle[0]

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Smoothing of unevenly sampled signals without lag: a line fitted about every instant with
-Gaussian weights.
+"""Smooth unevenly sampled signals without lag, by a local line with Gaussian weights.
 
 A straight trend passes unchanged, at the ends too; the cost does not grow with the window.
 """
@@ -17,10 +16,11 @@ REACH = 4  # widths of the Gaussian that count
 
 
 def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[Array, Array]:
-    """Return value (m, k) and slope (m, k) at times at_s (m,) of samples (n, k) at t_s (n,);
-    width_s: sigma of the weights.
+    """Fit lines about times at_s (m,) to samples (n, k) at t_s (n,).
 
-    Samples are gathered into bins of a sixth of the width, their first two moments kept; there are
+    Returns value (m, k) and slope (m, k); width_s: sigma of the weights.
+
+    Samples are gathered into bins of a sixth of the width, their first two moments kept. There are
     bins where samples are near, so that memory grows with these and not with the time that they
     span. Where a gap leaves no sample in reach the neighbours are joined linearly.
     """
@@ -42,8 +42,9 @@ def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[
 
 
 def running_median(values: Array, count: int) -> Array:
-    """Return median of `count` (odd) neighbours of each of (n, k), NaN left out; the ends repeat
-    their first and last value.
+    """Compute the median of `count` (odd) neighbours of each of (n, k), ignoring NaN.
+
+    The ends repeat their first and last value.
     """
     import warnings
 
@@ -56,8 +57,9 @@ def running_median(values: Array, count: int) -> Array:
 
 
 def _bins_near(cell: Ints) -> Ints:
-    """Return the bins (g,), ascending, that have a sample's bin (n,) in reach. Those of two runs
-    reach no sample of the other, though they stand beside each other in tables.
+    """List the bins (g,), ascending, that have a sample's bin (n,) in reach.
+
+    Those of two runs reach no sample of the other, though they are neighbours in tables.
     """
     reach = REACH * BINS_A_WIDTH
     used = np.unique(cell)

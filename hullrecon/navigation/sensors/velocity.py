@@ -14,6 +14,9 @@ from hullrecon.records.clock import gaps
 from hullrecon.records.sensors import DvlPings
 from hullrecon.typing import Array, Ints, Mask
 
+LONGEST_GAP_S = (
+    0.6  # between two velocities or attitudes; a longer gap is an outage, bridged and reported
+)
 # no inspection vehicle leaves the median of its neighbours by more within half a second
 OUTLIER_M_S = 0.25
 OUTLIER_WITHIN_S = 0.5
@@ -26,13 +29,14 @@ FIRST_LAG_S = 1.0
 
 @dataclass(frozen=True, kw_only=True)
 class Agitation:
-    """How a velocity wanders from what it was. rate (k,): variance of its change, each axis, over
-    lag_s (k,) and per second of it, m2/s3; of a walk they are equal, of a vehicle that speeds up
-    steadily or turns back they grow with the lag.
+    """How a velocity changes with time.
+
+    Rates of a random walk are equal; of a vehicle that speeds up steadily or turns back they grow
+    with the lag.
     """
 
-    lag_s: Array
-    rate: Array
+    lag_s: Array  # (k,)
+    rate: Array  # (k,) m2/s3, variance of the change over a lag per second of it, each axis
 
     def over(self, duration_s: Array) -> Array:
         """Return the rate (m,) for silences of some duration (m,)."""
@@ -41,17 +45,14 @@ class Agitation:
 
 @dataclass(frozen=True, kw_only=True)
 class Velocities:
-    """Pings with a velocity: t_ns (n,), velocity (n, 3) m/s of the instrument in dvl, sigma (n,)
-    m/s each axis. outages (m, 2): intervals without one that were bridged, ns. agitation: how it
-    changes meanwhile. outliers: pings rejected.
-    """
+    """Pings with a velocity that is no outlier."""
 
-    t_ns: Ints
-    velocity: Array
-    sigma: Array
-    outages: Ints
-    agitation: Agitation
-    outliers: Ints
+    t_ns: Ints  # (n,)
+    velocity: Array  # (n, 3) m/s of the instrument in the DVL's frame
+    sigma: Array  # (n,) m/s, each axis
+    outages: Ints  # (m, 2) intervals without a velocity that were bridged, ns
+    agitation: Agitation  # how the velocity changes meanwhile
+    outliers: Ints  # stamps of pings rejected
 
     def bridged_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
         """Return variance (m,) m2 that intervals add where no velocity was heard.
@@ -76,10 +77,10 @@ class Velocities:
         return np.asarray(out + np.diff(walked, axis=0)[0] / 3)
 
 
-def usable_velocities(dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: float) -> Velocities:
-    """Return the velocities that are finite, near their neighbours, and within the span that the
-    attitude covers (ns).
-    """
+def usable_velocities(
+    dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: float = LONGEST_GAP_S
+) -> Velocities:
+    """Select the velocities that are finite, near their neighbours, and within a span (ns)."""
     finite = (
         np.isfinite(dvl.velocity).all(axis=1)
         & np.isfinite(dvl.velocity_sigma)
@@ -118,9 +119,10 @@ def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
 
 
 def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
-    """Return the agitation from the changes over a second or so and over twice, four times, ...
-    that, up to half of the record, less the instrument's noise; of the axis that changes most. Over
-    a longer lag it is never less.
+    """Estimate the agitation from changes over a second, two, four, ... up to half of the record.
+
+    The instrument's noise is taken off, and the axis that changes most counts. Over a longer lag it
+    is never less.
     """
     lag, rate = [FIRST_LAG_S], [0.01 if len(t_ns) < 12 else LEAST_AGITATION]
     lasts_ns = int(t_ns[-1] - t_ns[0]) if len(t_ns) else 0

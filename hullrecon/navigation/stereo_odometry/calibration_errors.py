@@ -17,8 +17,7 @@ LARGEST = 2e-3
 
 
 def calibration_moment(evidence: Sequence[CalibrationEffect], prior_sigma: Array) -> Array:
-    """Return the second moment (k, k) of the errors of the calibration: how far off they are found,
-    and how well that is known.
+    """Estimate the second moment (k, k) of the calibration's errors from what motions show of them.
 
     prior_sigma (k,): prior sigma of each, NaN where none is known. Those share one sigma, which is
     the most likely one given what all motions of the dive say (expectation maximisation: an

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What stereo odometry asks for: the motion of the rig between two pairs of images. Vision measures
-it.
-"""
+"""The motion of a stereo rig between two pairs of images, which vision measures."""
 
 from __future__ import annotations
 
@@ -17,27 +15,22 @@ Frame = TypeVar("Frame")
 
 @dataclass(frozen=True, kw_only=True)
 class CalibrationEffect:
-    """The k errors of the cameras' calibration, one unknown each for the dive. by_error (6, k):
-    derivative of a motion by them; information (k, k), gradient (k,): what its features say of them
-    once the motion is free.
-    """
+    """The effect of the k errors of the cameras' calibration, one unknown each for the dive."""
 
-    by_error: Array
-    information: Array
-    gradient: Array
+    by_error: Array  # (6, k) derivative of a motion
+    information: Array  # (k, k) by its features, once the motion is free
+    gradient: Array  # (k,) of the same
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoMotion:
-    """pose: T_i_j of the top camera, one; covariance (6, 6) of (translation in i, m, rotation
-    perturbed on the right, rad), of its white part; inliers: features that agree on it;
-    calibration: what the errors of the calibration do to it.
-    """
+    """The motion of the top camera between two pairs."""
 
-    pose: Poses
+    pose: Poses  # first_from_second
+    # (6, 6) white, of (translation in first, m, rotation perturbed on the right, rad)
     covariance: Array
-    inliers: int
-    calibration: CalibrationEffect
+    inliers: int  # features that agree on it
+    calibration: CalibrationEffect  # what the errors of the calibration do to it
 
 
 class PairMotion(Protocol[Frame]):
@@ -47,6 +40,4 @@ class PairMotion(Protocol[Frame]):
         """Return what is needed of the images in those rows of the cameras' indices."""
 
     def between(self, first: Frame, second: Frame) -> StereoMotion | None:
-        """Return the motion from the first pair to the second; None where too few features agree on
-        one.
-        """
+        """Measure the motion between two pairs; None where too few features agree on one."""

@@ -16,9 +16,7 @@ from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, finite_attitude
 from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
-from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
-from hullrecon.navigation.sensors.clock import in_order
 from hullrecon.navigation.sensors.depth import depth_at_nodes_sigma, nodes_per_reading
 from hullrecon.navigation.sensors.servo import Servo, servo
 from hullrecon.navigation.sigmas import NavigationSigmas
@@ -37,6 +35,9 @@ from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
+
+FEATURES = 4000  # of an image whose motion is measured
+INLIERS = 15  # features that must agree on a motion between two images
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,13 +59,11 @@ class Aids:
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredDepth:
-    """depth (n,) m of the pressure sensor at the nodes; shared (n,): how many nodes come to a
-    reading, 0 where none was near; silence: where that is, in words.
-    """
+    """Depth by the pressure sensor at the nodes (n)."""
 
-    depth: Array
-    silence: str
-    shared: Array
+    depth: Array  # (n,) m
+    silence: str  # where none was near, in words
+    shared: Array  # (n,) nodes to a reading, 0 where none was near
 
 
 def stereo_navigate(
@@ -73,7 +72,6 @@ def stereo_navigate(
     motion: PairMotion[Frame],
     rig: Rig,
     sigmas: NavigationSigmas,
-    options: NavigateOptions,
     calibration_sigma: Array,
     progress: Callable[[Sequence[int]], Iterable[int]] = list,
 ) -> Navigated:
@@ -95,15 +93,18 @@ def stereo_navigate(
         frames.top[0][pair[:, 0]],
         np.stack([frames.top[1][pair[:, 0]], frames.bottom[1][pair[:, 1]]], axis=1),
     )
-    tray = servo(aids.tray if aids.tray is None else in_order(aids.tray, "tray")[0], int(t_ns[0]))
+    tray = servo(aids.tray, int(t_ns[0]))
     angle = tray.angle_at(t_ns)
     vehicle_from_camera = tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP)
-    history = _history(aids.imu, sigmas.tilt_rad, options)
+    history = _history(aids.imu, sigmas.tilt_rad)
     guess = _guess(t_ns, history, vehicle_from_camera)
     chain = follow([(int(a), int(b)) for a, b in image], motion, guess, progress)
     if 2 * len(chain.lost) > len(chain.step):
-        where = f"{len(chain.lost)} of {len(chain.step)} steps have fewer than {options.stereo_inliers} common features"
-        remedy = "check the calibration and pose_in_top, or lower navigate.stereo_inliers"
+        where = (
+            f"{len(chain.lost)} of {len(chain.step)} steps have fewer than "
+            f"{INLIERS} common features"
+        )
+        remedy = "check the calibration and pose_in_top"
         raise StageError("the stereo pairs do not join", where=where, remedy=remedy)
     step, covariance, by_calibration = in_vehicle(chain, vehicle_from_camera)
     depth = _depths(aids.pressure, t_ns)
@@ -134,15 +135,11 @@ def stereo_navigate(
     )
 
 
-def _history(
-    imu: ImuSamples | None, sigma_tilt_rad: float, options: NavigateOptions
-) -> AttitudeHistory | None:
+def _history(imu: ImuSamples | None, sigma_tilt_rad: float) -> AttitudeHistory | None:
     """Return the attitude; None where no IMU, or one without orientations, was logged."""
     if imu is None or np.isfinite(imu.quaternion).all(axis=1).sum() < 2:
         return None
-    return attitude_history(
-        in_order(finite_attitude(imu), "imu")[0], sigma_tilt_rad, options.longest_gap_s
-    )
+    return attitude_history(finite_attitude(imu), sigma_tilt_rad)
 
 
 def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Poses) -> StepGuess:
@@ -171,16 +168,13 @@ def _start(
 
 
 def _depths(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | None:
-    """Return the depth of the sensor at the nodes, linear between readings; None where it was not
-    measured.
-    """
+    """Interpolate the depth of the sensor at the nodes; None where it was not measured."""
     if pressure is None or np.isfinite(pressure.depth).sum() < 2:
         return None
-    record = in_order(pressure, "pressure")[0]
-    known = np.isfinite(record.depth)
+    known = np.isfinite(pressure.depth)
     start = int(t_ns[0])
-    read_ns = record.t_ns[known]
-    depth = np.interp(seconds(t_ns, start), seconds(read_ns, start), record.depth[known])
+    read_ns = pressure.t_ns[known]
+    depth = np.interp(seconds(t_ns, start), seconds(read_ns, start), pressure.depth[known])
     shared = nodes_per_reading(read_ns, t_ns, unread_s(read_ns, t_ns) == 0)
     return MeasuredDepth(depth=depth, silence=describe_silence(read_ns, t_ns), shared=shared)
 
@@ -223,8 +217,9 @@ def _attitude(
     sigmas: NavigationSigmas,
     tray: Servo,
 ) -> Attitude:
-    """Return the record; what was not measured has a wide sigma. Empty but for the tray where
-    neither was measured.
+    """Record depth, roll and pitch; what was not measured has a wide sigma.
+
+    Empty but for the tray where neither was measured.
     """
     direction, tray_sigma = tray.direction_at(t_ns), tray.unread_sigma(t_ns)
     if history is None and depth is None:
@@ -277,12 +272,16 @@ def _remarks(
         (no_depth, f"pressure: {no_depth}; there the depth is counted on by the cameras"),
         (
             no_angle,
-            f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings",
+            (
+                f"tray: {no_angle}; there it is taken to stand as last read, or to turn "
+                "evenly between two readings"
+            ),
         ),
         (unpaired, f"images without a partner in the other camera, and without a pose: {unpaired}"),
         (
             len(chain.lost),
-            f"{len(chain.lost)} of {len(chain.step)} steps could not be seen and were guessed from the step before, the"
+            f"{len(chain.lost)} of {len(chain.step)} steps could not be seen and were "
+            "guessed from the step before, the"
             f" longest {longest_s:.1f} s",
         ),
     ]

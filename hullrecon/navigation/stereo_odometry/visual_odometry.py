@@ -36,31 +36,28 @@ MOST_LOST_M, MOST_LOST_RAD = 10.0, 1.0
 
 @dataclass(frozen=True, kw_only=True)
 class StereoChain:
-    """step: T_i_j of the top camera between neighbouring pairs (n - 1); covariance (n - 1, 6, 6) of
-    (translation in i, rotation perturbed on the right), of its white part; by_calibration (n - 1,
-    6, k): derivative by the errors of the calibration; evidence: what was seen of them; inliers (n
-    - 1,); `lost` (k,): steps that were guessed.
-    """
+    """Steps of the top camera between neighbouring pairs (n - 1)."""
 
-    step: Poses
+    step: Poses  # first_from_second
+    # (n - 1, 6, 6) white, of (translation in first, rotation perturbed on the right)
     covariance: Array
-    by_calibration: Array
-    evidence: list[CalibrationEffect]
-    inliers: Ints
-    lost: Ints
+    by_calibration: Array  # (n - 1, 6, k) derivative by the errors of the calibration
+    evidence: list[CalibrationEffect]  # what was seen of these errors
+    inliers: Ints  # (n - 1,)
+    lost: Ints  # (k,) steps that were guessed
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepGuess:
-    """What is guessed of a step that no pair could tell: the velocity of the step before goes on,
-    known the worse the longer it has to; the turn is the IMU's where there is one. t_s (n,) of the
-    pairs; camera: R_g_ct (n) by the IMU, and turn_variance (n - 1,) rad2 of its turns, None without
-    one.
+    """A guess for steps that no pair shows.
+
+    The velocity of the step before goes on, known the worse the longer it has to. The turn is the
+    IMU's where there is one.
     """
 
-    t_s: Array
-    camera: Rotation | None = None
-    turn_variance: Array | None = None
+    t_s: Array  # (n,) of the pairs
+    camera: Rotation | None = None  # global_from_top (n) by the IMU, None without one
+    turn_variance: Array | None = None  # (n - 1,) rad2 of its turns
 
     def motion(self, k: int, steps: Sequence[StereoMotion]) -> StereoMotion:
         """Return the step from pair k to the next, after the steps before it."""
@@ -87,11 +84,11 @@ def follow(
     guess: StepGuess,
     progress: Callable[[Sequence[int]], Iterable[int]],
 ) -> StereoChain:
-    """Return the chain of stereo pairs; images: their rows in the indices of the top and the bottom
-    camera, in time order.
+    """Chain stereo pairs by the motions between them.
 
-    Each pair is read once. A step that the pair before cannot give is taken from one of the pairs
-    before that, else guessed.
+    images: their rows in the indices of the top and the bottom camera, in time order. Each pair is
+    read once. A step that the pair before cannot give is taken from one of the pairs before that,
+    else guessed.
     """
     recent: list[Frame] = []
     steps: list[StereoMotion] = []
@@ -121,9 +118,7 @@ def follow(
 def _from_recent(
     recent: Sequence[Frame], new: Frame, steps: Sequence[StereoMotion], motion: PairMotion[Frame]
 ) -> StereoMotion | None:
-    """Return the step from the last pair to the new one, through an older pair when they do not see
-    enough in common.
-    """
+    """Measure the step from the last pair to the new one, through an older pair where needed."""
     for back in range(1, len(recent) + 1):
         found = motion.between(recent[-back], new)
         if found is None:
@@ -135,9 +130,7 @@ def _from_recent(
 
 
 def _remainder(first: StereoMotion, whole: StereoMotion) -> StereoMotion:
-    """Return first^-1 whole: its errors are those of the whole, turned into the later pair's axes,
-    and the first's.
-    """
+    """Compute first^-1 whole, with the errors of both in the later pair's axes."""
     rest = first.pose.inverse() @ whole.pose
     back = first.pose.rotation.inv().as_matrix()[0]
     of_whole = np.eye(6)
@@ -159,16 +152,15 @@ def _remainder(first: StereoMotion, whole: StereoMotion) -> StereoMotion:
 
 
 def _stack_effects(steps: Sequence[StereoMotion]) -> Array:
-    """Return the derivatives (n - 1, 6, k) by the errors of the calibration; zero for steps that
-    were guessed.
-    """
+    """Stack the derivatives (n - 1, 6, k) by the calibration's errors; zero for guessed steps."""
     count = max(s.calibration.by_error.shape[1] for s in steps)
     return np.stack([s.calibration.by_error if s.inliers else np.zeros((6, count)) for s in steps])
 
 
 def in_vehicle(chain: StereoChain, vehicle_from_top: Poses) -> tuple[Poses, Array, Array]:
-    """Return the steps T_i_j of the vehicle (n - 1), the covariance of their white part and their
-    derivatives by the errors of the calibration, from those of the camera; T_v_ct (n) at each pair.
+    """Convert the camera's steps to the vehicle's, with white covariance and derivatives.
+
+    vehicle_from_top (n): at each pair.
     """
     before, after = (
         vehicle_from_top[np.arange(len(chain.step))],
@@ -200,12 +192,11 @@ def compose(start: Poses, step: Poses) -> Poses:
 def chain_errors(
     path: Poses, covariance: Array, by_calibration: Array, calibration: Array
 ) -> TrajectoryErrorModel:
-    """Return what makes T_g_v (n,) wrong relative to the first: the steps' white covariance (n - 1,
-    6, 6), and the errors of the calibration by which the steps change as by_calibration (n - 1, 6,
-    k), of covariance (k, k).
+    """Propagate the steps' errors to poses global_from_vehicle (n,) relative to the first.
 
-    Written as twists about the origin of g the steps' errors simply add: omega = R_j w, rho = R_i t
-    + p_j x omega.
+    Steps have the white covariance (n - 1, 6, 6) and change by the calibration's errors as
+    by_calibration (n - 1, 6, k), of covariance (k, k). Written as twists about the origin of g the
+    steps' errors simply add: omega = R_j w, rho = R_i t + p_j x omega.
     """
     rotation, p = path.rotation.as_matrix(), path.translation
     to_twist = np.zeros((len(rotation) - 1, 6, 6))

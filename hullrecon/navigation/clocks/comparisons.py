@@ -1,0 +1,349 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Compare the clocks of two sensors by the motion that both measured (docs/methods.md, Clocks).
+
+- images and attitude: the turn of the upper camera from one image to the next;
+- images and DVL: the direction in which the camera went;
+- pressure and DVL: the depth against the integral of the DVL's vertical velocity;
+- attitude and DVL: the plane through a ping's returns, turned into the global frame, stands still.
+
+Turns about the tray's axis are left out: the play of its servo looks like a time offset.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import lru_cache
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.navigation.dead_reckoning.integral import integral
+from hullrecon.navigation.sensors.attitude import AttitudeHistory
+from hullrecon.navigation.sensors.servo import Servo
+from hullrecon.navigation.sensors.smoothing import local_line, running_median
+from hullrecon.navigation.sensors.velocity import Velocities
+from hullrecon.records.clock import NS, seconds
+from hullrecon.records.sensors import DvlPings, PressureSamples
+from hullrecon.rig import Rig
+from hullrecon.typing import Array, Ints, Mask
+
+# The largest relative offsets found on 56 simulated dives with right clocks: images and attitude
+# 0.017 s, images and DVL 0.14, pressure and DVL 0.16, attitude and DVL 0.21. Sigmas of the
+# systematic part, s:
+TURN_S, DIRECTION_S, DEPTH_S, HULL_S = 0.01, 0.05, 0.05, 0.04
+LEAST_MOTIONS = 10
+TURN_SIGMA_RAD = 0.0015  # of the attitude's turn between two images
+STEP_SIGMA_M = 0.003  # of the DVL's step between two images
+DIRECTION_SIGMA_RAD = 0.02  # of the step's direction in the camera
+MOUNT_SIGMA_RAD = 0.02  # of the DVL's mount relative to the camera, estimated with the offset
+TRUSTED = 3.0  # sigmas; larger residuals are clipped when the mount is estimated
+TRAY_AXIS = np.array([0.0, 1.0, 0.0])  # of tray and vehicle
+TURNED_S = 1.0  # between three normals of the hull, whose second difference is the residual
+SUNK_S = 2.0  # between three depths; second differences cancel the steady rate of a wrong mount
+LATE = 0.3  # share of those by which the next ping may be later
+BLOCK_S, LEAST_BLOCKS, LEAST_ROWS, MOST_ROWS = 10.0, 6, 60, 5_000
+NEIGHBOURS, JUMP_M = 9, 0.15  # pings to a median, and how far a range may be from it
+LEAST_BEAMS = 3
+SMOOTH_S = 0.3  # of the pressure
+
+
+class Sensor(StrEnum):
+    """Sensors with a clock of their own; both cameras share one."""
+
+    DVL = "DVL"
+    IMU = "IMU"
+    PRESSURE = "pressure"
+    IMAGES = "images"
+
+
+Offsets = Mapping[Sensor, float]  # by which stamps are late, s; 0 where not named
+Span = tuple[int, int]  # first and last instant, ns
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Residuals of two sensors' measurements of one motion, as a function of time offsets."""
+
+    first: Sensor
+    second: Sensor
+    systematic_s: float  # sigma of the relative offset's error that no number of rows reduces
+    begin_ns: Ints  # (n,) of the rows
+    end_ns: Ints  # (n,)
+    block: Ints  # (n,) rows of one block have errors in common, blocks are independent
+    evaluate: Callable[[Offsets, Ints], Array]  # residuals (n, k) of rows (n,), NaN if unknown
+    rows: Ints  # (n,) as evaluate numbers them
+    least_rows: int
+    least_blocks: int = 1
+
+    def residuals(self, offsets: Offsets) -> Array:
+        return self.evaluate(offsets, self.rows)
+
+    def within(self, span: Span) -> Comparison:
+        """Keep the rows between two instants."""
+        kept = np.flatnonzero((self.begin_ns >= span[0]) & (self.end_ns <= span[1]))
+        cut = {name: getattr(self, name)[kept] for name in ("begin_ns", "end_ns", "block", "rows")}
+        return replace(self, **cut)
+
+    @property
+    def is_enough(self) -> bool:
+        """Tell whether the rows suffice to estimate an offset with its sigma."""
+        enough = len(self.rows) >= self.least_rows
+        return enough and len(np.unique(self.block)) >= self.least_blocks
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImageMotions:
+    """Motions of the upper camera between neighbouring images."""
+
+    first_ns: Ints  # (m,)
+    second_ns: Ints  # (m,)
+    second_from_first: Poses  # (m,), translations of any length
+    sigma_rad: Array  # (m, 2) of the turn, each axis, and of the direction
+
+    def __len__(self) -> int:
+        return len(self.first_ns)
+
+
+def compare_turns(
+    motions: ImageMotions, attitude: AttitudeHistory, servo: Servo, rig: Rig
+) -> Comparison:
+    """Compare attitude and images by the camera's turns."""
+    tray_from_top = rig.tray_from(Camera.TOP).rotation
+    axis = tray_from_top.inv().apply(TRAY_AXIS)
+    sigma = np.hypot(motions.sigma_rad[:, :1], TURN_SIGMA_RAD)
+
+    def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        shift_ns = _shift_ns(offsets, Sensor.IMU, Sensor.IMAGES)
+        first, second = (
+            attitude.rotation(t_ns + shift_ns)
+            * tray_poses(rig.tray_origin, servo.angle_at(t_ns + shift_ns)).rotation
+            * tray_from_top
+            for t_ns in (motions.first_ns[rows], motions.second_ns[rows])
+        )
+        seen = motions.second_from_first.rotation[rows]
+        turn = (seen.inv() * second.inv() * first).as_rotvec()
+        turn[_outside(motions, rows, shift_ns, attitude.t_ns)] = np.nan
+        return np.asarray((turn - (turn * axis).sum(axis=1, keepdims=True) * axis) / sigma[rows])
+
+    return _of_motions(motions, Sensor.IMU, TURN_S, evaluate)
+
+
+def compare_directions(
+    motions: ImageMotions, velocities: Velocities, rig: Rig
+) -> Comparison | None:
+    """Compare DVL and images by the camera's directions of motion; None for fewer than two pings.
+
+    Both sit on the tray, so that no attitude is needed. What the lever arm between them sweeps
+    follows from the images, and a small rotation between their mounts is estimated.
+    """
+    if len(velocities.t_ns) < 2:
+        return None
+    start = int(velocities.t_ns[0])
+    path = integral(seconds(velocities.t_ns, start), velocities.velocity)
+    top_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl
+    # in axes halfway between those of the two images, in which the DVL measured its step
+    halfway = Rotation.from_rotvec(0.5 * motions.second_from_first.rotation.as_rotvec())
+    seen = -_directions(halfway.inv().apply(motions.second_from_first.translation))
+    lever = top_from_dvl.translation
+    swept = halfway.inv().apply(lever) - halfway.apply(lever)
+
+    def step(shift_s: float, rows: Ints) -> Array:
+        first, second = (
+            path.at(seconds(t_ns[rows], start) + shift_s)
+            for t_ns in (motions.first_ns, motions.second_ns)
+        )
+        return np.asarray(top_from_dvl.rotation.apply(second - first) - swept[rows])
+
+    # the same for all offsets: else those with the shortest steps would fit best
+    length = np.linalg.norm(step(0.0, np.arange(len(motions))), axis=1)
+    of_step = STEP_SIGMA_M / np.maximum(length, STEP_SIGMA_M) + DIRECTION_SIGMA_RAD
+    sigma = np.hypot(motions.sigma_rad[:, 1], of_step)[:, None]
+    by_mount = np.eye(3) - seen[:, :, None] * seen[:, None, :]
+
+    def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        shift_ns = _shift_ns(offsets, Sensor.DVL, Sensor.IMAGES)
+        aside = np.cross(seen[rows], _directions(step(shift_ns / NS, rows)))
+        unknown = _outside(motions, rows, shift_ns, velocities.t_ns)
+        aside[unknown] = 0.0
+        of, turned = sigma[rows], by_mount[rows]
+        trusted = np.clip(aside, -TRUSTED * of, TRUSTED * of)
+        information = (turned / of[:, :, None] ** 2).sum(axis=0) + np.eye(3) / MOUNT_SIGMA_RAD**2
+        mount = np.linalg.solve(information, (trusted / of**2).sum(axis=0))
+        found = (aside - turned @ mount) / of
+        found[unknown] = np.nan
+        return np.asarray(found)
+
+    return _of_motions(motions, Sensor.DVL, DIRECTION_S, evaluate)
+
+
+def compare_depth(
+    dvl: DvlPings,
+    attitude: AttitudeHistory,
+    pressure: PressureSamples,
+    servo: Servo,
+    rig: Rig,
+) -> Comparison | None:
+    """Compare pressure sensor and DVL by the depth; None without pings or with few readings.
+
+    The attitude that levels the DVL's velocity is looked up at the IMU's offset.
+    """
+    known, read = np.isfinite(dvl.velocity).all(axis=1), np.isfinite(pressure.depth)
+    t_ns, read_ns = dvl.t_ns[known], pressure.t_ns[read]
+    rows_of = _rows_apart(t_ns, SUNK_S)
+    if not len(rows_of) or len(read_ns) < LEAST_ROWS:
+        return None
+    t_s, read_s = seconds(t_ns, int(t_ns[0])), seconds(read_ns, int(t_ns[0]))
+    velocity = _vehicle_from_dvl(servo, rig, t_ns).apply(dvl.velocity[known])
+    smooth = local_line(read_s, pressure.depth[read], read_s, SMOOTH_S)[0][:, 0]
+    dvl_origin = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).apply(
+        rig.tray_from_dvl.translation
+    )
+    lever = dvl_origin - rig.pressure_origin
+
+    @lru_cache(maxsize=8)
+    def sunk(shift_ns: int) -> Array:
+        at_ns = t_ns + shift_ns
+        level = attitude.rotation(at_ns)
+        found = integral(t_s, level.apply(velocity)[:, 2]).total - level.apply(lever)[:, 2]
+        found[(at_ns < attitude.t_ns[0]) | (at_ns > attitude.t_ns[-1])] = np.nan
+        return np.asarray(found)
+
+    def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        at_s = t_s + _shift_ns(offsets, Sensor.PRESSURE, Sensor.DVL) / NS
+        depth = np.interp(at_s, read_s, smooth)
+        depth[(at_s < read_s[0]) | (at_s > read_s[-1])] = np.nan
+        apart = (depth - sunk(_shift_ns(offsets, Sensor.IMU, Sensor.DVL)))[rows_of[rows]]
+        return np.asarray((apart[:, 0] - 2 * apart[:, 1] + apart[:, 2])[:, None])
+
+    return _of_pings(t_ns, rows_of, Sensor.PRESSURE, DEPTH_S, evaluate)
+
+
+def compare_hull_turns(
+    dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: Rig
+) -> Comparison | None:
+    """Compare attitude and DVL by the turns of the hull, which stands still; None without pings."""
+    t_ns, normal = hull_normals(dvl)
+    rows_of = _rows_apart(t_ns, TURNED_S)
+    if not len(rows_of):
+        return None
+    in_vehicle = _vehicle_from_dvl(servo, rig, t_ns).apply(normal)
+
+    def evaluate(offsets: Offsets, rows: Ints) -> Array:
+        used, of = np.unique(rows_of[rows], return_inverse=True)
+        of = of.reshape(-1, 3)
+        at_ns = t_ns[used] + _shift_ns(offsets, Sensor.IMU, Sensor.DVL)
+        global_from_vehicle = attitude.rotation(at_ns)
+        seen, axis = (
+            global_from_vehicle.apply(vectors) for vectors in (in_vehicle[used], TRAY_AXIS)
+        )
+        seen[(at_ns < attitude.t_ns[0]) | (at_ns > attitude.t_ns[-1])] = np.nan
+        bend = seen[of[:, 0]] - 2 * seen[of[:, 1]] + seen[of[:, 2]]
+        return np.asarray((bend * axis[of[:, 1]]).sum(axis=1, keepdims=True))
+
+    return _of_pings(t_ns, rows_of, Sensor.IMU, HULL_S, evaluate)
+
+
+def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
+    """Fit a plane to each ping's returns, without those that leave the median of their beam.
+
+    Returns
+    -------
+    tuple
+        Stamps (n,) of the pings with enough returns, and the planes' unit normals (n, 3) in the
+        DVL's frame, away from the instrument.
+    """
+    ranges = dvl.ranges
+    if len(ranges) < NEIGHBOURS or ranges.shape[1] < LEAST_BEAMS:
+        return np.zeros(0, np.int64), np.zeros((0, 3))
+    with np.errstate(invalid="ignore"):
+        fair = np.abs(ranges - running_median(ranges, NEIGHBOURS)) < JUMP_M
+    enough = fair.sum(axis=1) >= LEAST_BEAMS
+    fair, ends = fair[enough], (ranges[:, :, None] * dvl.beams)[enough]
+    weight = fair[:, :, None].astype(float)
+    ends = np.where(fair[:, :, None], ends, 0.0)
+    middle = ends.sum(axis=1) / weight.sum(axis=1)
+    from_middle = weight * (ends - middle[:, None])
+    normal = np.linalg.eigh(np.einsum("nbi,nbj->nij", from_middle, from_middle))[1][:, :, 0]
+    away = np.sign((normal * middle).sum(axis=1))
+    return dvl.t_ns[enough], np.asarray(normal * away[:, None])
+
+
+def _of_motions(
+    motions: ImageMotions,
+    first: Sensor,
+    systematic_s: float,
+    evaluate: Callable[[Offsets, Ints], Array],
+) -> Comparison:
+    rows = np.arange(len(motions))
+    return Comparison(
+        first=first,
+        second=Sensor.IMAGES,
+        systematic_s=systematic_s,
+        begin_ns=motions.first_ns,
+        end_ns=motions.second_ns,
+        block=rows,
+        evaluate=evaluate,
+        rows=rows,
+        least_rows=LEAST_MOTIONS,
+    )
+
+
+def _of_pings(
+    t_ns: Ints,
+    rows_of: Ints,
+    first: Sensor,
+    systematic_s: float,
+    evaluate: Callable[[Offsets, Ints], Array],
+) -> Comparison:
+    begin_ns = t_ns[rows_of[:, 0]]
+    return Comparison(
+        first=first,
+        second=Sensor.DVL,
+        systematic_s=systematic_s,
+        begin_ns=begin_ns,
+        end_ns=t_ns[rows_of[:, 2]],
+        block=np.asarray((begin_ns - t_ns[0]) // round(BLOCK_S * NS), np.int64),
+        evaluate=evaluate,
+        rows=np.arange(len(rows_of)),
+        least_rows=LEAST_ROWS,
+        least_blocks=LEAST_BLOCKS,
+    )
+
+
+def _shift_ns(offsets: Offsets, sensor: Sensor, other: Sensor) -> int:
+    """Compute what is added to the other sensor's stamps to look a sensor up at them."""
+    return round((offsets.get(sensor, 0.0) - offsets.get(other, 0.0)) * NS)
+
+
+def _vehicle_from_dvl(servo: Servo, rig: Rig, t_ns: Ints) -> Rotation:
+    return tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation * rig.tray_from_dvl.rotation
+
+
+def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
+    """Choose pings with those once and twice a time later; at most MOST_ROWS, evenly: (m, 3)."""
+    rows = [np.arange(len(t_ns))]
+    near = np.ones(len(t_ns), bool)
+    for times in (1, 2):
+        wanted = t_ns + round(times * apart_s * NS)
+        row = np.searchsorted(t_ns, wanted)
+        near &= row < len(t_ns)
+        row = np.minimum(row, len(t_ns) - 1)
+        near &= t_ns[row] - wanted <= LATE * apart_s * NS
+        rows.append(row)
+    found = np.stack(rows, axis=1)[near]
+    return found[:: 1 + len(found) // MOST_ROWS]
+
+
+def _outside(motions: ImageMotions, rows: Ints, shift_ns: int, t_ns: Ints) -> Mask:
+    """Find the motions that reach beyond a sensor's stamps, once moved."""
+    first, second = motions.first_ns[rows] + shift_ns, motions.second_ns[rows] + shift_ns
+    return np.asarray((first < t_ns[0]) | (second > t_ns[-1]))
+
+
+def _directions(vectors: Array) -> Array:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9))

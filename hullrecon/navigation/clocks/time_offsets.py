@@ -1,0 +1,370 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Estimate the time offset of every sensor from comparisons of their clocks.
+
+See docs/methods.md, Clocks. Each comparison has a cost, a clipped sum of squares, over the relative
+offset of two sensors. Its minima are candidates for the offset of either sensor. A hypothesis names
+the sensors whose clocks are wrong: all offsets follow by weighted least squares, in which right
+clocks have a narrow prior and wrong ones none. A wrong clock has to lower chi-square by GAIN, and
+must do so better than any other offset and any other sensor. Offsets change where a stream pauses,
+if that lowers chi-square.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.navigation.clocks.comparisons import Comparison, Offsets, Sensor, Span
+from hullrecon.typing import Array
+
+SYNCHRONISED_S = 0.005  # sigma of a right clock
+UNKNOWN_S = 1000.0  # sigma of a wrong one, before anything is measured
+GAIN = 25.0  # by which chi-square falls where a clock is wrong: five sigmas
+ALIKE = 4.0  # two explanations whose chi-squares differ by less explain as much
+SIGNIFICANT = 5.0  # sigmas of an offset that is corrected
+NEAR_S, FAR_S = 5.0, 60.0  # offsets searched; far ones where near ones do not show agreement
+# offsets looked at: a swell that repeats itself fits a minute off a clock that is later still
+BEYOND_S = 120.0
+GRID_S, FAR_GRID_S = 0.1, 0.2
+OTHER_S = 0.5  # between two different offsets
+MINIMA = 5  # of a comparison's cost
+TRIED = 3  # candidates that are refined
+STEP_S = 0.2  # of the numeric derivative: over less, noise would look like slope
+TRUSTED, WILD = 2.0, 6.0  # sigmas beyond which a residual weighs less, and nothing
+LEAST_KNOWN = 0.5  # of the rows; an offset that leaves fewer does not tell their scatter
+ROUNDS, CONVERGED_S = 8, 1e-4
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimeOffset:
+    """By how much a sensor's stamps are late, on a part of its stamps."""
+
+    sensor: Sensor
+    from_ns: int
+    to_ns: int
+    seconds: float  # to be subtracted from the stamps; negative where they are early
+    sigma_s: float
+    significant: bool  # differs from zero by SIGNIFICANT sigmas, and no other clock explains it
+    relative_to: tuple[Sensor, ...]  # whose clocks are right
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hypothesis:
+    """Sensors whose clocks are wrong, with the offsets that follow."""
+
+    wrong: tuple[Sensor, ...]
+    offsets: Offsets  # of all sensors
+    sigma_s: Offsets
+    chi2: float
+
+    @property
+    def total(self) -> float:
+        return self.chi2 + GAIN * len(self.wrong)
+
+    def corrections(self) -> dict[Sensor, float]:
+        """Select the offsets of the wrong clocks."""
+        return {sensor: self.offsets[sensor] for sensor in self.wrong}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """A comparison with the scatter of its residuals and the minima of its cost."""
+
+    comparison: Comparison
+    sigma: float  # of a residual
+    usual: Array  # (n,) mean cost of each row, for offsets at which it is unknown
+    minima_s: list[float]  # relative offsets, the lowest first
+    together: float = 1.0  # rows whose errors are one, by the scatter among blocks
+    least: float = 0.0  # lowest cost, in chi-square
+
+    def cost(self, offsets: Offsets, span: Span | None = None) -> float:
+        """Compute chi-square at some offsets, of all rows or of those in a span."""
+        cost = _filled(_clipped(self.comparison.residuals(offsets), self.sigma), self.usual)
+        if span is not None:
+            inside = self.comparison.begin_ns >= span[0]
+            cost = cost[inside & (self.comparison.end_ns <= span[1])]
+        return float(cost.sum()) / self.together
+
+    def relative(self, offsets: Offsets) -> float:
+        return offsets.get(self.comparison.first, 0.0) - offsets.get(self.comparison.second, 0.0)
+
+
+def weigh(comparisons: Iterable[Comparison]) -> list[Evidence]:
+    """Scan the cost of comparisons with enough rows; those without scatter are left out."""
+    found = (_weigh(comparison) for comparison in comparisons if comparison.is_enough)
+    return [evidence for evidence in found if evidence is not None]
+
+
+def _weigh(comparison: Comparison) -> Evidence | None:
+    """Scan near offsets, and far ones where the near ones do not show that the clocks agree."""
+    steps = round(NEAR_S / GRID_S)
+    near = np.asarray(GRID_S * np.arange(-steps, steps + 1), float)
+    found = _scan(comparison, near)
+    if found is not None and abs(found.minima_s[0]) < OTHER_S:
+        second = {comparison.first: found.minima_s[1]}
+        if found.cost(second) - found.least >= GAIN:
+            return found
+    far = np.arange(NEAR_S + FAR_GRID_S, BEYOND_S + FAR_GRID_S / 2, FAR_GRID_S, dtype=float)
+    return _scan(comparison, np.concatenate([-far[::-1], near, far]))
+
+
+def _scan(comparison: Comparison, shifts: Array) -> Evidence | None:
+    table = [comparison.residuals({comparison.first: float(shift)}) for shift in shifts]
+    known = [np.isfinite(found) for found in table]
+    sigmas = [
+        robust_sigma(found[fit], about=0.0)
+        for found, fit in zip(table, known, strict=True)
+        if fit.mean() >= LEAST_KNOWN
+    ]
+    if not sigmas or not min(sigmas) > 0:
+        return None
+    cost = np.array([_clipped(found, min(sigmas)) for found in table])
+    given = np.isfinite(cost)
+    usual = np.where(given, cost, 0.0).sum(axis=0) / np.maximum(given.sum(axis=0), 1)
+    total = _filled(cost, usual).sum(axis=1)
+    minima: list[float] = []
+    while len(minima) < MINIMA and np.isfinite(total).any():
+        minima.append(float(shifts[np.argmin(total)]))
+        total = np.where(np.abs(shifts - minima[-1]) < OTHER_S, np.inf, total)
+    found = Evidence(comparison=comparison, sigma=min(sigmas), usual=usual, minima_s=minima)
+    best = refine(found, {comparison.first: minima[0]})
+    if best is None:
+        return None
+    found = replace(found, together=best.together)
+    return replace(found, least=found.cost({comparison.first: best.relative_s}))
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The relative offset at a minimum of a comparison's cost."""
+
+    relative_s: float
+    variance: float  # s2, from the scatter among blocks
+    together: float
+
+
+def refine(evidence: Evidence, start: Offsets) -> Refined | None:
+    """Minimise a comparison's cost from some offsets, by Gauss-Newton with robust weights.
+
+    The offset of its first sensor is changed, by at most a second. None where the residuals do not
+    depend on it.
+    """
+    comparison = evidence.comparison
+    moved = 0.0
+
+    def residuals(more_s: float) -> Array:
+        first = start.get(comparison.first, 0.0) + more_s
+        return comparison.residuals({**start, comparison.first: first})
+
+    for _ in range(ROUNDS):
+        found = residuals(moved)
+        slope = (residuals(moved + STEP_S) - residuals(moved - STEP_S)) / (2 * STEP_S)
+        known = np.isfinite(found) & np.isfinite(slope)
+        if not known.any():
+            return None
+        size = np.abs(np.where(known, found, np.inf))
+        sigma = robust_sigma(found[known], about=0.0)
+        trusted = np.minimum(1.0, TRUSTED * sigma / np.maximum(size, 1e-12))
+        weight = np.where(size < WILD * sigma, trusted, 0.0)
+        slope, found = np.where(known, slope, 0.0), np.where(known, found, 0.0)
+        curvature, pull = float((weight * slope**2).sum()), (weight * slope * found).sum(axis=1)
+        if curvature <= 0:
+            return None
+        step = -float(pull.sum()) / curvature
+        moved = float(np.clip(moved + step, -1.0, 1.0))
+        if abs(step) < CONVERGED_S:
+            break
+    by_row = float(np.square(pull).sum())
+    by_block = float(np.square(np.bincount(comparison.block, pull)).sum())
+    if by_row <= 0:
+        return None
+    return Refined(
+        evidence.relative(start) + moved,
+        max(by_row, by_block) / curvature**2,
+        max(1.0, by_block / by_row),
+    )
+
+
+def explain(evidence: Sequence[Evidence]) -> list[Hypothesis]:
+    """Find whose clocks are wrong.
+
+    Returns
+    -------
+    list of Hypothesis
+        One where it is known, naming no sensor where all clocks are right. Several that explain as
+        much where it is not known which of them is true.
+    """
+    present = {s for e in evidence for s in (e.comparison.first, e.comparison.second)}
+    sensors = [sensor for sensor in Sensor if sensor in present]
+    right = solve(evidence, (), {})
+    if _unexplained(evidence, right) < GAIN:
+        return [right]
+    found = [right]
+    for sensor in sensors:
+        one = _add(evidence, right, sensor)
+        if one is None:
+            continue
+        found.append(one)
+        if _unexplained(evidence, one) >= GAIN:
+            more = (_add(evidence, one, other) for other in sensors if other is not sensor)
+            found += [two for two in more if two is not None]
+    found = [_with_right_imu(evidence, hypothesis, sensors) for hypothesis in found]
+    found.sort(key=lambda hypothesis: -hypothesis.total)
+    alike = {h.wrong: h for h in found if h.total < found[-1].total + ALIKE}
+    if () in alike:
+        return [alike[()]]
+    # of two clocks of which one is wrong, the IMU's is taken to be right
+    return [h for h in alike.values() if Sensor.IMU not in h.wrong] or list(alike.values())
+
+
+def solve(evidence: Sequence[Evidence], wrong: tuple[Sensor, ...], start: Offsets) -> Hypothesis:
+    """Estimate all offsets by weighted least squares, from some offsets of the wrong clocks.
+
+    Comparisons weigh by their scatter alone. Sigmas and chi-square have their systematic part too.
+    """
+    sensors = list(Sensor)
+    prior = np.array([UNKNOWN_S if sensor in wrong else SYNCHRONISED_S for sensor in sensors])
+    cost, rows, measured, variance, systematic = 0.0, [], [], [], []
+    for one in evidence:
+        fit = refine(one, start)
+        if fit is None:
+            cost += one.cost(start)
+            continue
+        first, second = one.comparison.first, one.comparison.second
+        moved = fit.relative_s - one.relative(start)
+        cost += one.cost({**start, first: start.get(first, 0.0) + moved})
+        rows.append([(sensor is first) - float(sensor is second) for sensor in sensors])
+        measured.append(fit.relative_s)
+        variance.append(fit.variance)
+        systematic.append(one.comparison.systematic_s)
+    design = np.array(rows).reshape(-1, len(sensors))
+    by_scatter, whole = np.array(variance), np.array(variance) + np.square(systematic)
+    information = design.T @ (design / by_scatter[:, None]) + np.diag(prior**-2.0)
+    offsets = np.linalg.solve(information, design.T @ (measured / by_scatter))
+    covariance = np.linalg.inv(design.T @ (design / whole[:, None]) + np.diag(prior**-2.0))
+    misfit = np.square(design @ offsets - measured) / whole
+    return Hypothesis(
+        wrong=wrong,
+        offsets=dict(zip(sensors, offsets.tolist(), strict=True)),
+        sigma_s=dict(zip(sensors, np.sqrt(np.diag(covariance)).tolist(), strict=True)),
+        chi2=cost + float(misfit.sum() + np.square(offsets / prior).sum()),
+    )
+
+
+def _unexplained(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> float:
+    """Compute how much chi-square could fall if each comparison had its best relative offset."""
+    return hypothesis.chi2 - sum(one.least for one in evidence)
+
+
+def _add(evidence: Sequence[Evidence], base: Hypothesis, sensor: Sensor) -> Hypothesis | None:
+    """Take one more sensor's clock to be wrong.
+
+    None where that gains less than GAIN, where another offset gains as much, or where the offset
+    is not significant or beyond FAR_S.
+    """
+    start = base.corrections()
+    wrong = tuple(other for other in Sensor if other in base.wrong or other is sensor)
+    candidates: list[tuple[float, float]] = []
+    for one in evidence:
+        first, second = one.comparison.first, one.comparison.second
+        if sensor in (first, second):
+            for minimum in one.minima_s:
+                other = start.get(second if sensor is first else first, 0.0)
+                at = other + minimum if sensor is first else other - minimum
+                cost = sum(each.cost({**start, sensor: at}) for each in evidence)
+                candidates.append((cost, at))
+    best: list[Hypothesis] = []
+    tried: list[float] = []
+    for _, at in sorted(candidates):
+        if len(tried) < TRIED and all(abs(at - other) >= OTHER_S for other in tried):
+            tried.append(at)
+            best.append(solve(evidence, wrong, {**start, sensor: at}))
+    best.sort(key=lambda hypothesis: hypothesis.chi2)
+    if not best or base.chi2 - best[0].chi2 < GAIN:
+        return None
+    found = best[0].offsets[sensor]
+    if abs(found) > FAR_S or abs(found) < SIGNIFICANT * best[0].sigma_s[sensor]:
+        return None
+    others = (h for h in best[1:] if abs(h.offsets[sensor] - found) >= OTHER_S)
+    return None if any(h.chi2 - best[0].chi2 < GAIN for h in others) else best[0]
+
+
+def _with_right_imu(
+    evidence: Sequence[Evidence], found: Hypothesis, sensors: Sequence[Sensor]
+) -> Hypothesis:
+    """Refer the offsets to the IMU's clock where that makes no more clocks wrong."""
+    if Sensor.IMU not in found.wrong or len(found.wrong) < 2:
+        return found
+    moved = {s: found.offsets[s] - found.offsets[Sensor.IMU] for s in sensors}
+    wrong = tuple(s for s in sensors if abs(moved[s]) >= SIGNIFICANT * found.sigma_s[s])
+    if len(wrong) > len(found.wrong):
+        return found
+    return solve(evidence, wrong, {sensor: moved[sensor] for sensor in wrong})
+
+
+def assign(
+    evidence: Sequence[Evidence], spans: Sequence[Span], states: Sequence[Offsets]
+) -> list[int]:
+    """Choose the offsets of each segment: the least chi-square, with ALIKE for each change."""
+    cost = np.array(
+        [[sum(e.cost(state, span) for e in evidence) for state in states] for span in spans]
+    )
+    change = ALIKE * (1 - np.eye(len(states)))
+    total, came_from = cost[0], []
+    for own in cost[1:]:
+        came_from.append(np.argmin(total[:, None] + change, axis=0))
+        total = own + (total[:, None] + change).min(axis=0)
+    chosen = [int(np.argmin(total))]
+    for row in reversed(came_from):
+        chosen.append(int(row[chosen[-1]]))
+    return chosen[::-1]
+
+
+def segments(pauses_ns: Iterable[int], span: Span) -> list[Span]:
+    """Cut a span where streams pause."""
+    inner = sorted({t for t in pauses_ns if span[0] < t < span[1]})
+    return list(itertools.pairwise([span[0], *inner, span[1]]))
+
+
+def time_offsets(
+    spans: Sequence[Span], chosen: Sequence[Hypothesis], sensors: Sequence[Sensor]
+) -> list[TimeOffset]:
+    """Put segments with one hypothesis together, and list the wrong clocks of each by sensor."""
+    out: list[TimeOffset] = []
+    k = 0
+    for hypothesis, group in itertools.groupby(chosen):
+        count = len(list(group))
+        begin, end = spans[k][0], spans[k + count - 1][1]
+        right = tuple(sensor for sensor in sensors if sensor not in hypothesis.wrong)
+        out += [
+            TimeOffset(
+                sensor=sensor,
+                from_ns=begin,
+                to_ns=end,
+                seconds=hypothesis.offsets[sensor],
+                sigma_s=hypothesis.sigma_s[sensor],
+                significant=True,
+                relative_to=right,
+            )
+            for sensor in hypothesis.wrong
+        ]
+        k += count
+    return sorted(out, key=lambda offset: (list(Sensor).index(offset.sensor), offset.from_ns))
+
+
+def _clipped(residuals: Array, sigma: float) -> Array:
+    """Sum the squares of residuals (n, k) in sigmas by row, each clipped at half of WILD."""
+    return np.asarray(np.square(np.minimum(np.abs(residuals) / sigma, WILD / 2)).sum(axis=1))
+
+
+def _filled(cost: Array, usual: Array) -> Array:
+    """Give rows of unknown cost their usual one, so that they speak for and against no offset.
+
+    If they cost nothing, the farthest offsets, which leave the fewest rows, would look best.
+    """
+    return np.where(np.isfinite(cost), cost, usual)

@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Choose between dead reckoning and stereo odometry, and reckon a dive from its logs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+
+from hullrecon.errors import StageError
+from hullrecon.navigation.clocks.synchronise import MeasureMotion, synchronise
+from hullrecon.navigation.dead_reckoning.dead_reckon import (
+    REACH_S,
+    Navigated,
+    NavigationLogs,
+    dead_reckon,
+    usable_frames,
+    usable_logs,
+)
+from hullrecon.navigation.dead_reckoning.image_walk import GoesOn, ImageWalk
+from hullrecon.navigation.sigmas import NavigationSigmas
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples
+from hullrecon.rig import Rig
+
+# of the images: where the DVL reaches fewer of a stereo rig's, its path would leave out most of the
+# dive
+LEAST_HEARD = 0.5
+
+
+def choose_path(
+    dvl: DvlPings | None,
+    imu: ImuSamples | None,
+    stereo: ImageIndex | None,
+    by_dvl: Callable[[], Navigated],
+    by_stereo: Callable[[], Navigated],
+) -> tuple[Navigated, str]:
+    """Navigate by DVL and IMU, or by the stereo cameras where these were hardly heard.
+
+    Parameters
+    ----------
+    dvl, imu
+        None where not logged.
+    stereo
+        Images of the upper of two cameras; None where there are not two.
+    by_dvl, by_stereo
+        Compute the path.
+
+    Returns
+    -------
+    tuple
+        The path, and what gave it: "dvl" or "stereo".
+
+    Raises
+    ------
+    StageError
+        Where neither a DVL nor two cameras were logged, or none of them gives a path.
+    """
+    if dvl is None and stereo is None:
+        raise StageError(
+            "nothing measures how the vehicle moved",
+            where="no DVL and no stereo cameras were logged",
+            remedy="name the DVL's topic in [topics], or both cameras with their calibration",
+        )
+    if dvl is None:
+        return _with_remark(by_stereo(), f"no DVL: {BY_STEREO}"), "stereo"
+    share = 1.0 if stereo is None else _share_heard(dvl, imu, stereo)
+    if share >= LEAST_HEARD:
+        return by_dvl(), "dvl"
+    heard = f"DVL and IMU were heard together for {100 * share:.0f} % of the images"
+    try:
+        return _with_remark(by_stereo(), f"{heard}, and the DVL is left out: {BY_STEREO}"), "stereo"
+    except StageError as error:
+        remark = (
+            f"{heard}, and the stereo pairs alone give no path ({error}): the path is the DVL's "
+            "part of the dive"
+        )
+        return _with_remark(by_dvl(), remark), "dvl"
+
+
+BY_STEREO = "the path is stereo visual odometry; its scale is that of the rig's baseline"
+
+
+def _with_remark(found: Navigated, remark: str) -> Navigated:
+    return replace(found, remarks=[remark, *found.remarks])
+
+
+def _share_heard(dvl: DvlPings, imu: ImuSamples | None, stereo: ImageIndex) -> float:
+    """Compute the share of the images that the DVL's velocities reach while the IMU is read."""
+    if not stereo.usable.any():
+        return 1.0
+    heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
+    if imu is not None and len(imu.t_ns):
+        heard_ns = heard_ns[(heard_ns >= imu.t_ns.min()) & (heard_ns <= imu.t_ns.max())]
+    if not len(heard_ns):
+        return 0.0
+    t_ns, reach_ns = stereo.t_ns[stereo.usable], REACH_S * 1e9
+    return float(((t_ns >= heard_ns.min() - reach_ns) & (t_ns <= heard_ns.max() + reach_ns)).mean())
+
+
+def reckon_dive(
+    logs: NavigationLogs,
+    rig: Rig,
+    sigmas: NavigationSigmas,
+    measure: MeasureMotion | None = None,
+    goes_on: GoesOn | None = None,
+    progress: Callable[[range], Iterable[int]] = iter,
+) -> Navigated:
+    """Correct the clocks of a dive's sensors, and reckon its path.
+
+    Parameters
+    ----------
+    logs, rig, sigmas
+        The dive.
+    measure, goes_on
+        Measure the motion between two images of the upper camera, and tell whether one shows what
+        the other does; None without a camera.
+    progress
+        Shows how many images were followed.
+    """
+    clocks = synchronise(usable_logs(logs), rig, sigmas.tilt_rad, measure)
+    walk = None
+    if goes_on is not None:
+        walk = ImageWalk(frames=usable_frames(clocks.logs.top), goes_on=goes_on, progress=progress)
+    found = dead_reckon(clocks.logs, rig, sigmas, walk, clocks.heard)
+    return replace(
+        found,
+        remarks=[*clocks.remarks, *found.remarks],
+        facts={"clocks": msgspec.to_builtins(clocks.offsets), **found.facts},
+    )
