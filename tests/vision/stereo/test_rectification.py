@@ -54,7 +54,7 @@ def test_two_cameras_at_one_place_are_refused():
 
 def test_mono_rig_has_no_bottom_camera_and_says_so():
     rig = camera_rig(CameraModel(10, 10, 5.0, 7.0, 5.0, 5.0))
-    assert not rig.stereo
+    assert rig.stereo_mount is None
     assert rig.focal_px(Camera.TOP) == 6.0
     assert rig.baseline_m == 1.0
     with pytest.raises(ValueError, match="no bottom camera"):
