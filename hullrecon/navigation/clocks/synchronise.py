@@ -123,7 +123,8 @@ def synchronise(
         elif not any(_same(found[0], other) for other in hypotheses):
             hypotheses.append(found[0])
     chosen = [hypotheses[k] for k in assign(evidence, spans, [h.corrections() for h in hypotheses])]
-    offsets = time_offsets(spans, chosen, list(streams))
+    compared = {sensor for c in known for sensor in (c.first, c.second)}
+    offsets = time_offsets(spans, chosen, [sensor for sensor in Sensor if sensor in compared])
     remarks = [*describe_offsets(offsets), *([] if offsets else dict.fromkeys(unknown))]
     return Synchronised(
         logs=_corrected(logs, offsets),
