@@ -119,9 +119,7 @@ def test_cameras_hull_and_findings_lie_beside_them(package, tmp_path):
     assert hull["faces"].dtype == np.int32
     findings = json.loads((out / "findings.json").read_text())
     assert set(findings) == {"spans", "lost", "hull", "notes"}
-    assert (
-        "camera_top: 1 of 2 images are missing or damaged and are left out" in findings["notes"]
-    )
+    assert "camera_top: 1 of 2 images are missing or damaged and are left out" in findings["notes"]
     warnings = json.loads((out / "manifest.json").read_text())["warnings"]
     assert warnings == [*findings["lost"], *findings["notes"]]
 
@@ -153,18 +151,35 @@ def key(package: Path, *overrides: str) -> str:
 
 @pytest.mark.parametrize(
     "override",
-    ["pressure.density=1000", "imu.frame=enu", "tray.joint=other", "camera.top.time_offset=0", "dvl.sigma_velocity=0.1",
-     "dvl.beam_angle_deg=25", "dvl.beam_azimuth_deg=[0, 90, 180, 270]", "topics.dvl='/x'"],
-)  # fmt: skip
+    [
+        "pressure.density=1000",
+        "imu.frame=enu",
+        "tray.joint=other",
+        "camera.top.time_offset=0",
+        "dvl.sigma_velocity=0.1",
+        "dvl.beam_angle_deg=25",
+        "dvl.beam_azimuth_deg=[0, 90, 180, 270]",
+        "topics.dvl='/x'",
+    ],
+)
 def test_an_option_that_ingest_reads_makes_it_stale(package, override):
     assert key(package, override) != key(package)
 
 
 @pytest.mark.parametrize(
     "override",
-    ["dvl.mount=[1,2,3,4,5,6]", "dvl.sigma_range=0.5", "camera.top.mount=[1,2,3,4,5,6]", "camera.top.sigma_px=3",
-     "pressure.sigma_m=0.5", "tray.sigma_deg=3", "hull.pose=[1,2,3,4,5,6]", "imu.bias_sigma_deg=1", "sonar.elevation_deg=20"],
-)  # fmt: skip
+    [
+        "dvl.mount=[1,2,3,4,5,6]",
+        "dvl.sigma_range=0.5",
+        "camera.top.mount=[1,2,3,4,5,6]",
+        "camera.top.sigma_px=3",
+        "pressure.sigma_m=0.5",
+        "tray.sigma_deg=3",
+        "hull.pose=[1,2,3,4,5,6]",
+        "imu.bias_sigma_deg=1",
+        "sonar.elevation_deg=20",
+    ],
+)
 def test_an_option_that_ingest_does_not_read_leaves_it_fresh(package, override):
     assert key(package, override) == key(package)
 

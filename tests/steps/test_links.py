@@ -115,7 +115,7 @@ def test_the_path_is_straighter_than_navigation_has_it(dive, linked):
 
 
 def drifted(dive, folder, drift_rad):
-    """Navigation whose heading turns by so much a step: the second leg lies askew over the first."""
+    """Navigation whose heading turns at each step: the second leg lies askew over the first."""
     start = dive.global_from_top[np.zeros(1, int)]
     chain = [start]
     for k in range(9):
@@ -189,7 +189,8 @@ def test_a_dive_in_two_parts_is_said_to_be(dive, tmp_path):
     assert found.path.part_sigma[0] == 0.0 < found.path.part_sigma[1]
     warning = json.loads((found.folder / "manifest.json").read_text())["warnings"][0]
     assert warning.startswith(
-        "The images fall into 2 parts that navigation alone ties together: 5 nodes from 00:00:00 to 00:00:04; 5 nodes"
+        "The images fall into 2 parts that navigation alone ties together: "
+        "5 nodes from 00:00:00 to 00:00:04; 5 nodes"
     )
 
 
