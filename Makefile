@@ -20,7 +20,7 @@ BIN := $(VENV)/bin
 DEMO ?= sample_data/demo
 RUNS ?= out
 JOBS ?= 2
-FAST := $(addprefix tests/,artifacts dive estimation findings geometry native records test_new_folder.py test_rig.py)
+FAST := $(addprefix tests/,artifacts dive/config estimation findings geometry native records test_new_folder.py test_rig.py)
 NATIVE := $(shell find native -type f 2>/dev/null)
 
 export OPENBLAS_NUM_THREADS = 1
