@@ -18,7 +18,7 @@ DOCUMENT = "change.json"
 
 @dataclass(frozen=True, kw_only=True)
 class RunComparison:
-    """What changed, and the second run, on whose time and ship the files are written."""
+    """What changed, with both runs. Files are written with the second run's time."""
 
     change: HullChange
     first: FinishedRun
@@ -32,17 +32,17 @@ def diff(
 ) -> RunComparison:
     """Find what changed on a hull from one run (RUNS/<dive>) to another.
 
-    Raises InputError when one of them is no finished run with a CAD model or when the CAD models
-    are of different hulls, StageError when they saw too little of the same hull.
+    Raises InputError if a run is not a finished run with a CAD model, or if the CAD models are of
+    different hulls. Raises StageError if the runs saw too little of the same hull.
     """
     before, after = read_run(Path(first)), read_run(Path(second))
     return RunComparison(change=compare_runs(before, after, options), first=before, second=after)
 
 
 def write_change(folder: Path, found: RunComparison) -> tuple[str, ...]:
-    """Write change.json, change.csv, layers, map and page into a folder; return their names.
+    """Write change.json, change.csv, layers, map and page into a folder. Returns their names.
 
-    Raises StorageError when the folder holds anything but an earlier comparison.
+    Raises StorageError if the folder holds anything but an earlier comparison.
     """
     from hullrecon.report.change.files import comparison_files
 

@@ -30,7 +30,7 @@ ASKS_FOR_BOW = frozenset({"hull", "hull.bow"})  # among what a step uses
 
 @dataclass(frozen=True)
 class DiveRun:
-    """A dive package, read, with the folder of its artifacts."""
+    """An opened dive package, with the folder of its artifacts."""
 
     name: str  # dive.name of dive.toml
     chain: Chain  # its steps with their settings
@@ -39,7 +39,7 @@ class DiveRun:
 
     @property
     def deliver(self) -> Path:
-        """Return the folder of the deliverables, whether it is there yet or not."""
+        """Folder of the deliverables, whether it exists yet or not."""
         return self.workspace.root / PUBLISHED
 
 
@@ -52,12 +52,12 @@ class RunResult:
 
     @property
     def deliver(self) -> Path:
-        """Return the folder of the deliverables."""
+        """Folder of the deliverables."""
         return self.dive.deliver
 
     @property
     def workspace(self) -> Workspace:
-        """Return the folder of the run, RUNS/<dive>, with its artifacts."""
+        """Folder of the run, RUNS/<dive>, with its artifacts."""
         return self.dive.workspace
 
     @property
@@ -67,7 +67,7 @@ class RunResult:
 
     @property
     def failure(self) -> Exception | None:
-        """Why a step that fails alone, such as a mosaic, or a deliverable failed; else None."""
+        """The error of the first step that failed alone, else of a deliverable, else None."""
         from hullrecon.steps.report import failed_delivery
 
         failed = failed_delivery(self.workspace.root) if self.is_delivered else None
@@ -126,7 +126,7 @@ def open_dive(
 
 
 def package_of(workspace: Workspace) -> Path:
-    """Return the package that a run read last. Raises InputError where the run does not say."""
+    """Look up the package that a run read last. Raises InputError if the run does not record it."""
     package = workspace.package
     if package is None:
         raise InputError(
@@ -152,12 +152,12 @@ def run(
     progress: Progress | None = None,
     raise_failure: bool = True,
 ) -> RunResult:
-    """Run every step of a dive that is out of date; the results are in `RunResult.deliver`.
+    """Run every step of a dive that is out of date, and write the deliverables.
 
     Parameters
     ----------
     package, runs, overrides, allow_outside
-        As for `open_dive`; a dive that is open is taken as it is.
+        As for `open_dive`. An open dive is used as it is.
     last_step
         Stop after this step, and run only what it needs.
     jobs
@@ -170,9 +170,16 @@ def run(
         Read every byte that a step depends on instead of trusting sizes and times.
     wait_s
         How long to wait for another run on this dive.
+    progress
+        Shows how far each step is, nothing if None.
     raise_failure
-        Raise the error of a step that fails alone once all else is delivered; else it is in
-        `RunResult.failure`.
+        Raise the error of a step that fails alone once all else is delivered. If False, the error
+        is in `RunResult.failure`.
+
+    Returns
+    -------
+    RunResult
+        What was done, step by step. The deliverables are in its `deliver`.
 
     Raises
     ------
@@ -219,10 +226,10 @@ def _warn_of_defaults(dive: DiveRun) -> None:
 
 
 def _check_before_run(dive: DiveRun, plan: Sequence[StepStatus], jobs: int | None) -> None:
-    """Log what is to be done, and refuse what can be known to end the run later.
+    """Log what is to be done, and detect early what would end the run later.
 
-    Raises InputError for a `hull.bow` that the CAD model does not have, which steps ask for after
-    images were compared for hours; StorageError where the disk is too full: a step is built beside
+    Raises InputError for a `hull.bow` that the CAD model does not have, which steps only use after
+    hours of comparing images. Raises StorageError if the disk is too full: a step is built next to
     its old artifact, so about that much space must be free.
     """
     to_do = [step for step in plan if step.to_do]

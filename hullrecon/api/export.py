@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 JPEG_QUALITY = 95
 # where COLMAP and OpenMVS look for the model, and where trainers of Gaussian splats do
 SPARSE = ("sparse", "sparse/0")
-# COLMAP's stereo fills them and does not make them
+# folders that COLMAP's stereo fills but does not create
 STEREO = ("depth_maps", "normal_maps", "consistency_graphs")
-SOURCES = "__auto__, 20"  # COLMAP's own setting: the 20 images that share most points with one
+SOURCES = "__auto__, 20"  # COLMAP's default: for each image the 20 that share most points
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,10 +51,10 @@ class ImageWork:
     store: ImageStore
     row: int  # in the camera's index
     undistortion: Undistortion
-    name: str  # its new one
+    name: str  # of the undistorted image
 
     def encoded(self) -> bytes:
-        """Undistort the image, as JPEG. Raises InputError where it cannot be read any more."""
+        """Undistort the image and encode it as JPEG. Raises InputError if it does not decode."""
         import cv2
 
         image = self.store.read(self.row)
@@ -80,13 +80,19 @@ def export_colmap(
 ) -> ExportedModel:
     """Write a COLMAP workspace of a finished run (RUNS/<dive>) into a new or empty folder.
 
-    It holds undistorted images, the model with pinhole cameras, and what COLMAP's stereo asks for,
-    and appears when all of it is written.
+    It holds undistorted images, the model with pinhole cameras, and the files that COLMAP's stereo
+    needs. The folder appears once all of it is written.
 
     Parameters
     ----------
+    run
+        RUNS/<dive>.
+    folder
+        The folder to write.
     jobs
         Worker processes, all usable cores if None.
+    progress
+        Shows how many images are done, nothing if None.
 
     Raises
     ------
@@ -130,7 +136,7 @@ def export_colmap(
 def _image_work(
     ingest: IngestArtifact, package: Path | None, model: UndistortedModel
 ) -> list[ImageWork]:
-    """Return the work of each image of the model, sorted by name."""
+    """Prepare the resampling of each image of the model, sorted by name."""
     stores = {
         camera.key: ingest.images(camera, package)
         for camera in Camera
@@ -156,7 +162,7 @@ def _work_of(
 
 
 def _write_stereo(folder: Path, names: Sequence[str]) -> None:
-    """Write what COLMAP's patch_match_stereo and stereo_fusion read, and the folders they fill."""
+    """Write the files that COLMAP's patch_match_stereo and stereo_fusion read, and folders."""
     for name in STEREO:
         (folder / name).mkdir(parents=True)
     (folder / "patch-match.cfg").write_text("".join(f"{name}\n{SOURCES}\n" for name in names))

@@ -50,17 +50,21 @@ def init(
 
     Parameters
     ----------
-    log : a file, or a folder with one
-    out : the package's folder; None: the log where that is a folder, else the current one
-    force : replace a dive.toml that is there
-    allow_outside : the log may lie outside the package
+    log
+        A file, or a folder with a log.
+    out
+        The package's folder. If None, the log if that is a folder, else the current folder.
+    force
+        Replace an existing dive.toml.
+    allow_outside
+        The log may lie outside the package.
 
     Raises
     ------
     InputError
         There is no log, or nothing can be read of it.
     UsageError
-        A dive.toml is there already.
+        A dive.toml exists already.
     """
     log = Path(log)
     logs = _find_logs(log, allow_outside)
@@ -102,7 +106,7 @@ def check(
 ) -> PackageCheck:
     """Read a whole package, and list what it holds, what it lacks and what cannot be used.
 
-    Raises UsageError for a mistake in dive.toml, InputError where there is none.
+    Raises UsageError for a mistake in dive.toml, InputError if there is no dive.toml.
     """
     loaded = load_config(
         Path(package), {stage.name: stage.parameters for stage in (*stages(), STAGE)}
@@ -121,10 +125,14 @@ def check_loaded(
 
     Parameters
     ----------
-    loaded : with the sections of all steps
-    allow_outside : files may lie outside the package
-    trusted_keys : keys that the package did not set, whose files may lie outside
-    progress : shows the messages that pass
+    loaded
+        Configuration with the sections of all steps.
+    allow_outside
+        Files may lie outside the package.
+    trusted_keys
+        Keys that the package did not set, whose files may lie outside.
+    progress
+        Shows the messages that pass.
     """
     check_files(loaded, allow_outside=allow_outside, trusted_keys=trusted_keys)
     request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))

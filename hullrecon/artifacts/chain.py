@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The steps of a dive in order, and which of them a run would make."""
+"""The steps of a dive in order, and which steps a run would rebuild."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ class Chain:
     read_before: Mapping[str, FileRecord] = field(default_factory=dict)
 
     def stage(self, name: str) -> Stage:
-        """Return the stage of that name. Raises UsageError when there is no such step."""
+        """Look up the stage of that name. Raises UsageError if there is no such step."""
         for stage in self.stages:
             if stage.name == name:
                 return stage
         raise unknown_step(name, [stage.name for stage in self.stages])
 
     def up_to(self, name: str) -> Chain:
-        """Return the part of the chain that a step needs or can use.
+        """Select the stages that a step needs or can use, and the step itself.
 
-        Raises UsageError when there is no such step.
+        Raises UsageError if there is no such step.
         """
         by_name = {stage.name: stage for stage in self.stages}
         needed, to_visit = set[str](), [self.stage(name)]
@@ -52,7 +52,7 @@ class Chain:
         return replace(self, stages=tuple(s for s in self.stages if s.name in needed))
 
     def skip_reasons(self) -> dict[str, str]:
-        """Return the steps that this dive cannot have, with the reason.
+        """Find the steps that this dive cannot have, with the reason.
 
         A step whose needed input is skipped is skipped too.
         """
@@ -70,7 +70,7 @@ class Chain:
 
 
 def unknown_step(name: str, names: Sequence[str]) -> UsageError:
-    """Return the error for a step that does not exist, with the nearest name or all of them."""
+    """Build the error for a step that does not exist, with the nearest name or all names."""
     near = get_close_matches(name, names, 1)
     if near:
         return UsageError(f"unknown step {name!r}; did you mean {near[0]!r}?")
@@ -80,7 +80,7 @@ def unknown_step(name: str, names: Sequence[str]) -> UsageError:
 def inputs_of(
     stage: Stage, chain: Chain, workspace: Workspace, skipped: Mapping[str, str]
 ) -> dict[str, Path]:
-    """Return the folders of the inputs that are part of this dive's chain."""
+    """Look up the folders of a stage's inputs that are part of this dive's chain."""
     part = {s.name for s in chain.stages} - set(skipped)
     names = (*stage.inputs, *stage.optional)
     return {name: workspace.artifact(name) for name in names if name in part}

@@ -15,7 +15,7 @@ from hullrecon.artifacts.workspace import COMPARE_FOLDER, PRIVATE, Workspace, da
 
 @dataclass(kw_only=True)
 class WorkspaceCheck:
-    """What was looked at, and a sentence for each file that is not as it was written."""
+    """Counts of what was checked, and a sentence for each file that is not as it was written."""
 
     artifacts: int = 0
     files: int = 0
@@ -34,7 +34,7 @@ def check_workspace(
     """Compare every file of these steps with the manifests: its size, with read_data its bytes.
 
     deliver/ is compared with what the artifacts deliver, and with read_data the package with what
-    was read. Variants that a study left are looked at like the chain's own artifacts.
+    was read. Variants that a study left are checked like the chain's own artifacts.
     """
     result = WorkspaceCheck()
     hashes = workspace.hashes(trusting=not read_data)
@@ -52,7 +52,7 @@ def check_workspace(
 
 
 def _check_own_documents(workspace: Workspace, result: WorkspaceCheck) -> None:
-    """Look at what the workspace keeps for itself; the next run mends it."""
+    """Check the seals of the workspace's own documents, which the next run repairs."""
     for path in sorted((workspace.root / PRIVATE).glob("[!.]*.json")):
         result.files += 1
         try:

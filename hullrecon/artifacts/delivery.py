@@ -30,7 +30,7 @@ Records = Mapping[str, FileRecord]
 
 
 def delivered_records(manifest: Manifest) -> dict[str, FileRecord]:
-    """Return size and hash of each file that an artifact delivers, by its name below deliver/."""
+    """Select size and hash of each file that an artifact delivers, by its name below deliver/."""
     prefix = f"{PUBLISHED}/"
     return {
         name.removeprefix(prefix): record
@@ -67,15 +67,15 @@ def _difference(path: Path, record: FileRecord, hashes: HashCache) -> str:
 
 
 class Delivery:
-    """The folder deliver/ of one workspace. What changes it is for the holder of the lock."""
+    """The folder deliver/ of one workspace. Only the holder of the lock may change it."""
 
     def __init__(self, folder: Path, private: Path, building: Path) -> None:
-        """Take the folder, that of the workspace's own files, and one to build a new folder in."""
+        """Take the folder, the workspace's private folder, and a folder to build new copies in."""
         self.folder, self._record, self._building = folder, private / RECORD, building
         self.withdrawn = folder.with_name(f"{folder.name}-out-of-date")
 
     def read_record(self) -> dict[str, FileRecord] | None:
-        """Return what was copied last; None where nothing was, or the record is damaged."""
+        """Read what was copied last. None if nothing was, or the record is damaged."""
         try:
             files = unseal(self._record.read_bytes())["files"]
             return msgspec.convert(files, dict[str, FileRecord])
@@ -83,9 +83,9 @@ class Delivery:
             return None
 
     def unlike(self, original: Path, records: Records, hashes: HashCache) -> dict[str, str]:
-        """Find files that are no copies of the artifact's, among them hard links to it.
+        """Find files that are no copies of the artifact's files, such as hard links to them.
 
-        Older versions made hard links, by which an edited deliverable harmed the artifact.
+        Older versions made hard links, through which an edit of a deliverable damaged the artifact.
         """
         found = unlike_files(self.folder, records, hashes)
         for name in records:
@@ -94,14 +94,14 @@ class Delivery:
         return found
 
     def changed_since(self, hashes: HashCache) -> dict[str, str]:
-        """Return what others did to the files since they were copied, as far as that is known."""
+        """Find files that others changed since they were copied, as far as that was recorded."""
         recorded = self.read_record()
         if not recorded or not self.folder.is_dir():
             return {}
         return unlike_files(self.folder, recorded, hashes)
 
     def replace(self, original: Path, records: Records, hashes: HashCache) -> None:
-        """Put copies of the artifact's files in place, in one step, and note them."""
+        """Put copies of the artifact's files in place, in one step, and record them."""
         with storage_errors(self.folder.parent):
             remove(self._building)
             make_folder(self._building)
@@ -115,12 +115,12 @@ class Delivery:
         self.note(records)
 
     def note(self, records: Records) -> None:
-        """Write down what lies in the folder, where that is not written yet."""
+        """Record what lies in the folder, unless the record says so already."""
         if self.read_record() != dict(records):
             write_file(self._record, seal({"files": msgspec.to_builtins(dict(records))}))
 
     def save_changed(self, names: Mapping[str, str], apart: Path) -> None:
-        """Copy the named files, those that are there, to a folder where nothing replaces them."""
+        """Copy the named files, if they exist, to a folder where nothing replaces them."""
         with storage_errors(apart.parent):
             for name in names:
                 if (self.folder / name).is_file() and not (self.folder / name).is_symlink():
@@ -135,7 +135,7 @@ class Delivery:
     def withdraw(self) -> bool:
         """Rename the folder, so that an earlier run's results do not look like today's.
 
-        Returns whether there was one.
+        Returns False if there was no folder.
         """
         if not self.folder.is_dir():
             return False
@@ -145,11 +145,11 @@ class Delivery:
         return True
 
     def restore(self) -> None:
-        """Rename a withdrawn folder back, where nothing else was delivered since."""
+        """Rename a withdrawn folder back, unless something was delivered since."""
         if self.withdrawn.is_dir() and not self.folder.exists():
             with storage_errors(self.folder.parent):
                 os.rename(self.withdrawn, self.folder)
 
     def recover(self) -> None:
-        """End what a killed run left half done."""
+        """Finish or undo what a killed run left half done."""
         recover(self.folder)

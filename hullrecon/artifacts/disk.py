@@ -38,7 +38,7 @@ _COPY_BYTES = 1 << 30
 def storage_errors(folder: Path, only_below: Path | None = None) -> Iterator[None]:
     """Turn a full, read-only or forbidden disk into a StorageError that names the folder.
 
-    only_below: errors of files outside this folder pass as they are.
+    With only_below, errors of files outside that folder pass as they are.
     """
     try:
         yield
@@ -57,7 +57,7 @@ def storage_errors(folder: Path, only_below: Path | None = None) -> Iterator[Non
 
 @contextmanager
 def durable_file(path: Path) -> Iterator[BinaryIO]:
-    """Write a file under a temporary name; at the end it is synced and renamed to `path`."""
+    """Write a file under a temporary name, which is synced and renamed to `path` at the end."""
     with durable_path(path) as temporary, open(temporary, "xb") as file:  # "x" follows no link
         yield file
 
@@ -70,7 +70,7 @@ def write_file(path: Path, data: bytes) -> None:
 
 @contextmanager
 def durable_path(path: Path) -> Iterator[Path]:
-    """Give a temporary path for a file or a folder; at the end it is synced and renamed to `path`.
+    """Yield a temporary path for a file or a folder, synced and renamed to `path` at the end.
 
     It has the suffix of `path`, by which libraries choose a format.
     """
@@ -143,9 +143,9 @@ def remove(path: Path) -> None:
 
 
 def commit_folder(built: Path, final: Path) -> None:
-    """Put the folder `built` at `final` in one step, and remove what was there.
+    """Put the folder `built` at `final` in one step, and remove the old folder.
 
-    Linux swaps two folders in one call. Where the file system cannot (NFS), the old folder is first
+    Linux swaps two folders in one call. If the file system cannot (NFS), the old folder is first
     renamed to `set_aside(final)`, which `recover` and `existing_folder` know.
     """
     with storage_errors(final.parent):
@@ -166,12 +166,12 @@ def set_aside(final: Path) -> Path:
 
 
 def existing_folder(final: Path) -> Path:
-    """Return where a folder lies, also after a commit without swap that was cut short."""
+    """Find where a folder lies, also after a commit without swap that was cut short."""
     return set_aside(final) if not final.exists() and set_aside(final).exists() else final
 
 
 def recover(final: Path) -> None:
-    """End a commit that was cut short: the old folder returns if the new one never came."""
+    """Repair a commit that was cut short. The old folder returns if the new one never came."""
     old = set_aside(final)
     with storage_errors(final.parent):
         if old.exists() and not final.exists():
@@ -180,7 +180,7 @@ def recover(final: Path) -> None:
 
 
 def exchange(first: Path, second: Path) -> bool:
-    """Swap two folders in one call; False where the file system has no such call."""
+    """Swap two folders in one call. False if the file system has no such call."""
     renameat2 = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
     if renameat2 is None:
         return False

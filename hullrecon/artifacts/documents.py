@@ -17,7 +17,7 @@ Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 
 
 class DamagedArtifactError(ValueError):
-    """A document whose bytes are not those that were sealed."""
+    """A document whose bytes differ from those that were sealed."""
 
 
 def encode(value: object) -> bytes:
@@ -36,17 +36,17 @@ def encode(value: object) -> bytes:
 
 
 def digest(value: object) -> str:
-    """Return the SHA-256 of the encoded value."""
+    """Hash the encoded value (SHA-256)."""
     return hashlib.sha256(encode(value)).hexdigest()
 
 
 def seal(value: Mapping[str, object]) -> bytes:
-    """Encode a mapping with the hash of it as a further member."""
+    """Encode a mapping with its own hash as a further member."""
     return encode({**value, SEAL: digest(value)})
 
 
 def unseal(data: bytes) -> dict[str, object]:
-    """Decode a sealed mapping. Raises DamagedArtifactError where any byte differs."""
+    """Decode a sealed mapping. Raises DamagedArtifactError if any byte differs."""
     try:
         value = json.loads(data)
         content = {k: v for k, v in value.items() if k != SEAL}
@@ -59,9 +59,9 @@ def unseal(data: bytes) -> dict[str, object]:
 
 
 def plain(value: object) -> Json:
-    """Convert structs, NumPy scalars and arrays to what JSON knows, keys to text.
+    """Convert structs, NumPy scalars and arrays to JSON's types, keys to text.
 
-    Raises TypeError that names the type of anything else.
+    Raises TypeError with the name of any other type.
     """
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
@@ -81,7 +81,7 @@ def _convert_numpy(value: object) -> object:
 
 
 def _not_finite(value: Json, path: str) -> str | None:
-    """Return the path of the first number that is not finite, such as `objects[2].height`."""
+    """Find the path of the first number that is not finite, such as `objects[2].height`."""
     if isinstance(value, float):
         return None if math.isfinite(value) else path
     members: list[tuple[str, Json]] = []

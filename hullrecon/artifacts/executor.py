@@ -39,7 +39,7 @@ _RETRY_S = 0.1
 
 
 class Executor:
-    """Runs here, one item after the other."""
+    """Runs in this process, one item after another."""
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
         """Yield results in the order of the items.
@@ -214,7 +214,7 @@ def _no_scheduler(address: str) -> UsageError:
 
 
 def choose_executor(jobs: int = 1, scheduler: str | None = None) -> Executor:
-    """Return the executor of `--jobs` and `--scheduler`."""
+    """Make the executor that `--jobs` and `--scheduler` ask for."""
     if scheduler is not None:
         return Cluster(scheduler)
     return Processes(jobs) if jobs > 1 else Executor()

@@ -45,14 +45,14 @@ _UNMAPPED = (
 
 
 def usable_cores() -> int:
-    """Return the default number of worker processes: HULLRECON_JOBS, else one a core."""
+    """Choose the default number of worker processes: HULLRECON_JOBS, else one per core."""
     given = os.environ.get("HULLRECON_JOBS", "")
     return int(given) if given.isdecimal() and int(given) else len(os.sched_getaffinity(0))
 
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of Python, of hullrecon and of the libraries that are installed."""
+    """Look up the versions of Python, of hullrecon and of the installed libraries."""
     found = {"python": platform.python_version(), "hullrecon": describe()}
     for name in LIBRARIES:
         with suppress(PackageNotFoundError):
@@ -65,13 +65,13 @@ def host() -> dict[str, str | int | None]:
 
 
 def reset_peak_rss() -> None:
-    """Let `peak_rss` count from now on, where the kernel can; else it is that of the whole run."""
+    """Let `peak_rss` count from now on. If the kernel cannot, it counts over the whole run."""
     with suppress(OSError):
         Path("/proc/self/clear_refs").write_text(_RESET_PEAK)
 
 
 def peak_rss(process: int | None = None) -> int:
-    """Return the peak resident memory (bytes) of a process or of this one; 0 if it is gone."""
+    """Read the peak resident memory (bytes) of this process, or of another (0 if it has ended)."""
     with suppress(OSError):
         for line in Path(f"/proc/{process or 'self'}/status").read_text().splitlines():
             if line.startswith("VmHWM:"):
@@ -80,7 +80,7 @@ def peak_rss(process: int | None = None) -> int:
 
 
 def refuse_small_address_space(threads: int = 2) -> None:
-    """Raise StageError where `ulimit -v` leaves less than a solver of that many threads needs."""
+    """Raise StageError if `ulimit -v` leaves less than a solver of that many threads needs."""
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     needed = ONE_THREAD_BYTES + MORE_THREADS_BYTES * (threads - 1)
     if limit != resource.RLIM_INFINITY and limit < needed:
@@ -93,7 +93,7 @@ def refuse_small_address_space(threads: int = 2) -> None:
 
 
 def is_lack_of_memory(error: BaseException) -> bool:
-    """Whether the error, or one that it came from, says that memory ran out."""
+    """Test whether the error, or an error that caused it, says that memory ran out."""
     seen: BaseException | None = error
     while seen is not None:
         if isinstance(seen, MemoryError) or getattr(seen, "errno", None) == errno.ENOMEM:

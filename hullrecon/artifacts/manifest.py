@@ -43,7 +43,7 @@ class Recipe(Struct, frozen=True, kw_only=True):
 
     @property
     def content(self) -> JsonTable:
-        """Return what the key is the hash of; without `failures` if empty, as older versions."""
+        """The content that the key hashes, without empty `failures`, as in older versions."""
         content: JsonTable = msgspec.to_builtins(self)
         if not self.failures:
             del content["failures"]
@@ -62,7 +62,7 @@ class Manifest(Struct, frozen=True, kw_only=True):
 
     @property
     def content_hash(self) -> str:
-        """Return the hash of all but `run`: what a step that takes this artifact depends on."""
+        """Hash of all but `run`: what a step that reads this artifact depends on."""
         content = msgspec.to_builtins(self) | {"recipe": self.recipe.content}
         del content["run"]
         return digest(content)
@@ -73,9 +73,9 @@ def write_manifest(folder: Path, manifest: Manifest) -> None:
 
 
 def read_manifest(folder: Path) -> Manifest | None:
-    """Read the manifest of an artifact; None when there is no artifact.
+    """Read the manifest of an artifact. None if there is no artifact.
 
-    Raises DamagedArtifactError when it is missing in one, cut short or altered.
+    Raises DamagedArtifactError if an artifact's manifest is missing, cut short or altered.
     """
     if not folder.is_dir():
         return None
@@ -95,14 +95,14 @@ def hash_file(path: Path) -> FileRecord:
 
 
 def files_below(folder: Path) -> list[str]:
-    """Return the relative paths of all files, sorted."""
+    """List the relative paths of all files below a folder, sorted."""
     return sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if not p.is_dir())
 
 
 class HashCache:
-    """Hashes of files, remembered by size, time of modification and inode in the file `store`.
+    """Cache of file hashes by size, time of modification and inode, kept in the file `store`.
 
-    With trusting=False every file is read once again. A lost store costs only time.
+    With trusting=False every file is read once more. A lost store costs only time.
     """
 
     def __init__(self, store: Path | None = None, *, trusting: bool = True) -> None:
@@ -116,9 +116,9 @@ class HashCache:
                 self._changed = True
 
     def record(self, path: Path) -> FileRecord:
-        """Return size and hash of a file.
+        """Look up or compute size and hash of a file.
 
-        Raises OSError when it is not there, or is a device, FIFO or socket.
+        Raises OSError if it is missing, or is a device, FIFO or socket.
         """
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
@@ -139,7 +139,7 @@ class HashCache:
         self._note(path, path.stat(), record)
 
     def save(self) -> None:
-        """Write the store if it changed; only the holder of the lock may."""
+        """Write the store if it changed. Only the holder of the lock may."""
         if self._changed and self._store is not None:
             write_file(self._store, seal(self._known))
             self._changed = False

@@ -22,9 +22,9 @@ _requested: list[int] = []
 
 
 def listen() -> None:
-    """Let SIGINT and SIGTERM raise KeyboardInterrupt, and forget those that came before.
+    """Let SIGINT and SIGTERM raise KeyboardInterrupt, and forget earlier signals.
 
-    They are remembered, as libraries turn a KeyboardInterrupt in their import into other errors.
+    Signals are remembered, as libraries turn a KeyboardInterrupt in their import into other errors.
     """
     _requested.clear()
     for number in _SIGNALS:
@@ -32,12 +32,12 @@ def listen() -> None:
 
 
 def is_requested() -> bool:
-    """Whether a signal has come, whatever became of its KeyboardInterrupt."""
+    """Test whether a signal has come, whatever became of its KeyboardInterrupt."""
     return bool(_requested)
 
 
 def raise_if_requested() -> None:
-    """Raise KeyboardInterrupt where a signal has come and some library has swallowed it."""
+    """Raise KeyboardInterrupt if a signal has come whose KeyboardInterrupt a library swallowed."""
     if _requested:
         raise KeyboardInterrupt
 
@@ -48,14 +48,14 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 class Progress:
-    """Shows nothing; the classes below show how many items have passed."""
+    """Shows nothing. Subclasses show how many items have passed."""
 
     def track(self, items: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
         yield from items
 
 
 class LogLines(Progress):
-    """A line every `seconds` while items pass; short work logs nothing."""
+    """Logs a line every `seconds` while items pass. Short work logs nothing."""
 
     def __init__(self, seconds: float = 10.0) -> None:
         self._seconds = seconds

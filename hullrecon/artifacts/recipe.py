@@ -53,12 +53,22 @@ def make_job(
     hashes: HashCache,
     failures: Mapping[str, str] = MappingProxyType({}),
 ) -> Job:
-    """Collect what a stage works on, as things are now.
+    """Collect what a stage works on, in its present state.
 
     Parameters
     ----------
+    stage
+        The step.
+    sections
+        Sections of dive.toml, by dotted name.
+    inputs
+        Folder of each input artifact, by stage name.
+    source
+        The package's folder.
+    hashes
+        Cache of file hashes.
     failures
-        Why steps of this run left no artifact; those that the stage could use count.
+        Why steps of this run left no artifact. Only the stage's optional inputs count.
 
     Raises
     ------
@@ -82,7 +92,7 @@ def make_job(
 def external_files(
     stage: Stage, settings: StageSettings, source: Path | None, hashes: HashCache
 ) -> dict[str, FileRecord]:
-    """Hash the files of the package that the stage reads, by path; a folder as all files in it."""
+    """Hash the files of the package that the stage reads, by path, with all files of a folder."""
     if stage.external is None or source is None:
         return {}
     found: dict[str, FileRecord] = {}
@@ -119,7 +129,7 @@ def _external_record(path: Path, name: str, hashes: HashCache) -> FileRecord:
 
 
 def content_hash(folder: Path, hashes: HashCache) -> str:
-    """Return the content hash of an artifact; of a folder made by hand, the hash of its files."""
+    """Look up the content hash of an artifact. For a folder made by hand, hash its files."""
     manifest = read_manifest(folder) if (folder / FILE_NAME).exists() else None
     if manifest is not None:
         return manifest.content_hash
@@ -127,7 +137,7 @@ def content_hash(folder: Path, hashes: HashCache) -> str:
 
 
 def differences(made: Recipe, now: Recipe) -> list[str]:
-    """Describe each part of a recipe that changed; none exactly when the keys are equal."""
+    """Describe each part of a recipe that changed. Empty exactly if the keys are equal."""
     found = [*_options(made.settings, now.settings)]
     for what, before, after in (
         ("input", made.inputs, now.inputs),
@@ -172,7 +182,7 @@ def _options(made: Mapping[str, Json], now: Mapping[str, Json]) -> Iterator[str]
 
 
 def _changed(before: Mapping[str, object], after: Mapping[str, object]) -> list[str]:
-    """Return the names whose values differ as they are written: 1 and 1.0 do."""
+    """List the names whose values differ as they are written: 1 and 1.0 do."""
     return [
         name
         for name in sorted({*before, *after})
@@ -193,26 +203,26 @@ def _as_text(value: object) -> str:
 
 
 class SourceWatch:
-    """Keeps what each file of the package was when a step of this run read it."""
+    """Remembers each file of the package as it was when a step of this run read it."""
 
     def __init__(
         self, hashes: HashCache, package: Path, read_before: Mapping[str, FileRecord] | None = None
     ) -> None:
-        """Watch a package. read_before: files read before the first step, by their path in it."""
+        """Watch a package, of which `read_before` was read before the first step, by path in it."""
         self._hashes, self._package = hashes, package
         self._read: dict[str, FileRecord] = dict(read_before or {})
 
     def begin(self, job: Job) -> None:
         """Note the files that a step is about to read.
 
-        Raises InputError where one is not what an earlier step of this run read.
+        Raises InputError if a file is not what an earlier step of this run read.
         """
         now = job.recipe.external
         self._refuse([n for n, record in now.items() if self._read.get(n, record) != record])
         self._read |= now
 
     def end(self, job: Job) -> None:
-        """Raise InputError where a file that was read has changed, or files came or went."""
+        """Raise InputError if a file that was read has changed, or files came or went."""
         before = job.recipe.external
         now = external_files(job.stage, job.settings, job.source, self._hashes)
         changed = set(_changed(before, now))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Run one step, or a chain of steps: what is up to date stays, the rest is made anew."""
+"""Run one step, or a chain of steps. What is up to date is kept, the rest is rebuilt."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class RunContext:
     hashes: HashCache
     executor: Executor
     progress: Progress = field(default_factory=Progress)
-    watch: SourceWatch | None = None  # of the run that a step is part of; else it has its own
+    watch: SourceWatch | None = None  # of the whole run, None for a step that runs alone
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class StepOutcome:
 
 
 def first_failure(outcomes: Sequence[StepOutcome]) -> Exception | None:
-    """Return why the first step that failed alone did; None where none did."""
+    """Find the error of the first step that failed alone. None if no step did."""
     return next((outcome.failure for outcome in outcomes if outcome.failure is not None), None)
 
 
@@ -85,14 +85,24 @@ def run_chain(
     preflight: Preflight | None = None,
     keep_going: bool = False,
 ) -> list[StepOutcome]:
-    """Bring every step of the chain up to date and publish what is to be delivered.
+    """Bring every step of the chain up to date, and publish the deliverables.
 
     Parameters
     ----------
+    chain
+        Steps with their configuration and package.
+    workspace
+        The run's folder.
+    run_context
+        Hashes, executor and progress.
+    from_scratch
+        Rebuild every step, up to date or not.
+    wait_s
+        How long to wait for another run on this workspace.
     preflight
         Called with the status of every step before anything is done. Its error ends the run.
     keep_going
-        A step that fails alone leaves its failure in its outcome, and the others go on.
+        A step that fails alone leaves its failure in its outcome, and the other steps go on.
 
     Raises
     ------
@@ -101,7 +111,7 @@ def run_chain(
     InputError
         The package changed during the run.
     Exception
-        A step's own error. Finished steps are kept; what an earlier run delivered is withdrawn.
+        A step's own error. Finished steps are kept. What an earlier run delivered is withdrawn.
     """
     refuse_small_address_space()
     workspace.refuse_package(chain.package)
@@ -209,16 +219,22 @@ def run_stage(
     source: Path | None = None,
     jobs: int = 1,
 ) -> Path:
-    """Run one stage outside a workspace, for tests and notebooks; its artifact is in `out`.
+    """Run one stage into the folder `out`, outside a workspace, for tests and notebooks.
 
     Parameters
     ----------
+    stage
+        The step.
     settings
-        Decoded sections by name. An absent one is None, the stage's own takes its defaults.
+        Decoded sections by name. An absent section is None, the stage's own has its defaults.
     inputs
         Folder of each input by stage name, with or without a manifest.
+    out
+        Folder of the artifact, which is returned.
     source
         The package's folder, for stages with `external` files.
+    jobs
+        Worker processes.
     """
     hashes = HashCache()
     job = make_job(stage, settings, inputs, source, hashes)
@@ -229,9 +245,9 @@ def run_stage(
 
 
 def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
-    """Run the stage's function into the folder `building`, and put that at `out` in one step.
+    """Run the stage's function in the folder `building`, then move that to `out` in one step.
 
-    The manifest is written last. Whatever goes wrong, `out` is as it was.
+    The manifest is written last. After any error, `out` is as it was.
 
     Raises
     ------
@@ -283,7 +299,7 @@ def _fill(job: Job, building: Path, run_context: RunContext) -> Manifest:
 
 
 def _call(stage: Stage, context: Context[Struct], building: Path) -> JsonTable:
-    """Call the stage's function, and return what it took: times (s) and memory (bytes)."""
+    """Call the stage's function. Returns the times (s) and memory (bytes) that it took."""
     reset_peak_rss()
     started, begun, cpu = time.time(), time.perf_counter(), time.process_time()
     try:
@@ -310,7 +326,7 @@ def _call(stage: Stage, context: Context[Struct], building: Path) -> JsonTable:
 
 
 def _take_back_sigterm() -> None:
-    """Restore Python's handler of SIGTERM, which pycolmap takes when it is imported."""
+    """Restore Python's handler of SIGTERM, which pycolmap replaces on import."""
     handler = signal.getsignal(signal.SIGTERM)
     if handler is not None and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, handler)

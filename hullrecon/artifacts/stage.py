@@ -33,8 +33,8 @@ log = logging.getLogger(__name__)
 class StageSettings(Mapping[str, object]):
     """The sections and single keys of dive.toml that one step reads, by dotted name.
 
-    The value is None where the section is absent. Reading a key that the step did not declare is a
-    fault of ours: its artifact would not be out of date after a change of it.
+    The value is None if the section is absent. Reading a key that the step did not declare is an
+    internal error: its artifact would stay up to date after a change of the key.
     """
 
     def __init__(self, stage: str, sections: Mapping[str, object]) -> None:
@@ -54,12 +54,12 @@ class StageSettings(Mapping[str, object]):
         return len(self._sections)
 
     def replaced(self, values: Mapping[str, object]) -> StageSettings:
-        """Return settings with other values of some of the names that the step declared."""
+        """Copy the settings with other values for some of the names that the step declared."""
         sections = {name: values.get(name, value) for name, value in self._sections.items()}
         return StageSettings(self._stage, sections)
 
     def read(self, name: str, kind: type[Value]) -> Value:
-        """Return a value that must be there. Raises TypeError where it is not of that type."""
+        """Read a value that must be there. Raises TypeError if it is not of that type."""
         value = self[name]
         if kind is float and isinstance(value, int):
             value = float(value)
@@ -68,7 +68,7 @@ class StageSettings(Mapping[str, object]):
         return value
 
     def read_optional(self, name: str, kind: type[Value]) -> Value | None:
-        """Return a value, or None where its section is absent. Raises TypeError as `read` does."""
+        """Read a value, None if its section is absent. Raises TypeError as `read` does."""
         return None if self[name] is None else self.read(name, kind)
 
 
@@ -76,19 +76,19 @@ class StageSettings(Mapping[str, object]):
 class Stage:
     """A step, declared once."""
 
-    name: str  # as on the command line; its folder in RUNS/<dive> and its section in dive.toml
+    name: str  # on the command line, of its folder in RUNS/<dive> and its section in dive.toml
     summary: str
     inputs: tuple[str, ...]  # stages that it needs
     parameters: type[Struct]  # its own options: frozen, keyword-only, all with defaults
     version: int  # raised when the function's result changes for the same input
     run: Callable[[Context[Any]], None]
-    uses: tuple[str, ...] = ()  # sections and keys of dive.toml read besides its own, "camera.top"
+    uses: tuple[str, ...] = ()  # other sections and keys of dive.toml that it reads, "camera.top"
     optional: tuple[str, ...] = ()  # stages that it uses when they are part of this dive's chain
-    # the files of the package that it reads, from the settings and the package's folder
+    # lists the files of the package that it reads, given the settings and the package's folder
     external: Callable[[StageSettings, Path], list[Path]] | None = None
-    # why this dive cannot have the step, None where it can; from the same
+    # says why this dive cannot have the step, None if it can, given the same
     applies: Callable[[StageSettings, Path], str | None] | None = None
-    fails_alone: bool = False  # where it fails, steps that only use it optionally go on without
+    fails_alone: bool = False  # if it fails, steps of which it is an optional input still run
 
 
 class Context(Generic[Parameters]):
@@ -118,7 +118,7 @@ class Context(Generic[Parameters]):
 
     @property
     def source(self) -> Path:
-        """Return the folder of the package, for stages with `external` files."""
+        """Folder of the package, for stages with `external` files."""
         if self._source is None or self._stage.external is None:
             raise RuntimeError(
                 f"step {self._stage.name} reads the package without declaring `external` files"
@@ -127,7 +127,7 @@ class Context(Generic[Parameters]):
 
     @property
     def parameters(self) -> Parameters:
-        """Return the stage's own section, an instance of its `parameters`."""
+        """The stage's own section, an instance of its `parameters`."""
         own: Any = self.settings[self._stage.name]
         return own  # type: ignore[no-any-return]
 
@@ -197,7 +197,7 @@ def resolve_settings(settings: Mapping[str, object]) -> dict[str, Json]:
 
 
 def flatten(value: Mapping[str, Json], prefix: str = "") -> dict[str, Json]:
-    """List options by dotted name; lists stay whole."""
+    """List options by dotted name. Lists are not flattened."""
     flat: dict[str, Json] = {}
     for name, member in value.items():
         if isinstance(member, Mapping) and member:
@@ -208,7 +208,7 @@ def flatten(value: Mapping[str, Json], prefix: str = "") -> dict[str, Json]:
 
 
 def _section(sections: Mapping[str, object], dotted: str) -> object:
-    """Look up a section or key; `camera.top` is the field `top` of section `camera`."""
+    """Look up a section or key. `camera.top` is the field `top` of section `camera`."""
     if dotted in sections:
         return sections[dotted]
     outer, _, inner = dotted.rpartition(".")

@@ -35,19 +35,19 @@ _REMEDY = "choose another folder with --runs, or another dive.name"
 
 
 class Workspace:
-    """One dive's folder. Reading needs no lock; what changes it is for the holder of `lock()`."""
+    """One dive's folder. Reading needs no lock. Only the holder of `lock()` may change it."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
 
     def artifact(self, name: str) -> Path:
-        """Return the folder of a step's artifact, whether it is there or not."""
+        """Locate the folder of a step's artifact, whether it exists or not."""
         return existing_folder(self.root / name)
 
     def manifest(self, name: str) -> Manifest | None:
-        """Read a step's manifest; None without an artifact.
+        """Read a step's manifest. None without an artifact.
 
-        Raises DamagedArtifactError when it cannot be trusted.
+        Raises DamagedArtifactError if it cannot be trusted.
         """
         return read_manifest(self.artifact(name))
 
@@ -61,8 +61,8 @@ class Workspace:
     def lock(self, wait_s: float = 0.0) -> Iterator[None]:
         """Hold the workspace.
 
-        Raises LockedError when another run holds it after wait_s, UsageError where the folder is
-        not a run's own.
+        Raises LockedError if another run holds it after wait_s, UsageError if the folder is not a
+        run's own.
         """
         with storage_errors(self.root):
             _refuse_foreign(self.root)
@@ -78,7 +78,7 @@ class Workspace:
 
     @property
     def package(self) -> Path | None:
-        """Return the package that the last run read; None when unknown."""
+        """The package that the last run read. None if unknown."""
         try:
             noted = unseal((self.root / PRIVATE / "workspace.json").read_bytes())
             return Path(str(noted["package"]))
@@ -86,7 +86,7 @@ class Workspace:
             return None
 
     def refuse_package(self, package: Path) -> None:
-        """Raise UsageError where this folder is the dive package, or holds it."""
+        """Raise UsageError if this folder is or holds the dive package, or its name is too long."""
         root = self.root
         try:
             root.is_symlink()
@@ -102,10 +102,10 @@ class Workspace:
             raise UsageError(what, where=str(root), remedy=_REMEDY)
 
     def other_package(self, package: Path, files: Iterable[str]) -> Path | None:
-        """Return the package that the last run read, if it is another one and still there.
+        """Find a different package that the last run read, if it still exists.
 
-        files: what a folder must hold to be a package, relative to it. A package that has moved is
-        the same one.
+        A package that has moved is the same package. `files` are what a folder must hold to be a
+        package, relative to it.
         """
         last = self.package
         with storage_errors(self.root):
@@ -119,7 +119,7 @@ class Workspace:
             write_file(self.root / PRIVATE / "workspace.json", noted)
 
     def tidy(self, names: Iterable[str]) -> None:
-        """End what a killed run left half done."""
+        """Finish or undo what a killed run left half done."""
         with storage_errors(self.root):
             remove(self.root / PRIVATE / "building")
             for unfinished in (self.root / PRIVATE).glob(temporary_name(Path("*")).name):
@@ -129,9 +129,9 @@ class Workspace:
         self.delivery.recover()
 
     def remove(self, name: str) -> bool:
-        """Remove an artifact and, with the last one that delivers, deliver/.
+        """Remove an artifact, and deliver/ with the last artifact that delivers.
 
-        Returns whether there was an artifact.
+        Returns False if there was no artifact.
         """
         folder = self.artifact(name)
         if not folder.exists():
@@ -154,7 +154,7 @@ class Workspace:
         return target
 
     def _quarantine_folder(self, name: str) -> Path:
-        """Return a name in quarantine that is not taken."""
+        """Choose a name in quarantine that is not taken."""
         folder, number = self.root / "quarantine", 1
         make_folder(folder)
         while os.path.lexists(folder / f"{name}-{number}"):
@@ -162,9 +162,10 @@ class Workspace:
         return folder / f"{name}-{number}"
 
     def publish(self, name: str, hashes: HashCache) -> str | None:
-        """Copy the artifact's `deliver` folder to the workspace's top, unless it lies there whole.
+        """Copy the artifact's `deliver` folder to the workspace's top, unless it lies there intact.
 
-        Returns a sentence where others had changed deliverables, which are kept in quarantine.
+        Returns a sentence if others had changed or removed deliverables. Changed files are kept in
+        quarantine.
         """
         manifest, delivery = self.manifest(name), self.delivery
         records = delivered_records(manifest) if manifest is not None else {}
@@ -191,7 +192,7 @@ def _list_changes(changed: dict[str, str]) -> str:
 
 
 def damaged_files(folder: Path, manifest: Manifest, hashes: HashCache) -> list[str]:
-    """Describe each file of an artifact that is not as its manifest has it."""
+    """Describe each file of an artifact that differs from its manifest."""
     found = unlike_files(folder, manifest.outputs, hashes)
     return [f"{name} {what}" for name, what in found.items() if name != FILE_NAME]
 
@@ -200,7 +201,7 @@ def damaged_files(folder: Path, manifest: Manifest, hashes: HashCache) -> list[s
 def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[None]:
     """Hold the lock `path`, which the kernel frees when its holder dies, however it dies.
 
-    Raises LockedError when another process holds it after `wait_s` seconds.
+    Raises LockedError if another process holds it after `wait_s` seconds.
     """
     make_folder(path.parent)
     with storage_errors(path.parent):
@@ -236,7 +237,7 @@ def _acquire(descriptor: int, path: Path, until: float) -> None:
 
 
 def _refuse_foreign(root: Path) -> None:
-    """Raise UsageError for a folder that is a link or somebody else's, or with links in a run."""
+    """Raise UsageError for a folder that is a link, is no run, or has links among its own files."""
     if root.is_symlink():
         raise UsageError("the run's folder is a symbolic link", where=str(root), remedy=_REMEDY)
     if not root.is_dir():
@@ -251,7 +252,7 @@ def _refuse_foreign(root: Path) -> None:
 
 
 def _own_paths(root: Path) -> Iterator[Path]:
-    """Yield every path that a run writes to or removes by name; artifacts are replaced whole."""
+    """Yield every path that a run writes to or removes by name. Artifacts are replaced whole."""
     yield from root.iterdir()
     for folder, folders, files in os.walk(root / PRIVATE):
         yield from (Path(folder, name) for name in (*folders, *files))

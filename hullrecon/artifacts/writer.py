@@ -29,7 +29,7 @@ _UNIX = 3
 
 
 class ArtifactWriter:
-    """Writes the files of one artifact; nothing else opens a file for writing in RUNS."""
+    """Writes the files of one artifact. Nothing else opens a file for writing in RUNS."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -67,12 +67,12 @@ class ArtifactWriter:
         write_file(self._place(name), value)
 
     def path(self, name: str) -> AbstractContextManager[Path]:
-        """Give a temporary path for a library to write to, renamed at the end of the `with`."""
+        """Yield a temporary path for a library to write to, renamed at the end of the `with`."""
         return durable_path(self._place(name))
 
     @contextmanager
     def scratch(self) -> Iterator[BinaryIO]:
-        """Give an empty file without a name, which is gone at the end of the `with`."""
+        """Yield an empty file without a name, which is gone at the end of the `with`."""
         with storage_errors(self._folder):
             make_folder(self._folder)
             with tempfile.TemporaryFile(dir=self._folder) as file:

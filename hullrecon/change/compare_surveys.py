@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From two surveys of one hull to what changed between them (docs/methods.md 19)."""
+"""Compare two surveys of one hull (docs/methods.md 19)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from hullrecon.records.change import ChangeMap, HullChange, HullSurvey
 from hullrecon.typing import Array, Mask
 
 MARGIN_M = 0.3  # around what either survey saw
-MAX_CELLS = 40_000_000  # of the lattice; a larger survey is compared on wider cells
+MAX_CELLS = 40_000_000  # of the lattice, a larger survey is compared on wider cells
 Address = Callable[[Array, AddressSigma], str]
 SAME_CAD_M = 0.002  # CAD models nowhere farther apart than this are of one hull
 
@@ -35,14 +35,18 @@ def compare_surveys(
     address: Address,
     options: ChangeOptions = ChangeOptions(),  # noqa: B008
 ) -> HullChange:
-    """Compare two surveys of one hull.
+    """Find what changed between two surveys of one hull.
 
-    Raises StageError where they saw too little of the same hull.
+    Raises StageError if they saw too little of the same hull.
 
     Parameters
     ----------
+    first, second
+        The surveys, each in its own hull frame M.
     address
-        names a point (3,) of M in words no finer than a sigma.
+        Names a point (3,) of M in words, no finer than a sigma.
+    options
+        Thresholds.
     """
     chart = first.chart
     seen = [seen_points(survey, chart)[0][:, :2] for survey in (first, second)]
@@ -53,7 +57,7 @@ def compare_surveys(
         )
     lattice = _lattice(np.vstack(seen), options)
     options = replace(options, cell_m=lattice.step_m)
-    # Where the second survey lies in the first one's frame
+    # Where the second survey lies in the first survey's frame
     before = relief_on(lattice, chart, first)
     offset = estimate_offset(
         first, second, chart, lattice, (before, relief_on(lattice, chart, second))
@@ -63,7 +67,7 @@ def compare_surveys(
     found = difference(before, after, options)
     places = max(1, round(float(found.both.sum()) * options.cell_m**2 / options.min_area_m2))
     regions = changed_regions(found, places, options)
-    # What that means for objects and for bare hull
+    # What these differences mean for objects and for bare hull
     context = ObjectComparison(
         chart=chart,
         lattice=lattice,
@@ -128,17 +132,14 @@ def _area(cells: Mask, options: ChangeOptions) -> float:
 
 
 def cad_model_gap(first: Mesh, second: Mesh) -> float:
-    """Return the largest distance between two CAD models, m, however they are meshed."""
+    """Measure the largest distance between two CAD models, m, however they are meshed."""
     return max(_farthest_vertex(first, second), _farthest_vertex(second, first))
 
 
 def _farthest_vertex(mesh: Mesh, other: Mesh, most: int = 20_000) -> float:
-    """Return the greatest distance of a mesh's vertices from another mesh, m.
+    """Measure the largest distance of a mesh's vertices from another mesh, m.
 
-    Parameters
-    ----------
-    most
-        vertices that are looked at.
+    At most about `most` vertices are looked at.
     """
     some = mesh.vertices[:: max(1, len(mesh.vertices) // most)]
     return float(np.abs(Scene(other).closest(some).distance).max(initial=0.0))

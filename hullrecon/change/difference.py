@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two surveys cell by cell: the hull's form, and what stands beyond where edges may be drawn."""
+"""Difference of two surveys by cells: change of the hull's form, and of structures on it."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ TOP_SHARE = 0.8  # of the largest change: what reaches so much is its top
 
 @dataclass(frozen=True, kw_only=True)
 class Difference:
-    """The difference of two reliefs in cells (a, g), NaN where not both saw the hull."""
+    """The difference of two reliefs in cells (a, g), NaN unless both surveys saw the hull."""
 
     first: Relief  # relief of the first survey
     second: Relief  # relief of the second, in the first's frame
     total: Array  # m, second minus first
     form: Array  # m, its part wider than a structure
     local: Array  # m, the rest
-    # m, what of that no cell of the first within an edge's reach reaches; 0 where one does
+    # m, of the second outside the range of the first's heights within an edge's reach, 0 inside
     beyond: Array
     sigma: Array  # m, of local
     both: Mask  # both surveys looked at it well enough
@@ -69,14 +69,16 @@ def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
 
 
 def _beyond(height: Array, of: Array, cells: int) -> Array:
-    """Measure how far heights (a, g) lie outside those of the other survey around (71).
+    """Measure how far heights (a, g) lie outside the other survey's range of heights around (71).
 
     Parameters
     ----------
+    height
+        Heights of this survey.
     of
-        heights of the other survey.
+        Heights of the other survey.
     cells
-        how far around.
+        Radius of the neighbourhood.
     """
     from scipy.ndimage import maximum_filter, minimum_filter
 
@@ -108,7 +110,7 @@ class ChangedRegion:
 
 
 def changed_regions(found: Difference, places: int, options: ChangeOptions) -> list[ChangedRegion]:
-    """Find regions that changed beyond both surveys' errors at any of so many places."""
+    """Find regions that changed beyond both surveys' errors, given the number of places tested."""
     from scipy import ndimage
 
     threshold = np.maximum(options.min_change_m, CELL_SIGMAS * found.sigma)
@@ -135,7 +137,7 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
 
 
 def _most(values: Array, cells: Mask) -> Mask:
-    """Select the cells whose values are nearly the largest."""
+    """Select the cells whose values are at least TOP_SHARE of nearly the largest."""
     top = cells & (values >= TOP_SHARE * float(np.percentile(values[cells], 90)))
     return top if top.any() else cells
 
@@ -154,12 +156,22 @@ def measure(
     options: ChangeOptions,
     off: Mask | None = None,
 ) -> ChangedRegion:
-    """Measure the change at the top of cells, above the hull around them.
+    """Measure the change at the top of a region, relative to the hull around it.
 
     Parameters
     ----------
+    found
+        The difference of the surveys.
+    cells
+        The region (a, g).
+    top
+        Its top (a, g).
+    places
+        Number of places tested.
+    options
+        Thresholds.
     off
-        cells that changed anywhere, which are no hull around (a, g).
+        Cells (a, g) that changed anywhere, which do not count as hull around.
     """
     ring = ring_around(cells, np.zeros_like(cells) if off is None else off, found, options)
     level = spread = 0.0
@@ -178,10 +190,10 @@ def measure(
 
 
 def smallest_change(found: Difference, places: int, options: ChangeOptions) -> float:
-    """Return the smallest change of height that would be reported, m, in the median.
+    """Estimate the smallest change of height that would be reported, m, as a median over cells.
 
-    Over the cells that both surveys saw; NaN without such cells. A structure stands in hull that is
-    as rough as the rest.
+    Cells are those that both surveys saw. NaN without such cells. The hull around a structure is
+    taken to be as rough as elsewhere.
     """
     sigma = found.sigma[found.both] * np.sqrt(1 + 1 / RING_CELLS)
     if not len(sigma):
@@ -192,7 +204,7 @@ def smallest_change(found: Difference, places: int, options: ChangeOptions) -> f
 
 
 def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOptions) -> Mask:
-    """Select unchanged hull around a region, beyond what edges blur."""
+    """Select unchanged hull around a region, beyond the blur of edges."""
     from scipy.ndimage import distance_transform_edt
 
     within_m, reach_m = 2 * options.edge_m, 2 * options.edge_m + RING_M
@@ -204,7 +216,7 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
 
 
 def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
-    """Cut out the part of the lattice around cells. All of it without any."""
+    """Cut out the part of the lattice around cells, or all of it if there are no cells."""
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return slice(None), slice(None)
@@ -215,7 +227,7 @@ def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
 
 
 def corrected_p_value(value: float, sigma: float, places: int) -> float:
-    """Return the two-sided probability of a value at any of so many places (72)."""
+    """Compute the two-sided p-value of a value, corrected for the number of places (72)."""
     from scipy.special import log_ndtr
 
     one = np.log(2.0) + float(log_ndtr(-abs(value) / max(sigma, 1e-9)))
@@ -223,9 +235,9 @@ def corrected_p_value(value: float, sigma: float, places: int) -> float:
 
 
 def significant_sigmas(places: int, options: ChangeOptions) -> float:
-    """Invert (72): the sigmas that a change needs at any of so many places.
+    """Invert (72): compute how many sigmas a change needs, given the number of places.
 
-    A cell needs as many to be part of a region.
+    It is at least CELL_SIGMAS, which each cell of a region needs.
     """
     from scipy.special import ndtri
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where bare hull moved: patches whose form is another one than before."""
+"""Bare hull that moved: patches whose form changed."""
 
 from __future__ import annotations
 

@@ -22,9 +22,9 @@ from hullrecon.records.deliverables import ReportedObject
 from hullrecon.typing import Array, Mask
 
 GATE = 13.8  # chi-square, 2 degrees of freedom, 0.1 %
-MIDDLE_SHARE = 0.1  # of an object's size: how far its middle may be drawn elsewhere, of two surveys
+MIDDLE_SHARE = 0.1  # of an object's size, by which its middle may differ between two surveys
 MIDDLE_M = 0.02
-THERE_SHARE = 0.5  # of a structure's height: what stood so high before was there before
+THERE_SHARE = 0.5  # of a structure's height, which the other survey must reach to have it too
 SEEN_SHARE = 0.5  # of a footprint that must have been looked at
 
 
@@ -40,7 +40,7 @@ class _MovedObject:
 
     @property
     def side(self) -> float:
-        """Return 1 for what is raised, -1 for a recess."""
+        """1 for a raised object, -1 for a recess."""
         return 1.0 if self.found.height >= 0 else -1.0
 
 
@@ -53,7 +53,7 @@ class ObjectComparison:
     offset: SurveyOffset
     difference: Difference
     options: ChangeOptions
-    places: int  # of the hull that were looked at
+    places: int  # number of places of the hull that were tested
 
 
 def compare_objects(
@@ -62,9 +62,9 @@ def compare_objects(
     regions: Sequence[ChangedRegion],
     context: ObjectComparison,
 ) -> tuple[ObjectChange, ...]:
-    """Compare the objects of both surveys, with regions that changed without one.
+    """Compare the objects of both surveys, and regions that changed without an object.
 
-    What changed most comes first.
+    The rows are sorted by status, then by size of the change.
     """
     before = [_move_object(found, context, identity()) for found in first.objects]
     after = [
@@ -107,16 +107,16 @@ def compare_objects(
 def _objects_at(
     a: int | None, b: int | None, pairs: dict[int, int]
 ) -> list[tuple[int | None, int | None]]:
-    """Resolve which objects a changed region belongs to.
-
-    Either a pair of one object, or what stands there in one survey only.
+    """Resolve which objects a changed region belongs to: a matched pair, or objects of one survey.
 
     Parameters
     ----------
     a
-        object of the first survey under the region, None without one.
+        Object of the first survey under the region, None without an object.
     b
-        object of the second survey.
+        Object of the second survey.
+    pairs
+        Matched objects, second by first.
     """
     back = {second: first for first, second in pairs.items()}
     if a is not None and b is not None and pairs.get(a) != b:
@@ -134,9 +134,9 @@ def _objects_at(
 def match_objects(
     before: Sequence[_MovedObject], after: Sequence[_MovedObject], context: ObjectComparison
 ) -> dict[int, int]:
-    """Pair objects of both surveys by the chi-square of their places, inside the gate.
+    """Pair objects of both surveys by the chi-square of their distance, inside the gate.
 
-    Only raised with raised, sunken with sunken; the best pairs first.
+    Raised objects match raised objects, recesses match recesses. The best pairs are taken first.
     """
     candidates = sorted(_candidates(before, after, context))
     pairs: dict[int, int] = {}
@@ -166,7 +166,7 @@ def _candidates(
 
 
 def _move_object(found: ReportedObject, context: ObjectComparison, motion: Poses) -> _MovedObject:
-    """Place an object after a motion."""
+    """Place an object on the chart after a motion."""
     center = motion.apply(np.array([found.center], float))[0]
     ring = motion.apply(np.array(found.outline, float)) if len(found.outline) else np.zeros((0, 3))
     outline = context.chart.to_chart(ring)[:, :2] if len(ring) else np.zeros((0, 2))
@@ -185,7 +185,10 @@ def _move_object(found: ReportedObject, context: ObjectComparison, motion: Poses
 def _nearest(
     region: ChangedRegion, moved: Sequence[_MovedObject], context: ObjectComparison
 ) -> int | None:
-    """Find the object that a region overlaps most, an edge's reach around it included."""
+    """Find the object that a region overlaps most, with a margin for edges.
+
+    None if they share fewer than four cells.
+    """
     from scipy.ndimage import binary_dilation
 
     wide = binary_dilation(
@@ -223,7 +226,7 @@ def _describe_change(
 def _with_whole_height(row: ObjectChange) -> ObjectChange:
     """Take the whole height of what came or went as its change.
 
-    The median over the top of a dome is less.
+    The median over the top of a dome would be less.
     """
     change, sigma = (
         row.height_after - row.height_before,
@@ -237,7 +240,7 @@ def _with_whole_height(row: ObjectChange) -> ObjectChange:
 
 
 def _stood_in_both(before: float, after: float) -> bool:
-    """Tell whether a structure of either height stood in the other survey too."""
+    """Test whether a structure of similar height stood in both surveys."""
     return before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(
         abs(before), abs(after)
     )
@@ -246,14 +249,20 @@ def _stood_in_both(before: float, after: float) -> bool:
 def _describe_rest(
     old: _MovedObject | None, new: _MovedObject | None, compared: int, context: ObjectComparison
 ) -> ObjectChange:
-    """Describe an object at which no region changed by more than the hull may anywhere.
+    """Describe an object at which no changed region was found.
 
-    What one survey alone lists may be new or gone by the smaller number of places.
+    The p-value is corrected for the number of objects only, which is smaller than that of places.
 
     Parameters
     ----------
+    old
+        Object of the first survey, None without.
+    new
+        Object of the second survey, None without.
     compared
-        objects and pairs that both surveys list.
+        Number of objects and pairs in either survey.
+    context
+        The surveys' difference.
     """
     there = [p for p in (old, new) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
@@ -281,9 +290,9 @@ def _describe_rest(
 
 
 def _at_top(cells: Mask, side: float, places: int, context: ObjectComparison) -> ChangedRegion:
-    """Measure an object's change where it was a top before and after.
+    """Measure an object's change where both surveys have its top.
 
-    Elsewhere edges may be drawn otherwise.
+    Elsewhere its edges may be drawn differently.
     """
     tops = [
         top_of(relief.height, cells, side)
@@ -300,7 +309,7 @@ def _at_top(cells: Mask, side: float, places: int, context: ObjectComparison) ->
 
 
 def _seen_share(footprint: Mask, relief: Relief, context: ObjectComparison) -> float:
-    """Return the share of a footprint at which a survey would have shown a structure."""
+    """Compute the share of a footprint at which a survey would have shown a structure."""
     return float(well_seen(relief, context.options)[footprint].mean()) if footprint.any() else 0.0
 
 
@@ -347,9 +356,9 @@ def _row(
 def _height(
     moved: _MovedObject | None, surface: float, region: ChangedRegion | None
 ) -> tuple[float, float]:
-    """Return height and sigma, m: the object's, else of the surface there.
+    """Choose height and sigma, m, of the object, else of the surface there.
 
-    What a survey does not list is known no worse than the change.
+    Without a sigma of its own, a height has the sigma of the change.
     """
     if moved is not None and moved.found.height_sigma is not None:
         return moved.found.height, moved.found.height_sigma
@@ -358,7 +367,10 @@ def _height(
 
 
 def _position_sigma(center: Array, moved: _MovedObject | None, context: ObjectComparison) -> Array:
-    """Return one sigma (3,) m of a place: the object's, else what hull poses leave open."""
+    """Choose one sigma (3,) m of a place: the object's, else that of a hull pose.
+
+    The latter is half the offset's prior covariance, which is the sum of both hull poses'.
+    """
     found = None if moved is None else moved.found
     if found is not None and None not in (found.sigma_along, found.sigma_girth, found.sigma_normal):
         return np.array([found.sigma_along, found.sigma_girth, found.sigma_normal], float)
@@ -373,7 +385,7 @@ def _position_sigma(center: Array, moved: _MovedObject | None, context: ObjectCo
 
 
 def _join_parts(rows: Sequence[ObjectChange]) -> list[ObjectChange]:
-    """Return one row an object: of several parts of it that changed, the largest."""
+    """Keep one row per object: of several changed parts, the largest."""
     kept: dict[object, ObjectChange] = {}
     for k, row in enumerate(rows):
         key = (row.first_id, row.second_id) if (row.first_id, row.second_id) != (None, None) else k

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The second survey's offset in the first one's hull frame, from what both saw.
+"""The second survey's offset in the first survey's hull frame, from what both saw.
 
 Each dive places itself on the CAD model to centimetres, along a parallel side to decimetres. That
-offset is no change of the hull. It is estimated as one rigid motion from form and structures: first
-its part along the hull and in girth, by trying all shifts that the hull poses leave open, then all
-six numbers by robust least squares on the heights of one survey over the other, held by the hull
-poses' covariances (docs/methods.md 19).
+offset is no change of the hull. It is estimated as one rigid motion from form and structures. First
+its part along the hull and in girth is found by trying all shifts that the hull poses leave open.
+Then all six numbers are fitted by robust least squares on the heights of one survey over the other,
+with the hull poses' covariances as prior (docs/methods.md 19).
 """
 
 from __future__ import annotations
@@ -31,12 +31,14 @@ from hullrecon.typing import Array, Ints, Mask
 GATE_SIGMAS = 4.0  # shifts farther than this from where the hull poses lie are not tried
 MIN_SHARED_SHARE = 0.25  # of the smaller survey, which both must have seen
 MIN_SHARED_CELLS = 200
-SCALE_M = 0.004  # heights that differ by some of these do not belong together
-TRUNCATED = 3.0  # of those, from where on a cell is a change and costs no more
-# errors of a hull as found are alike so far: a square of it counts as one measurement
+SCALE_M = 0.004  # unit of differences of height, some of which are no longer errors
+# differences beyond this many SCALE_M count as change and cost no more. The weights of the fit end
+# at twice this many of the residuals' own scale.
+TRUNCATED = 3.0
+# correlation length of a hull as found: a square of this side counts as one measurement
 CORRELATED_M = 0.15
 STARTS, APART_M = 6, 0.1  # shifts from which the six numbers are fitted
-# of the hull, over which errors of its form count as one where they enter the covariance
+# side of a block of hull over which errors of form are fully correlated in the covariance
 BLOCK_M = 0.8
 BLURS = (2.0, 1.0, 1.0)  # cells, of both surveys, from round to round
 STEPS = 6
@@ -48,8 +50,8 @@ class _Samples:
 
     points: Array  # (n, 3)
     axes: Array  # (3, n, 3): along, girth and outward there
-    weight: float  # (n,) in independent measurements
-    block: Ints  # (n,) each belongs to
+    weight: float  # independent measurements per point
+    block: Ints  # (n,) block of hull that each point belongs to
     shared_m: float  # one sigma of the errors of both surveys that a block shares
 
 
@@ -71,8 +73,8 @@ class _Fit:
     def solve(self, motion: Poses, samples: _Samples, height: Array) -> _Solved:
         """Fit the motion of samples onto heights (a, g) of the first survey, with covariance.
 
-        Not geometry.pose_solver: each step has another set of cells that both surveys saw, and
-        weights by its own scale.
+        It does not use geometry.pose_solver, as the cells that both surveys saw and the weights
+        change from step to step.
         """
         held: Array = np.asarray(np.linalg.inv(self.prior), float)
         covariance = self.prior
@@ -97,7 +99,7 @@ class _Fit:
         return _Solved(motion=motion, covariance=covariance)
 
     def cost(self, motion: Poses, samples: _Samples, height: Array) -> float:
-        """Compute the chi-square of a motion.
+        """Compute the chi-square of a motion, with truncated residuals and the prior.
 
         What changed costs no more than the largest error.
         """
@@ -108,7 +110,7 @@ class _Fit:
         )
 
     def _residuals(self, at: Array, axes: Array, height: Array) -> tuple[Array, Array, Mask]:
-        """Compute heights above the first survey (n,), derivatives (n, 6) and known rows."""
+        """Compute heights above the first survey (n,), derivatives (n, 6) and their known rows."""
         from scipy.ndimage import map_coordinates
 
         on_chart = self.chart.to_chart(at)
@@ -135,14 +137,23 @@ def estimate_offset(
 ) -> SurveyOffset:
     """Estimate the offset of two surveys whose reliefs lie on one lattice.
 
-    Raises StageError where they saw too little of the same hull.
+    Raises StageError if they saw too little of the same hull.
+
+    Parameters
+    ----------
+    first, second
+        The surveys.
+    chart
+        Of the first survey.
+    lattice, reliefs
+        Cells, and the heights of both surveys on them.
     """
     center = _middle(chart, lattice, reliefs[1])
     prior = hull_pose_covariance(first.hull_pose, center) + hull_pose_covariance(
         second.hull_pose, center
     )
     fit = _Fit(chart=chart, lattice=lattice, center=center, prior=prior)
-    # Of the shifts at which most agrees, the one that agrees best once all six numbers fit
+    # Of the shifts at which most agrees, take that which agrees best after fitting all six numbers
     heights, samples = _blur_both(reliefs, BLURS[0], fit)
     starts = [fit.solve(motion, samples, heights) for motion in _shifts(reliefs, fit)]
     motion = min(
@@ -167,7 +178,7 @@ def estimate_offset(
 
 
 def hull_pose_covariance(pose: HullPose, center: Array) -> Array:
-    """Move a hull pose's covariance (6, 6) to a center (3,) in M."""
+    """Transform a hull pose's covariance (6, 6) to a center (3,) in M."""
     turn, carry = np.eye(6), np.eye(6)
     turn[:3, :3] = pose.global_from_hull.rotation.as_matrix()[0].T
     carry[:3, 3:] = -cross_matrix(center - pose.survey_center)
@@ -176,7 +187,7 @@ def hull_pose_covariance(pose: HullPose, center: Array) -> Array:
 
 
 def offset_sigma(offset: SurveyOffset, points: Array, directions: Array) -> Array:
-    """Return one sigma (n,) m of where the offset puts points (n, 3) along unit vectors (n, 3)."""
+    """Compute one sigma (n,) m of points (n, 3) moved by the offset, along unit vectors (n, 3)."""
     rows = np.concatenate([directions, np.cross(points - offset.center, directions)], axis=1)
     return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", rows, offset.covariance, rows)))
 
@@ -189,7 +200,7 @@ def _middle(chart: Chart, lattice: Lattice, relief: Relief) -> Array:
 
 
 def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
-    """Find the shifts along and in girth at which most of both surveys agrees, the best first."""
+    """Find the shifts along and in girth at which both surveys agree best, the best first."""
     step = 2 * fit.lattice.step_m
     flat = [_without_form(relief.height)[::2, ::2] for relief in reliefs]
     along, girth = (axis[0] for axis in tangents_at(fit.chart, fit.center[None]))
@@ -215,7 +226,7 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
 
 
 def _truncated_square(gap: Array) -> float:
-    """Return the mean square of gaps (n,) m in scales, truncated.
+    """Compute the mean square of gaps (n,) m in units of SCALE_M, truncated.
 
     What belongs to a change costs no more than the largest error.
     """
@@ -230,7 +241,7 @@ def _too_little() -> StageError:
 
 
 def _without_form(height: Array) -> Array:
-    """Subtract what is wider than a structure, in which the surveys may be tilted."""
+    """Subtract the form, which is wider than a structure, as the surveys may be tilted in it."""
     return blur(height - local_median(height, 50), 2.0)
 
 
@@ -244,14 +255,14 @@ def _overlap(first: Array, second: Array, i: int, j: int) -> Array:
 
 
 def _blur_both(reliefs: tuple[Relief, Relief], cells: float, fit: _Fit) -> tuple[Array, _Samples]:
-    """Return the first survey's heights and samples of the second's, after the same blur."""
+    """Blur both surveys alike. Returns the first's heights and samples of the second."""
     first, second = (blur(relief.height, cells) for relief in reliefs)
     shared = float(np.hypot(np.nanmedian(reliefs[0].sigma), np.nanmedian(reliefs[1].sigma)))
     return first, _samples(fit.chart, fit.lattice, second, shared)
 
 
 def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> _Samples:
-    """Sample every second cell that was seen, as points on the surface."""
+    """Sample every second cell along and in girth that was seen, as points on the surface."""
     which = np.zeros(lattice.shape, bool)
     which[::2, ::2] = True
     which &= np.isfinite(height)
@@ -272,12 +283,18 @@ def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> 
 def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -> Array:
     """Propagate errors shared by blocks to the solution, (6, 6) (69).
 
-    Errors of a block of the hull are one; independent errors add what they would leave.
+    Errors within a block of the hull are fully correlated. Independent errors are added.
 
     Parameters
     ----------
+    information
+        Of the solution, prior included (6, 6).
+    held
+        Of the prior (6, 6).
     by_error
-        how each point's error enters the right-hand side (n, 6).
+        Effect of each point's error on the right-hand side (n, 6).
+    block
+        Block of each point (n,).
     """
     inverse = np.linalg.inv(information)
     total = np.stack(
@@ -293,7 +310,7 @@ def _vector(motion: Poses, center: Array) -> Array:
 
 
 def _apply_step(motion: Poses, step: Array, center: Array) -> Poses:
-    """Compose a motion with a small one (6,) about the center."""
+    """Compose a motion with a small motion (6,) about the center."""
     turn = Rotation.from_rotvec(step[3:])
     after = Poses(turn.as_quat()[None], (center + step[:3] - turn.apply(center))[None])
     return after @ motion

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What tells a change from two surveys' errors."""
+"""Thresholds that tell a change from two surveys' errors."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class ChangeOptions:
     cell_m: float = 0.02  # side of a cell of the lattice
     min_change_m: float = 0.015  # of a structure's height
     min_area_m2: float = 0.0025  # of what changed
-    min_views: int = 2  # images that must have seen a place for it to count as looked at
+    min_views: int = 2  # images that must have seen a place for it to be compared
     max_sigma_m: float = 0.015  # of the surface there
-    edge_m: float = 0.03  # how far an edge may be drawn from one survey to the next
+    edge_m: float = 0.03  # by which an edge may differ between two surveys without a change
     smooth_m: float = 1.0  # wider than this is the hull's form, narrower a structure
     patch_m: float = 0.4  # side of a patch of hull on which form is compared
     min_move_m: float = 0.005  # of bare hull

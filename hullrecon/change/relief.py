@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A hull as found, as heights over its CAD model on the cells of the chart."""
+"""Heights of a hull as found over its CAD model, on the cells of the chart."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.change import HullSurvey
 from hullrecon.typing import Array, Ints
 
-REACH_CELLS = 2.0  # a cell farther from any vertex that was seen was not
+REACH_CELLS = 2.0  # a cell farther than this from every seen vertex counts as unseen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +32,12 @@ def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> 
 
     Parameters
     ----------
+    survey
+        Hull as found.
+    chart
+        Of the CAD model.
     move
-        rigid motion in M before that.
+        Rigid motion in M that is applied to the vertices first.
     """
     found = survey.as_found
     rows = np.flatnonzero((found.support > 0) & np.isfinite(survey.form_sigma))
@@ -50,8 +54,14 @@ def relief_on(
 
     Parameters
     ----------
+    lattice
+        Cells of the chart.
+    chart
+        Of the CAD model.
+    survey
+        Hull as found.
     move
-        rigid motion in M before that.
+        Rigid motion in M that is applied to the vertices first.
     """
     from scipy.interpolate import LinearNDInterpolator
 
@@ -75,7 +85,7 @@ def relief_on(
 
 
 def blur(height: Array, cells: float) -> Array:
-    """Blur heights (a, g) by a Gaussian over what was seen. NaN where less than half was."""
+    """Blur heights (a, g) by a Gaussian over seen cells. NaN where less than half was seen."""
     from scipy.ndimage import gaussian_filter
 
     seen = np.isfinite(height)
@@ -85,7 +95,10 @@ def blur(height: Array, cells: float) -> Array:
 
 
 def local_median(height: Array, window: int) -> Array:
-    """Compute the running median (a, g) over squares of so many cells. NaN if unseen."""
+    """Compute a running median (a, g) over squares of `window` cells. NaN if nothing was seen.
+
+    It is computed on blocks of a fifth of the window, and interpolated between them.
+    """
     coarse = max(1, window // 5)
     blocks = [-(-n // coarse) for n in height.shape]
     padded = np.full([n * coarse for n in blocks], np.nan)
@@ -107,7 +120,7 @@ def local_median(height: Array, window: int) -> Array:
 
 
 def _between(middle: Array, coarse: int, shape: tuple[int, ...]) -> Array:
-    """Interpolate values of blocks (i, j), so many cells wide, linearly at every cell."""
+    """Interpolate values of blocks (i, j), each `coarse` cells wide, linearly at every cell."""
     from scipy.ndimage import gaussian_filter, map_coordinates
 
     known = np.isfinite(middle)

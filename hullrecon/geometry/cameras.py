@@ -29,21 +29,21 @@ class CameraModel:
     k3: float = 0.0
 
     def matrix(self) -> Array:
-        """Return the pinhole's matrix (3, 3), px."""
+        """Build the pinhole's matrix (3, 3), px."""
         return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]])
 
     def distortion(self) -> Array:
-        """Return (5,) k1, k2, p1, p2, k3."""
+        """List k1, k2, p1, p2, k3 (5,)."""
         return np.array([self.k1, self.k2, self.p1, self.p2, self.k3])
 
     def parameters(self) -> Array:
-        """Return (9,) fx, fy, cx, cy, k1, k2, p1, p2, k3, the native module's order."""
+        """List fx, fy, cx, cy, k1, k2, p1, p2, k3 (9,), in the native module's order."""
         return np.array(
             [self.fx, self.fy, self.cx, self.cy, self.k1, self.k2, self.p1, self.p2, self.k3]
         )
 
     def project(self, points: ArrayLike) -> Array:
-        """Project points (n, 3) in the camera frame to pixels (n, 2); NaN behind the camera."""
+        """Project points (n, 3) in the camera frame to pixels (n, 2). NaN behind the camera."""
         p = np.atleast_2d(np.asarray(points, float))
         xy = np.full((len(p), 2), np.nan)
         np.divide(p[:, :2], p[:, 2:], out=xy, where=p[:, 2:] > 1e-9)
@@ -72,7 +72,7 @@ class CameraModel:
         return np.stack([x, y], axis=1)
 
     def rays(self, pixels: ArrayLike) -> Array:
-        """Compute unit directions (n, 3) in the camera frame of pixels (n, 2)."""
+        """Compute unit directions (n, 3) of the rays through pixels (n, 2), in the camera frame."""
         xy = self.undistort(pixels)
         ray = np.hstack([xy, np.ones((len(xy), 1))])
         return np.asarray(ray / np.linalg.norm(ray, axis=1, keepdims=True))

@@ -22,10 +22,7 @@ def earth_fixed(latitude_deg: Array, longitude_deg: Array) -> Array:
 
 
 def north_east(latitude_deg: Array, longitude_deg: Array) -> Array:
-    """Compute metres north and east (n, 2) of the first position.
-
-    On the plane that touches the ellipsoid there.
-    """
+    """Compute metres north and east (n, 2) of the first position, in its tangent plane."""
     at = earth_fixed(latitude_deg, longitude_deg)
     latitude, longitude = np.radians(latitude_deg[0]), np.radians(longitude_deg[0])
     north = [

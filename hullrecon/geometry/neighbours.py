@@ -10,12 +10,13 @@ from hullrecon.typing import Array, Ints
 
 
 def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
-    """Find the points (n, k) nearest to each wanted one (m, k).
+    """Find the points (n, k) nearest to each query point (m, k).
 
     Returns
     -------
     distance, row
-        (m, count), nearest first. Where fewer lie within reach the distance is inf and the row n.
+        (m, count), nearest first. Without a further point within reach the distance is inf and
+        the row n.
     """
     from scipy.spatial import cKDTree
 
@@ -26,7 +27,7 @@ def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> 
 
 
 class Around:
-    """Finds points (n, k) around places, from one tree for many questions."""
+    """Finds the points (n, k) around a place, with one tree for many queries."""
 
     def __init__(self, points: Array) -> None:
         from scipy.spatial import cKDTree
@@ -34,17 +35,17 @@ class Around:
         self._tree = cKDTree(points)
 
     def __call__(self, center: Array, reach: float) -> Ints:
-        """Find rows within reach of one center (k,), ascending."""
+        """Find the rows within reach of a center (k,), ascending."""
         return np.array(self._tree.query_ball_point(center, reach, return_sorted=True), np.int64)
 
     def ball(self, points: Array, reach: float) -> Ints:
-        """Find rows of the ball around all places within reach of any of the points."""
+        """Find the rows in a ball that contains everything within reach of any of the points."""
         center = 0.5 * (points.min(axis=0) + points.max(axis=0))
         return self(center, float(np.linalg.norm(points - center, axis=1).max()) + reach)
 
 
 def count_within(points: Array, wanted: Array, reach: float) -> Ints:
-    """Count the points (n, k) within reach of each wanted one (m, k)."""
+    """Count the points (n, k) within reach of each query point (m, k)."""
     from scipy.spatial import cKDTree
 
     return np.asarray(cKDTree(points).query_ball_point(wanted, reach, return_length=True), np.int64)

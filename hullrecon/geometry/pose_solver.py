@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Levenberg-Marquardt on one pose whose cost is given linearised [Triggs2000].
 
-For a cost that stays the same from step to step: whether a step is taken is told by the cost before
-and after. Loops whose cost changes under way, by inliers chosen again or weights by the last
-residuals, or that have other unknowns than a pose, are written out where they are used, each with
-its reason: vision's for two views (stereo points, two nodes, one camera) and that of two surveys.
+The cost must stay the same from step to step, as the cost before and after decides whether a step
+is taken. Loops with other unknowns than a pose, or whose cost changes on the way (inliers chosen
+again, weights by the last residuals), are written where they are used, each with its reason:
+vision's for two views (stereo points, two nodes, one camera) and that of two surveys.
 """
 
 from __future__ import annotations
@@ -57,15 +57,15 @@ def minimise_over_pose(
     start
         A batch of one.
     linearise
-        Gives the cost at a pose.
+        Computes the cost at a pose.
     update
         Applies a step (6,) to a pose.
     max_iterations
-        At most.
+        Accepted and rejected steps count.
     min_decrease, min_relative_decrease
         It ends when an accepted step lowers the cost by less than either.
     free_directions
-        Gives a basis (6, k) of the steps allowed at a pose; all six by default.
+        Computes a basis (6, k) of the steps allowed at a pose. All six by default.
     """
     pose, here, damping = start, linearise(start), FIRST_DAMPING
     for _ in range(max_iterations):

@@ -32,14 +32,14 @@ class Poses:
     def __getitem__(
         self, index: int | slice | NDArray[np.integer] | Mask | Sequence[int] | Sequence[np.integer]
     ) -> Poses:
-        """Select rows by slice, mask or index array; an integer gives a batch of one."""
+        """Select rows by slice, mask or index array. An integer gives a batch of one."""
         rows = np.atleast_1d(
             np.arange(len(self))[index if isinstance(index, slice) else np.asarray(index)]
         )
         return Poses(self.quaternion[rows], self.translation[rows])
 
     def __matmul__(self, other: Poses) -> Poses:
-        """Compose a_from_b @ b_from_c = a_from_c; a batch of one broadcasts."""
+        """Compose a_from_b @ b_from_c = a_from_c. A batch of one broadcasts."""
         rotation = self.rotation * other.rotation
         return Poses(rotation.as_quat(), self.apply(other.translation))
 
@@ -49,31 +49,31 @@ class Poses:
         return Rotation.from_quat(self.quaternion)
 
     def matrix(self) -> Array:
-        """Return homogeneous matrices (n, 4, 4)."""
+        """Convert to homogeneous matrices (n, 4, 4)."""
         out = np.tile(np.eye(4), (len(self), 1, 1))
         out[:, :3, :3], out[:, :3, 3] = self.rotation.as_matrix(), self.translation
         return out
 
     def apply(self, points: ArrayLike) -> Array:
-        """Transform points (n, 3) of b to a, one a pose or a batch of one on either side."""
+        """Transform points (n, 3) of b to a, one per pose or with a batch of one."""
         return np.asarray(self.rotation.apply(np.asarray(points, float)) + self.translation)
 
     def inverse(self) -> Poses:
-        """Return b_from_a (n)."""
+        """Invert to b_from_a (n)."""
         back = self.rotation.inv()
         return Poses(back.as_quat(), -back.apply(self.translation))
 
     def vectors(self) -> Array:
-        """Return x y z qx qy qz qw (n, 7)."""
+        """Convert to x y z qx qy qz qw (n, 7)."""
         return np.hstack([self.translation, self.quaternion])
 
     def log(self) -> Array:
-        """Return translation and rotation vector (n, 6)."""
+        """Convert to translation and rotation vector (n, 6)."""
         return np.hstack([self.translation, self.rotation.as_rotvec()])
 
 
 def identity(n: int = 1) -> Poses:
-    """Return n identities."""
+    """Make n identities."""
     return Poses(np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)), np.zeros((n, 3)))
 
 
@@ -110,7 +110,7 @@ def from_mount(mount: ArrayLike) -> Poses:
 
 
 def pose_vector(pose: Poses) -> Array:
-    """Return x y z qx qy qz qw (7,) of a batch of one."""
+    """Convert a batch of one to x y z qx qy qz qw (7,)."""
     return np.asarray(pose.vectors()[0])
 
 

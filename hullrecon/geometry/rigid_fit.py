@@ -11,7 +11,7 @@ from hullrecon.typing import Array
 
 
 def fit_rigid(source: Array, target: Array) -> Poses:
-    """Fit the rigid motions that take point sets (s, n, 3) onto others, or one (n, 3) onto another.
+    """Fit the rigid motions that map point sets (s, n, 3), or one set (n, 3), onto target sets.
 
     n >= 3.
     """
@@ -29,6 +29,6 @@ def fit_rigid(source: Array, target: Array) -> Poses:
 
 
 def fit_scale(source: Array, target: Array, motion: Poses) -> float:
-    """Fit the scale about the source's mean that takes points (n, 3) onto others after `motion`."""
+    """Fit the scale about the source's mean that maps points (n, 3) onto others after `motion`."""
     a, b = source - source.mean(axis=0), target - target.mean(axis=0)
     return float(np.sum(motion.rotation.apply(a) * b) / np.sum(a**2))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The spread of values some of which are wild, and quantiles of values that weigh unequally."""
+"""Robust spread of values with outliers, and quantiles of weighted values."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ NORMAL_MAD = 1.4826
 def robust_sigma(values: Array, about: float | None = None) -> float:
     """Estimate the sigma of values (n,) by their median distance from `about`.
 
-    As if they were normal; up to half of them may be wild. `about` is their median unless given.
-    NaN of no values.
+    Values are taken as normal, with up to half of them outliers. `about` is their median unless
+    given. NaN for no values.
     """
     if not len(values):
         return float("nan")
@@ -26,7 +26,7 @@ def robust_sigma(values: Array, about: float | None = None) -> float:
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:
-    """Find the value below which that share of the weight lies."""
+    """Find the value at which the cumulated weight reaches that share."""
     order = np.argsort(values, kind="stable")
     total = np.cumsum(weight[order])
     at = np.searchsorted(total, share * total[-1])

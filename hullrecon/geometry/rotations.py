@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rotations in batches, beside those of `scipy.spatial.transform`."""
+"""Rotations in batches, in addition to those of `scipy.spatial.transform`."""
 
 from __future__ import annotations
 

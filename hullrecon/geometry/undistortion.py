@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pinhole camera that a distorted one is resampled to, for programs that know no distortion."""
+"""The pinhole camera that a distorted camera is resampled to, for programs without distortion."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Undistortion:
     """A camera and the pinhole that its images are resampled to."""
 
     source: CameraModel
-    # its focal lengths are the camera's, all its pixels were seen, and its principal point is the
-    # image's middle, where trainers of Gaussian splats take it to be
+    # focal lengths of the camera, an image that was all seen, and the principal point in its
+    # middle, where trainers of Gaussian splats expect it
     pinhole: CameraModel
 
     def pixels(self, pixels: Array) -> Array:
@@ -30,7 +30,7 @@ class Undistortion:
         return self.pinhole.distort(self.source.undistort(pixels))
 
     def holds(self, pixels: Array) -> Array:
-        """Tell which pixels (n, 2) lie in the pinhole's image."""
+        """Mark pixels (n, 2) that lie in the pinhole's image."""
         last = np.array([self.pinhole.width, self.pinhole.height]) - 0.5
         return np.asarray(np.all((pixels >= -0.5) & (pixels <= last), axis=1))
 
@@ -65,8 +65,8 @@ class Undistortion:
 def undistortion(camera: CameraModel) -> Undistortion:
     """Choose a pinhole image around the principal point, nearly the largest that was all seen.
 
-    Raises InputError where the distortion folds the image within its borders, so that it cannot be
-    undone.
+    Raises InputError if the distortion cannot be undone because it folds the image within its
+    borders.
     """
     columns, rows = (
         np.linspace(0, size - 1, BORDER_SAMPLES) for size in (camera.width, camera.height)

@@ -28,21 +28,21 @@ class HullSurvey:
     name: str
     chart: Chart
     as_found: Surface  # support 0 where unseen
-    form_sigma: Array  # (n,) m, of each vertex without what the hull pose leaves open
+    form_sigma: Array  # (n,) m, of each vertex's form, without the hull pose's uncertainty
     hull_pose: HullPose
     objects: tuple[ReportedObject, ...]  # as reported
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurveyOffset:
-    """Where the second survey lies in the first one's hull frame.
+    """The second survey's pose in the first survey's hull frame.
 
     Both lie on the CAD model within their hull poses' sigmas only.
     """
 
     first_from_second: Poses  # a batch of one, near the identity
     covariance: Array  # (6, 6) of (translation, rotation about center), m and rad
-    prior_covariance: Array  # (6, 6) what both hull poses leave open
+    prior_covariance: Array  # (6, 6) sum of both hull poses' covariances
     center: Array  # (3,) m in M
     chi_square: float  # of the offset by its prior, 6 degrees of freedom
     p_value: float
@@ -58,13 +58,13 @@ class ObjectChange:
     center: Array  # (3,) m in the first survey's M
     along_girth: Array
     outline: Array  # (k, 2) m along and in girth there
-    height_before: float  # m above the hull around it; NaN where not seen
+    height_before: float  # m above the hull around it, NaN if not seen
     height_after: float  # m
     height_before_sigma: float
     height_after_sigma: float
     change: float  # m
     change_sigma: float
-    p_value: float  # that nothing changed and any place looks so
+    p_value: float  # probability of such a change at any place of an unchanged hull
     area: float  # m2 of what changed
     sigma: Array  # (3,) m of the place, along, in girth, along the normal
     address: str = ""
@@ -78,7 +78,7 @@ class SurfaceMove:
     outline: Array  # (k, 2) m along and in girth
     move: float  # m, outward positive
     move_sigma: float
-    p_value: float  # over all places looked at
+    p_value: float  # corrected for the number of patches compared
     area: float  # m2
     address: str = ""
 
@@ -88,8 +88,7 @@ class ChangeMap:
     """Cells (a, g) of the chart."""
 
     lattice: Lattice
-    # m, second survey's height minus the first's without the offset; NaN where not both saw the
-    # hull
+    # m, second survey's height minus the first's without the offset, NaN unless both saw the hull
     change: Array
     sigma: Array  # m
     first_seen: Mask
@@ -106,11 +105,11 @@ class HullChange:
     objects: tuple[ObjectChange, ...]
     moves: tuple[SurfaceMove, ...]
     map: ChangeMap
-    area_both: float  # m2 that both saw
+    area_both: float  # m2 that both surveys saw
     area_first: float  # m2
     area_second: float  # m2
     detectable_m: float  # median of the smallest change that would have been found
-    places: int  # that were looked at
+    places: int  # number of places that were tested
 
     def changed(self) -> tuple[ObjectChange, ...]:
         """List the objects that are new, gone, grown or shrunk."""

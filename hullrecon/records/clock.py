@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Times of readings: the nearest stamp, the period, gaps and silences, and how a time is printed.
+"""Times of readings: nearest stamp, period, gaps and silences, and the format of a time.
 
-Stamps are whole nanoseconds since 1970 (UTC), in time order and each once, as ingest leaves them.
+Stamps are whole nanoseconds since 1970 (UTC), ascending without duplicates, as ingest leaves them.
 """
 
 from __future__ import annotations
@@ -49,22 +49,22 @@ def nearest(sorted_ns: Ints, wanted_ns: Ints) -> Ints:
 
 
 def seconds_to_nearest(sorted_ns: Ints, wanted_ns: Ints) -> Array:
-    """Measure the time (m,), s, from each wanted time to the nearest stamp; inf without stamps."""
+    """Measure the time (m,), s, from each wanted time to the nearest stamp. inf without stamps."""
     if not len(sorted_ns):
         return np.full(len(wanted_ns), np.inf)
     return np.asarray(np.abs(wanted_ns - sorted_ns[nearest(sorted_ns, wanted_ns)]) * 1e-9)
 
 
 def median_period_s(t_ns: Ints) -> float:
-    """Compute the median time between stamps, s; 0 for fewer than two."""
+    """Compute the median time between stamps, s. 0 for fewer than two stamps."""
     return float(np.median(np.diff(t_ns))) * 1e-9 if len(t_ns) > 1 else 0.0
 
 
 def period(t_s: Array) -> float:
-    """Estimate the usual time between readings at t_s (n,), n > 1, leaving out holes.
+    """Estimate the usual time between readings at t_s (n,), n > 1, without holes.
 
-    This is the whole time by the number of steps: the median step would be far too short where a
-    serial adapter hands readings on in bursts.
+    This is the whole time by the number of steps. The median step would be far too short if a
+    serial adapter delivers readings in bursts.
     """
     step, few = np.diff(t_s), min(BURST, max(1, len(t_s) // 4))
     usual = step <= longest_step(float(np.median(t_s[few:] - t_s[:-few])) / few)
@@ -74,7 +74,7 @@ def period(t_s: Array) -> float:
 
 
 def rate_hz(t_ns: Ints) -> float:
-    """Estimate the rate of readings outside of holes, Hz; 0 for fewer than two readings."""
+    """Estimate the rate of readings outside of holes, Hz. 0 for fewer than two readings."""
     return 1 / period((t_ns - t_ns[0]) / NS) if len(t_ns) > 1 else 0.0
 
 
@@ -97,7 +97,7 @@ def longest_pause_s(t_ns: Ints) -> float:
 def silent_spans(t_ns: Ints, start_ns: int, stop_ns: int) -> Ints:
     """Find the start and end (k, 2), ns, of a sensor's silences between two times.
 
-    The time before its first reading and after its last one counts.
+    The times before its first reading and after its last reading count.
     """
     stamps = np.concatenate([[min(start_ns, t_ns[0])], t_ns, [max(stop_ns, t_ns[-1])]])
     spans = np.clip(gaps(stamps, longest_pause_s(t_ns)), start_ns, stop_ns)
@@ -105,7 +105,7 @@ def silent_spans(t_ns: Ints, start_ns: int, stop_ns: int) -> Ints:
 
 
 def unread_s(t_ns: Ints, at_ns: Ints) -> Array:
-    """Measure the time (m,), s, to the nearest reading within silences; 0 outside of silences."""
+    """Measure the time (m,), s, to the nearest reading within silences. 0 outside of silences."""
     out = np.zeros(len(at_ns))
     if not len(at_ns):
         return out
@@ -117,7 +117,7 @@ def unread_s(t_ns: Ints, at_ns: Ints) -> Array:
 
 
 def describe_silence(t_ns: Ints, at_ns: Ints) -> str:
-    """Say how long a sensor was silent along a path with nodes at_ns (m,); "" where it was not."""
+    """Say how long a sensor was silent along a path with nodes at_ns (m,). Empty if it was not."""
     spans = silent_spans(t_ns, int(at_ns[0]), int(at_ns[-1]))
     if not len(spans):
         return ""

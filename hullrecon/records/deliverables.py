@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What objects.json and coverage.json say, as records (docs/deliverables.md)."""
+"""Members of objects.json and coverage.json, as records (docs/deliverables.md)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class PositionMembers:
-    """Where something lies on the hull, in the frame of the results, and how well that is known."""
+    """The place of something on the hull, in the frame of the results, with its sigma."""
 
     position_covariance: tuple[Point, Point, Point] | None = None
     position_sigma: Point | None = None
@@ -67,7 +67,7 @@ class SensorCoverage:
     """What one sensor saw. Percentiles by name: p05, p50, p95."""
 
     area_m2: float | None = None
-    area_sigma_m2: float | None = None  # None where it is not known
+    area_sigma_m2: float | None = None  # None if unknown
     area_twice_m2: float | None = None
     gsd_m: Mapping[str, float] | None = None  # ground sample distance
     incidence_deg: Mapping[str, float] | None = None  # of the best view
@@ -97,8 +97,8 @@ class RegionCoverage:
     """A region of dive.toml, and what each sensor saw of it."""
 
     name: str
-    along: tuple[float, float] | None  # limits in m; None: none
-    girth: tuple[float, float] | None  # limits in m; None: none
+    along: tuple[float, float] | None  # limits in m, None without limits
+    girth: tuple[float, float] | None  # limits in m, None without limits
     area_m2: float  # of the hull in it
     camera: RegionShare | None = None  # None for a sensor that was not carried
     sonar: RegionShare | None = None

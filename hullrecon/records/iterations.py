@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reading of the record of a solve (iterations.npz, docs/formats.md).
 
-It has a row an iteration, rounds one after the other.
+It has a row per iteration, one round after another.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ def reached_cost(cost: Array, accepted: Mask) -> Array:
 
 
 def count(rounds: Ints) -> int:
-    """Count the iterations of all rounds, without their starts; rounds (k,): of each row."""
+    """Count the iterations of all rounds, without their starts, from the round (k,) of each row."""
     return len(rounds) - len(np.unique(rounds))
 
 
 def broken(at: NDArray[np.number], values: NDArray[np.number], rounds: Ints) -> tuple[Array, Array]:
-    """Put NaN into a curve (k,) over `at` wherever a round begins.
+    """Insert NaN into a curve (k,) over `at` wherever a round begins.
 
     Costs of two rounds do not compare.
     """

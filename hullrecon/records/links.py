@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs of nodes whose images were compared, what they share, and the path that this ties."""
+"""Pairs of nodes whose images were compared, what they share, and the path that links constrain."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ class CameraLinks(Rows):
     translation: Array  # (m, 3) m, in the second camera's axes
     quaternion: Array  # (m, 4) second_from_first
     covariance: Array  # (m, 6, 6) of (translation, rotation perturbed on the right)
-    scaled: Mask  # (m,) the length of the translation was measured; else its direction alone
+    scaled: Mask  # (m,) the length of the translation was measured, else its direction alone
     bottom: Mask  # (m, 2) the bottom camera leads at either node
 
 
 def no_links() -> CameraLinks:
-    """Return the links of a dive without images."""
+    """Make the links of a dive without images."""
     none = np.zeros(0, np.int64)
     return CameraLinks(
         first=none,
@@ -47,11 +47,11 @@ class NodePairs(Rows):
 
     first: Ints  # (m,) nodes, first < second
     second: Ints  # (m,) nodes
-    across: Mask  # (m,) of another leg
+    across: Mask  # (m,) the nodes belong to different legs
     overlap: Array  # (m,) of the footprints as predicted, NaN where no depth is known
     round: Ints  # (m,) 0 of neighbours, 1, 2, ... across
     putative: Ints  # (m,) matches before verification
-    reason: Ints  # (m,) why it gave nothing, 0 where it matched
+    reason: Ints  # (m,) why the pair did not match, 0 if it matched
     # (m,) matched, but its motion contradicts other pairs or the path, or lies across an outage on
     # a hull that looks alike elsewhere
     rejected: Mask
@@ -68,7 +68,7 @@ class PairFeatures:
 
     start: Ints  # (m + 1,) where each pair's rows begin
     first: Ints  # (k,) rows of the leading camera's features at the first node
-    second: Ints  # (k,) and at the second
+    second: Ints  # (k,) rows of the leading camera's features at the second node
     distance: Floats32  # (k,) of their descriptors
 
 
@@ -85,17 +85,17 @@ class NodeStereo:
 
 @dataclass(frozen=True, kw_only=True)
 class LinkedPath:
-    """The vehicle as navigation and links have it."""
+    """The vehicle's path from navigation and links."""
 
     pose: Array  # (n, 7) global_from_vehicle as x y z qx qy qz qw
     tray: Array  # (n,) rad
     covariance: Array  # (n, 6, 6) of (translation in g, rotation perturbed on the right)
-    # (n,) nodes of one number are tied by images, 0 the largest; -1 where no image matched
+    # (n,) connected part that images link the node to, 0 the largest, -1 if no image matched
     part: Ints
     part_sigma: Array  # (parts,) m, of the middle of each part relative to that of the largest
 
     def path(self) -> VehiclePath:
-        """Return the vehicle and its tray."""
+        """Select the poses of vehicle and tray."""
         return VehiclePath(
             poses=Poses(self.pose[:, 3:].copy(), self.pose[:, :3].copy()), tray=self.tray
         )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Patches of the hull that the DVL saw from two passes, and what ties them."""
+"""Patches of hull that the DVL saw on two passes, and the constraints between them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class TiedPlanes:
     table: PlaneTable
     # The range to the plane: measured, plus how far the patch stands over its plane along the beam
     ranges: PlaneRangeTable
-    pairs: PlanePairTable  # planes of two passes; the difference is made by the curvature
+    pairs: PlanePairTable  # planes of two passes, which differ by the hull's curvature
 
     def __len__(self) -> int:
         """Count the pairs."""

@@ -58,13 +58,13 @@ class ImageIndex(Rows):
     """Images of one camera in time order."""
 
     t_ns: Ints
-    # (n,) path relative to the package; "" when the bytes lie in the ingest artifact's
+    # (n,) path relative to the package, "" if the bytes are in the ingest artifact's
     # images_<camera>.bin
     file: NDArray[np.str_]
     offset: Ints  # (n,) in that file
     size: Ints  # (n,) bytes
     usable: Mask  # (n,) it decoded
-    # that values of images of 16 bits take, 8 to 16
+    # bits used by the values of 16-bit images, 8 to 16
     bits: Ints = field(default_factory=lambda: np.array(16))
 
     SHARED: ClassVar = frozenset({"bits"})
@@ -87,7 +87,7 @@ class PositionFixes(Rows):
     """Positions from outside, of GPS or USBL."""
 
     t_ns: Ints
-    north_east: Array  # (n, 2) m from the first fix, north as its frame has it
+    north_east: Array  # (n, 2) m from the first fix, with the north of its frame
     sigma: Array  # (n,) m of either
 
 
@@ -96,7 +96,7 @@ SensorRecord = DvlPings | ImuSamples | PressureSamples | JointSamples | SonarPin
 
 @dataclass(frozen=True, kw_only=True)
 class SensorRecords:
-    """What the sensors of one dive measured, images apart; None for a sensor not read."""
+    """Measurements of one dive's sensors, without images. None for a sensor that was not read."""
 
     dvl: DvlPings | None = None
     imu: ImuSamples | None = None
@@ -107,6 +107,6 @@ class SensorRecords:
     position: PositionFixes | None = None
 
     def by_name(self) -> dict[str, SensorRecord]:
-        """Return the records that are there by their field's name, in the order of the fields."""
+        """Collect the records that exist by their field's name, in the order of the fields."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: value for name, value in values.items() if value is not None}

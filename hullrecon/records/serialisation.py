@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Records as the members of an .npz, and back: fields by name, nested ones by `part.field`.
+"""Convert records to the members of an .npz and back: fields by name, nested ones by `part.field`.
 
-A part that is None has no members, which distinguishes it from an empty one.
+A part that is None has no members, which distinguishes it from an empty part.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def _from_arrays(
 
 
 def _nested_record(hint: object) -> type | None:
-    """Return the record type of a field that holds a record or None; None for an array."""
+    """Find the record type of a field that holds a record or None. None for an array."""
     for candidate in (hint, *typing.get_args(hint)):
         if isinstance(candidate, type) and is_dataclass(candidate):
             return candidate

@@ -26,7 +26,7 @@ class Landmarks:
     position: Array  # (L, 3) m in g
     covariance: Array  # (L, 3, 3) in M (g without a CAD model)
     label: Ints  # (L,) 1 = on the CAD model's surface
-    deviation: Array  # (L,) m, signed distance to the CAD model, NaN without one
+    deviation: Array  # (L,) m, signed distance to the CAD model, NaN without a CAD model
     views: Ints  # (L,) images that saw it
     color: NDArray[np.uint8]  # (L, 3) RGB
 
@@ -39,15 +39,15 @@ class HullPose:
     """The pose of the hull, about the survey's centre."""
 
     global_from_hull: Poses  # a batch of one
-    # (6, 6) of (translation in g, rotation right-perturbed in M): of where the hull lies given the
-    # dive's own frame, with the CAD model's error in it
+    # (6, 6) of (translation in g, rotation right-perturbed in M): of the hull's pose given the
+    # dive's own frame, the CAD model's error included
     covariance: Array
     survey_center: Array  # (3,) m in M
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mounts:
-    """Mounts of the sensors, batches of one; None where the sensor was not carried."""
+    """Mounts of the sensors, batches of one. None if the sensor was not carried."""
 
     tray_from_dvl: Poses
     tray_from_top: Poses | None
@@ -64,14 +64,14 @@ class DeviationField:
     sigma: Array  # (a, g) m
 
     def covers(self, along_girth: Array) -> Mask:
-        """Tell which chart points (n, 2) lie within the grid; NaN does not."""
+        """Test whether chart points (n, 2) lie within the grid. False for NaN."""
         cell = (along_girth - self.origin) / self.step
         return np.asarray(np.all((cell >= 0) & (cell <= np.array(self.value.shape) - 1), axis=1))
 
     def value_at(self, along_girth: Array) -> Array:
         """Interpolate the offset (n,) m at chart points (n, 2), bilinear.
 
-        Held beyond the grid's ends, NaN where a point is NaN.
+        Constant beyond the grid's ends. NaN for a point with NaN.
         """
         return self._interpolate(self.value, along_girth)
 
@@ -94,7 +94,7 @@ class Solution:
     """The adjusted dive."""
 
     t_ns: Ints  # (n,) of the nodes
-    image: Ints  # (n, 2) rows in the cameras' indices, -1 where none
+    image: Ints  # (n, 2) rows in the cameras' indices, -1 without an image
     global_from_vehicle: Poses  # (n,)
     tray: Array  # (n,) rad
     tray_sigma: Array  # (n,) rad
@@ -114,11 +114,11 @@ class Solution:
         return Frame.GLOBAL if self.hull_pose is None else Frame.HULL
 
     def result_from_global(self) -> Poses:
-        """Return hull_from_global, or the identity without a CAD model."""
+        """Compute hull_from_global, or the identity without a CAD model."""
         return identity() if self.hull_pose is None else self.hull_pose.global_from_hull.inverse()
 
     def track(self) -> VehicleTrack:
-        """Return the vehicle in the result's frame."""
+        """Transform the vehicle's path to the frame of the results."""
         return VehicleTrack(
             t_ns=self.t_ns,
             poses=self.result_from_global() @ self.global_from_vehicle,

@@ -21,7 +21,7 @@ class Surface:
     support: Ints  # (n,) returns (surface) or views (as found) behind a vertex, 0 = unseen
 
     def mesh(self) -> Mesh:
-        """Return vertices and faces alone."""
+        """Select vertices and faces."""
         return Mesh(self.vertices, self.faces)
 
 
@@ -29,13 +29,13 @@ class Surface:
 class DeviationSplit:
     """How a hull as found deviates from its CAD model, split by how well it is known.
 
-    Where the hull lies in the dive's frame is known to centimetres; an error of it moves and tilts
-    the whole surveyed patch.
+    The hull's pose in the dive's frame is known to centimetres. Its error moves and tilts the whole
+    surveyed patch.
     """
 
     offset: Array  # () m, the patch's mean distance to the CAD model, outward positive
     offset_sigma: Array
     tilt: Array  # (2,) m/m, slope along the hull and in girth
     tilt_sigma: Array
-    form: Array  # (n,) m, what is left of each vertex's deviation; NaN where nothing was seen
+    form: Array  # (n,) m, each vertex's deviation without offset and tilt, NaN where unseen
     form_sigma: Array  # (n,) m, which the hull's position hardly enters

@@ -22,7 +22,7 @@ class Tracks(Rows):
     node: Ints  # (m,)
     top: Array  # (m, 2) px in the raw image, NaN where that camera did not see it
     bottom: Array  # (m, 2) px
-    response: Array  # (m,) of the detector, mean of both images; NaN for corners
+    response: Array  # (m,) of the detector, mean of both images, NaN for corners
     color: NDArray[np.uint8]  # (landmarks, 3) RGB
 
     SHARED: ClassVar = frozenset({"color"})

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The vehicle over the hull: poses at nodes, odometry between them, and what was measured there."""
+"""The vehicle over the hull: poses at nodes, odometry between them, and measurements at nodes."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class VehiclePath:
 
 @dataclass(frozen=True, kw_only=True)
 class VehicleTrack:
-    """The best path of a dive that there is, in the frame of its results."""
+    """The best path available of a dive, in the frame of its results."""
 
     t_ns: Ints
     poses: Poses  # (n,) of the vehicle in `frame`
     tray: Array  # (n,) rad
     covariance: Array  # (n, 6, 6) of (translation in that frame, rotation perturbed on the right)
-    image: Ints  # (n, 2) rows in the cameras' indices, -1 where none
+    image: Ints  # (n, 2) rows in the cameras' indices, -1 without an image
     frame: Frame
 
     @property
@@ -60,7 +60,7 @@ class VehicleTrack:
     def sigma_on_chart(self, chart: Chart) -> tuple[float, float]:
         """Compute the median sigma of the position along the hull and in girth, m.
 
-        By the chart's tangents below the vehicle; NaN where it is nowhere over the chart.
+        By the chart's tangents below the vehicle. NaN if it is nowhere over the chart.
         """
         along, girth = (
             self.sigma_towards(direction)
@@ -74,7 +74,7 @@ class VehicleTrack:
         )
 
     def vehicle_at(self, t_ns: Ints) -> Poses:
-        """Interpolate the vehicle (m) at times, held at both ends."""
+        """Interpolate the vehicle's pose at times (m,), held at both ends."""
         return interpolate(self.t_ns, self.poses, t_ns)
 
 
@@ -82,7 +82,7 @@ class VehicleTrack:
 class Trajectory:
     """The vehicle by dead reckoning, at nodes.
 
-    A node stands at each camera frame; DVL pings farther than a second from any frame have nodes
+    There is a node at each camera frame. DVL pings farther than a second from any frame have nodes
     too, thinned out.
     """
 
@@ -91,14 +91,14 @@ class Trajectory:
     translation: Array  # (n, 3) m
     covariance: Array  # (n, 6, 6) of (translation in g, rotation right-perturbed in v)
     tray: Array  # (n,) rad
-    image: Ints  # (n, 2) rows in the cameras' indices, top and bottom, -1 where none
+    image: Ints  # (n, 2) rows in the cameras' indices, top and bottom, -1 without an image
 
     def poses(self) -> Poses:
-        """Return global_from_vehicle (n)."""
+        """Combine rotation and translation to global_from_vehicle (n)."""
         return Poses(self.quaternion, self.translation)
 
     def track(self) -> VehicleTrack:
-        """Return the vehicle with its tray and covariance in g."""
+        """Convert to a track in g."""
         return VehicleTrack(
             t_ns=self.t_ns,
             poses=self.poses(),
@@ -111,17 +111,17 @@ class Trajectory:
 
 @dataclass(frozen=True, kw_only=True)
 class TrajectoryErrorModel:
-    """What makes the poses of a Trajectory wrong, by cause.
+    """Errors of the poses of a Trajectory, by cause, so that errors shared by two nodes cancel.
 
-    So errors that two nodes share can cancel. Errors are twists about the origin of g, Exp(twist)
-    global_from_vehicle, (translation, rotation): whatever is fixed to the vehicle has the same.
+    Errors are twists about the origin of g, Exp(twist) global_from_vehicle, (translation,
+    rotation). Whatever is fixed to the vehicle has the same twist.
     """
 
     # (n, 6, k) derivative of each node's twist by k errors that are one unknown for the dive
     by_error: Array
-    error_covariance: Array  # (k, k) of those; k may be 0
-    # (n, 6, 6) covariance accumulated since the start, negative before it; between two nodes it is
-    # the difference
+    error_covariance: Array  # (k, k) of those errors, k may be 0
+    # (n, 6, 6) covariance accumulated since the start, negative before it. Between two nodes it is
+    # the difference.
     walk: Array
     white: Array  # (n, 6, 6) covariance of what is new at each node
 
@@ -142,9 +142,9 @@ class Odometry(Rows):
     from_images: Mask  # (m,) images of the two nodes measured the motion
 
     def sigma_between(self, first: Ints, second: Ints) -> Array:
-        """Compute the sigma (m,) m of the way from a node to a later one.
+        """Compute the sigma (m,) m of the displacement from a node to a later node.
 
-        Along the axis that the motions tell worst.
+        Variances of the motions are summed, each along the axis with the largest.
         """
         nodes = 1 + max(int(rows.max(initial=0)) for rows in (self.second, first, second))
         walked_m2 = np.zeros(nodes)
@@ -155,7 +155,7 @@ class Odometry(Rows):
 
 @dataclass(frozen=True, kw_only=True)
 class Returns(Rows):
-    """DVL returns, one row a beam that came back."""
+    """DVL returns, one row per beam that came back."""
 
     t_ns: Ints
     node: Ints  # (m,) nearest
@@ -189,11 +189,11 @@ class Attitude:
     roll: Array  # (m,) rad
     pitch: Array  # (m,) rad
     sigma: Array  # (m, 3) of the white part of depth, roll, pitch
-    # (m,) nodes that share a pressure reading, by whose square root their sigma is larger; 0 where
-    # none was read
+    # (m,) nodes that share a pressure reading, by whose square root their sigma is larger, 0
+    # without a reading
     nodes_per_reading: Array
     tray_direction: Array  # (nodes,) +1 or -1, sense in which the tray last moved
-    # (nodes,) rad, besides the servo's own, of what it may have turned while not read
+    # (nodes,) rad, of the servo's turn while it was not read, in addition to its own sigma
     tray_sigma: Array
 
     @property

@@ -29,7 +29,10 @@ class AboutInspection:
     logo: bytes | None = None  # PNG
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return the texts by heading; the conclusion has a block of its own."""
+        """List the heading and text of each block that dive.toml fills in.
+
+        The conclusion is not among them, see `paragraphs`.
+        """
         rows = [
             ("Client", self.client),
             ("Inspected by", self.operator),
@@ -40,7 +43,7 @@ class AboutInspection:
         return [(name, text.strip()) for name, text in rows if text.strip()]
 
     def paragraphs(self) -> list[str]:
-        """Return the conclusion by paragraphs, which blank lines part."""
+        """Split the conclusion into paragraphs at its blank lines."""
         return [
             " ".join(part.split())
             for part in self.conclusion.replace("\r\n", "\n").split("\n\n")
@@ -49,9 +52,9 @@ class AboutInspection:
 
 
 def read_logo(path: Path) -> bytes:
-    """Return a logo as PNG of at most SHOWN pixels, without what else its file holds.
+    """Read a logo and shrink it to a PNG of at most SHOWN pixels, without the file's metadata.
 
-    Raises InputError if it is no PNG, JPEG or WebP of at most 4 MiB.
+    Raises InputError if the file is no PNG, JPEG or WebP of at most 4 MiB.
     """
     from PIL import Image
 

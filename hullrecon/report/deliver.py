@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write all deliverables of a survey; one that cannot be written costs only itself."""
+"""Write all deliverables of a survey. A failed deliverable does not stop the others."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class FileWriter(Protocol):
         """Write indented JSON with sorted keys."""
 
     def path(self, name: str) -> AbstractContextManager[Path]:
-        """Return a temporary path to write to, which is renamed at the end of the `with`."""
+        """Yield a temporary path to write to, which is renamed at the end of the `with`."""
 
 
 class DeliverableWriter:
@@ -44,7 +44,7 @@ class DeliverableWriter:
 
     @property
     def entries(self) -> Mapping[str, FileEntry]:
-        """Return what was written so far, by name."""
+        """Size and hash of each file written so far, by name."""
         return dict(sorted(self._entries.items()))
 
     def write(self, name: str, data: bytes | str) -> None:
@@ -115,9 +115,9 @@ def deliver(
 
 
 def _concerns_all(error: Exception) -> bool:
-    """Return whether an error says something of the user's input, the memory or the disk.
+    """Test whether an error concerns all deliverables: faults of the input, the memory or the disk.
 
-    Libraries raise OSError without a number for what is wrong with a picture or a raster.
+    Libraries raise OSError without a number for faults of a single picture or raster.
     """
     if isinstance(error, OSError):
         return error.errno is not None

@@ -46,7 +46,7 @@ class FileSink(Protocol):
 
     @property
     def entries(self) -> Mapping[str, FileEntry]:
-        """Return size and hash of what was written so far, by name."""
+        """Size and hash of each file written so far, by name."""
 
     def write(self, name: str, data: bytes | str) -> None:
         """Write a file."""
@@ -92,12 +92,12 @@ class Delivery:
 
     @property
     def end_ns(self) -> int:
-        """Return the time of the last pose: files bear it, so that equal runs give equal bytes."""
+        """Time of the last pose, written into files so that equal runs give equal bytes."""
         return int(self.survey.track.t_ns[-1])
 
     @cached_property
     def photos(self) -> Mapping[int, Crop]:
-        """Return the picture of each object that an image shows, by its number."""
+        """The picture of each object that an image shows, by the object's number."""
         return object_crops(self.survey)
 
     @cached_property
@@ -121,7 +121,7 @@ class Delivery:
 
     @property
     def page(self) -> PageContext:
-        """Return what page and PDF are made of, with all that was written or failed by now."""
+        """The variables of page and PDF, with all that was written or failed so far."""
         return {**self._page, "deliverables": self.out.entries, "failed": self.failed}
 
 
@@ -136,12 +136,12 @@ class Deliverable:
     """A file of deliver/, or a folder of files (its name ends in a slash)."""
 
     name: str
-    needs: Callable[[Survey], str]  # why this dive cannot give it; "" where it can
+    needs: Callable[[Survey], str]  # why this dive cannot give it, "" if it can
     write: Callable[[Delivery], None]
 
 
 def missing_deliverables(survey: Survey) -> dict[str, str]:
-    """Return the reason of each deliverable that the dive cannot give, by name."""
+    """Give the reason for each deliverable that the dive cannot give, by name."""
     reasons = {entry.name: entry.needs(survey) for entry in DELIVERABLES}
     return {name: why for name, why in reasons.items() if why}
 
@@ -156,7 +156,7 @@ def _always(_: Survey) -> str:
 
 
 def _step(survey: Survey, step: str) -> str:
-    """Say why a step left nothing."""
+    """Say why a step left no result."""
     carried, failures = survey.provenance.carried, survey.provenance.failures
     if step == "adjust" and not carried.camera:
         return "no camera was carried"
@@ -225,7 +225,7 @@ def _document(name: str) -> Callable[[Survey], str]:
 
 
 def _copied(name: str, step: str) -> Callable[[Survey], str]:
-    """Need a file, or files of a folder, that a step left as they are delivered."""
+    """Require a file, or the files of a folder, that a step left for delivery."""
 
     def needs(survey: Survey) -> str:
         not_asked = step == "change" and not survey.provenance.carried.earlier_dive
@@ -240,7 +240,7 @@ def _copied(name: str, step: str) -> Callable[[Survey], str]:
 
 
 def _raster(name: str) -> Callable[[Survey], str]:
-    """Need a raster of the hull as found, which lies on a mosaic's grid."""
+    """Require a raster of the hull as found, which lies on a mosaic's grid."""
 
     def needs(survey: Survey) -> str:
         if _copies(survey, name):
@@ -257,7 +257,7 @@ def _raster(name: str) -> Callable[[Survey], str]:
 
 
 def _copies(survey: Survey, name: str) -> Mapping[str, Path]:
-    """Return the files of the steps that a deliverable is copied from."""
+    """Find the files of the steps that a deliverable is copied from, by name."""
     copies = survey.provenance.copies
     return {file: path for file, path in copies.items() if file == name or _below(file, name)}
 
@@ -343,7 +343,7 @@ def _write_schemas(to: Delivery) -> None:
             to.out.write(f"{SCHEMAS}/{schema.name}", schema.read_bytes())
 
 
-# Data first, in an order that suits who shares; the page last, since it lists all others.
+# Data first, in an order that suits sharing between them. The page last, as it lists all others.
 DELIVERABLES: tuple[Deliverable, ...] = (
     _file("trajectory.csv", _always, lambda to: trajectory_table(to.survey).csv),
     _file("trajectory.tum", _always, lambda to: trajectory_tum(to.survey.track)),

@@ -24,5 +24,5 @@ TEXTURE_SIDE_PX = 4096  # of WebGL on any device; three.js shrinks a larger one 
 
 
 def reduction(width_px: float, height_px: float, side_px: float, pixels: float = math.inf) -> float:
-    """Return the factor, at least 1, by which a picture is shrunk to keep to a side and an area."""
+    """Compute the factor, at least 1, by which a picture shrinks to keep to a side and an area."""
     return max(1.0, max(width_px, height_px) / side_px, math.sqrt(width_px * height_px / pixels))

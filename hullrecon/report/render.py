@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TypedDict, cast
 
 _FONT = "font:"  # scheme of the fonts named in print.css
-MAX_CARDS = 40  # of more objects the PDF has a photo with a line; all numbers are in its annex
+MAX_CARDS = 40  # of more objects the PDF has a photo with a line each, and an annex of numbers
 _PICTURES = "/* Pictures */"  # before the rules of plan and ship in print.css
 
 
@@ -23,7 +23,7 @@ class _Card(TypedDict):
 
 
 class _Shown(TypedDict):
-    """Those of the page's variables that the PDF looks into; its template takes the others."""
+    """The variables of the page that Python reads for the PDF. The template takes all."""
 
     sections: Sequence[tuple[str, str]]
     cards: Sequence[_Card]
@@ -56,7 +56,7 @@ def render_template(name: str, variables: Mapping[str, object]) -> str:
 
 
 def read_template(name: str) -> str:
-    """Return a file of report/templates."""
+    """Read a file of report/templates."""
     return (resources.files("hullrecon.report") / "templates" / name).read_text(encoding="utf-8")
 
 
@@ -87,7 +87,7 @@ def render_pdf(context: Mapping[str, object]) -> bytes:
 
 
 def render_html(context: Mapping[str, object]) -> str:
-    """Render what is laid out on the pages of the PDF."""
+    """Render the HTML that the PDF is made of."""
     shown = cast(_Shown, context)
     # rules of the page do not reach into a picture
     style, _, pictures = read_template("print.css").partition(_PICTURES)
@@ -105,14 +105,14 @@ def render_html(context: Mapping[str, object]) -> str:
 
 
 def _with_style(svg: str, rules: str) -> str:
-    """Give a picture rules of its own."""
+    """Insert style rules into an SVG."""
     return re.sub(r"<svg[^>]*>", lambda found: f"{found[0]}<style>{rules}</style>", svg, count=1)
 
 
 def _fetch(url: str, headers: Mapping[str, str] | None = None) -> object:
-    """Return a font, or a picture of a data URI. Raises ValueError for anything else.
+    """Fetch a font, or a picture given as a data URI, and nothing from disk or network otherwise.
 
-    So nothing comes from disk or network.
+    Raises ValueError for any other URL.
     """
     import matplotlib
     from weasyprint.urls import URLFetcher, URLFetcherResponse

@@ -3,10 +3,14 @@
 """The page's 3-D view: the hull as found, the rest of the ship, path and objects.
 
 report/web/src/scene.js is given a document, and one packed block of arrays that it points into. All
-arrays are little-endian, each begins at a multiple of four bytes. A vertex is three uint16 inside
-the part's box; its form an int16 in steps of `form_step_m` along a normal of three int8 (in
-127ths), and so its relief, the part of the form that may be exaggerated; its place on the map two
-float32; a triangle three uint32.
+arrays are little-endian. Each begins at a multiple of four bytes:
+
+- vertices: three uint16 inside the part's box
+- form: int16 in steps of `form_step_m` along the normal
+- relief, the part of the form that may be exaggerated: int16 in the same steps
+- normals: three int8 in 127ths
+- places on the map: two float32
+- triangles: three uint32
 """
 
 from __future__ import annotations
@@ -49,12 +53,12 @@ class ScenePart:
         return bool(np.abs(self.form).max(initial=0.0) > 0)
 
     def as_found(self) -> Array:
-        """Return the vertices of the hull as found."""
+        """Move the vertices along their normals to the hull as found."""
         return self.vertices + self.form[:, None] * self.normals
 
 
 def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]:
-    """Return the surveyed part of the hull and the rest of the ship, None for a part without faces.
+    """Split the hull into surveyed part and rest of the ship. None for a part without faces.
 
     Offset and tilt of the patch are left out: they are not known well enough to be shown as a
     shape. Without a CAD model the surveyed part has no form.
@@ -80,7 +84,7 @@ def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]
 
 
 def _submesh(part: ScenePart, faces: Mask) -> ScenePart | None:
-    """Keep those faces (m,) bool and the vertices that they use."""
+    """Keep the faces of a mask (m,) and the vertices that they use."""
     kept = part.faces[faces]
     if not len(kept):
         return None
@@ -89,7 +93,7 @@ def _submesh(part: ScenePart, faces: Mask) -> ScenePart | None:
 
 
 def _at(part: ScenePart, which: Ints, vertices: Array, faces: Ints) -> ScenePart:
-    """Make a mesh of other vertices, with form, normal and chart point of `which` of the part's."""
+    """Make a mesh of new vertices, with form, normal and chart point of the vertices `which`."""
     return ScenePart(
         vertices=vertices,
         faces=faces,
@@ -100,7 +104,10 @@ def _at(part: ScenePart, which: Ints, vertices: Array, faces: Ints) -> ScenePart
 
 
 def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
-    """Thin a mesh to about so many triangles; form and chart are those of the nearest vertices."""
+    """Thin a mesh to about `most` triangles.
+
+    Form, normals and chart points are those of the nearest old vertices.
+    """
     if part is None or len(part.faces) <= most:
         return part
     import open3d as o3d
@@ -117,10 +124,10 @@ def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
 
 
 def relief_of(points: Array, form: Array) -> Array:
-    """Return the relief (n,) m of a form (n,) at points (n, 3): a smoothed median of RADIUS_M.
+    """Compute the relief (n,) m of a form (n,) at points (n, 3): a smoothed median over RADIUS_M.
 
-    It leaves out what stands on the hull: objects, growth, noise. The points are thinned to one a
-    cell first, since a mesh is finer at objects; over wide surveys cell and radius grow.
+    It leaves out structures on the hull: objects, growth, noise. The points are first thinned to
+    one a cell, since a mesh is finer at objects. Over wide surveys cell and radius grow.
     """
     from scipy.spatial import cKDTree
 
@@ -145,7 +152,7 @@ def relief_of(points: Array, form: Array) -> Array:
 
 
 def _thin(points: Array, spacing: float) -> Array:
-    """Return the indices of the first point in each cube of that side (m)."""
+    """Select the first point in each cube of that side (m), by index."""
     _, first = np.unique(np.floor(points / spacing).astype(np.int64), axis=0, return_index=True)
     return np.sort(first)
 
@@ -186,7 +193,7 @@ def make_scene(survey: Survey, view: HullMap | None) -> SceneView | None:
 
 
 def _pack(part: ScenePart, outside: OutsideMap, block: bytearray) -> SceneDocument:
-    """Append a part's arrays to the block; return where they lie and how they are scaled."""
+    """Append a part's arrays to the block. Returns their offsets and scales."""
     relief = relief_of(part.vertices, part.form)
     low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
     span = np.maximum(high - low, 1e-6)
@@ -207,7 +214,7 @@ def _pack(part: ScenePart, outside: OutsideMap, block: bytearray) -> SceneDocume
 
 
 def _append(block: bytearray, values: np.ndarray) -> int:
-    """Append an array; return the byte at which it begins."""
+    """Append an array. Returns the byte at which it begins."""
     block.extend(bytes(-len(block) % 4))
     start = len(block)
     block.extend(np.ascontiguousarray(values).tobytes())
@@ -225,7 +232,7 @@ def _object(found: ReportedObject) -> SceneDocument:
 
 
 def _known(points: Array) -> Array:
-    """Return the points (n, 3) without a NaN."""
+    """Drop points (n, 3) with a NaN."""
     return points[np.isfinite(points).all(axis=1)]
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the steps' JSON documents hold that a report shows; other members are ignored."""
+"""Members of the steps' JSON documents that a report shows. Other members are ignored."""
 
 from __future__ import annotations
 
@@ -57,10 +57,10 @@ class AdjustSigmas(StepDocument, frozen=True):
 
 
 class SensorErrors(StepDocument, frozen=True):
-    """Errors of the navigation's sensors as estimated, or one sigma of each (zero: not known)."""
+    """Errors of navigation as estimated, or one sigma of each (zero: unknown)."""
 
-    dvl_scale: float = 0.0  # added to velocities, as a share of the true ones
-    heading_drift_rad_s: float = 0.0  # added to the rate of turn
+    dvl_scale: float = 0.0  # correction: the true speed is (1 + dvl_scale) times the measured
+    heading_drift_rad_s: float = 0.0  # correction, added to the measured rate of turn
     roll_bias_rad: float = 0.0
     pitch_bias_rad: float = 0.0
     depth_bias_m: float = 0.0
@@ -111,7 +111,7 @@ class AdjustSummary(StepDocument, frozen=True):
 class SurfaceFacts(StepDocument, frozen=True):
     """surface.json of surface."""
 
-    comparison: str | None = None  # how far one with the CAD model is circular
+    comparison: str | None = None  # how far comparing it with the CAD model is circular
 
 
 class DetectSettings(StepDocument, frozen=True):

@@ -40,10 +40,10 @@ class ImageSource(Protocol):
 
     @property
     def index(self) -> ImageIndex:
-        """Return the index of the images, in time order."""
+        """Index of the images, in time order."""
 
     def read(self, row: int, /) -> Pixels | None:
-        """Return an image (h, w, 3) RGB by row; None when it does not decode."""
+        """Read an image (h, w, 3) RGB by row. None when it does not decode."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ class DiveFacts:
     log: LogFindings = field(default_factory=LogFindings)
     navigation: NavigationFacts = field(default_factory=NavigationFacts)
     pairs: PairFacts = field(default_factory=PairFacts)
-    node_pairs: NodePairs | None = None  # all whose images were compared
+    node_pairs: NodePairs | None = None  # all pairs whose images were compared
     about: AboutInspection = field(default_factory=AboutInspection)
 
 
@@ -71,7 +71,7 @@ class AdjustedDive:
 
     solution: Solution
     summary: AdjustSummary = field(default_factory=AdjustSummary)
-    weak_directions: tuple[Document, ...] = ()  # as adjust.json has them
+    weak_directions: tuple[Document, ...] = ()  # as in adjust.json
     iterations: Arrays = field(default_factory=dict)  # the record of the solve
     depth_sigma_m: float | None = None  # of any depth below the water surface
 
@@ -92,10 +92,10 @@ class Surfaces:
 
     chart: Chart | None = None
     outside: OutsideMap | None = None  # the map in which rasters and vector layers lie
-    surveyed: Surface | None = None  # from the DVL, from landmarks without one
+    surveyed: Surface | None = None  # from the DVL, from landmarks without a DVL
     as_found: Surface | None = None
     deviation: DeviationSplit | None = None  # of as_found
-    comparison: str = ""  # how far one of the DVL's surface with the CAD model is circular
+    comparison: str = ""  # how far comparing the DVL's surface with the CAD model is circular
     cad_model: Mesh | None = None  # as given, in M
     found_by_images: bool = True  # the support of as_found counts images, else DVL returns
 
@@ -105,7 +105,7 @@ class Findings:
     """What is on the hull, and how much of it was seen."""
 
     objects: tuple[ReportedObject, ...] | None = None
-    not_looked_for: str = ""  # why objects were not looked for; empty where they were
+    not_looked_for: str = ""  # why objects were not looked for, empty if they were
     not_reported: tuple[RejectedRegion, ...] = ()
     coverage: Coverage | None = None
     # objects.json and coverage.json, as they are delivered
@@ -129,7 +129,7 @@ class Mosaics:
     sonar: Mosaic | None = None
 
     def named(self) -> dict[str, Mosaic]:
-        """Return the mosaics that the dive has by name: optical, sonar."""
+        """Select the mosaics that the dive has, by name: optical, sonar."""
         both = {"optical": self.optical, "sonar": self.sonar}
         return {name: mosaic for name, mosaic in both.items() if mosaic is not None}
 
@@ -144,7 +144,7 @@ class EarlierComparison:
 
 @dataclass(frozen=True, kw_only=True)
 class StepRun:
-    """One step as its manifest has it."""
+    """A step's run, from its manifest."""
 
     name: str
     version: int
@@ -177,12 +177,12 @@ class Provenance:
     copies: Mapping[str, Path] = field(default_factory=dict)
 
     def settings_of(self, step: str) -> Mapping[str, object]:
-        """Return the options of a step as it ran, none if it did not or left no manifest."""
+        """Look up a step's options as it ran. Empty if it did not run or left no manifest."""
         found = next((run.settings.get(step) for run in self.steps if run.name == step), None)
         return found if isinstance(found, Mapping) else {}
 
     def warnings(self) -> list[str]:
-        """Return the warnings of the steps, with the step's name, in the order of the chain."""
+        """List the warnings of the steps, with the step's name, in the order of the chain."""
         return [f"{step.name}: {text}" for step in self.steps for text in step.warnings]
 
 
@@ -202,7 +202,7 @@ class Survey:
 
     @property
     def method(self) -> str:
-        """Return naive, geva or maxmix; "dead reckoning" when nothing was adjusted."""
+        """Method of the adjustment: naive, geva or maxmix. "dead reckoning" if there was none."""
         return self.adjusted.summary.method if self.adjusted is not None else "dead reckoning"
 
     @property
@@ -212,7 +212,7 @@ class Survey:
 
     @property
     def frame_in_words(self) -> str:
-        """Say in what frame positions are, and where its axes point as far as sensors tell."""
+        """The frame of positions in words, with its axes' directions as far as sensors tell."""
         if self.is_in_hull_frame:
             return "the hull frame: that of the CAD model's file"
         level, zero = "local level", "at the water surface"
@@ -224,7 +224,7 @@ class Survey:
 
     @property
     def origin_in_words(self) -> str:
-        """Say what positions without a CAD model count from."""
+        """The origin of positions without a CAD model, in words."""
         facts = self.facts
         heading = "the heading is that of the first attitude"
         depth = "depths are below the water surface"

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The chain: one file a step; each reads artifacts, calls the library and writes an artifact."""
+"""The chain, one file per step. Each reads artifacts, calls the library and writes an artifact."""

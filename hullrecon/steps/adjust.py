@@ -41,7 +41,7 @@ def run(context: Context[AdjustOptions]) -> None:
 
 
 def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
-    """Adjust the dive by a strategy, and write what the step leaves."""
+    """Adjust the dive by a strategy, and write the step's files."""
     refuse_small_address_space(context.parameters.threads)
     measured = _measurements(context)
     adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info, strategy)
@@ -68,7 +68,7 @@ def run_adjustment(context: Context[Options], strategy: Strategy) -> None:
 
 
 def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[str]:
-    """Say what `hull.pose` means where no depth was measured."""
+    """Warn what `hull.pose` means if no depth was measured."""
     if cad_model is None or attitude.has_depth.any():
         return []
     return [
@@ -96,7 +96,7 @@ def _measurements(context: Context[Options]) -> Measurements:
 
 
 def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
-    """Build the CAD model with the package's guess of its pose; None where the dive has none."""
+    """Build the CAD model with the package's guess of its pose. None if the dive has none."""
     if hull is None or mesh is None:
         return None
     sigma = guess_sigma(hull.pose, hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)]
@@ -134,7 +134,7 @@ def _write_colmap(context: Context[Options], m: Measurements, adjusted: Adjusted
 
 
 def _stamps(ingest: IngestArtifact, image: Ints) -> Ints:
-    """Look up the stamps (n, 2) ns of the images at the nodes, -1 where there is none."""
+    """Look up the stamps (n, 2) ns of the images at the nodes, -1 without an image."""
     stamps = np.full(image.shape, -1, np.int64)
     for camera in Camera:
         index = ingest.image_index(camera)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What each step left, read from its folder: nobody else knows a file's name.
+"""Read what each step left in its folder. Only this module knows the files' names.
 
-A property raises InputError where a file that its step always leaves is missing; what a dive may
-lack is None.
+A property raises InputError if a file is missing that its step always leaves. What a dive may lack
+is None.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ Artifact = TypeVar("Artifact", bound="StepArtifact")
 Document = Mapping[str, object]
 MOUNTS = "mounts.json"
 SONAR_IMAGES = "sonar_image.npy"
-# What two dives of one hull are compared by: a step's files each, in the order of the chain
+# Files from which two dives of one hull are compared, by step in the order of the chain
 HULL_SURVEY_FILES = {
     "ingest": ("hull.npz",), "adjust": ("solution.npz",), "surface": ("chart.npz",),
     "detect": ("as_found.npz", "deviation.npz", "objects.json"),
@@ -73,7 +73,7 @@ CHANGE_CHAPTER, CHANGE_MAP = "chapter.json", "change.png"
 
 @dataclass(frozen=True)
 class StepArtifact:
-    """The folder of one step's artifact; a subclass is the table of its files."""
+    """The folder of one step's artifact. Subclasses list its files."""
 
     folder: Path
 
@@ -81,13 +81,13 @@ class StepArtifact:
         return InputError(f"{name} is missing", where=str(self.folder), remedy="run the step again")
 
     def read(self, name: str, kind: type[Record]) -> Record | None:
-        """Read a record; None where the dive lacks it."""
+        """Read a record. None if the dive lacks it."""
         path = self.folder / name
         return from_arrays(kind, load_arrays(path)) if path.exists() else None
 
 
 class OptionalFile(Generic[Record]):
-    """A record in a file of an artifact, read when asked for; None where the dive lacks it."""
+    """A record in a file of an artifact, read on access. None if the dive lacks it."""
 
     def __init__(self, name: str, kind: type[Record]) -> None:
         self.name, self.kind = name, kind
@@ -97,10 +97,13 @@ class OptionalFile(Generic[Record]):
 
 
 class RequiredFile(Generic[Record]):
-    """A record that its step always leaves. Raises InputError where its file is missing."""
+    """A record that its step always leaves, read on access.
+
+    Raises InputError if its file is missing.
+    """
 
     def __init__(self, name: str, kind: type[Record], *, keep: bool = False) -> None:
-        self.name, self.kind, self.keep = name, kind, keep  # keep: it is asked for many times
+        self.name, self.kind, self.keep = name, kind, keep  # keep: read once, for many accesses
 
     def __get__(self, artifact: StepArtifact, owner: type) -> Record:
         kept: dict[str, Record] = artifact.__dict__
@@ -115,7 +118,7 @@ class RequiredFile(Generic[Record]):
 
 
 class JsonFile:
-    """A JSON document; empty where there is none."""
+    """A JSON document, read on access. Empty if there is no file."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -140,7 +143,7 @@ class IngestArtifact(StepArtifact):
 
     @property
     def sonar(self) -> SonarPings | None:
-        """Return the pings, their images mapped from the file; None where no sonar was carried."""
+        """The sonar's pings, their images mapped from the file. None if no sonar was carried."""
         path = self.folder / "sonar.npz"
         if not path.exists():
             return None
@@ -149,7 +152,7 @@ class IngestArtifact(StepArtifact):
 
     @property
     def hull(self) -> Mesh | None:
-        """Return the checked CAD model in its own frame; None where the dive has none."""
+        """The checked CAD model in its own frame. None if the dive has no CAD model."""
         path = self.folder / "hull.npz"
         if not path.exists():
             return None
@@ -158,19 +161,19 @@ class IngestArtifact(StepArtifact):
 
     @property
     def camera_models(self) -> dict[Camera, CameraModel]:
-        """Return the calibrations as read; empty where no camera was carried."""
+        """The calibrations as read. Empty if no camera was carried."""
         return read_camera_models(self.folder / "cameras.json")
 
     @property
     def sensors(self) -> dict[str, FixedSensor]:
-        """Return the sensors that the log's tf_static leads to; empty where it has none."""
+        """The sensors that the log's tf_static gives a pose for. Empty without tf_static."""
         return msgspec.convert(self.mounts, dict[str, FixedSensor])
 
     def image_index(self, camera: Camera) -> ImageIndex | None:
         return self.read(f"images_{camera.key}.npz", ImageIndex)
 
     def images(self, camera: Camera, package: Path | None) -> ImageStore:
-        """Return the images of a camera. package: its folder, where images are plain files."""
+        """Open the images of a camera. `package` is the folder of images that are plain files."""
         return ImageStore(self.folder, package, camera.key)
 
 
@@ -181,7 +184,7 @@ class NavigateArtifact(StepArtifact):
     odometry = RequiredFile("odometry.npz", Odometry)
     attitude = RequiredFile("attitude.npz", Attitude)
     error_model = RequiredFile("error_model.npz", TrajectoryErrorModel)
-    returns = OptionalFile("returns.npz", Returns)  # of the DVL, where one was carried
+    returns = OptionalFile("returns.npz", Returns)  # of the DVL, None if no DVL was carried
     positions = OptionalFile("positions.npz", PositionTies)  # from outside, that bound the path
     facts = JsonFile("navigation.json")
 
@@ -190,7 +193,7 @@ class LinksArtifact(StepArtifact):
     """Pairs of nodes, what their images have in common, and the path that this ties together."""
 
     pairs = RequiredFile("pairs.npz", NodePairs)
-    compared = OptionalFile("pairs.npz", NodePairs)  # the same, None where no camera was carried
+    compared = OptionalFile("pairs.npz", NodePairs)  # as `pairs`, None if no camera was carried
     features = RequiredFile("features.npz", PairFeatures)
     links = RequiredFile("links.npz", CameraLinks)
     stereo = RequiredFile("stereo.npz", NodeStereo)
@@ -214,9 +217,9 @@ class AdjustArtifact(StepArtifact):
 
     @property
     def depth_sigma_m(self) -> float | None:
-        """Return the sigma of the water surface's height in g; None where it is not known.
+        """Sigma of the water surface's height in g, m. None if it is unknown.
 
-        It holds the pressure sensor's bias, which all depths share, and its noise.
+        It combines the pressure sensor's bias, which all depths share, and its noise.
         """
         bias = _number(self.summary, "navigation_sigma", "depth_bias_m")
         noise = _number(self.summary, "sigmas", "depth_m")
@@ -228,12 +231,12 @@ class AdjustArtifact(StepArtifact):
 
     @property
     def chart(self) -> Chart | None:
-        """Return the hull chart; None without a CAD model."""
+        """The hull chart. None without a CAD model."""
         return read_chart(self.folder / "chart.npz")
 
     @property
     def camera_models(self) -> dict[Camera, CameraModel]:
-        """Return the refined calibrations; empty where they were held."""
+        """The refined calibrations. Empty if calibrations were held fixed."""
         return read_camera_models(self.folder / "cameras.json")
 
 
@@ -245,7 +248,7 @@ class SurfaceArtifact(StepArtifact):
 
     @property
     def chart(self) -> Chart:
-        """Return the chart that all later steps use. Raises InputError where it is missing."""
+        """The chart that all later steps use. Raises InputError if it is missing."""
         chart = read_chart(self.folder / "chart.npz")
         if chart is None:
             raise self.missing("chart.npz")
@@ -263,7 +266,7 @@ class DetectArtifact(StepArtifact):
 
     @property
     def is_found_by_images(self) -> bool:
-        """Whether the hull as found is that of landmarks, else of the DVL's returns."""
+        """Whether the hull as found comes from landmarks, not from the DVL's returns."""
         return self.facts.get("as_found") is None
 
 
@@ -274,18 +277,18 @@ class ChangeArtifact(StepArtifact):
 
     @property
     def map(self) -> bytes:
-        """Return the map of what changed, a PNG."""
+        """The map of changes, a PNG."""
         return (self.folder / CHANGE_MAP).read_bytes()
 
     @property
     def delivered(self) -> tuple[Path, ...]:
-        """Return the files that are delivered as they are."""
+        """The files that are delivered unchanged."""
         return tuple(sorted(self.folder.glob("change.*")))
 
 
 @dataclass(frozen=True)
 class InputArtifacts:
-    """The artifacts that a step was handed; None for an optional one that this dive lacks."""
+    """The artifacts that a step is given. None for an optional artifact that this dive lacks."""
 
     inputs: Mapping[str, Path]
 
@@ -348,7 +351,7 @@ class InputArtifacts:
 
     @property
     def camera_models(self) -> dict[Camera, CameraModel]:
-        """Return the calibrations as refined by adjust, else as read."""
+        """The calibrations as refined by adjust, else as read."""
         refined = self.adjust.camera_models if self.adjust is not None else {}
         return refined or self.ingest.camera_models
 
@@ -360,13 +363,13 @@ def _number(document: Document, section: str, name: str) -> float | None:
 
 
 def _value(settings: Mapping[str, object], key: str) -> object:
-    """Return the value of a key that a step declares alone or with its section, else None."""
+    """Look up a key that a step declares alone or with its section. None if it declares neither."""
     section, _, name = key.rpartition(".")
     return settings[key] if key in settings else getattr(settings.get(section), name, None)
 
 
 def read_camera_models(path: Path) -> dict[Camera, CameraModel]:
-    """Return the cameras of a cameras.json; empty where there is no such file."""
+    """Read the cameras of a cameras.json. Empty if there is no such file."""
     if not path.exists():
         return {}
     return {
@@ -376,5 +379,5 @@ def read_camera_models(path: Path) -> dict[Camera, CameraModel]:
 
 
 def read_chart(path: Path) -> Chart | None:
-    """Return the chart of a chart.npz; None where there is no such file."""
+    """Read the chart of a chart.npz. None if there is no such file."""
     return chart_from_arrays(load_arrays(path)) if path.exists() else None

@@ -16,12 +16,12 @@ NAMES = (
 
 
 def stage(name: str) -> Stage:
-    """Return the stage of that name, imported when asked for."""
+    """Import the stage of that name."""
     return cast(Stage, import_module(_module(name)).STAGE)
 
 
 def stages() -> tuple[Stage, ...]:
-    """Return all stages; each comes after its inputs."""
+    """Import all stages, each after its inputs."""
     return tuple(stage(name) for name in NAMES)
 
 

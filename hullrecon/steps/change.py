@@ -42,18 +42,18 @@ NEEDED = tuple(HULL_SURVEY_FILES)
 
 @dataclass(frozen=True, kw_only=True)
 class FinishedRun:
-    """A run as it is compared."""
+    """A run to compare with another."""
 
     survey: HullSurvey
     cad_model: Mesh
-    frame_spacing_m: float | None  # of the ship's frames, None where it is not known
-    last_t_ns: int  # of its path
+    frame_spacing_m: float | None  # of the ship's frames, None if unknown
+    last_t_ns: int  # time of the path's last pose
 
 
 def read_run(run: Path) -> FinishedRun:
     """Read a run's survey, given as RUNS/<dive>.
 
-    Raises InputError where the run is not finished, is damaged, or has no CAD model.
+    Raises InputError if the run is not finished, is damaged, or has no CAD model.
     """
     workspace = workspace_of(run)
     manifests = finished_steps(workspace, NEEDED)
@@ -73,12 +73,18 @@ def read_survey(
 ) -> FinishedRun:
     """Read a survey from the artifacts of the steps in NEEDED.
 
-    Raises InputError where it has no CAD model or found too little of the hull.
+    Raises InputError if it has no CAD model or found too little of the hull.
 
     Parameters
     ----------
+    folders
+        Folder of each step's artifact, by name.
+    name
+        Of the dive.
+    frame_spacing_m
+        Of the ship's frames, None if unknown.
     where
-        of the run, for errors.
+        The run's place, for errors.
     """
     solution, detect = AdjustArtifact(folders["adjust"]).solution, DetectArtifact(folders["detect"])
     cad_model, as_found, split = (
@@ -134,13 +140,13 @@ def compare_runs(
 
 
 def map_of(run: FinishedRun) -> OutsideMap:
-    """Return the map of the run's rasters, which a comparison with a later dive is drawn in."""
+    """Build the map of the run's rasters, in which a comparison with a later dive is drawn."""
     as_found = run.survey.as_found
     return outside_map(run.survey.chart, as_found.vertices[as_found.support > 0], "M")
 
 
 def _refuse_damaged(folders: Mapping[str, Path], manifests: Mapping[str, Manifest]) -> None:
-    """Raise InputError where a file that is read is not what its step wrote."""
+    """Raise InputError if a file to read is not as its step wrote it."""
     for step, names in HULL_SURVEY_FILES.items():
         for name in names:
             written = manifests[step].outputs.get(name)
@@ -181,10 +187,9 @@ def run(context: Context[EarlierDive]) -> None:
 
 
 def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
-    """Compare this dive with the earlier one.
+    """Compare this dive with the earlier dive.
 
-    Raises StageError for whatever stands against it: all but the chapter on change goes without the
-    earlier dive.
+    Raises StageError for any obstacle, since the rest of the report does without the earlier dive.
     """
     earlier = str(context.parameters.earlier)
     try:
@@ -202,9 +207,9 @@ def _compare(context: Context[EarlierDive]) -> tuple[FinishedRun, HullChange]:
 
 
 def _earlier_dive(context: Context[EarlierDive]) -> FinishedRun:
-    """Read the earlier dive, named by its folder.
+    """Read the earlier dive, and name it by its run's folder.
 
-    With the folder above it where both dives have one name.
+    If both dives have the same name, the parent folder is part of its name.
     """
     root = workspace_of(context.source / str(context.parameters.earlier)).root.resolve()
     if root == context.inputs["detect"].resolve().parent:
@@ -242,7 +247,7 @@ def files_of_earlier_dive(settings: StageSettings, package: Path) -> list[Path]:
 
 
 def why_not(settings: StageSettings, package: Path) -> str | None:
-    """Say why a dive is not compared with an earlier one; None where it is."""
+    """Say why the dive is not compared with an earlier dive. None if it is."""
     if settings.read("change", EarlierDive).earlier is None:
         return "no earlier dive is named (change.earlier)"
     return "no CAD model was given" if settings["hull.mesh"] is None else None

@@ -72,12 +72,16 @@ def _adjusted(inputs: InputArtifacts) -> AdjustArtifact:
 
 
 def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
-    """Return how well the survey as a whole lies on the hull and below the water.
+    """Summarise how well the survey as a whole lies on the hull and below the water.
 
     Parameters
     ----------
+    solution
+        The adjusted dive.
+    chart
+        The hull's chart.
     depth_sigma_m
-        of the water surface in g, where the poses are in M; those in g have it.
+        Sigma of the water surface in g, for poses in M. If None, that of the poses is taken.
     """
     track = solution.track()
     along, girth = track.sigma_on_chart(chart)
@@ -91,7 +95,7 @@ def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | Non
 def _views(
     context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution
 ) -> CameraViews | None:
-    """Place the top camera's images; None without a camera or a landmark."""
+    """Place the top camera's images. None without a camera, an image or a landmark."""
     index = inputs.ingest.image_index(Camera.TOP)
     if index is None or Camera.TOP not in inputs.camera_models:
         return None
@@ -106,7 +110,7 @@ def _views(
 def _sonar_survey(
     context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution
 ) -> SonarSurvey | None:
-    """Place the sonar's pings; None without a sonar or where its servo was not logged."""
+    """Place the sonar's pings. None without a sonar, or if its servo was not logged."""
     settings, pings = inputs.mounted(context.settings), inputs.ingest.sonar
     elevation_deg = settings.read_optional("sonar.elevation_deg", float)
     if elevation_deg is None or pings is None:
@@ -122,7 +126,7 @@ def _sonar_survey(
 
 
 def _regions(context: Context[DetectOptions], base: BaseSurface) -> tuple[HullRegion, ...]:
-    """Return the regions of dive.toml; none, with a warning, where the CAD model was refused."""
+    """Read the regions of dive.toml. Without a CAD model there are none, with a warning."""
     regions: tuple[HullRegion, ...] = context.settings.read_optional("hull.region", tuple) or ()
     if regions and base.cad_model is None:
         context.warn(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""features: those of every image, one mappable .npy a kind and camera."""
+"""features: find features in every image, stored as one mappable .npy per kind and camera."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ class Extract:
     find: FindFeatures
 
     def __call__(self, image: int) -> Features | None:
-        """Find the features; None when the image cannot be read after all."""
+        """Find the features. None if the image cannot be read after all."""
         picture = ImageStore(self.ingest, self.source, self.camera.key).read(image)
         return None if picture is None else self.find(picture, self.options)
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Say why a dive cannot have this step; None where it can."""
+    """Say why a dive cannot have this step. None if it can."""
     return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 
 
@@ -62,21 +62,21 @@ def external(settings: StageSettings, package: Path) -> list[Path]:
 
 
 def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
-    """Leave the features of each camera and index.npz.
+    """Write the features of each camera and index.npz.
 
     Parameters
     ----------
     context
-        The step's.
+        Settings, inputs and writer of the step.
     find
-        Finds the features of an image; hullrecon/studies has a published variant.
+        Finds the features of an image. hullrecon/studies has a published variant.
 
     Raises
     ------
     InputError
-        Where the top camera has no image.
+        The top camera has no image.
     StageError
-        Where no image has a feature.
+        No image has a feature.
     """
     top = InputArtifacts(context.inputs).ingest.image_index(Camera.TOP)
     if top is None or not len(top.t_ns):
@@ -104,7 +104,7 @@ def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
 def _write_camera(
     context: Context[FeatureOptions], camera: Camera, usable: Mask, find: FindFeatures
 ) -> tuple[Ints, Array]:
-    """Write one camera's arrays block by block; give features and saliency of each image (n,)."""
+    """Write one camera's arrays by blocks. Returns count of features and saliency by image (n,)."""
     work = Extract(
         ingest=context.inputs["ingest"],
         source=context.source,

@@ -14,9 +14,9 @@ from hullrecon.errors import InputError
 
 
 def workspace_of(run: Path) -> Workspace:
-    """Return the workspace of a run, given as RUNS/<dive> or its deliver/.
+    """Open the workspace of a run, given as RUNS/<dive> or its deliver/.
 
-    Raises InputError for another folder.
+    Raises InputError for any other folder.
     """
     workspace = Workspace(run.parent if run.name == PUBLISHED else run)
     if not workspace.exists():
@@ -29,8 +29,7 @@ def workspace_of(run: Path) -> Workspace:
 def finished_steps(workspace: Workspace, needed: Sequence[str]) -> Mapping[str, Manifest]:
     """Read the manifests of the steps that a command needs, in the order of the chain.
 
-    Raises InputError when the run did not come so far, or those after a step that was rerun were
-    not.
+    Raises InputError if a step is missing or damaged, or was not rerun after one of its inputs was.
     """
     found: dict[str, Manifest] = {}
     for name in needed:

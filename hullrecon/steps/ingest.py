@@ -54,7 +54,7 @@ USES = (
     "hull.mesh",
     "hull.units",
 )
-# a key that a camera's section always has: None where the dive has no such camera
+# a key that a camera's section always has: None if the dive has no such camera
 CARRIED = "time_offset"
 
 
@@ -108,7 +108,7 @@ def request_of(settings: StageSettings) -> IngestRequest:
 
 
 def _needs_logged_calibration(settings: StageSettings, camera: Camera) -> bool:
-    """Tell whether a camera was carried whose calibration dive.toml leaves to the log."""
+    """Test whether a camera was carried whose calibration dive.toml leaves to the log."""
     return (
         settings[f"{camera.section}.{CARRIED}"] is not None
         and settings[f"{camera.section}.calibration"] is None
@@ -116,13 +116,13 @@ def _needs_logged_calibration(settings: StageSettings, camera: Camera) -> bool:
 
 
 def _instant(settings: StageSettings, name: str) -> Instant:
-    """Return a limit of the time window."""
+    """Read a limit of the time window: a date, s from the log's start, or None for no limit."""
     value = settings[name]
     return value if isinstance(value, datetime) else settings.read_optional(name, float)
 
 
 def _beams(settings: StageSettings) -> Array | None:
-    """Compute the DVL's beams (b, 3), which dive.toml has as angles or as unit vectors."""
+    """Read the DVL's beams (b, 3) from angles or unit vectors. None if dive.toml has neither."""
     angle_deg = settings.read_optional("dvl.beam_angle_deg", float)
     if angle_deg is not None:
         return tilted_beams(angle_deg, settings.read("dvl.beam_azimuth_deg", tuple))
@@ -166,7 +166,7 @@ def run(context: Context[IngestOptions]) -> None:
 
 
 def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
-    """Write images one after the other as one .npy, and map it."""
+    """Write images one after another as one .npy, and map it."""
     with path.open("wb") as file:
         description = {"descr": np.dtype(np.uint8).str, "fortran_order": False, "shape": shape}
         np.lib.format.write_array_header_1_0(file, description)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""links: images compared in rounds, patches of hull seen again, and the path that these give."""
+"""links: compare images in rounds, find patches of hull seen again, solve the path with both."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ def run(
     kernel: str = KERNEL,
     strategy: MatchStrategy = MatchStrategy(),  # noqa: B008  frozen
 ) -> None:
-    """Leave pairs of images, patches of hull passed again, and the path that both tie.
+    """Write pairs of images, patches of hull seen again, and the path that both constrain.
 
     Parameters
     ----------
     context
-        The step's.
+        Settings, inputs and writer of the step.
     kernel
-        Guards the path against wrong links; hullrecon/studies compares others.
+        Robust kernel against wrong links. hullrecon/studies compares others.
     strategy
-        How images are matched; hullrecon/studies has published variants.
+        How images are matched. hullrecon/studies has published variants.
     """
     inputs = InputArtifacts(context.inputs)
     graph = pose_graph(inputs, inputs.mounted(context.settings), kernel)
@@ -64,7 +64,7 @@ def run(
 
 
 def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str = KERNEL) -> PoseGraph:
-    """Build the pose graph of a dive without links; settings hold the mounts that the log tells."""
+    """Build the pose graph of a dive without links, with settings that hold the log's mounts."""
     navigate = inputs.navigate
     return PoseGraph(
         trajectory=navigate.trajectory,
@@ -79,7 +79,7 @@ def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str = KE
 def _link_images(
     context: Context[LinkOptions], solve: PathSolver[GraphSolution], strategy: MatchStrategy
 ) -> tuple[dict[str, object], GraphSolution]:
-    """Link the images and write what they tie; give its figures and the path solved with it."""
+    """Link the images and write the links. Returns figures and the path solved with them."""
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     rig = rig_with_priors(settings, inputs.ingest.camera_models)
@@ -132,7 +132,7 @@ def _link_images(
 
 
 def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
-    """Write the planes that tie the path, where there are any, and give their figures."""
+    """Write the planes that constrain the path, if there are any. Returns their figures."""
     if not isinstance(solved, PlanarSolution):
         return {}
     if solved.planes is not None:
@@ -151,7 +151,7 @@ def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[
 
 
 def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
-    """Compare positions from outside with the path, and warn where they contradict navigation."""
+    """Compare positions from outside with the path, and warn if they contradict navigation."""
     fit = solved.fit_of_positions()
     if fit is None:
         return {}

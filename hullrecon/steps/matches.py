@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""matches: the matches of linked images joined to tracks."""
+"""matches: join the matches of linked images to tracks."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from hullrecon.vision.pairs.pair_match import REASON_TEXTS
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Say why a dive cannot have this step; None where it can."""
+    """Say why a dive cannot have this step. None if it can."""
     return None if settings["camera.top.mount"] is not None else "no camera was carried"
 
 
 def run(context: Context[MatchOptions]) -> None:
-    """Leave tracks.npz, pairs.npz and pairs.json."""
+    """Write tracks.npz, pairs.npz and pairs.json."""
     inputs = InputArtifacts(context.inputs)
     rig = rig_from_settings(inputs.mounted(context.settings), inputs.ingest.camera_models)
     worker = MatchWorker(features=context.inputs["features"], rig=rig, options=context.parameters)

@@ -23,7 +23,7 @@ REMEDY = "check the alignment of the dive with its surface, or set mosaic-optica
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Say why there is no such mosaic; None where a camera was carried."""
+    """Say why there is no optical mosaic. None if a camera was carried."""
     return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 
 
@@ -50,7 +50,7 @@ def run(context: Context[OpticalOptions]) -> None:
 def _usable_images(
     context: Context[OpticalOptions], artifacts: InputArtifacts, inputs: MosaicInputs
 ) -> list[CameraImages]:
-    """Place the usable images of every camera. Raises StageError where there is none."""
+    """Place the usable images of every camera. Raises StageError if there are none."""
     settings = artifacts.mounted(context.settings)
     rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, artifacts.camera_models)
     rig = rig if inputs.mounts is None else rig.with_mounts(inputs.mounts)

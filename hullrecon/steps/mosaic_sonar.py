@@ -28,9 +28,9 @@ from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
-    """Say why there is no such mosaic; None where an imaging sonar was carried and logged.
+    """Say why there is no sonar mosaic. None if an imaging sonar was carried and logged.
 
-    It is logged in a topic, or in a log that has none.
+    It may be logged in a topic, or in a log without topics, such as the sonar's own file.
     """
     topics, logs = settings["topics"], settings["logs"]
     is_logged = isinstance(topics, Topics) and topics.sonar is not None
@@ -73,14 +73,18 @@ def run(context: Context[SonarOptions]) -> None:
 
 
 def ping_poses(artifacts: InputArtifacts, settings: StageSettings, track: VehicleTrack) -> Poses:
-    """Place the sonar at its pings in the track's frame: result_from_sonar (n).
+    """Compute the sonar's poses at its pings in the track's frame: result_from_sonar (n).
 
-    Raises StageError where there is no ping, or the sonar's servo was not logged.
+    Raises StageError if there is no ping, or the sonar's servo was not logged.
 
     Parameters
     ----------
+    artifacts
+        Inputs of the step.
     settings
-        with the mounts that the log tells in place.
+        With the mounts that the log gives filled in.
+    track
+        Path of the vehicle.
     """
     rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
     joint = settings.read_optional("sonar.joint", str)
@@ -95,12 +99,20 @@ def blend_pings(
     progress: Progress,
     scratch: BinaryIO,
 ) -> SonarMosaic:
-    """Blend posed pings on a surface. Raises StageError where no ping meets it.
+    """Blend posed pings on a surface. Raises StageError if no ping meets it.
 
     Parameters
     ----------
+    surface
+        The hull's surface with its chart.
+    pings, poses
+        The sonar's pings, and their poses in the surface's frame.
+    settings
+        Of the step.
+    progress
+        Shows how many pings are done.
     scratch
-        an empty file.
+        An empty file.
     """
     elevation_rad = np.radians(settings.read("sonar.elevation_deg", float))
     try:

@@ -30,16 +30,16 @@ class MosaicInputs:
 
     surface: MosaicSurface
     outside: OutsideMap  # the map that rasters are written in
-    as_found: Surface | None  # the hull as found, None without
-    by_images: bool  # whether images are what it was found by
-    deviation: DeviationSplit | None  # of the hull as found, None without
+    as_found: Surface | None  # the hull as found, None if detect left none
+    by_images: bool  # the hull as found is that of images, else of the DVL's returns
+    deviation: DeviationSplit | None  # of the hull as found, None without a CAD model
     track: VehicleTrack
     mounts: Mounts | None  # as adjusted, None before the adjustment
     surface_name: str  # which surface it is, for captions
 
 
 def read_mosaic_inputs(inputs: InputArtifacts) -> MosaicInputs:
-    """Read the surface as found (else the DVL's) and the best path that there is."""
+    """Read the surface as found, else the DVL's, and the best path available."""
     as_found = inputs.detect.as_found if inputs.detect is not None else None
     solution = inputs.adjust.solution if inputs.adjust is not None else None
     surface = inputs.surface.surface if as_found is None else as_found
@@ -125,7 +125,7 @@ def _write_mosaic_rasters(
 def _write_surface_rasters(
     context: MosaicContext, layout: RasterLayout, inputs: MosaicInputs
 ) -> None:
-    """Write what is known of the hull as found at the mosaic's pixels."""
+    """Write rasters of the hull as found on the mosaic's pixels."""
     if inputs.as_found is None:
         return
     for name, tiles in surface_tiles(

@@ -52,7 +52,7 @@ from hullrecon.vision.odometry import (
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
 
 Samples = TypeVar("Samples", bound=Stream)
-CLOCK_FEATURES = 1000  # of an image whose motion tells the clocks
+CLOCK_FEATURES = 1000  # of an image from whose motion time offsets are estimated
 
 
 class NavigateOptions(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -61,18 +61,18 @@ class NavigateOptions(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 @dataclass(frozen=True, kw_only=True)
 class ImagePairMotion:
-    """The images of a dive with vision's odometer, as navigation asks for motions between pairs."""
+    """Images and visual odometer of a dive, for the motions that navigation asks for."""
 
     top: ImageStore
     bottom: ImageStore
     odometer: StereoOdometer
 
     def frame(self, top: int, bottom: int) -> OdometryFrame:
-        """Return the features of the images in those rows."""
+        """Extract the features of a stereo pair, given by the rows of its images."""
         return self.odometer.frame(top, self.top.read(top), self.bottom.read(bottom))
 
     def between(self, first: OdometryFrame, second: OdometryFrame) -> StereoMotion | None:
-        """Measure the motion between two pairs; None where too few features agree on one."""
+        """Measure the motion between two stereo pairs. None if too few features agree."""
         found = self.odometer.motion(first, second)
         if found is None:
             return None
@@ -92,7 +92,7 @@ def external(settings: StageSettings, package: Path) -> list[Path]:
 
 
 def run(context: Context[NavigateOptions]) -> None:
-    """Leave trajectory, error model, odometry, attitude, returns and navigation.json."""
+    """Write trajectory, error model, odometry, attitude, returns and navigation.json."""
     inputs = InputArtifacts(context.inputs)
     ingest = inputs.ingest
     for mount in describe_mounts(inputs.mounts(context.settings)):
@@ -110,13 +110,13 @@ def run(context: Context[NavigateOptions]) -> None:
 
 
 def _ingest_and_settings(context: Context[NavigateOptions]) -> tuple[IngestArtifact, StageSettings]:
-    """Return what ingest left, and the settings with the mounts that the log gives."""
+    """Read the artifact of ingest, and the settings with the mounts that the log gives."""
     inputs = InputArtifacts(context.inputs)
     return inputs.ingest, inputs.mounted(context.settings)
 
 
 def _refuse_wrong_rig(context: Context[NavigateOptions]) -> None:
-    """Raise InputError where a few pairs of images contradict the calibration or the stamps."""
+    """Raise InputError if a few stereo pairs contradict the calibration or the stamps."""
     ingest, settings = _ingest_and_settings(context)
     index = {
         camera: found for camera in Camera if (found := ingest.image_index(camera)) is not None
@@ -198,7 +198,7 @@ def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
 
 
 def _unless_empty(samples: Samples | None) -> Samples | None:
-    """Return a stream with at least one sample, or None."""
+    """Turn a stream without samples into None."""
     return None if samples is None or not len(samples.t_ns) else samples
 
 
@@ -217,7 +217,7 @@ def _write(context: Context[NavigateOptions], found: Navigated, source: str) -> 
 def _write_positions(
     context: Context[NavigateOptions], trajectory: Trajectory
 ) -> tuple[dict[str, object], list[str]]:
-    """Write positions from outside that show something, and return their numbers and sentences."""
+    """Write informative positions from outside. Returns their numbers and sentences."""
     inputs = InputArtifacts(context.inputs)
     fixes = inputs.ingest.position
     if fixes is None:

@@ -103,9 +103,10 @@ class ReportOptions(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
 
 def run(context: Context[ReportOptions]) -> None:
-    """Write deliver/ from what the chain left.
+    """Write deliver/ from the artifacts of the chain.
 
-    What cannot be written is a warning, with its traceback in TRACEBACKS of the step's folder.
+    A deliverable that cannot be written gives a warning. Its traceback is in TRACEBACKS of the
+    step's folder.
     """
     failures = deliver(read_survey(context), context.out)
     for failure in failures:
@@ -116,9 +117,9 @@ def run(context: Context[ReportOptions]) -> None:
 
 
 def failed_delivery(run: Path) -> HullreconError | None:
-    """Return the error that tells of deliverables that could not be written; None where all were.
+    """Build the error for deliverables that could not be written. None if all were.
 
-    run: RUNS/<dive>. Its exit code is that of a fault of ours.
+    `run` is RUNS/<dive>. The error's exit code is that of an internal error.
     """
     summary, traces = run / "report" / "deliver" / "summary.json", run / "report" / TRACEBACKS
     if not traces.is_file():
@@ -133,7 +134,7 @@ def failed_delivery(run: Path) -> HullreconError | None:
 
 
 def read_survey(context: Context[ReportOptions]) -> Survey:
-    """Return what the chain left, read into memory."""
+    """Read the artifacts of the chain into memory."""
     artifacts = InputArtifacts(context.inputs)
     adjusted = _adjusted(artifacts.adjust) if artifacts.adjust is not None else None
     solution = adjusted.solution if adjusted is not None else None
@@ -179,7 +180,7 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
 
 
 def _reason(facts: Document) -> str | None:
-    """Return why objects were not looked for; detect.json holds their number where they were."""
+    """Read why objects were not looked for. None if they were: detect.json then holds a number."""
     objects = facts.get("objects")
     return objects if isinstance(objects, str) else None
 
@@ -228,7 +229,7 @@ def _about(context: Context[ReportOptions]) -> AboutInspection:
 
 
 def files_of_package(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the files of the package that the report reads: images and the logo."""
+    """List the files of the package that the report reads: images and the logo."""
     logo = settings.read("report", ReportOptions).logo
     return [*external(settings, package), *([Path(logo)] if logo is not None else [])]
 
@@ -295,7 +296,7 @@ def _change(artifacts: InputArtifacts) -> EarlierComparison | None:
 
 
 def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
-    """Return the files that are delivered as a step left them, by their name in deliver/."""
+    """Find the files that are delivered as a step left them, by their name in deliver/."""
     copies = {}
     if "adjust" in context.inputs:
         model = context.inputs["adjust"] / "colmap"
@@ -305,7 +306,7 @@ def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
         for source, target in DELIVERED.items():
             if step in context.inputs and (context.inputs[step] / source).exists():
                 copies[target.format(name)] = context.inputs[step] / source
-    for step in reversed(MOSAICS):  # on the optical mosaic's grid where there is one
+    for step in reversed(MOSAICS):  # on the optical mosaic's grid if there is an optical mosaic
         for name in SURFACE_RASTERS if step in context.inputs else ():
             if (context.inputs[step] / name).exists():
                 copies[name] = context.inputs[step] / name
@@ -316,7 +317,7 @@ def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
 
 
 def _step_run(folder: Path, name: str) -> StepRun:
-    """Return a step as its manifest has it; a folder made by hand has none."""
+    """Read a step's run from its manifest. Empty for a folder made by hand, without manifest."""
     path = folder / "manifest.json"
     manifest = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     recipe = manifest.get("recipe", {})

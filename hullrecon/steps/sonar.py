@@ -19,14 +19,22 @@ SONAR_KEYS = ("sonar.origin", "sonar.mount")  # of the rig, what places the sona
 def sonar_poses(
     rig: Rig, track: VehicleTrack, t_ns: Ints, joint: str | None, samples: JointSamples | None
 ) -> Poses:
-    """Place the sonar at ping times (n,) in the track's frame: result_from_sonar (n).
+    """Compute the sonar's poses at ping times (n,) in the track's frame: result_from_sonar (n).
 
-    Raises StageError where the servo was not logged.
+    Raises StageError if the servo was not logged.
 
     Parameters
     ----------
+    rig
+        The vehicle's sensors.
+    track
+        Path of the vehicle.
+    t_ns
+        Times of the pings (n,).
     joint
-        name of the sonar's servo, None where it is fixed.
+        Name of the sonar's servo, None if the sonar is fixed.
+    samples
+        Angles of the servo, None if they were not logged.
     """
     angle = np.zeros(len(t_ns))
     if joint is not None:

@@ -44,16 +44,16 @@ def find_rig_problem(
     index
         The images of each camera.
     read
-        An image by camera and row.
+        Reads an image by camera and row.
     sigma_rad
         Of the bottom camera's rotation.
     dvl
-        For the baseline; None without one.
+        For the baseline, None without a DVL.
 
     Returns
     -------
     problem
-        None where all fits, or without two cameras.
+        None if all fits, or without two cameras.
     """
     if len(index) < len(Camera) or len(rig.cameras) < len(Camera):
         return None
@@ -70,7 +70,7 @@ def find_rig_problem(
 def describe_rig_problem(
     loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
 ) -> list[Finding]:
-    """Compare the stereo rig with the images that `check` kept."""
+    """Check the stereo rig on the images that `check` sampled."""
     bottom = loaded.config.camera.bottom
     if bottom is None or any(camera.key not in found.images for camera in Camera):
         return []

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The step `surface`: the hull from DVL returns, from landmarks where no DVL was carried.
+"""The step `surface`: the hull from DVL returns, or from landmarks if no DVL was carried.
 
-Poses are the adjusted ones when there are any, else dead reckoned.
+Poses are the adjusted ones if there are any, else dead reckoned.
 """
 
 from __future__ import annotations
@@ -38,10 +38,12 @@ def run(
 
     Parameters
     ----------
+    context
+        Settings, inputs and writer of the step.
     regression
-        how offsets are regressed.
+        Regresses the offsets from the reference.
     reference
-        what they are offsets from.
+        Chooses the surface that offsets are measured from.
     """
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
@@ -69,7 +71,7 @@ def run(
 
 
 def _cad_hull(mesh: Mesh, settings: StageSettings) -> CadHull:
-    """Return the CAD model with its axes as in dive.toml."""
+    """Combine the CAD model with its axes as given in dive.toml."""
     pose = settings.read_optional("hull.pose", tuple)
     return CadHull(
         mesh=mesh,

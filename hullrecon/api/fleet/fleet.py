@@ -38,11 +38,11 @@ from hullrecon.artifacts.workspace import PUBLISHED, hold_lock
 from hullrecon.errors import HullreconError, InputError, LockedError, StageError, UsageError
 
 log = logging.getLogger(__name__)
-FOLDER = ".fleet"  # in RUNS; no dive can have this name
-# Failures that the package or the program decides; a full disk, a lock or a kill may be over by the
-# next call.
+FOLDER = ".fleet"  # in RUNS, no dive can have this name
+# Exit codes of failures that package or program cause. Other causes (a full disk, a lock, a kill)
+# may be gone by the next call.
 LASTING = (1, 2, 3, 4)
-TRIED_AGAIN_S = 86_400.0  # a failure may have other causes all the same, such as too little memory
+TRIED_AGAIN_S = 86_400.0  # such a failure may have another cause after all, such as lack of memory
 ABOVE_REMEDY = "choose another folder with --runs"
 
 
@@ -55,10 +55,10 @@ class Terms:
 
 
 class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a dive ended last, and what package, result and program were then."""
+    """How a dive ended last, with the state of package, result and program at that time."""
 
     name: str | None
-    package: str  # signatures
+    package: str  # signature of the package's files, as are result's and program's
     result: str
     program: str
     exit_code: int
@@ -66,10 +66,14 @@ class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     refused: bool  # it was not run
     ended_s: float  # since 1970
     allow_outside: bool = False
-    time_limit_s: float | None = None  # the limit that ended it, None where none did
+    time_limit_s: float | None = None  # the limit that ended it, None if no limit did
 
     def holds(self, terms: Terms) -> bool:
-        """Whether a failure would most likely come again: nothing changed, and it may no more."""
+        """Test whether a failure would most likely recur under these terms.
+
+        Not after TRIED_AGAIN_S, nor if the terms allow more time or files outside for the first
+        time.
+        """
         more_time = self.time_limit_s is not None and (
             terms.time_limit_s is None or terms.time_limit_s > self.time_limit_s
         )
@@ -83,7 +87,7 @@ class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 
 class FleetRecords:
-    """The records of a folder of runs by package: one document, written whole after each dive."""
+    """The records of a folder of runs by package, in one document rewritten after each dive."""
 
     def __init__(self, runs: Path) -> None:
         self._path = runs / FOLDER / "dives.json"
@@ -116,11 +120,11 @@ class PlannedDive:
     """A package of a fleet before it is run."""
 
     package: Path  # absolute
-    name: str | None  # of the dive, None where dive.toml does not tell
+    name: str | None  # of the dive, None if dive.toml is not valid
     listing: Listing
-    to_do: str = ""  # why it is run, empty where it is not
+    to_do: str = ""  # why it is run, empty if it is not
     refused: HullreconError | None = None  # why it may not be run
-    record: DiveRecord | None = None  # how it ended last, None where unknown
+    record: DiveRecord | None = None  # how it ended last, None if unknown
 
 
 def preview_fleet(
@@ -131,9 +135,9 @@ def preview_fleet(
     allow_outside: bool = False,
     time_limit_s: float | None = None,
 ) -> FleetResult:
-    """Say what `run_fleet` would do, without changing anything.
+    """Plan what `run_fleet` would do, without changing anything.
 
-    Raises InputError when there is no package.
+    Raises InputError if there is no package.
     """
     terms = Terms(allow_outside=allow_outside, time_limit_s=time_limit_s)
     return _Fleet(dives, runs, retry=retry, terms=terms).result()
@@ -155,12 +159,18 @@ def run_fleet(
 
     Parameters
     ----------
+    dives
+        Folder of dive packages.
+    runs
+        Folder of all runs.
     jobs
         Dives at a time. Each has its share of the cores.
     scheduler
-        Address of a Dask scheduler for all of them.
+        Address of a Dask scheduler for all dives.
     retry
         Run also what failed before and has not changed since.
+    progress
+        Shows how many dives have ended, nothing if None.
     on_failure
         Called with each failed dive, as it fails.
     allow_outside
@@ -174,6 +184,8 @@ def run_fleet(
         Another fleet works for these runs.
     InputError
         There is no package.
+    UsageError
+        Results would lie among the packages.
     StorageError
         RUNS cannot be written. A dive that fails raises nothing.
     """
@@ -212,7 +224,7 @@ def run_fleet(
 
 
 class _Fleet:
-    """The dives of one call: what is planned, and how each stands."""
+    """The dives of one call: the plan, and the state of each."""
 
     def __init__(
         self,
@@ -252,7 +264,7 @@ class _Fleet:
         return planned
 
     def _why_run(self, dive: PlannedDive, retry: bool) -> str:
-        """Return why a dive is run; empty where its last result or failure stands."""
+        """Say why a dive is run. Empty if its last result or failure still stands."""
         record = dive.record
         if record is None:
             return "new"
@@ -271,7 +283,7 @@ class _Fleet:
         return list_folder(folder, folder, MADE_BY_RUNS).signature
 
     def _before(self, dive: PlannedDive) -> FleetDive:
-        """Return how a dive stands that is not run, or not yet."""
+        """Describe a dive that is not run, or not yet."""
         record = dive.record
         if dive.refused is not None:
             code, reason = dive.refused.exit_code, dive.refused.line()
@@ -286,7 +298,7 @@ class _Fleet:
         )
 
     def end(self, dive: PlannedDive, ended: Ended) -> None:
-        """Note how a dive stands whose process has ended."""
+        """Note the state of a dive whose process has ended."""
         path = _log_file(dive, self.runs)
         with suppress(FileNotFoundError):
             if path.stat().st_size == 0:
@@ -309,7 +321,7 @@ class _Fleet:
         self.note(dive, now, timed_out=ended.timed_out)
 
     def note(self, dive: PlannedDive, now: FleetDive, *, timed_out: bool = False) -> None:
-        """Remember how a dive stands where that is new, and report a failure."""
+        """Record the state of a dive if it is new, and report a failure."""
         if now.exit_code is not None and (now.ran or not now.known):
             record = DiveRecord(
                 name=dive.name,
@@ -338,7 +350,7 @@ class _Fleet:
         known: bool = False,
         ended_early: bool = False,
     ) -> FleetDive:
-        """Return how a dive stands. ended_early: its run was cut off, so deliver/ is not of it."""
+        """Describe a dive. If its run ended early, deliver/ is not from that run."""
         path = _log_file(dive, self.runs)
         # a step that fails alone, such as a mosaic, leaves the rest delivered
         is_whole = code == 0 or (code == StageError.exit_code and not ended_early)
@@ -412,7 +424,7 @@ def _names(
 
 @contextmanager
 def _lock(runs: Path) -> Iterator[None]:
-    """Hold the lock of all fleets of these runs. Raises LockedError when another has it."""
+    """Hold the lock of all fleets of these runs. Raises LockedError if another fleet holds it."""
     try:
         with hold_lock(runs / FOLDER / "lock"):
             yield
@@ -424,9 +436,10 @@ def _lock(runs: Path) -> Iterator[None]:
 def _command(
     dive: PlannedDive, runs: Path, scheduler: str | None, terms: Terms, cores: int
 ) -> list[str]:
-    """Return the arguments that run a dive, or explain what is wrong with its dive.toml.
+    """Build the arguments that run a dive, or that explain what is wrong with its dive.toml.
 
-    The name is that which was compared with all others', should dive.toml change meanwhile.
+    The dive's name is passed on, as it was compared with all others' and dive.toml may change
+    meanwhile.
     """
     if dive.name is None:
         return ["status", str(dive.package), "--runs", str(runs)]

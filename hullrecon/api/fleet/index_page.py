@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write RUNS/index.html: every dive, its state, what stands out, and the way to its report."""
+"""Write RUNS/index.html: every dive, its state, notable findings, and a link to its report."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from hullrecon.artifacts.workspace import PUBLISHED
 FILE = "index.html"
 REPORT = Path(PUBLISHED) / "report" / "index.html"
 REFUSED = "the CAD model does not fit"
-MIN_WEAK_M = 0.1  # a position that is known better does not stand out
+MIN_WEAK_M = 0.1  # a smaller sigma of the position is not listed
 _LARGEST_BYTES = 1 << 26
 Kind = TypeVar("Kind", bound=msgspec.Struct)
 _WORDS = {
@@ -50,22 +50,22 @@ class IndexRow:
 
 
 class FleetIndex:
-    """The page of one folder of runs. A result is read once, and again when its dive has ended."""
+    """The page of one folder of runs. A result is read once, and again after its dive has ended."""
 
     def __init__(self, runs: Path) -> None:
         self._runs = runs
         self._known: dict[str, DiveFindings | None] = {}
 
     def forget(self, name: str | None) -> None:
-        """Read the result of a dive again, which has ended."""
+        """Forget the result of a dive that has ended, so that it is read again."""
         self._known.pop(name or "", None)
 
     def exists(self) -> bool:
-        """Return whether the page, or a dive of its name, is there."""
+        """Test whether the page, or a dive of its name, is there."""
         return (self._runs / FILE).exists()
 
     def write(self, dives: Iterable[FleetDive], running: Collection[Path] = ()) -> None:
-        """Write the page, durably. running: packages of the dives that are at work now."""
+        """Write the page, durably. `running` holds the packages of the dives that run now."""
         dives = list(dives)
         rows = [self._row(dive, dive.package in running) for dive in dives]
         rows += self._others({dive.name for dive in dives})
@@ -86,7 +86,7 @@ class FleetIndex:
         )
 
     def _others(self, names: Collection[str | None]) -> list[IndexRow]:
-        """Return the runs that lie here and are none of this fleet's."""
+        """List the runs in the folder that belong to no dive of this fleet."""
         there = sorted(
             path.name for path in self._runs.iterdir()
             if path.name not in names and not path.name.startswith(".") and path.is_dir()
@@ -125,7 +125,7 @@ class FleetIndex:
 
 
 def _state(dive: FleetDive, running: bool) -> tuple[str, str, bool]:
-    """Return kind, words, and whether the dive's result is that of its package as it is."""
+    """Choose kind and words of a dive, and tell whether its result is of its present package."""
     if running:
         return "running", "running", False
     if dive.state == "failed":
@@ -144,7 +144,7 @@ def _state(dive: FleetDive, running: bool) -> tuple[str, str, bool]:
 
 
 def render_index(rows: Sequence[IndexRow]) -> str:
-    """Return the page."""
+    """Render the page."""
     from jinja2 import Environment, StrictUndefined
 
     text = (resources.files("hullrecon.api.fleet") / "templates" / "index.html").read_text(
@@ -196,15 +196,15 @@ class _Alignment(msgspec.Struct, frozen=True):
 
 
 class DiveFindings(msgspec.Struct, frozen=True, kw_only=True):
-    """What stands out of one dive's result."""
+    """The notable findings of one dive."""
 
     about: str = ""  # vessel and date
     sentences: tuple[str, ...] = ()  # the worst first
-    largest_m: float = 0.0  # height of the largest object, 0 without
+    largest_m: float = 0.0  # height of the largest object, 0 without objects
 
 
 def read_findings(deliver: Path) -> DiveFindings | None:
-    """Read what stands out of a folder of deliverables; None without a readable summary."""
+    """Read the notable findings of a folder of deliverables. None without a readable summary."""
     summary = _read(deliver / "summary.json", _Summary)
     if summary is None:
         return None
@@ -241,7 +241,7 @@ def _of_objects(count: int, largest: _Object) -> str:
 
 
 def _read(path: Path, kind: type[Kind]) -> Kind | None:
-    """Return a document; None where there is none that can be read."""
+    """Read a JSON document. None if it is missing or cannot be read."""
     try:
         with path.open("rb") as file:
             return msgspec.json.decode(file.read(_LARGEST_BYTES), type=kind)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How the dives of a fleet stand, as told to people and to programs (fleet.schema.json)."""
+"""The states of a fleet's dives, for people and for programs (fleet.schema.json)."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ State = Literal["delivered", "up to date", "failed", "to do"]
 
 @dataclass(frozen=True, kw_only=True)
 class FleetDive:
-    """How one dive stands."""
+    """The state of one dive."""
 
     package: Path  # absolute
-    name: str | None  # dive.name, None where unknown
+    name: str | None  # dive.name, None if unknown
     state: State
-    exit_code: int | None  # of its run, None where it is to do
+    exit_code: int | None  # of its run, None if it is still to do
     reason: str  # why it failed or is to do
     ran: bool  # in this call
     known: bool  # the last call found the same failure
     files: tuple[str, ...]  # of the package, relative to it
-    log: Path | None  # of its last run, None without one
+    log: Path | None  # of its last run, None without a log
     delivered: bool  # deliver/ is of its last run, which may have failed in a step of its own
 
     def line(self) -> str:
@@ -37,7 +37,7 @@ class FleetDive:
 
 @dataclass(frozen=True, kw_only=True)
 class FleetResult:
-    """How a folder of dives stands. Paths are absolute."""
+    """The state of a folder of dives. Paths are absolute."""
 
     dives_folder: Path
     runs: Path
@@ -49,11 +49,11 @@ class FleetResult:
 
     @property
     def exit_code(self) -> int:
-        """Return 0 when no dive failed, else 4."""
+        """0 if no dive failed, else 4."""
         return StageError.exit_code if self.count("failed") else 0
 
     def summary(self) -> str:
-        """Say in one line how many stand how."""
+        """Count in one line the dives that are delivered, failed, to do or run now."""
         to_do, ran = self.count("to do"), sum(dive.ran for dive in self.dives)
         return (
             f"{len(self.dives)} dive{'s' if len(self.dives) > 1 else ''}:"
@@ -62,7 +62,7 @@ class FleetResult:
         )
 
     def document(self) -> dict[str, object]:
-        """Return all of it as --json prints it."""
+        """Build the document that --json prints."""
         return {
             "dives_folder": as_utf8(self.dives_folder),
             "runs": as_utf8(self.runs),

@@ -30,7 +30,7 @@ FILE = "dive.toml"
 # the fleet's own process.
 MAX_BYTES = 65_536
 MAX_DOTS = 200
-MADE_BY_RUNS = (".hullrecon", "logs", "quarantine")  # in RUNS/<dive>, beside the artifacts
+MADE_BY_RUNS = (".hullrecon", "logs", "quarantine")  # in RUNS/<dive>, next to the artifacts
 NAME_TYPE = get_type_hints(Dive, include_extras=True)["name"]
 
 
@@ -40,13 +40,13 @@ def one_line(text: str) -> str:
 
 
 def as_utf8(path: str | os.PathLike[str]) -> str:
-    r"""Return a path as text that can be encoded; bytes that are not UTF-8 stand as \xNN."""
+    r"""Convert a path to text that can be encoded, with bytes that are not UTF-8 as \xNN."""
     return os.fsencode(path).decode(errors="backslashreplace")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Skipped:
-    """What lies where dives lie and is not looked at, with the reason."""
+    """An entry of the folder of dives that is not looked at, with the reason."""
 
     path: Path
     reason: str
@@ -76,7 +76,7 @@ def find_packages(dives: Path) -> tuple[list[Path], list[Skipped]]:
 def _why_not(
     entry: os.DirEntry[str], path: Path, dives: Path, packages: dict[Path, None]
 ) -> str | None:
-    """Return why an entry is skipped, empty where that needs no word; None for a package."""
+    """Say why an entry is skipped. Empty if it needs no mention, None for a package."""
     if entry.is_symlink():
         target = Path(os.path.realpath(path))
         if not target.is_relative_to(dives) or target == dives:
@@ -92,10 +92,10 @@ def _why_not(
 
 
 def read_name(package: Path, dives: Path) -> str | None:
-    """Read the dive's name; None where dive.toml is not valid, which `status` explains better.
+    """Read the dive's name. None if dive.toml is not valid, which `status` explains better.
 
-    Raises InputError where dive.toml is no regular file inside `dives`, UsageError where it is too
-    large to be one.
+    Raises InputError if dive.toml is no regular file inside `dives`, UsageError if it is too large
+    or has too many dots in a line.
     """
     data = _read(package / FILE, dives)
     if len(data) > MAX_BYTES:
@@ -136,8 +136,10 @@ def list_folder(folder: Path, inside: Path, leave_out: tuple[str, ...] = ()) -> 
 
     Parameters
     ----------
+    folder
+        The folder to list.
     inside
-        Links to folders are followed inside this one alone.
+        Links to folders are followed only if they lead into this folder.
     leave_out
         Names at the folder's top that do not count.
     """
@@ -156,7 +158,7 @@ def list_folder(folder: Path, inside: Path, leave_out: tuple[str, ...] = ()) -> 
 
 
 def program_signature() -> str:
-    """Hash this program's own code: results of other code have to be looked at again."""
+    """Hash names, sizes and times of this program's files. Other code may give other results."""
     package = Path(__file__).parents[2]
     marks = hashlib.sha256(version().encode())
     for path in sorted([*package.rglob("*.py"), *package.glob("*.so")]):
@@ -180,7 +182,7 @@ def _walk(
     seen: set[tuple[int, int]],
     leave_out: tuple[str, ...] = (),
 ) -> Iterator[tuple[str, os.stat_result]]:
-    """Yield each file below a folder, and each link without target, with its status, by name."""
+    """Yield each file below a folder, and each link without a target, with its status, by name."""
     try:
         entries = sorted(os.scandir(folder), key=lambda entry: os.fsencode(entry.name))
     except OSError:
@@ -199,7 +201,7 @@ def _walk(
 
 
 def _status(entry: os.DirEntry[str]) -> os.stat_result | None:
-    """Return the status of a file, of a link that of its target, or its own where it has none."""
+    """Look up the status of a file or of a link's target, or of a link without a target."""
     for follow in (True, False):
         with suppress(OSError):
             return entry.stat(follow_symlinks=follow)

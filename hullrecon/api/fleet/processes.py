@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Run commands of hullrecon in processes of their own: what ends one leaves the others."""
+"""Run hullrecon's commands in separate processes, so that a crash ends one command alone."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _MAX_ANSWER = 1 << 22  # bytes of a command's document that are read
 class Ended:
     """How a command ended."""
 
-    exit_code: int  # 128 + signal where one ended it, as in a shell; 4 where its time was over
+    exit_code: int  # 128 + signal if a signal ended it, as in a shell, 4 if its time was over
     reason: str  # empty when all was well
     seconds: float
     timed_out: bool = False
@@ -61,15 +61,21 @@ def run_each(
     time_limit_s: float = math.inf,
     on_start: Callable[[Key], None] | None = None,
 ) -> Generator[tuple[Key, Ended], None, None]:
-    """Run hullrecon with each of these arguments, `jobs` at a time; yield each as it ends.
+    """Run hullrecon with each of these arguments, `jobs` at a time. Yield each as it ends.
 
-    What takes longer than time_limit_s is ended, and so is what still runs when the generator is
-    closed.
+    A command that takes longer than time_limit_s is ended, and so is what still runs when the
+    generator is closed.
 
     Parameters
     ----------
+    commands
+        Arguments of each command, by key.
+    jobs
+        Commands at a time.
     scratch
         Folder for what the commands print.
+    time_limit_s
+        Of each command.
     on_start
         Called with the key of each command that was started.
     """
@@ -100,7 +106,7 @@ def run_each(
 
 
 def end_with_parent(parent: int) -> None:
-    """Have the kernel end this process when the one that started it ends, even by SIGKILL."""
+    """Have the kernel end this process when its parent ends, even by SIGKILL."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != parent:
         os.kill(os.getpid(), signal.SIGTERM)
@@ -130,7 +136,7 @@ def _end_of(run: _Running[Key]) -> Ended:
 
 
 def _end_late(run: _Running[Key], time_limit_s: float) -> Ended:
-    """End a command whose time is over, unless it came to its end meanwhile."""
+    """End a command whose time is over, unless it has succeeded meanwhile."""
     _terminate([run])
     ended = _end_of(run)
     if ended.exit_code == 0:
@@ -143,7 +149,7 @@ def _end_late(run: _Running[Key], time_limit_s: float) -> Ended:
 
 
 def _message(output: IO[bytes]) -> str:
-    """Return the message of the command's error document; empty where it printed none."""
+    """Read the message of the command's error document. Empty if it printed none."""
     output.seek(0)
     with suppress(ValueError, LookupError, TypeError, RecursionError):
         return str(json.loads(output.read(_MAX_ANSWER))["error"]["message"])
@@ -157,7 +163,7 @@ def _last_line(errors: IO[bytes]) -> str:
 
 
 def _terminate(running: Sequence[_Running[Key]]) -> None:
-    """End processes by SIGTERM, which keeps finished steps; what does not listen is killed."""
+    """End processes by SIGTERM, which keeps finished steps. What does not react is killed."""
     for run in running:
         run.process.terminate()
     until = time.monotonic() + _PATIENCE_S

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hull addresses: where a point lies on the hull, in words, no finer than is known."""
+"""Hull addresses: the place of a point on the hull in words, no finer than its sigma."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def address(
     """Describe points (n, 3) as text.
 
     'frames 52 to 53 (31.4 ± 0.3 m from AP), port, 2.31 ± 0.05 m girth from keel, 1.8 m below
-    waterline'. Digits stop where sigma begins, and a frame that is not known is a range of them.
+    waterline'. Digits end where the sigma begins, and an uncertain frame is given as a range.
     Without a CAD model the address counts metres on the fitted plane.
 
     Parameters
@@ -43,7 +43,7 @@ def address(
     frame_spacing_m
         Of the ship's frames.
     depths_m
-        (n,) below the water surface, positive down; left out when absent or NaN.
+        (n,) below the water surface, positive down. Left out when absent or NaN.
     sigma
         Of all points.
     """
@@ -60,17 +60,17 @@ def address(
 
 
 def is_hull_chart(chart: Chart) -> bool:
-    """Tell whether the chart is a ship's, with girth from the keel, and not a plane."""
+    """Test whether the chart is a ship's, with girth from the keel, and not a plane."""
     return str(chart.to_arrays().get("kind", "plane")) == "axis"
 
 
 def side_of(girth_m: float, sigma_m: float = 0.0) -> str:
-    """Return port or starboard; keel where the girth is not told from it."""
+    """Name the side: port, starboard, or keel if the girth is not significantly off it."""
     return "keel" if abs(girth_m) < max(0.005, sigma_m) else "port" if girth_m > 0 else "starboard"
 
 
 def frame_words(along_m: float, spacing_m: float, sigma_m: float | None) -> str:
-    """Name the frame that a place lies at, or those between which one sigma leaves it."""
+    """Name the ship's frame at a place, or the range of frames within one sigma."""
     frame, sigma = along_m / spacing_m, 0.0 if sigma_m is None else sigma_m / spacing_m
     if not math.isfinite(sigma) or sigma <= 0.25:
         return f"frame {frame:.{1 if sigma <= 0.1 else 0}f}"
@@ -110,7 +110,7 @@ def _words(
 
 
 def _metres(value: float, sigma: float | None, most: int) -> str:
-    """Format metres with their sigma where it shows at so many digits."""
+    """Format metres with at most `most` digits, with the sigma unless it rounds to zero."""
     if sigma is None or not math.isfinite(sigma):
         return f"{value:.{most}f} m"
     digits = min(most, max(0, -math.floor(math.log10(max(sigma, 1e-9)))))

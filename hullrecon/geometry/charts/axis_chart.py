@@ -71,9 +71,9 @@ class AxisChart:
         return points @ self.axes, normals @ self.axes
 
     def _on_skin(self, along: Array, angle: Array, radius: Array) -> tuple[Array, Array]:
-        """Find where the ray meets the mesh.
+        """Intersect rays with the mesh. Returns points and outward normals (n, 3).
 
-        Over a small hole, the sections' own point and the closest face's normal.
+        Over a small hole they are the sections' own point and the closest face's normal.
         """
         origin, inward = self.sections.rays(along, angle)
         hit = self.mesh.index.cast(origin, inward)
@@ -88,7 +88,7 @@ class AxisChart:
         return point, np.where(np.einsum("ni,ni->n", normal, inward)[:, None] > 0, -normal, normal)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return what `from_arrays` reads back."""
+        """Collect the arrays that `from_arrays` reads."""
         s = self.sections
         return {
             "kind": np.asarray("axis"),
@@ -110,7 +110,7 @@ class AxisChart:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> AxisChart:
-        """Rebuild the chart that `to_arrays` gave."""
+        """Rebuild the chart from the arrays of `to_arrays`."""
         number = {
             n: np.asarray(arrays[n], float)
             for n in ("axes", "vertices", "axis", "station", "angle", "radius", "girth")

@@ -27,7 +27,7 @@ class Chart(Protocol):
 
     @property
     def ship_axes(self) -> Array:
-        """Rows forward, port, up (3, 3) in the chart's frame; x, -y and -z of g for a plane."""
+        """Rows forward, port, up (3, 3) in the chart's frame. For a plane x, -y and -z of g."""
 
     @property
     def along_of_origin(self) -> float:
@@ -47,7 +47,7 @@ class Chart(Protocol):
         """
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return what an artifact stores; `chart_from_arrays` reads it back."""
+        """Collect the arrays of an artifact, which `chart_from_arrays` reads."""
 
 
 def chart_for_hull(
@@ -63,12 +63,12 @@ def chart_for_hull(
     mesh
         The CAD model.
     up
-        (3,) roughly up in its frame; the nearest axis of the frame is taken. The ship lies along
+        (3,) roughly up in its frame. The nearest axis of the frame is taken. The ship lies along
         the longer of the two other axes.
     bow
-        Where along that axis the bow is ("+x" to "-z"); where it grows unless given.
+        Direction of the bow along that axis, "+x" to "-z". If None, the axis points to the bow.
     aft_perpendicular_m
-        Where on that axis along is zero.
+        Coordinate on that axis at which along is zero.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def chart_for_points(
     points
         In g.
     toward
-        To this side the normal points: (3,), or the sensors' places (n, 3).
+        The side that the normal points to: a point (3,), or the sensors' places (n, 3).
     up
         (3,) in the frame of the points.
 
@@ -106,7 +106,7 @@ def chart_for_points(
 
 
 def chart_from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> Chart:
-    """Rebuild the chart that `to_arrays` gave."""
+    """Rebuild the chart from the arrays of `to_arrays`."""
     from hullrecon.geometry.charts.axis_chart import AxisChart
     from hullrecon.geometry.charts.plane_chart import PlaneChart
 

@@ -15,7 +15,7 @@ from hullrecon.typing import Array, Ints, Mask
 class Lattice:
     """Cells along and in girth."""
 
-    origin: Array  # (2,) m, middle of the first
+    origin: Array  # (2,) m, middle of the first cell
     step_m: float
     shape: tuple[int, int]  # cells along and in girth
 
@@ -51,7 +51,7 @@ class Lattice:
         return mask.astype(bool)
 
     def outline(self, mask: Mask) -> Array:
-        """Trace the longest closed line (k, 2) around a mask (a, g); empty without cells."""
+        """Trace the longest closed line (k, 2) around a mask (a, g). Empty without cells."""
         import cv2
 
         lines, _ = cv2.findContours(
@@ -62,7 +62,7 @@ class Lattice:
 
 
 def lattice_around(points: Array, step_m: float, margin_m: float = 0.0) -> Lattice:
-    """Make cells that hold chart points (n, 2) with a margin; rows with NaN are left out."""
+    """Lay a lattice around chart points (n, 2) with a margin. Rows with NaN are left out."""
     good = points[np.isfinite(points).all(axis=1)]
     low = np.floor((good.min(axis=0) - margin_m) / step_m)
     high = np.ceil((good.max(axis=0) + margin_m) / step_m)

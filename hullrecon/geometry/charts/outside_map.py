@@ -33,7 +33,7 @@ class OutsideMap:
 
     @property
     def name(self) -> str:
-        """Name of the coordinate system with its definition, which tells the four apart."""
+        """Name of the coordinate system, with its definition to distinguish the four maps."""
         of = (
             "hull chart of the ship (frame M)"
             if self.frame == "M"
@@ -44,7 +44,7 @@ class OutsideMap:
 
     @property
     def wkt(self) -> str:
-        """Describe a local engineering system in WKT 1, which old programs read too.
+        """The map as a local engineering system in WKT 1, which old programs read too.
 
         In metres, tied to no place on Earth.
         """

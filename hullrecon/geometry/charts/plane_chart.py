@@ -23,11 +23,11 @@ class PlaneChart:
     """A plane as chart, in the frame of its points (g)."""
 
     origin: Array  # (3,) m
-    axes: Array  # (3, 3) rows along, girth, outward normal; along x girth = -normal
+    axes: Array  # (3, 3) rows along, girth, outward normal, with along x girth = -normal
 
     @property
     def ship_axes(self) -> Array:
-        """Rows forward, port, up (3, 3) in g, whose z is down; see `Chart`."""
+        """Rows forward, port, up (3, 3) in g, whose z is down. See `Chart`."""
         return np.diag([1.0, -1.0, -1.0])
 
     @property
@@ -48,17 +48,20 @@ class PlaneChart:
         return points, normals
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return what `from_arrays` reads back."""
+        """Collect the arrays that `from_arrays` reads."""
         return {"kind": np.asarray("plane"), "origin": self.origin, "axes": self.axes}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> PlaneChart:
-        """Rebuild the chart that `to_arrays` gave."""
+        """Rebuild the chart from the arrays of `to_arrays`."""
         return cls(np.asarray(arrays["origin"], float), np.asarray(arrays["axes"], float))
 
 
 def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) -> PlaneChart:
-    """Fit a plane to finite points (n, 3) within 3 robust sigma of it; see `chart_for_points`."""
+    """Fit a plane to the finite points (n, 3) within 3 robust sigma of it.
+
+    See `chart_for_points`.
+    """
     usable = points[np.isfinite(points).all(axis=1)]
     if len(usable) < 3:
         raise InputError(
@@ -77,7 +80,7 @@ def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) ->
 
 
 def _near(off: Array) -> Mask:
-    """Tell which heights (n,) over a plane are within 3 robust sigma of their middle.
+    """Mark heights (n,) over a plane within 3 robust sigma of their median.
 
     The nearest three always are.
     """
@@ -88,7 +91,7 @@ def _near(off: Array) -> Mask:
 
 
 def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Array:
-    """Compute heights (n,) over the plane, of many through three points, of least median height."""
+    """Compute heights (n,) over the plane of least median height, of many through three points."""
     corner = points[np.random.default_rng(seed).integers(0, len(points), (trials, 3))]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     size = np.linalg.norm(normal, axis=1)
@@ -104,7 +107,7 @@ def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Arra
 def _principal(points: Array) -> tuple[Array, Array]:
     """Compute the mean (3,) and the principal directions (3, 3), longest first.
 
-    Their signs do not depend on the library.
+    The directions' signs do not depend on the library.
     """
     center = points.mean(axis=0)
     _, vectors = np.linalg.eigh((points - center).T @ (points - center))
@@ -116,7 +119,7 @@ def _principal(points: Array) -> tuple[Array, Array]:
 def _girth_axis(normal: Array, longest: Array, up: Array) -> Array:
     """Choose the girth's unit vector in the plane.
 
-    Uphill where the plane stands, across the longest direction where it lies flat.
+    It points uphill if the plane is steep, else across the longest direction.
     """
     rough = up if abs(normal @ up) < STEEP else np.cross(longest, normal)
     flat = rough - normal * (rough @ normal)

@@ -32,8 +32,8 @@ class RegionCells:
 def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> RegionCells:
     """Sample the surface within limits of the chart by cells.
 
-    along, girth: (low, high) m; None: as far as the mesh reaches. No cells where there is no
-    surface.
+    Limits of along and girth are (low, high) m, None for as far as the mesh reaches. There are no
+    cells where there is no surface.
     """
     given = np.array([(-np.inf, np.inf) if limits is None else limits for limits in (along, girth)])
     reach = chart_limits(chart, mesh)
@@ -54,8 +54,8 @@ def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> Regi
 def chart_limits(chart: Chart, mesh: Mesh) -> Array:
     """Find how far the chart of a mesh reaches, (2, 2) rows of low and high, m.
 
-    Zeros where it has no place. What is narrower than a LOOK-th of the mesh's size at its ends is
-    left out.
+    Zeros if the chart has no place on the mesh. An end narrower than a LOOK-th of the mesh's size
+    is left out.
     """
     if not len(mesh.vertices):
         return np.zeros((2, 2))
@@ -65,7 +65,7 @@ def chart_limits(chart: Chart, mesh: Mesh) -> Array:
     )
     limits = np.array([[-farthest, farthest], [-around, around]])
     limits[0] += chart.along_of_origin
-    for _ in range(2):  # the second time closer, where the first one saw a hull
+    for _ in range(2):  # the second round is finer, around what the first found
         step = np.diff(limits) / (LOOK - 1)
         at = _grid(*(np.linspace(low, high, LOOK) for low, high in limits)).reshape(-1, 2)
         at = at[_near(chart.from_chart(at)[0], mesh)]
@@ -76,9 +76,9 @@ def chart_limits(chart: Chart, mesh: Mesh) -> Array:
 
 
 def _near(points: Array, mesh: Mesh) -> Mask:
-    """Tell which points (n, 3) are finite and lie where the mesh does.
+    """Mark points (n, 3) that are finite and inside the mesh's bounding box.
 
-    A plane as chart goes on without end.
+    A plane as chart has no end of its own.
     """
     low, high = mesh.vertices.min(axis=0) - CELL_M, mesh.vertices.max(axis=0) + CELL_M
     return np.asarray(((points >= low) & (points <= high)).all(axis=1))

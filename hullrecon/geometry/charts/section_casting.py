@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Casting of a hull's sections: choose the axis, cast rays, tell skin from leaps between parts."""
+"""Casting of a hull's sections: choose the axis, cast rays, tell skin from jumps between parts."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array, Mask
 
 AXES = "xyz"
-# cosine: a stretch of skin steeper than 83 degrees to the ray is believed only when its middle is
-# on the mesh
+# cosine of 83 degrees: a line of skin more oblique to the ray is accepted only if its middle is on
+# the mesh
 GRAZING = 0.12
-# of a stretch's length: farther from the mesh than that, its middle hangs in the air
+# of such a line's length, the largest distance of its middle from the mesh
 OFF_SKIN = 0.1
 
 
 def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
     """Choose rows forward, port, up in the mesh's frame (3, 3).
 
-    Up is the frame's axis nearest to `up`; forward the longer of the others, where it grows or, by
-    `bow` ("-x"), where it falls. Raises InputError for a bow along another axis.
+    Up is the frame's axis nearest to `up`. Forward is the longer of the other two axes, reversed if
+    `bow` says so ("-x"). Raises InputError for a bow along another axis.
     """
     size = np.ptp(vertices, axis=0)
     vertical = int(np.argmax(np.abs(up)))
@@ -43,9 +43,9 @@ def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
 
 
 def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str) -> InputError:
-    """Make the error for a bow along an axis that the ship does not lie along.
+    """Build the error for a bow along an axis that the ship does not lie along.
 
-    size: m, of the CAD model by axis.
+    `size` holds the CAD model's length along each axis, m.
     """
     other = bow[1]
     is_vertical = f"{other} is up or down by hull.pose, and " if other == vertical else ""
@@ -60,9 +60,9 @@ def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str)
 
 
 def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
-    """Turn each connected piece of the mesh so that the rays meet its outer side.
+    """Orient each connected piece of the mesh so that the rays meet its outer side.
 
-    Pieces that no ray meets stay.
+    Pieces that no ray meets are left as they are.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -87,7 +87,7 @@ def outward_faces(mesh: Mesh, sections: Sections) -> Mesh:
 
 
 def choose_axis_height(mesh: Mesh) -> float:
-    """Choose the height of nine, m, from which rays see most of the sides and the bottom."""
+    """Choose from nine heights, m, that from which rays see most of the sides and the bottom."""
     low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
     seen = [_seen_area(mesh, height) for height in heights]
@@ -100,7 +100,7 @@ def choose_axis_height(mesh: Mesh) -> float:
 
 
 def _seen_area(mesh: Mesh, height: float) -> float:
-    """Compute the skin that rays meet well, m2, without decks (their normals point up)."""
+    """Measure the skin that rays meet well, m2, without decks (their normals point up)."""
     sections = _frame(mesh, height, stations=60, angles=91)
     origin, inward = sections.rays(*_pairs(sections))
     hit = mesh.index.cast(origin, inward)
@@ -112,7 +112,7 @@ def _seen_area(mesh: Mesh, height: float) -> float:
 
 
 def cast_sections(mesh: Mesh, height: float) -> Sections:
-    """Cast the sections of a turned mesh about its axis at that height."""
+    """Cast the sections of a turned mesh about its axis at the given height."""
     size = np.ptp(mesh.vertices, axis=0)
     step = float(np.clip(size[0] / 400, size[0] / 2000, 0.3 if size[0] > 60 else 0.25))
     empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
@@ -135,9 +135,9 @@ def cast_sections(mesh: Mesh, height: float) -> Sections:
 
 
 def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
-    """Lay out stations and angles, without their rays.
+    """Lay out stations and angles, without radii.
 
-    A half hull ends at the middle plane: its axis lies there, as for a whole one.
+    A half hull ends at the middle plane, in which its axis lies, as for a whole hull.
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     beam = high[1] - low[1]
@@ -169,7 +169,7 @@ def _pairs(s: Sections) -> tuple[Array, Array]:
 def _bridge_gaps(radius: Array) -> Array:
     """Fill gaps between two hits of a station linearly.
 
-    Nothing beyond the outermost hits of a side but the keel.
+    On each side nothing is filled beyond the outermost hit, except to the keel.
     """
     out = radius.copy()
     place = np.arange(radius.shape[1])
@@ -202,9 +202,9 @@ def _girth(s: Sections, radius: Array) -> Array:
 
 
 def _whole(s: Sections, radius: Array, mesh: Mesh) -> Mask:
-    """Find cells (k - 1, m - 1) whose four sides lie on the skin.
+    """Mark cells (k - 1, m - 1) whose four sides lie on the skin.
 
-    A cell that leaps from one part of the ship to another does not.
+    A cell that jumps from one part of the ship to another is not marked.
     """
     point = _points(s, radius)
     girthwise = _on_skin(point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], mesh)
@@ -214,9 +214,9 @@ def _whole(s: Sections, radius: Array, mesh: Mesh) -> Mask:
 
 
 def _on_skin(start: Array, stop: Array, radius: Array, turn: float, mesh: Mesh) -> Mask:
-    """Tell whether the middle of lines from start to stop (a, b, 3) lies on the mesh.
+    """Test whether the middles of lines from start to stop (a, b, 3) lie near the mesh.
 
-    Nearly, where they are much longer than their rays' spacing explains.
+    The tolerance is tighter for lines much longer than their rays' spacing explains.
     """
     length = np.linalg.norm(stop - start, axis=2)
     good = np.asarray(length * GRAZING <= radius * turn)

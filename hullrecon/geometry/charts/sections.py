@@ -37,7 +37,7 @@ class Sections:
         return axis + self.reach * outward, -outward
 
     def girth_at(self, points: Array) -> Array:
-        """Compute girth (n,) of points (n, 3) on the skin.
+        """Compute the girth (n,) of points (n, 3) on the skin.
 
         NaN outside the whole cells and for points of another, inner skin.
         """
@@ -76,10 +76,10 @@ class Sections:
         return angle, np.where(fits, radius, np.nan)
 
     def slack_at(self, along: Array, angle: Array) -> Array:
-        """Bound how far the skin may be from the bilinear radius, (n,) m.
+        """Bound the distance between skin and bilinear radius, (n,) m.
 
-        The spread of the cell's corners, at least a tenth of a step between stations (a chine or a
-        plate's edge inside the cell).
+        It is the spread of the cell's corners, plus a tenth of the step between stations (a chine
+        or a plate's edge inside the cell).
         """
         row, _ = self._cell(self.station, along)
         column, _ = self._cell(self.angle, angle)
@@ -116,7 +116,7 @@ class Sections:
 
     @staticmethod
     def _cell(nodes: Array, at: Array) -> tuple[Ints, Array]:
-        """Find cell and share within it of an even grid.
+        """Find cell and fraction within it of an even grid.
 
         Clipped to the grid, NaN to the first cell.
         """

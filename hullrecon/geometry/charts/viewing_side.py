@@ -11,10 +11,10 @@ from hullrecon.typing import Array
 
 
 def flips(chart: Chart, along_girth: Array, step_m: float = 0.05) -> tuple[bool, bool]:
-    """Tell whether along has to grow to the left, and girth downwards, for chart points (n, 2).
+    """Test whether along has to grow to the left, and girth downwards, for chart points (n, 2).
 
     With along to the right and girth up a hull is seen from inside. On its port side, where girth
-    rises, the CAD model is mirrored along; on the starboard side, where girth falls towards the
+    rises, the CAD model is mirrored along. On the starboard side, where girth falls towards the
     deck, it is mirrored in girth.
     """
     good = along_girth[np.isfinite(along_girth).all(axis=1)]

@@ -19,7 +19,7 @@ class ClosestPoints:
     distance: Array  # (n,) m, signed, positive outside
     foot: Array  # (n, 3) on the mesh
     normal: Array  # (n, 3) of the closest triangle, outward
-    face: Ints  # (n,) -1 where there is no answer
+    face: Ints  # (n,) closest triangle, -1 for a point that is not finite
 
 
 class Scene:
@@ -30,9 +30,9 @@ class Scene:
         self._normal = face_normals(mesh)
 
     def closest(self, points: Array) -> ClosestPoints:
-        """Find the closest point of the mesh for each of (n, 3).
+        """Find the closest point of the mesh for each of the points (n, 3).
 
-        The sign is by the pseudonormal there. NaN for points not finite.
+        The sign of the distance is by the pseudonormal there. NaN for points that are not finite.
         """
         known = np.asarray(np.isfinite(points).all(axis=1))
         distance, foot, normal = (
@@ -48,9 +48,9 @@ class Scene:
         return ClosestPoints(distance=distance, foot=foot, normal=normal, face=face)
 
     def cast(self, origins: Array, directions: Array) -> Array:
-        """Measure along unit directions (n, 3) from origins (n, 3) or (3,) to the mesh, (n,) m.
+        """Measure along unit directions (n, 3) from origins (n, 3) or (3,) to the mesh (n,), m.
 
-        inf where it is not met.
+        inf for a ray that misses the mesh.
         """
         if not len(directions):
             return np.zeros(0)

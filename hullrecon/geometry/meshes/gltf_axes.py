@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The axes of glTF, which has y up, whichever axis of a mesh's own frame is."""
+"""The axes of glTF, which has y up, from those of a mesh's own frame."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from hullrecon.typing import Array
 
 
 def gltf_from(up: Array) -> Array:
-    """Return the rotation (4, 4) into glTF of a frame in which `up` (3,) is up.
+    """Build the rotation (4, 4) into glTF from a frame in which `up` (3,) is up.
 
-    up: a unit vector, an axis of the frame or against one. The rotation depends on up alone, not on
-    the bow: an importer that turns glTF back to z up finds a model with z up where its file has it.
+    `up` is a unit vector along an axis of the frame, in either direction. The rotation depends on
+    up alone, not on the bow. So an importer that turns glTF back to z up gets a model with z up if
+    its file has z up.
     """
     right = np.eye(3)[min(k for k in range(3) if up[k] == 0)]
     turn = np.eye(4)

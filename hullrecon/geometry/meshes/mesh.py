@@ -32,7 +32,7 @@ def face_areas(mesh: Mesh) -> Array:
 
 
 def face_normals(mesh: Mesh) -> Array:
-    """Compute the outward unit normal of each face (m, 3); zero for a degenerate one."""
+    """Compute the outward unit normal of each face (m, 3). Zero for a degenerate face."""
     cross = face_cross_products(mesh)
     return np.asarray(cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-15))
 
@@ -40,7 +40,7 @@ def face_normals(mesh: Mesh) -> Array:
 def vertex_areas(mesh: Mesh) -> Array:
     """Compute a third of the area of the faces around each vertex (n,), m2.
 
-    Values at vertices are weighted by it.
+    It is the weight of values at vertices.
     """
     third = face_areas(mesh) / 3
     return np.asarray(
@@ -51,7 +51,7 @@ def vertex_areas(mesh: Mesh) -> Array:
 def vertex_normals(mesh: Mesh) -> Array:
     """Compute outward unit normals (n, 3), the faces' normals weighted by their angles.
 
-    Zero at vertices of no face.
+    Zero at vertices without a face.
     """
     corner, normal = mesh.vertices[mesh.faces], face_normals(mesh)
     out = np.zeros_like(mesh.vertices)

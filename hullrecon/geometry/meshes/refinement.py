@@ -12,8 +12,8 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array, Ints, Mask
 
 FLAT = 1e-9  # sine of the sum of two angles opposite an edge, below which they count as half a turn
-# of flips after a split; Lawson's flips end by themselves but for rounding in faces that are all
-# but lines
+# of flips after a split. Lawson's flips end by themselves, except for rounding in nearly degenerate
+# faces.
 MOST_PASSES = 60
 
 
@@ -26,21 +26,26 @@ def refine(
     """Split edges at their midpoints until none is longer than wanted.
 
     Neighbouring faces split their common edge together, so no crack opens. The longest edges are
-    split first, those of the old faces before those inside them, and inside every old face the new
-    ones are kept a Delaunay triangulation: a long narrow face, as CAD programs export them, is cut
-    across and not into as many narrow ones.
+    split first, and edges of the old faces before edges inside them. Inside every old face the new
+    faces are kept a Delaunay triangulation. So a long narrow face, as CAD programs export them, is
+    cut across and not into many narrow faces.
 
     Parameters
     ----------
     mesh
         Its vertices are the first of the result, unmoved.
     longest_m
-        The longest edge allowed, or a function of the edges' midpoints (n, 3) that gives it, inf
-        where the mesh may stay coarse.
+        The longest edge allowed, or a function that gives it for the edges' midpoints (n, 3),
+        inf where the mesh may stay coarse.
     attributes
-        (n, k) of the vertices, averaged along; returned with the mesh.
+        (n, k) of the vertices, averaged at midpoints.
     spared_m
-        No edge up to this length is asked about.
+        Edges up to this length are never split.
+
+    Returns
+    -------
+    mesh, attributes
+        The refined mesh, and the attributes of its vertices.
     """
     table = np.hstack(
         [mesh.vertices, np.zeros((len(mesh.vertices), 0)) if attributes is None else attributes]
@@ -67,7 +72,7 @@ def refine(
 
 
 class _Limits:
-    """How long edges may be. What was asked about an edge is kept."""
+    """Largest lengths of edges. The limit of an edge is computed once and kept."""
 
     def __init__(self, longest_m: float | Callable[[Array], Array], spared_m: float) -> None:
         self._longest_m, self._spared_m = longest_m, spared_m
@@ -75,7 +80,7 @@ class _Limits:
         self._limit: Array = np.zeros(0)
 
     def exceeded(self, edge: Ints, ends: Array, length: Array) -> Mask:
-        """Mark the edges (e, 2) that are too long; ends (e, 2, 3)."""
+        """Mark the edges (e, 2) with end points (e, 2, 3) that are too long."""
         if not callable(self._longest_m):
             return np.asarray(length > max(self._longest_m, self._spared_m))
         asked = np.flatnonzero(length > self._spared_m)
@@ -92,7 +97,7 @@ class _Limits:
 
 
 def _edges(faces: Ints) -> tuple[Ints, Ints]:
-    """Find unique edges (e, 2), and for each face the number of its edges 0-1, 1-2, 2-0 (m, 3)."""
+    """Find unique edges (e, 2), and each face's rows of its edges 0-1, 1-2, 2-0 (m, 3)."""
     pairs = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     size = int(faces.max()) + 1 if len(faces) else 1
     key, back = np.unique(pairs[:, 0] * size + pairs[:, 1], return_inverse=True)
@@ -104,8 +109,8 @@ def _mark_edges(
 ) -> Mask:
     """Mark the edges to split next (e,).
 
-    Of those too long the longest, to a factor of two; of these those of the old faces, where there
-    are any.
+    These are the longest edges of those too long, to a factor of two. If edges of the old faces are
+    among them, these are split first.
     """
     ends = vertices[edge]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
@@ -120,10 +125,10 @@ def _mark_edges(
 
 
 def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
-    """Mark also the longest edge of each face that is twice as long as one that it splits.
+    """Mark also the longest edge of each face that is twice as long as a marked edge of the face.
 
-    So no fan of narrow faces opens towards where the mesh may stay coarse. length (m, 3): of the
-    faces' edges.
+    This avoids a fan of narrow faces towards where the mesh may stay coarse. `length` (m, 3) is of
+    the faces' edges.
     """
     longest = of_face[np.arange(len(of_face)), np.argmax(length, axis=1)]
     steep = length.max(axis=1)[:, None] > 2 * length
@@ -135,9 +140,9 @@ def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
 
 
 def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]:
-    """Find the edges (k,) inside old faces, and where their two faces have them (k, 2).
+    """Find the edges (k,) inside old faces, and their places in their two faces (k, 2).
 
-    As face * 3 + edge.
+    A place is face * 3 + edge.
     """
     flat = of_face.ravel()
     place = np.argsort(flat, kind="stable")
@@ -151,7 +156,7 @@ def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]
 def _split_faces(faces: Ints, old_face: Ints, middle: Ints, vertices: Array) -> tuple[Ints, Ints]:
     """Split faces (m, 3) at the new vertices on their edges 0-1, 1-2, 2-0 (m, 3).
 
-    -1 where an edge stays whole. The second value is the old face (k,) of each part.
+    The new vertex is -1 if an edge stays whole. The second value is the old face (k,) of each part.
     """
     count = (middle >= 0).sum(axis=1)
     one = _turn_faces(faces, middle, count == 1, np.argmax(middle >= 0, axis=1))
@@ -209,7 +214,7 @@ def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> No
 def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
     """Compute minus the sine of the sum of the two angles (k,) opposite each edge.
 
-    Positive where the edge is to flip.
+    Positive if the edge is to be flipped.
     """
     a, b = vertices[edge[:, 0]], vertices[edge[:, 1]]
     cosine, sine = np.zeros((2, len(edge))), np.zeros((2, len(edge)))
@@ -224,7 +229,7 @@ def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
 
 
 def _one_by_face(face: Ints, count: int) -> Ints:
-    """Choose rows (k,) of pairs of faces (n, 2) so that no face is in two."""
+    """Choose rows (k,) of pairs of faces (n, 2) so that no face is in two pairs."""
     owner = np.full(count, len(face))
     for side in (0, 1):
         np.minimum.at(owner, face[:, side], np.arange(len(face)))

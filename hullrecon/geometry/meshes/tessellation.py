@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far a CAD model of flat facets stands off the curved hull that it stands for.
+"""The distance between a CAD model of flat facets and the curved hull that it represents.
 
 Across an edge with dihedral angle t, facets of widths a and b (square to the edge) follow a circle
-of radius (a + b) / (2 t); its arc over the chord a rises a^2 t / (4 (a + b)). Heights of that size
-are the tessellation's, not a structure's; and slid along the hull, the pattern of facets makes
-false minima a facet apart, which registration must not take for information.
+of radius (a + b) / (2 t). Its arc over the chord a rises a^2 t / (4 (a + b)). Heights of that size
+are the tessellation's, not a structure's. When the survey slides along the hull, the pattern of
+facets makes false minima a facet apart, which registration must not take for information.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class TessellationError:
 
 @dataclass(frozen=True, kw_only=True)
 class _SmoothEdges:
-    """Edges (k,) between faces that stand for one curve."""
+    """Edges (k,) between faces that approximate one curved surface."""
 
     first: Ints  # faces
     second: Ints  # faces
@@ -45,7 +45,7 @@ class _SmoothEdges:
 def facet_sagitta(mesh: Mesh) -> Array:
     """Compute the rise of the arc over each face (m,), m.
 
-    The largest over its edges, zero beside sharp edges.
+    It is the largest over the face's edges, of which sharp edges count as zero.
     """
     edges = _smooth_edges(mesh)
     out = np.zeros(len(mesh.faces))
@@ -59,7 +59,7 @@ def facet_sagitta(mesh: Mesh) -> Array:
 
 
 def facet_turn(mesh: Mesh) -> Array:
-    """Compute the largest angle of each face (m,) to a neighbour, rad, but across sharp edges."""
+    """Compute the largest angle of each face (m,) to a neighbour, rad, without sharp edges."""
     edges = _smooth_edges(mesh)
     out = np.zeros(len(mesh.faces))
     for face in (edges.first, edges.second):

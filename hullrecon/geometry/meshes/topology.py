@@ -50,7 +50,7 @@ def find_edges(faces: NDArray[np.integer]) -> Edges:
 
 
 def find_shared_edges(faces: NDArray[np.integer]) -> SharedEdges:
-    """Find the edges of faces (m, 3) that exactly two of them have; `first` < `second`."""
+    """Find the edges of faces (m, 3) that exactly two faces share, with `first` < `second`."""
     edges = find_edges(faces)
     number = edges.of_face.ravel()
     inner = np.flatnonzero(edges.face_count[number] == 2)
@@ -65,7 +65,7 @@ def find_shared_edges(faces: NDArray[np.integer]) -> SharedEdges:
 
 
 def weld_vertices(mesh: Mesh, tolerance_m: float = 1e-6) -> Mesh:
-    """Merge vertices at equal coordinates, to the tolerance; faces keep their order."""
+    """Merge vertices at equal coordinates, to the tolerance. Faces keep their order."""
     cells = np.round(mesh.vertices / tolerance_m).astype(np.int64)
     _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     return Mesh(mesh.vertices[first], np.asarray(number.reshape(-1)[mesh.faces], np.int32))

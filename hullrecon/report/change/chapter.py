@@ -65,7 +65,7 @@ class ChangeChapter:
 
 
 def change_chapter(change: HullChange) -> ChangeChapter:
-    """Return the texts on what changed."""
+    """Write the texts of the chapter on what changed."""
     return ChangeChapter(
         first=change.first,
         second=change.second,
@@ -87,7 +87,7 @@ def change_chapter(change: HullChange) -> ChangeChapter:
 
 
 def offset_sentence(offset: SurveyOffset) -> str:
-    """Say how the second dive was moved onto the first, and whether the hull poses foresaw it."""
+    """Say how the second dive was moved onto the first, and whether the hull poses predicted it."""
     at = offset.first_from_second.apply(offset.center[None])[0] - offset.center
     turn = np.degrees(np.linalg.norm(offset.first_from_second.rotation.as_rotvec()[0]))
     sigma = np.sqrt(np.diag(offset.covariance))[:3]
@@ -111,7 +111,7 @@ def offset_sentence(offset: SurveyOffset) -> str:
 
 
 def is_foreseen(offset: SurveyOffset) -> bool:
-    """Return whether the dives lie as near to each other as their hull poses say."""
+    """Test whether the offset between the dives is as small as their hull poses predict."""
     return offset.p_value >= GATE
 
 
@@ -146,7 +146,7 @@ def verdict(change: HullChange) -> str:
 
 
 def outcome(change: HullChange) -> str:
-    """Say what changed, of how much hull, and how small a change would have stood out there."""
+    """Summarise what changed, the area compared, and the smallest change detectable there."""
     number = {status: sum(row.status == status for row in change.objects) for status in CHANGED}
     parts = [f"{n} {status}" for status, n in number.items() if n]
     if change.moves:

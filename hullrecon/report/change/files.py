@@ -45,7 +45,17 @@ HEADINGS |= {"area": "area_m2", "p_value": "p_value"}
 
 
 def change_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict[str, bytes]:
-    """Return document, table, layers and map by their names; t_ns: of the second's last pose."""
+    """Write document, table, layers and map of a comparison, by file name.
+
+    Parameters
+    ----------
+    change
+        The comparison.
+    outside
+        The map in which layers are given.
+    t_ns
+        Time of the second dive's last pose, written as the GeoPackage's time.
+    """
     layer = change_layer(change, outside)
     ids = range(1, len(layer.shapes) + 1)
     return {
@@ -58,7 +68,10 @@ def change_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict[str
 
 
 def comparison_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict[str, bytes]:
-    """Return the same files and a page of them. change.json is the last: where it lies, all do."""
+    """Write the files of `change_files` and change.html.
+
+    change.json comes last, so that a folder that holds it holds all files.
+    """
     files = change_files(change, outside, t_ns)
     document = files.pop("change.json")
     page = change_page(change, files["change.png"]).encode()
@@ -66,19 +79,19 @@ def comparison_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict
 
 
 def change_page(change: HullChange, png: bytes) -> str:
-    """Return what changed as one self-contained page; png: the map, which is held in it."""
+    """Render the changes as a self-contained page in which the map, a PNG, is embedded."""
     picture = "data:image/png;base64," + b64encode(png).decode()
     return render_template("change.html", {"change": change_chapter(change), "change_map": picture})
 
 
 def change_csv(change: HullChange) -> str:
-    """Return a table of one line an object or a stretch of bare hull."""
+    """Write change.csv, with a row for each object and each stretch of bare hull that moved."""
     rows = _rows(change)
     return csv_text({HEADINGS[name]: [row.get(name) for row in rows] for name in FIELDS})
 
 
 def change_layer(change: HullChange, outside: OutsideMap) -> Layer:
-    """Return outlines of objects, unchanged ones included, and of bare hull that moved."""
+    """Outline all objects, unchanged ones included, and the bare hull that moved."""
     shapes = [_ring(row.outline, row.along_girth, outside) for row in change.objects]
     shapes += [_ring(move.outline, move.along_girth, outside) for move in change.moves]
     fields = [_fields(row) for row in _rows(change)]
@@ -94,7 +107,7 @@ def change_layer(change: HullChange, outside: OutsideMap) -> Layer:
 
 
 def _rows(change: HullChange) -> list[dict[str, object]]:
-    """Return objects, then stretches of bare hull, as members of change.json by name."""
+    """Tabulate objects, then moved stretches of bare hull, as members of change.json by name."""
     rows = [object_document(row) for row in change.objects]
     for move in change.moves:
         document = move_document(move)
@@ -120,7 +133,7 @@ def _json(value: object) -> bytes:
 
 
 def change_document(change: HullChange, outside: OutsideMap) -> dict[str, object]:
-    """Return change.json (docs/deliverables.md)."""
+    """Build change.json (docs/deliverables.md)."""
     return {
         "schema": 1,
         "verdict": verdict(change),
@@ -147,7 +160,7 @@ def change_document(change: HullChange, outside: OutsideMap) -> dict[str, object
 
 
 def offset_document(offset: SurveyOffset) -> dict[str, object]:
-    """Return where the second dive lies in the first one's frame: no change of the hull."""
+    """Describe the second dive's pose in the first dive's frame, which is no change of the hull."""
     motion = offset.first_from_second
     at_center = motion.apply(offset.center[None])[0] - offset.center
     return {
@@ -162,7 +175,7 @@ def offset_document(offset: SurveyOffset) -> dict[str, object]:
 
 
 def object_document(row: ObjectChange) -> dict[str, object]:
-    """Return one object of either dive; what is not known is null."""
+    """Describe an object of either dive for change.json. Unknown values are null."""
     return {
         "status": row.status,
         "first_id": row.first_id,
@@ -186,7 +199,7 @@ def object_document(row: ObjectChange) -> dict[str, object]:
 
 
 def move_document(row: SurfaceMove) -> dict[str, object]:
-    """Return one stretch of bare hull that moved."""
+    """Describe a stretch of bare hull that moved for change.json."""
     return {
         "along": _number(row.along_girth[0]),
         "girth": _number(row.along_girth[1]),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.patches import Polygon
 
-LIMITS_MM = 50.0  # structures go beyond; the hull's own form would be invisible on their scale
+LIMITS_MM = 50.0  # structures exceed it, as the hull's form would be invisible on their scale
 MAX_PIXELS = 4_000_000  # of the picture's image
 CHANGED_OBJECT, OTHER_OBJECT, MOVED_HULL, ONE_DIVE_ONLY = (
     "object that changed", "other object", "bare hull that moved", "seen by one dive only"
@@ -74,7 +74,7 @@ def change_png(change: HullChange, outside: OutsideMap) -> bytes:
 def _draw_cells(axis: Axes, grid: ChangeMap, ends: Array) -> None:
     """Draw how far each cell moved, grey if only one dive saw it.
 
-    ends (2, 2): first and last cell on the map, m.
+    `ends` (2, 2) are the first and last cell on the map, m.
     """
     skip = max(1, int(np.ceil(np.sqrt(grid.change.size / MAX_PIXELS))))
     extent = (float(ends[0, 0]), float(ends[1, 0]), float(ends[0, 1]), float(ends[1, 1]))
@@ -100,7 +100,7 @@ def _draw_cells(axis: Axes, grid: ChangeMap, ends: Array) -> None:
 
 
 def _draw_object(axis: Axes, row: ObjectChange, outside: OutsideMap) -> None:
-    """Draw an object's outline, and above it what became of it."""
+    """Draw an object's outline, with its label above."""
     if len(row.outline) >= 3:
         axis.add_patch(
             _outline(
@@ -152,7 +152,7 @@ def _outline(ring: Array, kind: str) -> Polygon:
 
 
 def _label(row: ObjectChange) -> str:
-    """Say an object's number in the second dive, if it has one, and what became of it."""
+    """Label an object by its number in the second dive, if it has one, and its status."""
     if row.second_id is not None:
         return f"{row.second_id} {row.status}"
     return row.status if row.first_id is None else f"{row.status} (was {row.first_id})"

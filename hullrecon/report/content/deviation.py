@@ -27,7 +27,7 @@ class DeviationFigures:
 
     @property
     def offset_words(self) -> str:
-        """Say the offset, its sigma, and whether it is significant."""
+        """The offset in words, with its sigma and whether it is significant."""
         size, sigma = 1000 * abs(self.offset), 1000 * self.offset_sigma
         side = "outside" if self.offset > 0 else "inside"
         known = "" if size > 2 * sigma else ", not significantly different from zero"
@@ -36,14 +36,14 @@ class DeviationFigures:
 
     @property
     def form_words(self) -> str:
-        """Say the form's percentiles and its sigma."""
+        """The form's percentiles in words, with its sigma."""
         low, _, high = 1000 * self.form
         sigma = f"one sigma {1000 * self.form_sigma:.1f} mm"
         return f"{signed_range(low, high)} mm (5th to 95th percentile; {sigma})"
 
 
 def weighted_percentiles(values: Array, weights: Array, percent: tuple[float, ...]) -> Array:
-    """Return percentiles of weighted values (n,), by linear interpolation of cumulated weight."""
+    """Interpolate percentiles of weighted values (n,) linearly in cumulated weight."""
     order = np.argsort(values, kind="stable")
     share = np.cumsum(weights[order]) - 0.5 * weights[order]
     return np.asarray(np.interp(np.array(percent) / 100 * weights.sum(), share, values[order]))
@@ -69,7 +69,7 @@ def deviation_figures(survey: Survey) -> DeviationFigures | None:
 
 
 def deviation_document(figures: DeviationFigures | None) -> dict[str, object] | None:
-    """Return the member `deviation` of summary.json. None without a CAD model."""
+    """Build the member `deviation` of summary.json. None without figures."""
     if figures is None:
         return None
     low, middle, high = (round(float(v), 5) for v in figures.form)
@@ -84,7 +84,7 @@ def deviation_document(figures: DeviationFigures | None) -> dict[str, object] | 
 
 
 def deviation_rows(figures: DeviationFigures | None) -> list[tuple[str, str]]:
-    """Return the table of the page's chapter."""
+    """Tabulate form, offset and tilt for the page's chapter."""
     if figures is None:
         return []
     slopes = " / ".join(

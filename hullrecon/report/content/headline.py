@@ -47,7 +47,7 @@ def headline(survey: Survey) -> list[str]:
 
 
 def verdict(survey: Survey) -> str:
-    """Say what a reader asks first: what is on the hull."""
+    """Answer a reader's first question: what is on the hull."""
     if survey.findings.objects is None:
         reason = survey.provenance.missing.get("objects.json", "the step did not run")
         return f"Objects were not looked for: {reason}."
@@ -55,7 +55,7 @@ def verdict(survey: Survey) -> str:
 
 
 def key_figures(survey: Survey) -> list[tuple[str, str, str]]:
-    """Return the figures on top of the page that the dive gives: what, how much, and a remark."""
+    """Collect the figures on top of the page that the dive gives: name, value and remark."""
     found, coverage = survey.findings.objects, survey.findings.coverage
     figures, rows = deviation_figures(survey), list[tuple[str, str, str]]()
     seen = coverage.camera if coverage is not None else None
@@ -78,7 +78,7 @@ def key_figures(survey: Survey) -> list[tuple[str, str, str]]:
 
 
 def path_length_m(survey: Survey) -> float:
-    """Return the length of the vehicle's path, to the millimetre for sentences and files alike."""
+    """Measure the length of the vehicle's path, rounded to a millimetre for texts and files."""
     steps = np.diff(survey.track.poses.translation, axis=0)
     return round(float(np.linalg.norm(steps, axis=1).sum()), 3)
 
@@ -124,10 +124,10 @@ def _from_outside(adjusted: AdjustedDive | None) -> str:
 
 
 def weak_sentences(survey: Survey, min_sigma_m: float = 0.05) -> list[str]:
-    """Say in which directions the position is uncertain.
+    """Name the directions in which the position is uncertain.
 
-    In the adjustment's sentences, if it has any, else for each axis whose median sigma exceeds
-    min_sigma_m.
+    These are the adjustment's sentences, if it has any, else one for each axis whose median sigma
+    exceeds min_sigma_m.
     """
     directions = survey.adjusted.weak_directions if survey.adjusted is not None else ()
     sentences = [str(w["sentence"]) for w in directions if w.get("sentence")]
@@ -158,7 +158,7 @@ def _objects(survey: Survey) -> str:
 
 
 def _looked_for(survey: Survey) -> list[str]:
-    """Say what a place of the hull has to show to be an object, if the settings are known."""
+    """Say what counts as an object, if the settings are known."""
     settings = survey.provenance.settings_of("detect")
     if not settings:
         return []
@@ -191,7 +191,7 @@ def _deviation(survey: Survey) -> str:
 
 
 def seen_words(survey: Survey) -> str:
-    """Say of what areas are counted: without a CAD model only the measured surface is known."""
+    """Name what areas are counted of. Without a CAD model only the measured surface is known."""
     return "Hull seen" if survey.is_in_hull_frame else "Measured surface seen"
 
 

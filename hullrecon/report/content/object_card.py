@@ -19,7 +19,10 @@ CardContext = Mapping[str, object]
 
 
 def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> CardContext:
-    """Return texts and picture of one object; what has no sigma is counted, not measured."""
+    """Write the texts of an object's card, with its picture.
+
+    A value without a sigma is written alone: it was counted, not measured.
+    """
     rows = [
         ("Height above the hull around it", with_sigma(found.height, found.height_sigma, "m")),
         ("Extent along the hull, in girth", " × ".join(_extents(found))),
@@ -67,7 +70,7 @@ class ObjectCell:
     """A cell of the table of objects."""
 
     text: str
-    value: float | None = None  # by which it is sorted; None for words
+    value: float | None = None  # by which the table is sorted, None for words
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +92,7 @@ def object_rows(survey: Survey) -> ObjectRows:
 
 
 def _cells(found: ReportedObject, across: str) -> dict[str, ObjectCell]:
-    """Return the cells of an object by their headings."""
+    """Write an object's cells of the table, by heading."""
     area = _scaled(found.area, found.area_sigma, 1e4, "cm²")
     return {
         "No.": ObjectCell(text=str(found.id), value=found.id),
@@ -119,7 +122,7 @@ def _scaled(value: float, sigma: float | None, factor: float, unit: str) -> str:
 
 
 def crop_context(crop: Crop, found: ReportedObject) -> CardContext:
-    """Return an object's picture with outline, scale bar and source."""
+    """Prepare an object's picture for the template, with outline, scale bar and source."""
     seconds, rest = divmod(crop.t_ns, 10**9)
     stamp = str(np.datetime64(seconds, "s")).replace("T", " ")
     bar = nice_below(0.35 * crop.width / crop.pixels_per_m)

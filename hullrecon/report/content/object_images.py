@@ -34,17 +34,17 @@ class Crop:
 
     @property
     def width(self) -> int:
-        """Return the picture's width, px."""
+        """Width of the picture, px."""
         return int(self.picture.shape[1])
 
     @property
     def height(self) -> int:
-        """Return the picture's height, px."""
+        """Height of the picture, px."""
         return int(self.picture.shape[0])
 
     @property
     def data(self) -> str:
-        """Return the picture as a data URI."""
+        """The picture as a data URI."""
         return jpeg_uri(self.picture)
 
 
@@ -87,7 +87,7 @@ def best_crop(
 ) -> Crop | None:
     """Cut an object out of the image whose middle is nearest to it. None if no image shows it.
 
-    Images are those that the object names, all if it names none.
+    Images are those that the object lists, or all if it lists none.
     """
     views = [
         view
@@ -104,7 +104,10 @@ def best_crop(
 def _ranked_views(
     found: ReportedObject, track: VehicleTrack, rig: Rig, camera: Camera, index: ImageIndex
 ) -> list[tuple[float, ObjectView]]:
-    """Return views of the object's centre, with its distance from the middle in half diagonals."""
+    """Find the images that show the object's centre, each with a score.
+
+    The score is the centre's distance from the image's middle, in half diagonals.
+    """
     rows = track.image[:, camera.column]
     wanted = _rows_named(found.images, camera, index)
     nodes = np.flatnonzero((rows >= 0) & (np.isin(rows, wanted) if wanted is not None else True))
@@ -132,7 +135,10 @@ def _ranked_views(
 
 
 def _rows_named(images: Sequence[str], camera: Camera, index: ImageIndex) -> Ints | None:
-    """Return the rows of images named like camera_top/1777887000468241234.jpg. None without any."""
+    """Find the rows of images named like camera_top/1777887000468241234.jpg.
+
+    None if no image is named.
+    """
     if not images:
         return None
     named = [name.split("/")[1] for name in images if name.startswith(camera.key + "/")]
@@ -167,7 +173,7 @@ def _cut_image(found: ReportedObject, view: ObjectView, source: ImageSource) -> 
 
 
 def stretch_contrast(picture: Pixels) -> Pixels:
-    """Stretch the contrast between the 1st and 99th percentile: water leaves a third of it."""
+    """Stretch the contrast between the 1st and 99th percentile, as water leaves a third of it."""
     low, high = np.percentile(picture, (1, 99))
     return np.asarray(np.clip((picture - low) * (245 / max(high - low, 20)) + 5, 0, 255), np.uint8)
 
@@ -186,9 +192,9 @@ def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
 
 
 def _enlargement(width: int, height: int, min_width: int) -> float:
-    """Return the factor, at least 1, that widens a picture to min_width.
+    """Compute the factor, at least 1, that widens a picture to min_width.
 
-    Its height stays below four times that: an object at an image's border leaves a sliver.
+    The height stays below four times min_width, as an object at an image's border leaves a sliver.
     """
     return max(1.0, min(min_width / width, 4 * min_width / height))
 

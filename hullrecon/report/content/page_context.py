@@ -60,9 +60,18 @@ def page_context(
     deliverables: Mapping[str, object],
     photos: Mapping[int, Crop],
 ) -> PageContext:
-    """Return the template's variables.
+    """Build the variables of the page's template.
 
-    deliverables: entries with bytes and sha256 by name; photos: of the objects, by number.
+    Parameters
+    ----------
+    survey
+        All that the page draws on.
+    plots
+        Plots of the appendix.
+    deliverables
+        Entries with bytes and sha256, by name.
+    photos
+        Pictures of the objects, by number.
     """
     view = hull_map(survey)
     layers = survey_layers(survey, view) if view else []
@@ -142,19 +151,19 @@ def page_context(
 
 
 def _date_words(date: datetime) -> str:
-    """Write a date in UTC; one that names no zone as it stands."""
+    """Write a date in UTC. A date without a time zone is written as it is."""
     in_utc = date if date.tzinfo is None else date.astimezone(UTC)
     return f"{in_utc:%d %B %Y, %H:%M}{'' if date.tzinfo is None else ' UTC'}"
 
 
 def _change_context(survey: Survey) -> PageContext:
-    """Return the variables of what changed, None without an earlier dive."""
+    """Build the variables of the chapter on change, None without an earlier dive."""
     found = survey.change
     return {"change": found and found.chapter, "change_map": found and png_uri(found.map)}
 
 
 def _coverage_context(survey: Survey) -> PageContext:
-    """Return the variables of what was seen of the hull."""
+    """Build the variables of the chapter on coverage."""
     coverage = survey.findings.coverage
     return {
         "by_images": survey.surfaces.found_by_images,
@@ -168,7 +177,7 @@ def _coverage_context(survey: Survey) -> PageContext:
 def draw_ship(survey: Survey) -> tuple[str, str] | None:
     """Draw the ship with the surveyed patch on it, and name the side that it shows.
 
-    None without a CAD model or if nothing of it was seen.
+    None without a CAD model, or if nothing of the hull was seen.
     """
     chart, surface = survey.surfaces.chart, survey.surfaces.as_found or survey.surfaces.surveyed
     if not isinstance(chart, AxisChart) or surface is None or not survey.is_in_hull_frame:
@@ -178,7 +187,7 @@ def draw_ship(survey: Survey) -> tuple[str, str] | None:
 
 
 def png_uri(png: bytes) -> str:
-    """Return a PNG as a data URI."""
+    """Encode a PNG as a data URI."""
     return "data:image/png;base64," + b64encode(png).decode()
 
 
@@ -203,7 +212,7 @@ def describe_position(survey: Survey) -> str:
 
 
 def mosaic_context(name: str, mosaic: Mosaic) -> PageContext:
-    """Return a mosaic's preview, at most 1800 pixels wide and 3600 tall, and its words."""
+    """Prepare a mosaic's preview, at most 1800 by 3600 pixels (wide, tall), and its caption."""
     import cv2
 
     encoded = np.frombuffer(mosaic.preview, np.uint8)
@@ -224,7 +233,7 @@ def mosaic_context(name: str, mosaic: Mosaic) -> PageContext:
 
 
 def coverage_rows(coverage: Coverage | None, what: str = "Hull seen") -> list[tuple[str, str]]:
-    """Tabulate areas and percentiles of coverage.json; what: of what areas are counted."""
+    """Tabulate areas and percentiles of coverage.json. `what` names the areas that are counted."""
     rows: list[tuple[str, str]] = []
     if coverage is None:
         return rows

@@ -2,10 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the page's script is given, as JSON in the page: places in map coordinates, metres.
 
-Members: `frame`; `map` (None without a chart), which report/web/src/map.js reads; `objects`, with
-their places on the map; and `scene` (None where nothing is shown in 3-D), which scene.js reads. A
-layer's picture is a data URI in a script element of its own, named by `image`: a browser decodes it
-when it is first shown.
+Members:
+
+- `frame`: M or g
+- `map`: read by report/web/src/map.js, None without a chart
+- `objects`: the objects with their places on the map
+- `scene`: read by scene.js, None if nothing is shown in 3-D
+
+A layer's picture is a data URI in a script element of its own, named by `image`. A browser decodes
+it when it is first shown.
 """
 
 from __future__ import annotations
@@ -26,7 +31,7 @@ PageData = Mapping[str, object]
 
 
 def page_data(survey: Survey, view: HullMap | None, layers: Sequence[MapLayer]) -> PageData:
-    """Return the document of #report-data, without its scene."""
+    """Build the document of #report-data, without its scene."""
     objects = [] if view is None else [_object(placed, view) for placed in view.objects]
     return {
         "frame": str(survey.track.frame),
@@ -37,7 +42,7 @@ def page_data(survey: Survey, view: HullMap | None, layers: Sequence[MapLayer]) 
 
 
 def script_json(data: PageData) -> str:
-    """Return JSON that cannot end the script element it stands in. Raises ValueError for a NaN."""
+    """Encode JSON that cannot end the script element around it. Raises ValueError for a NaN."""
     text = json.dumps(
         data, allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True
     )
@@ -45,12 +50,12 @@ def script_json(data: PageData) -> str:
 
 
 def image_id(layer: MapLayer) -> str:
-    """Return the id of the element that holds a layer's picture."""
+    """Name the element that holds a layer's picture."""
     return f"layer-{layer.name}"
 
 
 def image_uri(layer: MapLayer) -> str:
-    """Return a layer's picture as a data URI."""
+    """Encode a layer's picture as a data URI."""
     return "data:image/webp;base64," + b64encode(layer.webp).decode()
 
 
@@ -88,7 +93,10 @@ def _layer(layer: MapLayer) -> PageData:
 
 
 def _object(placed: ChartedObject, view: HullMap) -> PageData:
-    """Return an object's places; `at` is None, lists are empty where it lies off the chart."""
+    """Describe an object and its places on the map.
+
+    Off the chart `at` is None and the ellipse empty. Outline points off the chart are left out.
+    """
     found, at, outside = placed.found, placed.at, view.extent.outside
     outline = np.zeros((0, 2))
     if len(found.outline) >= 3:
@@ -106,14 +114,14 @@ def _object(placed: ChartedObject, view: HullMap) -> PageData:
 
 
 def _pieces(path: Array) -> list[Array]:
-    """Return the parts of a path (n, 2) between rows with NaN."""
+    """Split a path (n, 2) at rows with NaN. Pieces of a single point are dropped."""
     good = np.isfinite(path).all(axis=1)
     ends = np.flatnonzero(np.diff(good.astype(int), prepend=0, append=0))
     return [path[a:b] for a, b in zip(ends[::2], ends[1::2], strict=True) if b - a > 1]
 
 
 def _links(pairs: NodePairs | None, view: HullMap) -> list[PageData]:
-    """Return the matched pairs of images by kind, each with its segments (x, y, x, y)."""
+    """List the matched pairs of images by kind, each with its segments (x, y, x, y)."""
     if pairs is None or not len(pairs):
         return []
     if max(int(pairs.first.max()), int(pairs.second.max())) >= len(view.path):

@@ -25,7 +25,7 @@ def with_minus(numbers: str) -> str:
 
 
 def with_sigma(value: float, sigma: float | None, unit: str) -> str:
-    """Write a value as 0.112 ± 0.004 m, alone if it has no sigma; a lost value is a dash."""
+    """Write a value as 0.112 ± 0.004 m, alone if it has no sigma, as a dash if it is not finite."""
     if not math.isfinite(value):
         return "–"
     if sigma is None or not math.isfinite(sigma):
@@ -41,9 +41,9 @@ def area_words(area_m2: float, sigma_m2: float | None = None) -> str:
 
 
 def error_with_sigma(error: float, sigma: float, unit: str) -> str:
-    """Write an error with its sign, like −0.12 ± 0.03°; the unit brings its own space.
+    """Write an error with its sign, such as −0.12 ± 0.03°. `unit` includes the space before it.
 
-    A sigma of zero is not known.
+    A sigma of zero counts as unknown and is not written.
     """
     shown = min(4, decimals(sigma)) if sigma > 0 else 2
     known = f" ± {sigma:.{shown}f}" if sigma > 0 else ""

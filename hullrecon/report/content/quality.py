@@ -18,7 +18,7 @@ from hullrecon.report.survey import Survey
 
 @dataclass(frozen=True, kw_only=True)
 class WordTable:
-    """A table of texts with headings; the first cell of a row names it."""
+    """A table of texts. The first cell of a row names the row."""
 
     name: str
     caption: str
@@ -27,7 +27,7 @@ class WordTable:
 
 
 def quality_tables(survey: Survey) -> list[WordTable]:
-    """Return the tables that have a row: overlap, residuals, calibration, times."""
+    """Make the tables of overlap, residuals, calibration and times, without empty ones."""
     tables = (_overlap(survey), _residuals(survey), _calibration(survey), _times(survey))
     return [table for table in tables if table.rows]
 
@@ -47,7 +47,7 @@ def _overlap(survey: Survey) -> WordTable:
 
 
 def _overlap_row(pairs: NodePairs, name: str, across: bool) -> tuple[str, ...]:
-    """Return a row of the pairs across legs, or of the others; empty if there are none."""
+    """Summarise the pairs across legs or along the track. Empty if there are none."""
     of_kind = pairs.across == across
     matched = of_kind & pairs.joined
     overlap = 100 * pairs.overlap[matched & np.isfinite(pairs.overlap)]
@@ -117,9 +117,9 @@ def _calibration(survey: Survey) -> WordTable:
 def _sensor_errors(
     survey: Survey, found: SensorErrors, sigma: SensorErrors
 ) -> list[tuple[str, str]]:
-    """Return a row for each error of a sensor that was carried.
+    """Tabulate the error of each navigation sensor that was carried.
 
-    Scale and drift were estimated as what corrects the sensor: its error has the other sign. The
+    Scale and drift were estimated as corrections, so the sensor's error has the opposite sign. The
     tray's backlash is left out, since its sigma does not hold against truth.
     """
     facts, degree = survey.facts, math.degrees(1.0)

@@ -14,7 +14,7 @@ from hullrecon.report.survey import StepRun, Survey
 
 
 def rejected_groups(survey: Survey) -> list[tuple[str, list[str]]]:
-    """Return what was lost, rejected or not delivered, by heading with at least one item."""
+    """List what was lost, rejected or not delivered, by heading. Empty groups are left out."""
     facts = survey.facts
     failed = sorted(facts.pairs.failed.items())
     pairs = [f"{reason}: {count(number, 'pair')}" for reason, number in failed]
@@ -64,7 +64,7 @@ def _region(region: RejectedRegion) -> str:
 
 
 def settings_rows(steps: Iterable[StepRun]) -> list[tuple[str, str]]:
-    """Return every resolved option, once, as section.key and value."""
+    """List every resolved option once, as section.key and value."""
     rows: dict[str, str] = {}
     for step in steps:
         for section, values in step.settings.items():

@@ -78,7 +78,7 @@ def chart_mesh(chart: Chart, seen: Array) -> ChartMesh:
 
 
 def chart_ply(survey: Survey, mesh: ChartMesh) -> bytes:
-    """Return chart.ply (docs/deliverables.md)."""
+    """Encode chart.ply (docs/deliverables.md)."""
     normals = {f"n{axis}": mesh.normals[:, k].astype(np.float32) for k, axis in enumerate("xyz")}
     at = {
         name: np.ascontiguousarray(mesh.along_girth[:, k])
@@ -88,7 +88,7 @@ def chart_ply(survey: Survey, mesh: ChartMesh) -> bytes:
 
 
 def chart_document(chart: Chart, outside: OutsideMap, mesh: ChartMesh) -> dict[str, object]:
-    """Return chart.json (docs/deliverables.md)."""
+    """Build chart.json (docs/deliverables.md)."""
     on_ship, arrays = is_hull_chart(chart), chart.to_arrays()
     low, high = mesh.along_girth.min(axis=0), mesh.along_girth.max(axis=0)
     plane = None

@@ -19,12 +19,12 @@ from hullrecon.report.survey import Survey
 
 
 def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
-    """Return the landmarks (L, 3) in M (in g without a CAD model)."""
+    """Transform the landmarks (L, 3) to M. They stay in g without a CAD model."""
     return solution.result_from_global().apply(solution.landmarks.position)
 
 
 def header_comments(survey: Survey) -> list[str]:
-    """Return what the header of each PLY says: frame and units."""
+    """Write the comments of each PLY's header: frame and units."""
     return [
         f"frame {survey.track.frame}: {survey.frame_in_words}",
         "unit metre; sigma is one standard deviation",
@@ -32,7 +32,7 @@ def header_comments(survey: Survey) -> list[str]:
 
 
 def landmarks_ply(survey: Survey, solution: Solution) -> bytes:
-    """Return landmarks.ply (docs/deliverables.md).
+    """Encode landmarks.ply (docs/deliverables.md).
 
     sigma is that of one axis: the square root of a third of the covariance's trace.
     """
@@ -54,9 +54,9 @@ def landmarks_ply(survey: Survey, solution: Solution) -> bytes:
 
 
 def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None = None) -> bytes:
-    """Return surface.ply or as_found.ply (docs/deliverables.md).
+    """Encode surface.ply or as_found.ply (docs/deliverables.md).
 
-    The latter has the form of the deviation, NaN without a CAD model.
+    as_found.ply also holds the form of the deviation, NaN without a CAD model.
     """
     values = {
         "deviation": surface.deviation.astype(np.float32),
@@ -73,7 +73,7 @@ def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None =
 
 
 def motion_document(motion: Poses) -> dict[str, list[float]]:
-    """Return a rigid motion (a batch of one) as translation (m) and quaternion (x y z w)."""
+    """Write a rigid motion (a batch of one) as translation (m) and quaternion (x y z w)."""
     return {
         "translation": motion.translation[0].tolist(),
         "quaternion": motion.quaternion[0].tolist(),
@@ -83,10 +83,10 @@ def motion_document(motion: Poses) -> dict[str, list[float]]:
 def alignment_document(
     hull_pose: HullPose, hull: Hull, weak_directions: Sequence[Mapping[str, object]]
 ) -> dict[str, object]:
-    """Return alignment.json (docs/deliverables.md): T_g_M, its first guess, what is uncertain.
+    """Build alignment.json (docs/deliverables.md): T_g_M, its first guess, weak directions.
 
-    The covariance is that of where the hull lies in the dive's own frame, with the CAD model's
-    error in it (HullPose.covariance).
+    The covariance is that of the hull's pose in g, the CAD model's error included
+    (HullPose.covariance).
     """
     return {
         "T_g_M": motion_document(hull_pose.global_from_hull),

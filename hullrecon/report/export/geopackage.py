@@ -14,7 +14,7 @@ import numpy as np
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.typing import Array
 
-SRS_ID = 100_000  # of the local coordinate system; EPSG's own end below it
+SRS_ID = 100_000  # of the local coordinate system, above EPSG's own numbers
 APPLICATION_ID, USER_VERSION = 0x47504B47, 10300  # "GPKG", version 1.3
 TYPES = {int: "INTEGER", float: "DOUBLE", str: "TEXT"}
 SCHEMA = """
@@ -54,10 +54,10 @@ class Layer:
 
 
 def geojson(layer: Layer, outside: OutsideMap, ids: Sequence[object]) -> dict[str, object]:
-    """Return polygons as GeoJSON.
+    """Write polygons as GeoJSON.
 
-    Its coordinates are metres of the map, not degrees: the member `crs` of the 2008 specification
-    tells programs that read it.
+    Coordinates are metres of the map, not degrees. The member `crs` of the 2008 specification tells
+    this to programs that read it.
     """
     features = []
     for number, ring, fields in zip(ids, layer.shapes, layer.fields, strict=True):
@@ -76,16 +76,17 @@ def geojson(layer: Layer, outside: OutsideMap, ids: Sequence[object]) -> dict[st
 
 
 def geopackage(layers: Sequence[Layer], outside: OutsideMap, t_ns: int) -> bytes:
-    """Return layers of a map as a GeoPackage.
+    """Encode layers of a map as a GeoPackage.
 
-    t_ns: of the dive's last pose, which stands for the time of the file: equal runs are equal.
+    t_ns is the time of the dive's last pose. It is written as the file's time of change, so that
+    equal runs give equal bytes.
     """
     changed = f"{np.datetime64(t_ns, 'ns').astype('datetime64[ms]')}Z"
     return geopackage_bytes(layers, outside.name, outside.wkt, changed)
 
 
 def geopackage_bytes(layers: Sequence[Layer], crs_name: str, wkt: str, changed: str) -> bytes:
-    """Return the file; changed: time of its last change, ISO 8601."""
+    """Encode layers as a GeoPackage whose time of last change is `changed` (ISO 8601)."""
     database = sqlite3.connect(":memory:")
     try:
         database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
@@ -133,7 +134,7 @@ def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None
 def geometry_blob(shape: Array, polygon: bool) -> bytes:
     """Encode a polygon of one ring (k, 2), closed here, or a point (1, 2).
 
-    A header, with the envelope of polygons, then WKB, little endian.
+    The blob is a header, with the envelope of polygons, then WKB, little endian.
     """
     ring = np.vstack([shape, shape[:1]]) if polygon else shape
     head = b"GP" + struct.pack("<BBi", 0, 0b011 if polygon else 0b001, SRS_ID)

@@ -28,18 +28,20 @@ def las_bytes(
     by_images: bool = True,
     up: Sequence[float] | Array = (0.0, 0.0, 1.0),
 ) -> bytes:
-    """Return as_found.las (docs/deliverables.md): the seen vertices, with their sigmas.
+    """Encode as_found.las (docs/deliverables.md): the seen vertices, with their sigmas.
 
     Parameters
     ----------
+    surface
+        The hull as found.
     split
         Parts of the deviation, None without a CAD model.
     frame
         M or g.
     t_ns
-        Time of the dive's last pose, which stands for that of the file.
+        Time of the dive's last pose. Its date is written as the file's.
     by_images
-        Whether the support counts images, else returns of the DVL.
+        True if the support counts images, False if it counts returns of the DVL.
     up
         (3,) the axis that points up in M.
     """
@@ -78,9 +80,9 @@ def las_bytes(
 
 
 def frame_wkt(frame: str, up: Sequence[float] | Array = (0.0, 0.0, 1.0)) -> str:
-    """Return a local engineering system of three axes in WKT 1: metres, tied to no place on Earth.
+    """Write a local engineering system of three axes in WKT 1: metres, tied to no place on Earth.
 
-    up (3,): in M. The level axes have the names that a chart on paper gives them.
+    `up` (3,) is in M. The level axes are named as on a paper chart.
     """
     name, datum, ways = "hull frame of the ship (M)", "the ship", _ways(np.asarray(up, float))
     if frame != "M":
@@ -94,7 +96,7 @@ def frame_wkt(frame: str, up: Sequence[float] | Array = (0.0, 0.0, 1.0)) -> str:
 
 
 def _ways(up: Array) -> tuple[str, ...]:
-    """Name where x, y, z of a right-handed frame point, with a level one to the right as east."""
+    """Name the directions of x, y, z of a right-handed frame, taking a level axis as east."""
     turn = gltf_from(up)[:3, :3]  # rows east, up, south
     names = (("EAST", "WEST"), ("UP", "DOWN"), ("SOUTH", "NORTH"))
     row = np.argmax(np.abs(turn), axis=0)

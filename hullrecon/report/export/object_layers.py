@@ -45,9 +45,9 @@ FIELDS: dict[str, type] = {
 def object_layers(
     objects: Sequence[ReportedObject], photos: Collection[int], chart: Chart, outside: OutsideMap
 ) -> list[Layer]:
-    """Return outlines, of objects that have one on the chart, and centers.
+    """Make the layers of outlines and of centers, each of the objects that the chart shows.
 
-    photos: ids of the objects with a photo file.
+    `photos` holds the numbers of the objects with a photo file.
     """
     outlines = [_on_map(found.outline, chart, outside) for found in objects]
     centers = [_on_map((found.center,), chart, outside) for found in objects]
@@ -72,7 +72,7 @@ def object_layers(
 
 
 def object_fields(found: ReportedObject, photos: Collection[int]) -> Fields:
-    """Return the fields of a feature."""
+    """Collect the fields of an object's feature."""
     values: dict[str, int | float | str | None] = {
         name: getattr(found, name) for name in FIELDS if name != "kind"
     }
@@ -83,12 +83,12 @@ def object_fields(found: ReportedObject, photos: Collection[int]) -> Fields:
 
 
 def photo_name(number: int) -> str:
-    """Return the file of an object's photo, below deliver/."""
+    """Name the file of an object's photo, below deliver/."""
     return f"objects/{number}.jpg"
 
 
 def _on_map(points: Sequence[Sequence[float]], chart: Chart, outside: OutsideMap) -> Array:
-    """Return points (n, 3) in map coordinates (k, 2), without those off the chart."""
+    """Transform points (n, 3) to map coordinates (k, 2), without those off the chart."""
     if not len(points):
         return np.zeros((0, 2))
     at = outside.to_map(chart.to_chart(np.array(points, float))[:, :2])

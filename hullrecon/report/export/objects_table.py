@@ -11,7 +11,7 @@ from hullrecon.report.export.table import Column, Table
 
 
 def objects_table(objects: Sequence[ReportedObject]) -> Table:
-    """Return objects.csv (docs/deliverables.md): a row an object, as in objects.json."""
+    """Make objects.csv (docs/deliverables.md): one row per object, as in objects.json."""
     columns = [_column("id", "", "number, as in objects.json", [o.id for o in objects])]
     for name, unit, meaning in (
         ("center", "m", "on the visible surface"),

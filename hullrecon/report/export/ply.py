@@ -17,7 +17,7 @@ def ply_bytes(
     faces: NDArray[np.integer] | None = None,
     comments: Sequence[str] = (),
 ) -> bytes:
-    """Return a PLY of vertex properties (n,), in the order given, and triangles (m, 3).
+    """Encode vertex properties (n,), in the order given, and triangles (m, 3) as PLY.
 
     Raises KeyError for a property that is not float32, float64, uint8 or int32.
     """
@@ -43,7 +43,7 @@ def ply_bytes(
 
 
 def columns(points: NDArray[np.float64]) -> dict[str, NDArray[np.generic]]:
-    """Return x, y, z of points (n, 3) as double.
+    """Split points (n, 3) into columns x, y, z of double precision.
 
     Single precision has steps of 4 mm at a ship's length from a harbour's origin.
     """

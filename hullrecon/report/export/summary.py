@@ -32,9 +32,16 @@ def summary_document(
     deliverables: Mapping[str, FileEntry],
     failed: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, object]:
-    """Return summary.json (docs/deliverables.md).
+    """Build summary.json (docs/deliverables.md).
 
-    deliverables: by name; failed: why others could not be written.
+    Parameters
+    ----------
+    survey
+        All that a report draws on.
+    deliverables
+        Size and hash of what was written, by name.
+    failed
+        Why other deliverables could not be written, by name.
     """
     dive, provenance = survey.facts.dive, survey.provenance
     return {
@@ -62,7 +69,7 @@ def summary_document(
 
 
 def _public_run(run: Mapping[str, object]) -> dict[str, object]:
-    """Return a step's run block without times of single iterations and the host's name."""
+    """Drop the times of single iterations and the host's name from a step's run block."""
     public = {name: value for name, value in run.items() if name != "times"}
     host = public.get("host")
     if isinstance(host, Mapping):

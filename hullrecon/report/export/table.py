@@ -19,20 +19,20 @@ class Column:
     """A column of a table."""
 
     name: str  # without its unit
-    unit: str  # "" of words and of numbers without one
+    unit: str  # "" for words and for numbers without a unit
     meaning: str
     values: Sequence[object]
     words: bool = False  # whether its cells are words
 
     @property
     def heading(self) -> str:
-        """Return what the first row calls it: the name and, if it has one, its unit."""
+        """Heading in the first row: the name and, if there is one, the unit."""
         return f"{self.name}_{self.unit}" if self.unit else self.name
 
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """A table, and what a row of it is."""
+    """A table of a file. The title says what a row is."""
 
     file: str
     title: str
@@ -40,12 +40,12 @@ class Table:
 
     @property
     def csv(self) -> str:
-        """Return the file's text."""
+        """The table as CSV."""
         return csv_text({column.heading: column.values for column in self.columns})
 
 
 def csv_metadata(tables: Sequence[Table]) -> Mapping[str, object]:
-    """Return csv-metadata.json: name, unit, meaning and type of the columns of tables."""
+    """Build csv-metadata.json: name, unit, meaning and type of the columns of tables."""
     return {
         "@context": "http://www.w3.org/ns/csvw",
         "tables": [
@@ -77,12 +77,12 @@ def seconds(t_ns: NDArray[np.int64]) -> list[str]:
 
 
 def numbers(values: NDArray[np.float64], form: str = ".9f") -> list[str]:
-    """Write values as cells; a lost value is an empty one."""
+    """Format values as cells. A value that is not finite gives an empty cell."""
     return [format(v, form) if np.isfinite(v) else "" for v in np.asarray(values, float).tolist()]
 
 
 def csv_text(table: Mapping[str, Sequence[object]]) -> str:
-    """Write columns as CSV; cells with a comma, a quote or a line end are quoted (RFC 4180)."""
+    """Write columns as CSV. Cells with a comma, a quote or a line end are quoted (RFC 4180)."""
     rows = zip(*table.values(), strict=True)
     return "\n".join([",".join(table), *(",".join(_cell(c) for c in row) for row in rows), ""])
 

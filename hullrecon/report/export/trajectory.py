@@ -18,7 +18,7 @@ from hullrecon.typing import Array
 
 
 def track_of(trajectory: Trajectory, solution: Solution | None) -> VehicleTrack:
-    """Return the best path there is: adjusted in M, adjusted in g, or dead reckoned in g."""
+    """Choose the best path available: adjusted in M, adjusted in g, or dead reckoned in g."""
     return trajectory.track() if solution is None else solution.track()
 
 
@@ -33,7 +33,7 @@ class ChartCoordinates:
 
 
 def chart_coordinates(survey: Survey, points: Array) -> ChartCoordinates:
-    """Lay points (n, 3) in the frame of the results on the chart; without one all are NaN."""
+    """Project points (n, 3) in the results' frame onto the chart. All are NaN without a chart."""
     chart, hull = survey.surfaces.chart, survey.facts.hull
     lost = np.full(len(points), np.nan)
     if chart is None or not len(points):
@@ -50,7 +50,7 @@ def chart_coordinates(survey: Survey, points: Array) -> ChartCoordinates:
 
 
 def trajectory_table(survey: Survey) -> Table:
-    """Return trajectory.csv (docs/deliverables.md): a row a node."""
+    """Make trajectory.csv (docs/deliverables.md): one row per node."""
     track, frame = survey.track, survey.track.frame
     where, turn = f"position of the vehicle in {frame}", f"rotation of the vehicle in {frame}"
     cells: list[tuple[str, str, str, list[str]]] = [
@@ -85,7 +85,7 @@ _SIGMAS = (
 
 
 def _ship_cells(survey: Survey) -> list[tuple[str, str, str, list[str]]]:
-    """Return where on the ship the vehicle was, and how well that is known."""
+    """Tabulate the vehicle's place on the ship and its sigmas."""
     track = survey.track
     at = chart_coordinates(survey, track.poses.translation)
     along_sigma, girth_sigma = chart_sigmas(survey)
@@ -106,7 +106,7 @@ def _ship_cells(survey: Survey) -> list[tuple[str, str, str, list[str]]]:
 
 
 def chart_sigmas(survey: Survey) -> tuple[Array, Array]:
-    """Return one sigma (n,) m of the vehicle along the hull and in girth, NaN off the chart."""
+    """Compute one sigma (n,) m of the vehicle along the hull and in girth, NaN off the chart."""
     track, chart = survey.track, survey.surfaces.chart
     if chart is None:
         return np.full(len(track.t_ns), np.nan), np.full(len(track.t_ns), np.nan)
@@ -115,17 +115,17 @@ def chart_sigmas(survey: Survey) -> tuple[Array, Array]:
 
 
 def vehicle_depth(survey: Survey) -> Array:
-    """Return the depth (n,) m of the vehicle at the nodes, adjusted if it was."""
+    """Select the vehicle's depth (n,) m at the nodes, adjusted if the dive was."""
     if survey.adjusted is not None:
         return survey.adjusted.solution.global_from_vehicle.translation[:, 2]
     return survey.trajectory.translation[:, 2]
 
 
 def vehicle_depth_sigma(survey: Survey) -> Array:
-    """Return one sigma (n,) m of the depth at the nodes.
+    """Compute one sigma (n,) m of the depth at the nodes.
 
-    In g it is that of the position. In M, whose covariance says how the vehicle lies to the hull,
-    it is that of the pressure sensor's bias and noise.
+    In g it is that of the position. In M, whose covariance is relative to the hull, it is that of
+    the pressure sensor's bias and noise, if that is known.
     """
     adjusted, nodes = survey.adjusted, len(survey.track.t_ns)
     if adjusted is None:
@@ -138,7 +138,7 @@ def vehicle_depth_sigma(survey: Survey) -> Array:
 
 
 def trajectory_tum(track: VehicleTrack) -> str:
-    """Return the same poses as lines of `t x y z qx qy qz qw`."""
+    """Write the poses as lines of `t x y z qx qy qz qw`."""
     columns = [seconds(track.t_ns)]
     columns += [numbers(c) for c in (*track.poses.translation.T, *track.poses.quaternion.T)]
     return "".join(" ".join(row) + "\n" for row in zip(*columns, strict=True))

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What of a survey lies on the hull's chart: the one model of plan, page's map and form map.
 
-Places are chart coordinates (along, girth) in metres; `Extent.outside` takes them to those of the
-map, in which rasters, vector layers and the page's script are given.
+Places are chart coordinates (along, girth) in metres. `Extent.outside` converts them to map
+coordinates, which rasters, vector layers and the page's script use.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Extent:
 
     @property
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return left and right, bottom and top of a picture of it."""
+        """Left and right, bottom and top of a picture of the rectangle."""
         along, girth = (
             s[::-1] if f else s for s, f in zip((self.along, self.girth), self.flips, strict=True)
         )
@@ -47,18 +47,18 @@ class Extent:
 
     @property
     def size(self) -> tuple[float, float]:
-        """Return the spans along and in girth, m."""
+        """Spans along and in girth, m."""
         return self.along[1] - self.along[0], self.girth[1] - self.girth[0]
 
     @property
     def outside(self) -> OutsideMap:
-        """Return the map seen from outside, whose coordinates grow to the right and upwards."""
+        """The map as seen from outside, with x to the right and y upwards."""
         x, y = (-1 if flip else 1 for flip in self.flips)
         return OutsideMap(x_sign=x, y_sign=y, frame="")
 
     @property
     def bounds(self) -> Bounds:
-        """Return the rectangle in map coordinates."""
+        """The rectangle in map coordinates."""
         corners = self.outside.to_map(np.array([self.along, self.girth]).T)
         (left, bottom), (right, top) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
         return left, bottom, right, top
@@ -72,7 +72,7 @@ class SigmaEllipse:
     angle_rad: float  # of the first, from along towards girth
 
     def ring(self) -> Array:
-        """Return points (41, 2) around the ellipse about the origin, along and girth."""
+        """Sample the ellipse about the origin as points (41, 2) along and in girth."""
         turn = np.linspace(0, 2 * np.pi, 41)
         along, girth = self.half_axes[0] * np.cos(turn), self.half_axes[1] * np.sin(turn)
         cosine, sine = math.cos(self.angle_rad), math.sin(self.angle_rad)
@@ -84,7 +84,7 @@ class ChartedObject:
     """An object with its place on the chart."""
 
     found: ReportedObject
-    at: Array  # (2,) along, girth; NaN off the chart
+    at: Array  # (2,) along and in girth, NaN off the chart
     ellipse: SigmaEllipse | None  # of its own place, None if that is not known
 
 
@@ -97,7 +97,7 @@ class ChartedSurface:
     faces: Ints32  # without those off the chart or across its seam
 
     def seen_faces(self, min_support: int = 1) -> Ints32:
-        """Return the faces whose three corners have that support."""
+        """Select the faces whose three corners have at least that support."""
         return self.faces[(self.surface.support[self.faces] >= min_support).all(axis=1)]
 
 
@@ -135,7 +135,7 @@ class MapField:
 
 
 def hull_map(survey: Survey) -> HullMap | None:
-    """Lay path, objects and surface of a survey on its chart. None if nothing of it lies there."""
+    """Project path, objects and surface of a survey onto its chart. None if nothing lies on it."""
     chart, surfaces = survey.surfaces.chart, survey.surfaces
     if chart is None:
         return None
@@ -170,7 +170,7 @@ def charted_objects(objects: Sequence[ReportedObject], chart: Chart) -> list[Cha
 
 
 def sigma_ellipse(covariance: Array) -> SigmaEllipse:
-    """Return the one-sigma ellipse of a covariance (2, 2), m², of along and girth."""
+    """Compute the one-sigma ellipse of a covariance (2, 2), m², of along and girth."""
     variance, axes = np.linalg.eigh(covariance)
     half = np.sqrt(np.maximum(variance, 0.0))
     return SigmaEllipse(
@@ -180,7 +180,7 @@ def sigma_ellipse(covariance: Array) -> SigmaEllipse:
 
 
 def project_surface(surface: Surface, chart: Chart) -> ChartedSurface:
-    """Lay a surface on the chart."""
+    """Project a surface onto the chart, without faces off the chart or across its seam."""
     at = chart.to_chart(surface.vertices)[:, :2]
     span = np.ptp(at[surface.faces], axis=1).max(axis=1)
     first, second = surface.vertices[surface.faces[:, 0]], surface.vertices[surface.faces[:, 1]]
@@ -190,7 +190,7 @@ def project_surface(surface: Surface, chart: Chart) -> ChartedSurface:
 
 
 def extent_of(points: Array, flips: tuple[bool, bool], margin_m: float = 0.4) -> Extent:
-    """Return the bounds of chart points (n, 2) with a margin; rows with NaN are left out."""
+    """Bound chart points (n, 2) with a margin. Rows with NaN are left out."""
     good = points[np.isfinite(points).all(axis=1)]
     low, high = (good.min(axis=0) - margin_m).tolist(), (good.max(axis=0) + margin_m).tolist()
     return Extent(along=(low[0], high[0]), girth=(low[1], high[1]), flips=flips)
@@ -200,7 +200,7 @@ def extent_of(points: Array, flips: tuple[bool, bool], margin_m: float = 0.4) ->
 
 
 def survey_fields(survey: Survey, found: ChartedSurface) -> list[MapField]:
-    """Return the fields of the hull as found: form or, without a CAD model, sigma; coverage."""
+    """Make the fields of the hull as found: form (else the surface's sigma), then coverage."""
     split = survey.surfaces.deviation
     if split is not None and survey.is_in_hull_frame and form_shadings(found, split) is not None:
         fields = _form_fields(survey, found, split)
@@ -210,10 +210,10 @@ def survey_fields(survey: Survey, found: ChartedSurface) -> list[MapField]:
 
 
 def form_shadings(found: ChartedSurface, split: DeviationSplit) -> tuple[Shading, Shading] | None:
-    """Return how form and its sigma (mm) are coloured. None if nothing was seen.
+    """Choose the colour ranges of form and its sigma (mm). None if nothing was seen.
 
-    The ends are five times the median of the seen area, most of which is bare hull: structures are
-    beyond them.
+    The form's range is five times its median magnitude over the seen area, most of which is bare
+    hull, so that structures lie beyond it. The sigma's range ends at its 95th percentile.
     """
     weight = np.where(np.isfinite(split.form), vertex_areas(found.surface.mesh()), 0.0)
     if not weight.sum() > 0:

@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of what lies on the hull's chart: layers of the page's map, the plan's ground, the form.
+"""Pictures on the hull's chart: layers of the page's map, the plan's ground, the form.
 
-A layer fills a rectangle of the map coordinates. Layers come from `survey_layers` alone: a source
-of tiles would be another function beside it.
+A layer fills a rectangle of the map coordinates. Layers come from `survey_layers` alone.
 """
 
 from __future__ import annotations
@@ -37,10 +36,10 @@ if TYPE_CHECKING:
     from matplotlib.collections import TriMesh
     from matplotlib.figure import Figure
 
-# of a mosaic: 10 m² at 1 mm a pixel in some 4 MB; the GeoTIFF beside has all of them
+# of a mosaic: 10 m² at 1 mm a pixel in some 4 MB. The delivered GeoTIFF has all pixels.
 MOST_PIXELS = 12e6
 FIELD_STEP_M = 0.005  # a pixel of a field, which is smooth over centimetres
-MOST_FIELD_PIXELS = 2.5e6  # 10 m by 6 m at that; far below CANVAS_PIXELS, through which it is read
+MOST_FIELD_PIXELS = 2.5e6  # 10 m by 6 m at FIELD_STEP_M, far below CANVAS_PIXELS
 MOST_NARROW = 12.0  # sides of a map of the form, as drawn
 MOSAIC_TITLES = {"optical": "Camera mosaic", "sonar": "Sonar mosaic"}
 RASTERS = {  # the delivered raster of a layer
@@ -96,7 +95,7 @@ def _millimetres(step_m: float) -> str:
 
 
 def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer:
-    """Return an ortho (GeoTIFF) as a layer of at most MOST_PIXELS, its contrast stretched.
+    """Read an ortho (GeoTIFF) as a layer of at most MOST_PIXELS, its contrast stretched.
 
     It is transparent where nothing was seen.
     """
@@ -119,9 +118,9 @@ def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer
 
 
 def _stretched(picture: Pixels, seen: Mask) -> Pixels:
-    """Spread the brightness of bands (3, h, w) over the range: water leaves a third of it.
+    """Spread the brightness of bands (3, h, w) over the range, as water leaves a third of it.
 
-    Colour grows less, or it would glare.
+    Colour is amplified less, or it would glare.
     """
     level = picture.mean(axis=0, dtype=np.float32)
     if not seen.any():
@@ -156,13 +155,13 @@ def field_layer(found: ChartedSurface, field: MapField, extent: Extent) -> MapLa
 
 
 def field_step_m(extent: Extent) -> float:
-    """Return the side of a pixel of a field's picture, m."""
+    """Choose the side of a pixel of a field's picture, m."""
     width, height = (span / FIELD_STEP_M for span in extent.size)
     return FIELD_STEP_M * reduction(width, height, WEBP_SIDE_PX, MOST_FIELD_PIXELS)
 
 
 def palette(name: str) -> Pixels:
-    """Return the colours (256, 3) of a legend, from its low to its high end."""
+    """Sample the colours (256, 3) of a legend, from its low to its high end."""
     from matplotlib import colormaps
 
     return np.asarray(np.rint(255 * colormaps[name](np.linspace(0, 1, 256))[:, :3]), np.uint8)
@@ -171,7 +170,7 @@ def palette(name: str) -> Pixels:
 def _levels(
     found: ChartedSurface, values: Array, shading: Shading, extent: Extent, step_m: float
 ) -> tuple[Pixels, Mask]:
-    """Return values as levels 0 to 255 of the shading, and where there are any: both (h, w)."""
+    """Draw values as levels 0 to 255 of the shading (h, w), with a mask (h, w) of pixels drawn."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     width, height = (span / step_m for span in extent.size)
@@ -186,7 +185,7 @@ def _levels(
 
 
 def webp_bytes(rgba: Pixels, lossless: bool = False) -> bytes:
-    """Encode a picture (h, w, 4) as WebP; lossless keeps every colour as it is."""
+    """Encode a picture (h, w, 4) as WebP. Lossless keeps every colour as it is."""
     from PIL import Image
 
     buffer = BytesIO()
@@ -201,7 +200,7 @@ def webp_bytes(rgba: Pixels, lossless: bool = False) -> bytes:
 def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> bytes:
     """Draw the seen faces tinted by views, transparent elsewhere, as the plan's ground.
 
-    The picture fills the extent without a frame; a tall one is at most twice width_px high.
+    The picture fills the extent without a frame. A tall picture is at most twice width_px high.
     """
     width, height = extent.size
     height_px = width_px * height / width
@@ -216,7 +215,7 @@ def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> b
 def form_png(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> bytes:
     """Draw maps of form (blue inward, red outward) and its sigma, mm, with the objects' numbers.
 
-    They lie below each other, those of a tall hull beside each other.
+    The maps of a tall hull are side by side, else one below the other.
     """
     extent = view.extent
     width, height = extent.size
@@ -250,7 +249,7 @@ def form_png(found: ChartedSurface, split: DeviationSplit, view: HullMap) -> byt
 
 
 def _filled_figure(extent: Extent, width_px: float, height_px: float) -> tuple[Figure, Axes]:
-    """Return a figure of that many pixels, at least one a side, that the extent fills."""
+    """Make a figure of that many pixels, at least one a side, that the extent fills."""
     from matplotlib.figure import Figure
 
     size = (max(1.0, width_px) / 100, max(1.0, height_px) / 100)

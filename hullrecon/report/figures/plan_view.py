@@ -38,7 +38,7 @@ class Plan:
     """What the plan shows."""
 
     extent: Extent
-    path: Array  # (n, 2) of the vehicle on the chart; NaN rows break the line
+    path: Array  # (n, 2) of the vehicle on the chart, NaN rows break the line
     path_sigma: tuple[float, float]  # along and girth, m
     marks: Sequence[Mark]
     ground: bytes | None = None  # PNG of the hull seen
@@ -47,7 +47,7 @@ class Plan:
 
     @property
     def scale(self) -> float:
-        """Return the plan's units a metre."""
+        """Units of the plan per metre."""
         return min(WIDTH / self.extent.size[0], TALLEST / self.extent.size[1])
 
     @property
@@ -100,7 +100,7 @@ def survey_plan(survey: Survey, view: HullMap) -> str:
 
 
 def plan_svg(plan: Plan, title: str) -> str:
-    """Draw one SVG, at most WIDTH by TALLEST inside its frame."""
+    """Draw the plan as SVG, at most WIDTH by TALLEST inside its frame."""
     body = [_ground(plan), *_ticks(plan), _path(plan), *(_mark(mark, plan) for mark in plan.marks)]
     body += [_scale_bar(plan), _sigma_bar(plan)]
     box = f"0 0 {LEFT + WIDTH + 46:.0f} {TOP + plan.height + FOOT:.0f}"
@@ -120,14 +120,14 @@ def _ground(plan: Plan) -> str:
 
 
 def nice_step(span_m: float, most: int = 10) -> float:
-    """Return 1, 2 or 5 times a power of ten, so that a span has at most so many steps."""
+    """Choose a step of 1, 2 or 5 times a power of ten, at least a span divided by `most`."""
     raw = span_m / most
     power = 10.0 ** math.floor(math.log10(raw))
     return next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= raw * (1 - 1e-9))
 
 
 def nice_below(span_m: float) -> float:
-    """Return the largest 1, 2 or 5 times a power of ten that fits into a span."""
+    """Choose the largest 1, 2 or 5 times a power of ten that fits into a span."""
     power = 10.0 ** math.floor(math.log10(span_m))
     return max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span_m * (1 + 1e-9))
 
@@ -186,7 +186,7 @@ def _mark(mark: Mark, plan: Plan) -> str:
 
 
 def _ellipse(ellipse: SigmaEllipse, x: float, y: float, plan: Plan) -> str:
-    """Draw an ellipse; SVG's y grows downwards, and so does its angle."""
+    """Draw an ellipse. SVG's y grows downwards, so its angle is reversed."""
     flips = plan.extent.flips
     along, girth = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
     angle = math.degrees(math.atan2(girth if flips[1] else -girth, -along if flips[0] else along))

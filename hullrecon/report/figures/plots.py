@@ -152,7 +152,7 @@ def labels(iterations: Arrays) -> Plot:
 
 
 def _reached(iterations: Arrays) -> Array:
-    """Return the cost (k,) at the last accepted point, of the record if it does not tell these."""
+    """Select the cost (k,) at the last accepted point, or as recorded if steps are not marked."""
     cost = np.asarray(iterations["cost"], float)
     if "accepted" not in iterations:
         return cost
@@ -160,7 +160,7 @@ def _reached(iterations: Arrays) -> Array:
 
 
 def _rounds(iterations: Arrays, count: int) -> Ints:
-    """Return the round (count,) of each row, 1 if the record does not say."""
+    """Select the round (count,) of each row, 1 if the record does not say."""
     return np.asarray(iterations.get("round", np.ones(count)), np.int64)
 
 
@@ -223,7 +223,7 @@ def residuals(before: Mapping[str, FactorResiduals], after: Mapping[str, FactorR
 
 
 def standoff(dvl: DvlPings) -> Array:
-    """Return the distance (n,) m from the DVL to the hull along the instrument's axis.
+    """Compute the distance (n,) m from the DVL to the hull along the instrument's axis.
 
     It is the median over the beams of range times the cosine between beam and axis.
     """
@@ -235,9 +235,21 @@ def standoff(dvl: DvlPings) -> Array:
 
 
 def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) -> Plot | None:
-    """Draw depth and distance to the hull over the dive, or the one that was measured.
+    """Draw depth and distance to the hull over the dive, as far as they were measured.
 
-    depth_m: at the nodes, None without a pressure sensor. None without either.
+    Parameters
+    ----------
+    t_ns
+        Times of the nodes.
+    depth_m
+        At the nodes, None without a pressure sensor.
+    dvl
+        None without a DVL.
+
+    Returns
+    -------
+    plot
+        None if neither was measured.
     """
     gap = standoff(dvl) if dvl is not None and np.isfinite(dvl.ranges).any() else None
     if depth_m is None and gap is None:
@@ -273,7 +285,7 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
 
 
 def _while_heard(t_ns: Ints, heard_ns: Ints, value: Array) -> Array:
-    """Interpolate values to times (n,); NaN in gaps of more than HEARD_S between heard_ns (m,)."""
+    """Interpolate values to times (n,). NaN in gaps of more than HEARD_S between heard_ns (m,)."""
     after = np.searchsorted(heard_ns, t_ns)
     before = np.clip(after - 1, 0, len(heard_ns) - 1)
     apart_ns = heard_ns[np.clip(after, 0, len(heard_ns) - 1)] - heard_ns[before]
@@ -322,7 +334,7 @@ def deviation_histogram(
 ) -> Plot | None:
     """Draw shares of landmarks and of the area seen by distance to the CAD model, and of its form.
 
-    The offset stands in it with its sigma. None without the parts of the deviation.
+    The offset is marked with its sigma. None without a form of the hull as found.
     """
     if as_found is None or split is None:
         return None

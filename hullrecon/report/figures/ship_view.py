@@ -18,8 +18,8 @@ from hullrecon.report.format_limits import reduction
 from hullrecon.typing import Array
 
 WIDTH, MARGIN, FOOT = 1000.0, 26.0, 26.0
-TALLEST = 1000.0  # of a picture of what is taller than long
-# of the rectangle around the patch: a small one on a long ship is found all the same
+TALLEST = 1000.0  # height of the picture of a model that is taller than long
+# least side of the rectangle around the patch, so that a small patch is found on a long ship
 LEAST_FRAME = 26.0
 STEEL, PATCH = np.array([0.50, 0.58, 0.66]), np.array([0.88, 0.42, 0.10])
 
@@ -34,16 +34,16 @@ class Side:
 
     @property
     def toward(self) -> Array:
-        """Return the direction (3,) from the ship to the viewer."""
+        """Direction (3,) from the ship to the viewer."""
         return np.cross(self.right, self.up)
 
     def project(self, points: Array) -> Array:
-        """Return places on the picture (..., 2) m of points (..., 3)."""
+        """Project points (..., 3) onto the picture (..., 2), m."""
         return np.asarray(points @ np.stack([self.right, self.up], axis=1))
 
     @property
     def bow_is_left(self) -> bool:
-        """Return whether the bow lies on the left."""
+        """Whether the bow lies on the left."""
         return bool(self.right[0] < 0)
 
 
@@ -57,7 +57,7 @@ BELOW = Side(
 
 
 def facing_side(patch: Mesh) -> Side:
-    """Return the side from which most of a patch is seen; patch: in axes forward, port, up."""
+    """Choose the side from which most of a patch is seen. The patch has axes forward, port, up."""
     area = face_areas(patch) @ face_normals(patch)
     if -area[2] > abs(area[1]):
         return BELOW
@@ -67,7 +67,7 @@ def facing_side(patch: Mesh) -> Side:
 def ship_svg(ship: Mesh, patch: Mesh) -> tuple[str, str]:
     """Draw a ship with a patch, and name the side that it shows.
 
-    ship, patch: in axes forward, port, up, metres.
+    Ship and patch are in axes forward, port, up, metres.
     """
     side = facing_side(patch)
     at = side.project(ship.vertices)
@@ -136,7 +136,7 @@ def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) ->
 
 
 def _halved(png: bytes) -> bytes:
-    """Halve a picture: faces drawn without smoothing leave no seams; this smooths their outline."""
+    """Halve a picture to smooth its outlines: faces drawn without antialiasing leave no seams."""
     from PIL import Image
 
     buffer = BytesIO()
@@ -146,7 +146,7 @@ def _halved(png: bytes) -> bytes:
 
 
 def _shaded_faces(mesh: Mesh, side: Side, tint: Array) -> tuple[Array, Array]:
-    """Return the faces that the viewer sees, farthest first (m, 3, 2), and their colours (m, 3)."""
+    """Select the faces that the viewer sees (m, 3, 2), farthest first, and their colours (m, 3)."""
     normal = face_normals(mesh)
     facing = normal @ side.toward
     depth = mesh.vertices[mesh.faces].mean(axis=1) @ side.toward

@@ -31,7 +31,7 @@ class Plot:
 def new_figure(
     width_in: float = 7.2, height_in: float = 3.0, rows: int = 1, columns: int = 1
 ) -> tuple[Figure, list[Axes]]:
-    """Return a matplotlib figure and its axes, row by row, without pyplot's global state."""
+    """Make a matplotlib figure and its axes, row by row, without pyplot's global state."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width_in, height_in), dpi=150, layout="constrained")
@@ -71,7 +71,7 @@ def label_counts(axis: Axis) -> None:
 
 
 def png_bytes(figure: Figure, transparent: bool = False) -> bytes:
-    """Return a figure as PNG, without what the library writes of itself."""
+    """Encode a figure as PNG, without the library's own metadata."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)

@@ -52,7 +52,7 @@ class TimedMessage:
 
 
 def dive_result_mcap(survey: Survey) -> bytes:
-    """Return the file; the same survey gives the same bytes."""
+    """Write the dive's messages as MCAP. The same survey gives the same bytes."""
     from mcap.writer import CompressionType, Writer
 
     found = sorted(survey_messages(survey), key=lambda message: message.t_ns)
@@ -82,7 +82,7 @@ def dive_result_mcap(survey: Survey) -> bytes:
 
 
 def survey_messages(survey: Survey) -> Iterator[TimedMessage]:
-    """Yield what a survey holds: what moves at its time, what stands at that of the first pose."""
+    """Yield a survey's messages: moving things at their time, fixed ones at the first pose's."""
     start, frame = int(survey.track.t_ns[0]), FRAMES[survey.track.frame]
     for value in _fixed_frames(survey, start, frame):
         yield TimedMessage(t_ns=start, topic="/tf", value=value)
@@ -93,10 +93,10 @@ def survey_messages(survey: Survey) -> Iterator[TimedMessage]:
 
 
 def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
-    """Yield the sensors' mounts on the tray, and how hull and global frame lie to each other.
+    """Yield the sensors' mounts on the tray, and the pose of the global frame in the hull frame.
 
-    A viewer's z is up: if that of the frame is not, `global_z_up` or `hull_z_up` is the frame
-    turned upright.
+    A viewer's z is up. If the frame's z is not, `global_z_up` or `hull_z_up` is the frame turned
+    upright.
     """
     rig = survey.facts.rig
     yield messages.frame_transform(t_ns, "tray", "dvl", rig.tray_from_dvl)
@@ -172,7 +172,10 @@ def _vehicle(survey: Survey, frame: str) -> Iterator[TimedMessage]:
 
 
 def _dvl_returns(survey: Survey, frame: str) -> Iterator[TimedMessage]:
-    """Yield the ends of the beams, a cloud a ping; flagged: they disagree with their neighbours."""
+    """Yield the ends of the beams as one cloud per ping.
+
+    Returns that disagree with their neighbours are flagged.
+    """
     returns = survey.facts.returns
     if returns is None or not len(returns.t_ns):
         return
@@ -189,7 +192,7 @@ def _dvl_returns(survey: Survey, frame: str) -> Iterator[TimedMessage]:
 
 
 def _columns(points: Array) -> dict[str, NDArray[np.generic]]:
-    """Return x, y, z of points (n, 3) in single precision: 0.1 mm at a ship's length."""
+    """Split points (n, 3) into x, y, z of single precision: 0.1 mm at a ship's length."""
     return {name: points[:, k].astype(np.float32) for k, name in enumerate("xyz")}
 
 
@@ -207,7 +210,7 @@ def _cad_model(mesh: Mesh, t_ns: int, frame: str) -> Message:
 
 
 def _object(found: ReportedObject, t_ns: int, frame: str) -> Message:
-    """Show an object: its outline, a label in front of it, and facts where it is selected."""
+    """Show an object: its outline, a label in front of it, and facts when it is selected."""
     sigma = "" if found.height_sigma is None else f" ± {1000 * found.height_sigma:.0f}"
     text = f"{found.id}: {1000 * found.height:.0f}{sigma} mm"
     facts = {"height_m": f"{found.height:.4f}", "views": found.views, "address": found.address}

@@ -26,17 +26,17 @@ ORIGIN: Message = {
 
 
 def time(t_ns: int) -> Message:
-    """Return a time of int64 nanoseconds since 1970."""
+    """Split a time in nanoseconds since 1970 into seconds and nanoseconds."""
     return {"sec": int(t_ns) // 10**9, "nsec": int(t_ns) % 10**9}
 
 
 def vector(values: Array) -> Message:
-    """Return a vector or point (3,), or a quaternion x y z w (4,)."""
+    """Name the parts of a vector or point (3,), or of a quaternion x y z w (4,)."""
     return dict(zip("xyzw", np.asarray(values, float).tolist(), strict=False))
 
 
 def pose(poses: Poses, row: int = 0) -> Message:
-    """Return one pose of a batch."""
+    """Write one pose of a batch."""
     return {
         "position": vector(poses.translation[row]),
         "orientation": vector(poses.quaternion[row]),
@@ -44,7 +44,7 @@ def pose(poses: Poses, row: int = 0) -> Message:
 
 
 def frame_transform(t_ns: int, parent: str, child: str, poses: Poses, row: int = 0) -> Message:
-    """Return where a child frame lies in its parent."""
+    """Write the pose of a child frame in its parent."""
     return {
         "timestamp": time(t_ns),
         "parent_frame_id": parent,
@@ -55,7 +55,7 @@ def frame_transform(t_ns: int, parent: str, child: str, poses: Poses, row: int =
 
 
 def point_cloud(t_ns: int, frame: str, columns: Mapping[str, NDArray[np.generic]]) -> Message:
-    """Return points of columns (n,), among them x, y, z.
+    """Pack columns (n,), among them x, y, z, into a point cloud.
 
     Raises ValueError for a type that is not one of numpy's uint8 to float64.
     """
@@ -85,7 +85,7 @@ def point_cloud(t_ns: int, frame: str, columns: Mapping[str, NDArray[np.generic]
 
 
 def scene_update(entities: Sequence[Message]) -> Message:
-    """Return entities that are added to a scene."""
+    """Add entities to a scene."""
     return {"deletions": [], "entities": list(entities)}
 
 
@@ -99,7 +99,7 @@ def entity(
     texts: Sequence[Message] = (),
     models: Sequence[Message] = (),
 ) -> Message:
-    """Return a visual element of a scene, which stays; facts are shown where it is selected."""
+    """Make a visual element of a scene, without an end. Its facts are shown when it is selected."""
     return {
         "timestamp": time(t_ns),
         "frame_id": frame,
@@ -115,12 +115,12 @@ def entity(
 
 
 def color(rgba: Rgba) -> Message:
-    """Return a colour of four parts from 0 to 1."""
+    """Name the four parts of a colour, each from 0 to 1."""
     return dict(zip("rgba", rgba, strict=True))
 
 
 def line_loop(points: Array, rgba: Rgba, thickness_px: float) -> Message:
-    """Return a closed line through points (n, 3)."""
+    """Draw a closed line through points (n, 3)."""
     return {
         "type": LINE_LOOP,
         "pose": ORIGIN,
@@ -134,14 +134,14 @@ def line_loop(points: Array, rgba: Rgba, thickness_px: float) -> Message:
 
 
 def label(text: str, at: Array, rgba: Rgba, size_px: float) -> Message:
-    """Return a text at a point (3,) that turns to the viewer."""
+    """Write a text at a point (3,) that turns to the viewer."""
     place = {**ORIGIN, "position": vector(at)}
     shown = {"billboard": True, "font_size": size_px, "scale_invariant": True}
     return {"pose": place, **shown, "color": color(rgba), "text": text}
 
 
 def model(glb: bytes) -> Message:
-    """Return a glTF model in its own colours. Foxglove turns glTF's y, which is up, to z."""
+    """Embed a glTF model in its own colours. Foxglove turns glTF's y, which is up, to z."""
     return {
         "pose": ORIGIN,
         "scale": vector(np.ones(3)),

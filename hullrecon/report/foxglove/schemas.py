@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""JSON Schemas of the Foxglove messages that are written here, and of one message of our own.
+"""JSON Schemas of the Foxglove messages that are written here, and of a message of our own.
 
 Foxglove knows a message by its schema's name and decodes its fields by the schema: a `time` and a
 `duration` by their titles, bytes by contentEncoding.
@@ -19,17 +19,17 @@ NANOSECONDS: Schema = {"type": "integer", "minimum": 0, "maximum": 999_999_999}
 
 
 def record(title: str, **fields: Schema) -> Schema:
-    """Return the schema of an object that has all of those fields."""
+    """Make the schema of an object that requires all of those fields."""
     return {"title": title, "type": "object", "properties": fields, "required": list(fields)}
 
 
 def listed(items: Schema) -> Schema:
-    """Return the schema of a list."""
+    """Make the schema of a list."""
     return {"type": "array", "items": items}
 
 
 def choice(title: str, *names: str) -> Schema:
-    """Return the schema of a number that stands for one of those names, counted from 0."""
+    """Make the schema of a number that stands for one of those names, counted from 0."""
     return {"title": title, "oneOf": [{"title": name, "const": k} for k, name in enumerate(names)]}
 
 

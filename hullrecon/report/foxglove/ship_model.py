@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ship's CAD model as glTF, for a viewer beside what was measured."""
+"""The ship's CAD model as glTF, shown together with the measurements."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 
-# what a viewer still turns smoothly; of a finer model shape is all that is kept
+# triangles that a viewer still turns smoothly, to which a finer model is decimated
 MAX_FACES = 200_000
 # Foxglove turns glTF's y to the z of the frame, whichever axis of M is up
 Z_UP = np.array([0.0, 0.0, 1.0])
@@ -17,7 +17,7 @@ STEEL = (150, 160, 170, 255)
 
 
 def ship_glb(mesh: Mesh) -> bytes:
-    """Return a CAD model in M as a GLB of at most MAX_FACES triangles."""
+    """Encode a CAD model in M as a GLB of at most about MAX_FACES triangles."""
     import trimesh
 
     shown = _thinned(mesh)
