@@ -3,8 +3,8 @@
 """Model-assisted bundle adjustment of a dive [Ozog2016 4.2] (docs/methods.md 6).
 
 First a path from images and navigation, then the CAD model's place on that path, then labels and
-ranges solved with the rest. A stage that explains the data of the one before worse is refused, and
-what the one before found is delivered.
+ranges solved with the rest. A stage that explains the previous stage's data worse is refused, and
+the previous stage's result is delivered.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def adjust(
     report
         Told a line after each round and decision.
     strategy
-        What is solved for; the sources' variants are in hullrecon/studies.
+        What is solved for. The sources' variants are in hullrecon/studies.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def adjust(
 
 
 def solve_path(measured: Measurements, solver: RoundSolver) -> Stage:
-    """Solve the path without the CAD model, and free what it contradicts of the dive package."""
+    """Solve the path without the CAD model, and widen the package's priors that it contradicts."""
     # Some well-seen landmarks find poses, outliers and sigmas at a fraction of the cost.
     start = _start(measured, solver.strategy)
     with_cad = measured.cad_model is not None

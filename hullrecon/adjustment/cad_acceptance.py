@@ -46,14 +46,14 @@ GROUPS = {
     "attitude": ("attitude", "tray"),
     "positions": ("position",),
 }
-# Quantile of the chi-square that unknowns give back which the CAD model determines, not navigation
+# Quantile of the chi-square of unknowns that the CAD model determines instead of navigation
 FREED_QUANTILE = 0.999
 FREE_ITERATIONS = 15  # of the solve without the CAD model, which starts close to its solution
 
 
 @dataclass(frozen=True, kw_only=True)
 class Placement:
-    """Where the CAD model lies under the path, and how its form fits."""
+    """The CAD model's pose on the path, and how well its form fits."""
 
     registration: registration.Registration
     segments: Segments | None = None  # of a path that outages cut; None: it holds together
@@ -64,8 +64,8 @@ class Placement:
 def place_cad_model(path: Stage, cad_model: CadModel, solver: RoundSolver) -> Stage:
     """Register the CAD model to a path, solve a round with it, and judge it.
 
-    The hull's pose of the estimate left is the mean of its profile along the hull. Without a round
-    before the last one (`rounds = 1`) nothing but the registration is judged.
+    The hull's pose of the resulting estimate is the mean of its profile along the hull. With one
+    round (`rounds = 1`) only the registration is judged.
     """
     segments = segments_of_path(path.rounds[-1], solver) if path.rounds else None
     placed = register(path.estimate, cad_model, solver, segments)
@@ -160,7 +160,7 @@ def _register_segments(
 
 
 def nothing_on_cad_model(measured: Measurements, solver: RoundSolver) -> bool:
-    """Tell whether nothing measured can lie on a CAD model."""
+    """Tell whether no measurement can lie on a CAD model."""
     ranges = 0 if measured.returns is None else int((~measured.returns.flagged).sum())
     return solver.strategy.method == "naive" and not ranges
 
@@ -213,12 +213,12 @@ def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
 
 
 def residual_growth(problem: native.Problem, settings: native.Options) -> dict[str, float]:
-    """Divide the RMS of whitened residuals with the CAD model by that without it, by group.
+    """Divide the RMS of whitened residuals with the CAD model by that without it, per group.
 
-    Unknowns that the CAD model determines follow navigation's noise no longer, and its residuals
-    grow though all is right: one camera hardly tells the tray's angle from the pitch. Where a ratio
-    is beyond MAX_GROWTH, the residuals without the CAD model are therefore counted with what they
-    lost to such unknowns.
+    Unknowns that the CAD model determines no longer follow navigation's noise, and its residuals
+    grow even with a right CAD model: one camera hardly tells the tray's angle from the pitch. Where
+    a ratio is beyond MAX_GROWTH, the residuals without the CAD model are therefore counted with the
+    squares that such unknowns absorbed.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def _freed_squares(free: native.Covariance, tied: native.Covariance) -> dict[str
     """Compute by how much a group's squares may grow because it determines fewer unknowns.
 
     That is a chi-square with as many degrees of freedom. Images determine all landmarks either way,
-    so nothing is allowed to them.
+    so nothing is added for them.
     """
     from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
@@ -306,7 +306,7 @@ def _points_to_register(measured: Measurements, state: State) -> Array:
 
 
 def _returns_in_global(measured: Measurements, state: State) -> Array:
-    """Compute where the DVL's beams end in g, but for flagged ones."""
+    """Compute the ends of the DVL's beams in g, without flagged returns."""
     assert measured.returns is not None
     ends = state.mounted(measured.rig).dvl_points(measured.returns, state.path)
     return ends.points[~measured.returns.flagged]
@@ -315,9 +315,8 @@ def _returns_in_global(measured: Measurements, state: State) -> Array:
 def estimate_hull_pose(placed: Stage, solver: RoundSolver) -> Stage:
     """Estimate the hull's pose and form from the points of the last round that lie on it.
 
-    Where the hull leaves the CAD model by more than the package says, the error that the package
-    states is widened to what the points show: a hull may be worse than its builder thinks, or
-    another one.
+    Where the hull deviates from the CAD model by more than the package states, the stated error is
+    widened to what the points show.
     """
     last, placement = placed.rounds[-1], placed.placement
     ready = last.after

@@ -6,8 +6,8 @@ See docs/methods.md 6.
 
 Where a package says that its DVL is right to half a per cent and it is not, by three, the solve
 ends somewhere between, with a sigma that the prior made small. Of an estimate x with prior sigma p
-and posterior variance P the dive alone gives x / g, with the variance P / g, where g = 1 - P / p^2;
-if the prior is right, x / g has the variance p^2 + P / g.
+and posterior variance P the dive alone gives x / g, with the variance P / g, where g = 1 - P / p^2.
+If the prior is right, x / g has the variance p^2 + P / g.
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ class Strategy:
     max_off_hull_m: float = np.inf  # landmarks farther off the hull are left out
 
     def native_options(self, options: AdjustOptions) -> native.Options:
-        """Build the solver's options; those not named here have their defaults."""
+        """Build the solver's options. Those not named here have their defaults."""
         return native.Options(method=self.method, threads=options.threads)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rounds of the adjustment: choose and weight measurements, solve, estimate sigmas for the next."""
+"""Rounds of the adjustment: choose and weight measurements, solve, re-estimate sigmas."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """What one round leaves to the next."""
+    """The estimate that one round passes to the next."""
 
     measured: Measurements  # with the intrinsics and priors found so far
     state: State
@@ -54,7 +54,7 @@ class Estimate:
 
 @dataclass(frozen=True, kw_only=True)
 class RoundResult:
-    """One solve."""
+    """The result of one solve."""
 
     chosen: Selection  # the measurements that entered
     weights: Weights  # that it used
@@ -67,7 +67,7 @@ class RoundResult:
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """Whether a stage is believed, and what of the dive package it contradicts."""
+    """The acceptance of a stage, and its contradictions of the dive package."""
 
     accepted: bool = True
     reason: str | None = None  # why it is not accepted, in words without a full stop
@@ -90,7 +90,7 @@ class Stage:
     placement: Placement | None = None  # of the CAD model on the path
 
     def then(self, later: Stage | None) -> Stage:
-        """Join a stage that goes on from this one; None leaves it as it is."""
+        """Join a stage that continues from this one. None leaves it as it is."""
         if later is None:
             return self
         here, there = self.verdict, later.verdict
@@ -110,7 +110,7 @@ class Stage:
 
 @dataclass(frozen=True, kw_only=True)
 class RoundSolver:
-    """Solves rounds, counts and reports them."""
+    """Solve rounds, count and report them."""
 
     calibrated: Rig  # with the intrinsics of the calibration, about which their prior stands
     options: AdjustOptions
@@ -122,11 +122,11 @@ class RoundSolver:
 
     @property
     def settings(self) -> native.Options:
-        """The solver's options; a solve has its own number of iterations and tolerance."""
+        """The solver's options. A solve has its own number of iterations and tolerance."""
         return self.strategy.native_options(self.options)
 
     def coarse_rounds(self, start: Estimate, count: int) -> tuple[RoundResult, ...]:
-        """Solve rounds on some well-seen landmarks, each from the one before."""
+        """Solve rounds on some well-seen landmarks, each from the previous round."""
         rounds: list[RoundResult] = []
         for _ in range(count):
             rounds.append(self.solve_round(rounds[-1].after if rounds else start))
@@ -140,9 +140,9 @@ class RoundSolver:
         Parameters
         ----------
         before
-            What the round starts from.
+            The estimate to start from.
         final
-            Solve all landmarks, not some well-seen ones only, to the finer tolerance.
+            Solve all landmarks instead of some well-seen ones, to the finer tolerance.
         hold_hull_pose
             Hold the hull's pose where it is.
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a dive contradicts the calibration of its stereo rig (docs/methods.md 6).
+"""Test whether a dive contradicts the calibration of its stereo rig (docs/methods.md 6).
 
-Where it does, the rig becomes an unknown. The images of a dive tell the bottom camera's rotation
-and the direction of the baseline better than a calibration does, but not the baseline's length:
-that is told by DVL and depths, and the DVL may be wrong as the calibration may.
+Where it does, the rig becomes an unknown. The images of a dive determine the bottom camera's
+rotation and the direction of the baseline better than a calibration does, but not the baseline's
+length. The length follows from DVL and depths, and the DVL may be as wrong as the calibration.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
 
-TRIAL_ANCHORS = 5000  # landmarks; six numbers that all images share need no more
+TRIAL_ANCHORS = 5000  # landmarks: enough for six unknowns that all images share
 TRIAL_TURN_RAD = np.radians(1.0)
 TRIAL_SHARE = 0.1  # of the baseline's length, of each coordinate of the bottom camera
 MAX_CHI2 = 125.0  # of rotation and direction, five degrees of freedom: five sigmas in each
@@ -36,7 +36,7 @@ DVL_SCALE = 0  # its place among the errors of navigation
 
 @dataclass(frozen=True, kw_only=True)
 class StereoContradiction:
-    """What a dive shows of its stereo rig against the calibration."""
+    """The difference between a dive's stereo rig and its calibration."""
 
     # Rotation or direction of the baseline are not as calibrated; if not, only lengths by stereo
     # and by the DVL disagree
@@ -50,8 +50,8 @@ class StereoContradiction:
 def free_contradicted_rig(path: Stage, solver: RoundSolver) -> Stage | None:
     """Make the stereo rig an unknown where the dive contradicts its calibration.
 
-    A trial round solves the path with the rig loose. None where what it finds lies within what the
-    package says that the calibration may be off by, or without a second camera.
+    A trial round solves the path with the rig free. None where the result lies within the package's
+    sigmas of the calibration, or without a second camera.
     """
     solved = path.estimate
     rig = solved.measured.rig
@@ -83,7 +83,7 @@ def free_contradicted_rig(path: Stage, solver: RoundSolver) -> Stage | None:
 
 
 def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoContradiction | None:
-    """Compare a stereo mount found with the calibrated one; None where they agree.
+    """Compare an estimated stereo mount with the calibrated mount. None where they agree.
 
     covariance (6, 6): of how far they may lie apart, (translation in the top camera's axes,
     rotation perturbed on the right).
@@ -111,7 +111,7 @@ def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoCo
 
 
 def describe_contradiction(found: StereoContradiction) -> str:
-    """Say what was found, without a full stop."""
+    """Describe the contradiction, without a full stop."""
     if found.by_images:
         turned = f"{np.degrees(found.turn_rad):.2f} degrees"
         if 1e3 * found.shift_m < LEAST_SHOWN_MM:
@@ -132,7 +132,7 @@ def describe_contradiction(found: StereoContradiction) -> str:
 def stereo_warning(
     found: StereoContradiction, calibrated: Poses, adjusted: Poses, covariance: Array
 ) -> str | None:
-    """Write the warning for the report; None where the contradiction is too small to matter.
+    """Write the warning for the report. None where the contradiction is too small to matter.
 
     calibrated, adjusted: top_from_bottom, the latter with its covariance (6, 6).
     """
@@ -157,9 +157,9 @@ def stereo_warning(
 
 
 def _who_is_wrong(found: StereoContradiction, longer: float, sigma: float) -> str:
-    """Say whether stereo or DVL is wrong about lengths, by what else was measured (depths).
+    """Say whether stereo or DVL is wrong about lengths, judged by the other measurements (depths).
 
-    longer: share by which the baseline came out longer than calibrated; sigma: of it.
+    longer: share by which the baseline came out longer than calibrated. sigma: of that share.
     """
     by_stereo, by_dvl = abs(longer) / sigma, abs(longer - found.length) / sigma
     if by_stereo > MAX_LENGTH_SIGMAS and by_dvl < MAX_LENGTH_SIGMAS:
@@ -203,7 +203,7 @@ def _prior(calibrated: Poses, sigma: Array) -> Array:
 
 
 def _prior_covariance(rig: Rig) -> Array:
-    """Compute how well the package knows the stereo mount (6, 6); zeros where it is held.
+    """Compute the prior covariance (6, 6) of the stereo mount. Zeros where it is held.
 
     Of (translation in the top camera's axes, rotation perturbed on the right).
     """
@@ -220,10 +220,10 @@ def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
 
 
 def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Estimate:
-    """Make what is contradicted an unknown.
+    """Make the contradicted quantity an unknown.
 
-    A baseline whose direction is off may be off along it as much. Where lengths disagree and the
-    images do not say that the calibration is at fault, the DVL may be wrong as the rig may.
+    A baseline whose direction is wrong may be as wrong in length. Where lengths disagree and the
+    images do not blame the calibration, the DVL may be as wrong as the rig.
     """
     mount, length_m = calibrated.top_from_bottom, calibrated.baseline_m
     assert mount is not None
@@ -249,10 +249,10 @@ def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Esti
 
 
 def widen_ranges(after: Estimate, share: float) -> Weights:
-    """Widen the sigma of ranges so that all together tell lengths no better than to that share.
+    """Widen the sigma of ranges so that together they determine lengths no better than `share`.
 
-    A wrong speed of sound scales them as it does the velocities, and n readings do not make it
-    better known.
+    A wrong speed of sound scales them as it does the velocities, and n readings do not determine it
+    better.
     """
     returns = after.measured.returns
     if returns is None or not len(returns.range_m):

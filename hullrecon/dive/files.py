@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read files that other people wrote: regular files only, up to a largest size."""
+"""Read untrusted files: regular files only, up to a largest size."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ def open_regular(path: Path) -> BinaryIO:
 
 
 def special_kind(mode: int) -> str:
-    """Name what a file's mode says it is: "a FIFO", "a socket", "a device"; "" for all others."""
+    """Name the kind of a file by its mode: "a FIFO", "a socket", "a device". "" for all others."""
     return next((kind for is_kind, kind in KINDS if is_kind(mode)), "")
 
 
 def special_file(path: Path) -> str:
-    """Name what lies at a path if that is neither file nor folder; "" for what is not there."""
+    """Name a path's kind where it is neither file nor folder. "" where nothing is there."""
     try:
         return special_kind(path.stat().st_mode)
     except (OSError, ValueError):
@@ -55,7 +55,7 @@ def special_file(path: Path) -> str:
 
 
 def read_regular(path: Path, largest_bytes: int) -> bytes:
-    """Read a file; OSError as of open_regular, and for a file of more than `largest_bytes`."""
+    """Read a file. Raises OSError like open_regular, and for more than `largest_bytes`."""
     with open_regular(path) as stream:
         size = os.fstat(stream.fileno()).st_size
         if size > largest_bytes:
@@ -72,18 +72,18 @@ def read_regular(path: Path, largest_bytes: int) -> bytes:
 def read_text(path: Path, largest_bytes: int) -> str:
     """Read a UTF-8 file, its line ends as newlines.
 
-    Raises OSError as read_regular does, and UnicodeDecodeError.
+    Raises OSError like read_regular, and UnicodeDecodeError.
     """
     return read_regular(path, largest_bytes).decode().replace("\r\n", "\n").replace("\r", "\n")
 
 
 def too_large(path: Path, largest_bytes: int) -> OSError:
-    """Return the error for a file that holds more than it may."""
+    """Make the error for a file that holds more than it may."""
     return OSError(errno.EFBIG, f"it holds more than {largest_bytes / MIB:g} MiB", str(path))
 
 
 def gunzip(data: bytes, largest_bytes: int) -> bytes:
-    """Unpack a gzip file, comparing its checksums; bytes are counted before they are kept.
+    """Unpack a gzip file, comparing its checksums and counting bytes before they are kept.
 
     Raises ValueError when the file is damaged or holds more than `largest_bytes`.
     """

@@ -92,7 +92,7 @@ class IngestRequest:
 
     @property
     def offsets_ns(self) -> dict[str, int]:
-        """Return what is added to the stamps of each sensor."""
+        """The offset to add to the stamps of each sensor, ns."""
         others = {"sonar": self.sonar_offset_ns, "position": self.position_offset_ns}
         return {**self.offset_ns, **others}
 
@@ -121,7 +121,7 @@ class IngestResult:
         return describe_streams(self.records, self.images)
 
     def document(self) -> dict[str, list[str]]:
-        """Return the sentences of findings.json."""
+        """Collect the sentences of findings.json."""
         return {
             "spans": sentences(self.spans),
             "lost": sentences(self.lost),
@@ -147,7 +147,7 @@ def ingest(
     open_file : called for each camera whose image bytes are to be kept
     watch : sees every message pass (progress)
     problems : takes what would be raised, if given
-    pings : where the sonar's images go; None drops them (those of the result are black)
+    pings : where the sonar's images go. None drops them (those of the result are black)
 
     Raises
     ------
@@ -244,7 +244,7 @@ def _take_image(
 
 
 def _describe_contents(out: IngestResult, found: LogContents, chosen: set[str]) -> None:
-    """Note what was lost, what each topic holds, and which topics no sensor was given."""
+    """Note losses, the message count of each topic, and topics that no sensor uses."""
     out.lost = describe_losses(found.losses)
     out.counts = {
         channel.topic: count
@@ -261,7 +261,7 @@ def _check_found(
 ) -> None:
     """Refuse several dives in one, and a package of which nothing was read.
 
-    window: outside of which all was measured; None where that is not the reason.
+    window: the time window that excluded all measurements, None where that is not the reason.
     """
     with problems.collect():
         _check_silence(out)
@@ -271,7 +271,7 @@ def _check_found(
 
 
 def _nothing_read(request: IngestRequest, window: TimeWindow | None) -> InputError:
-    """Return the error that says why nothing could be read."""
+    """Make the error that says why nothing could be read."""
     if window is not None:
         return InputError(
             f"nothing was measured {window.describe()}",
@@ -287,7 +287,7 @@ def _nothing_read(request: IngestRequest, window: TimeWindow | None) -> InputErr
 
 
 def _check_silence(found: IngestResult) -> None:
-    """Raise InputError where the DVL is silent so long that these are several dives."""
+    """Raise InputError where the DVL is silent for so long that the package holds several dives."""
     dvl = found.records.dvl
     if dvl is None or found.images:
         return
@@ -308,7 +308,7 @@ def _check_silence(found: IngestResult) -> None:
 def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Problems) -> None:
     """Raise InputError for a topic that is named but absent.
 
-    In a damaged log its messages may be what was lost: that is noted.
+    In a damaged log its messages may have been lost: that is noted.
     """
     held = {channel.topic for channel in found.counts}
     for sensor, topic in sorted(topics.items()):
@@ -328,7 +328,7 @@ def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Probl
 
 @dataclass
 class _Source:
-    """What the records are built from."""
+    """The inputs from which the records are built."""
 
     request: IngestRequest
     found: LogContents
@@ -343,7 +343,7 @@ class _Source:
     ) -> list[Kind]:
         """Collect the samples of a sensor, or of one joint, in order of time without duplicates.
 
-        Those by the DVL's own sensors are ignored where others were logged.
+        Samples of the DVL's own sensors are ignored where other sensors were logged.
         """
         found = self.found
         rows = [
@@ -444,8 +444,8 @@ def _build_records(source: _Source, problems: Problems) -> SensorRecords:
 def _check_joints(source: _Source) -> None:
     """Raise InputError for a servo that is named but that no joint message holds.
 
-    Without any joint message the tray is known to be taken as fixed; of the sonar's servo, and in
-    a damaged log, it is noted.
+    Without any joint message the tray is known to be taken as fixed. A missing servo of the sonar,
+    or one in a damaged log, is noted.
     """
     held = {s.name for s in source.found.samples["joints"] if isinstance(s, JointSample)}
     for record, joint in source.request.joints.items():

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hold a dive package to its folder: what dive.toml and tables name must be files inside it."""
+"""Confine a dive package to its folder: files named by dive.toml and tables must lie inside it."""
 
 from __future__ import annotations
 
@@ -127,13 +127,13 @@ def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
 
 
 def logo_of(loaded: LoadedConfig) -> str | None:
-    """Return the file that [report] names as logo, if any."""
+    """Look up the file that [report] names as logo, if any."""
     logo: object = getattr(loaded.sections.get("report"), "logo", None)
     return logo if isinstance(logo, str) else None
 
 
 def earlier_dive_of(loaded: LoadedConfig) -> str | None:
-    """Return the run that [change] names, if any."""
+    """Look up the run that [change] names, if any."""
     earlier: object = getattr(loaded.sections.get("change"), "earlier", None)
     return earlier if isinstance(earlier, str) else None
 
@@ -177,7 +177,7 @@ def _is_plain(folder: Path, package: Path) -> bool:
 
 
 def _shown(path: Path, package: Path) -> str:
-    """Show a path as the package names it, and where it leads if it is a link."""
+    """Format a path as named by the package, and its target if it is a link."""
     name = str(path.relative_to(package)) if path.is_relative_to(package) else str(path)
     return (
         f"{shorten(name, 100)} (a link to {shorten(str(path.resolve()), 100)})"

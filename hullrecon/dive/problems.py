@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stop at the first part of a package that cannot be used, as a run does, or list them all."""
+"""Stop at the first unusable part of a package, as a run does, or list all of them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hullrecon.findings.finding import Finding
 
 
 class Problems:
-    """Raises the first InputError, or collects all of them for `check`."""
+    """Raise the first InputError, or collect all of them for `check`."""
 
     def __init__(self, *, go_on: bool = False) -> None:
         self._go_on = go_on

@@ -44,7 +44,7 @@ def choose_path(
     dvl, imu
         None where not logged.
     stereo
-        Images of the upper of two cameras; None where there are not two.
+        Images of the upper of two cameras, None where there are not two.
     by_dvl, by_stereo
         Compute the path.
 
@@ -115,8 +115,8 @@ def reckon_dive(
     logs, rig, sigmas
         The dive.
     measure, goes_on
-        Measure the motion between two images of the upper camera, and tell whether one shows what
-        the other does; None without a camera.
+        Measure the motion between two images of the upper camera, and tell whether two images
+        overlap. None without a camera.
     progress
         Shows how many images were followed.
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How well navigation's sensors and their mounts are known, in metres and radians."""
+"""Sigmas of navigation's sensors and their mounts, in metres and radians."""
 
 from __future__ import annotations
 
@@ -46,10 +46,9 @@ class NavigationSigmas:
 
 
 def sigmas_from_settings(settings: Mapping[str, object]) -> NavigationSigmas:
-    """Return the sigmas of a dive from the values of dive.toml by dotted key (SIGMA_KEYS)."""
+    """Collect the sigmas of a dive from the values of dive.toml by dotted key (SIGMA_KEYS)."""
 
     def number(key: str) -> float:
-        """Return a value as a float."""
         return float(cast(SupportsFloat, settings[key]))
 
     mount = np.array(settings["dvl.mount_sigma"], float)

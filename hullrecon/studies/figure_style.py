@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One look for the figures of `hullrecon study figures`; pictures as bytes that do not vary."""
+"""One style for the figures of `hullrecon study figures`, with reproducible image bytes."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The studies: what of the sources is reproduced, and how each is run."""
+"""The registry of studies: what of the sources is reproduced, and how each study is run."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StudyDive:
-    """A simulated dive with what studies need of it, each made when it is first asked for."""
+    """A simulated dive with the products that studies need, each made when first asked for."""
 
     dive: DiveRun
     run_context: RunContext
@@ -49,7 +49,7 @@ class StudyDive:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyResult:
-    """What a study found: figures, or a table, or both."""
+    """Result of a study: figures, or a table, or both."""
 
     figures: tuple[PublishedFigure, ...] = ()
     values: Mapping[str, object] = field(default_factory=dict)  # of the table, by row
@@ -59,7 +59,7 @@ class StudyResult:
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """One thing of the sources that can be run again."""
+    """A reproducible result of the sources."""
 
     id: str  # as `hullrecon study run` takes it
     source: str  # figures and equations, as docs/references.md keys their papers

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pairs of images compared so far, and what a further comparison needs of the dive."""
+"""The pairs of images compared so far, and the inputs of a further comparison."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Map(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class LinkedScene:
-    """What every round works on."""
+    """The inputs of every round."""
 
     worker: MatchWorker
     map_items: Map
@@ -77,7 +77,7 @@ class LinkedScene:
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedPairs:
-    """The pairs of all rounds so far, in the order in which they were compared."""
+    """The pairs of all rounds so far, in the order of comparison."""
 
     proposal: Proposal  # m pairs
     found: tuple[PairMatch, ...]  # m
@@ -86,7 +86,7 @@ class ComparedPairs:
 
     @staticmethod
     def none() -> ComparedPairs:
-        """Begin before the first round."""
+        """Make the empty set of pairs before the first round."""
         nothing = np.zeros(0, np.int64)
         proposal = Proposal(
             first=nothing, second=nothing, across=np.zeros(0, bool), overlap=np.zeros(0)
@@ -120,7 +120,7 @@ class ComparedPairs:
         return np.flatnonzero(matched & ~self.rejected)
 
     def across(self) -> Mask:
-        """Select the kept pairs that are of two legs."""
+        """Select the kept pairs between two legs."""
         return self.proposal.across[self.kept()]
 
     def rejecting(self, links: Mask) -> ComparedPairs:
@@ -145,7 +145,7 @@ class ComparedPairs:
         )
 
     def links(self, bottom: Mask) -> CameraLinks:
-        """Collect relative poses of the kept pairs; the bottom camera leads at nodes `bottom`."""
+        """Collect relative poses of the kept pairs. The bottom camera leads at nodes `bottom`."""
         rows = self.kept()
         motions = [pair.motion for pair in (self.found[k] for k in rows) if pair.motion is not None]
         first, second = self.proposal.first[rows], self.proposal.second[rows]
@@ -172,7 +172,7 @@ class ComparedPairs:
         )
 
     def record(self) -> NodePairs:
-        """Record what was compared, with reasons for what failed."""
+        """Record what was compared, with the reasons of failures."""
         return NodePairs(
             first=self.proposal.first,
             second=self.proposal.second,

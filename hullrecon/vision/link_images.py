@@ -72,7 +72,7 @@ class SolvedPath(Protocol):
         ...
 
     def relative_errors(self, bottom: Mask) -> RelativeErrors:
-        """Describe how well leading cameras are known; the bottom one leads at `bottom` (n,)."""
+        """Describe how well leading cameras are known. The bottom one leads at `bottom` (n,)."""
         ...
 
     def record(self) -> LinkedPath:
@@ -198,7 +198,7 @@ class _Rounds(Generic[Solved]):
     def link_legs(
         self, compared: ComparedPairs, solved: Solved, max_rounds: int
     ) -> tuple[ComparedPairs, Solved]:
-        """Compare what probably overlaps, round by round on the path of the round before."""
+        """Compare pairs that probably overlap, each round on the path of the previous round."""
         scene, level = self.scene, 0
         for _ in range(max_rounds):
             track = self._track(solved)
@@ -220,7 +220,7 @@ class _Rounds(Generic[Solved]):
     def close_loops(
         self, compared: ComparedPairs, solved: Solved, max_rounds: int
     ) -> tuple[ComparedPairs, Solved, list[Recognition]]:
-        """Recognise places by how they look, with rounds after each success, until none is new."""
+        """Recognise places by appearance, with rounds after each success, until none is new."""
         recognised: list[Recognition] = []
         for _ in range(max_rounds):
             track = self._track(solved)
@@ -246,7 +246,7 @@ class _Rounds(Generic[Solved]):
     def link_overlapping(
         self, compared: ComparedPairs, solved: Solved
     ) -> tuple[ComparedPairs, Solved]:
-        """Compare in a last round what overlaps well on the path that the rounds have tied."""
+        """Compare in a last round the pairs that overlap well on the tied path."""
         track, scene = self._track(solved), self.scene
         proposal = propose_overlapping(
             track,
@@ -265,7 +265,10 @@ class _Rounds(Generic[Solved]):
     def _try_pairs(
         self, track: CameraTrack, proposal: Proposal, compared: ComparedPairs, solved: Solved
     ) -> tuple[ComparedPairs, Solved, bool]:
-        """Match proposed pairs and solve the path with them; tell also whether any matched."""
+        """Match proposed pairs and solve the path with them.
+
+        Returns the pairs, the solution, and whether any pair matched.
+        """
         bottom = self.scene.bottom
         found = self.scene.match(track, proposal)
         compared = compared.joined_with(proposal, found, 1 + int(compared.round.max(initial=-1)))
@@ -280,7 +283,7 @@ class _Rounds(Generic[Solved]):
 def _match_cameras(
     worker: MatchWorker, dive: NavigatedDive, map_items: Map
 ) -> tuple[list[MatchNode], Ints, Mask, CameraTrack]:
-    """Match the two cameras of every node, and find which one leads.
+    """Match the two cameras of every node, and choose the leading camera.
 
     Returns
     -------

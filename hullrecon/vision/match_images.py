@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The matches of linked images joined to tracks, and figures of the pairs."""
+"""Join the matches of linked images to tracks, with statistics of the pairs."""
 
 from __future__ import annotations
 

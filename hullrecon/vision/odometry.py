@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Motion from images alone, without any prior, for navigation.
+"""Measure motion from images alone, without any prior, for navigation.
 
-Two cameras measure it where there is no DVL. One camera tells the direction, and whether one image
-goes on where another ends, which is how far images carry a path on where the DVL is silent.
+Two cameras measure it where there is no DVL. One camera gives the direction, and whether two images
+overlap, which is how far images carry a path on where the DVL is silent.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ SEARCH_SIGMA_PX = 2.0
 LOOSE = 5.0  # sigmas of a motion within which its features are searched again
 # Motion of features that is no noise of their places, in which a direction is found as well.
 STILL_PX = 1.0
-MOST = 0.5  # share of an image that is most of it
+MOST = 0.5  # share of an image that counts as most of it
 CELLS = 4  # of an image along either side
 
 ReadRow = Callable[[int], Pixels | None]  # image (h, w, 3) RGB of a row, None for none
@@ -47,7 +47,7 @@ ReadRow = Callable[[int], Pixels | None]  # image (h, w, 3) RGB of a row, None f
 
 @dataclass(frozen=True, kw_only=True)
 class OdometryFrame:
-    """A stereo pair: features with their depths."""
+    """The features of a stereo pair with their depths."""
 
     number: int  # seeds random draws
     view: NodeView
@@ -58,7 +58,7 @@ class MeasuredMotion:
     """The motion of the top camera between two stereo pairs."""
 
     motion: Motion  # first_from_second, its covariance as far as features err independently
-    calibration: CalibrationEvidence  # what errors of the calibration do to it
+    calibration: CalibrationEvidence  # effect of the calibration's errors on it
     inliers: int
 
 
@@ -71,7 +71,7 @@ class StereoOdometer:
     match_options: MatchOptions
 
     def frame(self, number: int, top: Pixels | None, bottom: Pixels | None) -> OdometryFrame:
-        """Find the features of two images (h, w, 3) RGB; None for a missing one."""
+        """Find the features of two images (h, w, 3) RGB. None for a missing image."""
         sides = [
             no_features() if image is None else extract(image, self.feature_options)
             for image in (top, bottom)
@@ -79,7 +79,7 @@ class StereoOdometer:
         return self.frame_of_features(number, NodeFeatures(top=sides[0], bottom=sides[1]))
 
     def frame_of_features(self, number: int, features: NodeFeatures) -> OdometryFrame:
-        """Match the two cameras; nothing is known about the depth of the scene."""
+        """Match the two cameras, without a prior of the scene's depth."""
         stereo = stereo_of_node(self.rig, features.top, features.bottom, None, self.match_options)
         view = view_of_node(
             self.rig, replace(features, stereo=stereo), None, self.match_options.sigma_px
@@ -89,10 +89,10 @@ class StereoOdometer:
     def motion(self, first: OdometryFrame, second: OdometryFrame) -> MeasuredMotion | None:
         """Measure the motion from one pair to another.
 
-        None where too few features agree or it has no length. The pairs are matched twice: without
-        a guess, then the other way round near what was found. Where features are few or the
-        calibration is rough the two may settle on different ones, and by as much the motion is
-        uncertain.
+        None where too few features agree or the motion has no length. The pairs are matched twice:
+        without a guess, then in reverse near the first result. Where features are few or the
+        calibration is rough, the two may settle on different motions. Their difference is added to
+        the covariance.
         """
         if Camera.BOTTOM in (first.view.camera, second.view.camera):
             return None
@@ -177,11 +177,11 @@ def image_motion(
 def continuity(
     rig: Rig, read: ReadRow, max_features: int, min_inliers: int
 ) -> Callable[[int, int], bool]:
-    """Set up the test whether one image of the top camera goes on where another ends.
+    """Set up the test whether two images of the top camera overlap.
 
-    It does where min_inliers features move as those of one rigid scene. Where they stand still they
-    have to fill most of the image: a part of the vehicle that is in view stands still in open water
-    too. Parameters are those of `image_motion`.
+    They do where min_inliers features move as those of one rigid scene. Where they stand still they
+    have to fill most of the image: a visible part of the vehicle stands still in open water too.
+    Parameters are those of `image_motion`.
     """
     match, view = _match_top_images(rig, read, max_features, min_inliers)
     camera = rig.camera_models[Camera.TOP]
@@ -200,8 +200,8 @@ def continuity(
 def fills_most(xy: Array, camera: CameraModel) -> bool:
     """Decide whether points (n, 2), ideal coordinates, are spread over most of an image.
 
-    By their scatter, which tells the area of a patch wherever it lies, and by the cells with a
-    point, of which the rim of the image has few.
+    Judged by their scatter, which measures the area of a patch wherever it lies, and by the number
+    of cells with a point, which is small on the rim of the image.
     """
     place = (xy * [camera.fx, camera.fy] + [camera.cx, camera.cy]) / [camera.width, camera.height]
     # Points that are even over a rectangle scatter by a twelfth of the square of its sides.
@@ -241,7 +241,7 @@ def _measured_motion(found: PairMatch) -> MeasuredMotion | None:
 
 
 def _with_disagreement(found: MeasuredMotion, again: MeasuredMotion) -> MeasuredMotion:
-    """Add half the squared difference of the two ways: either may be the one that is off."""
+    """Add half the squared difference of both directions: either may be wrong."""
     there = again.motion.inverse().second_from_first
     turn = found.motion.second_from_first[:3, :3].T @ there[:3, :3]
     gap = np.concatenate(

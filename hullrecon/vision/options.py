@@ -65,7 +65,7 @@ class MatchOptions(Section, frozen=True):
 
 
 class LinkOptions(Section, frozen=True):
-    """Section [links] of dive.toml; how pairs are matched is in [matches]."""
+    """Section [links] of dive.toml. How pairs are matched is in [matches]."""
 
     max_rounds: Annotated[
         int, Meta(ge=0, le=50, description="rounds of comparisons across legs at most")

@@ -65,7 +65,7 @@ def test_a_folder_and_a_missing_file_are_what_the_system_says(tmp_path):
     assert special_file(tmp_path) == special_file(tmp_path / "x") == ""
 
 
-def test_a_file_that_holds_more_than_it_may_is_refused_by_its_size(tmp_path):
+def test_file_beyond_its_limit_is_refused_by_size(tmp_path):
     with (tmp_path / "x").open("wb") as stream:
         stream.truncate(1 << 40)
     with pytest.raises(OSError, match="more than 2 MiB"):

@@ -159,7 +159,7 @@ def test_a_joint_is_at_the_start_of_a_window_as_it_was_last_read(tmp_path, rows)
     )
 
 
-def test_a_window_in_which_nothing_was_measured_is_an_input_error(package):
+def test_time_window_without_measurements_is_refused(package):
     with pytest.raises(
         InputError, match=r"nothing was measured from 2026-05-04T10:30:00\.000Z"
     ) as caught:
@@ -180,7 +180,7 @@ def test_the_findings_say_in_words_what_was_read(package):
     assert "DVL ranges run from 1.00 to 4.00 m" in spans
 
 
-def test_a_topic_that_is_absent_is_an_input_error_that_lists_what_there_is(package):
+def test_absent_topic_is_refused_with_a_list_of_topics(package):
     with pytest.raises(
         InputError, match="topic /ahrs is not in the log, which holds /cam, /dvl, /imu"
     ) as caught:
@@ -188,7 +188,7 @@ def test_a_topic_that_is_absent_is_an_input_error_that_lists_what_there_is(packa
     assert caught.value.where == "topics.imu"
 
 
-def test_a_topic_that_is_absent_from_a_damaged_log_is_only_remarked(package):
+def test_absent_topic_of_a_damaged_log_is_only_noted(package):
     path = package / "logs" / "dive.mcap"
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     found, _ = run(package, topics={**REQUEST.topics, "imu": "/ahrs"})
@@ -351,7 +351,7 @@ def test_a_pd0_file_beside_the_log_gives_the_dvl(package):
     assert len(found.records.imu.t_ns) == 40
 
 
-def test_a_nortek_file_beside_the_log_gives_the_dvl_with_ranges_along_its_beams(package):
+def test_nortek_file_beside_log_gives_dvl_with_beam_ranges(package):
     (package / "logs" / "dvl.ad2cp").write_bytes(dvl_file())
     topics = {name: topic for name, topic in REQUEST.topics.items() if name != "dvl"}
     found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.ad2cp"), topics=topics, beams=None)
@@ -363,7 +363,7 @@ def test_a_nortek_file_beside_the_log_gives_the_dvl_with_ranges_along_its_beams(
 
 
 @pytest.mark.parametrize("order", [("dvl.json", "tables"), ("tables", "dvl.json")])
-def test_a_dvl_s_own_attitude_and_another_start_do_not_move_the_imu(tmp_path, order):
+def test_dvl_attitude_is_ignored_where_imu_was_logged(tmp_path, order):
     start_s = START.timestamp()
     write_tables(tmp_path / "tables", imu=3)
     lines = [
@@ -431,7 +431,7 @@ def test_a_misspelt_joint_of_the_sonar_is_refused_too(package):
     assert caught.value.remedy == 'did you mean "other"?'
 
 
-def test_a_joint_that_resembles_none_is_refused_with_all_of_them_and_a_way_out(package):
+def test_unknown_joint_is_refused_with_all_joints_and_remedy(package):
     with pytest.raises(InputError, match="holds other, tray") as caught:
         run(package, joints={"tray": "xyz"})
     assert 'tray.joint = ""' in caught.value.remedy
@@ -474,7 +474,7 @@ def csv_package(folder: Path, stamps: list[float]) -> Path:
     return folder
 
 
-def test_several_dives_in_one_package_are_refused_where_no_image_joins_them(tmp_path):
+def test_several_dives_in_one_package_without_images_are_refused(tmp_path):
     package = csv_package(tmp_path, [0, 1, 2, 7202, 7203])
     only_logs = {"logs": ("logs",), "topics": {}, "calibration": {}}
     with pytest.raises(

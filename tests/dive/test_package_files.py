@@ -92,9 +92,7 @@ def test_so_is_one_given_by_a_relative_path_or_a_link(package, monkeypatch, tmp_
         "..",
     ],
 )
-def test_a_file_outside_is_refused_with_its_key_and_the_option_that_allows_it(
-    package, old, key, name
-):
+def test_file_outside_package_is_refused_with_key_and_option(package, old, key, name):
     name = name.format(other=package.parent / "other")
     change(package, old, f'"{name}"')
     line = refusal(package)
@@ -112,7 +110,7 @@ def test_a_logo_outside_is_refused_too(package):
 
 
 @pytest.mark.parametrize("earlier", ["../other", "{other}", "../not-there", "runs"])
-def test_an_earlier_dive_outside_is_refused_unless_the_user_allows_or_names_it(package, earlier):
+def test_earlier_dive_outside_is_refused_unless_allowed(package, earlier):
     (package / "runs").symlink_to(package.parent / "other")
     given = f"change.earlier={earlier.format(other=package.parent / 'other')}"
     loaded = load_config(package, {"change": EarlierDive}, [given])
@@ -124,7 +122,7 @@ def test_an_earlier_dive_outside_is_refused_unless_the_user_allows_or_names_it(p
     check_files(loaded, trusted_keys=["change.earlier"])
 
 
-def test_an_earlier_dive_inside_is_taken_unless_one_of_its_files_leads_out(package):
+def test_earlier_dive_inside_is_refused_if_a_file_leads_out(package):
     (package / "runs" / "may" / "detect").mkdir(parents=True)
     loaded = load_config(package, {"change": EarlierDive}, ["change.earlier=runs/may"])
     check_files(loaded)
@@ -141,12 +139,12 @@ def test_an_earlier_dive_inside_is_taken_unless_one_of_its_files_leads_out(packa
         check_files(loaded, allow_outside=True)
 
 
-def test_a_file_that_leaves_the_package_and_comes_back_lies_in_it(package):
+def test_path_that_leaves_and_reenters_package_is_accepted(package):
     change(package, '"hull.stl"', '"../package/hull.stl"')
     check_files(load_config(package))
 
 
-def test_a_link_that_leaves_the_package_is_refused_with_where_it_leads(package):
+def test_link_out_of_the_package_is_refused_with_its_target(package):
     (package / "hull.stl").unlink()
     (package / "hull.stl").symlink_to(package.parent / "other" / "secret.bag")
     assert f"{outside('hull.mesh', 'hull.stl')} (a link to " in refusal(package)
@@ -165,7 +163,7 @@ def test_a_table_that_is_a_link_out_of_the_package_is_refused(package, member):
     assert outside("logs.files", f"logs/{member}") in refusal(package)
 
 
-def test_a_recording_whose_storage_is_a_link_out_of_the_package_is_refused(package):
+def test_recording_linked_out_of_the_package_is_refused(package):
     shutil.rmtree(package / "logs")
     (package / "logs").mkdir()
     (package / "logs" / "metadata.yaml").write_text("x: 1")
@@ -174,7 +172,7 @@ def test_a_recording_whose_storage_is_a_link_out_of_the_package_is_refused(packa
 
 
 @pytest.mark.parametrize("log", ["logs/a.db3", "logs"])
-def test_a_write_ahead_log_that_is_a_link_out_of_the_package_is_refused(package, log):
+def test_write_ahead_log_linked_out_of_the_package_is_refused(package, log):
     shutil.rmtree(package / "logs")
     (package / "logs").mkdir()
     (package / "logs" / "a.db3").write_text("x")

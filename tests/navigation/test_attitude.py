@@ -27,7 +27,7 @@ def orientation(t_s: np.ndarray) -> Rotation:
     return Rotation.from_euler("ZYX", angles)
 
 
-def test_an_attitude_in_bursts_is_smoothed_and_as_sure_as_its_sigma():
+def test_attitude_logged_in_bursts_is_smoothed_within_its_sigma():
     rng = np.random.default_rng(0)
     true_s = np.arange(60 * RATE_HZ) / RATE_HZ
     logged = orientation(true_s) * Rotation.from_rotvec(rng.normal(0, 0.001, (len(true_s), 3)))

@@ -30,7 +30,7 @@ def sigmas(moment):
     return np.sqrt(np.diag(moment))
 
 
-def test_a_good_calibration_shows_small_errors_in_what_no_motion_sees_as_well():
+def test_good_calibration_bounds_errors_that_no_motion_sees():
     found = sigmas(calibration_moment(seen(np.zeros(3), [1e-5, 1e-5, np.inf]), UNKNOWN))
     assert found.max() < 5e-5
 
@@ -43,7 +43,7 @@ def test_a_rough_calibration_is_rough_in_what_no_motion_sees():
     assert 1e-3 < found[2] < 6e-3
 
 
-def test_an_error_that_is_told_keeps_its_sigma_where_nothing_sees_it():
+def test_given_error_that_nothing_sees_keeps_its_prior_sigma():
     prior = np.array([4e-3, np.nan, 0.0])
     found = sigmas(calibration_moment(seen(np.zeros(3), [np.inf, 1e-5, np.inf]), prior))
     assert found[0] == pytest.approx(4e-3)
@@ -51,7 +51,7 @@ def test_an_error_that_is_told_keeps_its_sigma_where_nothing_sees_it():
     assert found[2] == 0
 
 
-def test_a_told_error_that_is_seen_is_known_as_well_as_it_is_seen():
+def test_given_error_that_motions_see_gets_their_sigma():
     moment = calibration_moment(seen(np.zeros(3), [1e-4, 1e-4, 1e-4]), np.full(3, 0.01))
     assert sigmas(moment).max() < 5e-4
 

@@ -165,7 +165,7 @@ def test_which_of_two_clocks_is_wrong_is_not_guessed():
     assert "not known" in found.remarks[0]
 
 
-def test_without_ranges_the_levelled_velocity_shows_the_wrong_clock(logged):
+def test_levelled_velocity_shows_dvl_offset_without_ranges(logged):
     found = put_right(late(without_ranges(logged), Sensor.DVL, 0.8))
     assert [one.sensor for one in found.offsets] == [Sensor.DVL]
     assert off_s(found, logged, Sensor.DVL) < 0.15
@@ -379,7 +379,7 @@ def test_noise_has_no_offset():
     assert weigh([comparison(lambda shift: np.full((240, 2), np.nan))]) == []
 
 
-def test_stamps_are_moved_within_the_offset_and_of_its_sensor_alone():
+def test_stamps_are_corrected_in_segment_and_sensor_only():
     wrong = replace(offset(Sensor.IMU, 0, 0, -1e-9), from_ns=10, to_ns=20)
     t_ns = np.array([5, 10, 15, 20, 25])
     assert corrected_stamps(t_ns, [wrong], Sensor.IMU).tolist() == [5, 11, 16, 21, 25]

@@ -39,16 +39,14 @@ def edges_error(simulated, found: Navigated) -> np.ndarray:
     return np.hstack([step.translation - o.translation, turn.as_rotvec()])
 
 
-def test_perfect_instruments_give_the_path_back_lever_and_tray_included(simulated, perfect, rig):
+def test_perfect_instruments_reproduce_path_with_lever_and_tray(simulated, perfect, rig):
     found = reckoned(perfect, rig)
     error = found.trajectory.translation - truth_at(simulated, found).translation
     assert np.abs(error).max() < 2e-3  # 20 Hz, trapezoid
     assert np.abs(edges_error(simulated, found)).max() < 1e-4
 
 
-def test_the_path_starts_at_nothing_in_the_plane_and_depth_is_from_the_surface(
-    simulated, perfect, rig
-):
+def test_path_starts_at_origin_and_depth_is_below_surface(simulated, perfect, rig):
     found = reckoned(perfect, rig)
     first = truth_at(simulated, found).translation[0]
     assert np.allclose(found.trajectory.translation[0], first, atol=2e-3)
@@ -90,7 +88,7 @@ def test_rates_make_the_attitude_far_better_than_one_reading(simulated, noisy, r
     assert any("no rates" in words for words in without.remarks)
 
 
-def test_depth_drifts_neither_with_the_dvl_nor_scatters_with_the_pressure(simulated, noisy, rig):
+def test_depth_neither_drifts_with_dvl_nor_scatters(simulated, noisy, rig):
     fast = replace(
         noisy, dvl=replace(noisy.dvl, velocity=noisy.dvl.velocity + np.array([0.01, 0, 0]))
     )
@@ -99,7 +97,7 @@ def test_depth_drifts_neither_with_the_dvl_nor_scatters_with_the_pressure(simula
     assert np.abs(error).max() < 0.012  # 0.40 m by the DVL alone, 0.02 m a reading
 
 
-def test_the_trajectory_stays_within_its_sigma_when_scale_and_mount_are_off(simulated, noisy, rig):
+def test_error_is_within_sigma_with_wrong_scale_and_mount(simulated, noisy, rig):
     mount = rig.tray_from_dvl.rotation * Rotation.from_rotvec([0.004, -0.003, 0.005])
     off = replace(rig, tray_from_dvl=Poses(mount.as_quat(), rig.tray_from_dvl.translation))
     found = reckoned(
@@ -135,7 +133,7 @@ def test_the_derivative_by_scale_is_that_of_reckoning_anew(perfect, rig):
     )
 
 
-def test_the_derivative_by_heading_drift_is_that_of_reckoning_anew(perfect, rig):
+def test_heading_drift_derivative_equals_numeric(perfect, rig):
     silent = replace(
         perfect,
         imu=replace(
@@ -218,9 +216,7 @@ def test_velocities_beyond_an_imu_that_stopped_are_counted(perfect, rig):
     assert ranges.endswith("of 3200) lie before or after the path and are not used")
 
 
-def test_an_imu_that_ran_on_under_water_without_a_velocity_is_said_and_one_on_deck_is_not(
-    perfect, rig
-):
+def test_imu_without_velocity_is_noted_under_water_not_on_deck(perfect, rig):
     dvl_s = (perfect.dvl.t_ns - perfect.dvl.t_ns[0]) * 1e-9
     stopped = replace(perfect, dvl=cut(perfect.dvl, dvl_s < 15), top=None, bottom=None)
     (words,) = [
@@ -292,7 +288,7 @@ def until(record, stop_s: float, *fields: str):
     return replace(record, **{name: getattr(record, name)[kept] for name in ("t_ns", *fields)})
 
 
-def test_a_pressure_sensor_that_stopped_measures_no_depth_afterwards(simulated, noisy, rig):
+def test_stopped_pressure_sensor_gives_no_depth_afterwards(simulated, noisy, rig):
     whole = reckoned(noisy, rig)
     found = reckoned(replace(noisy, pressure=until(noisy.pressure, 15.0, "depth")), rig)
     t = (found.trajectory.t_ns - 1_777_887_000_000_000_000) * 1e-9
@@ -309,9 +305,7 @@ def test_a_pressure_sensor_that_stopped_measures_no_depth_afterwards(simulated, 
     ) in found.remarks
 
 
-def test_what_nodes_say_of_the_depth_is_no_more_than_a_slow_pressure_sensor_did(
-    simulated, noisy, rig, frames
-):
+def test_depths_at_nodes_carry_slow_pressure_readings_once(simulated, noisy, rig, frames):
     many = replace(noisy, top=frames(np.arange(0.25, 39.5, 0.1)))
     usual = dead_reckon(many, rig, SIGMAS).attitude.sigma[:, 0]
     assert usual[50:-50] == pytest.approx(SIGMAS.depth_m, rel=0.01)
@@ -348,13 +342,13 @@ def test_a_tray_that_is_no_longer_read_may_have_turned_on(simulated, perfect, ri
     assert any(words.startswith("tray: no reading for 19.") for words in found.remarks)
 
 
-def test_a_tray_that_is_logged_when_it_turns_is_known_while_it_stands(perfect, rig):
+def test_tray_logged_only_when_turning_is_known_at_rest(perfect, rig):
     t = perfect.dvl.t_ns[0] + 10**9 * np.array([-1, 0, 1, 30, 31, 41])
     tray = replace(perfect.tray, t_ns=t, angle=np.array([0.0, 0.1, 0.2, 0.2, 0.3, 0.3]))
     assert (reckoned(replace(perfect, tray=tray), rig).attitude.tray_sigma == 0).all()
 
 
-def test_roll_and_pitch_in_a_hole_of_the_attitude_are_hardly_known(perfect, rig):
+def test_roll_and_pitch_in_attitude_gap_have_wide_sigma(perfect, rig):
     t = (perfect.imu.t_ns - perfect.dvl.t_ns[0]) * 1e-9
     kept = (t < 20) | (t > 30)
     fields = ("t_ns", "quaternion", "angular_velocity", "acceleration")
@@ -403,7 +397,7 @@ def test_an_imu_without_orientation_is_an_error_in_words(perfect, rig):
         reckoned(blind, rig)
 
 
-def test_an_imu_with_a_single_orientation_is_not_said_to_have_none(perfect, rig):
+def test_imu_with_single_orientation_is_refused_as_such(perfect, rig):
     quaternion = np.full_like(perfect.imu.quaternion, np.nan)
     quaternion[0] = perfect.imu.quaternion[0]
     with pytest.raises(StageError, match="a single orientation"):

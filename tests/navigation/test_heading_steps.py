@@ -68,9 +68,7 @@ def test_the_error_that_a_step_leaves_is_within_its_sigma() -> None:
     assert 0.3 < float(np.sqrt(np.mean(np.square(errors)))) < 1.5
 
 
-def test_a_heading_that_parts_slowly_from_the_rates_makes_the_turn_as_unsure_as_they_differ() -> (
-    None
-):
+def test_slow_heading_disagreement_widens_turn_variance() -> None:
     slow = np.radians(3) * np.clip((T - 60) / 0.8, 0, 1)
     found = attitude_history(imu(SWING, slow), 0.002)
     assert len(found.steps.row) == 0
@@ -81,7 +79,7 @@ def test_a_heading_that_parts_slowly_from_the_rates_makes_the_turn_as_unsure_as_
     assert still < np.radians(0.2)
 
 
-def test_turns_of_the_vehicle_are_no_steps_though_its_rates_have_a_scale() -> None:
+def test_turns_of_vehicle_are_no_steps_despite_rate_scale() -> None:
     sharp = gaussian_filter1d(
         np.interp(T, [0, 40, 41.5, 90, 91, 120], [0, 0, 1.5, 1.5, 0.5, 0.5]), 0.2 * RATE_HZ
     )
@@ -89,7 +87,7 @@ def test_turns_of_the_vehicle_are_no_steps_though_its_rates_have_a_scale() -> No
         assert len(attitude_history(imu(sharp, np.zeros(len(T)), scale), 0.002).steps.row) == 0
 
 
-def test_without_rates_a_turn_faster_than_a_vehicle_can_is_a_step() -> None:
+def test_turn_faster_than_vehicle_is_a_step_without_rates() -> None:
     def silent(yaw: np.ndarray, step: np.ndarray) -> ImuSamples:
         found = imu(yaw, step)
         return replace(found, angular_velocity=np.full_like(found.angular_velocity, np.nan))

@@ -63,7 +63,7 @@ def departure(history: AttitudeHistory, record: ImuSamples, truth: Rotation) -> 
     return (truth.inv() * history.rotation(record.t_ns)).as_rotvec()
 
 
-def test_fused_attitude_is_as_good_as_its_sigma_says_and_far_better_than_a_reading() -> None:
+def test_fused_attitude_error_matches_sigma_and_beats_readings() -> None:
     record, truth = imu()
     history = attitude_history(record, 0.01, 0.5)
     error = departure(history, record, truth)[200:-200]
@@ -97,7 +97,7 @@ def history(
     )
 
 
-def test_a_short_turn_is_as_sure_as_the_rates_and_a_long_one_as_two_attitudes() -> None:
+def test_turn_variance_is_rate_walk_up_to_two_attitudes() -> None:
     (short,) = history(True).turn_variance(stamps([0]), stamps([0.1]))
     (long,) = history(True, walk=1e-5).turn_variance(stamps([0]), stamps([100]))
     assert short == pytest.approx(1e-9 + LEAST_SIGMA_RAD**2, rel=1e-3)
@@ -107,7 +107,7 @@ def test_a_short_turn_is_as_sure_as_the_rates_and_a_long_one_as_two_attitudes() 
     )
 
 
-def test_beyond_the_readings_the_attitude_turns_as_a_vehicle_does() -> None:
+def test_attitude_variance_grows_beyond_the_readings() -> None:
     """At 0.05 rad/s for seconds, then as a walk: to the square root of the time."""
     ends = history(True)
     sigma = ends.unread_sigma(stamps([-64, -2, 50, 102, 164]))
@@ -149,7 +149,7 @@ def pings(velocity: np.ndarray, hz: float = 5.0) -> DvlPings:
 ALWAYS = (-(10**18), 10**18)
 
 
-def test_lost_velocities_and_those_outside_the_attitude_are_left_out() -> None:
+def test_lost_velocities_and_those_without_attitude_are_dropped() -> None:
     velocity = np.tile([0.2, 0, 0], (50, 1))
     velocity[20] = np.nan
     record = pings(velocity)
@@ -205,7 +205,7 @@ def test_a_usual_dvl_is_compared_with_the_median_of_nine_pings(hz: float) -> Non
 WALK = Agitation(lag_s=np.array([1.0]), rate=np.array([0.01]))
 
 
-def test_an_outage_adds_its_variance_by_the_share_that_an_interval_has_of_it() -> None:
+def test_outage_variance_is_shared_by_overlap_with_interval() -> None:
     v = Velocities(
         t_ns=stamps([0, 10]),
         velocity=np.zeros((2, 3)),
@@ -220,7 +220,7 @@ def test_an_outage_adds_its_variance_by_the_share_that_an_interval_has_of_it() -
     assert none == 0
 
 
-def test_beyond_the_first_and_the_last_velocity_the_way_is_known_from_one_end_only() -> None:
+def test_variance_beyond_velocities_matches_a_free_random_walk() -> None:
     """A velocity that walks from zero, at 0.01 m2/s3: against 4,000 such walks."""
     v = Velocities(
         t_ns=stamps([0, 10]),
@@ -296,7 +296,7 @@ def test_a_straight_run_is_as_long_as_its_speed_and_time_say(rig) -> None:
     )
 
 
-def test_velocity_noise_grows_with_time_and_with_the_pings_period(rig) -> None:
+def test_velocity_noise_grows_with_time_and_ping_period(rig) -> None:
     path = straight(rig)
     short, long = velocity_variance(path, stamps([10, 10]), stamps([11, 20]))
     assert short == pytest.approx(0.003**2 * 0.2 * 1.0)
@@ -331,7 +331,7 @@ def test_the_sensor_stands_where_the_pressure_says(rig) -> None:
     assert len(found.steps) == 0
 
 
-def test_a_scatter_of_the_pressure_is_smoothed_and_its_sigma_said(rig) -> None:
+def test_pressure_scatter_is_smoothed_and_its_sigma_reported(rig) -> None:
     noise = 0.02 * np.random.default_rng(1).standard_normal(600)
     found, depth = held(rig, 3.0 + noise, np.arange(10, 50, 0.5))
     assert np.abs(depth - 3.0).max() < 0.012
@@ -339,7 +339,7 @@ def test_a_scatter_of_the_pressure_is_smoothed_and_its_sigma_said(rig) -> None:
     assert found.sigma == pytest.approx(0.02 * np.sqrt(0.1 / (2 * np.sqrt(np.pi) * 5)), rel=0.15)
 
 
-def test_depth_in_an_outage_of_the_dvl_is_that_of_the_pressure_and_says_how_well_it_is_known(
+def test_depth_in_dvl_outage_follows_pressure_with_its_sigma(
     rig,
 ) -> None:
     def true(at_s):  # down by a metre and up again, unheard

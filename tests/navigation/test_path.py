@@ -111,7 +111,7 @@ def test_the_drift_of_a_straight_step_bends_it_by_half_its_time(plain) -> None:
     assert np.allclose(step.by_navigation[0, :, 0], [0.8, 0, 0, 0, 0, 0], atol=1e-9)
 
 
-def test_the_white_covariance_is_that_of_velocity_noise_and_of_a_turn_that_swings_the_lever(
+def test_white_covariance_combines_velocity_noise_and_lever(
     plain,
 ) -> None:
     path = run(plain, [0.2, 0.0, 0.0])
@@ -145,7 +145,7 @@ def pings_along(path: Reckoning, range_m: float) -> DvlPings:
     )
 
 
-def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain) -> None:
+def test_outages_and_rejections_are_reported_with_times(plain) -> None:
     path = run(plain, [0.2, 0, 0], outages=np.array([stamps([1.0, 2.0]), stamps([4.0, 7.5])]))
     pings = pings_along(path, range_m=1.5)
     nodes = Nodes(stamps([0, 5, 10]), np.full((3, 2), -1), 0, 2)
@@ -181,9 +181,7 @@ def test_a_run_without_a_flaw_says_only_what_was_not_logged(plain) -> None:
 @pytest.mark.parametrize(
     ("outage", "way"), [(NO_HOLES, " and 1.3 m of way;"), (np.array([stamps([1.5, 8.0])]), ";")]
 )
-def test_a_span_without_images_is_named_with_its_time_and_its_way_if_that_is_known(
-    plain, outage, way
-) -> None:
+def test_span_without_images_is_named_with_time_and_distance(plain, outage, way) -> None:
     path = run(plain, [0.2, 0, 0], outages=outage)
     t_s = np.array([0, 0.5, 1, 1.5, 2, 4, 6, 8, 8.5, 9])
     image = np.full((10, 2), -1)

@@ -69,7 +69,7 @@ def test_a_long_gap_is_joined_by_a_line() -> None:
     assert value[0, 0] == pytest.approx(2.0, abs=0.05)
 
 
-def test_smoothing_across_months_takes_no_memory_for_the_time_between() -> None:
+def test_smoothing_across_a_gap_of_months_needs_little_memory() -> None:
     t = np.arange(0, 20, 0.02)
     both = np.concatenate([t - 200 * 86400.0, t])
     tracemalloc.start()
@@ -90,7 +90,7 @@ def test_the_running_median_forgives_a_spike_and_a_missing_value() -> None:
 # integral
 
 
-def test_the_integral_of_a_straight_signal_is_exact_between_samples() -> None:
+def test_integral_of_linear_signal_is_exact_between_samples() -> None:
     t = np.array([0.0, 0.5, 2.0, 3.0])
     total = integral(t, 2 * t)
     assert np.allclose(total.at(np.array([0.0, 0.25, 1.0, 3.0])), [0, 0.0625, 1.0, 9.0])
@@ -104,7 +104,7 @@ def test_beyond_its_ends_a_signal_holds_its_last_value() -> None:
 # servo
 
 
-def test_the_direction_flips_at_the_turning_point_and_not_with_flicker() -> None:
+def test_servo_direction_flips_at_turning_point_not_on_flicker() -> None:
     travel = np.radians(np.concatenate([np.arange(0, 5, 0.2), np.arange(5, 2, -0.2)]))
     angle = travel + np.radians(0.02) * np.sin(40 * np.arange(len(travel)))
     found = servo(JointSamples(t_ns=stamps(*np.arange(len(angle))), angle=angle), 0)
@@ -166,7 +166,7 @@ def test_without_cameras_nodes_are_thinned_pings() -> None:
 # returns
 
 
-def test_a_return_half_a_metre_off_is_flagged_and_its_neighbours_are_not() -> None:
+def test_return_half_a_metre_off_is_flagged_alone() -> None:
     ranges = 1.5 + 0.01 * np.random.default_rng(3).standard_normal((100, 4))
     ranges[40, 2] += 0.6
     flagged = flag_ranges(pings(ranges), 0.01, sigmas=50.0)

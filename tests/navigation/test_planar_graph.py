@@ -56,7 +56,7 @@ def test_planes_take_a_heading_drift_out_of_the_path(drifting) -> None:
     assert rms_m(dive, planar) < 0.3 * rms_m(dive, alone)
 
 
-def test_they_gain_across_the_hull_and_in_heading_and_nothing_along_it(drifting) -> None:
+def test_planes_improve_across_hull_and_heading_but_not_along(drifting) -> None:
     """x points into the hull, y along it: a patch slid along a smooth hull is the same."""
     dive, alone, planar = drifting
     before, after = (
@@ -111,7 +111,7 @@ def with_outage(dive: EllipsoidDive, off_m: float, sigma_m: float) -> EllipsoidD
     )
 
 
-def test_patches_whose_place_along_the_hull_is_a_guess_are_not_compared() -> None:
+def test_patches_of_unknown_place_along_hull_are_not_compared() -> None:
     """After a minute without a DVL the hull's form, taken as known where it is not, pulled the path
     1.7 m along to where it fits as well, and was sure of it to 0.24 m.
     """
@@ -126,7 +126,7 @@ def test_patches_whose_place_along_the_hull_is_a_guess_are_not_compared() -> Non
 
 
 @pytest.mark.parametrize("kind", [{"off_m": 0.3}, {"bumps_m": 0.1}])
-def test_a_surface_that_is_not_the_same_again_ties_little_and_harms_nothing(kind: dict) -> None:
+def test_changed_surface_ties_little_and_does_no_harm(kind: dict) -> None:
     """Something hung before the hull on every other leg; a rough rock."""
     dive = simulate(7, drift_deg_per_hour=20.0, legs=3, leg_m=8.0, **kind)
     alone, planar = solve(dive)
@@ -162,7 +162,7 @@ def test_the_same_dive_gives_the_same_bytes(drifting) -> None:
     np.testing.assert_array_equal(again.problem.unknowns.pose, planar.problem.unknowns.pose)
 
 
-def test_a_solution_with_planes_is_a_start_for_the_next_round_of_links(drifting) -> None:
+def test_solution_with_planes_starts_next_round_of_links(drifting) -> None:
     dive, _, planar = drifting
     again = planar_graph(graph(dive), dive.returns, None).solve(no_links(), planar)
     np.testing.assert_allclose(
@@ -170,7 +170,7 @@ def test_a_solution_with_planes_is_a_start_for_the_next_round_of_links(drifting)
     )
 
 
-def test_a_sphere_is_mapped_alike_with_characteristic_radii_of_4_to_20_m() -> None:
+def test_sphere_is_mapped_alike_for_characteristic_radii() -> None:
     """[Ozog2016 C]: a spiral around a sphere of 8 m. What counts is how well a sphere fits the
     path.
     """

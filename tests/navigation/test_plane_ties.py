@@ -100,9 +100,7 @@ def test_patches_of_two_sides_of_a_plate_are_not_proposed(
     assert ((first - second) % 2 == 0).all()
 
 
-def test_on_the_true_path_gaps_are_as_large_as_what_measures_them(
-    patches: Patches, path: VehiclePath
-) -> None:
+def test_gaps_on_the_true_path_match_their_covariance(patches: Patches, path: VehiclePath) -> None:
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
     whole = pairs.noise + pairs.fit
     chi2 = np.sum(pairs.gap * np.linalg.solve(whole, pairs.gap[:, :, None])[:, :, 0], axis=1)

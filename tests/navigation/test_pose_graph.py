@@ -102,7 +102,7 @@ def test_the_heading_drift_is_found(dive: LinkedDive, links: CameraLinks) -> Non
 
 
 @pytest.mark.parametrize("kernel", ["switch", "none"])
-def test_a_second_solve_starts_from_the_first_and_ends_where_one_solve_does(
+def test_second_solve_from_first_equals_a_single_solve(
     dive: LinkedDive, links: CameraLinks, kernel: str
 ) -> None:
     graph = graph_of(dive, kernel)
@@ -126,7 +126,7 @@ def test_with_scaling_both_ways_end_in_paths_of_one_shape(
     assert aligned_error_m(again.path.poses, shape) < 1e-3
 
 
-def test_links_without_length_take_the_drift_out_and_leave_the_scale_to_the_dvl(
+def test_links_without_length_correct_drift_but_not_scale(
     dive: LinkedDive,
 ) -> None:
     pairs = np.vstack([neighbours(), opposite(every=3)])
@@ -160,9 +160,7 @@ def silent_from(dive: LinkedDive, node: int) -> LinkedDive:
 
 
 @pytest.mark.parametrize("every", [1, 2])
-def test_links_without_length_follow_a_vehicle_that_turns_back_unheard(
-    dive: LinkedDive, every: int
-) -> None:
+def test_links_without_length_follow_a_turn_in_dvl_outage(dive: LinkedDive, every: int) -> None:
     """Also where every second image alone is compared. The steps' lengths are as guessed."""
     unheard = silent_from(dive, 24)
     pairs = neighbours()
@@ -180,7 +178,7 @@ def test_links_without_length_follow_a_vehicle_that_turns_back_unheard(
     )
 
 
-def test_where_odometry_knows_the_way_the_start_is_dead_reckoning(dive: LinkedDive) -> None:
+def test_start_is_dead_reckoning_where_odometry_is_good(dive: LinkedDive) -> None:
     mono = link(dive, neighbours(), np.random.default_rng(2), scaled=False)
     start = path_along_links(dive.trajectory, dive.odometry, mono, dive.rig)
     np.testing.assert_array_equal(start.translation, dive.trajectory.translation)
@@ -289,7 +287,7 @@ def test_a_wrong_link_that_comes_in_a_later_round_is_named(
     )
 
 
-def test_where_a_path_makes_many_new_links_look_wrong_it_may_be_the_path_that_is(
+def test_second_start_is_tried_where_many_links_look_wrong(
     dive: LinkedDive,
 ) -> None:
     """Links that say too much of themselves: from the path of the neighbours alone more of them are
@@ -338,7 +336,7 @@ ALL_TOP = np.zeros(60, bool)
 
 
 @pytest.mark.parametrize("bottom", [None, 7, 41])
-def test_the_relative_covariance_is_that_of_poses_moved_as_their_joint_covariance_says(
+def test_relative_covariance_equals_numeric_propagation(
     dive: LinkedDive, links: CameraLinks, bottom: int | None
 ) -> None:
     """Central differences of the cameras' relative pose by all fourteen numbers of the two
@@ -454,7 +452,7 @@ def test_a_link_without_length_is_whitened_by_its_direction(dive: LinkedDive) ->
 # parts
 
 
-def test_parts_are_numbered_from_the_largest_and_loose_nodes_are_in_none() -> None:
+def test_parts_are_numbered_by_size_without_loose_nodes() -> None:
     part = linked_parts(9, np.array([0, 3, 4, 5, 7]), np.array([1, 4, 5, 3, 8]))
     assert part.tolist() == [1, 1, -1, 0, 0, 0, -1, 2, 2]
 
@@ -468,7 +466,7 @@ def test_without_links_no_node_is_in_a_part() -> None:
     assert linked_parts(3, none, none).tolist() == [-1, -1, -1]
 
 
-def test_a_motion_that_images_measured_is_left_out_where_a_link_joins_its_nodes(
+def test_image_odometry_is_dropped_where_a_link_joins_its_nodes(
     dive: LinkedDive,
 ) -> None:
     odometry = replace(dive.odometry, from_images=np.arange(len(dive.odometry)) % 3 > 0)

@@ -41,7 +41,7 @@ def test_returns_hang_on_the_nearest_node(found):
     assert len(r.t_ns) == 4 * 800
 
 
-def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(simulated, found, rig):
+def test_attitude_record_has_depth_of_sensor_not_of_vehicle(simulated, found, rig):
     t = (found.trajectory.t_ns - START_NS) * 1e-9
     sensor = simulated.poses(t).apply(rig.pressure_origin)[:, 2]
     assert np.abs(found.attitude.depth - sensor).max() < 3e-3
@@ -93,7 +93,7 @@ def walk(logs, goes_on=lambda first, second: True):
     return ImageWalk(frames=usable_frames(logs.top), goes_on=goes_on)
 
 
-def test_where_the_dvl_is_silent_at_the_ends_images_get_nodes_as_far_as_they_go_on(perfect, rig):
+def test_images_beyond_dvl_get_nodes_as_far_as_they_overlap(perfect, rig):
     asked = []
 
     def goes_on(first, second):
@@ -126,7 +126,7 @@ def test_images_are_not_followed_across_a_blank(perfect, rig):
 @pytest.mark.parametrize(
     ("blind", "last"), [((), 99), ((40,), 99), (range(40, 44), 99), (range(40, 47), 39)]
 )
-def test_dense_images_are_followed_by_strides_and_one_by_one_where_a_stride_fails(blind, last):
+def test_dense_images_are_followed_in_strides_then_singly(blind, last):
     """At 10 Hz: five at a time, and around those that show nothing."""
     asked = []
 
@@ -150,9 +150,7 @@ def test_dense_images_are_followed_by_strides_and_one_by_one_where_a_stride_fail
     ],
     ids=["nothing", "an island", "one side", "a short outage"],
 )
-def test_in_an_outage_images_that_go_on_from_neither_side_have_no_pose(
-    perfect, rig, lasts_s, shown, gone
-):
+def test_images_in_outage_linked_to_neither_side_have_no_pose(perfect, rig, lasts_s, shown, gone):
     """The DVL is silent from 9.9 s; images 20 to 59 lie in the longer outage. A second leaves the
     way known to centimetres.
     """
@@ -203,9 +201,7 @@ def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfe
 
 
 @pytest.mark.parametrize(("begin_s", "end_s"), [(0, 20), (20, 40)])
-def test_beyond_the_imu_the_attitude_is_off_by_no_more_than_it_says(
-    simulated, perfect, rig, begin_s, end_s
-):
+def test_attitude_beyond_imu_is_within_its_sigma(simulated, perfect, rig, begin_s, end_s):
     """The DVL is heard throughout: the way is of the right length, and turned with the attitude."""
     read = (perfect.imu.t_ns >= START_NS + begin_s * SECOND) & (
         perfect.imu.t_ns <= START_NS + end_s * SECOND

@@ -109,9 +109,7 @@ def certain(**sigma: float) -> NavigationSigmas:
     return replace(SIGMAS, mount=np.zeros(6), **(none | sigma))
 
 
-def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_changes_its_speed(
-    perfect, rig
-) -> None:
+def test_heading_drift_covariance_equals_that_of_a_drifted_path(perfect, rig) -> None:
     drift = 1e-3
     silent = replace(
         perfect,
@@ -153,7 +151,7 @@ def relative_by_error(
     return out
 
 
-def test_the_relative_covariance_of_two_nodes_is_that_of_paths_reckoned_anew(perfect, rig) -> None:
+def test_relative_covariance_equals_reckoned_disturbances(perfect, rig) -> None:
     """Scale, drift, mount, play, attitude bias and heading at once; of nodes far apart, near, and
     in the other order.
     """
@@ -177,7 +175,7 @@ def test_the_relative_covariance_of_two_nodes_is_that_of_paths_reckoned_anew(per
         assert np.abs((predicted[p] - wanted[p]) / np.outer(scale, scale)).max() < 0.02
 
 
-def test_a_dvl_whose_sigma_changes_from_ping_to_ping_is_known_ever_less_well(perfect, rig) -> None:
+def test_covariance_grows_with_dvl_sigma_of_each_ping(perfect, rig) -> None:
     """What two nodes gained between them is what its parts gained, of each axis, whatever the
     pings' sigmas.
     """
@@ -241,7 +239,7 @@ def test_with_pressure_no_error_of_the_dvl_moves_the_depth(perfect, rig) -> None
     assert z[0] == pytest.approx(SIGMAS.depth_bias_m**2, rel=0.01)
 
 
-def test_without_pressure_the_depth_of_the_start_is_one_unknown_for_the_dive(perfect, rig) -> None:
+def test_start_depth_is_one_shared_unknown_without_pressure(perfect, rig) -> None:
     found = dead_reckon(replace(perfect, pressure=None), rig, SIGMAS)
     assert found.trajectory.covariance[30, 2, 2] > 100.0
     poses_found = found.trajectory.poses()
@@ -257,7 +255,7 @@ def test_velocity_noise_accumulates_and_is_no_smaller_later(noisy, rig) -> None:
     assert walk[-1, 0, 0] == pytest.approx(0.003**2 * 0.05 * 39.5, rel=0.05)
 
 
-def test_a_path_through_a_hole_of_the_imu_is_known_as_badly_as_it_is(perfect, rig) -> None:
+def test_path_through_imu_gap_is_within_its_sigma(perfect, rig) -> None:
     """Twelve seconds around a turn without a reading: the attitude there is a guess, and the way is
     off with it.
     """
@@ -295,7 +293,7 @@ def test_two_holes_are_two_errors(perfect, rig) -> None:
     )
 
 
-def test_a_heading_that_parts_from_the_rates_turns_the_rest_of_the_path(perfect, rig) -> None:
+def test_heading_disagreement_widens_the_rest_of_the_path(perfect, rig) -> None:
     """Five degrees within a second, which no rate tells: either may be wrong, so heading and place
     after it may be too.
     """

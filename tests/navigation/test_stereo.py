@@ -108,7 +108,7 @@ class TwoStretches(KnownMotion):
         return None if first < 3 <= second else super().between(first, second)
 
 
-def test_a_blank_of_a_minute_is_known_as_badly_as_a_minute_is_long() -> None:
+def test_step_across_a_minute_without_images_has_wide_sigma() -> None:
     """The vehicle may have gone on, stood still or turned back: the step before, repeated once, was
     known to half a metre.
     """
@@ -135,7 +135,7 @@ def test_across_a_blank_the_turn_is_the_imus() -> None:
     assert np.sqrt(chain.covariance[2, 5, 5]) == pytest.approx(0.01)
 
 
-def test_the_covariance_of_a_chain_is_the_spread_of_disturbed_chains() -> None:
+def test_chain_covariance_equals_spread_of_disturbed_chains() -> None:
     step = poses.exp(np.tile([0.4, 0.05, 0.0, 0.02, 0.05, 0.1], (8, 1)))
     sigma = np.array([0.004, 0.003, 0.002, 0.001, 0.002, 0.003])
     path = compose(poses.identity(), step)
@@ -157,7 +157,7 @@ def test_the_covariance_of_a_chain_is_the_spread_of_disturbed_chains() -> None:
     assert predicted[0, 5] == pytest.approx(spread[0, 5], rel=0.25)
 
 
-def test_an_error_of_the_calibration_grows_with_the_way_and_not_with_its_root() -> None:
+def test_calibration_error_grows_linearly_with_distance() -> None:
     """A share of 1 % too long: 1 % of the way at its end, where steps that err independently would
     leave a third of that.
     """
@@ -174,7 +174,7 @@ def test_an_error_of_the_calibration_grows_with_the_way_and_not_with_its_root() 
     ) == pytest.approx(0.004, rel=0.01)
 
 
-def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:
+def test_relative_covariance_ignores_steps_before_both_nodes() -> None:
     """Their relative covariance is that of a chain that starts at the first of the two."""
     step = poses.exp(np.tile([0.4, 0.05, 0.0, 0.02, 0.05, 0.1], (8, 1)))
     covariance = np.tile(np.diag([4e-3, 3e-3, 2e-3, 1e-3, 2e-3, 3e-3]) ** 2, (8, 1, 1))
@@ -213,7 +213,7 @@ def true_path(rig) -> Poses:
     return world[[0]].inverse() @ world
 
 
-def test_stereo_gives_the_path_of_the_vehicle_from_its_first_pair(rig) -> None:
+def test_stereo_path_starts_at_first_pair_and_follows_vehicle(rig) -> None:
     found = navigated(rig, Aids())
     error = found.trajectory.translation - true_path(rig).translation
     sigma = np.sqrt(np.diagonal(found.trajectory.covariance, axis1=1, axis2=2))[:, :3]
@@ -223,7 +223,7 @@ def test_stereo_gives_the_path_of_the_vehicle_from_its_first_pair(rig) -> None:
     assert any("level" in sentence for sentence in found.remarks)
 
 
-def test_without_imu_and_pressure_there_is_no_attitude_but_the_trays_direction(rig) -> None:
+def test_without_imu_and_pressure_only_tray_direction_is_known(rig) -> None:
     found = navigated(rig, Aids())
     assert len(found.attitude.node) == 0
     assert len(found.attitude.tray_direction) == 6
@@ -252,7 +252,7 @@ def test_an_imu_and_a_pressure_sensor_give_the_start(rig) -> None:
     assert np.allclose(found.attitude.roll, 0.1)
 
 
-def test_a_pressure_sensor_that_stopped_holds_no_depth_under_the_cameras(rig) -> None:
+def test_stopped_pressure_sensor_holds_no_depth_under_cameras(rig) -> None:
     t = START_NS + 10**8 * np.arange(-5, 25)
     found = navigated(rig, Aids(pressure=PressureSamples(t_ns=t, depth=np.full(30, 3.0))))
     assert found.attitude.sigma[:3, 0].tolist() == [SIGMAS.depth_m] * 3
@@ -263,7 +263,7 @@ def test_a_pressure_sensor_that_stopped_holds_no_depth_under_the_cameras(rig) ->
     ) in found.remarks
 
 
-def test_nodes_that_share_a_reading_of_the_pressure_share_what_it_says(rig) -> None:
+def test_nodes_share_the_information_of_a_pressure_reading(rig) -> None:
     slow = PressureSamples(t_ns=START_NS + 3 * 10**9 * np.arange(-4, 8), depth=np.full(12, 3.0))
     found = navigated(rig, Aids(pressure=slow))
     assert found.attitude.sigma[:, 0] == pytest.approx(

@@ -184,7 +184,7 @@ def test_the_summary_agrees_with_the_solution(stereo):
     )
 
 
-def test_warnings_and_times_go_into_the_manifest_and_not_into_the_result(stereo):
+def test_warnings_and_times_are_in_manifest_not_in_result(stereo):
     _, out = stereo
     manifest = json.loads((out / "manifest.json").read_text())
     assert "along the hull" in json.dumps(manifest)
@@ -234,7 +234,7 @@ def test_the_height_of_a_model_with_y_up_is_known_best():
     assert [float(axis @ turn) for axis in (forward, port, up)] == pytest.approx([1, 1, 5])
 
 
-def test_pycolmap_opens_the_model_and_finds_images_and_points_in_the_hull_frame(stereo):
+def test_pycolmap_reads_images_and_points_in_hull_frame(stereo):
     dive, out = stereo
     found, model = solution_in(out), pycolmap.Reconstruction(str(out / "colmap"))
     n = len(dive.tray)
@@ -260,7 +260,7 @@ def test_two_runs_leave_the_same_bytes(stereo, tmp_path):
         assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
 
 
-def test_without_a_cad_model_there_is_no_chart_and_the_model_stands_in_g(tmp_path):
+def test_without_cad_model_no_chart_and_points_in_g(tmp_path):
     out = run(tmp_path, simulate(cad=False))
     assert not (out / "chart.npz").exists()
     found, model = solution_in(out), pycolmap.Reconstruction(str(out / "colmap"))
@@ -283,7 +283,7 @@ def test_a_single_camera_makes_a_model_of_one(tmp_path):
     assert len(model.images) == len(dive.tray)
 
 
-def test_refined_intrinsics_are_written_for_the_steps_that_follow(tmp_path):
+def test_refined_intrinsics_are_written_for_later_steps(tmp_path):
     out = run(tmp_path, simulate(), refine_intrinsics=True)
     cameras = json.loads((out / "cameras.json").read_text())
     assert set(cameras) == {"top", "bottom"}
@@ -292,7 +292,7 @@ def test_refined_intrinsics_are_written_for_the_steps_that_follow(tmp_path):
     assert "intrinsics" in json.loads((out / "adjust.json").read_text())
 
 
-def test_the_true_hull_is_found_where_the_guess_was_centimetres_off(stereo):
+def test_hull_pose_is_found_from_a_guess_centimetres_off(stereo):
     dive, out = stereo
     found = solution_in(out)
     guess = dive.measured.cad_model.guess.matrix()[0]

@@ -23,7 +23,7 @@ from hullrecon.steps.artifacts import AdjustArtifact
         ({}, None),
     ],
 )
-def test_the_water_surface_is_known_as_well_as_bias_and_noise_of_the_pressure_sensor(
+def test_water_surface_sigma_combines_pressure_bias_and_noise(
     tmp_path: Path, summary: dict[str, object], sigma_m: float | None
 ) -> None:
     (tmp_path / "adjust.json").write_text(json.dumps(summary))

@@ -61,7 +61,7 @@ def absent(dive: SimulatedDive) -> str:
     return reason
 
 
-def test_the_step_leaves_document_table_layers_map_and_the_texts_of_a_chapter(
+def test_step_writes_document_table_layers_map_and_chapter(
     compared: Compared,
 ) -> None:
     folder = compared[1].workspace.root / "change"
@@ -92,7 +92,7 @@ def test_a_dive_that_names_no_earlier_one_has_no_such_step(compared: Compared) -
     assert compared[0].summary() == {"inputs": ["detect", "ingest"], "absent": {}}
 
 
-def test_it_names_the_earlier_dive_by_its_folder_and_by_the_one_above_where_both_have_one_name(
+def test_earlier_dive_of_same_name_is_told_apart_by_its_folder(
     compared: Compared, tmp_path: Path
 ) -> None:
     shutil.copytree(tmp_path / "runs" / "may", tmp_path / "runs-of-2025" / "june")
@@ -110,7 +110,7 @@ def test_the_earlier_run_may_be_given_by_its_deliverables(compared: Compared) ->
 
 
 @pytest.mark.parametrize("step", ["ingest", "adjust", "surface", "detect"])
-def test_a_rerun_of_the_first_dive_makes_change_and_report_of_the_second_out_of_date(
+def test_rerun_of_first_dive_outdates_second_change_and_report(
     compared: Compared, step: str
 ) -> None:
     first, second = compared
@@ -121,7 +121,7 @@ def test_a_rerun_of_the_first_dive_makes_change_and_report_of_the_second_out_of_
     assert out_of_date(second) == set()
 
 
-def test_other_objects_of_the_first_dive_are_in_the_second_ones_report_after_a_run(
+def test_changed_objects_of_first_dive_reach_second_report(
     compared: Compared,
 ) -> None:
     first, second = compared
@@ -134,7 +134,7 @@ def test_other_objects_of_the_first_dive_are_in_the_second_ones_report_after_a_r
     assert {row["first_id"] for row in rows if row["first_id"]} == {1, 2, 3}
 
 
-def test_a_rerun_of_the_second_dive_makes_its_own_change_and_report_out_of_date(
+def test_rerun_of_second_dive_outdates_its_change_and_report(
     compared: Compared,
 ) -> None:
     second = compared[1]
@@ -186,7 +186,7 @@ def _has_a_fifo(run: Path) -> None:
         (_has_a_fifo, "adjust/solution.npz is damaged"),
     ],
 )  # fmt: skip
-def test_without_a_sound_earlier_run_it_fails_alone_and_all_else_is_delivered_fresh(
+def test_unsound_earlier_run_fails_comparison_alone(
     compared: Compared, tmp_path: Path, harm: Callable[[Path], None], reason: str
 ) -> None:
     harm(tmp_path / "runs" / "may")
@@ -212,7 +212,7 @@ def test_a_dive_is_not_compared_with_itself(compared: Compared) -> None:
     assert "that is this dive's own run" in absent(second)
 
 
-def test_a_dive_of_another_hull_is_a_reason_not_a_failure_of_the_run(compared: Compared) -> None:
+def test_dive_of_another_hull_gives_a_reason_not_a_failure(compared: Compared) -> None:
     first, second = compared
     first.rewrite("ingest", lambda files: {"hull.npz": _scaled(files["hull.npz"])}, may())
     first.run()
@@ -245,7 +245,7 @@ def test_where_detect_failed_the_step_says_so(compared: Compared, tmp_path: Path
         ("../may", "hull.stl", None),
     ],
 )  # fmt: skip
-def test_it_applies_to_a_dive_with_a_cad_model_that_names_another(
+def test_step_applies_with_cad_model_and_earlier_dive(
     earlier: str | None, mesh: str | None, reason: str | None
 ) -> None:
     assert (
@@ -263,9 +263,7 @@ def test_files_of_a_run_that_is_not_there_are_none(tmp_path: Path) -> None:
     assert files_of_earlier_dive(StageSettings("change", {"change": EarlierDive()}), tmp_path) == []
 
 
-def test_dives_that_lie_farther_apart_than_their_poses_foresaw_are_warned_of(
-    compared: Compared, tmp_path: Path
-) -> None:
+def test_dives_farther_apart_than_hull_pose_sigmas_warn(compared: Compared, tmp_path: Path) -> None:
     from change.simulated_surveys import BEFORE, SIGMAS, Errors, survey
 
     far = survey(BEFORE, Errors(pose=SIGMAS * [0, 9, 0, 0, 0, 0], seed=4), name="june")

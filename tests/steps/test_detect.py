@@ -286,7 +286,7 @@ def test_without_a_sonar_coverage_says_null(earlier: EarlierSteps) -> None:
     assert _json(earlier.run(), "coverage.json")["sonar"] is None
 
 
-def test_without_a_cad_model_structures_are_told_from_the_own_surface(
+def test_without_cad_model_structures_come_from_own_surface(
     earlier: EarlierSteps,
 ) -> None:
     earlier.without_cad_model()
@@ -307,7 +307,7 @@ def test_without_a_field_running_medians_stand_in(earlier: EarlierSteps) -> None
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
 
 
-def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(earlier: EarlierSteps) -> None:
+def test_without_camera_cad_model_is_moved_to_dvl_surface(earlier: EarlierSteps) -> None:
     earlier.without_camera()
     out = earlier.run()
     found = from_arrays(Surface, load_arrays(out / "as_found.npz"))
@@ -318,7 +318,7 @@ def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(earlier: Ea
     assert _json(out, "coverage.json")["camera"] is None
 
 
-def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(
+def test_without_camera_and_cad_model_as_found_is_absent(
     earlier: EarlierSteps,
 ) -> None:
     earlier.without_cad_model()
@@ -376,7 +376,7 @@ def test_coverage_is_counted_against_the_regions_of_dive_toml(earlier: EarlierSt
     assert (found["middle"]["camera"]["share"], found["above"]["camera"]["share"]) == (1.0, 0.0)
 
 
-def test_the_share_of_a_region_is_as_uncertain_as_the_place_of_its_limits_on_the_survey(
+def test_region_share_sigma_follows_from_its_limits_on_survey(
     earlier: EarlierSteps,
 ) -> None:
     """The DVL's surface is a strip a metre high, and 8 cm more above and below: a decimetre along
@@ -417,7 +417,7 @@ def test_sensors_that_were_not_carried_saw_no_share_of_a_region(earlier: Earlier
     assert region["dvl"]["share"] > 0.3
 
 
-def test_where_the_cad_model_was_refused_its_regions_are_not_counted(earlier: EarlierSteps) -> None:
+def test_regions_are_not_counted_with_refused_cad_model(earlier: EarlierSteps) -> None:
     earlier.without_cad_model()
     earlier.hull, earlier.regions = False, (schema.HullRegion(name="all", along=(0.0, 4.0)),)
     out = earlier.run()

@@ -78,7 +78,7 @@ def test_each_image_keeps_its_row_and_an_unusable_one_is_empty(made, tmp_path):
     assert store.saliency(1) == 0.0
 
 
-def test_files_are_the_same_bytes_whatever_the_number_of_processes(made, tmp_path):
+def test_features_are_same_bytes_for_any_number_of_processes(made, tmp_path):
     one, two = run(made, tmp_path / "one"), run(made, tmp_path / "two", jobs=2)
     for name in (
         "keypoints_camera_top.npy",
@@ -129,7 +129,7 @@ def test_a_dive_without_camera_has_no_features():
     assert STAGE.applies({"camera.top.time_offset": 0.0}, Path()) is None
 
 
-def test_image_files_that_a_table_names_are_known_so_that_a_change_is_seen(tmp_path, monkeypatch):
+def test_image_files_named_by_tables_are_external_inputs(tmp_path, monkeypatch):
     (tmp_path / "logs" / "left").mkdir(parents=True)
     for name in ("logs/left/b.JPG", "logs/left/a.png", "logs/left/other.png"):
         (tmp_path / name).write_text("")

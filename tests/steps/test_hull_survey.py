@@ -82,7 +82,7 @@ def test_a_file_that_is_gone_is_damage_too(tmp_path: Path) -> None:
         read_run(run)
 
 
-def test_a_run_is_read_from_the_files_that_are_listed_and_no_others(tmp_path: Path) -> None:
+def test_run_is_read_from_listed_files_only(tmp_path: Path) -> None:
     run = write_run(tmp_path / "may")
     for step in HULL_SURVEY_FILES:
         (run / step / "more.npz").write_bytes(b"no archive")
@@ -96,7 +96,7 @@ def test_a_run_without_a_cad_model_cannot_be_compared(tmp_path: Path) -> None:
         read_run(write_run(tmp_path / "may", cad_model=False))
 
 
-def test_cad_models_of_different_hulls_are_refused_by_their_geometry() -> None:
+def test_different_cad_models_are_refused_by_geometry() -> None:
     with pytest.raises(InputError, match=r"of different hulls: they lie up to 0\.5 m apart"):
         compare_runs(
             finished("may", Mesh(BOX, FACES)), finished("june", Mesh(BOX * [1, 1.5, 1], FACES))

@@ -223,7 +223,7 @@ def test_a_relative_path_of_the_package_reads_the_same_files(package, tmp_path, 
     assert (run(Path(package.name), tmp_path / "ingest") / "images_camera_top.npz").exists()
 
 
-def test_what_a_run_leaves_beside_the_logs_does_not_make_it_stale(package):
+def test_output_of_a_run_beside_logs_does_not_make_it_stale(package):
     before = key(package)
     (package / "logs" / "runs").mkdir()
     (package / "logs" / "runs" / "ortho.png").write_bytes(b"made by a run")
@@ -253,7 +253,7 @@ def files_of(package: Path) -> list[Path]:
     return external(StageSettings("ingest", {name: loaded.value(name) for name in USES}), package)
 
 
-def test_a_write_ahead_log_is_one_of_the_files_that_ingest_depends_on(tmp_path: Path) -> None:
+def test_write_ahead_log_is_an_input_of_ingest(tmp_path: Path) -> None:
     """Else a run would not notice that it came, went or changed."""
     (tmp_path / "bag").mkdir()
     for name in (
@@ -271,14 +271,14 @@ def test_a_write_ahead_log_is_one_of_the_files_that_ingest_depends_on(tmp_path: 
     assert [path.as_posix() for path in files_of(tmp_path)] == names
 
 
-def test_a_pipe_in_place_of_a_log_is_refused_before_anybody_waits_for_it(tmp_path: Path) -> None:
+def test_pipe_as_log_is_refused_without_waiting(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "dive.mcap")
     (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["dive.mcap"]\n')
     with pytest.raises(InputError, match=r"dive\.mcap is a pipe"):
         files_of(tmp_path)
 
 
-def test_mounts_that_dive_toml_leaves_out_are_those_that_ingest_found_in_the_log(tmp_path):
+def test_mounts_left_out_are_taken_from_the_logs_frames(tmp_path):
     """Where a step declares the key alone, and where it declares its whole section."""
     folder = tmp_path / "ingest"
     folder.mkdir()
@@ -300,7 +300,7 @@ def test_mounts_that_dive_toml_leaves_out_are_those_that_ingest_found_in_the_log
     assert set(found) == set(settings)
 
 
-def test_a_dvl_that_is_fixed_beside_a_camera_on_a_servo_that_turns_ends_the_step(tmp_path):
+def test_fixed_dvl_beside_camera_on_turning_servo_is_refused(tmp_path):
     folder = tmp_path / "ingest"
     folder.mkdir()
     fixed = {"frame": "d", "pose": [0.5, 0, 0.2, 0, 0, 0], "on_servo": False, "servo_origin": None}

@@ -67,7 +67,7 @@ def test_links_err_by_no_more_than_a_few_of_their_sigmas(dive, linked):
     assert (shift / sigma).max() < 5
 
 
-def test_pairs_of_the_two_legs_are_compared_in_rounds_after_neighbours(linked):
+def test_pairs_across_legs_are_compared_after_neighbours(linked):
     pairs = linked.pairs
     assert (pairs.round[~pairs.across] == 0).all()
     assert (pairs.round[pairs.across] > 0).all()
@@ -167,7 +167,7 @@ def test_links_of_one_camera_have_a_direction_and_no_length(dive, tmp_path):
     assert np.degrees(np.arccos(np.einsum("mi,mi->m", way, truth).clip(-1, 1))).max() < 8
 
 
-def test_a_node_whose_top_image_is_missing_is_linked_by_its_bottom_camera(dive, tmp_path):
+def test_node_without_top_image_is_linked_by_bottom_camera(dive, tmp_path):
     image = np.column_stack([np.arange(10)] * 2)
     image[3, 0] = -1
     found = run(
@@ -194,9 +194,7 @@ def test_a_dive_in_two_parts_is_said_to_be(dive, tmp_path):
     )
 
 
-def test_where_appearance_is_asked_its_answer_is_written_and_a_refusal_is_said(
-    dive, linked, tmp_path, monkeypatch
-):
+def test_appearance_result_is_written_and_refusal_warned_of(dive, linked, tmp_path, monkeypatch):
     pairs = Proposal(
         first=np.array([1]), second=np.array([8]), across=np.ones(1, bool), overlap=np.ones(1)
     )
@@ -216,7 +214,7 @@ def test_where_appearance_is_asked_its_answer_is_written_and_a_refusal_is_said(
     np.testing.assert_array_equal(found.path.pose, linked.path.pose)
 
 
-def test_a_dive_on_which_nothing_matches_keeps_its_dead_reckoned_path(dive, tmp_path):
+def test_dive_without_matches_keeps_dead_reckoned_path(dive, tmp_path):
     found = run(dive, tmp_path, min_inliers=100_000)
     assert len(found.links) == 0
     assert (found.path.part == -1).all()

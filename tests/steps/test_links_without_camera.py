@@ -105,7 +105,7 @@ def test_the_path_is_tied_by_planes_and_no_file_speaks_of_images(dive, tied):
     assert facts["refusal"] is None
 
 
-def test_the_adjusted_dive_stands_on_the_same_path_and_covariance(tied):
+def test_adjust_keeps_path_and_covariance_of_links(tied):
     links, adjust = tied
     found = adjust.solution.global_from_vehicle.translation
     np.testing.assert_allclose(found, links.path.pose[:, :3], atol=1e-3)
@@ -114,7 +114,7 @@ def test_the_adjusted_dive_stands_on_the_same_path_and_covariance(tied):
     assert np.median(np.abs(track.sigma[20:, :2] / sigma[20:, :2] - 1)) < 0.2
 
 
-def test_without_them_links_and_adjust_give_what_navigation_gives(dive, folder, tied, tmp_path):
+def test_without_planes_links_and_adjust_keep_navigation(dive, folder, tied, tmp_path):
     links, adjust = run(folder, tmp_path, planes=False)
     assert links.planes is None
     assert error_m(dive, adjust.solution.global_from_vehicle.translation) > 0.8 * error_m(

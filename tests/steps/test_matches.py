@@ -52,7 +52,7 @@ def wall_points(dive, tracks, camera=0):
     return centre + WALL_M * (pixel - [CAMERA.cx, CAMERA.cy]) / CAMERA.fx
 
 
-def test_every_observation_of_a_landmark_is_of_one_point_of_the_wall(dive, matched):
+def test_observations_of_a_landmark_are_of_one_point(dive, matched):
     tracks, report = matched.tracks, matched.report
     point = wall_points(dive, tracks)
     mean = (
@@ -83,7 +83,7 @@ def test_tracks_are_sorted_and_hold_a_node_once(matched):
     np.testing.assert_array_equal(rows, np.unique(rows, axis=0))
 
 
-def test_the_pairs_are_those_of_the_links_with_what_each_has_in_common(matched):
+def test_pairs_are_those_of_links_with_their_inliers(matched):
     with (
         np.load(matched.out / "links" / "pairs.npz") as pairs,
         np.load(matched.out / "links" / "features.npz") as features,
@@ -115,7 +115,7 @@ def test_a_mono_dive_gives_tracks_of_the_top_camera(dive, tmp_path):
     assert report["chains"] == [10]
 
 
-def test_a_node_whose_top_image_is_missing_is_seen_by_the_bottom_camera(dive, tmp_path):
+def test_node_without_top_image_is_seen_by_bottom_camera(dive, tmp_path):
     image = np.column_stack([np.arange(10)] * 2)
     image[3, 0] = image[6, 1] = -1
     gaps = with_navigation(dive, tmp_path, dive.global_from_top, image)

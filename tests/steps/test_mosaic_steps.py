@@ -136,7 +136,7 @@ def settings(sonar: Sonar | None = None) -> dict[str, Any]:
     }
 
 
-def test_the_optical_mosaic_of_a_dead_reckoned_dive_shows_the_disc_where_it_is(
+def test_optical_mosaic_of_reckoned_dive_shows_disc_in_place(
     passed: dict[str, Path], tmp_path: Path
 ) -> None:
     out = run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / "out", source=tmp_path)
@@ -238,7 +238,7 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     )
 
 
-def test_a_sonar_that_sees_nothing_of_the_surface_says_how_far_it_reached(
+def test_sonar_that_misses_surface_is_refused_with_its_reach(
     passed: dict[str, Path], tmp_path: Path
 ) -> None:
     rays = np.array([[0.0, 0.1, 1.0], [0.0, -0.1, 1.0]]) / np.sqrt(1.01)
@@ -278,9 +278,7 @@ def test_steps_apply_only_where_their_sensor_was_carried(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("topics", [Topics(), Topics(dvl="/dvl")])
-def test_a_sonar_in_a_log_without_topics_gets_its_mosaic_whatever_topics_are_named(
-    topics: Topics, tmp_path: Path
-) -> None:
+def test_sonar_in_log_without_topics_gets_its_mosaic(topics: Topics, tmp_path: Path) -> None:
     for folder, table in (("tables", "sonar.csv"), ("others", "dvl.csv")):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / table).touch()

@@ -111,9 +111,7 @@ def run(ingest: Path, out: Path) -> Path:
     return run_stage(STAGE, sections(), {"ingest": ingest}, out, source=ingest.parent)
 
 
-def test_the_step_leaves_its_records_and_says_where_the_path_comes_from(
-    ingest: Path, tmp_path: Path
-) -> None:
+def test_step_writes_records_and_source_of_path(ingest: Path, tmp_path: Path) -> None:
     out = run(ingest, tmp_path / "navigate")
     path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
     assert np.allclose(
@@ -257,7 +255,7 @@ def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: 
 @pytest.mark.parametrize(
     ("before_s", "source"), [(0.0, "dvl"), (2.0, "dvl"), (3.6, "stereo"), (30.0, "stereo")]
 )
-def test_stereo_cameras_give_the_path_where_the_dvl_was_hardly_heard(
+def test_stereo_gives_the_path_where_dvl_was_hardly_heard(
     ingest: Path, tmp_path: Path, before_s: float, source: str
 ) -> None:
     slide_over_seabed(ingest)
@@ -273,9 +271,7 @@ def test_stereo_cameras_give_the_path_where_the_dvl_was_hardly_heard(
     assert not any("no DVL" in remark for remark in (first, *others))
 
 
-def test_where_the_images_give_no_path_the_dvls_part_is_what_there_is(
-    ingest: Path, tmp_path: Path
-) -> None:
+def test_dvl_gives_the_path_where_images_give_none(ingest: Path, tmp_path: Path) -> None:
     slide_over_seabed(ingest, contrast=0.0)
     lose_velocities(ingest, 3.6)
     out = run(ingest, tmp_path / "navigate")

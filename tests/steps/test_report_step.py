@@ -81,7 +81,7 @@ def test_a_mosaic_without_a_textured_mesh_says_why(
     assert "mosaic_sonar.glb</a>" not in (deliver / "report" / "index.html").read_text()
 
 
-def test_a_dive_that_was_only_navigated_is_delivered_with_reasons(
+def test_dive_that_was_only_navigated_is_delivered_with_reasons(
     navigated: dict[str, Path], tmp_path: Path
 ) -> None:
     deliver = run(navigated, tmp_path / "report")
@@ -132,12 +132,12 @@ def test_objects_that_were_not_looked_for_are_absent_not_none(
     assert "Objects were not looked for: the images gave too few landmarks." in page
 
 
-def test_the_facts_of_a_surface_without_a_cad_model_compare_it_with_nothing() -> None:
+def test_surface_without_cad_model_has_no_comparison() -> None:
     facts = {"reference": "plane", "comparison": None, "method": "gp"}
     assert msgspec.convert(facts, SurfaceFacts).comparison is None
 
 
-def test_a_machine_without_pango_delivers_the_page_and_says_why_there_is_no_pdf(
+def test_without_pango_page_is_delivered_and_pdf_explained(
     navigated: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
@@ -151,7 +151,7 @@ def test_a_machine_without_pango_delivers_the_page_and_says_why_there_is_no_pdf(
     assert sorted(p.name for p in (deliver / "report").iterdir()) == ["index.html"]
 
 
-def test_a_deliverable_that_fails_is_warned_of_and_told_by_the_run(
+def test_failed_deliverable_is_warned_of_and_reported_by_run(
     navigated: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(_: object) -> bytes:

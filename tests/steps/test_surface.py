@@ -27,7 +27,7 @@ from hullrecon.geometry.charts.chart import chart_for_hull, chart_from_arrays
 __all__ = ["earlier"]
 
 
-def test_the_surface_lies_where_the_returns_were_and_knows_its_deviation(
+def test_surface_lies_at_returns_with_its_deviation(
     earlier: EarlierSteps,
 ) -> None:
     surface, facts = read_surface(earlier.run())
@@ -54,7 +54,7 @@ def test_without_an_adjustment_the_first_guess_places_the_dive(earlier: EarlierS
     assert "hull.pose" in str(facts["poses"])
 
 
-def test_without_an_adjustment_the_chart_has_the_bow_and_the_stations_of_dive_toml(
+def test_chart_without_adjustment_has_bow_and_stations(
     earlier: EarlierSteps,
 ) -> None:
     earlier.sections["hull"] = schema.Hull(
@@ -67,7 +67,7 @@ def test_without_an_adjustment_the_chart_has_the_bow_and_the_stations_of_dive_to
     assert girth == pytest.approx(-plain.to_chart(at)[0, 1], abs=0.01)
 
 
-def test_without_a_cad_model_the_surface_is_in_g_and_has_no_deviation(
+def test_surface_without_cad_model_is_in_g_without_deviation(
     earlier: EarlierSteps,
 ) -> None:
     earlier.without_cad_model()
@@ -121,7 +121,7 @@ def test_two_runs_give_the_same_bytes(earlier: EarlierSteps, tmp_path: Path) -> 
     assert (first / "surface.npz").read_bytes() == (second / "surface.npz").read_bytes()
 
 
-def test_with_a_cad_model_the_record_says_that_the_comparison_is_partly_circular(
+def test_comparison_with_cad_model_is_recorded_as_circular(
     earlier: EarlierSteps,
 ) -> None:
     _, facts = read_surface(earlier.run())

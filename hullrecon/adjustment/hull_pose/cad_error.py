@@ -25,7 +25,7 @@ OUTLIER_SIGMAS = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class CadError:
-    """How wrong the CAD model may be."""
+    """The stated error of the CAD model."""
 
     sigma: float  # m, of the smooth error
     length: tuple[float, float]  # m, its correlation length along and over the girth
@@ -34,7 +34,7 @@ class CadError:
 
 
 def expected_cad_error(cad_model: CadModel) -> CadError:
-    """Return the error that the package states of its CAD model."""
+    """State the expected error of the CAD model by the package's sigma and lengths."""
     sigma = cad_model.deviation_sigma
     return CadError(
         sigma=sigma,
@@ -73,9 +73,10 @@ def chart_coordinates(cad_model: CadModel, at: Array) -> Array:
 
 
 def facet_variance(cad_model: CadModel, at: Array, sigmas: float) -> float:
-    """Compute the variance that the facets give each of points (n, 3) in M.
+    """Compute the variance (m2) of a point's distance to the CAD model due to its facets.
 
-    It is that of so many sigmas of one facet, shared out among the points on it.
+    It is (sigmas * facet sigma)^2 times the mean number of points per facet, so that points on one
+    facet share its information. at (n, 3): points in M.
     """
     facets = tessellation_error(cad_model.mesh, at)
     cells = len(
@@ -96,10 +97,10 @@ def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: f
 
 
 def find_outliers(factor: CholeskyFactor, distance: Array) -> Mask:
-    """Find points (n,) that the others do not predict.
+    """Find points (n,) that contradict the prediction from the other points.
 
-    Their leave-one-out residual is beyond four of its sigmas. The worst is found first and the rest
-    without it, lest a point on a structure take its neighbours along.
+    Their leave-one-out residual is beyond OUTLIER_SIGMAS. The worst is removed first and the rest
+    judged without it, so that a point on a structure does not take its neighbours along.
 
     factor: Cholesky factor of the distances' covariance.
     """

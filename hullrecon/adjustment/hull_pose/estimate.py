@@ -25,13 +25,13 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32
 
 MAX_PASSES = 3
-CELL_M = 0.15  # side of the surface cell that one point stands for, at least
+CELL_M = 0.15  # least side of the surface cell that one point represents
 MAX_POINTS = 800
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoosePoints:
-    """Points on a path in segments, which are loose relative to each other."""
+    """Points on a path in segments whose relative poses are poorly known."""
 
     segment: Ints  # (n,) of each point
     # (s, 6, 6) covariance of a segment relative to the registered one, (translation, rotation) in g
@@ -48,7 +48,7 @@ class HullPoints:
 
 @dataclass(frozen=True, kw_only=True)
 class HullPoseEvidence:
-    """What the hull's pose is estimated from."""
+    """The points and priors from which the hull's pose is estimated."""
 
     points: Array  # (n, 3) m in g, on the hull
     cad_model: CadModel
@@ -155,7 +155,7 @@ def thin_over_surface(
 def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints) -> Array:
     """Average the points of each cell (c, 3) without its lowest and highest quarter of distances.
 
-    The median point would be another one by the last digit of the path, with a noise of its own.
+    The median point would change with the last digit of the path, with a noise of its own.
     """
     order = np.lexsort((distance, owner))
     rank = np.arange(len(order)) - np.repeat(np.cumsum(count) - count, count)
@@ -170,7 +170,7 @@ def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints)
 def fit_hull_pose(
     points: Array, pose: Poses, cad_model: CadModel, center: Array, loose: LoosePoints | None = None
 ) -> tuple[HullPoseEvidence, Poses]:
-    """Fit the hull's pose to points (n, 3) in g, and leave out those that the others contradict.
+    """Fit the hull's pose to points (n, 3) in g, and reject points that the others contradict.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def fit_hull_pose(
     center
         Of the survey (3,) in M.
     loose
-        Segments of the path that the points are of.
+        Segments of the path to which the points belong.
 
     Returns
     -------

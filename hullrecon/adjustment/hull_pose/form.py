@@ -4,7 +4,7 @@
 
 Any CAD model can be registered to a patch so that most points lie within centimetres of it, and the
 deviation field takes up what is left. What is left must then be no larger than the CAD model's
-error may be, pattern by pattern; and only a patch that a plane explains far worse can tell one ship
+error may be, pattern by pattern. Only a patch that a plane explains far worse can tell one ship
 from another.
 """
 
@@ -21,39 +21,39 @@ from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, Mask
 
-MISTAKEN = 2.0  # times the CAD model may be worse than its package says (docs/adr/0010)
+MISTAKEN = 2.0  # factor by which the stated error may be exceeded (docs/adr/0010)
 CHANCE = 1e-3  # that a CAD model as good as its package says is refused
-# Chance that its sigmas are widened, which costs less than the place of another ship
+# Chance that its sigmas are widened needlessly, which costs less than placing another ship
 WIDENING = 1e-2
 OUTSIDE_SIGMAS = 3.0  # farther out stand structures and growth; nothing stands in the steel
 MIN_POINTS = 30
-PASSES = 4  # of leaving out what stands outside what was fitted without it
+PASSES = 4  # of refitting without the points outside
 SCALE_PRIOR = 0.5  # one sigma of a CAD model's scale along an axis before anything is measured
 
 
 @dataclass(frozen=True, kw_only=True)
 class Form:
-    """How well points on the hull fit the CAD model's form, when its pose has been fitted."""
+    """Comparison of points on the hull with the CAD model's form, after a fit of its pose."""
 
     patterns: int  # of the CAD model's error that the points resolve
     deviation: float = 0.0  # mean square along them, in the variance that the package allows
-    plane: float = 0.0  # the same of the distances to a plane
+    plane: float = 0.0  # the same for distances to a plane
     scale_chi2: float = 0.0  # explained by scaling the CAD model along its three axes
-    scale_sigma: tuple[float, ...] = ()  # (3,) how well the points tell these scales
+    scale_sigma: tuple[float, ...] = ()  # (3,) sigma of these scales
 
     @property
     def contradicts(self) -> bool:
-        """Whether the hull leaves it by more than chance and the stated error explain."""
+        """Whether the hull deviates from it by more than chance and the stated error explain."""
         return self._beyond(1.0, WIDENING)
 
     @property
     def is_worse_than_stated(self) -> bool:
-        """Whether the hull leaves it beyond the chance at which a CAD model is refused."""
+        """Whether the hull deviates from it beyond the chance at which a CAD model is refused."""
         return self._beyond(1.0, CHANCE)
 
     @property
     def is_of_another_hull(self) -> bool:
-        """Whether the hull leaves it by more than a package may be mistaken.
+        """Whether the hull deviates by more than a package may be mistaken.
 
         Or beyond chance, and a plane fits no worse.
         """
@@ -78,7 +78,7 @@ class Form:
         return self.log_odds > -float(np.log(CHANCE))
 
     def _beyond(self, times: float, chance: float) -> bool:
-        """Test the deviation at that chance against so many times the stated error."""
+        """Test the deviation at a level of chance against a multiple of the stated error."""
         return self.patterns > 0 and self.deviation * self.patterns > times**2 * float(
             chdtri(self.patterns, chance)
         )
@@ -143,7 +143,7 @@ def _beyond_noise(by_sigma: Array, noise: float) -> Array:
 
 
 def _within_structures(distance: Array, fitted: Array, most: float) -> Mask:
-    """Tell which distances (n,) are at most so large outward, after a fit (n, k) to these."""
+    """Select distances (n,) that exceed a fit (n, k) to the selected ones by at most `most`."""
     used = np.ones(len(distance), bool)
     for _ in range(PASSES):
         left = distance - fitted @ np.linalg.lstsq(fitted[used], distance[used])[0]
@@ -161,7 +161,7 @@ def _resolved_patterns(field: Array, fitted: Array, noise: float) -> tuple[Array
     field
         Covariance (n, n) of the field.
     fitted
-        What was fitted (n, k); patterns are orthogonal to it.
+        What was fitted (n, k). Patterns are orthogonal to it.
     noise
         Variance of the noise.
 

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The weak direction profiled: how well the position along the hull is known (docs/methods.md 9).
 
-The Hessian at the optimum sees the CAD model's curvature at one pose; the valley is flat and not
-parabolic. Here the hull is held at steps along its weak direction while the other five freedoms and
-the CAD model's error (as correlated noise) are fitted. The posterior over the steps gives mean and
-sigma.
+The Hessian at the optimum sees the CAD model's curvature at one pose, but the valley is flat and
+not parabolic. Here the hull is held at steps along its weak direction while the remaining five
+degrees of freedom and the CAD model's error (as correlated noise) are fitted. The posterior over
+the steps gives mean and sigma.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Pose
 
 
 def minimise_cost(v: Valley, start: Poses) -> tuple[Poses, float]:
-    """Find the pose at the optimum of all six freedoms, and half the sum of squares there."""
+    """Find the pose at the optimum over all six degrees of freedom, and half the sum of squares."""
     return _fit(v, start, held=False)
 
 
@@ -122,7 +122,7 @@ def _shift(v: Valley, global_from_hull: Poses, step: float) -> Poses:
 def _fit(v: Valley, start: Poses, held: bool = True) -> tuple[Poses, float]:
     """Find the pose of least cost, and half the sum of squares there.
 
-    held: without a shift along the direction.
+    held: the shift along the direction is held.
     """
 
     def across(pose: Poses) -> Array:

@@ -38,7 +38,7 @@ class Registration:
     """Where the CAD model fits surveyed points."""
 
     cad_model: CadModel  # with the guess's sigmas widened `sigmas_off` times
-    sigmas_off: float  # how far beyond its sigmas the guess is off; 1 where it is within
+    sigmas_off: float  # error of the guess in its sigmas, at least 1
     global_from_hull: Poses  # a batch of one
     covariance: Array  # (6, 6) of (translation in g, rotation in M) about `center`
     center: Array  # (3,) m in M, of the survey
@@ -149,7 +149,7 @@ def thin_points(points: Array, voxel: float, most: int) -> Array:
 
 
 def frame_at(center: Array) -> Poses:
-    """Return the pose in M of the hull frame moved to a point (3,) of M."""
+    """Place the hull frame, moved to a point (3,) of M, as a pose in M."""
     return Poses(np.array([[0.0, 0, 0, 1]]), center[None])
 
 
@@ -181,7 +181,7 @@ def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
 def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
     """Sample points by area on the faces within three metres of the guessed survey.
 
-    Some 20,000; none where no face is so near.
+    Some 20,000. Empty where no face is so near.
     """
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(1)
@@ -253,7 +253,7 @@ def trimmed_cost(
 ) -> float:
     """Compute the mean square of the best 80 % of distances, plus the prior's.
 
-    distance (n,) in m; it counts in the CAD model's sigma.
+    distance (n,) m is whitened with the CAD model's sigma.
     """
     trimmed = np.sort(distance)[: max(1, int(0.8 * len(distance)))]
     prior = prior_step(global_from_hull, cad_model, center) / cad_model.guess_sigma

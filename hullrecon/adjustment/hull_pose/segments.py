@@ -4,7 +4,7 @@
 
 Where the DVL was silent and no image joins what lies before with what lies after, the two are known
 to metres relative to each other, and no pose of the CAD model fits both. The longest segment is
-registered to the CAD model; the others are moved onto it, as far as the path leaves them free. Then
+registered to the CAD model. The others are moved onto it, as far as the path leaves them free. Then
 all is moved so that the first one lies where it did: frame g is where the dive began.
 """
 
@@ -56,11 +56,11 @@ class Segments:
         return float(np.sqrt(np.linalg.eigvalsh(self.step[:, :3, :3])[:, -1].max()))
 
     def towards_reference(self, segment: int) -> int:
-        """Return the neighbour of a segment that is nearer to the reference."""
+        """Find the neighbour of a segment that is nearer to the reference."""
         return segment + int(np.sign(self.reference - segment))
 
     def from_reference(self, segment: int) -> Array:
-        """Return the covariance (6, 6) of a segment relative to the reference, in g."""
+        """Sum the covariance (6, 6) of the steps between a segment and the reference, in g."""
         low, high = sorted((segment, self.reference))
         return np.asarray(self.step[low : high + 1].sum(axis=0))
 
@@ -129,7 +129,7 @@ def _end_towards(segments: Segments, segment: int, other: int) -> int:
 def _relative_covariance(
     problem: native.Problem, settings: native.Options, first: Ints, second: Ints
 ) -> Array:
-    """Compute the covariance (m, 6, 6) of the second node's pose less the first one's.
+    """Compute the covariance (m, 6, 6) of the second node's pose minus the first node's.
 
     Of (translation, rotation) in g.
     """
@@ -164,7 +164,7 @@ def register_segments(
     """Register the CAD model to the reference segment, and move the others onto it.
 
     What lies between two segments is moved with both. A segment that does not fit is moved with its
-    neighbour; where the reference does not fit, none is moved.
+    neighbour. Where the reference does not fit, none is moved.
 
     Parameters
     ----------
@@ -229,7 +229,7 @@ def _motion_onto(points: Array, beams: Array, cad_model: CadModel, sigma_range: 
     center = cad_model.guess.inverse().apply(kept).mean(axis=0)
     few = np.linspace(0, len(points) - 1, min(SEARCH_POINTS, len(points))).astype(int)
     found = _search(points[few], beams[few], cad_model, center)
-    for _ in range(2):  # what counts as an outlier is told by distances at the start
+    for _ in range(2):  # outliers are judged by distances at the start
         fitted = registration.fit_correlated(kept, found, cad_model, center, sigma_range)
         found = fitted.global_from_hull
     on_outside = ~_from_within(points[few], beams[few], found, cad_model.mesh)
@@ -268,13 +268,13 @@ def _grid(sigma_m: float) -> Array:
 
 
 def _from_within(points: Array, beams: Array, global_from_hull: Poses, mesh: Mesh) -> Mask:
-    """Tell which points (n, 3) in g lie on a face whose inside their beams (n, 3) met."""
+    """Select points (n, 3) in g on faces that their beams (n, 3) met from inside."""
     outward = mesh.index.closest(global_from_hull.inverse().apply(points)).gradient
     return np.asarray(np.sum(global_from_hull.rotation.apply(outward) * beams, axis=1) > 0)
 
 
 def _move(nodes: Poses, of_node: Ints, moved: list[Poses]) -> Poses:
-    """Move nodes (n,) by the motion of their segment; between segments, interpolate the motion."""
+    """Move nodes (n,) by the motion of their segment. Between segments, interpolate the motion."""
     known = np.flatnonzero(of_node >= 0)
     at = np.clip(np.arange(len(of_node)), known[0], known[-1])
     after = np.searchsorted(known, at)

@@ -63,7 +63,7 @@ def assemble(
     m, state, weights, chosen
         What was measured, the present unknowns, sigmas, and which measurements enter.
     systematic_errors
-        Errors of navigation and the DVL's mount are unknowns; else they are held.
+        Errors of navigation and the DVL's mount are unknowns. Else they are held.
     hold_hull_pose
         Hold the hull's pose too.
     """
@@ -116,7 +116,7 @@ def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
 
 
 def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection) -> State:
-    """Update the state from a solve; landmarks that did not enter stay NaN."""
+    """Update the state from a solve. Landmarks that did not enter become NaN."""
     pose, mounts = unknowns.pose, state.mounts
     landmark = np.full_like(state.landmark, np.nan)
     landmark[chosen.landmarks] = unknowns.landmark
@@ -256,7 +256,7 @@ def _image_tables(
 
 
 def _centred_pose(hull: HullState) -> Poses:
-    """Return the pose in g of the problem's hull frame: M moved to the survey's centre."""
+    """Compute the pose in g of the problem's hull frame: M moved to the survey's centre."""
     return hull.global_from_hull @ frame_at(hull.survey_center)
 
 

@@ -4,7 +4,7 @@
 
 The field stands on a regular grid of the hull chart, bilinear between nodes. Its prior is the
 Gauss-Markov field that solves (1 - Laplace) b = noise in coordinates scaled by the correlation
-lengths: a Matern field of smoothness 1. Matern 3/2 has no sparse precision in two dimensions; the
+lengths: a Matern field of smoothness 1. Matern 3/2 has no sparse precision in two dimensions. The
 lengths are matched so that both fall to 14 % at the same distance, and the sparse form costs the
 same per metre on a patch and on a 180 m hull.
 """

@@ -118,7 +118,7 @@ def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
 
 
 def camera_fields(camera: CameraModel) -> dict[str, float]:
-    """Return the camera's parameters by name, as written to cameras.json."""
+    """Collect the camera's parameters by name, as written to cameras.json."""
     return {name: getattr(camera, name) for name in camera.__dataclass_fields__}
 
 

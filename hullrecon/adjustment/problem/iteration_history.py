@@ -3,7 +3,7 @@
 """The solver's record over all rounds: columns of iterations.npz, lines of the log.
 
 As in [Ozog2016 4.4.1]. Costs of two rounds do not compare: each round has the sigmas and the
-landmarks that the one before left it. So every row carries its round, and what the round's cost is
+landmarks that the previous round left. So every row carries its round, and what the round's cost is
 whitened with.
 """
 
@@ -35,11 +35,11 @@ class Round:
     landmarks: int  # that entered
     converged: bool
     message: str
-    began_s: float  # when it began, seconds since the adjustment did
+    began_s: float  # begin, seconds since the adjustment began
 
 
 def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
-    """Build the columns of iterations.npz, a row an iteration, rounds one after the other.
+    """Build the columns of iterations.npz, one row per iteration, in the order of the rounds.
 
     Names and meaning are in docs/formats.md.
     """
@@ -86,7 +86,7 @@ def summarise_rounds(rounds: Sequence[Round]) -> list[dict[str, Any]]:
 
 
 def _sigmas(done: Round) -> dict[str, float]:
-    """Return the sigmas that whiten the round's cost."""
+    """Collect the sigmas that whiten the round's cost."""
     w = done.weights
     return {
         "pixel_sigma_px": w.pixel,

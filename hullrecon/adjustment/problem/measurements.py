@@ -25,13 +25,13 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class CadModel:
-    """The ship's CAD model with what the package says of it."""
+    """The ship's CAD model with the package's prior of its pose and its error."""
 
     mesh: Mesh  # in M
     chart: Chart  # of the hull, in M
     guess: Poses  # global_from_hull, a batch of one
     guess_sigma: Array  # (6,) in M's axes, m and rad
-    deviation_sigma: float  # m, of the hull off the CAD model
+    deviation_sigma: float  # m, of the hull's deviation from the CAD model
     deviation_length: tuple[float, float]  # m, correlation length of that along and in girth
     # sigmas were widened: the hull lies farther from the guess, or leaves the model by more
     contradicted: bool = False

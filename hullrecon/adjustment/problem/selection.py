@@ -29,7 +29,7 @@ def landmark_count(m: Measurements) -> int:
 
 
 def triangulate_landmarks(m: Measurements, state: State) -> Array:
-    """Triangulate landmarks (L, 3) in g from the present poses; NaN where it cannot be done."""
+    """Triangulate landmarks (L, 3) in g from the present poses. NaN where it cannot be done."""
     if m.tracks is None or state.mounts.tray_from_top is None:
         return np.zeros((0, 3))
     top, bottom = camera_poses(m.rig, state)
@@ -50,7 +50,7 @@ def select_measurements(m: Measurements, state: State, max_px: Array | float) ->
     Returns
     -------
     Selection
-        Landmarks keep at least two rays and lie near the hull; flagged returns are left out.
+        Landmarks keep at least two rays and lie near the hull. Flagged returns are left out.
     """
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
     if m.tracks is None or state.mounts.tray_from_top is None:
@@ -123,7 +123,7 @@ def drop_isolated_landmarks(
 def label_boundary(sigma_on: float, sigma_off: float) -> float:
     """Compute the distance off the hull (m) at which both labels are equally likely.
 
-    [Ozog2016 4.2.3]; sigma_off must be larger than sigma_on.
+    See [Ozog2016 4.2.3]. sigma_off must be larger than sigma_on.
     """
     return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
 

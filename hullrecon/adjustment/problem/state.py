@@ -81,7 +81,7 @@ class Weights:
 
     pixel: float  # px
     pixel_ratio: Array  # (m,) sigma of each observation of the tracks in `pixel`
-    depth: float  # sigma of depths in the sigma that navigation gave them
+    depth: float  # ratio of the sigma of depths to navigation's
     tray: float  # rad
     range_sigma: float  # m
     surface: Array  # (L,) weight of each landmark's surface factor

@@ -18,7 +18,7 @@ OBSERVATIONS = 1_000_000  # whose rays are computed at a time
 
 
 def camera_poses(rig: Rig, state: State) -> tuple[Poses, Poses | None]:
-    """Compute both cameras' poses (n,) in g at the nodes; None for a bottom camera not carried."""
+    """Compute both cameras' poses (n,) in g at the nodes. None without a bottom camera."""
     mounted = state.mounted(rig)
     top = mounted.poses_along(state.path, Camera.TOP)
     if state.mounts.top_from_bottom is None:
@@ -34,7 +34,7 @@ def triangulate(
     Returns
     -------
     position, spread
-        (L, 3) m in g, NaN with fewer than two rays or no parallax; and the widest angle of the
+        (L, 3) m in g, NaN with fewer than two rays or no parallax, and the widest angle of the
         rays, (L,) rad.
     """
     normal, right, mean_ray, count = (

@@ -26,7 +26,7 @@ CELL_SHARE = 0.1  # side of a cell whose landmarks share a weight, in the field'
 
 
 def initial_weights(m: Measurements, strategy: Strategy) -> Weights:
-    """Return the sigmas that the package states."""
+    """Start from the sigmas that the package states."""
     return Weights(
         pixel=m.rig.priors.pixel_sigma_px,
         pixel_ratio=np.ones(0 if m.tracks is None else len(m.tracks.node)),
@@ -84,8 +84,8 @@ def estimate_pixel_sigmas(
     """Estimate the pixel sigma and each observation's ratio to it from residuals.
 
     A feature is found the better the stronger the detector's response to it is: noise moves the
-    extremum of a flat bump farther (docs/methods.md 6). So residuals are grouped by response;
-    corners, which have none, are one group. Residuals are those of well-seen landmarks, freed of
+    extremum of a flat bump farther (docs/methods.md 6). So residuals are grouped by response.
+    Corners, which have none, are one group. Residuals are those of well-seen landmarks, freed of
     the three coordinates that each landmark takes from them.
 
     Returns
@@ -154,7 +154,7 @@ def _sigma_of_lengths(length: Array, freedom: Array) -> float:
 
 
 def depth_sigma(m: Measurements, weights: Weights) -> float:
-    """Compute the median sigma of a depth with these weights, m; NaN without depths."""
+    """Compute the median sigma of a depth with these weights, m. NaN without depths."""
     return (
         weights.depth * float(np.median(m.attitude.sigma[_measured_depths(m), 0]))
         if len(m.attitude.sigma)
@@ -180,7 +180,7 @@ def _depth_weight(m: Measurements, state: State) -> float:
 
 
 def _measured_depths(m: Measurements) -> Ints:
-    """List rows at which the pressure sensor was read; all where it never was."""
+    """List rows at which the pressure sensor was read, or all rows where it never was."""
     rows = np.flatnonzero(m.attitude.has_depth)
     return rows if len(rows) else np.arange(len(m.attitude.sigma))
 
@@ -190,7 +190,7 @@ def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0
 
     Backlash is a bias of the angle that flips with the direction of motion [Ozog2016 4.2.6]:
     measured - adjusted = backlash * side. After a solve with a loose tray the sides show as two
-    levels of that; a two-state Viterbi path over time finds them better than the noisy logged
+    levels of that. A two-state Viterbi path over time finds them better than the noisy logged
     motion does.
 
     Parameters
@@ -225,7 +225,7 @@ def _two_levels(values: Array) -> tuple[float, float]:
 
 
 def _viterbi(cost: Array, flip_cost: float) -> Ints:
-    """Find the path of two states (n, 2) of least cost; a change of state costs `flip_cost`."""
+    """Find the path of two states (n, 2) of least cost, `flip_cost` for each change of state."""
     n = len(cost)
     best, back = cost[0].copy(), np.zeros((n, 2), np.int64)
     for i in range(1, n):

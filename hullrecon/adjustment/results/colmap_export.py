@@ -45,7 +45,7 @@ def write_model(model: SparseModel, folder: Path) -> None:
 
 
 def build(model: SparseModel) -> Any:
-    """Return a pycolmap.Reconstruction."""
+    """Build a pycolmap.Reconstruction."""
     import pycolmap
 
     reconstruction = pycolmap.Reconstruction()

@@ -56,7 +56,10 @@ class LegTies:
         return rows
 
     def describe_untied(self, t_ns: Ints) -> str | None:
-        """Name the legs that images tie to no other; None where there are none, or one leg."""
+        """Name the legs that images tie to no other leg.
+
+        None without such legs, or with one leg.
+        """
         legs = self.untied
         if len(self.shared) < 2 or not len(legs):
             return None

@@ -51,7 +51,7 @@ def marginal_covariances(m: Measurements, adjusted: Adjusted) -> native.Covarian
 def _evidence_afterwards(
     m: Measurements, adjusted: Adjusted, hull: HullState
 ) -> estimate.HullPoseEvidence:
-    """Collect what a single solve, which held no hull pose, says of it."""
+    """Collect the evidence of the hull's pose from a single solve, which did not hold it."""
     points = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
     return estimate.fit_hull_pose(
         points.xyz, hull.global_from_hull, hull.cad_model, hull.survey_center, points.loose
@@ -127,7 +127,7 @@ def _covariances(
 def _lever_arm(m: Measurements, state: State) -> Array:
     """Compute what the held position of the DVL adds to the poses' covariance (n, 6, 6).
 
-    Images and ranges see camera and DVL; a shift of both on the tray moves the vehicle alone, and
+    Images and ranges see camera and DVL. A shift of both on the tray moves the vehicle alone, and
     nothing measures it.
     """
     tray = state.nodes @ poses.tray_poses(m.rig.tray_origin, state.tray)
@@ -141,9 +141,9 @@ def _lever_arm(m: Measurements, state: State) -> Array:
 
 
 def _labels(adjusted: Adjusted, count: int) -> tuple[Ints, Array]:
-    """Return label and signed distance to the CAD model of each landmark.
+    """Look up label and signed distance to the CAD model of each landmark.
 
-    Without one, label 0 and NaN.
+    Label 0 and NaN without a CAD model.
     """
     if adjusted.state.hull is None or not count:
         return np.zeros(count, np.int64), np.full(count, np.nan)

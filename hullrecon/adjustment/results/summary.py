@@ -108,7 +108,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
 
 
 def _covariance_in_hull(marginals: native.Covariance, hull: HullState) -> tuple[Array, Array]:
-    """Return the covariance (6, 6) of the hull's pose in M's axes, and the ship's axes (3, 3)."""
+    """Compute the covariance (6, 6) of the hull's pose in M's axes, with the ship's axes (3, 3)."""
     return hull_axes(marginals.T_g_M, hull.global_from_hull), hull.cad_model.chart.ship_axes
 
 
@@ -136,7 +136,7 @@ def _unexpected_errors(
     """Warn of each sensor's error and each mount beyond what dive.toml allows."""
     allowed, state = m.rig.priors.navigation_sigma, adjusted.state
     by_lengths = adjusted.verdict.stereo is not None and not adjusted.verdict.stereo.by_images
-    # then another sentence speaks of the DVL's scale
+    # another warning then mentions the DVL's scale
     if by_lengths or adjusted.verdict.length_conflict is not None:
         allowed = np.r_[np.inf, allowed[1:]]
     lengths = (
@@ -166,7 +166,7 @@ def _unexpected_errors(
 
 
 def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:
-    """Count the landmarks that legs share; None without images."""
+    """Count the landmarks that legs share. None without images."""
     if m.tracks is None:
         return None
     chosen = adjusted.chosen
@@ -200,7 +200,7 @@ def _figures(m: Measurements, adjusted: Adjusted) -> dict[str, object]:
 
 
 def _navigation_sigma(marginals: native.Covariance) -> dict[str, float]:
-    """Return the sigma of each error of navigation that was not held."""
+    """Collect the sigma of each navigation error that was not held."""
     sigma = np.sqrt(np.maximum(np.diag(marginals.navigation), 0))
     return {name: float(value) for name, value in zip(NAVIGATION, sigma, strict=True) if value > 0}
 
@@ -217,7 +217,7 @@ def _registration(adjusted: Adjusted) -> dict[str, object]:
 
 
 def _mounts(state: State) -> dict[str, list[float]]:
-    """Return motions by name as x y z qx qy qz qw, those that there are."""
+    """Collect the estimated motions by name as x y z qx qy qz qw."""
     hull = None if state.hull is None else state.hull.global_from_hull
     present = {
         "T_s_ct": state.mounts.tray_from_top,
@@ -236,7 +236,7 @@ def _left_out(m: Measurements, adjusted: Adjusted) -> int:
 
 
 def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
-    """Warn of what the dive shows of the CAD model against what the package says of it."""
+    """Warn where the dive contradicts the package's prior of the CAD model."""
     if not adjusted.verdict.accepted:
         sources = "images and navigation" if len(solution.landmarks) else "navigation"
         return [

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A sparse COLMAP model with pinhole cameras, for images without distortion.
 
-Multi-view stereo and Gaussian splatting take it.
+Multi-view stereo and Gaussian splatting read it.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class ImageNames:
 
 @dataclass(frozen=True, kw_only=True)
 class UndistortedModel:
-    """A pinhole model with what is needed to undistort its images."""
+    """A pinhole model with the maps that undistort its images."""
 
     reconstruction: Reconstruction
     undistortions: dict[int, Undistortion]  # by camera id
@@ -56,8 +56,9 @@ class _Seen:
 def undistort_model(folder: Path) -> UndistortedModel:
     """Undistort the COLMAP model of a folder.
 
-    Poses and points stay. Observations outside the smaller images go, and with them points that
-    fewer than two others saw. Raises InputError where a camera's distortion cannot be undone.
+    Poses and points are kept. Observations outside the smaller images are dropped, and with them
+    points left with fewer than two. Raises InputError where a camera's distortion cannot be
+    inverted.
     """
     import pycolmap
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Warnings of errors of sensors and mounts that came out far larger than dive.toml allows."""
+"""Warn of errors of sensors and mounts that are far larger than dive.toml allows."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
     """Warn of each error of navigation beyond what dive.toml allows.
 
     Scale and drift are estimated as what corrects the sensor (a share of the true velocity), so its
-    error has the other sign.
+    error has the opposite sign.
 
     Parameters
     ----------
@@ -73,9 +73,9 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
 
 
 def length_warning(conflict: float, covariance: Array) -> str:
-    """Warn of a DVL whose velocities contradict all else, one camera's images among it.
+    """Warn of a DVL whose velocities contradict all else, images of one camera included.
 
-    conflict: share of lengths; covariance (6, 6): of navigation.
+    conflict: share of lengths. covariance (6, 6): of navigation.
     """
     sigma = np.sqrt(covariance[SCALE, SCALE])
     return (
@@ -87,7 +87,7 @@ def length_warning(conflict: float, covariance: Array) -> str:
 
 
 class MountFit(NamedTuple):
-    """A mount as dive.toml has it and as it was found."""
+    """A mount as in dive.toml and as estimated."""
 
     nominal: Poses | None
     sqrt_information: Array | None  # (6, 6) of its prior; None: held
@@ -96,10 +96,10 @@ class MountFit(NamedTuple):
 
 
 def mount_warnings(mounts: Mapping[str, MountFit]) -> list[str]:
-    """Warn of each mount that came out far from its place, and of mounts turned alike.
+    """Warn of each mount estimated far from its nominal pose, and of mounts turned alike.
 
-    A shift along an instrument's own z is not spoken of: a focal length, or a range, that is off
-    looks the same. mounts: by key of dive.toml.
+    A shift along an instrument's own z is not mentioned: a wrong focal length or range looks the
+    same. mounts: by key of dive.toml.
     """
     found = [
         _Displacement.of(key, fit.nominal, fit.sqrt_information, fit.found, fit.covariance)
@@ -112,7 +112,7 @@ def mount_warnings(mounts: Mapping[str, MountFit]) -> list[str]:
 
 @dataclass(frozen=True, kw_only=True)
 class _Displacement:
-    """How far a mount was found from where dive.toml has it."""
+    """The displacement of a mount from its pose in dive.toml."""
 
     key: str
     by: Array  # (6,) translation m and rotation rad in the child's axes
@@ -132,9 +132,9 @@ class _Displacement:
         )
 
     def times_allowed(self) -> Array:
-        """Compute how many times what is allowed (6,).
+        """Divide the displacement (6,) by what dive.toml allows.
 
-        Zero where the dive does not know it, and along the instrument's z.
+        Zero where the dive does not determine it, and along the instrument's z.
         """
         over = np.where(
             np.abs(self.by) > MANY_OF_ITS_OWN * self.sigma, np.abs(self.by) / self.allowed, 0.0
@@ -175,7 +175,7 @@ class _Displacement:
 def _turned_alike(found: list[_Displacement]) -> list[str]:
     """Warn where all mounts, two or more, are turned alike in their parent's axes.
 
-    An attitude that is off looks so.
+    A wrong attitude looks like that.
     """
     if len(found) < 2 or not any(mount.is_turned() for mount in found):
         return []

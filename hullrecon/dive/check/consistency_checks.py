@@ -111,9 +111,9 @@ def _check_coverage(
 
 
 def seconds_beyond(t_ns: Ints, pressure: PressureSamples | None, span_ns: tuple[int, int]) -> float:
-    """Measure how long a sensor was read under water outside of a span, s.
+    """Measure how many seconds a sensor was read under water outside of a span.
 
-    A logger that runs on deck misses nothing. Without a pressure all of it counts.
+    A logger that runs on deck misses nothing. Without a pressure sensor all of the time counts.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def _check_mounts(config: DiveConfig) -> list[Finding]:
 def _global_from_dvl(
     config: DiveConfig, dvl: DvlPings, imu: ImuSamples, tray: JointSamples | None
 ) -> Rotation:
-    """Return the DVL's attitude at each ping: nearest reading of the IMU, angle of the tray."""
+    """Compute the DVL's attitude at each ping from the nearest IMU reading and the tray's angle."""
     row = nearest(imu.t_ns, dvl.t_ns)
     angle = np.zeros(len(dvl.t_ns))
     if tray is not None and len(tray.t_ns):

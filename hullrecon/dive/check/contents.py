@@ -35,11 +35,11 @@ class Stream(Protocol):
 
     @property
     def t_ns(self) -> Ints:
-        """Return the stamps (n,), ns since 1970."""
+        """Stamps (n,), ns since 1970."""
 
 
 def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -> list[Finding]:
-    """Describe each sensor's readings, rate and gaps, and the values of all of them."""
+    """Describe each sensor's readings, rate and gaps, and the ranges of their values."""
     streams: Iterable[tuple[str, Stream]] = [*records.by_name().items(), *images.items()]
     logged = [(name, record.t_ns) for name, record in streams if len(record.t_ns)]
     start_ns = min((int(t[0]) for _, t in logged), default=0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Describe where the CAD model has its bow, and how much of it each region of dive.toml holds."""
+"""Describe the CAD model's bow, and how much of the CAD model lies in each region of dive.toml."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ AFT_SHARE = 0.25  # of the length: farther from the aft end no aft perpendicular
 
 
 def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:
-    """Tell which end is taken for the bow, and warn where stations count from no aft perpendicular.
+    """Name the end taken as the bow, and warn where stations do not start at the aft perpendicular.
 
     Raises InputError for a bow that the CAD model does not have.
     """

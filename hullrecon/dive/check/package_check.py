@@ -55,7 +55,7 @@ CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]]
 
 @dataclass(frozen=True, kw_only=True)
 class PackageCheck:
-    """What `check` found out about a package."""
+    """The findings of `check` about a package."""
 
     name: str  # of the dive
     vessel: str
@@ -74,7 +74,7 @@ class PackageCheck:
 
     @property
     def findings(self) -> list[Finding]:
-        """Return all findings, in the order in which they are told."""
+        """All findings, in the order in which they are told."""
         found = self.found
         return [
             *(*found.spans, *self.start_offset, *found.hull_notes, *self.bow, *self.regions),
@@ -84,7 +84,7 @@ class PackageCheck:
 
     @property
     def reasons(self) -> list[str]:
-        """Tell all that stands against a run; none where one is possible."""
+        """List all reasons against a run. Empty where a run is possible."""
         return sentences(f for f in self.findings if f.severity == "error")
 
     @property
@@ -93,7 +93,7 @@ class PackageCheck:
 
     @property
     def verdict(self) -> str:
-        """Say in one line whether a run is possible, and what it has to believe or what bars it."""
+        """Say in one line whether a run is possible, with its assumptions or what prevents it."""
         if self.reasons:
             return f"not ready: {'; '.join(self.reasons)}"
         remaining = [f"{len(self.warnings)} above"] if self.warnings else []
@@ -104,7 +104,7 @@ class PackageCheck:
         return f"ready, with warnings ({'; '.join(remaining)})" if remaining else "ready"
 
     def lines(self) -> list[str]:
-        """Tell the report, a sentence a line."""
+        """Write the report, one sentence per line."""
         defaults = ", ".join(
             f"{key} = {_toml(value)}" for key, value in sorted(self.defaults.items())
         )
@@ -123,7 +123,7 @@ class PackageCheck:
         ]
 
     def document(self) -> dict[str, object]:
-        """Return the report as `--json` prints it."""
+        """Build the report that `--json` prints."""
         streams: Mapping[str, Stream] = {**self.found.records.by_name(), **self.found.images}
         return {
             "name": self.name,
@@ -223,7 +223,10 @@ def check_package(
 def _fill_mounts(
     loaded: LoadedConfig, found: IngestResult, problems: Problems
 ) -> tuple[LoadedConfig, Mapping[str, ChosenMount]]:
-    """Fill in the mounts that tf_static gives; return the configuration and these mounts by key."""
+    """Fill in the mounts that tf_static gives.
+
+    Returns the configuration and these mounts by key.
+    """
     declared = {key: loaded.value(key) for key in DEFAULTS}
     if found.records.tray is not None and len(found.records.tray.t_ns):
         with problems.collect():
@@ -236,7 +239,10 @@ def _fill_mounts(
 def _bow(
     hull: Hull | None, mesh: Mesh | None, problems: Problems
 ) -> tuple[list[Finding], list[Finding]]:
-    """Describe the bow; nothing without a CAD model, a problem where the model does not have it."""
+    """Describe the bow, or collect the problem where the model does not have the stated bow.
+
+    Empty without a CAD model.
+    """
     if hull is not None and mesh is not None:
         with problems.collect():
             bow, stations_off = describe_bow(hull, mesh)
@@ -245,7 +251,7 @@ def _bow(
 
 
 def _no_earlier_dive(loaded: LoadedConfig) -> list[Finding]:
-    """Warn where the earlier dive is not there: a run goes without the chapter on change."""
+    """Warn where the earlier dive is missing: a run goes without the chapter on change."""
     earlier = earlier_dive_of(loaded)
     if earlier is None or (loaded.package / earlier).is_dir():
         return []
@@ -273,7 +279,7 @@ def _file_missing(file: str, key: str) -> Finding:
 def _leave_out_missing(
     package: Path, request: IngestRequest
 ) -> tuple[IngestRequest, list[Finding]]:
-    """Take the files that are not there out of a request."""
+    """Remove missing files from a request."""
     named = [("logs.files", name) for name in request.logs]
     named += [
         (f"{Camera(name.removeprefix('camera_')).section}.calibration", f)
@@ -298,7 +304,10 @@ def _leave_out_missing(
 
 
 def _exists(path: Path) -> bool:
-    """Tell whether something lies there; a name that no file can have is left to its reader."""
+    """Tell whether a path exists.
+
+    A name that no file can have counts as existing: its reader refuses it.
+    """
     try:
         return path.exists()
     except OSError:
@@ -316,7 +325,7 @@ def _describe_stream(stream: Stream) -> dict[str, int | float]:
 
 
 def defaults_of(loaded: LoadedConfig, with_positions: bool = False) -> dict[str, object]:
-    """Return the keys of the vehicle's sections that dive.toml leaves to defaults, with the values.
+    """List the keys of the vehicle's sections that dive.toml leaves to defaults, with their values.
 
     with_positions: positions from outside were logged, so that [position] counts.
     """
@@ -337,7 +346,7 @@ def defaults_of(loaded: LoadedConfig, with_positions: bool = False) -> dict[str,
 
 
 def _toml(value: object) -> str:
-    """Format a number, a text or a list of them as dive.toml has it."""
+    """Format a number, a text or a list of them as TOML."""
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(_toml, value))}]"
     return f"{value:g}" if isinstance(value, int | float) else f'"{value}"'

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a run needs of the sensors, what the absence of others means, what is left to fill in.
+"""List what a run needs, what absent sensors mean, and what is left to fill in.
 
-`init`, `check` and `run` tell it.
+`init`, `check` and `run` print it.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ EXPECTED = ("dvl", "imu", "pressure", "joints", "camera_top", "camera_bottom", "
 
 
 def needs(sensors: Set[str], unread_dvls: Sequence[str] = ()) -> list[Finding]:
-    """List what is missing for the vehicle's motion, by a DVL with an IMU or by stereo images.
+    """List what is missing to measure the vehicle's motion by DVL and IMU or by stereo images.
 
-    unread_dvls: topics that are a DVL's, of types that are not read.
+    unread_dvls: topics of DVLs whose types are not read.
     """
     if "dvl" in sensors:
         return [] if "imu" in sensors else [Finding("needs-attitude")]
@@ -49,7 +49,7 @@ def needs(sensors: Set[str], unread_dvls: Sequence[str] = ()) -> list[Finding]:
 def missing(sensors: Set[str], hull: bool | None = None) -> list[Finding]:
     """List the absent sensors with what their absence means for a run.
 
-    hull: whether there is a CAD model; None where that is not known yet.
+    hull: whether there is a CAD model, None where that is not known yet.
     """
     absent = [name for name in EXPECTED if name not in sensors]
     if "camera_top" in absent and "camera_bottom" in absent:
@@ -69,7 +69,7 @@ def to_fill_in(
     ----------
     loaded : the configuration
     sensors : those that were logged
-    logged : keys that the log's tf_static fills in; None where it was not looked for
+    logged : keys that the log's tf_static fills in, None where it was not looked for
     """
     out = []
     for key in MEANING:
@@ -89,7 +89,7 @@ def to_fill_in(
 
 
 def configured_sensors(loaded: LoadedConfig) -> set[str]:
-    """Find the sensors that a run will read, by dive.toml and the names of tables alone."""
+    """List the sensors that a run will read, by dive.toml and the names of tables alone."""
     topics = loaded.config.topics
     named = {name for name in topics.__struct_fields__ if getattr(topics, name)}
     folders = [loaded.package / name for name in loaded.config.logs.files]
@@ -99,7 +99,7 @@ def configured_sensors(loaded: LoadedConfig) -> set[str]:
 
 
 def _is_file(path: Path) -> bool:
-    """Tell whether a file lies there; a name that no file can have is refused by its reader."""
+    """Tell whether a path is a file. A name that no file can have is refused by its reader."""
     try:
         return path.is_file()
     except OSError:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tell of each topic that no sensor was given why a run does not use it."""
+"""Explain for each unused topic why a run does not use it."""
 
 from __future__ import annotations
 
@@ -84,7 +84,10 @@ def unread_dvls(channels: Iterable[Channel]) -> list[str]:
 
 
 def readable_as(channel: Channel) -> list[str]:
-    """List the sensors that a channel could be read as; position alone where its name says so."""
+    """List the sensors that a channel could be read as.
+
+    The list is position alone where the channel's name says so.
+    """
     is_decoded = channel.encoding in ENCODINGS
     sensors = [
         sensor for sensor, types in TYPES.items() if is_decoded and type_name(channel) in types
@@ -99,7 +102,7 @@ def _words(channel: Channel) -> set[str]:
 def _unread_code(channel: Channel) -> str:
     """Classify a topic that is of no use by its type, or by its name where its type is common.
 
-    Returns the code of the finding; "" otherwise.
+    Returns the code of the finding, "" for a topic that may be of use.
     """
     kind, words, sensors = type_name(channel), _words(channel), readable_as(channel)
     if kind in BY_TYPE:

@@ -19,12 +19,15 @@ PINHOLE = ("plumb_bob", "none", "rational_polynomial", "")
 
 
 def read_camera(path: Path) -> CameraModel:
-    """Read a pinhole camera with plumb_bob distortion; InputError, with the key, for any other."""
+    """Read a pinhole camera with plumb_bob distortion.
+
+    Raises InputError, with the key, for any other camera.
+    """
     return camera_of(read_yaml(path), str(path))
 
 
 def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
-    """Build the camera of the keys of such a YAML. where: their place, for errors."""
+    """Build the camera from the keys of such a YAML. where: their place, for errors."""
     width, height = (_whole(data, key, where) for key in ("image_width", "image_height"))
     if not fits((width, height)):
         raise InputError(
@@ -62,7 +65,10 @@ def _distortion(data: Mapping[str, object], where: str) -> list[float]:
 
 
 def _numbers(data: Mapping[str, object], key: str, count: int | None, where: str) -> list[float]:
-    """Read the `data` of a matrix, or a list; InputError unless it is `count` finite numbers."""
+    """Read the `data` of a matrix, or a list.
+
+    Raises InputError unless it is `count` finite numbers.
+    """
     found = data.get(key)
     found = found.get("data") if isinstance(found, Mapping) else found
     try:

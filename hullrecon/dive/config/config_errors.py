@@ -66,7 +66,7 @@ def explain_error(
 
 
 def refuse_not_finite(raw: object, file: str, path: str = "") -> None:
-    """Raise UsageError for nan and inf, which TOML allows and no key of ours does."""
+    """Raise UsageError for nan and inf, which TOML allows and no key of dive.toml does."""
     if isinstance(raw, float) and not math.isfinite(raw):
         raise UsageError(f"{path} = {raw}: expected a finite number", where=file)
     members = (
@@ -104,7 +104,7 @@ def known_keys(kind: type, prefix: str = "") -> Iterator[str]:
 
 
 def _structs_in(kind: object) -> Iterator[type[Struct]]:
-    """Yield the structs of a type: itself, one that may be absent, those of a list."""
+    """Yield the structs in a type: the type itself, an optional one, or those of a list."""
     if isinstance(kind, type) and issubclass(kind, Struct):
         yield kind
     for part in get_args(kind):
@@ -136,7 +136,7 @@ def _unknown(
 
 
 def _same_last_name(key: str, known: Sequence[str]) -> list[str]:
-    """Find a known key of that last name, in another section."""
+    """Find a known key with the same last name in another section."""
     return [name for name in known if name.rpartition(".")[2] == key][:1]
 
 
@@ -154,7 +154,7 @@ def _look_up(raw: object, path: Sequence[str]) -> object:
 
 
 def show_value(value: object) -> str:
-    """Format a foreign value for a message."""
+    """Format an untrusted value for a message."""
     try:
         return "a table" if isinstance(value, Mapping) else shorten(repr(value))
     except ValueError:  # Python prints no whole number of more than some thousand digits
@@ -162,6 +162,6 @@ def show_value(value: object) -> str:
 
 
 def shorten(text: str, longest: int = LONGEST_SHOWN) -> str:
-    """Shorten foreign text for a message, escaping control characters and line breaks."""
+    """Shorten untrusted text for a message, escaping control characters and line breaks."""
     cut = text if len(text) < longest else text[: longest - 3] + "..."
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in cut)

@@ -46,7 +46,7 @@ class LoadedConfig:
     given: frozenset[str]  # the dotted keys that the file or an override set; others are defaults
 
     def value(self, dotted: str) -> object:
-        """Return the section or key of a dotted name, "camera.top"; None in an absent section."""
+        """Look up a section or key by its dotted name, "camera.top". None in an absent section."""
         if dotted in self.sections:
             return self.sections[dotted]
         parent, _, key = dotted.rpartition(".")
@@ -119,7 +119,7 @@ def _read(package: Path) -> Table:
 
 
 def _apply(raw: Table, text: str) -> None:
-    """Put one `a.b=value` into the raw tables; the value is TOML, a bare word is a string."""
+    """Put one `a.b=value` into the raw tables. The value is TOML, else a string."""
     key, equals, value = text.partition("=")
     parts = [part.strip() for part in key.split(".")]
     if not equals or not all(parts):
@@ -153,7 +153,7 @@ def _leaves(raw: Mapping[str, object], prefix: str = "") -> Iterator[str]:
 
 
 def _check_whole(config: DiveConfig) -> None:
-    """Check what no single field can say."""
+    """Check what involves several fields."""
     if config.camera.bottom is not None and config.camera.top is None:
         raise UsageError(
             "[camera.bottom] without [camera.top]",
@@ -179,7 +179,7 @@ def _check_whole(config: DiveConfig) -> None:
 
 
 def _check_topics(topics: Topics) -> None:
-    """Check that each topic is one sensor's; a pose may be velocity, attitude and depth."""
+    """Check that no two sensors share a topic. A pose may be velocity, attitude and depth."""
     sensors_of: dict[str, list[str]] = {}
     for sensor in topics.__struct_fields__:
         topic = getattr(topics, sensor)
@@ -193,7 +193,7 @@ def _check_topics(topics: Topics) -> None:
 
 
 def _check_regions(regions: Sequence[HullRegion]) -> None:
-    """Check that each region has a name of its own, and limits that hold something."""
+    """Check that each region has a unique name, and limits that are not empty."""
     names = [region.name for region in regions]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
@@ -220,7 +220,7 @@ def _check_regions(regions: Sequence[HullRegion]) -> None:
 
 
 def _check_tilt(dvl: Dvl) -> None:
-    """Check that the beams' angle comes with their azimuths, and both without unit vectors."""
+    """Check that the beams' angle comes with their azimuths, and without unit vectors."""
     given = [
         name for name in ("beam_angle_deg", "beam_azimuth_deg") if getattr(dvl, name) is not None
     ]

@@ -45,7 +45,7 @@ TILT_DEG, HEADING_DEG = 1.0, 5.0
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenMount:
-    """The numbers of a key of DEFAULTS."""
+    """The value chosen for a key of DEFAULTS."""
 
     value: Numbers
     source: str = ""  # where in the log they come from; "" for a default
@@ -54,15 +54,15 @@ class ChosenMount:
 def choose_mounts(
     values: Mapping[str, object], sensors: Mapping[str, FixedSensor]
 ) -> dict[str, ChosenMount]:
-    """Choose the mounts of the keys of DEFAULTS that dive.toml leaves to the log.
+    """Choose the mounts for the keys of DEFAULTS that dive.toml leaves to the log.
 
-    A mount on a servo is counted from where that turns, by dive.toml, else by the servo's own
-    frame, else from the vehicle's origin.
+    A mount on a servo is relative to the servo's axis: that of dive.toml, else the servo's own
+    frame, else the vehicle's origin.
 
     Parameters
     ----------
-    values : by dotted key, as dive.toml has them
-    sensors : where tf_static has each ("dvl", "camera_top", ...)
+    values : by dotted key, as in dive.toml
+    sensors : the place of each in tf_static ("dvl", "camera_top", ...)
     """
     chosen: dict[str, ChosenMount] = {}
     for key in ("tray.origin", "sonar.origin"):
@@ -113,9 +113,9 @@ def choose_mounts(
 
 
 def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, FixedSensor] | None:
-    """Find DVL and upper camera of which tf_static has one on the tray's servo, one on the vehicle.
+    """Find a DVL and an upper camera of which tf_static has only one on the tray's servo.
 
-    Returns the one that turns and the one that is fixed; None where both are alike.
+    Returns the sensor on the servo and the fixed sensor. None where both or neither turn.
     """
     both = [
         sensors[sensor]
@@ -130,10 +130,10 @@ def parted_on_tray(sensors: Mapping[str, FixedSensor]) -> tuple[FixedSensor, Fix
 
 
 def refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, FixedSensor]) -> None:
-    """Raise InputError where tf_static has DVL or upper camera on the tray's servo, but not both.
+    """Raise InputError where tf_static has only one of DVL and upper camera on the tray's servo.
 
-    One tray carries both, so that what is fixed would turn as well. Where dive.toml gives the
-    mounts, it is taken to know. Parameters as of choose_mounts.
+    One tray carries both, so that the fixed sensor would turn as well. Mounts given by dive.toml
+    are trusted. Parameters as in choose_mounts.
     """
     parted = parted_on_tray(sensors)
     if parted is not None and FROM_LOG in [
@@ -152,7 +152,7 @@ def refuse_parted_tray(values: Mapping[str, object], sensors: Mapping[str, Fixed
 
 
 def describe_mounts(mounts: Mapping[str, ChosenMount]) -> list[Finding]:
-    """Tell each mount that the log gave."""
+    """Describe each mount that the log gave."""
     return [
         Finding("mount-of-log", {"key": key, "value": list(mount.value), "source": mount.source})
         for key, mount in mounts.items()
@@ -180,7 +180,10 @@ def with_value(section: object, name: str, value: Numbers) -> object:
 
 
 def numbers_of(value: object) -> Numbers:
-    """Return the numbers of a lever arm or mount; TypeError for one still left to the log."""
+    """Convert a lever arm or mount to numbers.
+
+    Raises TypeError where it is still left to the log.
+    """
     if not isinstance(value, tuple | list):
         raise TypeError(f"a list of numbers is expected, not {value!r}")
     return tuple(float(v) for v in value)
@@ -199,7 +202,7 @@ def _on_servo(sensor: FixedSensor, origin: Numbers) -> Numbers:
 
 
 def guess_sigma(pose: Sequence[float], given: Sequence[float] | None) -> Array:
-    """Return the sigma (6,) of `hull.pose`, m and deg, in the CAD model's axes.
+    """Choose the sigma (6,) of `hull.pose`, m and deg, in the CAD model's axes.
 
     As given, else by the axis of the file that the pose turns up.
     """

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """dive.toml as frozen structs: what was dived and how the sensors are mounted.
 
-Steps add a section each of their own. Every key has a description, which begins with its unit
-where it has one. Angles are degrees where a key ends in `_deg` (docs/conventions.md). Six-number
-mounts are x, y, z in metres, roll, pitch, yaw in degrees; their sigmas are metres and a small
-rotation vector in degrees.
+Steps add a section each of their own. Every key has a description, which begins with its unit where
+it has one. Angles are degrees where a key ends in `_deg` (docs/conventions.md). Six-number mounts
+are x, y, z in metres, roll, pitch, yaw in degrees. Their sigmas are metres and a small rotation
+vector in degrees.
 """
 
 from __future__ import annotations
@@ -390,10 +390,7 @@ class Hull(Section, frozen=True):
 
 
 class DiveConfig(Section, frozen=True):
-    """The sections that describe the vehicle and the dive.
-
-    `hull` absent: no CAD model; `camera.top` absent: no camera.
-    """
+    """The sections that describe the vehicle and the dive."""
 
     dive: Dive
     logs: Logs
@@ -402,7 +399,7 @@ class DiveConfig(Section, frozen=True):
     imu: Imu = field(default_factory=Imu)
     pressure: Pressure = field(default_factory=Pressure)
     dvl: Dvl = field(default_factory=Dvl)
-    camera: Cameras = field(default_factory=Cameras)
+    camera: Cameras = field(default_factory=Cameras)  # without `top`: no camera
     sonar: Sonar | None = None
     position: Position = field(default_factory=Position)
-    hull: Hull | None = None
+    hull: Hull | None = None  # absent: no CAD model

@@ -77,7 +77,7 @@ def refuse_floods(text: str) -> None:
 
 
 class _BoundedConstructor(SafeConstructor):
-    """Counts the values of a document before it makes them."""
+    """Count the values of a document before they are made."""
 
     largest_count = ROOM
 
@@ -90,8 +90,8 @@ class _BoundedConstructor(SafeConstructor):
 def count_values(node: Node, known: dict[int, int]) -> int:
     """Count the values at and below a node, those of an alias at each place that names it.
 
-    known: counts of nodes that were met before; 0 for those that are being counted. Raises
-    ValueError for an alias of what it lies in.
+    known: counts of nodes already met, 0 for those still being counted. Raises ValueError for an
+    alias of a node that contains it.
     """
     if id(node) in known:
         count = known[id(node)]

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Read the CAD model: its mesh in metres, cleaned, with outward normals.
 
-trimesh believes what a file claims. Files that claim far more than they hold, or that its parsers
-would take the square of, are refused or rewritten before it sees them.
+trimesh believes what a file claims. Files that claim far more than they hold, or on which its
+parsers take quadratic time, are refused or rewritten before it sees them.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ GROUPS = {
 def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
     """Read an STL, PLY, OBJ, OFF or GLB file, gzipped or not, in metres with outward normals.
 
-    What was found and repaired is added to notes. Raises InputError for a file that is no mesh or
-    of a wrong size.
+    Defects and repairs are added to notes. Raises InputError for a file that is no mesh or of a
+    wrong size.
     """
     vertices, faces = _load(path)
     vertices = vertices * METRES_PER_UNIT[units]
@@ -166,7 +166,7 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
 
 
 def clean_mesh(mesh: Mesh, notes: list[Finding]) -> Mesh:
-    """Merge equal corners; remove degenerate and duplicate faces, and corners of no face.
+    """Merge equal corners, and remove degenerate and duplicate faces and unused corners.
 
     What was removed is added to notes.
     """

@@ -20,7 +20,7 @@ PLATED_SHARE = 0.01
 
 
 def reflect_mesh(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
-    """Add the reflections of a mesh in the planes, one after the other, behind its own faces.
+    """Append the reflections of a mesh in each plane in turn to its own faces.
 
     Reflected faces keep their winding: only what rays hit matters.
     """

@@ -3,7 +3,7 @@
 """Turn normals outward: one winding within each connected piece, then each piece to its open side.
 
 A closed piece has a signed volume. An open one (a half hull, a hull without deck, a patch of bottom
-plate) has not; but rays from its outer side escape in more directions than rays from its inner
+plate) has not. But rays from its outer side escape in more directions than rays from its inner
 side, which the rest of the hull stops.
 """
 
@@ -49,7 +49,7 @@ def orient_outward(mesh: Mesh, notes: list[Finding]) -> Mesh:
 
 
 def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
-    """Find the connected piece of each face, and the sign that winds it like the piece's first."""
+    """Label the connected piece of each face, and the sign that winds it like its first face."""
     pairs = np.stack([shared.first, shared.second], axis=1)
     agree = np.where(shared.same_winding, 1, -1)
     graph = coo_matrix(
@@ -71,7 +71,7 @@ def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
 
 
 def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
-    """Judge each piece by a number from -1 (normals point inward) to 1 (outward)."""
+    """Rate each piece from -1 (normals point inward) to 1 (outward)."""
     corners = mesh.vertices[mesh.faces] - 0.5 * (
         mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)
     )
@@ -92,7 +92,7 @@ def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
 
 
 def _measure_sides(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
-    """Compare the shares of rays that escape in front of each piece's picked faces and behind.
+    """Compare the shares of rays that escape in front of and behind each piece's picked faces.
 
     A hull that was cut at a plane is completed there by reflection, if that makes the difference
     clearer.
@@ -163,7 +163,7 @@ def _hemisphere(normal: Array) -> Array:
 
 
 def _flip_faces(faces: Ints32, which: Mask) -> Ints32:
-    """Wind the faces of the mask the other way."""
+    """Reverse the winding of the faces of the mask."""
     out = faces.copy()
     out[which] = out[which][:, ::-1]
     return out

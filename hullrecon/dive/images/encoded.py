@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Encoded images: their size by the header, whether they are whole, and their pixels.
 
-OpenCV decodes. It makes room for whatever a header claims (a PNG chunk of four gigabytes, an
-image of a billion pixels) and forgives a lot (half a JPEG comes back as a half-gray picture), so
-that sizes, PNG chunks and JPEG markers are checked before it sees the bytes. Pillow reads the
-other headers; it decodes nothing before it is asked to.
+OpenCV decodes. It makes room for whatever a header claims (a PNG chunk of four gigabytes, an image
+of a billion pixels) and forgives a lot (half a JPEG comes back as a half-gray picture), so that
+sizes, PNG chunks and JPEG markers are checked before it sees the bytes. Pillow reads the other
+headers, and decodes nothing before it is asked to.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ Size = tuple[int, int]  # width, height
 
 @dataclass(frozen=True)
 class CheckedImage:
-    """What was found of an encoded image."""
+    """Result of checking an encoded image."""
 
     size: Size | None  # None for a damaged image and for other bytes
     largest: int | None = None  # value of an image whose samples have 16 bits
 
 
 def header_size(encoded: bytes) -> Size | None:
-    """Read (width, height) from an image's header; None for bytes that are no image read here."""
+    """Read (width, height) from an image's header. None for bytes that are no readable image."""
     if encoded.startswith(PNG):
         return _png_size(encoded)
     if encoded.startswith(RIFF):
@@ -57,15 +57,15 @@ def header_size(encoded: bytes) -> Size | None:
 
 
 def fits(size: Size) -> bool:
-    """Tell whether an image of that size may be decoded."""
+    """Tell whether an image of this size may be decoded."""
     return 0 < size[0] * size[1] <= LARGEST_PIXELS
 
 
 def check_image(encoded: bytes, wanted: Size | None = None) -> CheckedImage:
     """Check that an image is whole.
 
-    An image that is too large to be decoded, or whose header says another size than the one
-    wanted, is not decoded: the size of its header is returned.
+    An image that is too large to be decoded, or whose header differs from the wanted size, is not
+    decoded. Its header's size is returned.
     """
     size = header_size(encoded)
     if size is None or not fits(size) or wanted not in (None, size):
@@ -85,8 +85,8 @@ def decode(encoded: bytes, bits: int = 16) -> Pixels | None:
     JPEG, PNG, TIFF, BMP, PNM, WebP, GIF and JPEG 2000 are read. None for bytes that are none of
     these, that are damaged beyond decoding, or that claim more than LARGEST_PIXELS.
 
-    bits: of samples of 16 bits the upper 8 of so many lower ones are returned, larger values
-    as 255.
+    bits: 16-bit samples are reduced to the upper 8 of their lower `bits` bits. Larger values become
+    255.
     """
     size = header_size(encoded)
     if size is None or not fits(size):
@@ -99,7 +99,7 @@ def decode(encoded: bytes, bits: int = 16) -> Pixels | None:
 
 
 def is_deep(encoded: bytes) -> bool:
-    """Tell whether it is a PNG, TIFF or PGM of 16 bits a sample that may be decoded with them."""
+    """Tell whether bytes are a decodable PNG, TIFF or PGM of 16 bits per sample."""
     if not (encoded.startswith(PNG) or encoded.startswith(GRAY_OR_TIFF)):
         return False
     size = header_size(encoded)
@@ -109,18 +109,18 @@ def is_deep(encoded: bytes) -> bool:
 
 
 def decode_deep(encoded: bytes) -> NDArray[np.uint16] | None:
-    """Decode 16 bits a sample into (h, w), or (h, w, 3) blue, green, red.
+    """Decode 16 bits per sample into (h, w), or (h, w, 3) blue, green, red.
 
-    None where the image is damaged or its samples have a sign.
+    None where the image is damaged or its samples are signed.
     """
     image = _decode(encoded, ANY_DEPTH_AND_COLOR)
     return np.asarray(image, np.uint16) if image is not None and image.dtype == np.uint16 else None
 
 
 def significant_bits(largest: int | None) -> int:
-    """Find the bits that hold the largest value of all images of a camera; 16 without 16 bits.
+    """Find the bits that hold the largest value of all images of a camera.
 
-    Of all images, so that their brightness stays comparable.
+    All images share them, so that their brightness stays comparable. 16 where no image has 16 bits.
     """
     return next((bits for bits in DEPTHS if largest is not None and largest < 1 << bits), 16)
 
@@ -148,7 +148,7 @@ def jpeg_is_whole(encoded: bytes) -> bool:
 
 
 def _behind_scan(encoded: bytes, at: int) -> int | None:
-    """Find the marker behind a scan's data; None without one, or for a restart out of order."""
+    """Find the marker behind a scan's data. None without one, or for a restart out of order."""
     restarts = 0
     for match in MARKER.finditer(encoded, at):
         code = match[1][0]
@@ -161,7 +161,7 @@ def _behind_scan(encoded: bytes, at: int) -> int | None:
 
 
 def _png_size(encoded: bytes) -> Size | None:
-    """Read the size of a PNG whose chunks are all there: OpenCV makes room for what each claims."""
+    """Read the size of a PNG whose chunks are complete: OpenCV allocates what each claims."""
     at = len(PNG)
     while at + 12 <= len(encoded) and encoded[at + 4 : at + 8] != b"IEND":
         at += 12 + int.from_bytes(encoded[at : at + 4], "big")
@@ -170,7 +170,7 @@ def _png_size(encoded: bytes) -> Size | None:
 
 
 def _webp_size(encoded: bytes) -> Size | None:
-    """Read the size of a WebP, whose canvas Pillow would make room for."""
+    """Read the size of a WebP, whose canvas Pillow would allocate."""
     kind = encoded[12:16]
     if kind == b"VP8L" and len(encoded) >= 25:
         bits = int.from_bytes(encoded[21:25], "little")
@@ -210,7 +210,7 @@ def _pillow_finds_16_bits(encoded: bytes) -> bool:
 
 
 def _pair(encoded: bytes, at: int, width: int, order: Literal["big", "little"]) -> Size | None:
-    """Read two numbers of `width` bytes each; None where the bytes end before them."""
+    """Read two numbers of `width` bytes each. None where the bytes end before them."""
     if len(encoded) < at + 2 * width:
         return None
     first, second = (int.from_bytes(encoded[k : k + width], order) for k in (at, at + width))
@@ -227,7 +227,7 @@ def _decode(encoded: bytes, flags: int) -> NDArray[np.integer] | None:
 
 
 def _upper_eight(image: NDArray[np.uint16], bits: int) -> Pixels:
-    """Reduce samples of `bits` bits to their upper 8 as (h, w, 3) RGB; `image` is written over."""
+    """Reduce samples of `bits` bits to their upper 8 as (h, w, 3) RGB. Overwrites `image`."""
     import cv2
 
     np.right_shift(image, bits - 8, out=image)  # in place, for large images

@@ -24,10 +24,10 @@ Keys = Mapping[str, object]
 
 
 class LoggedCalibrations:
-    """The calibrations that a log holds of the cameras that dive.toml does not calibrate."""
+    """The logged calibrations of the cameras that dive.toml does not calibrate."""
 
     def __init__(self, image_topics: Mapping[str, str | None]) -> None:
-        """Take the image topics by camera ("camera_top"), None where none is named."""
+        """Take the image topics by camera ("camera_top"), None for a camera without a topic."""
         self._image_topics = image_topics
         self._keys: dict[str, Keys] = {}
         # by camera, the topic of a CameraInfo that says something else
@@ -35,7 +35,7 @@ class LoggedCalibrations:
         self.topics: dict[str, str] = {}  # of the CameraInfo by camera, once found
 
     def find(self, logs: Sequence[Log], problems: Problems) -> dict[str, CameraModel]:
-        """Find the first CameraInfo of each camera; logs are read as far as the last of these.
+        """Find the first CameraInfo of each camera. Logs are read as far as the last of these.
 
         Raises InputError for a camera that has none, or one that is not filled in, unless
         `problems` takes it.
@@ -52,7 +52,7 @@ class LoggedCalibrations:
         return found
 
     def watch(self, messages: Iterable[Message]) -> Iterator[Message]:
-        """Pass messages on, noting a CameraInfo that says something else than the first one."""
+        """Pass messages on, noting a CameraInfo that differs from the first."""
         for message in messages:
             for camera, keys in self._read(message):
                 if repr(keys) != repr(self._keys.get(camera, keys)):  # NaN is unlike itself
@@ -72,7 +72,7 @@ class LoggedCalibrations:
                 )
 
     def notes(self, cameras: Mapping[str, CameraModel]) -> list[Finding]:
-        """Tell each camera that is calibrated by the log."""
+        """Name each camera that is calibrated by the log."""
         return [
             Finding("calibration-of-log", {"topic": topic}, camera)
             for camera, topic in self.topics.items()
@@ -88,7 +88,7 @@ class LoggedCalibrations:
                 return
 
     def _read(self, message: Message) -> Iterator[tuple[str, Keys]]:
-        """Yield the cameras whose CameraInfo the message is, with what it says."""
+        """Yield the cameras that a CameraInfo message belongs to, with its calibration."""
         channel = message.channel
         if (
             channel.encoding not in ENCODINGS

@@ -37,7 +37,7 @@ class ImageSink:
         package: Path,
         open_file: Callable[[], BinaryIO],
     ) -> None:
-        """Take nothing yet.
+        """Set up the sink of one camera.
 
         Parameters
         ----------
@@ -75,7 +75,7 @@ class ImageSink:
             self._check_size()
 
     def finish(self, notes: list[Finding]) -> ImageIndex | None:
-        """Index the images in order of time; None without any.
+        """Index the images in order of time. None without any.
 
         Raises InputError when none can be read or has the calibration's size.
         """
@@ -131,7 +131,7 @@ class ImageSink:
             )
 
     def _describe(self, usable: list[bool], bits: int) -> list[Finding]:
-        """Tell images that are left out, and how those of 16 bits are read."""
+        """Describe images that are left out, and how 16-bit images are read."""
         count, others = len(usable), sum(self._sizes.values()) - self._sizes[self._size]
         bad = usable.count(False) - others
         out = []
@@ -147,7 +147,7 @@ class ImageSink:
 
 
 class SampledImages(BytesIO):
-    """Keeps some images in memory by their offset: runs of RUN, spread over the dive."""
+    """Keep some images in memory by their offset, in runs of RUN spread over the dive."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -155,7 +155,7 @@ class SampledImages(BytesIO):
         self._count, self._at, self._stride = 0, 0, 1
 
     def write(self, data: object, /) -> int:
-        """Keep one image, or let it go: the more there are, the fewer runs of them are kept."""
+        """Keep or drop one image: the more there are, the fewer runs of them are kept."""
         assert isinstance(data, bytes)
         if (self._count // RUN) % self._stride == 0:
             self._kept[self._at] = (self._count, data)
@@ -169,6 +169,6 @@ class SampledImages(BytesIO):
         return len(data)
 
     def image_at(self, offset: int) -> bytes | None:
-        """Return the image that was written at that offset; None where it was let go."""
+        """Look up the image that was written at an offset. None where it was not kept."""
         kept = self._kept.get(offset)
         return None if kept is None else kept[1]

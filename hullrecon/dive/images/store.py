@@ -24,7 +24,7 @@ LARGEST_BYTES = 4 * LARGEST_PIXELS  # of one image in a file, unpacked pixels wi
 
 @dataclass(frozen=True)
 class ImageStore:
-    """The images of one camera. Opens nothing until read; pickles to its paths."""
+    """The images of one camera. Opens nothing until read. Pickled as its paths."""
 
     ingest: Path  # the ingest artifact
     package: Path | None  # its folder, needed where images are plain files
@@ -32,7 +32,7 @@ class ImageStore:
 
     @property
     def index(self) -> ImageIndex:
-        """Return stamps, files and offsets of the images, in order of time."""
+        """Stamps, files and offsets of the images, in order of time."""
         path = self.ingest / f"images_{self.camera}.npz"
         return _index(path, path.stat().st_mtime_ns)
 
@@ -40,7 +40,7 @@ class ImageStore:
         return len(self.index.t_ns)
 
     def bytes(self, i: int) -> bytes:
-        """Return the encoded image i, as it was logged. Raises InputError when its file is gone."""
+        """Read the encoded image i, as it was logged. Raises InputError when its file is gone."""
         index = self.index
         file = str(index.file[i])
         path = self.ingest / f"images_{self.camera}.bin"
@@ -62,12 +62,12 @@ class ImageStore:
             ) from error
 
     def read(self, i: int) -> Pixels | None:
-        """Decode image i into (h, w, 3) RGB; None for one that is unusable or does not decode."""
+        """Decode image i into (h, w, 3) RGB. None for one that is unusable or does not decode."""
         return decode(self.bytes(i), int(self.index.bits)) if self.index.usable[i] else None
 
 
 @lru_cache(maxsize=8)
 def _index(path: Path, mtime_ns: int) -> ImageIndex:
-    """Read an index once; an artifact that was rewritten has another `mtime_ns`."""
+    """Read an index once. An artifact that was rewritten has another `mtime_ns`."""
     with np.load(path, allow_pickle=False) as arrays:
         return from_arrays(ImageIndex, arrays)

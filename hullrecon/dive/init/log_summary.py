@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Summarise a log without a dive.toml: its topics, and which of them could be which sensor."""
+"""Summarise a log without a dive.toml: its topics, and which sensors they could be."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ MOST_DECODED = 256  # channels whose first message is looked at: each definition
 
 @dataclass(kw_only=True)
 class TopicNote:
-    """What one topic holds."""
+    """The contents of one topic."""
 
     channel: Channel
     first: object = None  # its first message, decoded, or the sample; None: it does not decode
@@ -65,7 +65,7 @@ class TopicNote:
 
 @dataclass(kw_only=True)
 class LogSummary:
-    """What one log holds, or several of one dive."""
+    """The contents of one log, or of several logs of one dive."""
 
     kind: str
     topics: list[TopicNote] = field(default_factory=list)
@@ -73,7 +73,7 @@ class LogSummary:
     notes: list[Finding] = field(default_factory=list)
 
     def lines(self) -> list[str]:
-        """Tell the topics, the sensors among them, and what is missing for a run."""
+        """Describe the topics, the sensors among them, and what is missing for a run."""
         span = [t for t in self.topics if t.count]
         count = count_noun(sum(t.count for t in span), "message")
         head = f"{self.kind}: {count} on {count_noun(len(span), 'topic')}"
@@ -90,7 +90,7 @@ class LogSummary:
         return [head, *(t.sentence() for t in span), *sensors, *sentences(found)]
 
     def why_nothing(self) -> str:
-        """Say that no message could be read, with what the reader noted."""
+        """Explain that no message could be read, with the reader's notes."""
         why = "; ".join(sentences([*self.notes, *self.lost][:MOST_NOTES]))
         return f"nothing could be read of the log{f': {why}' if why else ''}"
 
@@ -100,7 +100,7 @@ class LogSummary:
         return needs(set(guess_topics(self.topics)), unread_dvls(channels))
 
     def document(self) -> dict[str, object]:
-        """Return the summary as `--json` prints it."""
+        """Build the summary that `--json` prints."""
         topics = [
             {
                 "topic": t.channel.topic,
@@ -125,7 +125,7 @@ class LogSummary:
 
 
 def summarise_log(log: Log) -> LogSummary:
-    """Read the log once, decoding the first message of each topic alone."""
+    """Read the log once, decoding only the first message of each topic."""
     notes: dict[Channel, TopicNote] = {}
     for message in log.messages():
         note = notes.get(message.channel)
@@ -191,7 +191,7 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
 
 
 def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
-    """Guess each sensor's topic by its type; by its name too among several or for common types."""
+    """Guess each sensor's topic by its type, and by its name among several or common types."""
     found: dict[str, str] = {}
     for sensor, parts in NAMED.items():
         fitting = [
@@ -214,7 +214,7 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
 def _has_no_attitude(topic: TopicNote) -> bool:
     """Tell whether an IMU's messages have rates and acceleration alone, as raw ones do.
 
-    Some leave the default of the type where the orientation belongs, all along.
+    Some leave the type's default in place of the orientation throughout.
     """
     if type_name(topic.channel) != IMU or topic.first is None:
         return False
@@ -236,12 +236,12 @@ def _never(topic: TopicNote) -> bool:
 
 
 def _is_of_dvl(topic: TopicNote) -> bool:
-    """Tell whether attitude or depth is that of a DVL's own sensors, which yield to others."""
+    """Tell whether attitude or depth is from a DVL's own sensors. Other sensors are preferred."""
     return isinstance(topic.first, ImuSample | DepthSample) and topic.first.of_dvl
 
 
 def _is_differential(topic: TopicNote) -> bool:
-    """Tell whether a pressure is relative to another, by its name or a value below the air's."""
+    """Tell whether a pressure is differential, by its name or a value below the air's."""
     pascal = getattr(topic.first, "fluid_pressure", LOWEST_ABSOLUTE_PA)
     return (
         any(part in topic.channel.topic.lower() for part in DIFFERENTIAL)
@@ -250,7 +250,10 @@ def _is_differential(topic: TopicNote) -> bool:
 
 
 def _guess_cameras(topics: Sequence[str]) -> dict[str, str]:
-    """Guess upper and lower camera by name; prefer compressed topics, take a lone one as upper."""
+    """Guess upper and lower camera by name.
+
+    Compressed topics are preferred. A single camera is taken as the upper one.
+    """
     topics = [t for t in topics if t + COMPRESSED not in topics and "depth" not in t.lower()]
     lower = _with_part(topics, LOWER)
     upper = [t for t in _with_part(topics, UPPER) if t not in lower] or [
@@ -278,7 +281,7 @@ def _decode(channel: Channel, data: bytes) -> list[Fields]:
 
 
 def _first(message: Message) -> object:
-    """Decode a message of a type that is read; None where it does not hold what its type says."""
+    """Decode a message of a type that is read. None where it does not hold what its type says."""
     if not isinstance(message.data, bytes):
         return message.data
     kind = type_name(message.channel)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find the frames, calibrations and mounts that a log tells, and those that it leaves open."""
+"""Find the frames, calibrations and mounts that a log gives, and those that it leaves open."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ GRAVITY_FELT_M_S2 = 5.0  # less upward acceleration tells no convention
 
 
 def questions(summary: LogSummary) -> list[Finding]:
-    """List what the log does not say and a run cannot do without."""
+    """List what the log leaves open and a run needs."""
     beams, fan = beams_to_ask_for(summary), azimuths_to_ask_for(summary)
     out = [Finding("question", {"question": ask_for_beams(beams).line()})] if beams else []
     out += [Finding("question", {"question": ask_for_azimuths(fan).line()})] if fan else []
@@ -41,13 +41,13 @@ def questions(summary: LogSummary) -> list[Finding]:
 
 
 def _note_of(summary: LogSummary, sensor: str) -> TopicNote | None:
-    """Return the topic that is guessed to be a sensor's."""
+    """Find the topic that is guessed to be a sensor's."""
     topic = guess_topics(summary.topics).get(sensor)
     return next((note for note in summary.topics if note.channel.topic == topic), None)
 
 
 def has_attitude_of_dvl(summary: LogSummary) -> bool:
-    """Tell whether the only attitude is one of the DVL's own sensors."""
+    """Tell whether the only attitude is that of the DVL's own sensors."""
     topic = guess_topics(summary.topics).get("imu")
     return any(
         isinstance(t.first, ImuSample) and t.first.of_dvl

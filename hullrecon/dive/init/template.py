@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write the first dive.toml from what a log and the folder around it hold."""
+"""Write the first dive.toml from the contents of a log and the folder around it."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ MOUNTS = {  # the lines of mounts that no log tells
 
 
 def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> str:
-    """Write a dive.toml for a folder; what no log tells is in comments.
+    """Write a dive.toml for a folder, with comments for what no log tells.
 
     load_config accepts it.
     """

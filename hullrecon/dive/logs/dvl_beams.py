@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the beams of a DVL point: by the messages, else by dive.toml, else by the type's maker."""
+"""Directions of a DVL's beams: by the messages, else dive.toml, else the instrument's type."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def tilted_beams(angle_deg: float, azimuth_deg: Sequence[float]) -> Array:
 
 
 def a50_beams() -> Array:
-    """Return the beams (4, 3) in `dvl` of a Water Linked A50."""
+    """Compute the beams (4, 3) of a Water Linked A50 in the frame `dvl`."""
     return tilted_beams(A50_ANGLE_DEG, A50_AZIMUTH_DEG)
 
 
@@ -56,13 +56,13 @@ def choose_beams(
     ----------
     samples : pings
     configured : (b, 3) directions of dive.toml
-    width : number of beams that the log has ranges of
+    width : number of beams with ranges in the log
     notes : what was assumed is added
 
     Raises
     ------
     InputError
-        Nothing says where the beams point, or dive.toml describes another number of them.
+        No source gives the directions, or dive.toml describes another number of beams.
     """
     if not width:
         return np.zeros((0, 3))
@@ -85,7 +85,7 @@ def choose_beams(
 
 
 def ask_for_beams(count: int) -> InputError:
-    """Return the error that asks where the DVL's beams point."""
+    """Make the error that asks where the DVL's beams point."""
     return InputError(
         f"nothing says where the DVL's {count} beams point", where="dvl.beams", remedy=ADVICE
     )
@@ -97,8 +97,8 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
     Parameters
     ----------
     beams : (b, 3) unit vectors in `dvl`
-    ranges : (n, b) along the beams, m; NaN where lost
-    altitude : (n,) along z of `dvl`, m, as the DVL computed it; NaN where lost
+    ranges : (n, b) along the beams, m, NaN where lost
+    altitude : (n,) along z of `dvl`, m, as the DVL computed it, NaN where lost
     """
     if not len(beams):
         return []
@@ -121,7 +121,7 @@ def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[Finding]:
 
 
 def _logged_beams(logged: Sequence[Array], configured: Array | None, notes: list[Finding]) -> Array:
-    """Average the directions that the messages have, and compare them with dive.toml's."""
+    """Average the beam directions of the messages, and compare them with dive.toml's."""
     if max(float(np.abs(b - logged[0]).max()) for b in logged) > 1e-6:
         notes.append(Finding("beams-change", where="dvl"))
     beams = unit(np.mean(logged, axis=0))

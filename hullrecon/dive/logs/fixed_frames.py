@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find in tf_static where the sensors sit: on the vehicle, or on a servo that turns."""
+"""Find the places of sensors in tf_static: on the vehicle, or on a servo that turns."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ENDINGS = ("", "_link", "_frame")  # of the frame that a joint turns
 
 @dataclass(frozen=True, kw_only=True)
 class FixedSensor:
-    """Where tf_static has a sensor."""
+    """The place of a sensor in tf_static."""
 
     frame: str  # its name in the log
     # x, y, z in m, roll, pitch, yaw in degrees: in the vehicle with its servo at zero, or on the
@@ -113,7 +113,7 @@ def is_static(channel: Channel) -> bool:
 
 
 def frame_of(message: object) -> str | None:
-    """Return the frame of a message's header; None where the log's own type gives it none."""
+    """Read the frame of a message's header. None where the log's own type gives it none."""
     frame = getattr(getattr(message, "header", None), "frame_id", None)
     return None if frame is None else str(frame)
 

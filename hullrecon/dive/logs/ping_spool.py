@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Spool the images of an imaging sonar to a file: those of a long dive do not fit into memory."""
+"""Spool the images of an imaging sonar to a file, as those of a long dive do not fit in memory."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ KeepImages = Callable[[tuple[int, int, int], Iterator[Images]], Images]
 
 @dataclass(frozen=True)
 class PingStorage:
-    """Where the images of a sonar go."""
+    """The place where the images of a sonar go."""
 
     spool: BinaryIO  # an empty file that may be read and written, for images as they were logged
     keep: KeepImages  # keeps them as they are used
@@ -31,13 +31,13 @@ class PingStorage:
 
 @dataclass(frozen=True, slots=True)
 class SpooledPing(SonarSample):
-    """A ping whose image lies in a spool; `image` has its shape, type and bright pixel alone."""
+    """A ping whose image lies in a spool. `image` has its shape, type and bright pixel alone."""
 
     at: int = 0  # byte of the spool at which its image begins
 
 
 class PingSpool:
-    """Keeps pings in a file and gives them back. Without a file, their images are dropped."""
+    """Store pings in a file and load them again. Without a file, their images are dropped."""
 
     def __init__(self, file: BinaryIO | None) -> None:
         self._file = file
@@ -46,7 +46,10 @@ class PingSpool:
         self._range_m: Array | None = None
 
     def keep(self, sample: SonarSample) -> SpooledPing:
-        """Write a ping's image to the file; share directions and ranges with the ping before."""
+        """Write a ping's image to the file.
+
+        Directions and ranges equal to those of the ping before are shared.
+        """
         image = np.ascontiguousarray(sample.image)
         if (
             self._directions is None
@@ -65,7 +68,7 @@ class PingSpool:
         return SpooledPing(sample.t_ns, stand_in, self._directions, self._range_m, at)
 
     def load(self, ping: SonarSample) -> SonarSample:
-        """Read a ping's image back; a ping that was not kept here stays as it is."""
+        """Read a ping's image back. A ping that was not kept here stays as it is."""
         if self._file is None or not isinstance(ping, SpooledPing):
             return ping
         self._file.seek(ping.at)
@@ -75,7 +78,7 @@ class PingSpool:
 
 
 def bright_pixel(image: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Find the pixel () at BRIGHT_PERCENT of an image's pixels that are not black; 0 without any.
+    """Find the pixel () at BRIGHT_PERCENT of an image's pixels that are not black. 0 without any.
 
     Of 8 bits, which need no scale, it is the brightest. A spooled ping's stand-in has this value.
     """

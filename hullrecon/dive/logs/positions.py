@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turn positions by GPS and USBL into metres north and east, leaving out those that cannot be."""
+"""Convert positions by GPS and USBL to metres north and east, without unusable ones."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def position_fixes(
     pressure: PressureSamples | None,
     notes: list[Finding],
 ) -> PositionFixes | None:
-    """Convert fixes to metres relative to the first of them; None without any.
+    """Convert fixes to metres relative to the first of them. None without any.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def position_fixes(
 def _is_position(sample: PositionSample) -> bool:
     """Tell whether a sample has a place.
 
-    Latitude and longitude of zero are what receivers send before they know.
+    Receivers send zero latitude and longitude before they have a fix.
     """
     first, second = sample.place[:2]
     if not np.isfinite([first, second]).all():
@@ -76,7 +76,7 @@ def _is_position(sample: PositionSample) -> bool:
 
 
 def _under_water(samples: Sequence[PositionSample], pressure: PressureSamples | None) -> Mask:
-    """Find the satellite fixes (n,) of a vehicle that was under water by the nearest depth."""
+    """Find the satellite fixes (n,) of a vehicle under water, judged by the nearest depth."""
     t_ns = np.array([s.t_ns for s in samples], np.int64)
     by_satellite = np.array([s.by_satellite for s in samples], bool)
     if pressure is None or not len(pressure.t_ns) or not len(samples):

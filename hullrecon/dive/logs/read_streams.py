@@ -35,7 +35,7 @@ SENSORS = tuple(TYPES)
 
 @dataclass(kw_only=True)
 class LogContents:
-    """What the logs held."""
+    """The contents of the logs."""
 
     # by sensor ("dvl", ...), in the order of the logs: samples (images go to their sinks), when
     # each was logged, ns, and the number of its log
@@ -77,10 +77,10 @@ def read_streams(
     take_image : called with each image
     watch : sees every message pass (progress)
     problems : takes what would be raised, if given
-    window : what is used; None for all
+    window : what is used, None for all
     keep_ping : what is kept of a sonar's ping
-    offset_ns : by sensor, added to stamps before they are compared with the window; the samples
-        themselves stay as they are
+    offset_ns : by sensor, added to stamps before they are compared with the window. The samples
+    themselves stay as they are
 
     Raises
     ------
@@ -166,8 +166,8 @@ def _note_joint_before(
 def _start_joints(out: LogContents, window: TimeWindow) -> None:
     """Put the last reading of each joint before the window at the window's start.
 
-    A joint that is logged once, or as it turns, stands there since. Where nothing was measured
-    in the window, joints tell nothing.
+    A joint that is logged once, or only as it turns, has stood still since. Where nothing was
+    measured in the window, joints are left out.
     """
     if not out.inside:
         return
@@ -191,7 +191,7 @@ def _start_joints(out: LogContents, window: TimeWindow) -> None:
 def _samples(
     message: Message, topics: Mapping[str, Sequence[str]], out: LogContents
 ) -> Iterator[tuple[str, Sample]]:
-    """Yield a message's samples with their sensor; count a message that cannot be used."""
+    """Yield a message's samples with their sensor, counting messages that cannot be used."""
     channel = message.channel
     is_sample = not isinstance(message.data, bytes)
     if is_sample and any(channel.topic in sensors for sensors in topics.values()):
@@ -219,7 +219,7 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
     """Decode a serialised message into samples.
 
     Raises DamagedError where it gives none, and InputError for a topic of a type that is not read.
-    Where other messages of the topic were read, it is the type that is damaged.
+    Where other messages of the topic were read, its type counts as damaged.
     """
     channel = message.channel
     translate = TYPES[sensor].get(type_name(channel))
@@ -253,7 +253,7 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
 
 
 def _reason(topic: str, reason: str, out: LogContents) -> str:
-    """Limit the reasons told of one topic: each damaged message may have one of its own."""
+    """Limit the reasons listed for one topic: each damaged message may have its own."""
     if (topic, reason) in out.undecoded or sum(t == topic for t, _ in out.undecoded) < MOST_REASONS:
         return reason
     return "for other reasons"

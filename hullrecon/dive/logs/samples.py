@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One reading of one sensor, as every reader hands it on.
+"""One reading of one sensor, as passed on by every reader.
 
-SI units, stamps in int64 nanoseconds since 1970, NaN for what is lost.
+SI units, stamps in int64 nanoseconds since 1970, NaN for lost values.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find what the pings of an imaging sonar have in common: directions of the beams, ranges."""
+"""Find the common geometry of an imaging sonar's pings: beam directions and ranges."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ MEANING = (
 def pings_of_one_window(
     samples: Sequence[SonarSample], notes: list[Finding]
 ) -> tuple[list[SonarSample], Array]:
-    """Select the pings of the most common window and fan; return them and their ranges (ranges,).
+    """Select the pings of the most common window and fan, with their ranges (ranges,) m.
 
-    A window is a number of beams and a span of ranges. Windows whose ends differ by 1 % at most
-    are one, as the speed of sound that a sonar reckons with changes with the temperature.
+    A window is a number of beams and a span of ranges. Windows whose ends differ by 1 % at most are
+    one, as the speed of sound that a sonar reckons with changes with the temperature.
     """
     if not samples:
         return [], np.zeros(0)
@@ -87,9 +87,9 @@ def _widest_agreement(
 
 
 def _of_one_fan(samples: Sequence[SonarSample], rows: Sequence[int]) -> list[int]:
-    """Select the rows whose beams point as the most common fan does.
+    """Select the rows whose beams point as in the most common fan.
 
-    Pings that do not say where their beams point are one fan.
+    Pings without beam directions count as one fan.
     """
     # pings share the arrays
     fans: dict[int, Array | None] = {id(samples[i].directions): samples[i].directions for i in rows}
@@ -110,7 +110,7 @@ def _is_one_fan(directions: Array | None, other: Array | None) -> bool:
 
 
 def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
-    """Resample a ping's image to other ranges by the nearest sample; 0 beyond its own ranges."""
+    """Resample a ping's image to other ranges by the nearest sample. 0 beyond its own ranges."""
     own = sample.range_m
     if np.array_equal(own, range_m) or len(own) < 2 or not (np.diff(own) > 0).all():
         return sample.image
@@ -152,7 +152,7 @@ def choose_directions(
 
 
 def ask_for_azimuths(beams: int) -> InputError:
-    """Return the error that asks where the sonar's beams point."""
+    """Make the error that asks where the sonar's beams point."""
     return InputError(
         f"nothing says where the sonar's {beams} beams point",
         where="sonar.beam_azimuth_deg",

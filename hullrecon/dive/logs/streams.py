@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stack samples into records: one set of units and conventions, NaN for lost values.
 
-What was assumed or left out is added to `notes`.
+Assumptions and omissions are added to `notes`.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
 
 @dataclass(frozen=True)
 class PressureModel:
-    """How depth follows from what was logged."""
+    """The conversion from logged values to depth."""
 
     density: float  # kg/m3
     gravity: float  # m/s2
@@ -191,7 +191,7 @@ def _refuse_unfilled(quaternion: Array, rates: Array) -> None:
 def _require_mount_of_dvl(
     mount_deg: tuple[float, float, float] | None,
 ) -> tuple[float, float, float]:
-    """Return `mount_deg`, required here: a DVL's attitude sensor is aligned with the DVL alone."""
+    """Require `mount_deg`: a DVL's own attitude is that of the DVL, not of the vehicle."""
     if mount_deg is None:
         raise InputError(
             "the only attitude is that of the DVL's own sensors, and nothing says how the DVL sits "
@@ -212,7 +212,7 @@ def is_of_dvl(sample: object) -> bool:
 def pressure_samples(
     samples: Sequence[PressureSample | DepthSample], model: PressureModel, notes: list[Finding]
 ) -> PressureSamples | None:
-    """Stack the depths of one sensor, positive down; None where no reading is finite."""
+    """Stack the depths of one sensor, positive down. None where no reading is finite."""
     if any(is_of_dvl(s) for s in samples):
         notes.append(Finding("depth-of-dvl", where="pressure"))
     depth = np.array([_depth(s, model) for s in samples])
@@ -241,7 +241,7 @@ def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:
 def joint_samples(
     samples: Sequence[JointSample], name: str, notes: list[Finding]
 ) -> JointSamples | None:
-    """Stack the angles of one servo; None where no reading is finite."""
+    """Stack the angles of one servo. None where no reading is finite."""
     angle = np.array([s.angle for s in samples])
     good = np.isfinite(angle)
     notes += _describe_lost(f"joint {name}", good)
@@ -268,7 +268,7 @@ def keep_in_memory(shape: tuple[int, int, int], images: Iterator[Images]) -> Ima
 
 
 def leave_black(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
-    """Return black images, which take no memory."""
+    """Make black images, which take no memory."""
     return np.broadcast_to(np.uint8(0), shape)
 
 
@@ -280,7 +280,7 @@ def sonar_pings(
     keep: KeepImages = keep_in_memory,
     load: Callable[[SonarSample], SonarSample] = lambda sample: sample,
 ) -> SonarPings | None:
-    """Stack pings of the most common geometry as images of 8 bits; None without any.
+    """Stack pings of the most common geometry as images of 8 bits. None without any.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 @dataclass(frozen=True, kw_only=True)
 class TimeWindow:
-    """The stamps that are used, both limits included; None: no limit."""
+    """The stamps that are used, both limits included. None: no limit."""
 
     first_ns: int | None
     last_ns: int | None
@@ -32,16 +32,16 @@ class TimeWindow:
         )
 
     def describe(self) -> str:
-        """Say the window in words."""
+        """Describe the window in words."""
         limits = (("from", self.first_ns), ("to", self.last_ns))
         return " ".join(f"{word} {format_time(t_ns)}" for word, t_ns in limits if t_ns is not None)
 
 
 def time_window(start: Instant, end: Instant, logs: Sequence[Log]) -> TimeWindow | None:
-    """Compute the window of a dive from dive.from and dive.to; None without limits.
+    """Compute the window of a dive from dive.from and dive.to. None without limits.
 
-    Seconds count from the first message of all logs, as it was logged (of tables, from the
-    earliest first row). Raises InputError where the window ends before it begins.
+    Seconds count from the first message of all logs, as it was logged (of tables, from the earliest
+    first row). Raises InputError where the window ends before it begins.
     """
     if start is None and end is None:
         return None
@@ -70,7 +70,7 @@ def _limit_ns(limit: Instant, origin_ns: int) -> int | None:
 
 
 def _first_message_ns(logs: Sequence[Log]) -> int:
-    """Find when the first message of all logs was logged, ns; InputError without any."""
+    """Find when the first message of all logs was logged, ns. Raises InputError without any."""
     first = [message.t_ns for log in logs for message in _first_messages(log)]
     if not first:
         raise InputError(

@@ -46,14 +46,14 @@ def put_in_order(
 ) -> Timeline:
     """Sort readings by time, correct clock jumps, and drop duplicates and stray stamps.
 
-    Of readings with one stamp the first stays. Few readings that lie a day or more from all
-    others are left out.
+    Of readings with one stamp the first stays. Few readings that lie a day or more from all others
+    are left out.
 
     Parameters
     ----------
     name : of the stream, for the notes
     stamp_ns, logged_ns : (n,) stamps of sensor and logger, in the order of the logs
-    log : (n,) number of the log of each reading; None where there is one log
+    log : (n,) number of the log of each reading, None where there is one log
 
     Raises
     ------
@@ -129,9 +129,9 @@ def clock_error(stamp: Ints, logged: Ints) -> Ints:
 
 
 def _set_back(stamp: Ints, logged: Ints, log: Ints) -> Ints:
-    """Estimate by how much stamps (n,) are off after one clock of sensor and logger was set back.
+    """Estimate the error (n,) of stamps where sensor and logger share a clock that was set back.
 
-    Looked for within each log alone: a second log may have been recorded at the same time.
+    Each log is searched by itself: a second log may have been recorded at the same time.
     """
     out = np.zeros_like(stamp)
     for number in np.unique(log):
@@ -143,7 +143,7 @@ def _set_back(stamp: Ints, logged: Ints, log: Ints) -> Ints:
 def _set_back_within(stamp: Ints, logged: Ints) -> Ints:
     """Estimate by how much stamps (n,) of one log are off after its clock was set back, ns.
 
-    A later part then begins within the one before and ends after it. Zeros where parts were
+    A later part then begins within the previous part and ends after it. Zeros where parts were
     logged in another order or twice.
     """
     out, step = np.zeros_like(stamp), np.diff(stamp)
@@ -181,7 +181,7 @@ def _lasting_jump(stamp: Ints, offset: Ints, before: slice, after: slice) -> int
 def _describe_jumps(
     name: str, stamp: Ints, logged: Ints, log: Ints, jumped: Ints, set_back: Ints
 ) -> list[Finding]:
-    """Tell clock jumps, late logging, and logs that were read in another order.
+    """Describe clock jumps, late logging, and logs that were read in another order.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def _describe_jumps(
 
 
 def _logged_late(stamp: Ints, logged: Ints) -> Mask:
-    """Find the readings (n,) that were logged late: their clock ran on, and the delay ended."""
+    """Find the readings (n,) that were logged late: their clock ran on while logging lagged."""
     out = np.zeros(len(stamp), bool)
     offset, row = stamp - logged, 0
     drops = np.flatnonzero((np.diff(offset) <= -JUMP_S * NS) & (np.diff(stamp) >= 0))
@@ -239,7 +239,7 @@ def _logged_late(stamp: Ints, logged: Ints) -> Mask:
 
 
 def describe_gaps(name: str, t_ns: Ints, longest: int = MOST_GAPS) -> list[Finding]:
-    """Tell silences longer than five periods and a second, the longest first."""
+    """Describe silences longer than five periods and a second, the longest first."""
     step = np.diff(t_ns) / NS
     if len(step) < 2:
         return []
@@ -255,7 +255,7 @@ def describe_gaps(name: str, t_ns: Ints, longest: int = MOST_GAPS) -> list[Findi
 
 
 def describe_ends(name: str, t_ns: Ints, start_ns: int, stop_ns: int) -> list[Finding]:
-    """Tell a sensor that began late or ended early, relative to the whole log."""
+    """Describe a sensor that began late or ended early, relative to the whole log."""
     late_s, early_s = (int(t_ns[0]) - start_ns) / NS, (stop_ns - int(t_ns[-1])) / NS
     ends = (("stream-late", late_s), ("stream-early", early_s))
     return [Finding(code, {"seconds": s}, name) for code, s in ends if s >= LATE_S]

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compare the clocks of two sensors by the motion that both measured (docs/methods.md, Clocks).
 
-- images and attitude: the turn of the upper camera from one image to the next;
-- images and DVL: the direction in which the camera went;
-- pressure and DVL: the depth against the integral of the DVL's vertical velocity;
+- images and attitude: the turn of the upper camera from one image to the next,
+- images and DVL: the direction in which the camera went,
+- pressure and DVL: the depth against the integral of the DVL's vertical velocity,
 - attitude and DVL: the plane through a ping's returns, turned into the global frame, stands still.
 
 Turns about the tray's axis are left out: the play of its servo looks like a time offset.
@@ -45,7 +45,7 @@ TRUSTED = 3.0  # sigmas; larger residuals are clipped when the mount is estimate
 TRAY_AXIS = np.array([0.0, 1.0, 0.0])  # of tray and vehicle
 TURNED_S = 1.0  # between three normals of the hull, whose second difference is the residual
 SUNK_S = 2.0  # between three depths; second differences cancel the steady rate of a wrong mount
-LATE = 0.3  # share of those by which the next ping may be later
+LATE = 0.3  # largest delay of the next ping, as a share of the spacing
 BLOCK_S, LEAST_BLOCKS, LEAST_ROWS, MOST_ROWS = 10.0, 6, 60, 5_000
 NEIGHBOURS, JUMP_M = 9, 0.15  # pings to a median, and how far a range may be from it
 LEAST_BEAMS = 3
@@ -53,7 +53,7 @@ SMOOTH_S = 0.3  # of the pressure
 
 
 class Sensor(StrEnum):
-    """Sensors with a clock of their own; both cameras share one."""
+    """Sensors with a clock of their own. Both cameras share one clock."""
 
     DVL = "DVL"
     IMU = "IMU"
@@ -136,10 +136,11 @@ def compare_turns(
 def compare_directions(
     motions: ImageMotions, velocities: Velocities, rig: Rig
 ) -> Comparison | None:
-    """Compare DVL and images by the camera's directions of motion; None for fewer than two pings.
+    """Compare DVL and images by the camera's directions of motion.
 
     Both sit on the tray, so that no attitude is needed. What the lever arm between them sweeps
-    follows from the images, and a small rotation between their mounts is estimated.
+    follows from the images, and a small rotation between their mounts is estimated. None for fewer
+    than two pings.
     """
     if len(velocities.t_ns) < 2:
         return None
@@ -159,7 +160,7 @@ def compare_directions(
         )
         return np.asarray(top_from_dvl.rotation.apply(second - first) - swept[rows])
 
-    # the same for all offsets: else those with the shortest steps would fit best
+    # the same for all offsets: otherwise offsets with the shortest steps would fit best
     length = np.linalg.norm(step(0.0, np.arange(len(motions))), axis=1)
     of_step = STEP_SIGMA_M / np.maximum(length, STEP_SIGMA_M) + DIRECTION_SIGMA_RAD
     sigma = np.hypot(motions.sigma_rad[:, 1], of_step)[:, None]
@@ -188,9 +189,10 @@ def compare_depth(
     servo: Servo,
     rig: Rig,
 ) -> Comparison | None:
-    """Compare pressure sensor and DVL by the depth; None without pings or with few readings.
+    """Compare pressure sensor and DVL by the depth.
 
-    The attitude that levels the DVL's velocity is looked up at the IMU's offset.
+    The attitude that levels the DVL's velocity is looked up at the IMU's offset. None without pings
+    or with fewer than LEAST_ROWS pressure readings.
     """
     known, read = np.isfinite(dvl.velocity).all(axis=1), np.isfinite(pressure.depth)
     t_ns, read_ns = dvl.t_ns[known], pressure.t_ns[read]
@@ -226,7 +228,10 @@ def compare_depth(
 def compare_hull_turns(
     dvl: DvlPings, attitude: AttitudeHistory, servo: Servo, rig: Rig
 ) -> Comparison | None:
-    """Compare attitude and DVL by the turns of the hull, which stands still; None without pings."""
+    """Compare attitude and DVL by the apparent turns of the hull, which stands still.
+
+    None without pings that show the hull's normal.
+    """
     t_ns, normal = hull_normals(dvl)
     rows_of = _rows_apart(t_ns, TURNED_S)
     if not len(rows_of):
@@ -316,7 +321,7 @@ def _of_pings(
 
 
 def _shift_ns(offsets: Offsets, sensor: Sensor, other: Sensor) -> int:
-    """Compute what is added to the other sensor's stamps to look a sensor up at them."""
+    """Compute the shift to add to stamps of `other` to look `sensor` up at them."""
     return round((offsets.get(sensor, 0.0) - offsets.get(other, 0.0)) * NS)
 
 
@@ -325,7 +330,10 @@ def _vehicle_from_dvl(servo: Servo, rig: Rig, t_ns: Ints) -> Rotation:
 
 
 def _rows_apart(t_ns: Ints, apart_s: float) -> Ints:
-    """Choose pings with those once and twice a time later; at most MOST_ROWS, evenly: (m, 3)."""
+    """Choose pings that have pings apart_s and twice apart_s later.
+
+    Rows (m, 3) of the three, thinned evenly to about MOST_ROWS.
+    """
     rows = [np.arange(len(t_ns))]
     near = np.ones(len(t_ns), bool)
     for times in (1, 2):

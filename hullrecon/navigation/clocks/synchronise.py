@@ -49,8 +49,8 @@ from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
 RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6  # of images whose motion is measured, in each segment
-MOST_PAUSES = 4  # of a stream, the longest; one with more loses readings all the time
-SAME_S = 0.1  # offsets of two hypotheses that differ by less are one
+MOST_PAUSES = 4  # of a stream, the longest; a stream with more loses readings all the time
+SAME_S = 0.1  # offsets of two hypotheses that differ by less are the same
 
 # From two rows of the upper camera's images: second_from_first (4, 4), its translation of any
 # length, and the sigmas (2,) rad of its turn and direction; None where they do not tell.
@@ -65,7 +65,7 @@ class Synchronised:
     logs: NavigationLogs
     heard: Heard | None  # velocities and attitude of these logs; None where clocks were corrected
     offsets: list[TimeOffset]  # that were corrected
-    remarks: list[str]  # on what was corrected, and on what is wrong and not known whose
+    remarks: list[str]  # corrections, and clocks that disagree without a known culprit
 
 
 def synchronise(
@@ -83,7 +83,7 @@ def synchronise(
     tilt_rad
         Sigma of roll and pitch where the IMU's rates do not tell it.
     measure
-        Measures the motion between two images; None without a camera.
+        Measures the motion between two images, None without a camera.
     """
     frames = usable_frames(logs.top)
     streams = {Sensor.DVL: logs.dvl.t_ns, Sensor.IMU: logs.imu.t_ns}
@@ -140,7 +140,7 @@ def _same(first: Hypothesis, second: Hypothesis) -> bool:
 
 
 def _describe_unknown(alike: Sequence[Hypothesis]) -> str:
-    """Say which clocks part where it is not known which of them is wrong."""
+    """Name the clocks that disagree where it is not known which of them is wrong."""
     sensors = dict.fromkeys(sensor for hypothesis in alike for sensor in hypothesis.wrong)
     first = alike[0].wrong[0]
     return (
@@ -153,14 +153,14 @@ def _describe_unknown(alike: Sequence[Hypothesis]) -> str:
 def _is_a_minute_off(logs: NavigationLogs) -> bool:
     """Tell whether the IMU began and ended a minute before or after the DVL.
 
-    That is an offset beyond those searched, and some nearer one might fit by chance.
+    Such an offset is beyond those searched, and a smaller one might fit by chance.
     """
     began_s, ended_s = ((logs.imu.t_ns[end] - logs.dvl.t_ns[end]) / NS for end in (0, -1))
     return bool(min(abs(began_s), abs(ended_s)) > FAR_S and began_s * ended_s > 0)
 
 
 def _pauses(t_ns: Ints) -> list[int]:
-    """Find the middles of a stream's longest pauses: those that a jump of its clock would leave."""
+    """Find the middles of a stream's longest pauses, where its clock may have jumped."""
     step = np.diff(t_ns)
     if not len(step):
         return []
@@ -235,7 +235,7 @@ def _corrected(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> Navigatio
 
     top, bottom = moved(logs.top, Sensor.IMAGES), moved(logs.bottom, Sensor.IMAGES)
     if top is not None and bottom is not None and logs.bottom is not None:
-        # both cameras share a clock, unless the lower one pairs better as it is
+        # both cameras share a clock, unless the lower camera pairs better uncorrected
         pairs = [
             len(pair_frames(np.sort(top.t_ns), np.sort(lower.t_ns)))
             for lower in (bottom, logs.bottom)
@@ -252,7 +252,7 @@ def _corrected(logs: NavigationLogs, offsets: Sequence[TimeOffset]) -> Navigatio
 
 
 def _in_order(record: Stream) -> Stream:
-    """Sort a record whose offset changed, and leave out what then has the stamp of another row."""
+    """Sort a record whose offset changed, and drop rows whose stamp then repeats."""
     if record is None:
         return record
     stamps: Ints = record.t_ns  # type: ignore[attr-defined]
@@ -269,7 +269,10 @@ def _in_order(record: Stream) -> Stream:
 
 
 def describe_offsets(offsets: Sequence[TimeOffset]) -> list[str]:
-    """Say by how much each sensor's clock was wrong; offsets by sensor and time."""
+    """Describe by how much each sensor's clock was wrong.
+
+    offsets: by sensor, then by time.
+    """
     out = []
     for sensor, parts in itertools.groupby(offsets, key=lambda offset: offset.sensor):
         found = list(parts)

@@ -23,9 +23,9 @@ from hullrecon.navigation.clocks.comparisons import Comparison, Offsets, Sensor,
 from hullrecon.typing import Array
 
 SYNCHRONISED_S = 0.005  # sigma of a right clock
-UNKNOWN_S = 1000.0  # sigma of a wrong one, before anything is measured
+UNKNOWN_S = 1000.0  # prior sigma of a wrong clock
 GAIN = 25.0  # by which chi-square falls where a clock is wrong: five sigmas
-ALIKE = 4.0  # two explanations whose chi-squares differ by less explain as much
+ALIKE = 4.0  # hypotheses whose chi-squares differ by less are equivalent
 SIGNIFICANT = 5.0  # sigmas of an offset that is corrected
 NEAR_S, FAR_S = 5.0, 60.0  # offsets searched; far ones where near ones do not show agreement
 # offsets looked at: a swell that repeats itself fits a minute off a clock that is later still
@@ -42,7 +42,7 @@ ROUNDS, CONVERGED_S = 8, 1e-4
 
 @dataclass(frozen=True, kw_only=True)
 class TimeOffset:
-    """By how much a sensor's stamps are late, on a part of its stamps."""
+    """The delay of a sensor's stamps, valid for a span of its stamps."""
 
     sensor: Sensor
     from_ns: int
@@ -79,7 +79,7 @@ class Evidence:
     sigma: float  # of a residual
     usual: Array  # (n,) mean cost of each row, for offsets at which it is unknown
     minima_s: list[float]  # relative offsets, the lowest first
-    together: float = 1.0  # rows whose errors are one, by the scatter among blocks
+    together: float = 1.0  # rows that share one error, by the scatter among blocks
     least: float = 0.0  # lowest cost, in chi-square
 
     def cost(self, offsets: Offsets, span: Span | None = None) -> float:
@@ -95,7 +95,7 @@ class Evidence:
 
 
 def weigh(comparisons: Iterable[Comparison]) -> list[Evidence]:
-    """Scan the cost of comparisons with enough rows; those without scatter are left out."""
+    """Scan the cost of each comparison that has enough rows, leaving out those without scatter."""
     found = (_weigh(comparison) for comparison in comparisons if comparison.is_enough)
     return [evidence for evidence in found if evidence is not None]
 
@@ -196,8 +196,8 @@ def explain(evidence: Sequence[Evidence]) -> list[Hypothesis]:
     Returns
     -------
     list of Hypothesis
-        One where it is known, naming no sensor where all clocks are right. Several that explain as
-        much where it is not known which of them is true.
+        A single hypothesis where the answer is known, without sensors where all clocks are right.
+        Several that explain as much where it is not known which of them is true.
     """
     present = {s for e in evidence for s in (e.comparison.first, e.comparison.second)}
     sensors = [sensor for sensor in Sensor if sensor in present]
@@ -218,7 +218,7 @@ def explain(evidence: Sequence[Evidence]) -> list[Hypothesis]:
     alike = {h.wrong: h for h in found if h.total < found[-1].total + ALIKE}
     if () in alike:
         return [alike[()]]
-    # of two clocks of which one is wrong, the IMU's is taken to be right
+    # where two clocks disagree, the IMU's is taken as right
     return [h for h in alike.values() if Sensor.IMU not in h.wrong] or list(alike.values())
 
 
@@ -257,7 +257,7 @@ def solve(evidence: Sequence[Evidence], wrong: tuple[Sensor, ...], start: Offset
 
 
 def _unexplained(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> float:
-    """Compute how much chi-square could fall if each comparison had its best relative offset."""
+    """Compute the possible fall of chi-square if each comparison had its best relative offset."""
     return hypothesis.chi2 - sum(one.least for one in evidence)
 
 
@@ -363,8 +363,8 @@ def _clipped(residuals: Array, sigma: float) -> Array:
 
 
 def _filled(cost: Array, usual: Array) -> Array:
-    """Give rows of unknown cost their usual one, so that they speak for and against no offset.
+    """Replace unknown costs of a row by its usual cost, so that they favour no offset.
 
-    If they cost nothing, the farthest offsets, which leave the fewest rows, would look best.
+    At zero cost, the farthest offsets, which leave the fewest rows, would look best.
     """
     return np.where(np.isfinite(cost), cost, usual)

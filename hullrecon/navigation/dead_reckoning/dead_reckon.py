@@ -47,13 +47,13 @@ from hullrecon.typing import Ints
 # before the first and after the last velocity each image within REACH_S gets a node; beyond, as far
 # as it goes on from the image next to it
 REACH_S = 1.0
-# of the way across an outage: from there on images that show nothing are not worth a pose
+# of the motion across an outage, above which images without overlap get no pose
 LOST_SIGMA_M = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class NavigationLogs:
-    """What navigation reads; None where not carried."""
+    """The streams that navigation reads. None: not logged."""
 
     dvl: DvlPings
     imu: ImuSamples
@@ -65,15 +65,15 @@ class NavigationLogs:
 
 @dataclass(frozen=True, kw_only=True)
 class Navigated:
-    """What the step leaves: records, remarks for the log, and facts for navigation.json."""
+    """Results of the step."""
 
     trajectory: Trajectory
     error_model: TrajectoryErrorModel
     odometry: Odometry
     returns: Returns
     attitude: Attitude
-    remarks: list[str] = field(default_factory=list)
-    facts: dict[str, object] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)  # sentences for the log
+    facts: dict[str, object] = field(default_factory=dict)  # for navigation.json
 
 
 def dead_reckon(
@@ -83,12 +83,13 @@ def dead_reckon(
     walk: ImageWalk | None = None,
     heard: Heard | None = None,
 ) -> Navigated:
-    """Return the records of a dive reckoned from DVL, IMU, pressure and tray.
+    """Reckon the path of a dive from DVL, IMU, pressure and tray.
 
-    x = y = 0 at the first ping with a velocity while the IMU runs, heading as logged. walk: of the
-    upper camera's images, which get nodes where DVL or IMU are not heard yet or no more, or the DVL
-    not for a while, as far as each goes on from the one before; without it there are none at the
-    ends, and in an outage all have.
+    x = y = 0 at the first ping with a velocity while the IMU runs, heading as logged.
+
+    walk follows the upper camera's images. Before and after DVL and IMU are heard together, and in
+    outages of the DVL, images get nodes as far as each overlaps its neighbour. Without a walk the
+    images before and after get no node, and all images in an outage do.
 
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """
@@ -126,7 +127,7 @@ def dead_reckon(
 
 @dataclass(frozen=True, kw_only=True)
 class Heard:
-    """What DVL and IMU gave, before it is integrated."""
+    """Velocities of the DVL and attitude of the IMU before integration."""
 
     velocities: Velocities  # while the IMU was read
     attitude: AttitudeHistory
@@ -156,7 +157,10 @@ def usable_logs(logs: NavigationLogs) -> NavigationLogs:
 
 
 def finite_attitude(imu: ImuSamples) -> ImuSamples:
-    """Keep the readings with an orientation; raises StageError for fewer than two."""
+    """Keep the readings with an orientation.
+
+    Raises StageError where there are fewer than two.
+    """
     known = np.isfinite(imu.quaternion).all(axis=1) & (np.linalg.norm(imu.quaternion, axis=1) > 0.5)
     if not known.any():
         raise StageError(
@@ -181,12 +185,12 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
 def _velocities(
     logs: NavigationLogs, found: Velocities, walk: ImageWalk | None
 ) -> tuple[Velocities, int, tuple[int, int]]:
-    """Extend the velocities as far beyond the IMU's readings as images go on.
+    """Extend the velocities as far beyond the IMU's readings as images overlap.
 
     Returns
     -------
     tuple
-        The velocities, the stamp of the first one while the IMU was read, and from when to when
+        The velocities, the stamp of the first one while the IMU was read, and the span in which
         images get a pose, ns.
     """
     reach = int(REACH_S * 1e9)
@@ -239,7 +243,10 @@ def _nodes(
 
 
 def _depth(pressure: PressureSamples | None, path: Reckoning, nodes: Nodes) -> Depth | None:
-    """Return what the pressure adds; None where no sensor was read at any node."""
+    """Hold the path's depth to the pressure sensor.
+
+    None without a pressure sensor or where it was read at no node.
+    """
     if pressure is None:
         return None
     found = hold_to_pressure(pressure, path, nodes.t_ns, 0.5 * NODE_SPACING_S)
@@ -247,7 +254,7 @@ def _depth(pressure: PressureSamples | None, path: Reckoning, nodes: Nodes) -> D
 
 
 def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
-    """Return stamps and rows of the frames that decode, in time order; none without an index."""
+    """List stamps and rows of the frames that decode, in time order. Empty without an index."""
     if index is None:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     rows = np.flatnonzero(index.usable)
@@ -256,7 +263,10 @@ def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
 
 
 def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
-    """Return T_g_v (n) counted from the start; z by the pressure where there is one."""
+    """Place the vehicle at the nodes: T_g_v (n) with x = y = 0 at the start.
+
+    z is held to the pressure sensor where there is one.
+    """
     start = path.at(np.array([path.start_ns])).poses().translation[0]
     position = at.poses().translation - start
     if depth is not None:
@@ -269,8 +279,8 @@ def _attitude(
 ) -> Attitude:
     """Record depth, roll and pitch of the nodes with their sigmas.
 
-    What no reading is near was not measured and has a wide sigma. Nodes that share a reading of
-    the pressure sensor are together as sure as that reading.
+    Values without a reading nearby get a wide sigma. Nodes that share a pressure reading carry its
+    information once.
     """
     n = len(at.t_ns)
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T

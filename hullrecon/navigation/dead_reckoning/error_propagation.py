@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Propagate the errors of dead reckoning to every node.
 
-Errors that persist are unknowns of the dive with covariance J P J'; white noise adds to that.
+Errors that persist are unknowns of the dive with covariance J P J'. White noise adds to that.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.typing import Array, Ints
 
-UNKNOWN_DEPTH_M = 10.0  # without a pressure sensor the depth of the start is anyone's guess
+UNKNOWN_DEPTH_M = 10.0  # sigma of the start's depth without a pressure sensor
 LEAST_SIGMA_M = 1e-4  # of a position: keeps the covariance at the start invertible
 # The errors that persist, in the order of the columns of `pose_by_error`.
 SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH, ROLL_PITCH, HEADING, DEPTH_BIAS = (
@@ -50,7 +50,7 @@ def dead_reckoning_errors(
     like x and y, from the next node that was read where the sensor was silent for a while.
     """
     by_error = pose_by_error(at)
-    # the path is counted from there
+    # the path starts there
     by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]
     by_error[:, 2, DEPTH_BIAS] = 1.0
     walk, white = np.zeros((2, len(at.t_ns), 6, 6))
@@ -82,14 +82,17 @@ def dead_reckoning_errors(
 
 
 def _drift_since_start(path: Reckoning, at: Instant) -> Array:
-    """Compute the variance (n,) m2, each axis, by velocities since the start, negative before."""
+    """Compute the variance (n,) m2, each axis, of velocities integrated since the start.
+
+    It is negative before the start.
+    """
     start = np.full(len(at.t_ns), path.start_ns)
     variance = velocity_variance(path, np.minimum(start, at.t_ns), np.maximum(start, at.t_ns))
     return np.asarray(np.sign(at.t_ns - start) * variance)
 
 
 def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
-    """Compute the covariance (n, 6, 6) of twists by turns of the attitude that no reading shows.
+    """Compute the covariance (n, 6, 6) of twists by unmeasured turns of the attitude.
 
     Beyond the IMU's readings, or where its heading stepped, such a turn rotates the rest of the
     path about the place where it was made.
@@ -104,10 +107,10 @@ def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
 
 
 def _by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Array:
-    """Compute the variance (n,) m2, each axis, by velocities turned by an unread tray or attitude.
+    """Compute the variance (n,) m2, each axis, of velocities in a wrong direction.
 
-    sigma_rad (n,): of the direction. stretch (n,): ascending numbers of the spans over which that
-    is one error.
+    The direction is wrong by an unread tray or attitude. sigma_rad (n,): of the direction. stretch
+    (n,): ascending numbers of the spans over which the direction has one common error.
     """
     step_m = np.linalg.norm(np.diff(at.instrument, axis=0), axis=1)
     way = np.concatenate([[0.0], np.cumsum(0.5 * (sigma_rad[1:] + sigma_rad[:-1]) * step_m)])
@@ -143,7 +146,7 @@ def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:
 
 
 def twist_by_pose_error(poses: Poses) -> Array:
-    """Compute the twists about the global origin that pose errors are: (n, 6, 6).
+    """Compute the matrices (n, 6, 6) that turn pose errors into twists about the global origin.
 
     Pose errors are (translation in the global frame, rotation perturbed on the right in the
     vehicle's): omega = R w, rho = t + p x omega.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Follow images where DVL or IMU are silent, as far as each overlaps the one before."""
+"""Follow images where DVL or IMU are silent, as far as each overlaps the previous image."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ import numpy as np
 from hullrecon.records.clock import longest_pause_s
 from hullrecon.typing import Ints
 
-# between images that are compared when they are followed: closer ones overlap as well
+# between images compared in a walk: closer images overlap as well
 STRIDE_S = 0.5
-# whether an image shows what another shows, by their rows in the index
+# whether two images overlap, by their rows in the index
 GoesOn = Callable[[int, int], bool]
 
 
@@ -24,11 +24,11 @@ class ImageWalk:
     """Frames of one camera, followed where nothing else measures the motion."""
 
     frames: tuple[Ints, Ints]  # stamps (n,), in time order, and rows in the index
-    goes_on: GoesOn  # tells whether one frame shows what another does
+    goes_on: GoesOn  # tells whether two frames overlap
     progress: Callable[[range], Iterable[int]] = iter  # shows how far a walk is
 
     def widened(self, span_ns: tuple[int, int]) -> tuple[int, int]:
-        """Widen a span on both sides as far as each frame overlaps the one before it."""
+        """Widen a span on both sides as far as each frame overlaps its neighbour."""
         t_ns = self.frames[0]
         inside = np.flatnonzero((t_ns >= span_ns[0]) & (t_ns <= span_ns[1]))
         if not len(inside):
@@ -38,9 +38,9 @@ class ImageWalk:
         return min(span_ns[0], int(t_ns[first])), max(span_ns[1], int(t_ns[last]))
 
     def lost_in(self, outage_ns: tuple[int, int]) -> tuple[int, int] | None:
-        """Find the first and last stamp in an outage of frames that overlap neither of its sides.
+        """Find the first and last stamp of frames in an outage that overlap neither of its sides.
 
-        None where there are none.
+        None where there are no such frames.
         """
         t_ns = self.frames[0]
         begin, end = (

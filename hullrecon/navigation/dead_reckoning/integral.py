@@ -20,7 +20,10 @@ class Integral:
     total: Array  # (n, ...) integral up to each sample
 
     def at(self, t_s: Array) -> Array:
-        """Return (m, ...) at times (m,). Beyond the ends the signal holds its last value."""
+        """Evaluate the integral (m, ...) at times (m,).
+
+        Beyond the ends the signal holds its last value.
+        """
         left = np.clip(np.searchsorted(self.t_s, t_s, side="right") - 1, 0, len(self.t_s) - 2)
         wide = (slice(None), *[None] * (self.signal.ndim - 1))
         step = self.t_s[left + 1] - self.t_s[left]
@@ -34,7 +37,7 @@ class Integral:
 
 
 def integral(t_s: Array, signal: Array) -> Integral:
-    """Return the running integral of at least two samples (n, ...) at growing times (n,)."""
+    """Integrate at least two samples (n, ...) at increasing times (n,), linear between samples."""
     step = np.diff(t_s).reshape(-1, *[1] * (signal.ndim - 1))
     pieces = 0.5 * (signal[1:] + signal[:-1]) * step
     return Integral(

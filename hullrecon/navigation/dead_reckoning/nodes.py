@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Place the nodes of the trajectory at the camera's frames, and at DVL pings far from any."""
+"""Place the nodes of the trajectory at the camera's frames, and at DVL pings far from frames."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def choose_nodes(
     pings_ns
         Stamps of the DVL.
     span_ns
-        What navigation covers; frames outside get no node.
+        What navigation covers. Frames outside get no node.
     lost_ns
         Spans in which frames get no node either.
     spacing_s

@@ -23,7 +23,7 @@ LEAST_SIGMA_M = 2e-4  # of a step between two nodes: stamps and levers
 
 
 def odometry(path: Reckoning, at: Instant) -> Odometry:
-    """Return edges between neighbouring nodes: n - 1 of them."""
+    """Compute the n - 1 edges between neighbouring nodes."""
     n = len(at.t_ns)
     first, second = np.arange(n - 1), np.arange(1, n)
     poses = at.poses()
@@ -62,8 +62,8 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
 def widen_for_tray(found: Odometry, tray_sigma: Array) -> Odometry:
     """Widen the edges by the second-order effect of a wrong tray angle.
 
-    Their derivative is that at the angle as logged. tray_sigma (n,): rad, where the tray was not
-    read.
+    The edges' derivative by the tray is taken at the logged angle. tray_sigma (n,) rad: 0 where the
+    tray was read.
     """
     turn = np.maximum(tray_sigma[found.first], tray_sigma[found.second])
     covariance = found.covariance.copy()
@@ -106,7 +106,7 @@ def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
     )
 
     def gained_until(t_ns: Ints) -> Array:
-        """Integrate sigma^2 from the first velocity on; beyond the ends it is as there."""
+        """Integrate sigma^2 from the first velocity on, holding sigma constant beyond the ends."""
         t_s = (t_ns - path.start_ns) * 1e-9
         early, late = np.minimum(t_s - heard_s[0], 0), np.maximum(t_s - heard_s[-1], 0)
         return np.asarray(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Attach positions from outside to the nodes of the path, or say why they show nothing."""
+"""Attach external positions to the nodes of the path, or say why they show nothing."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from hullrecon.records.sensors import PositionFixes
 from hullrecon.records.trajectory import PositionTies, Trajectory
 from hullrecon.typing import Array
 
-FARTHEST_S = 5.0  # from a node: over it, between two nodes, the path is a straight line
-ONE_PLACE = 0.99  # quantile of what fixes of one place scatter
+FARTHEST_S = 5.0  # from a node: the path between two nodes is taken as straight
+ONE_PLACE = 0.99  # quantile of the scatter of fixes at one place
 
 
 @dataclass(frozen=True, kw_only=True)
 class AttachedPositions:
     """Position fixes attached to the nodes of a path."""
 
-    ties: PositionTies | None  # None where there are too few, or all of one place
+    ties: PositionTies | None  # None with too few, or with all at one place
     outside: int  # fixes before or after the path, or far from any node
     refusal: str | None  # why they show nothing, None where they do
 
     def sentences(self) -> list[str]:
-        """Return what the report warns of."""
+        """Describe in the report's words which positions cannot be used, and why."""
         out = []
         if self.outside:
             lie = (
@@ -45,7 +45,7 @@ class AttachedPositions:
         return out
 
     def facts(self) -> dict[str, object]:
-        """Return numbers for navigation.json."""
+        """Summarise the positions in numbers for navigation.json."""
         used = 0 if self.ties is None else len(self.ties)
         return {"used": used, "outside": self.outside, "refusal": self.refusal}
 
@@ -53,7 +53,10 @@ class AttachedPositions:
 def attach_positions(
     fixes: PositionFixes, trajectory: Trajectory, origin: Array
 ) -> AttachedPositions:
-    """Attach fixes to the nodes; origin (3,): of the antenna in the vehicle's frame."""
+    """Attach fixes to the nodes nearest in time.
+
+    origin (3,) m: the antenna in the vehicle frame.
+    """
     t = trajectory.t_ns
     node = nearest(t, fixes.t_ns)
     near = np.abs(t[node] - fixes.t_ns) <= FARTHEST_S * 1e9
@@ -74,9 +77,9 @@ def attach_positions(
 
 
 def _refusal(ties: PositionTies) -> str | None:
-    """Say why positions show nothing of a path whose heading and place are free.
+    """Explain why positions determine nothing of a path whose heading and place are free.
 
-    One position is met by any such path, and those of one place by any that stays there.
+    A single position fits any such path. Positions at one place fit any path that stays there.
     """
     if len(ties) < 2:
         return (

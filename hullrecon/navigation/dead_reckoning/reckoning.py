@@ -3,7 +3,7 @@
 """Strapdown dead reckoning at the DVL's rate, with its derivatives by the errors that persist.
 
 See [Ozog2016 1.2] and docs/methods.md 2. The DVL gives the velocity of the instrument in its own
-axes; through T_s_d, the tray's angle and the attitude it becomes a velocity in g, which is
+axes. Through T_s_d, the tray's angle and the attitude it becomes a velocity in g, which is
 integrated. The vehicle stands one lever arm from the instrument: p_v = p_d - R_g_v r_v(theta). That
 is the integral of `v_v = v_d - omega x r - r'`, tray rotation included, without differentiating an
 attitude.
@@ -53,7 +53,7 @@ class Reckoning:
     rig: Rig
 
     def at(self, t_ns: Ints) -> Instant:
-        """Return the vehicle and all that its derivatives need at times (n,)."""
+        """Interpolate the vehicle, and what the derivatives of its path need, at times (n,)."""
         theta = self.servo.angle_at(t_ns)
         rotation = self.attitude.rotation(t_ns)
         mounted = tray_poses(self.rig.tray_origin, theta)
@@ -86,11 +86,11 @@ class Instant:
 
     @property
     def instrument(self) -> Array:
-        """Return (n, 3) m in g, from the first instant of the path."""
+        """Position (n, 3) m of the DVL in g, from the start of the path."""
         return self.sums[:, :, 0]
 
     def poses(self) -> Poses:
-        """Return T_g_v by DVL and IMU alone, the instrument starting at nothing."""
+        """Compute T_g_v (n) by DVL and IMU alone, the DVL starting at the origin."""
         return Poses(self.rotation.as_quat(), self.instrument - self.rotation.apply(self.lever))
 
 

@@ -23,11 +23,11 @@ def remarks_of(
 ) -> tuple[list[str], dict[str, object]]:
     """Describe what was wrong with the sensors, with the numbers for navigation.json.
 
-    Times there are seconds since start_ns.
+    Times in the numbers are seconds since start_ns.
     """
 
     def since(t_ns: Ints) -> list[float]:
-        """Return seconds since the first velocity."""
+        """Convert stamps to seconds since the start of the path."""
         return [round(float(t), 3) for t in (np.asarray(t_ns) - path.start_ns).ravel() * 1e-9]
 
     v, holes, turned = path.velocities, path.attitude.holes, path.attitude.steps
@@ -134,7 +134,8 @@ def _bridged(velocities: Velocities) -> str:
 def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
     """Find the spans between two nodes with images that are far longer than usual.
 
-    Returns (first, last, m of way) of each; way_m (n,): how far the vehicle had come.
+    way_m (n,): distance travelled up to each node. Returns (first node, last node, m travelled) for
+    each span.
     """
     seen = np.flatnonzero((nodes.image >= 0).any(axis=1))
     if len(seen) < 3:
@@ -148,7 +149,7 @@ def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
 def _without_images(
     nodes_ns: Ints, blank: list[tuple[int, int, float]], velocities: Velocities
 ) -> str:
-    """Say what the longest span without images means for the path."""
+    """Describe what the longest span without images means for the path."""
     if not blank:
         return ""
     first, last, way_m = max(blank, key=lambda span: nodes_ns[span[1]] - nodes_ns[span[0]])
@@ -168,7 +169,7 @@ def _times(count: int, noun: str) -> str:
 
 
 def _heading_steps(size_deg: Array, at_ns: Ints) -> str:
-    """Return what was taken off the heading, and where."""
+    """Describe the steps that were removed from the heading."""
     if len(size_deg) == 0:
         return ""
     largest = int(np.argmax(np.abs(size_deg)))
@@ -184,7 +185,7 @@ def _heading_steps(size_deg: Array, at_ns: Ints) -> str:
 
 
 def _disagreements(apart_deg: Array, at_ns: Ints) -> str:
-    """Return where heading and rates contradict each other."""
+    """Describe where heading and rates contradict each other."""
     if len(apart_deg) == 0:
         return ""
     largest = int(np.argmax(apart_deg))
@@ -203,7 +204,7 @@ def _longest(spans_ns: Ints) -> str:
 
 
 def _unsure(velocities: Velocities) -> str:
-    """Return how well navigation knows the way across the outage that it knows least."""
+    """Describe how well navigation knows the way across the outage that it knows least."""
     if not len(velocities.outages):
         return ""
     sigma_m = np.sqrt(velocities.bridged_variance(*velocities.outages.T).max())
@@ -211,7 +212,7 @@ def _unsure(velocities: Velocities) -> str:
 
 
 def _without_pose(count: int) -> str:
-    """Return how many images navigation does not reach, and why."""
+    """Describe how many images navigation does not reach, and why."""
     return (
         f"{_times(count, 'image')} {'has' if count == 1 else 'have'} no pose: DVL and IMU "
         "did not both run then, and they"
@@ -220,7 +221,7 @@ def _without_pose(count: int) -> str:
 
 
 def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
-    """Say where images alone carry the path, before the first and after the last velocity."""
+    """Describe where images alone carry the path, before the first and after the last velocity."""
     heard_ns, ends_ns = velocities.t_ns[[0, -1]], nodes_ns[[0, -1]]
     sigma_m = np.sqrt(
         velocities.bridged_variance(
@@ -236,7 +237,10 @@ def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
 
 
 def _silent_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
-    """Return where the attitude is held as read first or last; "" where it is not."""
+    """Describe where the path goes on before the first or after the last attitude.
+
+    "" where it does not.
+    """
     ends_ns = nodes_ns[[0, -1]]
     ends = _silent_ends(attitude.t_ns[[0, -1]], ends_ns)
     sigma_deg = np.degrees(attitude.unread_sigma(ends_ns).max())
@@ -248,7 +252,7 @@ def _silent_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
 
 
 def _silent_ends(heard_ns: Ints, ends_ns: Ints) -> str:
-    """Say for how long nothing was read at the ends (2,) of the path.
+    """Describe how long nothing was read at the ends (2,) of the path.
 
     heard_ns (2,): the first and the last reading.
     """

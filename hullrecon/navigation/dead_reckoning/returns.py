@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The DVL's returns by their nearest node, and those that disagree with their neighbours."""
+"""Attach DVL returns to their nearest node, and flag those that disagree with their neighbours."""
 
 from __future__ import annotations
 

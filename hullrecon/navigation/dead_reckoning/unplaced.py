@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What DVL and IMU measured where nothing places the vehicle, so that it is not used."""
+"""DVL and IMU measurements that go unused because nothing places the vehicle there."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def describe_unplaced(
     nodes_ns: Ints,
     returns: Returns,
 ) -> list[str]:
-    """Say how much was measured where nothing places the vehicle; nothing where that is little.
+    """Say how much was measured where nothing places the vehicle.
 
     These are velocities without an attitude, ranges beyond the path, and an IMU that ran on without
-    a velocity.
+    a velocity. Small shares are not mentioned.
     """
     given_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
     used_ns = np.concatenate([velocities.t_ns, velocities.outliers])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Compare two patches of one hull: the second against what the first's curvature leads to."""
+"""Compare two patches of one hull: the second with the first extrapolated by its curvature."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hullrecon.navigation.planes.patches import Patches
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 
-# What no curvature explains between two patches: frames, seams, the change of the curvature itself.
+# Differences of two patches beyond curvature: frames, seams, the change of the curvature itself.
 ROUGHNESS = np.array([0.003, 0.002, 0.002])  # m, slopes in azimuth and elevation
 # Of the difference of two patches' curvatures, which says how fast it changes: the share by which
 # their mean may be off, what that leaves of the height beside the slopes, and how a change within a
@@ -41,16 +41,16 @@ class PatchPairs:
         return len(self.first)
 
     def roughened(self, factor: Array) -> PatchPairs:
-        """Return them with the noise of each of height and slopes multiplied by factor (3,)."""
+        """Scale the noise of height and slopes by factor (3,)."""
         return replace(self, noise=factor[:, None] * self.noise * factor)
 
     def rows(self, keep: Mask) -> PatchPairs:
-        """Return some of them."""
+        """Select pairs by mask."""
         return PatchPairs(**{field.name: getattr(self, field.name)[keep] for field in fields(self)})
 
 
 def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePath) -> PatchPairs:
-    """Return the pairs (m,) compared on a path T_g_v."""
+    """Compare pairs (m,) of patches on a path T_g_v."""
     motion = path.poses[patches.anchor[first]].inverse() @ path.poses[patches.anchor[second]]
     position, expected, gap, turn = _gap(patches, first, second, motion)
     turned_k = _turn_curvature(turn)
@@ -86,7 +86,7 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
 
 
 def _roughness(position: Array, change: Array) -> Array:
-    """Compute the covariance (m, 3, 3) of gaps by what two curvatures leave open.
+    """Compute the covariance (m, 3, 3) of gaps from the unmodelled change of curvature.
 
     change (m, 3): between the two curvatures.
     """
@@ -133,7 +133,7 @@ def position_and_gap_by_poses(
 
 
 def _perturbed(poses: Poses, tray: Array, column: int, step: float, tray_origin: Array) -> Poses:
-    """Move the vehicle, or its tray, which carries the DVL and so the patches seen by it."""
+    """Move the vehicle, or its tray, which carries the DVL and the patches seen by it."""
     vector = np.zeros((1, 6))
     if column < 3:
         return Poses(poses.quaternion, poses.translation + step * np.eye(3)[column])
@@ -193,7 +193,7 @@ def _by_position(position: Array, own: Array, other: Array) -> Array:
 
 
 def _matrix(curvature: Array) -> Array:
-    """Return (K_aa, K_ae, K_ee) (m, 3) as matrices (m, 2, 2)."""
+    """Arrange (K_aa, K_ae, K_ee) (m, 3) as matrices (m, 2, 2)."""
     return np.asarray(curvature[:, [0, 1, 1, 2]].reshape(-1, 2, 2))
 
 
@@ -211,7 +211,7 @@ def _turn_plane(turn: Array) -> Array:
 
 
 def _turn_curvature(turn: Array) -> Array:
-    """Return what takes (K_aa, K_ae, K_ee) into turned axes: of Q K Q'."""
+    """Build the matrices (m, 3, 3) that turn (K_aa, K_ae, K_ee) as Q K Q' turns K."""
     (p, q), (r, s) = turn[:, 0].T, turn[:, 1].T
     rows = [[p * p, 2 * p * q, q * q], [p * r, p * s + q * r, q * s], [r * r, 2 * r * s, s * s]]
     return np.asarray(np.stack([np.stack(row, axis=1) for row in rows], axis=1))
@@ -219,7 +219,7 @@ def _turn_curvature(turn: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneDifference:
-    """The difference between two patches' planes, as TiedPlanes has it."""
+    """The difference between the planes of two patches, as in TiedPlanes."""
 
     difference: Array  # (m, 3) m
     information: Array
@@ -227,7 +227,7 @@ class PlaneDifference:
 
 
 def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> PlaneDifference:
-    """Compute the plane expected at the second's centre less the first's.
+    """Compute the plane expected at the second's centre minus the first's plane.
 
     noise (m, 3, 3): of the gaps.
     """

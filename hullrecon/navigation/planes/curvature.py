@@ -18,7 +18,7 @@ from hullrecon.navigation.planes.patch_fit import patch_axes
 from hullrecon.navigation.planes.patches import Patches
 from hullrecon.typing import Array
 
-BROAD = np.array([0.5, 0.3, 0.5])  # 1/m, before anything is known: a bilge of 2 m
+BROAD = np.array([0.5, 0.3, 0.5])  # 1/m, the broad prior: a bilge radius of 2 m
 LEAST = 0.02  # 1/m, a radius of 50 m: where a hull is flat, it may still have dents
 SAMPLES = 3000  # points of a CAD model
 NEAR_M = 1.5  # between the points whose normals are compared
@@ -28,9 +28,9 @@ CLIPPED = 95  # percentile: edges and knuckles are no curvature
 
 
 def curvature_of_patches(patches: Patches) -> Array:
-    """Estimate the characteristic curvature (3,) from patches that were fitted with a broad one.
+    """Estimate the characteristic curvature (3,) from patches that were fitted with a broad prior.
 
-    It is their spread, less that of their noise.
+    It is the spread of their curvatures, less their noise.
     """
     if len(patches) < LEAST_NEIGHBOURS:
         return BROAD
@@ -63,7 +63,10 @@ def curvature_of_mesh(mesh: Mesh, seed: int = 0) -> Array:
 
 
 def _curvature(points: Array, normals: Array, row: int, near: Array) -> Array | None:
-    """Return K (3,) at a point by least squares; None where too few others are near."""
+    """Fit the curvature K (3,) at a point to the normals near it.
+
+    None where fewer than LEAST_NEIGHBOURS of them face the same way.
+    """
     near = near[normals[near] @ normals[row] > LEAST_ALIGNMENT]
     if len(near) < LEAST_NEIGHBOURS:
         return None
@@ -77,7 +80,7 @@ def _curvature(points: Array, normals: Array, row: int, near: Array) -> Array | 
 
 
 def _sample(mesh: Mesh, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Return points (SAMPLES, 3) spread evenly over the faces, and the unit normals there."""
+    """Sample points (SAMPLES, 3) evenly over the faces, with the unit normals there."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     cross = np.cross(b - a, c - a)
     area = np.linalg.norm(cross, axis=1)

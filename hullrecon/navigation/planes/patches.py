@@ -19,14 +19,14 @@ from hullrecon.typing import Array, Ints
 
 WINDOW_M = 0.8  # of the path in one window: about half of what its beams span at a metre's distance
 WINDOW_S = 8.0  # dead reckoning within it is good to millimetres
-MOST_RETURNS = 60  # of a window: more, where the vehicle stands, say the same again
-# of the vehicle's origin from a patch: a plane through its anchor has no three numbers
+MOST_RETURNS = 60  # of a window: more, where the vehicle stands still, add nothing
+# of the vehicle's origin from a patch: three numbers cannot describe a plane through its anchor
 LEAST_DISTANCE_M = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
 class Patches:
-    """Patches (w) along a path, in its order; see PatchFit for the fields not explained here."""
+    """Patches (w) along a path, in its order. Fields without a comment are those of PatchFit."""
 
     anchor: Ints  # (w,) node in the middle of the window
     rows: tuple[Ints, ...]  # of the returns, one array a patch
@@ -108,14 +108,17 @@ def _seen_from(
 
 
 def travelled_m(poses: Poses) -> Array:
-    """Return the length (n,) m of the path up to each node."""
+    """Compute the length (n,) m of the path up to each node."""
     return np.concatenate(
         [[0.0], np.cumsum(np.linalg.norm(np.diff(poses.translation, axis=0), axis=1))]
     )
 
 
 def _windows(travelled: Array, t_ns: Ints) -> Ints:
-    """Return the window (n,) of each node: a new one after so much of the path, or so long."""
+    """Divide the path into windows of at most WINDOW_M and WINDOW_S.
+
+    Returns the number (n,) of each node's window.
+    """
     out, begun = np.zeros(len(travelled), np.int64), 0
     for k in range(1, len(travelled)):
         over = travelled[k] - travelled[begun] > WINDOW_M or t_ns[k] - t_ns[begun] > WINDOW_S * 1e9

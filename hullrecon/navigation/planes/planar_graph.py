@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Solve the pose graph without planes, then with patches that the path shows to be seen again."""
+"""Solve the pose graph without planes, then with the patches that the path shows seen again."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ MOST_ROUNDS = 5
 LEAST_TIES = 5
 # share of the ties offered: on a ship's side 0.9 and more; in a cave or on rocks far fewer
 LEAST_AGREEING = 0.6
-MAX_ROUGHNESS = 5.0  # of the hull: beyond it patches tell little, and less of that is sure
+MAX_ROUGHNESS = 5.0  # of the hull: beyond it, patches carry little and uncertain information
 SAME_ROUGHNESS = 0.05
 # of the navigation errors as found, 99.9 % of their six degrees of freedom
 MAX_NAVIGATION_CHI2 = 22.5
@@ -46,12 +46,12 @@ class PlanarSolution(GraphSolution):
     """A solved pose graph, with planes or without."""
 
     patches: int  # seen on its path
-    offered: int  # pairs that would add to what is known
+    offered: int  # pairs that would add information
     refusal: str | None  # why planes that were offered were left out; None where they were not
 
     @property
     def planes(self) -> TiedPlanes | None:
-        """Return the planes that tie it, None where there are none."""
+        """The planes that tie the path. None where there are none."""
         return self.graph.planes
 
 
@@ -64,11 +64,11 @@ class Offer:
     roughness: Array
     offered: int
     agreeing: frozenset[tuple[int, int]]
-    planes: TiedPlanes | None  # that agreeing pairs make; None of too few
+    planes: TiedPlanes | None  # of the agreeing pairs; None with too few
 
     @property
     def trusted(self) -> bool:
-        """Return whether the hull is smooth enough for patches to be compared."""
+        """Whether the hull is smooth enough for patches to be compared."""
         return len(self.agreeing) >= LEAST_AGREEING * self.offered
 
 
@@ -81,10 +81,10 @@ class PlanarGraph:
     curvature: Array | None  # (3,), None where the dive has to show it
 
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> PlanarSolution:
-        """Solve for the path with links, and with planes where these add to what is known.
+        """Solve for the path with links, and with planes where these add information.
 
-        Planes that contradict each other or navigation are left out, all of them: a wrong one is
-        worse than none.
+        Planes that contradict each other or navigation are all left out: a wrong plane is worse
+        than none.
         """
         alone = self.graph.solve(links, before)
         known = (
@@ -111,8 +111,8 @@ class PlanarGraph:
     ) -> Offer:
         """Propose the ties between planes that a solved path shows.
 
-        alone: the solution without planes, which says what is known. curvature and rough (3,): of
-        the hull as known by now.
+        alone: the solution without planes, which gives the prior covariance. curvature and rough
+        (3,): the present estimates for the hull.
         """
         path, rig = solved.path, self.graph.rig
         patches = self._patches(solved, curvature)
@@ -153,7 +153,7 @@ def planar_graph(graph: PoseGraph, returns: Returns, cad_model: Mesh | None) -> 
 
 
 def _joint(solved: GraphSolution, patches: Patches, pairs: PatchPairs) -> Array:
-    """Return the covariance (m, 14, 14) of the poses and trays of both anchors of each pair."""
+    """Compute the covariance (m, 14, 14) of the poses and trays of both anchors of each pair."""
     if not len(pairs):
         return np.zeros((0, 14, 14))
     nodes = np.column_stack([patches.anchor[pairs.first], patches.anchor[pairs.second]]).astype(
@@ -163,7 +163,7 @@ def _joint(solved: GraphSolution, patches: Patches, pairs: PatchPairs) -> Array:
 
 
 def _refusal(offer: Offer, solved: GraphSolution) -> str | None:
-    """Return why planes are left out, None where they are not, or none was offered."""
+    """Explain why planes are left out. None where they are used, or none was offered."""
     if offer.offered >= LEAST_TIES and not offer.trusted:
         share = 100 * len(offer.agreeing) / offer.offered
         return (

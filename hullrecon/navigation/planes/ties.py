@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find patches that are one piece of the hull seen again, and are worth tying.
 
-They are near each other on the hull and alike within what is known. A wrong tie is worse than none,
-so each has to pass a gate both ways. A tie that adds nothing to what is known, as between nodes
-that images tie, is left out.
+They are near each other on the hull and alike within their covariance. A wrong tie is worse than
+none, so each has to pass a gate both ways. A tie that adds no information, as between nodes that
+images tie, is left out.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from hullrecon.typing import Array, Ints, Mask
 # along the hull, from the centre of a patch to that of another: beyond it, curvature says nothing
 # of the second
 REACH_M = 2.2
-# of the path between two patches of one pass: odometry is better there than any patch
+# of the path between two patches of one pass, where odometry is better than any patch
 SAME_PASS_M = 3.0
 MOST_TIES = 4  # of a patch to earlier ones, the nearest on the hull
 SEARCH_M = 4.0  # across and along the hull, for patches that a drift has put apart
-MOST_UNSURE_M = 0.25 * REACH_M  # sigma of where the second lies from the first, along the hull
+MOST_UNSURE_M = 0.25 * REACH_M  # sigma of the second relative to the first along the hull
 LEAST_ALIGNMENT = 0.7  # cosine between the normals of two patches of one piece of hull
 GATE_CHI2 = 11.34  # 99 % of three degrees of freedom
 # variance of the gap as the path has it over that as the patches measure it, in the direction that
@@ -66,7 +66,7 @@ def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
 
 
 def gaining(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Select pairs (m,) that measure their gap better than it is known, in at least one direction.
+    """Select pairs (m,) whose gap is measured better than the path predicts it, in some direction.
 
     joint (m, 14, 14): the covariance of both anchors' poses and trays on the path.
     """
@@ -78,11 +78,11 @@ def gaining(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
 
 
 def located(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Select pairs (m,) whose place along the hull is known within a part of curvature's reach.
+    """Select pairs (m,) whose place along the hull is known to within a part of curvature's reach.
 
-    Farther off, as after minutes without a DVL, the hull there has another form than the one that
-    is compared; gaps, linearised in the place, would pull the path along to where that form fits
-    best and be sure of it.
+    Farther off, as after minutes without a DVL, the hull has another shape than the one compared.
+    Gaps are linearised in the place. They would pull the path along the hull to where that shape
+    fits best, with a covariance that is far too small.
     """
     by_poses = position_and_gap_by_poses(patches, pairs, path, rig.tray_origin)[:, :2]
     variance = np.linalg.eigvalsh(by_poses @ joint @ by_poses.swapaxes(1, 2)).max(
@@ -92,7 +92,7 @@ def located(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
 
 
 def passing(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
-    """Select pairs (m,) that are alike within what is known, seen from the first and the second."""
+    """Select pairs (m,) that are alike within their covariance, seen from both patches."""
     back = compare_patches(patches, pairs.second, pairs.first, path)
     swapped = np.r_[7:14, 0:7]
     agrees = np.ones(len(pairs), bool)
@@ -108,7 +108,7 @@ def passing(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
 def roughness(
     patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array
 ) -> Array:
-    """Estimate by how much the gaps of pairs exceed what is known of them: (3,) height and slopes.
+    """Estimate the ratio (3,) of the gaps of pairs to their sigma, in height and slopes.
 
     A robust ratio over the dive, at least one.
     """
@@ -120,7 +120,8 @@ def roughness(
 def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPlanes:
     """Make planes of the patches that pairs touch, with their returns as ranges to them.
 
-    A patch in many pairs brings its own error into each: the more there are, the less each says.
+    A patch in many pairs brings its own error into each. The noise of a pair grows with the number
+    of pairs of its patches.
     """
     used = np.unique(np.concatenate([pairs.first, pairs.second]))
     number = np.full(len(patches), -1, np.int64)
@@ -145,7 +146,7 @@ def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPla
 
 
 def _known(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Array:
-    """Return the covariance (m, 3, 3) of the gaps by what is not known of the path."""
+    """Propagate the path's covariance to the gaps (m, 3, 3)."""
     by_poses = gap_by_poses(patches, pairs, path, rig.tray_origin)
     return np.asarray(by_poses @ joint @ by_poses.swapaxes(1, 2))
 

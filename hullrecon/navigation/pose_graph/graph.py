@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Solve the pose graph of odometry, depth, attitude and links [KimEustice2009; Ozog2016 2].
+"""Solve the pose graph of odometry, depth, attitude and links [KimEustice2009], [Ozog2016 2].
 
-Navigation's systematic errors and the cameras' mount are unknowns; the native module solves.
+Navigation's systematic errors and the cameras' mount are unknowns. The native module solves.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ from hullrecon.typing import Array, Ints, Mask
 # of a link's whitened square in units of its rows: dynamic covariance scaling has all but dropped
 # it
 REJECTED_CHI2 = 5.0
-MAX_REJECTED_SHARE = 0.03  # of the links, beyond which it may be the path that is wrong
-# links of a node that speak as if alone; more of them share its features' noise
+MAX_REJECTED_SHARE = 0.03  # of the links, beyond which the path itself may be wrong
+# links of a node that count as independent; with more, they share its features' noise
 SHARED_IMAGES = 2.0
 KERNELS = {
     "scaling": native.LinkKernel.SCALING,
@@ -56,27 +56,25 @@ OPTIONS = native.Options(
 
 @dataclass(frozen=True, kw_only=True)
 class PoseGraph:
-    """Navigation's measurements, the rig with its priors, and what guards against wrong links.
-
-    The guard is scaling, a switch or none. The planes of the hull that tie passes and the positions
-    from outside are None where there are none.
-    """
+    """Navigation's measurements, the rig with its priors, and the guard against wrong links."""
 
     trajectory: Trajectory
     odometry: Odometry
     attitude: Attitude
     rig: Rig
-    kernel: str = "scaling"
-    planes: TiedPlanes | None = None
-    positions: PositionTies | None = None
+    kernel: str = "scaling"  # the guard against wrong links: "scaling", "switch" or "none"
+    planes: TiedPlanes | None = None  # of the hull, which tie passes
+    positions: PositionTies | None = None  # from outside
 
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> GraphSolution:
-        """Return the path of least cost. before: a solution with fewer links, to begin with.
+        """Find the path of least cost.
 
-        Without one the start is that of `path_along_links`, from which right links look as wrong as
-        wrong ones: the first solve then guards against none. So it is tried where the solution with
-        fewer links makes many look wrong: an error that they share, as of the cameras' mount, may
-        be one that it could not know. Raises StageError where nothing determines the path.
+        before: a solution with fewer links to start from. Without one the start is that of
+        `path_along_links`, from which correct links look as wrong as wrong ones, so that the first
+        solve is not guarded against wrong links. That start is also tried where more than
+        MAX_REJECTED_SHARE of the links look wrong from the earlier solution: an error that they
+        share, as of the cameras' mount, may be one that it could not know. Raises StageError where
+        nothing determines the path.
         """
         if before is None:
             begin = path_along_links(self.trajectory, self.odometry, links, self.rig)
@@ -96,7 +94,7 @@ class PoseGraph:
     ) -> native.Unknowns:
         """Solve with all links taken to be right.
 
-        Starts: pose (n, 8), global_from_vehicle and the tray, and known, the other unknowns.
+        pose (n, 8): start of global_from_vehicle and the tray. known: start of the other unknowns.
         """
         problem = self._problem(links, native.LinkKernel.NONE, _vehicle(pose))
         start = problem.unknowns if known is None else self._started(problem, known)
@@ -105,7 +103,10 @@ class PoseGraph:
     def _solve_guarded(
         self, links: CameraLinks, known: native.Unknowns
     ) -> tuple[GraphSolution, float]:
-        """Return the solution from those unknowns, guarded against wrong links, and its cost."""
+        """Solve from known unknowns with the kernel that guards against wrong links.
+
+        Returns the solution and its cost.
+        """
         problem = self._problem(links, KERNELS[self.kernel], _vehicle(known.pose))
         result = native.solve(problem.started_from(self._started(problem, known)), OPTIONS)
         solved = problem.started_from(result.unknowns)
@@ -120,7 +121,7 @@ class PoseGraph:
 
     @staticmethod
     def _started(problem: native.Problem, known: native.Unknowns) -> native.Unknowns:
-        """Return the unknowns of another problem of the same dive, for this one."""
+        """Carry over the unknowns of another problem of the same dive."""
         return replace(
             known, link_switch=problem.unknowns.link_switch, plane=problem.unknowns.plane
         )
@@ -128,7 +129,7 @@ class PoseGraph:
     def _problem(
         self, links: CameraLinks, kernel: native.LinkKernel, path: Poses
     ) -> native.Problem:
-        """Return the problem, started from dead reckoning. path: T_g_v as it is known by now."""
+        """Build the problem, started from dead reckoning. path: T_g_v as known so far."""
         rig, t, start = self.rig, self.trajectory, self.trajectory.track().path
         switches = len(links) if kernel == native.LinkKernel.SWITCH else 0
         mounts = {
@@ -186,7 +187,7 @@ class GraphSolution:
 
     @property
     def path(self) -> VehiclePath:
-        """Return the vehicle and its tray."""
+        """The vehicle's poses and tray angles."""
         pose = self.problem.unknowns.pose
         return VehiclePath(
             poses=Poses(pose[:, 3:7].copy(), pose[:, :3].copy()), tray=pose[:, 7].copy()
@@ -200,7 +201,7 @@ class GraphSolution:
         return GraphErrors(problem=self.problem, bottom=bottom)
 
     def record(self) -> LinkedPath:
-        """Return the path with its covariance, and the parts that links tie together."""
+        """Record the path with its covariance, and the parts that links tie together."""
         marginals = native.covariance(self.problem, OPTIONS)
         pose = self.problem.unknowns.pose
         kept = ~self.rejected
@@ -214,7 +215,7 @@ class GraphSolution:
         )
 
     def fit_of_positions(self) -> PositionFit | None:
-        """Return how the positions from outside lie to the path; None where there are none."""
+        """Compare external positions with the path. None where there are none."""
         if self.graph.positions is None:
             return None
         return fit_of_positions(
@@ -225,7 +226,7 @@ class GraphSolution:
         )
 
     def _sigma_of_parts(self, part: Ints) -> Array:
-        """Compute the sigma (parts,) m of each part's middle relative to that of the largest."""
+        """Compute the sigma (parts,) m of each part's middle relative to the largest part's."""
         rows = [np.flatnonzero(part == k) for k in range(part.max(initial=-1) + 1)]
         if not rows:
             return np.zeros(0)
@@ -269,7 +270,7 @@ class GraphErrors:
 
     @cached_property
     def _cameras(self) -> tuple[Array, Array]:
-        """Return rotation (n, 3, 3) and position (n, 3) of the leading camera in g."""
+        """Rotation (n, 3, 3) and position (n, 3) m of the leading camera in g."""
         vehicle, tray, mount = self._chain
         lever = self.problem.lever_arms.tray + np.einsum("nij,nj->ni", tray, mount[:, :3, 3])
         position = self.problem.unknowns.pose[:, :3] + np.einsum("nij,nj->ni", vehicle, lever)
@@ -277,7 +278,7 @@ class GraphErrors:
 
     @cached_property
     def _chain(self) -> tuple[Array, Array, Array]:
-        """Return R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c of the leading camera (n, 4, 4)."""
+        """R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c (n, 4, 4) of the leading camera."""
         pose = self.problem.unknowns.pose
         vehicle = Poses(pose[:, 3:7], pose[:, :3]).rotation.as_matrix()
         cos, sin, zero, one = (
@@ -313,7 +314,7 @@ class GraphErrors:
 
 
 def _unlinked_motions(odometry: Odometry, links: CameraLinks) -> Odometry:
-    """Remove from the odometry what images of two linked nodes measured: images speak once."""
+    """Drop image-based odometry between linked nodes, so that no image is used twice."""
     nodes = 1 + max(int(odometry.second.max(initial=0)), int(links.second.max(initial=0)))
     linked = np.isin(odometry.first * nodes + odometry.second, links.first * nodes + links.second)
     return odometry.take(~(odometry.from_images & linked))
@@ -322,11 +323,11 @@ def _unlinked_motions(odometry: Odometry, links: CameraLinks) -> Odometry:
 def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> native.LinkTable:
     """Make factors of the links.
 
-    A node's links share its features' noise: the more there are, the less each says.
+    Links of one node share its features' noise. The more links a node has, the less each weighs.
     """
     degree = np.bincount(np.concatenate([links.first, links.second]), minlength=nodes)
     shared = np.maximum(0.5 * (degree[links.first] + degree[links.second]) / SHARED_IMAGES, 1.0)
-    # a link's first camera is the one that the other is seen from
+    # in the native table, `first` is the camera in whose axes the motion is given
     return native.LinkTable(
         first=links.second.astype(np.int32),
         second=links.first.astype(np.int32),
@@ -342,7 +343,7 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
 def _whitening(links: CameraLinks) -> Array:
     """Compute the square root of the links' information (m, 6, 6).
 
-    Of a link without a length, of its five numbers, in the leading block.
+    For a link without a length, that of its five numbers in the leading block.
     """
     covariance = links.covariance.copy()
     free = np.flatnonzero(~links.scaled)
@@ -361,15 +362,14 @@ def _whitening(links: CameraLinks) -> Array:
 
 
 def _vehicle(pose: Array) -> Poses:
-    """Return T_g_v (n) of poses with their trays (n, 8)."""
+    """Take T_g_v (n) from poses with their trays (n, 8)."""
     return Poses(pose[:, 3:7], pose[:, :3])
 
 
 def _rejected(problem: native.Problem, count: int) -> Mask:
-    """Find links whose whitened square exceeds what dynamic covariance scaling lets speak.
+    """Find links whose whitened square is beyond the limit of dynamic covariance scaling.
 
-    It is that of the links themselves, not as a switch leaves them, which takes the square of a
-    wrong one to nothing.
+    The square is taken without the guard: a switch would take that of a wrong link to nothing.
     """
     bare = replace(problem.links, kernel=np.full(count, int(native.LinkKernel.NONE), np.int32))
     bare_unknowns = replace(problem.unknowns, link_switch=np.ones(0))
@@ -394,7 +394,10 @@ def _unknowns(
 
 
 def linked_parts(nodes: int, first: Ints, second: Ints) -> Ints:
-    """Label nodes with the part that links join, 0 the largest; -1 without links."""
+    """Label nodes with the part that links join.
+
+    0 is the part with most nodes. -1: a node without links.
+    """
     graph = coo_array((np.ones(len(first)), (first, second)), shape=(nodes, nodes))
     label = connected_components(graph, directed=False)[1]
     touched = np.zeros(nodes, bool)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Start the pose graph's solve: dead reckoning, and along the images where the DVL was silent.
+"""Start the pose graph's solve: by dead reckoning, and along the images in outages of the DVL.
 
-There dead reckoning goes straight on, whatever the vehicle does. A link of one camera says the
-direction and not the length of a step: from a start that goes the wrong way after a turn, such
+Dead reckoning goes straight on in an outage, whatever the vehicle does. A link of one camera gives
+the direction and not the length of a step. From a start that goes the wrong way after a turn, such
 links end in a wrong minimum.
 """
 
@@ -59,7 +59,7 @@ def path_along_links(
 
 
 def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
-    """Chain motions to poses (n, 4, 4): as reckoned, but to the nodes of `along` by its motions."""
+    """Chain motions to poses (n, 4, 4): those of `along` at its nodes, else those reckoned."""
     steps = (reckoned[:-1].inverse() @ reckoned[1:]).matrix()
     out = reckoned.matrix()
     for k in range(1, len(out)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What of a dive images tie together, in words."""
+"""Describe in words which parts of a dive are tied together by images."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MOST_LISTED = 5
 
 
 def describe_parts(path: LinkedPath, t_ns: Ints) -> str | None:
-    """Describe the parts into which a dive's images fall, and how well navigation alone ties them.
+    """Describe the parts into which a dive's images fall, and how well navigation ties them.
 
     None where all are tied together. t_ns (n,): of the nodes.
     """

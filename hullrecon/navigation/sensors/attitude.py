@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Attitude at any time: the slow part from the IMU's orientation, the fast part from its rates.
 
-An orientation is noisy from one reading to the next and true in the long run; integrated rates are
-the reverse. Their disagreement, accumulated, is smoothed and taken off; how much it is smoothed
+An orientation is noisy from one reading to the next and true in the long run. Integrated rates are
+the reverse. Their disagreement, accumulated, is smoothed and taken off. How much it is smoothed
 follows from the noise found in it.
 """
 
@@ -49,12 +49,12 @@ class AttitudeHistory:
     steps: HeadingSteps = NO_STEPS  # of the logged heading, which were taken off
 
     def rotation(self, at_ns: Ints) -> Rotation:
-        """Return R_g_v (m) at times (m,), the ends held."""
+        """Interpolate R_g_v (m) at times (m,), constant beyond the ends."""
         held = Poses(self.quaternion, np.zeros((len(self.quaternion), 3)))
         return interpolate(self.t_ns, held, at_ns).rotation
 
     def turn_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
-        """Return variance (m,) rad2, each axis, of the turn between two instants."""
+        """Compute the variance (m,) rad2, each axis, of the turn between two instants."""
         limit = 2 * self.sigma_rad**2
         short = self.walk * (stop_ns - start_ns) * 1e-9
         bound = limit * -np.expm1(-short / limit) if self.fused else np.full(len(start_ns), limit)
@@ -82,9 +82,9 @@ class AttitudeHistory:
         return np.asarray(BRIDGED_RATE_RAD_S**2 * seconds2)
 
     def turned_by_steps(self, at_ns: Ints) -> Array:
-        """Compute the variance (m,) rad2, about z of g, of the heading's steps up to some times.
+        """Accumulate the variance (m,) rad2, about z of g, of the heading's steps up to times (m,).
 
-        It is what is left of steps that were taken off, and the disagreement of heading and rates.
+        It is the remainder of steps that were taken off, and the disagreement of heading and rates.
         """
         out = self.steps.sigma_rad**2 * np.searchsorted(
             self.t_ns[self.steps.row], at_ns, side="right"
@@ -97,7 +97,7 @@ class AttitudeHistory:
         return np.asarray(out)
 
     def holes_before(self, at_ns: Ints) -> Ints:
-        """Return how many holes (m,) have begun by those times."""
+        """Count the holes (m,) that have begun by times (m,)."""
         return (
             np.asarray(np.searchsorted(self.holes[:, 0], at_ns))
             if len(self.holes)
@@ -105,7 +105,7 @@ class AttitudeHistory:
         )
 
     def hole_sigma(self, at_ns: Ints) -> Array:
-        """Compute the sigma (m,) rad, each axis, of an attitude in a hole; 0 elsewhere."""
+        """Compute the sigma (m,) rad, each axis, of an attitude in a hole. 0 outside holes."""
         out = np.zeros(len(at_ns))
         for begin, end in self.holes:
             inside = (at_ns > begin) & (at_ns < end)
@@ -145,7 +145,7 @@ def attitude_history(
 
 
 def _stamps_turn(t: Array, imu: ImuSamples) -> float:
-    """Estimate the turn about an axis, rad, during the error of uneven stamps, as of bursts."""
+    """Estimate the turn about an axis, rad, within the jitter of uneven stamps, as in bursts."""
     step, usual = np.diff(t), period(t)
     uneven_s = np.sqrt(np.mean(np.square(step[step <= longest_step(usual)] - usual)))
     return float(uneven_s * np.sqrt(np.nanmean(np.square(imu.angular_velocity))))

@@ -3,11 +3,11 @@
 """Depth: the DVL's vertical path, held to the pressure sensor slowly.
 
 Over a second the DVL knows the vertical step to a millimetre where one pressure reading scatters by
-centimetres; over minutes the pressure is right. So what is smoothed is the difference of the two,
+centimetres. Over minutes the pressure is right. So what is smoothed is the difference of the two,
 over WIDTH_S: ten readings a second of 0.02 m leave some 1.5 mm, and a drift that is steady over
 half a minute (scale, mount) is followed without lag. Where the DVL was silent its path goes
-straight on, whatever the vehicle does: there the pressure alone speaks, and no reading from there
-is smoothed into what the DVL saw.
+straight on, whatever the vehicle does. There the depth is the pressure sensor's alone, and no
+reading from there is smoothed into what the DVL saw.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from hullrecon.records.sensors import PressureSamples
 from hullrecon.typing import Array, Ints, Mask
 
 WIDTH_S = 5.0
-STEP_M = 0.3  # between two readings, beyond what the DVL saw
+STEP_M = 0.3  # between two readings, in excess of the DVL's motion
 LEAST_SIGMA_M = 1e-3
 UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
 # of a node, within which nodes and readings are counted: the longer of the two
@@ -35,12 +35,12 @@ AT_AN_EDGE = 2.5
 
 @dataclass(frozen=True, kw_only=True)
 class Depth:
-    """What the pressure adds to the DVL's vertical path at the nodes (n)."""
+    """The pressure sensor's correction to the DVL's vertical path at the nodes (n)."""
 
     shift: Array  # (n,) m, to be added to z
     sigma: Array  # (n,) m, of shift
     measured: Array  # (n,) m, depth of the sensor
-    shared: Array  # (n,) nodes to a reading, 0 where none was near
+    shared: Array  # (n,) nodes per reading, 0 without a reading nearby
     steps: Ints  # (k,) stamps where the pressure jumped against the DVL
     white: float  # scatter of one reading, m
     unread_s: Array  # (n,) to the next reading, 0 where the depth was measured
@@ -87,10 +87,10 @@ def hold_to_pressure(
 
 
 def nodes_per_reading(read_ns: Ints, nodes_ns: Ints, measured: Mask) -> Array:
-    """Count the nodes to a reading around each node (n,), 1 where readings are more.
+    """Count the nodes per pressure reading near each node (n,), at least 1.
 
-    By so many, depths at nodes are one and the same reading's. measured (n,): nodes whose depth was
-    measured; the others are not counted, and have 0.
+    Depths of nodes that share a reading are fully correlated. measured (n,): nodes whose depth was
+    measured. 0 at the others.
     """
     period_s = float(np.median(np.diff(read_ns))) * 1e-9 if len(read_ns) > 1 else 0.0
     half_ns = round(1e9 * max(AROUND_S, AROUND_PERIODS * period_s))
@@ -103,9 +103,10 @@ def nodes_per_reading(read_ns: Ints, nodes_ns: Ints, measured: Mask) -> Array:
 
 
 def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
-    """Compute the sigma (n,) m of depths at nodes, shared (n,) to a reading of that sigma.
+    """Inflate the depth sigma (n,) m by sqrt(nodes per reading) at the nodes.
 
-    Together they are as sure as the reading. Wide where none was read.
+    Nodes that share a reading of sigma_m then carry its information once. UNKNOWN_SIGMA_M where
+    shared is 0: no reading.
     """
     return np.where(shared > 0, sigma_m * np.sqrt(shared), UNKNOWN_SIGMA_M)
 
@@ -113,10 +114,10 @@ def depth_at_nodes_sigma(sigma_m: float, shared: Array) -> Array:
 def _smooth(
     t_s: Array, values: Array, at_s: Array, edges_s: Array, widths_s: tuple[float, float]
 ) -> Array:
-    """Smooth readings (n,), at times at_s (m,), within each stretch between two edges.
+    """Smooth readings (n,), at times at_s (m,), within each segment between two edges.
 
-    The first width is for stretches where the DVL was heard, the second where it was silent. A
-    stretch of less than two readings takes all.
+    The first width is for segments where the DVL was heard, the second for those where it was
+    silent. A segment of less than two readings takes all readings.
     """
     out = np.zeros(len(at_s))
     stretch, stretch_at = (np.searchsorted(edges_s, times, side="right") for times in (t_s, at_s))
@@ -132,7 +133,7 @@ def _smooth(
 def _noise_left(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:
     """Compute the share (n,), 1/sqrt(s), of white noise that smoothing leaves.
 
-    It is more at the edges of a stretch, which have no readings on one side.
+    It is larger at the edges of a segment, which have readings on one side only.
     """
     width = np.where(
         _silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0]
@@ -147,15 +148,15 @@ def _noise_left(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> A
 
 
 def _silent(stretch: Ints) -> Mask:
-    """Tell in which segments the DVL was silent: edges begin and end its silences by turns."""
+    """Tell in which segments the DVL was silent: edges alternately begin and end its silences."""
     return np.asarray(stretch % 2 == 1)
 
 
 def path_seconds(path: Reckoning, t_ns: Ints) -> Array:
-    """Return seconds (n,) since the start of the path."""
+    """Convert stamps (n,) to seconds since the start of the path."""
     return np.asarray((t_ns - path.start_ns) * 1e-9)
 
 
 def _sensor(path: Reckoning, t_ns: Ints) -> Array:
-    """Return z (n,) of the pressure sensor by the DVL's path."""
+    """Compute z (n,) m of the pressure sensor on the DVL's path."""
     return np.asarray(path.at(t_ns).poses().apply(path.rig.pressure_origin)[:, 2])

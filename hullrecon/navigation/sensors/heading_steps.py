@@ -21,7 +21,7 @@ from hullrecon.typing import Array, Ints
 BESIDE_S = 1.0  # of readings on either side that tell a step's size
 LEAST_STEP_RAD = np.radians(0.5)
 STEP_SIGMAS = 8.0  # of such differences along the dive
-# the share of a step that comes within that time; what comes slower may be the rates' fault
+# share of a step within that time; a slower change may be the rates' fault
 SUDDEN_S, SUDDEN = 0.15, 0.6
 # copied at a time: each reading lies in as many windows as a window has readings
 MEDIAN_VALUES = 1_000_000
@@ -35,12 +35,12 @@ class HeadingSteps:
     row: Ints  # (k,) first reading after each step
     size: Array  # (k,) rad, about z of g
     sigma_rad: float  # of a size
-    # (d,) readings about which heading and rates part slowly: either may be wrong
+    # (d,) readings about which heading and rates diverge slowly: either may be wrong
     disagreement: Ints
-    disagreement_rad: Array  # (d,) by how much they part
+    disagreement_rad: Array  # (d,) size of the divergence
 
     def taken_off(self, quaternion: Array) -> Array:
-        """Return the attitudes (n, 4) as if the heading had not stepped."""
+        """Remove the steps from attitudes (n, 4)."""
         if len(self.row) == 0:
             return quaternion
         heading = np.zeros(len(quaternion))
@@ -55,9 +55,9 @@ NO_STEPS = HeadingSteps(np.zeros(0, np.int64), np.zeros(0), 0.0, np.zeros(0, np.
 
 
 def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD) -> HeadingSteps:
-    """Find the steps of a heading (n,) rad, less what the rates say of it.
+    """Find steps in the heading that the rates do not explain.
 
-    least_rad: of a step between two readings.
+    gap (n,) rad: heading minus integrated rates. least_rad: smallest step between two readings.
     """
     count = round(BESIDE_S / period(t_s)) if len(t_s) > 2 else 0
     if count < 3 or len(t_s) < 4 * count:
@@ -67,7 +67,7 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     level = np.concatenate(
         [np.median(windows[k : k + block], axis=-1) for k in range(0, len(windows), block)]
     )
-    size = np.zeros(len(gap))  # by which the level after a reading exceeds that before it
+    size = np.zeros(len(gap))  # level after a reading minus the level before it
     size[count : len(gap) - count + 1] = level[count:] - level[:-count]
     sigma = robust_sigma(size[count : len(gap) - count + 1], about=0.0)
     near = max(1, round(SUDDEN_S / period(t_s)))

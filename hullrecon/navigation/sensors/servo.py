@@ -16,7 +16,7 @@ from hullrecon.typing import Array, Ints
 LEAST_TRAVEL_RAD = np.radians(0.3)  # a servo's reading flickers by less; a command moves it farther
 # how fast and how far a tray may have turned while nothing was read
 UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5
-FEW_READINGS = 3  # fewer are no record of a tray that turns, but the angle at which it was set
+FEW_READINGS = 3  # fewer readings are a setting, not the record of a moving tray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,14 +29,14 @@ class Servo:
     is_read: bool = True  # False of a tray that is taken to stand at zero, as no angle was logged
 
     def angle_at(self, t_ns: Ints) -> Array:
-        """Return (m,) rad, linear; the ends held."""
+        """Interpolate the angle (m,) rad linearly, constant beyond the ends."""
         start = self.t_ns[0]
         return np.asarray(
             np.interp((t_ns - start).astype(float), (self.t_ns - start).astype(float), self.angle)
         )
 
     def direction_at(self, t_ns: Ints) -> Array:
-        """Return (m,) +1 or -1."""
+        """Look up the sense of rotation (m,), +1 or -1, of the last reading before each time."""
         return self.direction[
             np.clip(np.searchsorted(self.t_ns, t_ns, side="right") - 1, 0, len(self.t_ns) - 1)
         ]
@@ -59,12 +59,15 @@ class Servo:
         return np.asarray(np.minimum(UNREAD_RATE_RAD_S * unread_s(self.t_ns, t_ns), most))
 
     def silence(self, t_ns: Ints) -> str:
-        """Say how long no angle was read at the nodes t_ns (m,); "" where none was missed."""
+        """Describe how long no angle was read at nodes t_ns (m,). "" where none was missed."""
         return describe_silence(self.t_ns, t_ns) if self.is_read else ""
 
 
 def servo(tray: JointSamples | None, start_ns: int) -> Servo:
-    """Return the servo of a joint's record in time order; one that was not logged stays at zero."""
+    """Build the servo from a joint's record in time order.
+
+    A joint that was not logged stays at zero.
+    """
     if tray is None or not np.isfinite(tray.angle).any():
         return Servo(
             t_ns=np.array([start_ns]), angle=np.zeros(1), direction=np.ones(1), is_read=False
@@ -83,7 +86,8 @@ def _directions(angle: Array, travel: float) -> Array:
     """Find in which sense, +1 or -1, a servo last moved at each reading.
 
     The sense flips when the angle has come back by `travel` from its farthest point, and is dated
-    back to that point. A scan, since each flip decides what the next one is measured from.
+    back to that point. This is a sequential scan, since each flip decides the reference of the
+    next.
     """
     out = np.ones(len(angle))
     sense, far, turned, first = 0, 0, 0, angle[0]

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Smooth unevenly sampled signals without lag, by a local line with Gaussian weights.
 
-A straight trend passes unchanged, at the ends too; the cost does not grow with the window.
+A straight trend passes unchanged, at the ends too. The cost does not grow with the window.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ REACH = 4  # widths of the Gaussian that count
 def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[Array, Array]:
     """Fit lines about times at_s (m,) to samples (n, k) at t_s (n,).
 
-    Returns value (m, k) and slope (m, k); width_s: sigma of the weights.
+    width_s: sigma of the weights. Returns value (m, k) and slope (m, k).
 
-    Samples are gathered into bins of a sixth of the width, their first two moments kept. There are
-    bins where samples are near, so that memory grows with these and not with the time that they
-    span. Where a gap leaves no sample in reach the neighbours are joined linearly.
+    Samples are gathered into bins of a sixth of the width, of which the first two moments are kept.
+    There are bins only where samples are near, so that memory does not grow with the time that they
+    span. Where a gap leaves no sample in reach, the neighbours are joined linearly.
     """
     step = width_s / BINS_A_WIDTH
     start = min(t_s.min(), at_s.min())
@@ -42,7 +42,7 @@ def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[
 
 
 def running_median(values: Array, count: int) -> Array:
-    """Compute the median of `count` (odd) neighbours of each of (n, k), ignoring NaN.
+    """Compute the running median of (n, k) over `count` (odd) neighbours, ignoring NaN.
 
     The ends repeat their first and last value.
     """
@@ -57,9 +57,9 @@ def running_median(values: Array, count: int) -> Array:
 
 
 def _bins_near(cell: Ints) -> Ints:
-    """List the bins (g,), ascending, that have a sample's bin (n,) in reach.
+    """List the bins (g,), ascending, within reach of a sample's bin (n,).
 
-    Those of two runs reach no sample of the other, though they are neighbours in tables.
+    Neighbours in this list may belong to two runs, whose samples do not reach each other's bins.
     """
     reach = REACH * BINS_A_WIDTH
     used = np.unique(cell)
@@ -77,7 +77,7 @@ def _bin(cell: Ints, weight: Array, size: int) -> Array:
 def _lines(
     weight: list[Array], moment: list[Array], step: float, width_s: float
 ) -> tuple[Array, Array]:
-    """Return level (g, k) and slope (g, k) at the bins; NaN where no sample is in reach."""
+    """Fit level (g, k) and slope (g, k) at the bins. NaN where no sample is in reach."""
     x = step * np.arange(-REACH * BINS_A_WIDTH, REACH * BINS_A_WIDTH + 1)
     kernel = np.exp(-0.5 * (x / width_s) ** 2)
     s0 = _correlate(weight[0], kernel)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The DVL's velocities that can be used, and what lies between them when the bottom is lost."""
+"""The DVL's usable velocities, and the outages between them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hullrecon.typing import Array, Ints, Mask
 LONGEST_GAP_S = (
     0.6  # between two velocities or attitudes; a longer gap is an outage, bridged and reported
 )
-# no inspection vehicle leaves the median of its neighbours by more within half a second
+# largest departure of an inspection vehicle from its neighbours' median within half a second
 OUTLIER_M_S = 0.25
 OUTLIER_WITHIN_S = 0.5
 OUTLIER_SIGMAS = 8.0
@@ -31,21 +31,21 @@ FIRST_LAG_S = 1.0
 class Agitation:
     """How a velocity changes with time.
 
-    Rates of a random walk are equal; of a vehicle that speeds up steadily or turns back they grow
-    with the lag.
+    The rate of a random walk is the same at all lags. That of a vehicle that speeds up steadily or
+    turns back grows with the lag.
     """
 
     lag_s: Array  # (k,)
     rate: Array  # (k,) m2/s3, variance of the change over a lag per second of it, each axis
 
     def over(self, duration_s: Array) -> Array:
-        """Return the rate (m,) for silences of some duration (m,)."""
+        """Interpolate the rate (m,) for outages of duration_s (m,)."""
         return np.asarray(np.interp(duration_s, self.lag_s, self.rate))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Velocities:
-    """Pings with a velocity that is no outlier."""
+    """Pings with a velocity that is not an outlier."""
 
     t_ns: Ints  # (n,)
     velocity: Array  # (n, 3) m/s of the instrument in the DVL's frame
@@ -55,7 +55,7 @@ class Velocities:
     outliers: Ints  # stamps of pings rejected
 
     def bridged_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
-        """Return variance (m,) m2 that intervals add where no velocity was heard.
+        """Compute the variance (m,) m2 that intervals add where no velocity was heard.
 
         Over an outage of length T a velocity that walks between its two known ends adds agitation
         T^3 / 12. Before the first and after the last velocity one that walks away from a known end
@@ -101,7 +101,7 @@ def usable_velocities(
 
 
 def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
-    """Return pings that leave the running median by a jump and by many robust sigma of that.
+    """Find pings that leave the running median by a jump and by many robust sigmas.
 
     A stop that takes less than half of the window is no different from outliers, so that the window
     of a slow DVL has fewer pings: nine of them are 9 s at 1 Hz. Between its pings a vehicle may
@@ -121,8 +121,8 @@ def _find_outliers(t_ns: Ints, velocity: Array) -> Mask:
 def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
     """Estimate the agitation from changes over a second, two, four, ... up to half of the record.
 
-    The instrument's noise is taken off, and the axis that changes most counts. Over a longer lag it
-    is never less.
+    The instrument's noise is taken off, and the axis that changes most counts. The rate never falls
+    with the lag.
     """
     lag, rate = [FIRST_LAG_S], [0.01 if len(t_ns) < 12 else LEAST_AGITATION]
     lasts_ns = int(t_ns[-1] - t_ns[0]) if len(t_ns) else 0

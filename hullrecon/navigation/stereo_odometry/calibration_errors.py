@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How wrong the stereo calibration is, by what the dive's own features show."""
+"""Estimate how wrong the stereo calibration is from the dive's own features."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ LARGEST = 2e-3
 def calibration_moment(evidence: Sequence[CalibrationEffect], prior_sigma: Array) -> Array:
     """Estimate the second moment (k, k) of the calibration's errors from what motions show of them.
 
-    prior_sigma (k,): prior sigma of each, NaN where none is known. Those share one sigma, which is
-    the most likely one given what all motions of the dive say (expectation maximisation: an
-    empirical prior). A good calibration shows none, and then the errors that no motion can see, as
-    the scale, are small as well; a rough one is rough in them too.
+    prior_sigma (k,): NaN where unknown. The unknown errors share one sigma: the most likely given
+    all motions of the dive (expectation maximisation with an empirical prior). A good calibration
+    shows small errors, and the errors that no motion can see, such as the scale, are then taken to
+    be small too. A rough calibration is taken to be rough in them too.
     """
     information = np.sum([e.information for e in evidence], axis=0)
     gradient = np.sum([e.gradient for e in evidence], axis=0)

@@ -30,14 +30,14 @@ class StereoMotion:
     # (6, 6) white, of (translation in first, m, rotation perturbed on the right, rad)
     covariance: Array
     inliers: int  # features that agree on it
-    calibration: CalibrationEffect  # what the errors of the calibration do to it
+    calibration: CalibrationEffect  # effect of the calibration's errors on it
 
 
 class PairMotion(Protocol[Frame]):
     """Reads stereo pairs and tells how the rig moved between two of them."""
 
     def frame(self, top: int, bottom: int) -> Frame:
-        """Return what is needed of the images in those rows of the cameras' indices."""
+        """Read what motions need of the images in these rows of the cameras' indices."""
 
     def between(self, first: Frame, second: Frame) -> StereoMotion | None:
-        """Measure the motion between two pairs; None where too few features agree on one."""
+        """Measure the motion between two pairs. None where too few features agree on one."""

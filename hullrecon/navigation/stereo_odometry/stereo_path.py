@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The records of a dive whose vehicle stereo odometry followed."""
+"""Records of a dive whose vehicle is followed by stereo odometry."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ INLIERS = 15  # features that must agree on a motion between two images
 
 @dataclass(frozen=True, kw_only=True)
 class Frames:
-    """Usable frames of both cameras, in time order: stamps and rows of the cameras' indices."""
+    """Usable frames of both cameras in time order, as stamps and rows of the camera's index."""
 
     top: tuple[Ints, Ints]
     bottom: tuple[Ints, Ints]
@@ -50,7 +50,7 @@ class Frames:
 
 @dataclass(frozen=True, kw_only=True)
 class Aids:
-    """What else was logged; None where not."""
+    """What else was logged. None: not logged."""
 
     imu: ImuSamples | None = None
     pressure: PressureSamples | None = None
@@ -62,8 +62,8 @@ class MeasuredDepth:
     """Depth by the pressure sensor at the nodes (n)."""
 
     depth: Array  # (n,) m
-    silence: str  # where none was near, in words
-    shared: Array  # (n,) nodes to a reading, 0 where none was near
+    silence: str  # description of spans without a reading
+    shared: Array  # (n,) nodes per reading, 0 without a reading nearby
 
 
 def stereo_navigate(
@@ -75,12 +75,14 @@ def stereo_navigate(
     calibration_sigma: Array,
     progress: Callable[[Sequence[int]], Iterable[int]] = list,
 ) -> Navigated:
-    """Return the records of a dive whose vehicle was followed by its stereo cameras.
+    """Compute the path of a dive whose vehicle is followed by its stereo cameras.
 
-    g starts at the first pair: x = y = 0; attitude by the IMU, else level with heading 0; depth by
-    the pressure sensor, else 0. calibration_sigma (k,): of the errors of the calibration that
-    motions are told with, NaN where the dive has to show it. Raises StageError where there are
-    fewer than two pairs or fewer than half of them can be joined.
+    g starts at the first pair with x = y = 0. Its attitude there is the IMU's, else level with
+    heading 0. Its depth is the pressure sensor's, else 0. calibration_sigma (k,): sigma of the
+    calibration errors by which motions are differentiated, NaN where the dive has to show it.
+
+    Raises StageError where there are fewer than two pairs or fewer than half of the steps can be
+    joined.
     """
     pair = pair_frames(frames.top[0], frames.bottom[0])
     if len(pair) < 2:
@@ -136,14 +138,14 @@ def stereo_navigate(
 
 
 def _history(imu: ImuSamples | None, sigma_tilt_rad: float) -> AttitudeHistory | None:
-    """Return the attitude; None where no IMU, or one without orientations, was logged."""
+    """Smooth the attitude. None where no IMU was logged, or one without orientations."""
     if imu is None or np.isfinite(imu.quaternion).all(axis=1).sum() < 2:
         return None
     return attitude_history(finite_attitude(imu), sigma_tilt_rad)
 
 
 def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Poses) -> StepGuess:
-    """Return what there is to guess steps with; vehicle_from_camera: T_v_ct (n) at the pairs."""
+    """Collect what steps can be guessed from. vehicle_from_camera: T_v_ct (n) at the pairs."""
     t_s = seconds(t_ns, int(t_ns[0]))
     if history is None:
         return StepGuess(t_s=t_s)
@@ -168,7 +170,7 @@ def _start(
 
 
 def _depths(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | None:
-    """Interpolate the depth of the sensor at the nodes; None where it was not measured."""
+    """Interpolate the depth of the sensor at the nodes. None where it was not measured."""
     if pressure is None or np.isfinite(pressure.depth).sum() < 2:
         return None
     known = np.isfinite(pressure.depth)
@@ -180,7 +182,7 @@ def _depths(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | Non
 
 
 def _edges(step: Poses, covariance: Array, lost: Ints) -> Odometry:
-    """Return the steps as odometry; lost: steps that were guessed, not seen."""
+    """Write the steps as odometry. lost: steps that were guessed, not seen."""
     m = len(step)
     return Odometry(
         first=np.arange(m),
@@ -196,7 +198,7 @@ def _edges(step: Poses, covariance: Array, lost: Ints) -> Odometry:
 
 
 def no_returns() -> Returns:
-    """Return the record of a dive without a DVL."""
+    """Make the empty record of a dive without a DVL."""
     ints, floats = np.zeros(0, np.int64), np.zeros(0)
     return Returns(
         t_ns=ints,
@@ -217,9 +219,9 @@ def _attitude(
     sigmas: NavigationSigmas,
     tray: Servo,
 ) -> Attitude:
-    """Record depth, roll and pitch; what was not measured has a wide sigma.
+    """Record depth, roll and pitch, with a wide sigma for what was not measured.
 
-    Empty but for the tray where neither was measured.
+    Empty but for the tray where neither depth nor attitude was measured.
     """
     direction, tray_sigma = tray.direction_at(t_ns), tray.unread_sigma(t_ns)
     if history is None and depth is None:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stereo visual odometry: the path of a dive without a DVL, pair by pair.
 
-g begins at the first pair. With an IMU its attitude there is the IMU's, and with pressure its
-depth; without, the vehicle is taken to be level and at the surface, and a remark says so.
+g begins at the first pair. With an IMU and a pressure sensor, its attitude and depth there are
+theirs. Without, the vehicle is taken to be level and at the surface, and a remark says so.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from hullrecon.typing import Array, Ints
 
 LOOK_BACK = 3  # pairs that a motion is sought from, the nearest first
 LEAST_VARIANCE = 1e-10  # m2, rad2: keeps the covariance of the first pose invertible
-LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell, of the usual time
-LOST_M_S, LOST_RAD_S = 0.2, 0.05  # by which these grow with every second that it lasts beyond that
-# and the most: beyond that the parts that images join are as good as untied
+LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a guessed step of usual duration
+LOST_M_S, LOST_RAD_S = 0.2, 0.05  # growth of these per second of longer duration
+# their maximum: beyond it the parts that images join are practically untied
 MOST_LOST_M, MOST_LOST_RAD = 10.0, 1.0
 
 
@@ -51,7 +51,7 @@ class StereoChain:
 class StepGuess:
     """A guess for steps that no pair shows.
 
-    The velocity of the step before goes on, known the worse the longer it has to. The turn is the
+    The previous step's velocity is kept, with a sigma that grows with the duration. The turn is the
     IMU's where there is one.
     """
 
@@ -60,7 +60,7 @@ class StepGuess:
     turn_variance: Array | None = None  # (n - 1,) rad2 of its turns
 
     def motion(self, k: int, steps: Sequence[StereoMotion]) -> StereoMotion:
-        """Return the step from pair k to the next, after the steps before it."""
+        """Guess the step from pair k to the next from the steps before it and the attitude."""
         duration_s = np.diff(self.t_s)
         longer_s = max(float(duration_s[k] - np.median(duration_s)), 0.0)
         before = steps[-1].pose if steps else identity()
@@ -87,8 +87,8 @@ def follow(
     """Chain stereo pairs by the motions between them.
 
     images: their rows in the indices of the top and the bottom camera, in time order. Each pair is
-    read once. A step that the pair before cannot give is taken from one of the pairs before that,
-    else guessed.
+    read once. A step that cannot be measured from the previous pair is measured from an earlier
+    one, else guessed.
     """
     recent: list[Frame] = []
     steps: list[StereoMotion] = []
@@ -152,7 +152,7 @@ def _remainder(first: StereoMotion, whole: StereoMotion) -> StereoMotion:
 
 
 def _stack_effects(steps: Sequence[StereoMotion]) -> Array:
-    """Stack the derivatives (n - 1, 6, k) by the calibration's errors; zero for guessed steps."""
+    """Stack the derivatives (n - 1, 6, k) by the calibration's errors. Zero for guessed steps."""
     count = max(s.calibration.by_error.shape[1] for s in steps)
     return np.stack([s.calibration.by_error if s.inliers else np.zeros((6, count)) for s in steps])
 
@@ -180,7 +180,7 @@ def in_vehicle(chain: StereoChain, vehicle_from_top: Poses) -> tuple[Poses, Arra
 
 
 def compose(start: Poses, step: Poses) -> Poses:
-    """Return T_g_v (n) at every node from the first one and the steps (n - 1)."""
+    """Chain T_g_v (n) at every node from the first pose and the steps (n - 1)."""
     found = [start]
     for k in range(len(step)):
         found.append(found[-1] @ step[k])
@@ -195,7 +195,7 @@ def chain_errors(
     """Propagate the steps' errors to poses global_from_vehicle (n,) relative to the first.
 
     Steps have the white covariance (n - 1, 6, 6) and change by the calibration's errors as
-    by_calibration (n - 1, 6, k), of covariance (k, k). Written as twists about the origin of g the
+    by_calibration (n - 1, 6, k), of covariance (k, k). Written as twists about the origin of g, the
     steps' errors simply add: omega = R_j w, rho = R_i t + p_j x omega.
     """
     rotation, p = path.rotation.as_matrix(), path.translation

@@ -31,7 +31,7 @@ HEADS = ("links", "pairs joined", "across legs", "path, mm")
 
 @dataclass(frozen=True, kw_only=True)
 class LinkVariant:
-    """Steps that find and guard links otherwise."""
+    """A variant of the steps that find and guard links."""
 
     links: Any  # runs the step `links`
     features: Any = None  # runs the step `features`; None for the product's
@@ -70,7 +70,7 @@ def compare_links(dive: DiveRun, truth: Truth, run_context: RunContext) -> dict[
 
 
 def link_table(figures: Mapping[str, Figures]) -> tuple[list[str], list[list[str]]]:
-    """Lay the figures out in heads and rows, lengths in millimetres."""
+    """Arrange the figures in heads and rows, lengths in millimetres."""
     rows = [
         [name, str(found["joined"]), str(found["across"]), f"{1e3 * float(found['rms_m']):.2f}"]  # type: ignore[arg-type]
         for name, found in figures.items()

@@ -3,10 +3,10 @@
 """Harris corners with Zernike moments beside SIFT features [KimEustice2009 III-A].
 
 Corners [HarrisStephens1988] follow the SIFT features of an image. They have no score (NaN), and
-descriptors that are zero from the last moment on, by which they are told apart. Like is matched
-with like, and of the matches corners are a share at most. The share is steered as in the source, by
-the distance that the Zernike vectors of two corners may have: here it is chosen for each set of
-matches as the one at which the share is reached.
+descriptors that are zero from the last moment on, by which they are told apart. Corners are matched
+with corners and SIFT features with SIFT features, and corners are at most a share of the matches.
+The share is steered as in the source, by the distance that the Zernike vectors of two corners may
+have: here it is chosen for each set of matches so that the share is reached.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Zernike moments [Zernike1934; Teague1980] of patches, in a basis orthonormal on the disc.
+"""Zernike moments [Zernike1934], [Teague1980] of patches, in a basis orthonormal on the disc.
 
 A patch is sampled on rings, Gauss-Legendre in the square of the radius and evenly in the angle.
 Thus products of any two of the functions are integrated exactly, and a turn of the patch by a step
@@ -79,7 +79,7 @@ def zernike_moments(patches: Floats32) -> NDArray[np.complex128]:
 
 
 def zernike_magnitudes(patches: Floats32) -> Floats32:
-    """Compute the magnitudes (p, k) of the moments; those of m > 0 stand for -m too."""
+    """Compute the magnitudes (p, k) of the moments. Those of m > 0 stand for -m too."""
     twice = np.where(orders()[:, 1] > 0, np.sqrt(2.0), 1.0)
     return np.asarray(np.abs(zernike_moments(patches)) * twice, np.float32)
 

@@ -37,7 +37,7 @@ class VariantOptions(AdjustOptions, frozen=True, forbid_unknown_fields=True, kw_
 
 
 def strategy_of(options: VariantOptions) -> Strategy:
-    """Return the strategy of a variant.
+    """Build the strategy of a variant.
 
     As published [Ozog2016], there are no systematic errors of navigation, no deviation field with
     its shared weights, and sigmas are those of dive.toml.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What each method left, and one table of figures."""
+"""The results of each method, and a table that compares them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from hullrecon.typing import Array, Arrays
 
 @dataclass(frozen=True, kw_only=True)
 class SolvedVariant:
-    """What one method and weighting left."""
+    """The result of one method and weighting."""
 
     method: str
     weighting: str
@@ -51,7 +51,7 @@ class SolvedVariant:
 
 @dataclass(frozen=True, kw_only=True)
 class DeadReckoning:
-    """What all methods started from."""
+    """The start of all methods."""
 
     trajectory: Trajectory
     returns: Returns | None
@@ -76,7 +76,7 @@ def compare_solutions(
 
 
 def comparison_table(figures: Mapping[str, MethodFigures]) -> tuple[list[str], list[list[str]]]:
-    """Lay the figures out in heads and rows, lengths in millimetres."""
+    """Arrange the figures in heads and rows, lengths in millimetres."""
     heads = [
         "method",
         *(f"{label}, {_unit(name)}".rstrip(", ") for name, label in TABLE.items()),

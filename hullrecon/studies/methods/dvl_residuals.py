@@ -27,7 +27,7 @@ class HullBeams:
 
     @property
     def origins(self) -> Array:
-        """Return where the beams left the instrument (n, 3), in M."""
+        """Compute the points (n, 3) in M at which the beams left the instrument."""
         return np.asarray(self.points - self.range_m[:, None] * self.directions)
 
 
@@ -61,7 +61,7 @@ def dead_reckoned_beams(
 def range_residuals(
     beams: HullBeams, cad_model: Scene, deviation_at: Callable[[Array], Array] | None = None
 ) -> Array:
-    """Return predicted minus measured ranges (m,) of beams that meet the CAD model.
+    """Compute predicted minus measured ranges (m,) m of beams that meet the CAD model.
 
     This is [Ozog2016 eq. 4.14].
 

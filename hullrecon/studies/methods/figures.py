@@ -157,8 +157,8 @@ def _ranges(
 ) -> PublishedFigure:
     """Draw the ranges' residuals before and after the adjustment.
 
-    Before is dead reckoning where the registration put it. After is maxmix by weighting, ours also
-    against the CAD model moved by the deviation field.
+    Before is dead reckoning as registered. After is maxmix by weighting, ours also against the CAD
+    model moved by the deviation field.
     """
     maxmix = [v for v in variants if v.method == "maxmix"]
     ours = next(v for v in maxmix if not v.as_published)

@@ -28,7 +28,7 @@ def solve(
 
     The record runs over all turns. A turn's start, which repeats the last turn's end under new
     labels, is left out, and its label changes are in the next row. `max_iterations` bounds each
-    turn; converged: the last turn did, and no label wants to change.
+    turn. `converged` means that the last turn did and that no label changes.
     """
     held, turns, changes = (
         replace(options, labels_in_solve=False),

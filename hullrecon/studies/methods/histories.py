@@ -29,7 +29,7 @@ _NEAR = 0.001  # of its last cost
 
 @dataclass(frozen=True, kw_only=True)
 class SolveHistory:
-    """One method's iterations (k,), rounds one after the other."""
+    """The iterations (k,) of one method, in the order of the rounds."""
 
     method: str
     as_published: bool  # one solve, as published
@@ -42,7 +42,7 @@ class SolveHistory:
 
 
 def label_frequency(solves: Sequence[SolveHistory]) -> PublishedFigure:
-    """Draw [Ozog2016 Fig. 4.12]: the share of label 1 by iteration, a panel a solve.
+    """Draw [Ozog2016 Fig. 4.12]: the share of label 1 by iteration, one panel per solve.
 
     Below each: how many labels changed.
     """

@@ -69,7 +69,7 @@ def method_figures(
 
 
 def hull_frame(solution: Solution, truth: Truth) -> Poses:
-    """Return global_from_hull: the solution's, the true one without a CAD model."""
+    """Choose global_from_hull of the solution, or the true pose without a CAD model."""
     return (
         truth.global_from_hull
         if solution.hull_pose is None
@@ -78,20 +78,20 @@ def hull_frame(solution: Solution, truth: Truth) -> Poses:
 
 
 def stamps(solution: Solution) -> Array:
-    """Return the stamps of the nodes (n,) in seconds."""
+    """Convert the stamps of the nodes to seconds (n,)."""
     return np.asarray(solution.t_ns * 1e-9, float)
 
 
 def landmarks_in_hull(solution: Solution, global_from_hull: Poses) -> Array:
-    """Return the landmarks (L, 3) in M."""
+    """Transform the landmarks (L, 3) to M."""
     return global_from_hull.inverse().apply(solution.landmarks.position)
 
 
 def height_figures(landmarks: Array, truth: Truth, motion: Poses) -> Figures:
     """Score how much of each structure's height its landmarks keep.
 
-    1 is all of it, 0 is flat on the hull. Structures of at least 0.08 m with three landmarks or
-    more on top count.
+    1 is all of the height, 0 is flat on the hull. Structures of at least 0.08 m with three
+    landmarks or more on top count.
     """
     rows = {
         o.id: height_over_steel(landmarks, o, truth, motion)
@@ -145,7 +145,7 @@ def height_over_steel(
 def gap_figures(
     landmarks: Array, dvl: Array, cad_model: Scene, reach_m: float = 0.4, neighbours: int = 12
 ) -> Figures:
-    """Score how far landmarks on bare steel stand off the surface that the DVL measured.
+    """Score how far landmarks on bare steel lie off the surface that the DVL measured.
 
     It is the difference of their distances to the CAD model, each landmark against the median of
     its nearest returns.

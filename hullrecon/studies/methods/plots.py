@@ -36,7 +36,7 @@ EXPLAINED = {
 
 @dataclass(frozen=True, kw_only=True)
 class CrossSection:
-    """A thin slice across the hull at a structure: tangent (girth) and height, m."""
+    """A thin slice across the hull at a structure, as (tangent, height) m."""
 
     method: str
     weighting: str
@@ -47,7 +47,7 @@ class CrossSection:
     cad_model: Array  # (m, 2) or empty
 
     def parts(self) -> dict[str, Array]:
-        """Sort the points by what they are."""
+        """Group the points by their kind."""
         return {
             "dvl": self.dvl,
             "on": self.on,

@@ -64,7 +64,8 @@ class MethodVariant:
     def workspace(self, dive: DiveRun) -> Workspace:
         """Choose where the variant is solved.
 
-        RUNS/<dive> for the one that the chain itself solves, else RUNS/<dive>/compare/<variant>.
+        RUNS/<dive> for the variant that the chain itself solves, else
+        RUNS/<dive>/compare/<variant>.
         """
         if self.is_product:
             return dive.workspace

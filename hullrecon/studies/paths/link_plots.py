@@ -170,7 +170,7 @@ def two_view_models(paths: Mapping[str, LinkedBy], truth: Truth) -> PublishedFig
 
 
 def path_length(translation: Array) -> Array:
-    """Sum the way (n,) m from the first of positions (n, 3)."""
+    """Accumulate the distance (n,) m along positions (n, 3)."""
     return np.asarray(np.r_[0, np.cumsum(np.linalg.norm(np.diff(translation, axis=0), axis=1))])
 
 

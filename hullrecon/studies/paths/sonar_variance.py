@@ -32,7 +32,7 @@ class VarianceMap:
 
 
 def sonar_variance(maps: Mapping[str, VarianceMap]) -> PublishedFigure:
-    """Draw a map a source of poses, and which share of the pixels varies by more than what."""
+    """Draw a map per source of poses, and the share of pixels above each variance."""
     figure, axes = new_canvas(9.6, 2.0 * -(-len(maps) // 2) + 3.2, -(-len(maps) // 2) + 1, 2)
     blended = {name: found.variance[np.isfinite(found.variance)] for name, found in maps.items()}
     most = max(

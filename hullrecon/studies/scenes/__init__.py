@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of scenes made for them, which need no dive."""
+"""Figures of synthetic scenes, which need no dive."""

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A dive before an ellipsoid at the level of poses and beams, without logs and images.
 
-The near pole of the ellipsoid is the origin, 3 m deep; its near side faces -x, y runs along it.
+The near pole of the ellipsoid is the origin, 3 m deep. Its near side faces -x, y runs along it.
 Every error is drawn from the sigma that the rig states. One ping a pose.
 """
 
@@ -33,7 +33,7 @@ BEAMS = np.array(
 
 @dataclass(frozen=True, kw_only=True)
 class EllipsoidDive:
-    """The truth, with the tray at zero, and what navigation made of it."""
+    """The true path, with the tray at zero, and the simulated navigation."""
 
     truth: Poses
     trajectory: Trajectory

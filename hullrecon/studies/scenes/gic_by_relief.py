@@ -37,11 +37,11 @@ class CriterionTrials:
     essential: Array  # (h, t)
 
     def share_of_homography(self) -> Array:
-        """Return the share (h,) of the trials that choose the homography."""
+        """Compute the share (h,) of the trials that choose the homography."""
         return np.asarray(np.mean(self.homography < self.essential, axis=1))
 
     def crossing_m(self) -> float | None:
-        """Return the first height where the mean criteria are equal, or None."""
+        """Interpolate the first height where the mean criteria are equal. None without one."""
         ahead = self.homography.mean(axis=1) - self.essential.mean(axis=1)
         changes = np.flatnonzero((ahead[:-1] < 0) & (ahead[1:] >= 0))
         if len(changes) == 0:

@@ -51,7 +51,7 @@ CHARACTERISTIC_M = (4.0, 6.0, 10.0, 14.0, 20.0)
 
 
 def draw_scene_figures() -> list[PublishedFigure]:
-    """Draw [KimEustice2009 Fig. 2; Ozog2016 Figs D.4, C.1, C.2], computed anew."""
+    """Draw [KimEustice2009 Fig. 2], [Ozog2016 Figs D.4, C.1, C.2], computed anew."""
     return [
         gic_by_relief(criterion_trials()),
         search_ellipses(transferred_points(), (CAMERA.width, CAMERA.height)),
@@ -62,8 +62,7 @@ def draw_scene_figures() -> list[PublishedFigure]:
 def criterion_trials() -> dict[str, CriterionTrials]:
     """Score both two-view models on noisy views of MATLAB's peaks.
 
-    By how an outlier counts: in full, as [KimEustice2009 III-B] has it, and capped, as two_view has
-    it.
+    Outliers count in full, as in [KimEustice2009 III-B], and capped, as in two_view.
     """
     rng = np.random.default_rng(0)
     full, capped = np.empty((2, 2, len(PEAKS_M), PEAKS_TRIALS))
@@ -88,7 +87,7 @@ def criterion_trials() -> dict[str, CriterionTrials]:
 def _views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Array]:
     """Project points of the surface (n, 2) into two cameras, with pixel noise.
 
-    The middle of the surface lies DISTANCE_M ahead of the middle of both cameras; its peaks rise
+    The middle of the surface lies DISTANCE_M ahead of the middle of both cameras. Its peaks rise
     towards them.
     """
     across = PEAKS_SIZE_M * rng.uniform(-0.5, 0.5, (PEAKS_POINTS, 2))
@@ -113,8 +112,8 @@ def peaks(x: Array, y: Array) -> Array:
 def transferred_points() -> dict[str, TransferredPoints]:
     """Transfer a grid of pixels to a second camera, by PCCS and by sampling.
 
-    A 4 x 4 grid of a scene DISTANCE_M away; samples draw pose, depth and both images' noise. By the
-    pose's sigmas.
+    A 4 x 4 grid of a scene DISTANCE_M away. Samples draw pose, depth and both images' noise.
+    Returns the points by the name of the pose's sigmas.
     """
     rng = np.random.default_rng(0)
     columns, rows = np.meshgrid(
@@ -141,8 +140,8 @@ def _sampled(rng: np.random.Generator, xy: Array, sigma: Array) -> Array:
     Parameters
     ----------
     sigma
-        of the motion's translation, in the second camera's axes, and of its rotation, on the
-        right of it (6,).
+        of the motion's translation, in the second camera's axes, and of its rotation, perturbed on
+        the right (6,).
     """
     errors = sigma * rng.standard_normal((SAMPLES, 6))
     seen = xy + PIXEL_IDEAL * rng.standard_normal((SAMPLES, 2))

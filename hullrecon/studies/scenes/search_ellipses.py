@@ -37,7 +37,7 @@ class TransferredPoints:
     samples: Array  # (p, s, 2) of where they come to lie
 
     def share_within(self) -> Array:
-        """Return the share (p,) of the samples within the 99 % ellipse."""
+        """Compute the share (p,) of the samples within the 99 % ellipse."""
         off = self.samples - self.mean[:, None]
         square = np.einsum("psi,pij,psj->ps", off, np.linalg.inv(self.covariance), off)
         return np.asarray(np.mean(square < GATE_CHI2, axis=1))

@@ -49,7 +49,7 @@ class MappedSphere:
         return np.asarray(np.linalg.norm(self.path - truth, axis=1))
 
     def aligned_error_m(self, truth: Array) -> float:
-        """Return the RMS distance from the true path after rigid alignment."""
+        """Compute the RMS distance from the true path after rigid alignment."""
         return _rms(np.linalg.norm(fit_rigid(self.path, truth).apply(self.path) - truth, axis=1))
 
 

@@ -75,7 +75,7 @@ def compare_surfaces(
 
 
 def surface_table(figures: Mapping[str, VariantFigures]) -> tuple[list[str], list[list[str]]]:
-    """Lay the figures out in heads and rows, lengths in millimetres."""
+    """Arrange the figures in heads and rows, lengths in millimetres."""
     rows = [
         [name, *(_cell(key, found) for key in TABLE), str(found.get("error", ""))]
         for name, found in figures.items()

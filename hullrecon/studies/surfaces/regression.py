@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Regressions of the DVL's surface as [Ozog2016 3.2.2] has them, which the product does not use."""
+"""Regressions of the DVL's surface as in [Ozog2016 3.2.2], which the product does not use."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def interpolate(at: Array, values: Array, wanted: Array) -> Array:
 
 
 def scatter_sigma(at: Array, values: Array, neighbours: int = 6) -> float:
-    """Return one robust sigma of values about the mean of their neighbours."""
+    """Estimate one robust sigma of values about the mean of their neighbours."""
     count = min(neighbours, len(at) - 1)
     if count < 1:
         return 0.0

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Links that confirm each other [Mangelson2018].
+"""Find links that confirm each other [Mangelson2018].
 
-Around two of them and the path on both sides the motions must close.
+The motions around two links and the path on both sides must close.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ MAX_CHI2 = 22.5  # of a closed loop's six numbers, 99.9 %
 
 @dataclass(frozen=True, kw_only=True)
 class Agreement:
-    """How m links relate, where the path between them is known well enough to tell."""
+    """The consistency of m links, where the path between them is known well enough to judge it."""
 
-    agree: Mask  # (m, m) the loop around the two closes
-    contradict: Mask  # (m, m) it does not
+    agree: Mask  # (m, m) pairs of links whose loop closes
+    contradict: Mask  # (m, m) pairs of links whose loop does not close
 
 
 def compose(outer: Motion, inner: Motion) -> Motion:
@@ -54,8 +54,8 @@ def agreement(
     found
         Their matches.
     max_sigma_m
-        Of the path between their nodes, on either side. Where it is worse, two links say nothing
-        of each other.
+        Largest sigma of the path between their nodes, on either side. Where it is larger, two links
+        neither confirm nor contradict each other.
     """
     count = len(first)
     i, j = np.triu_indices(count, 1)
@@ -76,9 +76,9 @@ def _sigma_m(motion: Motion) -> float:
 
 
 def largest_group(agree: Mask, among: Ints) -> Ints:
-    """Find the most of these links that all agree with each other, sorted.
+    """Find the largest group of links that all agree with each other, sorted.
 
-    Greedily from each link on, by the number of links that one agrees with.
+    Greedy, started from each link in turn, by the number of links that each agrees with.
     """
     best = np.zeros(0, np.int64)
     for start in among:
@@ -94,7 +94,7 @@ def largest_group(agree: Mask, among: Ints) -> Ints:
 
 
 def independent_links(first: Ints, second: Ints) -> int:
-    """Count links (m,) that share no node, at least as many as found greedily."""
+    """Count links (m,) without a common node. Greedy, so that there may be more."""
     used: set[int] = set()
     count = 0
     for a, b in zip(first.tolist(), second.tolist(), strict=True):

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Places that may be one, beyond the reach of the search by overlap, and places known to be two.
+"""Keyframes that may show one place beyond the search by overlap, and places known to be two.
 
-Beyond reach are places whose offset the path leaves open by many footprints.
+Beyond its reach are places whose offset the path leaves open by many footprints.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ BEYOND = 1.0
 KNOWN = 0.25  # sigma in footprints with which two places may be known to be two
 APART = 2.0  # footprints between these
 GATE_CHI2 = 16.3  # of the offset of two scenes, three numbers, 99.9 %
-STATIONS = 100  # keyframes at which the path is asked, evenly along it
-QUERIES = 300  # keyframes for which appearance is asked, evenly along it
+STATIONS = 100  # keyframes at which the path is evaluated, evenly along it
+QUERIES = 300  # keyframes whose look-alikes are searched, evenly along the path
 PART_STATIONS, PART_QUERIES = 3, 10  # of each part of the path at least, however short
 MOST_STATIONS, MOST_QUERIES = 600, 1000  # in all, where there are many parts
 CANDIDATES = 20  # most alike of each query, whose offset is computed
-PLACES = 5  # of these, each away from the others, that are compared
+PLACES = 5  # of these, at separate places, that are compared
 MOST_PAIRS = 200  # compared in all
 CONTROLS = 60  # pairs of places known to be two, that are compared as well
 
 
 @dataclass(frozen=True, kw_only=True)
 class OpenPlaces:
-    """What the path says of pairs of m keyframes, by the stations next to them."""
+    """Which pairs of m keyframes may be one place by the path, evaluated at stations along it."""
 
     edges: Ints  # (p + 1,) first keyframe of each part of the path, and m
     station: Ints  # (m,) of each keyframe
@@ -44,12 +44,12 @@ class OpenPlaces:
     reach_m: float  # largest distance that is known
 
     def of_keyframes(self, queries: Ints, mask: Mask) -> Mask:
-        """Look up a mask of stations for some keyframes with every keyframe (q, m)."""
+        """Look up a mask of stations for pairs of some keyframes with every keyframe (q, m)."""
         return np.asarray(mask[self.station[queries]][:, self.station])
 
 
 def footprint_m(depth_m: Array, camera: CameraModel) -> float:
-    """Compute the smaller side of an image on the scene at the median depth, m."""
+    """Compute the smaller side of an image's footprint on the scene at the median depth, m."""
     return float(np.nanmedian(depth_m)) * min(camera.width / camera.fx, camera.height / camera.fy)
 
 
@@ -67,7 +67,7 @@ def scene_offsets(
 
 
 def may_be_one(offset: Array, covariance: Array, slack_m: float) -> Mask:
-    """Gate places (m,) that may be one; the middles of scenes that overlap are slack_m apart."""
+    """Gate places (m,) that may be the same. Centres of overlapping scenes are slack_m apart."""
     chi2 = np.einsum(
         "mi,mij,mj->m", offset, np.linalg.inv(covariance + slack_m**2 * np.eye(3)), offset
     )
@@ -115,7 +115,7 @@ def open_places(
 
 
 def _edges_of_parts(track: CameraTrack, keyframes: Ints, depth_m: Array, size_m: float) -> Ints:
-    """Cut the keyframes where the path does not know a step to a footprint, as over an outage."""
+    """Cut the keyframes where the path knows a step worse than a footprint, as over an outage."""
     _, covariance = scene_offsets(track, keyframes[:-1], keyframes[1:], depth_m)
     return np.concatenate(
         [[0], np.flatnonzero(largest_sigma(covariance) > BEYOND * size_m) + 1, [len(keyframes)]]
@@ -132,7 +132,7 @@ def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
     total
         Ranks in all, by the parts' lengths.
     each
-        Ranks of every part at least, or as many as make `most`.
+        Least ranks of every part, or as many as make `most`.
     most
         Ranks in all at most. Where there are more parts than that, they count as one.
     """
@@ -150,7 +150,7 @@ def _spread(edges: Ints, total: int, each: int, most: int) -> Ints:
 
 
 def _nearest_of_part(edges: Ints, rank: Ints) -> Ints:
-    """Assign each keyframe the station (m,) next to it, of its own part where that has one."""
+    """Assign each keyframe the nearest station (m,), of its own part where that has one."""
     number = np.arange(edges[-1])
     after = np.searchsorted(rank, number)
     beside = np.clip([after - 1, after], 0, len(rank) - 1)
@@ -238,7 +238,7 @@ def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
 
 
 def _by_place(asked: Ints, wanted: Ints, score: Array, most: int) -> Ints:
-    """Order rows for comparison: each query's best place, then its next best away from it, and on.
+    """Order rows for comparison: each query's best place, then its next best elsewhere, and so on.
 
     The rows come by query, the best first. At most `most` of a query are taken.
     """

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Links by appearance, where the path leaves open by many footprints what lies where.
+"""Link images by appearance where the path leaves their places open by many footprints.
 
-Images that look alike are compared in full. They are linked where several confirm each other, none
-contradicts them, and places known to be two do not look alike.
+Images that look alike are compared in full. They are linked where several pairs confirm each other,
+none contradicts them, and places known to be two do not look alike.
 """
 
 from __future__ import annotations
@@ -74,18 +74,18 @@ class Recognition:
     refusal: str | None  # why no link is taken
 
     def refused(self, reason: str) -> Recognition:
-        """Take no link; an earlier reason stands."""
+        """Take no link. An earlier reason stands."""
         return replace(self, accepted=np.zeros_like(self.accepted), refusal=self.refusal or reason)
 
     def facts(self) -> dict[str, object]:
-        """List the counts, the links accepted, and the refusal, for links.json."""
+        """Collect the counts, the accepted links, and the refusal, for links.json."""
         return {**self.counts, "accepted": int(self.accepted.sum()), "refusal": self.refusal}
 
 
 def is_confirmed(compared: ComparedPairs, number: int) -> bool:
-    """Decide whether the links of a round hold, and the images that they bring together match.
+    """Decide whether the links of a round hold: the images that they bring together must match.
 
-    The round after it compared these images.
+    The next round compared these images.
     """
     kept = np.zeros(len(compared.found), bool)
     kept[compared.kept()] = True
@@ -161,8 +161,8 @@ def reject_look_alikes(
 ) -> ComparedPairs:
     """Reject matches across an outage where places known to be two look alike.
 
-    An outage is where the path, `track` by dead reckoning, is lost by more than a footprint. One of
-    the look-alikes may then be what matched.
+    An outage is where the path, `track` by dead reckoning, is lost by more than a footprint. The
+    match may then be with the wrong one of two places that look alike.
     """
     known = np.isfinite(scene.depth_m)
     rows = compared.kept()
@@ -185,7 +185,7 @@ def reject_look_alikes(
 
 @dataclass(frozen=True, kw_only=True)
 class _Likely:
-    """Pairs of ranks among the keyframes that look most alike."""
+    """Pairs of keyframe ranks that look most alike."""
 
     pairs: Array  # (m, 2) may be one place
     control: Array  # (c, 2) known to be two places
@@ -194,7 +194,10 @@ class _Likely:
 
 
 def _likeliest(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Likely | None:
-    """Find what looks most alike; None where the search covers all that the path leaves open."""
+    """Find the images that look most alike.
+
+    None where search reaches all that the path leaves open.
+    """
     places = open_places(track, keyframes, scene.depth_m, scene.camera)
     if places is None:
         return None
@@ -205,7 +208,7 @@ def _likeliest(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Like
 
 
 def _match_control(scene: LinkedScene, track: CameraTrack, keyframes: Ints, likely: _Likely) -> int:
-    """Count the pairs of places known to be two that match."""
+    """Count the matching pairs of places known to be two."""
     proposal = _propose(scene, track, keyframes[likely.control])
     return sum(pair.motion is not None for pair in scene.match(track, proposal, anywhere=True))
 
@@ -234,7 +237,7 @@ def _propose(scene: LinkedScene, track: CameraTrack, nodes: Array) -> Proposal:
 
 
 def _within_gate(track: CameraTrack, proposal: Proposal, found: Sequence[PairMatch]) -> Ints:
-    """List the pairs that matched, with a length, where the path may have them."""
+    """List the matching pairs with a length that lie within the path's covariance."""
     rows = [k for k, pair in enumerate(found) if pair.motion is not None and pair.scaled]
     prior = track.motions(proposal.first[rows], proposal.second[rows])
     within = [k for k, p in zip(rows, prior, strict=True) if agrees(found[k], p, GATE_CHI2)]
@@ -248,7 +251,7 @@ def _confirmed(
     found: Sequence[PairMatch],
     rows: Ints,
 ) -> tuple[Ints, str | None]:
-    """Select the pairs that confirm each other; none, and why, where that is no proof."""
+    """Select the pairs that confirm each other. Where that is no proof: none, and why."""
     size = footprint_m(scene.depth_m, scene.camera)
     first, second = proposal.first[rows], proposal.second[rows]
     links = agreement(track, first, second, [found[k] for k in rows], KNOWN * size)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Visual words, and which images share rare ones [SivicZisserman2003].
+"""Visual words, and a ranking of images by shared rare words [SivicZisserman2003].
 
 Words are cells of descriptor space, learnt from a dive's own images in two levels
 [NisterStewenius2006]. An inverted file weights them by term frequency and inverse document
@@ -86,8 +86,8 @@ def learn_vocabulary(descriptors: Descriptors, seed: int, branches: int = BRANCH
 def invert(words: Sequence[Ints], vocabulary: int) -> InvertedFile:
     """Build the inverted file of n images from their words, of a vocabulary of that size.
 
-    A word counts by the share of the image's features that show it times log(n / images with that
-    word): what all images show says nothing.
+    A word's weight is its share of the image's features times log(n / images with that word): words
+    that all images show have no weight.
     """
     size = np.array([len(w) for w in words], np.int64)
     image = np.repeat(np.arange(len(words)), size)
@@ -103,7 +103,7 @@ def invert(words: Sequence[Ints], vocabulary: int) -> InvertedFile:
 
 
 def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> Descriptors:
-    """Find at most that many centres by Lloyd's algorithm; one that loses its members stays."""
+    """Find at most `count` centres by Lloyd's algorithm. A centre without members stays."""
     centres = descriptors[
         np.sort(rng.choice(len(descriptors), min(count, len(descriptors)), replace=False))
     ]
@@ -126,7 +126,7 @@ def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> 
 
 
 def _nearest(descriptors: Descriptors, centres: Descriptors) -> Ints:
-    """Find the centre (n,) nearest to each descriptor, the first of several."""
+    """Find the nearest centre (n,) of each descriptor, the first where several are equal."""
     turned = centres.astype(np.float32).T
     square = (turned * turned).sum(axis=0)
     out = np.zeros(len(descriptors), np.int64)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Descriptors of features and how they are matched: all with all, or within a list of pairs.
+"""Descriptors of features and their matching: all with all, or within a list of pairs.
 
-Descriptors are RootSIFT as bytes, unit vectors times 512. Distances are between unit vectors.
-SIFT describes a place once for each orientation that it may have [Lowe2004 5]. Each description may
+Descriptors are RootSIFT as bytes, unit vectors times 512. Distances are between unit vectors. SIFT
+describes a place once for each orientation that it may have [Lowe2004 5]. Each description may
 match, but together they are one measurement of one place.
 """
 
@@ -27,7 +27,7 @@ MAX_DISTANCE = 0.75  # of two unit descriptors that may match; unrelated ones ar
 
 @dataclass(frozen=True, kw_only=True)
 class Putative:
-    """Matches of two sets of features before any geometry is asked."""
+    """Matches of two sets of features before geometric verification."""
 
     first: Ints  # (m,) rows of the first set
     second: Ints  # (m,) rows of the second set
@@ -80,7 +80,7 @@ def match_descriptors(
     first, second
         The two sets of features.
     allowed
-        Pairs (rows of first, rows of second) that may match; None for all.
+        Pairs (rows of first, rows of second) that may match, None for all.
     """
     if allowed is None:
         found = best_of_all(first.descriptor, second.descriptor, RATIO, MAX_DISTANCE)
@@ -152,7 +152,7 @@ def first_at_place(keypoints: Floats32) -> Ints:
 
 
 def match_places(found: Putative, place_a: Ints, place_b: Ints) -> Putative:
-    """Reduce matches of features to matches of their places, of several the most alike."""
+    """Reduce matches of features to matches of their places, keeping the most alike of each."""
     first, second = place_a[found.first], place_b[found.second]
     if len(first) == 0:
         return _no_matches()

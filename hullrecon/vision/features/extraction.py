@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Features of one image: contrast levelled, SIFT by OpenCV, RootSIFT, colours, saliency.
 
-What moves a feature depending on where in the image it lies acts as a wrong lens: hundredths of a
-pixel bend a path of 45 m by centimetres (docs/methods.md 4). So the levelling knows no tiles,
+An effect that moves a feature depending on its place in the image acts as a wrong lens: hundredths
+of a pixel bend a path of 45 m by centimetres (docs/methods.md 4). So the levelling knows no tiles,
 follows the light, and features are kept clear of the border.
 """
 
@@ -86,7 +86,7 @@ class Features:
 
 
 def no_features() -> Features:
-    """Stand in for the features of a missing image."""
+    """Make the empty features of a missing image."""
     return Features(
         np.zeros((0, 4), np.float32), np.zeros((0, WIDTH), np.uint8), np.zeros((0, 3), np.uint8)
     )
@@ -148,7 +148,7 @@ def to_raw_pixels(keypoints: Floats32, step: Floats32) -> Floats32:
 
 
 def is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: float) -> Mask:
-    """Select keypoints (n, 4) that nothing mirrored beyond the border has moved.
+    """Select keypoints (n, 4) that are not moved by the mirrored border.
 
     Parameters
     ----------
@@ -180,11 +180,12 @@ def describe(image: Pixels, keypoints: Floats32, descriptors: Pixels) -> Feature
 
 
 def local_saliency(descriptors: NDArray[np.uint8]) -> float:
-    """Rate how much there is to recognise in an image [KimEustice2013; Ozog2016 2.3.3].
+    """Rate how much there is to recognise in an image [KimEustice2013], [Ozog2016 2.3.3].
 
-    The entropy of the words of its descriptors (n, 128) over the largest possible: 0 none or all
-    alike, 1 all words as frequent. The vocabulary is not learnt: eight random planes through the
-    middle of descriptor space make 256 words, so that the score depends on no other image.
+    The entropy of the words of its descriptors (n, 128) over the largest possible: 0 without
+    descriptors or with all alike, 1 with all words equally frequent. The vocabulary is not learnt:
+    eight random planes through the middle of descriptor space make 256 words, so that the score
+    depends on no other image.
     """
     if len(descriptors) == 0:
         return 0.0
@@ -202,12 +203,12 @@ def local_saliency(descriptors: NDArray[np.uint8]) -> float:
 
 
 def _level(gray: Floats32, window_px: float) -> Pixels:
-    """Bring the contrast to the local mean to one spread everywhere, as bytes (h, w).
+    """Normalise the local contrast to one spread everywhere, as bytes (h, w).
 
     The window slides with the pixel, so that a feature is found at the same place of the scene
-    wherever that lies in the image. The contrast to the mean, unlike the difference, is the same in
-    any light. Tiles that are equalised apart (CLAHE) move features by 0.02 px in their rhythm, and
-    by 0.12 px from image to image.
+    wherever it lies in the image. The contrast relative to the mean, unlike the difference, is the
+    same in any light. Equalising in separate tiles (CLAHE) moves features by 0.02 px in the rhythm
+    of the tiles, and by 0.12 px from image to image.
     """
     import cv2
 
@@ -223,7 +224,10 @@ def _level(gray: Floats32, window_px: float) -> Pixels:
 
 
 def _reduce(gray: Pixels, reduction: float) -> tuple[Floats32, Floats32]:
-    """Shrink an image by its area mean, which thins noise; give the step (2,) to raw pixels."""
+    """Shrink an image by its area mean, which reduces noise.
+
+    Returns the image and the step (2,) to raw pixels.
+    """
     import cv2
 
     height, width = gray.shape

@@ -79,12 +79,12 @@ class FeatureStore:
         return len(self._open().start) - 1
 
     def counts(self, images: Ints) -> Ints:
-        """Count the features (n,) of rows of the camera's ImageIndex; 0 for -1."""
+        """Count the features (n,) of rows of the camera's ImageIndex. 0 for row -1."""
         size = np.append(np.diff(self._open().start), 0)
         return np.asarray(size[images])
 
     def read(self, image: int) -> Features:
-        """Map the features of a row of the camera's ImageIndex; none for -1."""
+        """Map the features of a row of the camera's ImageIndex. Empty for row -1."""
         mapped = self._open()
         first, last = (0, 0) if image < 0 else mapped.start[image : image + 2]
         return Features(
@@ -113,7 +113,7 @@ class _Mapped:
 
 @lru_cache(maxsize=8)
 def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
-    """Map the arrays of a camera; `stamp` tells builds of the artifact in one folder apart."""
+    """Map the arrays of a camera. `stamp` tells builds of the artifact in one folder apart."""
     with np.load(folder / "index.npz", allow_pickle=False) as index:
         start = np.asarray(index[f"{camera}_start"], np.int64)
         saliency = np.asarray(index[f"{camera}_saliency"], float)

@@ -152,7 +152,7 @@ def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: f
 def depth_priors(
     track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: Rig
 ) -> list[DepthPrior | None]:
-    """Measure the depth of each node's scene by the DVL's returns around it; None without any."""
+    """Measure the depth of each node's scene by the DVL's returns around it. None without any."""
     good = ~returns.flagged & np.isfinite(returns.range_m)
     points, node = rig.dvl_points(returns, trajectory.track().path).points[good], returns.node[good]
     order = np.argsort(node, kind="stable")
@@ -189,7 +189,7 @@ def _prior(points: Array) -> DepthPrior | None:
 
 
 def _surface_normal(points: Array) -> tuple[float, float, float] | None:
-    """Fit the unit normal, away from the camera, of points (n, 3); None for a line or a cloud."""
+    """Fit the unit normal, away from the camera, of points (n, 3). None for a line or a cloud."""
     if len(points) < 3:
         return None
     _, extent, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)

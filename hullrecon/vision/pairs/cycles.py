@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Cycles of three links, around which the relative rotations must close.
+"""Check cycles of three links, around which the relative rotations must close.
 
 A link that most of its cycles contradict is wrong.
 """
@@ -20,15 +20,15 @@ LEAST_SIGMA_RAD = np.radians(0.1)  # of a link, for what two-view covariances le
 def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
     """Reject links (m,) that more cycles of three contradict than confirm.
 
-    The worst goes first and its cycles with it, until none is left: a wrong link makes the cycles
-    of its neighbours fail too.
+    The worst link is removed first, with its cycles, until none is left: a wrong link makes the
+    cycles of its neighbours fail too.
 
     Parameters
     ----------
     links
         Relative poses of pairs of nodes.
     across
-        Links (m,) of two legs. Only these are rejected.
+        Links (m,) between two legs. Only these are rejected.
     """
     out = np.zeros(len(links), bool)
     cycle = _cycles(links)

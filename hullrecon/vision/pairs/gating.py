@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a feature of one image should lie in another (PCCS), and which features lie there.
+"""Predict where a feature of one image lies in another (PCCS), and find features there.
 
 Points are transferred through the scene's depth, with covariance. Candidates are the features in
-the ellipse of each.
+each point's ellipse.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Motion:
 def transfer(
     motion: Motion, xy: Array, depth_m: Array, depth_sigma_m: Array, pixel_sigma: float
 ) -> tuple[Array, Array]:
-    """Predict features in a second camera by the unscented transform [Julier2002; Ozog2016 D.12].
+    """Predict features in a second camera by the unscented transform [Julier2002], [Ozog2016 D.12].
 
     Nine unknowns a feature, kappa 0: each is moved by 3 sigma both ways.
 

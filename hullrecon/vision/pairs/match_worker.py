@@ -50,7 +50,7 @@ class NodePair:
 
 @dataclass(frozen=True, kw_only=True)
 class MatchWorker:
-    """What every process needs to match nodes. Picklable."""
+    """The inputs that every process needs to match nodes. Picklable."""
 
     features: Path  # folder of the features artifact
     rig: Rig
@@ -58,7 +58,7 @@ class MatchWorker:
     strategy: MatchStrategy = field(default_factory=MatchStrategy)
 
     def read(self, image: tuple[int, int], stereo: StereoMatches) -> NodeFeatures:
-        """Read the features of both cameras, given their matches; none of one not carried."""
+        """Read the features of both cameras, given their matches. None of a camera not carried."""
         bottom = (
             FeatureStore(self.features, Camera.BOTTOM).read(image[1])
             if self.rig.stereo_mount is not None
@@ -81,7 +81,10 @@ class MatchWorker:
         return FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1])
 
     def match_stereo(self, node: MatchNode) -> tuple[int, StereoMatches]:
-        """Match the two cameras of a node; also count the leading camera's features."""
+        """Match the two cameras of a node.
+
+        Returns the count of the leading camera's features, and the matches.
+        """
         features = self.read(node.image, no_matches())
         stereo = stereo_of_node(
             self.rig,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two nodes matched: search within navigation's ellipses, robust motion, guided search along it."""
+"""Match two nodes: search within navigation's ellipses, robust motion, guided search."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ GATE_CHI2 = 9.21  # of the search ellipse: 99 % of a plane Gaussian
 MIN_PUTATIVE = 8  # matches before verification, as many as an essential matrix takes
 RANSAC_TRIALS = 400  # finds three inliers with 99.99 % where 28 % of the matches are right
 SEEDS = 500  # features that look for the motion near navigation's; the guided search takes all
-FEW = 100  # with fewer seeds the first motion is rough: what it guides to is worth a second look
-ADJUSTED = 500  # matches that the motion is adjusted to: more say nothing new
+FEW = 100  # with fewer seeds the first motion is rough, and the guided search is repeated
+ADJUSTED = 500  # matches that the motion is adjusted to: more add no information
 # Of a motion from navigation's, six degrees of freedom. Far beyond chance (22.5 is 99.9 %), as
 # navigation's sigmas do not hold all that goes wrong.
 NAVIGATION_CHI2 = 50.0
@@ -79,11 +79,11 @@ class PairMatcher:
         first, second
             The nodes.
         prior
-            Navigation's motion between them, None where it has none.
+            Navigation's motion between them, None where unknown.
         seed
             Of the random draws.
         full_search
-            Search everywhere where nothing is found where the prior points.
+            Search the whole image where the search near the prior finds nothing.
         """
         if min(len(first), len(second)) < MIN_PUTATIVE:
             return failed_match(0, Reason.NO_FEATURES)
@@ -140,7 +140,7 @@ class PairMatcher:
     def _gate(
         self, first: NodeView, second: NodeView, prior: Motion | None, rows: Ints, among: Ints
     ) -> tuple[Ints, Ints] | None:
-        """Pair features by navigation and depth; None where these say nothing."""
+        """Pair features by navigation and depth. None where these predict nothing."""
         if prior is None or not np.isfinite(first.depth[rows]).any():
             return None
         return self._within_ellipses(first, second, prior, rows, among)
@@ -163,7 +163,7 @@ class PairMatcher:
     def _within_ellipses(
         self, first: NodeView, second: NodeView, motion: Motion, rows: Ints, among: Ints
     ) -> tuple[Ints, Ints]:
-        """Pair the features `rows` with those `among` the second's that lie in their ellipses."""
+        """Pair the features `rows` with those `among` the second's features in their ellipses."""
         sigma = self.options.sigma_px / self.rig.focal_px(first.camera)
         mean, covariance = transfer(
             motion, first.xy[rows], first.depth[rows], first.depth_sigma[rows], sigma
@@ -204,7 +204,7 @@ class PairMatcher:
     def _adjust(
         self, first: NodeView, second: NodeView, matched: Putative, motion: Motion
     ) -> tuple[Motion, CalibrationEvidence | None]:
-        """Adjust the motion to the matches; leave it as it is where they are too few."""
+        """Adjust the motion to the matches. Unchanged where they are too few."""
         matched = matched.take(slice(None, None, max(1, len(matched) // ADJUSTED)))
         here, there = (
             NodeObservations(lead=view.xy[rows], other=view.other[rows], point=view.point[rows])
@@ -220,7 +220,7 @@ class PairMatcher:
     def reprojection_terms(
         self, first: NodeView, second: NodeView, seeds: Putative
     ) -> list[pose_from_points.ObservedPoints]:
-        """Collect each node's points as the other's leading and bottom cameras saw them."""
+        """Collect each node's points with their observations in the opposite node's cameras."""
         a, b = seeds.first, seeds.second
         lead, bottom = np.eye(4), self.rig.from_top(Camera.BOTTOM)
         terms = [
@@ -243,7 +243,7 @@ class PairMatcher:
         ]
 
     def _resect(self, first: NodeView, second: NodeView, seeds: Putative) -> Array | None:
-        """Find the motion from the node with more points, seen in the other (P3P in RANSAC)."""
+        """Find the motion by P3P in RANSAC, from the points of the node that has more of them."""
         a, b = seeds.first, seeds.second
         forward, backward = first.stereo[a], second.stereo[b]
         if forward.sum() >= backward.sum():
@@ -256,11 +256,11 @@ class PairMatcher:
         return None if motion is None else np.asarray(np.linalg.inv(motion))
 
     def search_along(self, first: NodeView, second: NodeView, motion: Motion) -> Putative:
-        """Match all features where the motion puts them, on their epipolar lines.
+        """Match all features on the epipolar lines of the motion.
 
         Both cameras' lines count where both saw a feature.
         """
-        # The motion is not better than the model of the lenses.
+        # The motion is no more accurate than the lens model.
         sigma = 0.5 * self.options.sigma_px / self.rig.focal_px(Camera.TOP)
         loose = Motion(
             motion.second_from_first, motion.covariance + np.diag(np.repeat([sigma**2], 6))
@@ -294,7 +294,7 @@ class PairMatcher:
         gated: tuple[Ints, Ints] | None,
         prior: Motion | None,
     ) -> PairMatch:
-        """Match by two-view geometry alone; the motion's length is navigation's."""
+        """Match by two-view geometry alone, with navigation's length of the motion."""
         few = failed_match(len(seeds), Reason.FEW_INLIERS)
         xy = first.xy[seeds.first], second.xy[seeds.second]
         tolerance = VERIFY_PX / self.rig.focal_px(Camera.TOP)

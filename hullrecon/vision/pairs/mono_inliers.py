@@ -68,10 +68,11 @@ def choose(
 def gather(
     motion: Motion, first: Array, second: Array, prior: Motion | None, tolerance: float
 ) -> tuple[Motion, Mask]:
-    """Refine a motion on all matches (n, 2) near their epipolar lines; give also which (n,) are.
+    """Refine a motion on all matches (n, 2) near their epipolar lines.
 
-    A plane's inliers will not do: on a curved hull they are those whose noise makes it flatter, and
-    the motion turns by what the flatter hull would mean.
+    Returns the motion, and which matches (n,) are near. A plane's inliers will not do: on a curved
+    hull they are those whose noise makes it flatter, and the motion turns by what the flatter hull
+    would mean.
     """
     inlier = on_lines(motion.second_from_first, first, second, tolerance)
     found: _OnInliers | None = None
@@ -99,8 +100,8 @@ def refine_on_inliers(
     """Refine a motion as `mono_motion.refine`, on matches that agree with the most likely one.
 
     Navigation counts in what is most likely. Where it does not know the motion well, or means
-    another, all matches (n, 2) are taken. Those that do not agree have a meaning: as many more may
-    lie within the limit. In the variance they count as if they lay on it.
+    another, all matches (n, 2) are taken. As many wrong matches as were rejected may lie within the
+    limit. So the rejected ones count in the variance as if they lay on the limit.
 
     Returns
     -------
@@ -156,8 +157,8 @@ def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | N
 def is_well_known(prior: Motion) -> bool:
     """Decide whether navigation knows rotation and direction well enough to choose inliers.
 
-    Well enough is what rules out the wrong one of a plane's two motions, and what noise makes of
-    nearly plane matches.
+    That is well enough to rule out the wrong one of a plane's two motions, and the effect of noise
+    in nearly plane matches.
     """
     length = float(np.linalg.norm(prior.second_from_first[:3, 3]))
     if length < LEAST_LENGTH_M:
@@ -169,7 +170,7 @@ def is_well_known(prior: Motion) -> bool:
 
 
 def _is_near(motion: Array, prior: Motion) -> bool:
-    """Decide whether a motion (4, 4) is navigation's, and not the other one of a plane."""
+    """Decide whether a motion (4, 4) is navigation's, and not a plane's second solution."""
     wanted = prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ motion[:3, :3]).magnitude()
     cosine = motion[:3, 3] @ wanted[:3, 3] / np.linalg.norm(wanted[:3, 3])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Relative pose of two views without depth [Ozog2016 D.1; KimEustice2009 III-B].
+"""Relative pose of two views without depth [Ozog2016 D.1], [KimEustice2009 III-B].
 
 Its five unknowns are the rotation, perturbed on the right (3), and the direction of the translation
 in `tangent_basis` (2). They are refined on matches, get a covariance, and are held to navigation.
@@ -233,7 +233,7 @@ def _variance(residual: Array) -> float:
 
 
 def _information(jacobian: Array, variance: float) -> Array:
-    """Compute the information (5, 5) of matches; a direction is never more than unknown."""
+    """Compute the information (5, 5) of matches, with a weak prior of the direction."""
     return np.asarray(jacobian.T @ jacobian / variance + DIRECTION_PRIOR)
 
 

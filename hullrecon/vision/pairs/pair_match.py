@@ -17,7 +17,7 @@ from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
 
 
 class Reason(IntEnum):
-    """Why a pair gave nothing, as stored in pairs.npz."""
+    """Why a pair was not matched, as stored in pairs.npz."""
 
     MATCHED = 0
     NO_FEATURES = 1
@@ -56,7 +56,7 @@ class PairMatch:
 
 
 def failed_match(putative: int, reason: Reason) -> PairMatch:
-    """Build the result of a pair that gave nothing."""
+    """Build the result of a pair that was not matched."""
     return PairMatch(
         first=np.zeros(0, np.int64),
         second=np.zeros(0, np.int64),
@@ -76,7 +76,8 @@ def agrees(found: PairMatch, prior: Motion, max_chi2: float) -> bool:
     prior
         Of the same two nodes, by navigation or other links.
     max_chi2
-        Limit for six degrees of freedom. A motion without a length has five, and five sixths of it.
+        Limit for six degrees of freedom. A motion without a length has five degrees of freedom, and
+        five sixths of the limit.
     """
     if found.motion is None:
         return False

@@ -42,7 +42,7 @@ def ransac(
     most_trials: int,
     seed: tuple[int, ...],
 ) -> Array | None:
-    """Find the motion (4, 4) of least truncated squared error by RANSAC; None with fewer than 3.
+    """Find the motion (4, 4) of least truncated squared error by RANSAC. None with fewer than 3.
 
     Trials come in blocks, until a triple of inliers has been drawn with 1 - MISSED.
 

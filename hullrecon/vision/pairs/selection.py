@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which nodes are compared: neighbours, and nodes of other legs that saw the same piece of hull."""
+"""Select the nodes to be compared: neighbours, and nodes of other legs that saw the same hull."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import CameraTrack
 
-MAX_OVERLAP = 0.98  # with the last keyframe: a node that overlaps it by more is none
+MAX_OVERLAP = 0.98  # with the last keyframe: a node that overlaps it by more is no keyframe
 OVERLAPPING = 0.3  # overlap of a pair that is compared once the path is tied
-PROBABLE = 0.5  # least probability that this overlap is there
+PROBABLE = 0.5  # least probability of this overlap
 RETURN = 0.2  # gain of overlap that shows that the vehicle came back, and did not just move slowly
 GRID = 8  # cells of a footprint along each side
 FINE_GRID = 32  # the same where small steps count
@@ -50,7 +50,7 @@ class Proposal:
 
 
 def select_keyframes(track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel) -> Ints:
-    """Select the nodes that left the footprint of the keyframe before.
+    """Select the nodes that left the footprint of the previous keyframe.
 
     Where no depth is known all are keyframes.
 
@@ -159,7 +159,7 @@ def _revisits(
     Returns
     -------
     first, second, overlap, probability
-        (m,) each; the probability is that of min_overlap.
+        (m,) each. The probability is that of min_overlap.
     """
     first, second = _near(track, keyframes, depth_m, camera, options.sequential)
     overlap = footprint_overlap(track, first, second, depth_m, camera)
@@ -266,7 +266,7 @@ def footprint_overlap(
     camera: CameraModel,
     grid: int = GRID,
 ) -> Array:
-    """Compute the share (m,) of each image that falls into the other, the smaller of both ways.
+    """Compute the overlap (m,) of image pairs: the smaller share seen by the opposite image.
 
     NaN where the depth is unknown.
     """
@@ -354,7 +354,7 @@ def _lowest_between(
 ) -> Array:
     """Find the smallest overlap (m,) with the first node on the way to the second.
 
-    0 once it fell below `least`. Nodes of unknown depth say nothing of it.
+    0 once it fell below `least`. Nodes of unknown depth are ignored.
 
     Parameters
     ----------

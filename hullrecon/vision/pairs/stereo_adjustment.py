@@ -3,8 +3,8 @@
 """The motion between two stereo nodes by bundle adjustment of both, with its covariance.
 
 Points are eliminated. A feature seen by both cameras of both nodes has eight coordinates and three
-unknowns: five of them say something about the motion. Counted as eight, as if triangulated points
-were known, the covariance is four times too small.
+unknowns, which leaves five for the motion. Counted as eight, as if triangulated points were known,
+the covariance is four times too small.
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ class NodeObservations:
 
 @dataclass(frozen=True, kw_only=True)
 class CalibrationEvidence:
-    """What a pair of nodes says of the errors of the calibration, twelve unknowns of the dive.
+    """The information of a pair of nodes on the twelve unknown errors of the dive's calibration.
 
     Six of top_from_bottom: (translation, rotation vector) in the top camera's axes. Six of the
     disparity, of lenses and rig together: 1, x, y, x2, xy, y2 of the place in the leading image in
     units of FIELD, ideal coordinates.
     """
 
-    by_calibration: Array  # (6, 12) derivative of the motion by them
+    by_calibration: Array  # (6, 12) derivative of the motion by the errors
     # Information (12, 12) and gradient (12,) of them, with points and motion eliminated, residuals
     # in sigmas.
     information: Array

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two-view geometry without depth: essential matrix or homography.
 
-The geometric information criterion chooses between them [Torr1998; KimEustice2009 III-B].
+The geometric information criterion chooses between them [Torr1998], [KimEustice2009 III-B].
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
 
 
 def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None:
-    """Fit and score both models; arguments and None as of `fit`."""
+    """Fit and score both models. Arguments and None as in `fit`."""
     import cv2
 
     if len(first) < LEAST_MATCHES:
@@ -104,9 +104,9 @@ def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None
 
 
 def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float:
-    """Compute sum e^2/sigma^2 + 2 d N + 4 P [Torr1998; KimEustice2009 III-B].
+    """Compute sum e^2/sigma^2 + 2 d N + 4 P [Torr1998], [KimEustice2009 III-B].
 
-    An outlier's share is capped at 2 (4 - d), so that one alone cannot decide.
+    An outlier's share is capped at 2 (4 - d), so that a single outlier cannot decide.
     """
     capped = np.minimum(whitened_squared, 2.0 * (4 - dimension))
     return float(capped.sum() + 2.0 * dimension * len(whitened_squared) + 4.0 * parameters)

@@ -28,11 +28,11 @@ class Rectification:
     baseline_m: float  # > 0: the bottom camera is at +y of the top one in rt
 
     def rectify_top(self, xy: Array) -> Array:
-        """Turn ideal coordinates (n, 2) of the top camera; NaN where a ray points backwards."""
+        """Turn ideal coordinates (n, 2) of the top camera. NaN where a ray points backwards."""
         return turn_rays(self.rotation_top, xy)
 
     def rectify_bottom(self, xy: Array) -> Array:
-        """Turn ideal coordinates (n, 2) of the bottom camera; NaN where a ray points backwards."""
+        """Turn ideal coordinates (n, 2) of the bottom camera. NaN where a ray points backwards."""
         return turn_rays(self.rotation_bottom, xy)
 
     def disparity(self, depth_m: Array | float) -> Array:

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What one node sees: the features of its two cameras, and those of the leading one with depths.
+"""The features of a node's two cameras, and those of the leading camera with depths.
 
 A camera whose light is out, or that is covered, still sends noise, in which SIFT finds 120 to 1600
-features. The camera that sees more then leads.
+features. Then the camera that sees more leads.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ DEPTH_RANGE_M = (0.3, 15.0)
 # have at most 0.042, two cameras that see at least 0.147, where one of them looks past the hull
 # (10,702 nodes of 53 runs; 0.163 on a real seabed).
 FAIR_SHARE = 0.06
-CLEARLY_MORE = 2.0  # features of one camera over the other's, from which that one leads
+CLEARLY_MORE = 2.0  # ratio of features from which the bottom camera leads
 NEIGHBOURS = 8  # of a stereo match in the image, with which its depth is compared
 SAME_DEPTH_SIGMAS = 6.0  # robust sigmas of local spread within which two inverse depths agree
 
@@ -57,7 +57,7 @@ class NodeFeatures:
     def bottom_leads(self) -> bool:
         """Whether the cameras have nothing in common and the bottom one sees clearly more.
 
-        Features are weighted by how light they are: what is found in the dark is noise.
+        Features are weighted by brightness: features found in the dark are noise.
         """
         if len(self.stereo) or not len(self.bottom):
             return False
@@ -78,7 +78,7 @@ class DepthPrior:
 
 @dataclass(frozen=True, kw_only=True)
 class NodeView:
-    """A node as pair matching needs it: n features of its leading camera.
+    """The n features of a node's leading camera, prepared for pair matching.
 
     The stereo match is that of a feature's place, whichever of its rows was matched.
     """
@@ -112,8 +112,7 @@ def stereo_of_node(
 ) -> StereoMatches:
     """Match the two cameras of a node.
 
-    None match on a mono rig, with a lost image, or where there are no more matches than an image of
-    noise has with any.
+    Empty on a mono rig, with a lost image, or with no more matches than an image of noise has.
 
     Parameters
     ----------
@@ -122,7 +121,7 @@ def stereo_of_node(
     top, bottom
         Their features.
     prior
-        Depth of the scene; None takes DEPTH_RANGE_M.
+        Depth of the scene, None for DEPTH_RANGE_M.
     options
         Section [matches].
     match
@@ -151,14 +150,15 @@ def stereo_of_node(
 
 
 def is_fair_share(matches: int, top: Features, bottom: Features) -> bool:
-    """Decide whether two images have more in common than an image of noise has with any."""
+    """Decide whether two images have more matches than an image of noise has with any image."""
     return matches >= FAIR_SHARE * math.sqrt(int(top.scored.sum()) * int(bottom.scored.sum()))
 
 
 def drop_isolated_depths(matches: StereoMatches, xy: Array) -> StereoMatches:
     """Drop matches whose inverse depth agrees with too few of their neighbours in the image.
 
-    A chance match has none like it. Kept is what a quarter of the nearest neighbours agree with.
+    A chance match has no neighbour of like depth. Matches are kept that a quarter of the nearest
+    neighbours agree with.
     """
     from scipy.spatial import cKDTree
 
@@ -184,9 +184,9 @@ def view_of_node(
     features
         Of both, with their matches.
     prior
-        Depth of the scene by the DVL, None where it measured none.
+        Depth of the scene by the DVL, None where not measured.
     sigma_px
-        Sigma of a feature's position, for that of its depth.
+        Sigma of a feature's position, from which its depth's sigma follows.
     """
     camera = Camera.BOTTOM if features.bottom_leads else Camera.TOP
     lead, stereo = features.leading, features.stereo

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stereo calibration and stamps checked against a few pairs of images.
 
-Features of a pair are matched without the calibration. What a free epipolar geometry explains is
-held to the one given.
+Features of a pair are matched without the calibration. The matches that a free epipolar geometry
+explains are compared with the calibrated geometry.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from hullrecon.vision.pairs.two_view import TwoView, essential_of, motions_of, s
 from hullrecon.vision.stereo.matching import rectify, triangulate
 
 PAIRS = 6  # of images, spread over the dive
-MIN_MATCHES = 25  # of a pair of images that says something
-MIN_PAIRS = 3  # that say something
+MIN_MATCHES = 25  # of an informative pair of images
+MIN_PAIRS = 3  # informative pairs
 MAX_ERROR_PX = 1.5  # median, as wide as the band in which stereo matches are sought
 MAX_TURN_DEG = 0.3  # of the bottom camera; a calibration under water is good to a tenth
 TURN_SIGMAS = 5.0  # by which such a turn must be known
@@ -58,7 +58,7 @@ class RigProblem:
 
 @dataclass(frozen=True, kw_only=True)
 class RigCheck:
-    """What k pairs of images say."""
+    """Result of checking k pairs of images."""
 
     error_px: float  # median distance of features from their epipolar lines as calibrated
     depth_m: Array  # (k,) of the scene in the top camera, NaN behind it
@@ -133,9 +133,9 @@ def check_stereo_rig(
 def check_baseline(found: RigCheck, dvl: DvlPings, rig: Rig) -> RigProblem | None:
     """Compare the scene's depth by stereo with the DVL's ranges.
 
-    None where they agree, or never measured at one time.
+    None where they agree, or were never measured at the same time.
 
-    The images alone say nothing of the baseline's length. The DVL sits on the tray with the
+    The images alone do not determine the baseline's length. The DVL sits on the tray with the
     cameras: no path is needed.
     """
     camera_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl
@@ -172,7 +172,10 @@ class _ImageMatcher:
         self._seen: dict[tuple[Camera, int], Features] = {}
 
     def match(self, top: int, bottom: int) -> _Matched | None:
-        """Match the frames in those places of their cameras; None where little matches."""
+        """Match a top and a bottom frame by their index in StereoFrames.
+
+        None where little matches.
+        """
         import cv2
 
         sides = [self._features(Camera.TOP, top), self._features(Camera.BOTTOM, bottom)]
@@ -201,7 +204,7 @@ class _ImageMatcher:
         )
 
     def depths(self, matched: _Matched) -> Array:
-        """Triangulate depths (n,) in the top camera as calibrated, m; not positive behind it."""
+        """Triangulate depths (n,) m in the top camera as calibrated. Not positive behind it."""
         pose = self._rig.stereo_mount
         if pose is None:
             return np.zeros(0)
@@ -228,7 +231,7 @@ def _error(matched: _Matched, bottom_from_top: Array) -> float:
 def _find_shift(
     look: _ImageMatcher, frames: StereoFrames, places: Ints, limit_px: float
 ) -> RigProblem | None:
-    """Look whether the bottom camera's images fit a whole number of frames earlier or later."""
+    """Test whether the bottom camera's images fit a whole number of frames earlier or later."""
     top_ns, bottom_ns = frames.top[0], frames.bottom[0]
     best = (limit_px, 0)
     for shift in sorted(range(-MAX_SHIFT, MAX_SHIFT + 1), key=abs)[1:]:
@@ -257,7 +260,7 @@ def _find_shift(
 
 
 def _explain(look: _ImageMatcher, pairs: Sequence[_Matched], error_px: float) -> RigProblem:
-    """Say how the images contradict a rig: cameras swapped, turned, or no one rig at all."""
+    """Describe how the images contradict a rig: cameras swapped, turned, or not rigid at all."""
     found, _, fitted_px = _fit(pairs, look.focal_px)
     each_px = np.array([_error(m, found) for m in pairs]) * look.focal_px
     if (each_px > MAX_ERROR_PX).mean() > MAX_SHARE:
@@ -279,7 +282,7 @@ def _explain(look: _ImageMatcher, pairs: Sequence[_Matched], error_px: float) ->
 def _describe_turn(
     look: _ImageMatcher, pairs: Sequence[_Matched], error_px: float, sigma_rad: float
 ) -> RigProblem | None:
-    """Look whether matches near their lines show the bottom camera turned against the top one."""
+    """Test whether matches near their lines show the bottom camera turned about the top camera."""
     # Images of a plane fit two motions alike. The one next to the given one counts, unless another
     # is clearly better.
     near, far = _fit(pairs, look.focal_px, look.given), _fit(pairs, look.focal_px)
@@ -318,7 +321,7 @@ def _fit(
     focal
         px.
     given
-        Motion (4, 4) to start from; None for that of the pair whose own fits all best.
+        Motion (4, 4) to start from, None for that of the pair whose own motion fits all best.
 
     Returns
     -------

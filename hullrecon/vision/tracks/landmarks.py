@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Verified matches joined to tracks of landmarks.
+"""Join verified matches to tracks of landmarks.
 
-What was matched is united. A landmark has one observation a node: unions that break this are built
+Matched features are united. A landmark has one observation a node: unions that break this are built
 again, the best match first.
 """
 
@@ -132,10 +132,10 @@ def _mean_color(label: Ints, color: Array) -> NDArray[np.uint8]:
 
 
 def join_matches(node_of: Ints, first: Ints, second: Ints, quality: NDArray[np.floating]) -> Ints:
-    """Assign each feature (n,) a landmark, numbered by its first feature; -1 where unmatched.
+    """Assign each feature (n,) a landmark, numbered by its first feature. -1 where unmatched.
 
     A component that would hold two features of one node is built again, best match first, leaving
-    out what brings the conflict.
+    out the matches that bring the conflict.
 
     Parameters
     ----------

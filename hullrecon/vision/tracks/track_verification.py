@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tracks verified: every link is held to every landmark that both of its nodes claim to have seen.
+"""Verify tracks: test every link on every landmark that both of its nodes claim to have seen.
 
 A wrong match joins two points into one track. The links that did not make that match contradict it.
 """
@@ -118,7 +118,7 @@ class _Observations:
         return good & (self._at_depth(link.motion, a, b) if link.scaled else True)
 
     def _at_depth(self, motion: Motion, a: Ints, b: Ints) -> Mask:
-        """Test observations where their depth puts them; true where no depth is known."""
+        """Test observations against their depth. True where no depth is known."""
         depth = self._depth[a]
         spread = depth**2 * np.sqrt(2) * self._sigma / self._rig.baseline_m
         mean, covariance = transfer(motion, self._lead[a], depth, spread, self._sigma)

@@ -28,7 +28,7 @@ def hull(**more):
     return Hull(mesh="h.stl", **more)
 
 
-def test_the_end_that_is_taken_for_the_bow_is_named_with_the_reason():
+def test_assumed_bow_is_described_with_reason():
     line, warnings = told(hull(), SHIP)
     assert line == (
         "bow: at x = +50.0 m of the CAD model (where x grows, as hull.bow is not given); stations "
@@ -54,7 +54,7 @@ def test_a_bow_on_the_negative_axis_is_the_other_end():
     assert warnings == []
 
 
-def test_the_ships_axis_is_the_long_one_of_those_that_are_level_by_the_pose():
+def test_ships_axis_is_the_longest_axis_level_by_pose():
     # y up, a tall rig
     line, _ = told(hull(pose=(0, 0, 0, -90, 0, 0)), box((-4.5, -60, -1), (4.5, 60, 49)))
     assert line.startswith("bow: at z = +49.0 m of the CAD model")

@@ -100,14 +100,14 @@ def test_returns_above_the_water_raise_suspicion_of_the_mount():
     assert "% of the DVL's returns would lie above the water" in line
 
 
-def test_a_dvl_that_is_mounted_upside_down_runs_against_the_pressure():
+def test_dvl_upside_down_contradicts_pressure():
     """It looks down, the file says up."""
     records = dive(depth=9.0, mount_pitch_deg=0.0)
     (line,) = told(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {})
     assert "runs against that of the pressure sensor" in line
 
 
-def test_a_dvl_whose_axes_are_mixed_up_does_not_follow_the_pressure():
+def test_dvl_with_swapped_axes_does_not_follow_pressure():
     records = dive(depth=9.0, mount_pitch_deg=0.0)
     noise = np.random.default_rng(1).normal(0, 0.05, records["dvl"].velocity.shape)
     records["dvl"] = DvlPings(
@@ -121,14 +121,14 @@ def test_a_dvl_whose_axes_are_mixed_up_does_not_follow_the_pressure():
     assert "does not follow" in line
 
 
-def test_a_vehicle_that_keeps_its_depth_says_nothing_about_the_dvl():
+def test_constant_depth_gives_no_finding_about_dvl():
     records = dive(depth=9.0)
     records["pressure"] = PressureSamples(t_ns=T, depth=np.full(len(T), 9.0))
     assert told(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {}) == []
 
 
 @pytest.mark.parametrize(("frame", "other"), [("ned", "enu"), ("enu", "ned")])
-def test_gravity_the_wrong_way_round_raises_suspicion_of_the_convention(frame, other):
+def test_inverted_gravity_suggests_other_imu_frame(frame, other):
     records = {"imu": dive(acceleration=(0, 0, 9.81))["imu"]}
     assert told(config(imu=Imu(frame=frame)), SensorRecords(**records), {}) == [
         f'imu: gravity pulls upward with imu.frame = "{frame}"; is it "{other}"?'
@@ -146,7 +146,7 @@ def test_an_imu_without_accelerations_raises_none():
     assert told(config(), SensorRecords(imu=dive(acceleration=(np.nan,) * 3)["imu"]), {}) == []
 
 
-def test_clocks_that_do_not_overlap_are_named_with_how_far_they_are_apart():
+def test_disjoint_clocks_are_named_with_their_offset():
     found = told(
         config(), SensorRecords(pressure=dive()["pressure"]), {"camera_top": index(T + 100 * NS)}
     )
@@ -201,7 +201,7 @@ def test_the_first_image_is_told_against_the_first_ping():
     assert sentences(describe_start_offset(SensorRecords(**records), {})) == []
 
 
-def test_an_imu_that_ended_midway_is_a_warning_where_no_image_carries_on():
+def test_imu_ending_midway_warns_without_images():
     records = dive()
     imu = records["imu"]
     half = ImuSamples(**{f.name: getattr(imu, f.name)[:50] for f in fields(imu)})
@@ -214,7 +214,7 @@ def test_an_imu_that_ended_midway_is_a_warning_where_no_image_carries_on():
     assert told(config(), SensorRecords(**records), {"camera_top": index(T)}) == []
 
 
-def test_a_dvl_that_ended_midway_is_a_warning_but_for_a_logger_on_deck():
+def test_dvl_ending_midway_warns_unless_logger_is_on_deck():
     records = dive()
     records["dvl"].velocity[30:] = np.nan
     (words,) = told(config(), SensorRecords(**records), {})

@@ -13,7 +13,7 @@ from hullrecon.records.sensors import DvlPings, JointSamples, PressureSamples, S
 A, B = Channel("/a", "x/msg/A", "cdr"), Channel("/b", "x/msg/B", "cdr")
 
 
-def test_a_loss_is_told_with_its_file_topic_span_count_and_reason():
+def test_loss_is_described_with_file_topic_span_count_reason():
     found = [("x.mcap", Loss("its checksum is wrong", "/a", 1_000_000_000, 2_500_000_000, 7))]
     assert sentences(describe_losses(found)) == [
         "x.mcap: /a: from 1970-01-01T00:00:01.000Z to 1970-01-01T00:00:02.500Z is lost (7 "
@@ -34,7 +34,7 @@ def test_an_open_loss_runs_from_the_start_or_to_the_end():
     ]
 
 
-def test_a_gap_of_each_topic_runs_from_its_last_message_to_the_next_of_the_log():
+def test_gap_of_a_topic_runs_from_its_last_to_next_message():
     tracker = LossTracker()
     tracker.record(Message(A, 10, b""))
     tracker.record(Message(B, 20, b""))
@@ -78,7 +78,7 @@ def test_a_silent_spell_and_the_range_of_a_servo_are_told():
     assert "tray angles run from 0.0 to 45.0 degrees" in lines
 
 
-def test_a_single_reading_is_told_in_the_singular_and_without_a_rate():
+def test_single_reading_is_described_in_singular_without_rate():
     one = np.array([5], np.int64) * 1_000_000_000
     ping = DvlPings(
         t_ns=one,

@@ -53,7 +53,7 @@ def test_a_pressure_sensor_that_never_gave_a_number_is_none(package, kit):
     assert lines[-1].startswith("verdict: ready")
 
 
-def test_a_topic_that_dive_toml_does_not_name_is_told_with_the_reason(package, kit):
+def test_unnamed_topic_is_listed_with_reason(package, kit):
     entries = kit.dive()
     entry, t = type(entries[0]), entries[0].t_ns
     beam = kit.make(
@@ -90,7 +90,7 @@ def test_the_clock_of_a_sonar_file_is_corrected_by_dive_toml(package):
 
 
 @pytest.mark.parametrize("lens", [0, 1])
-def test_a_sonar_file_beside_the_log_is_read_or_its_beams_are_asked_for(package, lens):
+def test_sonar_file_beside_log_is_read_or_asked_for_beams(package, lens):
     (package / "logs" / "sonar.aris").write_bytes(aris_file(3, lens=lens))
     files = 'logs.files=["logs/dive.mcap","logs/sonar.aris"]'
     found = check(package, files)
@@ -130,7 +130,7 @@ def test_defaults_are_those_keys_that_nobody_gave(package):
 @pytest.mark.parametrize(
     ("roll_deg", "sigma"), [(180, [1, 1, 0.3, 1, 1, 5]), (-90, [1, 0.3, 1, 1, 5, 1])]
 )
-def test_the_sigma_of_the_hulls_pose_is_shown_by_the_axis_that_is_up(package, roll_deg, sigma):
+def test_default_pose_sigma_follows_the_upward_axis(package, roll_deg, sigma):
     given = ["hull.mesh='ship.stl'", f"hull.pose=[0,0,0,{roll_deg},0,0]"]
     assert defaults_of(load_config(package, {}, given))["hull.pose_sigma"] == sigma
     given.append("hull.pose_sigma=[2,2,2,2,2,2]")
@@ -214,7 +214,7 @@ def test_lever_arms_that_are_left_to_defaults_are_asked_for(package):
     assert found.document()["to_fill_in"] == sentences(found.to_fill_in)
 
 
-def test_a_camera_that_is_logged_without_a_calibration_is_asked_for(package):
+def test_logged_camera_without_calibration_is_asked_for(package):
     path = package / "dive.toml"
     path.write_text(path.read_text().split("[camera.top]")[0])
     assert any(
@@ -235,7 +235,7 @@ def test_a_package_whose_files_are_there_can_be_run(package):
     assert sentences(found.missing_files) == []
 
 
-def test_files_that_are_missing_are_listed_with_their_keys_and_forbid_a_run(package):
+def test_missing_files_are_listed_with_keys_and_prevent_run(package):
     text = (package / "dive.toml").read_text()
     (package / "dive.toml").write_text(text + '[hull]\nmesh = "nowhere.stl"\n')
     found = check(package)
@@ -261,7 +261,7 @@ def test_a_run_needs_velocities_with_a_heading_or_stereo_images(sensors, runnabl
     assert any("no run is possible" in line for line in sentences(missing(sensors))) != runnable
 
 
-def test_a_camera_of_which_no_image_was_logged_is_in_the_way_of_a_run(package, kit):
+def test_camera_without_logged_images_prevents_run(package, kit):
     kit.mcap(package / "logs" / "dive.mcap", [e for e in kit.dive() if "camera" not in e.topic])
     text = (package / "dive.toml").read_text()
     (package / "dive.toml").write_text(
@@ -340,7 +340,7 @@ def test_a_dvl_without_any_velocity_is_in_the_way_of_a_run(package, kit):
     )
 
 
-def test_a_profiler_s_lost_velocities_are_told_before_how_it_sits(tmp_path):
+def test_lost_profiler_velocities_come_before_its_mount(tmp_path):
     """Else its owner measures mounts of an instrument that cannot be used."""
     (tmp_path / "x.pd0").write_bytes(
         b"".join(ensemble_bytes(n, velocity=(-32768,) * 4, heading=100) for n in range(20))
@@ -352,9 +352,7 @@ def test_a_profiler_s_lost_velocities_are_told_before_how_it_sits(tmp_path):
 
 
 @pytest.mark.parametrize(("mount", "is_told"), [("[0,0,0,0,90,0]", True), ("[1,0,0,0,3,0]", False)])
-def test_two_statements_on_how_the_dvl_sits_are_compared_where_its_attitude_is_used(
-    tmp_path, mount, is_told
-):
+def test_dvl_mount_and_imu_mount_that_differ_are_warned_of(tmp_path, mount, is_told):
     (tmp_path / "x.pd0").write_bytes(b"".join(ensemble_bytes(n, heading=100) for n in range(20)))
     (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["x.pd0"]\n')
     warnings = sentences(check(tmp_path, "imu.mount_deg=[0,0,0]", f"dvl.mount={mount}").warnings)
@@ -367,7 +365,7 @@ def test_an_imu_of_its_own_may_sit_otherwise_than_the_dvl(package):
     )
 
 
-def test_a_sensor_that_cannot_be_used_is_not_called_missing_as_well(package, kit):
+def test_unusable_sensor_is_not_also_called_missing(package, kit):
     entries = [e for e in kit.dive() if e.topic != "/imu"]
     entry = type(entries[0])
     entries += [
@@ -381,7 +379,7 @@ def test_a_sensor_that_cannot_be_used_is_not_called_missing_as_well(package, kit
     assert sentences(found.needs) == []
 
 
-def test_a_package_of_which_no_sensor_is_named_gets_a_verdict_too(package):
+def test_package_without_named_sensors_gets_a_verdict(package):
     path = package / "dive.toml"
     path.write_text(path.read_text().split("[topics]")[0])
     found = check(package)
@@ -399,7 +397,7 @@ def test_a_logo_that_is_not_there_is_missed(package):
     assert sentences(check_package(loaded, request).missing_files) == []
 
 
-def test_an_earlier_dive_that_is_not_there_is_warned_of_and_hinders_no_run(package):
+def test_missing_earlier_dive_is_warned_of_and_run_possible(package):
     loaded = load_config(package, {"change": EarlierDive}, ["change.earlier=runs/may"])
     request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
     found = check_package(loaded, request)
@@ -414,7 +412,7 @@ def test_an_earlier_dive_that_is_not_there_is_warned_of_and_hinders_no_run(packa
     )
 
 
-def test_a_dvl_of_a_type_that_is_not_read_is_named_in_the_verdict(package, kit):
+def test_dvl_of_unreadable_type_is_named_in_needs(package, kit):
     entries = kit.dive()
     entry, t = type(entries[0]), entries[0].t_ns
     warmth = kit.make(

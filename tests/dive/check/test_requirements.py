@@ -22,7 +22,7 @@ def keys(lines: list[str]) -> set[str]:
     return {line.split(": ")[1] for line in lines}
 
 
-def test_every_key_that_the_sensors_need_is_asked_for_with_its_meaning_and_default(tmp_path):
+def test_each_needed_key_is_asked_for_with_meaning_and_default(tmp_path):
     cameras = '[camera.top]\ncalibration = "a"\n[camera.bottom]\ncalibration = "b"\n'
     text = cameras + '[sonar]\n[hull]\nmesh = "h.stl"\n'
     lines = sentences(to_fill_in(load(tmp_path, text), EVERYTHING))

@@ -69,7 +69,7 @@ def test_a_topic_of_a_type_that_is_read_is_told_as_what(topic, kind, sensors):
     )
 
 
-def test_topics_that_are_used_are_not_told_and_others_share_a_line():
+def test_used_topics_are_omitted_and_others_share_a_line():
     found = [
         channel("/usbl", POSE),
         channel("/rosout", "rcl_interfaces/msg/Log"),
@@ -81,13 +81,13 @@ def test_topics_that_are_used_are_not_told_and_others_share_a_line():
     ]
 
 
-def test_messages_in_an_encoding_that_is_not_read_are_of_no_type_that_is():
+def test_unreadable_encoding_makes_a_topic_unreadable():
     assert sentences(describe_unused([channel("/imu", "sensor_msgs/msg/Imu", "json")], set())) == [
         "a run would not use /imu: of other types than it reads"
     ]
 
 
-def test_topics_that_are_a_dvl_s_by_name_or_maker_are_told_apart_from_those_that_are_read():
+def test_dvl_topics_of_unreadable_types_are_found_by_name():
     found = [
         channel("/teledyne_navigator/ensemble", "teledyne_navigator/Ensemble", "ros1"),
         channel("/vel", "cirs/LinkquestDvl"),

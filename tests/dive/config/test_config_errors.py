@@ -29,13 +29,13 @@ def test_every_key_of_the_vehicle_is_known_by_its_dotted_name():
     assert not any(key.startswith("top.") for key in keys)
 
 
-def test_a_key_that_stands_in_the_wrong_section_is_found_in_the_right_one():
+def test_key_in_wrong_section_suggests_the_right_section():
     assert told(PLAIN | {"tray": {"elevation_deg": 3}}) == (
         "unknown key tray.elevation_deg (dive.toml): the nearest known key is sonar.elevation_deg"
     )
 
 
-def test_an_unknown_section_names_the_nearest_among_the_steps_too():
+def test_unknown_section_suggests_nearest_step_section():
     assert told(PLAIN | {"feature": {}}, more=("features",)).endswith(
         "the nearest known key is features"
     )
@@ -82,12 +82,12 @@ def test_a_table_in_place_of_a_value_is_called_a_table():
         ({"a": [[-float("inf")]]}, ""),
     ],
 )
-def test_numbers_that_are_not_finite_are_refused_wherever_they_stand(raw, path):
+def test_nonfinite_numbers_are_refused_at_any_depth(raw, path):
     with pytest.raises(UsageError, match=f"{path}.* = .*: expected a finite number"):
         refuse_not_finite(raw, "dive.toml")
 
 
-def test_words_that_look_like_such_numbers_and_all_other_values_pass():
+def test_strings_that_look_nonfinite_are_accepted():
     raw = {"a": [1, 2.5, "nan"], "b": {"c": True, "d": "inf"}}
     refuse_not_finite(raw, "dive.toml")
     raw["b"]["d"] = float("inf")

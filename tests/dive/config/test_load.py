@@ -173,7 +173,7 @@ HUGE = "0x" + "f" * 6000  # TOML's hexadecimal numbers have no end, and Python d
 
 
 @pytest.mark.parametrize("key", ["dive.name", "imu.sigma_roll_pitch_deg", "tray.origin", "logs"])
-def test_a_number_that_cannot_be_printed_is_refused_in_a_short_line(package, key):
+def test_unprintable_number_is_refused_in_a_short_line(package, key):
     (package / "dive.toml").write_text(f"{key} = {HUGE}\n")
     assert "a number of thousands of digits" in refusal(package)
 
@@ -187,7 +187,7 @@ def test_a_number_that_cannot_be_printed_is_refused_in_a_short_line(package, key
         "x = {" + "a." * 900 + "a = 1}",
     ],
 )
-def test_a_key_of_hundreds_of_parts_is_refused_before_it_is_parsed(package, text):
+def test_key_of_hundreds_of_parts_is_refused_before_parsing(package, text):
     (package / "dive.toml").write_text(text)
     assert "a line with more than 100 dots" in refusal(package)
 
@@ -234,11 +234,11 @@ def test_text_with_control_characters_or_line_breaks_is_refused(package, key, te
 
 
 @pytest.mark.parametrize(("value", "key"), [('""', "hull.mesh"), (f'"{"x" * 1001}"', "hull.mesh")])
-def test_a_file_without_a_name_or_with_a_very_long_one_is_refused(package, value, key):
+def test_empty_or_very_long_file_name_is_refused(package, value, key):
     assert key in refusal(package, f"{key}={value}")
 
 
-def test_a_dive_toml_that_is_a_fifo_or_endless_is_refused_in_one_line(tmp_path):
+def test_fifo_or_endless_dive_toml_is_refused_in_one_line(tmp_path):
     os.mkfifo(tmp_path / "dive.toml")
     with pytest.raises(InputError, match=r"dive\.toml cannot be read: it is a FIFO, not a file"):
         load_config(tmp_path)
@@ -256,7 +256,7 @@ def test_a_dive_toml_that_is_a_fifo_or_endless_is_refused_in_one_line(tmp_path):
 @pytest.mark.parametrize(
     "name", [".", "..", ".hidden", "x\\n", "\\u0000", "x" * 101, "a b", "a/b", "\u00e9", "~", "-rf"]
 )
-def test_a_name_that_could_leave_its_folder_is_refused_in_one_line(package, name):
+def test_dive_name_that_leaves_its_folder_is_refused(package, name):
     assert "dive.name" in refusal(package, f'dive.name="{name}"')
 
 
@@ -301,6 +301,6 @@ def test_regions_of_the_hull_have_a_name_and_limits(package):
         (['name = "a"\nalong = [1, nan]'], "hull.region[0].along[1] = nan"),
     ],
 )  # fmt: skip
-def test_a_region_that_holds_nothing_or_has_no_name_of_its_own_is_refused(package, regions, words):
+def test_region_that_is_empty_or_not_uniquely_named_is_refused(package, regions, words):
     with_regions(package, *regions)
     assert words in refusal(package)

@@ -36,7 +36,7 @@ def test_without_tf_static_the_defaults_stand():
     assert sentences(describe_mounts(chosen)) == []
 
 
-def test_a_mount_is_counted_from_where_the_servo_on_its_way_turns():
+def test_mount_on_servo_is_relative_to_the_servo_axis():
     chosen = choose_mounts(LEFT, {"dvl": DVL})
     assert chosen["tray.origin"].value == ORIGIN
     assert chosen["dvl.mount"].value == (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
@@ -46,14 +46,14 @@ def test_a_mount_is_counted_from_where_the_servo_on_its_way_turns():
     ]
 
 
-def test_what_dive_toml_gives_goes_before_the_log_and_mounts_are_counted_from_it():
+def test_mounts_of_dive_toml_take_precedence_over_the_log():
     chosen = choose_mounts({**LEFT, "tray.origin": (0.4, 0.0, 0.0)}, {"dvl": DVL})
     assert "tray.origin" not in chosen
     assert chosen["dvl.mount"].value == (0.05, 0.0, 0.18, 0.0, 90.0, 0.0)
     assert "dvl.mount" not in choose_mounts({**LEFT, "dvl.mount": (0.0,) * 6}, {"dvl": DVL})
 
 
-def test_without_a_servo_on_the_way_it_is_taken_to_turn_about_the_vehicles_origin():
+def test_without_servo_frame_tray_origin_is_the_vehicles():
     fixed = FixedSensor(frame="d", pose=(1.0, 0.0, 0.0, 0.0, 90.0, 0.0))
     chosen = choose_mounts(LEFT, {"dvl": fixed})
     assert (chosen["tray.origin"].value, chosen["dvl.mount"].value) == ((0.0, 0.0, 0.0), fixed.pose)
@@ -63,7 +63,7 @@ def test_without_a_servo_on_the_way_it_is_taken_to_turn_about_the_vehicles_origi
     )
 
 
-def test_of_a_sensor_on_a_servo_that_the_log_moves_the_servos_place_stays_to_be_filled_in():
+def test_servo_moved_by_log_leaves_tray_origin_to_fill_in():
     chosen = choose_mounts(
         LEFT, {"dvl": FixedSensor(frame="d", pose=(0.0, 0.0, 0.08, 0.0, 90.0, 0.0), on_servo=True)}
     )
@@ -78,7 +78,7 @@ TILTED_CAMERA = FixedSensor(frame="optical", pose=(0.05, 0.0, 0.0, 90.0, 0.0, 90
 @pytest.mark.parametrize(
     "camera", [TILTED_CAMERA, replace(TILTED_CAMERA, on_servo=False, servo_origin=(0.2, 0.0, 0.05))]
 )
-def test_a_camera_on_a_servo_beside_a_dvl_that_is_fixed_is_refused(camera):
+def test_camera_on_servo_beside_fixed_dvl_is_refused(camera):
     """One tray carries both: the DVL would turn with the camera."""
     sensors = {"dvl": FIXED_DVL, "camera_top": camera}
     with pytest.raises(
@@ -91,7 +91,7 @@ def test_a_camera_on_a_servo_beside_a_dvl_that_is_fixed_is_refused(camera):
     refuse_parted_tray(LEFT, {"dvl": FIXED_DVL})
 
 
-def test_the_origin_of_a_servo_that_carries_a_sensor_is_not_claimed_for_one_that_is_fixed():
+def test_servo_origin_is_not_claimed_for_a_fixed_sensor():
     chosen = choose_mounts(LEFT, {"dvl": FIXED_DVL, "camera_top": TILTED_CAMERA})
     assert chosen["tray.origin"].source == ""
 
@@ -106,7 +106,7 @@ def test_the_lower_camera_is_placed_in_the_upper_one():
     assert choose_mounts(LEFT, {"camera_bottom": bottom})["camera.bottom.pose_in_top"].source == ""
 
 
-def test_a_configuration_is_filled_in_where_its_sections_are_there(tmp_path):
+def test_mounts_are_filled_in_only_where_sections_exist(tmp_path):
     (tmp_path / "dive.toml").write_text(
         '[dive]\nname = "x"\n[logs]\nfiles = ["l"]\n[camera.top]\n[dvl]\nscale_sigma = 0.1\n'
     )

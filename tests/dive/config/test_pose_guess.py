@@ -21,9 +21,7 @@ X_UP = [0.3, 1, 1, 5, 1, 1]
         ((0, -88, 20), X_UP),
     ],
 )
-def test_the_small_sigmas_are_those_of_height_heel_and_trim_whichever_axis_is_up(
-    roll_pitch_yaw_deg, sigma
-):
+def test_height_heel_and_trim_get_small_sigmas_for_any_up_axis(roll_pitch_yaw_deg, sigma):
     assert guess_sigma((20, -3, 1, *roll_pitch_yaw_deg), None).tolist() == sigma
 
 

@@ -35,7 +35,7 @@ def test_aliases_as_programs_write_them_are_read():
     }
 
 
-def test_aliases_that_stand_for_more_than_the_file_could_hold_are_refused():
+def test_aliases_that_expand_beyond_the_file_are_refused():
     with pytest.raises(ValueError, match="aliases stand for more"):
         parse_yaml(doubling(9))
 
@@ -78,7 +78,7 @@ def test_nesting_that_python_gives_up_on_is_refused(text):
         "<<: 1",
     ],
 )
-def test_what_the_parser_stumbles_over_is_a_value_error_of_one_line(text):
+def test_parser_failure_becomes_a_one_line_value_error(text):
     with pytest.raises(ValueError, match=r".") as caught:
         parse_yaml(text)
     assert "\n" not in str(caught.value)

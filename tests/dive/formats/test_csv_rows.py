@@ -31,7 +31,7 @@ def rows(tmp_path: Path, text: str | bytes, needed=("a",)):
 @given(
     st.lists(st.lists(CELLS, min_size=2, max_size=2), max_size=5), st.sampled_from(["\n", "\r\n"])
 )
-def test_what_the_csv_module_writes_comes_back_with_its_line_numbers(tmp_path, table, end):
+def test_rows_written_by_csv_module_are_read_with_line_numbers(tmp_path, table, end):
     path = tmp_path / "x.csv"
     with path.open("w", newline="", encoding="utf-8") as stream:
         csv.writer(stream, lineterminator=end).writerows([["a", "b"], *table])
@@ -44,7 +44,7 @@ def test_blank_lines_are_passed_over_and_counted_as_lines(tmp_path):
     assert rows(tmp_path, "a\n1\n\n\n2\n") == [(2, {"a": "1"}), (5, {"a": "2"})]
 
 
-def test_cells_that_a_line_lacks_are_empty_and_more_than_the_header_has_are_dropped(tmp_path):
+def test_missing_cells_are_empty_and_extra_cells_are_dropped(tmp_path):
     assert rows(tmp_path, "a,b\n1\n1,2,3\n") == [
         (2, {"a": "1", "b": ""}),
         (3, {"a": "1", "b": "2"}),

@@ -66,7 +66,7 @@ def test_a_byte_too_many_is_found(tmp_path, content):
     )
 
 
-def test_frames_of_an_older_generation_behind_the_last_are_no_damage(tmp_path, content):
+def test_trailing_frames_of_an_older_generation_are_no_damage(tmp_path, content):
     old = bytearray(content[HEADER : HEADER + 3 * FRAME])
     for at in range(0, len(old), FRAME):
         old[at + 8] ^= 0xFF  # another salt

@@ -68,7 +68,7 @@ def test_a_folder_without_a_log_is_named_by_what_lies_in_it(tmp_path, names, wha
             look(tmp_path)
 
 
-def test_a_folder_whose_names_say_nothing_is_named_by_the_first_bytes_of_a_file(tmp_path):
+def test_folder_of_unknown_names_is_described_by_first_bytes(tmp_path):
     (tmp_path / "README").write_text("hello")
     (tmp_path / "a.raw").write_bytes(b"SO\xd4\x1e" + bytes(100))
     with pytest.raises(InputError, match="holds no log that is read here: pings of an Oculus"):
@@ -79,7 +79,7 @@ def test_an_empty_folder_is_none_of_them():
     assert describe_folder([]) == ("", "")
 
 
-def test_cad_models_alone_are_no_dive_and_are_not_told_to_be_unpacked(tmp_path):
+def test_folder_of_cad_models_alone_is_refused_as_no_dive(tmp_path):
     for name in ("a.stl", "b.obj.gz", "c.STL.gz", "notes.md"):
         (tmp_path / name).write_bytes(b"\x1f\x8b\x08" + bytes(20))
     with pytest.raises(
@@ -90,7 +90,7 @@ def test_cad_models_alone_are_no_dive_and_are_not_told_to_be_unpacked(tmp_path):
     assert "gunzip" not in caught.value.line()
 
 
-def test_a_packed_file_among_others_is_named_and_is_not_said_to_be_the_log(tmp_path):
+def test_packed_file_among_others_is_named_as_possible_log(tmp_path):
     (tmp_path / "a.out.gz").write_bytes(b"\x1f\x8b\x08" + bytes(20))
     (tmp_path / "b.txt").write_text("hello")
     with pytest.raises(
@@ -106,9 +106,7 @@ def test_a_packed_file_among_others_is_named_and_is_not_said_to_be_the_log(tmp_p
 @pytest.mark.parametrize(
     ("content", "command"), [("[{0},\n{0}]", "jq -c '.[]' "), ("{0}\n{0}", "jq -c . ")]
 )
-def test_reports_of_a_dvl_that_were_rewritten_over_several_lines_are_told_how_to_be_put_back(
-    tmp_path, content, command
-):
+def test_reformatted_dvl_reports_are_refused_with_a_command(tmp_path, content, command):
     report = json.dumps({"vx": 0.1, "transducers": []}, indent=4)
     (tmp_path / "dvl.json").write_text(content.replace("{0}", report))
     for look, path in ((open_log, tmp_path / "dvl.json"), (find_logs, tmp_path)):

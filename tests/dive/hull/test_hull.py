@@ -112,9 +112,7 @@ def test_units_are_converted(tmp_path):
         (100, "m", "centimetres"),
     ],
 )
-def test_a_cad_model_in_other_units_than_declared_is_refused_with_the_likely_ones(
-    tmp_path, scale, declared, guess
-):
+def test_cad_model_in_wrong_units_is_refused_with_likely_ones(tmp_path, scale, declared, guess):
     path = save(tmp_path / "hull.stl", tube(), scale)
     with pytest.raises(InputError) as caught:
         read_hull(path, declared, [])
@@ -186,9 +184,7 @@ def test_faces_wound_any_way_come_out_outward(share):
     "arc", [(0, np.pi), (-np.pi / 2, np.pi / 2), (np.pi, 2 * np.pi), (np.pi * 1.2, np.pi * 1.9)]
 )
 @pytest.mark.parametrize("inverted", [False, True])
-def test_a_half_hull_or_one_without_deck_comes_out_outward_whichever_way_it_was_wound(
-    arc, inverted
-):
+def test_open_hull_is_oriented_outward_for_any_winding(arc, inverted):
     mesh = clean_mesh(tube(arc=arc, caps=False), [])
     mesh = flipped(mesh, np.full(len(mesh.faces), inverted))
     assert faces_away(orient_outward(mesh, [])) > 0.99
@@ -221,7 +217,7 @@ def test_a_half_hull_stays_one_and_that_is_said(tmp_path):
     assert cut not in notes
 
 
-def test_a_half_hull_was_cut_at_its_middle_plane_and_is_whole_when_reflected_there():
+def test_half_hull_is_cut_at_centreline_and_whole_if_reflected():
     half = clean_mesh(tube(arc=(-np.pi / 2, np.pi / 2), caps=False), [])  # y >= 0
     cuts = find_possible_cuts(half)
     assert cuts[0][0] == 1
@@ -249,7 +245,7 @@ def test_a_missing_cad_model_is_an_input_error(tmp_path):
         read_hull(tmp_path / "hull.stl", "m", [])
 
 
-def test_a_format_that_is_not_read_is_an_input_error_that_lists_the_formats(tmp_path):
+def test_unread_mesh_format_is_refused_with_the_formats_read(tmp_path):
     (tmp_path / "hull.step").write_text("x")
     with pytest.raises(InputError, match="stl, ply, obj, off, glb"):
         read_hull(tmp_path / "hull.step", "m", [])
@@ -305,7 +301,7 @@ def outer_share(mesh: Mesh, middle_y: float) -> float:
         ("DTC-scaled_decimated30k.stl", 30000, "the mesh is watertight"),
     ],
 )
-def test_real_hulls_open_half_messy_or_inverted_come_out_clean_and_outward(data, name, faces, said):
+def test_real_hulls_come_out_clean_and_outward(data, name, faces, said):
     notes = []
     mesh = read_hull(data / "hulls" / name, "m", notes)
     assert len(mesh.faces) == faces
@@ -320,7 +316,7 @@ def test_one_removed_face_is_told_in_the_singular():
     assert sentences(notes) == ["1 degenerate face was removed"]
 
 
-def test_a_strip_with_half_a_twist_has_an_edge_without_a_consistent_winding():
+def test_moebius_strip_has_an_edge_of_inconsistent_winding():
     """A Moebius strip of 10 quads: no orientation agrees across all of its edges."""
     turn = np.linspace(0, 2 * np.pi, 10, endpoint=False)
     along = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(10)])

@@ -90,7 +90,7 @@ def test_an_obj_of_flat_vertices_is_an_input_error(tmp_path):
     assert "no OBJ" in refusal(tmp_path / "h.obj", b"v 0 0\nv 20 0\nv 0 9\nf 1 2 3\n")
 
 
-def test_a_gzipped_file_whose_blocks_are_damaged_is_an_input_error(tmp_path):
+def test_damaged_gzip_mesh_is_an_input_error(tmp_path):
     packed = bytearray(gzip.compress(os.urandom(300)))
     packed[10] ^= 0xFF
     assert "cannot be read" in refusal(tmp_path / "h.stl.gz", bytes(packed))
@@ -172,7 +172,7 @@ def test_a_short_glb_is_refused():
         load.prepare(b"glTF", "glb")
 
 
-def test_a_mesh_of_thousands_of_separate_faces_is_oriented_in_one_search():
+def test_thousands_of_separate_faces_are_oriented_in_one_search():
     """A search a piece took the square of their number: 20,000 faces took three seconds, a million
     hours.
     """

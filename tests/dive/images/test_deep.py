@@ -65,7 +65,7 @@ def stored(folder, *encoded: bytes) -> tuple[ImageStore, list[str]]:
 @pytest.mark.parametrize(
     ("largest", "bits"), [(255, 8), (1023, 10), (4095, 12), (16383, 14), (65535, 16)]
 )
-def test_values_of_sixteen_bits_are_those_of_as_many_as_they_fill(tmp_path, largest, bits, suffix):
+def test_16_bit_images_are_scaled_by_the_bits_they_fill(tmp_path, largest, bits, suffix):
     store, notes = stored(tmp_path, deep(largest, suffix))
     read = store.read(0)
     assert (read.min(), read.max(), len(np.unique(read))) == (0, 255, 64)

@@ -56,22 +56,20 @@ def test_the_cameras_time_offset_is_added(tmp_path, jpegs):
 
 
 @pytest.mark.parametrize("bad", [b"", b"no image", "half", "turned"])
-def test_a_corrupt_image_among_good_ones_survives_unusable_and_is_counted(tmp_path, jpegs, bad):
+def test_corrupt_image_is_kept_as_unusable_and_counted(tmp_path, jpegs, bad):
     spoilt = {"half": jpegs[1][: len(jpegs[1]) // 2], "turned": jpegs[1][:-2]}.get(bad, bad)
     index, notes = take(sink(tmp_path)[0], image(0, jpegs[0]), image(1, spoilt), image(2, jpegs[2]))
     assert index.usable.tolist() == [True, False, True]
     assert sentences(notes) == ["camera_top: 1 of 3 images are missing or damaged and are left out"]
 
 
-def test_an_image_of_another_size_among_good_ones_is_unusable_and_counted(tmp_path, kit, jpegs):
+def test_image_of_other_size_is_unusable_and_counted(tmp_path, kit, jpegs):
     index, notes = take(sink(tmp_path)[0], image(0, jpegs[0]), image(1, kit.jpeg(1, 32, 24)))
     assert index.usable.tolist() == [True, False]
     assert sentences(notes) == ["camera_top: 1 of 2 images have another size and are left out"]
 
 
-def test_images_of_another_size_than_the_calibration_are_refused_with_both_sizes_early(
-    tmp_path, jpegs
-):
+def test_images_unlike_calibration_are_refused_early_with_sizes(tmp_path, jpegs):
     store, _ = sink(tmp_path, (640, 480))
     for t in range(4):
         store.take(image(t, jpegs[0]), t, 0)
@@ -108,7 +106,7 @@ def store(tmp_path, jpegs) -> ImageStore:
     return ImageStore(tmp_path, tmp_path, "camera_top")
 
 
-def test_the_store_reads_rgb_from_the_artifact_and_from_the_package(store, jpegs):
+def test_store_reads_rgb_from_artifact_and_package(store, jpegs):
     assert len(store) == 3
     for row, encoded in ((0, jpegs[0]), (2, jpegs[2])):
         bgr = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_COLOR)

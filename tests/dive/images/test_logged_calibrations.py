@@ -121,7 +121,7 @@ def test_a_calibration_of_dive_toml_goes_before_that_of_the_log(package, kit):
         ),
     ],
 )
-def test_a_camera_info_that_is_no_calibration_is_refused_in_words(package, kit, more, words):
+def test_camera_info_without_calibration_is_refused_with_reason(package, kit, more, words):
     kit.mcap(
         package / "logs" / "dive.mcap", entries_of(kit, [("/camera_info", 0.0, info(kit, **more))])
     )
@@ -168,7 +168,7 @@ def test_two_cameras_in_one_namespace_cannot_share_a_calibration(package, kit):
     )
 
 
-def test_images_that_were_rectified_are_not_taken_by_what_describes_the_raw_ones(package, kit):
+def test_rectified_images_are_refused_with_raw_camera_info(package, kit):
     entries = entries_of(kit, [("/c/camera_info", 0.0, info(kit))])
     renamed = [
         type(e)("/c/image_rect", e.kind, e.t_ns, e.message) if e.topic == "/cam" else e

@@ -15,7 +15,7 @@ def test_few_images_are_all_kept():
     assert sampled(MOST)[1] == list(range(MOST))
 
 
-def test_of_many_images_runs_of_neighbours_over_the_whole_dive_are_kept():
+def test_runs_of_neighbouring_images_are_kept_over_whole_dive():
     out, kept = sampled(20 * MOST)
     assert MOST // 4 <= len(kept) <= MOST
     assert kept[-1] > 18 * MOST

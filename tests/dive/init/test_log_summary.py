@@ -89,7 +89,7 @@ def test_a_dvl_of_a_common_type_needs_its_name():
         ("mavros__vfr_hud", "mavros_msgs/VFR_HUD"),  # as ROS 1 calls it
     ],
 )
-def test_a_depth_under_the_name_of_its_instrument_is_the_pressure_sensor(topic, kind):
+def test_depth_topic_named_by_instrument_is_pressure_sensor(topic, kind):
     assert guess_topics(notes(**{topic: kind})) == {"pressure": "/" + topic.replace("__", "/")}
 
 
@@ -105,9 +105,7 @@ def test_of_several_imus_the_one_that_is_called_so_is_taken():
     (60, [(0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.6, 0.8)], True),
     (20, [(0.0, 0.0, 0.0, 1.0)], True),
 ])  # fmt: skip
-def test_an_imu_whose_orientation_is_never_filled_in_is_passed_over(
-    kit, tmp_path, count, quaternions, can_be
-):
+def test_imu_without_orientation_is_not_chosen(kit, tmp_path, count, quaternions, can_be):
     kind, t = "sensor_msgs/msg/Imu", kit.start_ns
     each = [quaternions[min(k, len(quaternions) - 1)] for k in range(count)]
     entries = [
@@ -141,7 +139,7 @@ def test_a_dvl_without_an_imu_can_not_be_run_even_with_stereo():
     assert "no imu: there is no attitude: no run is possible" in sentences(missing({"camera_top"}))
 
 
-def test_scale_is_said_to_come_from_a_dvl_only_where_there_is_one():
+def test_scale_comes_from_dvl_only_where_one_was_logged():
     assert "no camera_bottom: one camera: scale and depth come from the DVL" in sentences(
         missing({"camera_top", "dvl"})
     )
@@ -150,7 +148,7 @@ def test_scale_is_said_to_come_from_a_dvl_only_where_there_is_one():
     )
 
 
-def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_read(kit, tmp_path):
+def test_unchosen_topics_differ_from_unreadable_topics(kit, tmp_path):
     entries = kit.dive()
     entry = type(entries[0])
     second = [
@@ -171,9 +169,7 @@ def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_r
     assert "a run would not use /talk: of other types than it reads" in lines
 
 
-def test_the_first_configuration_loads_and_names_the_log_topics_joints_cad_model_and_calibration(
-    kit, tmp_path, calibration
-):
+def test_first_dive_toml_loads_and_names_all_that_was_found(kit, tmp_path, calibration):
     path = kit.mcap(tmp_path / "logs" / "x.mcap", kit.dive())
     (tmp_path / "ship.stl").write_bytes(b"")
     calibration(tmp_path / "cal" / "my_top.yaml")
@@ -297,7 +293,7 @@ def test_what_readers_say_of_several_files_is_told_with_the_file(tmp_path):
     assert not any(line.startswith("a.ad2cp") for line in sentences(summarise_logs(logs[:1]).notes))
 
 
-def test_a_log_without_a_dvl_that_is_read_names_the_one_that_is_not():
+def test_log_without_readable_dvl_names_the_unreadable_one():
     note = TopicNote(
         channel=Channel("/teledyne/ensemble", "teledyne_navigator/Ensemble", "ros1"), count=3
     )

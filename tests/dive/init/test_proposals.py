@@ -60,7 +60,7 @@ def test_without_gravity_a_ros_log_is_taken_by_its_standard(kit, tmp_path):
     assert "REP 145" in why
 
 
-def test_of_two_pressures_the_absolute_one_is_chosen_whatever_their_names(kit, tmp_path):
+def test_absolute_pressure_is_chosen_whatever_the_names(kit, tmp_path):
     kind, t = "sensor_msgs/msg/FluidPressure", kit.start_ns
     more = [
         ("/a_pressure", kind, t, kit.pressure(t, 120.0)),
@@ -83,7 +83,7 @@ def test_a_type_of_many_uses_is_chosen_by_its_name_alone(kit, tmp_path):
     assert guess_topics(summary.topics)["pressure"] == "/depth"
 
 
-def test_a_calibration_is_proposed_from_the_camera_info_beside_the_images(kit, tmp_path):
+def test_calibration_is_proposed_from_camera_info(kit, tmp_path):
     t, kind = kit.start_ns, "sensor_msgs/msg/CompressedImage"
     image = kit.image(t, kit.jpeg(1))
     more = [
@@ -134,7 +134,7 @@ def test_mounts_are_proposed_from_the_fixed_frames_of_the_log(kit, tmp_path):
     assert "camera.top.mount" not in loaded.given  # without a calibration its section is a comment
 
 
-def test_frames_that_do_not_lead_to_the_vehicle_leave_the_mounts_to_be_filled_in(kit, tmp_path):
+def test_unconnected_frames_leave_mounts_to_be_filled_in(kit, tmp_path):
     more = [("/tf_static", "tf2_msgs/msg/TFMessage", kit.start_ns, static(kit, "odom", "x", 0.3))]
     summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, more))
     assert proposed_mounts(summary) == {}
@@ -150,7 +150,7 @@ def test_what_no_log_says_is_asked_for(data, tmp_path):
     assert load_config(tmp_path).config.imu.mount_deg is None
 
 
-def test_a_nortek_dvl_that_does_not_say_where_its_beams_point_is_asked_about_them(tmp_path):
+def test_nortek_dvl_without_beam_directions_is_asked_for_them(tmp_path):
     for content, asked in ((block(DF21, dvl_record()), True), (dvl_file(), False)):
         (tmp_path / "x.ad2cp").write_bytes(content)
         summary = summarise_log(Ad2cpLog(tmp_path / "x.ad2cp"))

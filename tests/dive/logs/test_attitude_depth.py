@@ -62,7 +62,7 @@ def test_a_pose_s_z_is_up_and_so_a_depth_with_the_other_sign(kit):
     assert depth_of("nav_msgs/msg/Odometry", odometry(kit)) == [3.5]
 
 
-def test_a_number_is_a_depth_and_a_head_up_display_has_an_altitude(kit):
+def test_number_is_a_depth_and_vfr_hud_an_altitude(kit):
     assert depth_of("std_msgs/msg/Float64", kit.make("std_msgs/msg/Float64", data=2.25)) == [2.25]
     shown = {
         "airspeed": 0.0,
@@ -76,7 +76,7 @@ def test_a_number_is_a_depth_and_a_head_up_display_has_an_altitude(kit):
     assert depth_of("mavros_msgs/msg/VfrHud", message) == [4.5]
 
 
-def test_the_sign_of_a_logged_depth_can_be_given_and_a_wrong_one_is_doubted(kit):
+def test_sign_of_depth_can_be_given_and_wrong_sign_is_warned_of(kit):
     notes = []
     number = kit.make("std_msgs/msg/Float64", data=-2.25)
     assert depth_of("std_msgs/msg/Float64", number, UP) == [2.25]
@@ -84,7 +84,7 @@ def test_the_sign_of_a_logged_depth_can_be_given_and_a_wrong_one_is_doubted(kit)
     assert "is pressure.z_axis right?" in notes[0].sentence
 
 
-def test_a_depth_of_the_deep_submergence_laboratory_is_read_and_its_gaps_are_damage():
+def test_ds_depth_is_read_and_its_gap_value_is_damage():
     kind = "ds_sensor_msgs/msg/DepthPressure"
     assert depth_of(
         kind, SimpleNamespace(pressure=5.0, pressure_unit=3, tare=-9999.0, depth=12.5)
@@ -128,7 +128,7 @@ def attitude(rotation, of_dvl=False):
     return ImuSample(T, rotation.as_quat(), LOST, np.array([0.0, 0.0, -9.81]), of_dvl)
 
 
-def test_an_imu_that_is_mounted_turned_gives_the_vehicle_s_attitude():
+def test_imu_mount_turns_attitude_into_the_vehicles():
     truth = Rotation.from_euler("ZYX", [30, 10, 5], degrees=True)
     # yaw 90, roll 180: upside down, its x to starboard
     mount = Rotation.from_euler("ZYX", [90, 0, 180], degrees=True)
@@ -137,7 +137,7 @@ def test_an_imu_that_is_mounted_turned_gives_the_vehicle_s_attitude():
     np.testing.assert_allclose(found.acceleration[0], mount.apply([0, 0, -9.81]), atol=1e-12)
 
 
-def test_a_dvl_s_own_attitude_needs_its_mount_and_is_said_to_be_one():
+def test_dvl_attitude_needs_its_mount_and_is_noted():
     truth = Rotation.from_euler("ZYX", [30, 10, 5], degrees=True)
     ahead = Rotation.from_euler("ZYX", [0, 90, 0], degrees=True)
     with pytest.raises(

@@ -56,16 +56,14 @@ EMPTY_BOMB = (0xFFFFFFFF).to_bytes(4, "little")
         (types(T="Missing a"), "cannot be read"),
     ],
 )
-def test_definitions_that_would_take_hours_or_gigabytes_are_refused_in_one_short_line(
-    encoding, definition, why
-):
+def test_explosive_definitions_are_refused_in_a_short_line(encoding, definition, why):
     with pytest.raises(DamagedError, match=why) as caught:
         decode(channel(definition, encoding), EMPTY_BOMB * 4)
     assert str(caught.value).isprintable()
     assert len(str(caught.value)) < 500
 
 
-def test_a_definition_that_fails_is_tried_once_and_not_for_each_message(monkeypatch):
+def test_failing_definition_is_tried_only_once(monkeypatch):
     tried = []
     monkeypatch.setattr(
         decode_module, "_from_definition", lambda channel: tried.append(channel) or 1 / 0
@@ -111,7 +109,7 @@ def test_idl_as_ros_writes_it_passes():
     assert message.b.tolist() == [7]
 
 
-def test_the_definitions_that_are_bundled_stay_far_below_the_limits():
+def test_bundled_definitions_stay_far_below_the_limits():
     for text in BUNDLED.values():
         check_text(text * 10)
 

@@ -32,7 +32,7 @@ def tree(*transforms):
     return frame_tree([SimpleNamespace(transforms=[t]) for t in transforms])
 
 
-def test_a_frame_that_the_logs_own_definition_gives_no_header_is_left_out():
+def test_transform_without_header_is_left_out():
     headless = transform("base_link", "lost")
     del headless.header.frame_id
     assert tree(headless, transform("base_link", "dvl")).keys() == {"dvl"}
@@ -50,7 +50,7 @@ def test_a_sensor_s_frame_is_turned_into_the_vehicle_s_axes():
     np.testing.assert_allclose(pose.rotation.apply([0, 0, 1])[0], [0, 0, -1], atol=1e-12)
 
 
-def test_a_camera_that_looks_ahead_has_the_mount_that_the_template_has():
+def test_forward_looking_camera_has_the_mount_of_the_template():
     # REP 103: x right, y down, z ahead
     optical = Rotation.from_matrix([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])
     mount = mount_of(

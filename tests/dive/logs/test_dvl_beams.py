@@ -55,13 +55,13 @@ def test_five_beams_that_nothing_describes_are_asked_for():
         dvl_pings([ping(ranges=[1.0] * 5)], None, 0.003, [])
 
 
-def test_the_beams_of_the_configuration_stand_in_for_those_of_messages_without():
+def test_configured_beams_are_used_for_messages_without_beams():
     notes = []
     assert choose_beams([ping()], 2 * JANUS, 4, notes) == pytest.approx(JANUS)
     assert sentences(notes) == []
 
 
-def test_the_beams_of_the_message_win_over_those_of_the_configuration_and_that_is_said():
+def test_beams_of_messages_override_configured_with_a_note():
     notes = []
     turned = tilted_beams(25.0, (180.0, 0.0, 90.0, -90.0))
     assert choose_beams([ping(JANUS)], turned, 4, notes) == pytest.approx(JANUS)
@@ -77,11 +77,11 @@ def test_beams_that_agree_with_the_messages_are_not_remarked():
     assert sentences(notes) == []
 
 
-def test_the_configuration_wins_over_the_instrument_that_the_type_names():
+def test_configured_beams_override_those_of_instrument_type():
     assert choose_beams([ping(a50_beams(), A50)], JANUS, 4, []) == pytest.approx(JANUS)
 
 
-def test_the_instrument_that_the_type_names_is_used_last_and_said():
+def test_beams_of_instrument_type_are_used_last_with_a_note():
     notes = []
     assert choose_beams([ping(a50_beams(), A50)], None, 4, notes) == pytest.approx(a50_beams())
     assert sentences(notes) == [
@@ -93,7 +93,7 @@ def test_a_dvl_without_ranges_needs_no_beams():
     assert choose_beams([ping(ranges=())], None, 0, []).shape == (0, 3)
 
 
-def test_a_dvl_that_lost_every_range_needs_no_beams_and_that_is_said():
+def test_dvl_without_any_range_needs_no_beams_with_a_note():
     notes = []
     pings = dvl_pings([ping(ranges=[np.nan, 0.0, -1.0, np.nan])], None, 0.003, notes)
     assert pings.ranges.shape == (1, 0)

@@ -35,7 +35,7 @@ def test_the_frame_of_the_servo_on_its_way_says_where_that_turns(kit, name):
     assert (found.pose, found.servo_origin, found.on_servo) == (FLIPPED, (0.3, -0.1, 0.0), False)
 
 
-def test_where_the_log_moves_the_servo_the_sensor_is_placed_on_it(kit):
+def test_sensor_on_servo_moved_by_log_is_placed_on_the_servo(kit):
     (found,) = sensors(kit, ("tray_link", "x", 0.1)).values()
     assert (found.pose, found.servo_origin, found.on_servo) == (
         (0.1, -0.1, 0.0, 180.0, 0.0, 0.0),
@@ -65,7 +65,7 @@ def log_with_frames(package, kit, *steps):
     kit.mcap(package / "logs" / "dive.mcap", entries_of(kit, more))
 
 
-def test_check_says_which_mounts_are_the_logs_and_asks_for_the_others(package, kit):
+def test_check_lists_mounts_of_the_log_and_asks_for_others(package, kit):
     log_with_frames(package, kit, ("base_link", "tray_link", 0.3), ("tray_link", "x", 0.1))
     found = check(package, "dvl.mount=[0, 0, 0.08, 0, 90, 0]")
     assert sentences(found.mounts) == [
@@ -84,7 +84,7 @@ def test_check_says_which_mounts_are_the_logs_and_asks_for_the_others(package, k
     }
 
 
-def test_without_a_way_to_the_vehicle_the_defaults_are_used_and_named(package, kit):
+def test_without_path_to_vehicle_default_mounts_are_listed(package, kit):
     log_with_frames(package, kit, ("odom", "x", 0.1))
     found = check(package)
     assert found.mounts == []
@@ -93,7 +93,7 @@ def test_without_a_way_to_the_vehicle_the_defaults_are_used_and_named(package, k
     assert any("tf_static" in line for line in sentences(found.found.unused))
 
 
-def test_the_mounts_of_the_log_are_looked_at_as_those_of_dive_toml_are(package, kit):
+def test_mounts_of_the_log_are_checked_like_those_of_dive_toml(package, kit):
     """The camera's frame looks up there, the DVL forward."""
     log_with_frames(package, kit, ("base_link", "x", 0.1))
     assert any(

@@ -49,7 +49,7 @@ def test_a_beam_is_lost_by_its_range_or_by_its_covariance(kit):
     assert np.isnan(dvl(kit.dvl(T, beam_ranges_valid=False)).ranges).all()
 
 
-def test_a_velocity_is_lost_by_its_covariance_or_when_it_is_that_of_the_water(kit):
+def test_velocity_is_lost_by_covariance_or_water_mode(kit):
     lost = np.zeros(9)
     lost[0] = -1
     assert np.isnan(dvl(kit.dvl(T, velocity_covar=lost)).velocity).all()
@@ -127,7 +127,7 @@ def test_every_joint_of_a_message_is_a_sample(kit):
     assert [(s.name, s.angle) for s in samples] == [("a", 0.5), ("b", 0.25)]
 
 
-def test_the_sonar_pixel_of_range_r_and_beam_b_lies_at_r_times_beams_plus_b(kit):
+def test_sonar_pixel_index_is_range_times_beams_plus_beam(kit):
     pixels = np.arange(6, dtype=np.uint8).reshape(3, 2)  # [ranges, beams]
     (ping,) = translate(
         "sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels)
@@ -145,7 +145,7 @@ def test_sonar_pixels_of_other_types_keep_their_values(kit):
     assert ping.image.tolist() == [[0, 200, 400], [100, 300, 500]]
 
 
-def test_a_sonar_image_that_is_too_short_or_of_no_type_is_damaged(kit):
+def test_sonar_image_too_short_or_of_unknown_type_is_damaged(kit):
     pixels = np.zeros((2, 2), np.uint8)
     with pytest.raises(DamagedError, match="4 pixels for 2 beams and 3 ranges"):
         translate("sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels))
@@ -290,9 +290,7 @@ def test_a_simulators_ping_has_the_ranges_of_its_beams(vendors):
     ("velocity", "merit", "lost"),
     [(0.5, 0.01, False), (0.5, 2.0, False), (-32.768, 0.01, True), (0.5, 10.0, True)],
 )
-def test_a_nortek_ping_is_lost_by_its_velocity_or_its_figure_of_merit(
-    vendors, velocity, merit, lost
-):
+def test_nortek_ping_is_lost_by_velocity_or_figure_of_merit(vendors, velocity, merit, lost):
     message = vendors.make(
         "nortek_dvl/msg/Dvl",
         header=vendors.header(T),
@@ -330,7 +328,7 @@ def report(**more):
     return SimpleNamespace(report=SimpleNamespace(**{**given, **more}))
 
 
-def test_a_velocity_of_water_linked_whose_figure_of_merit_is_too_large_is_lost():
+def test_water_linked_velocity_of_large_merit_figure_is_lost():
     kind = "waterlinked_a50/msg/TransducerReportStamped"
     good, bad = (translate("dvl", kind, report(fom=merit))[0] for merit in (0.39, 0.41))
     assert (good.velocity[0], good.sigma) == (0.1, 0.39)
@@ -339,7 +337,7 @@ def test_a_velocity_of_water_linked_whose_figure_of_merit_is_too_large_is_lost()
     assert bad.ranges.tolist() == [1, 2, 3, 4]
 
 
-def test_a_transducer_report_of_an_a50_has_its_beams_and_that_of_any_dvl_has_none():
+def test_only_a50_transducer_report_has_known_beams():
     (ping,) = translate("dvl", "waterlinked_a50/msg/TransducerReportStamped", report())
     assert ping.velocity.tolist() == [0.1, 0.2, 0.3]
     assert ping.ranges.tolist() == [1, 2, 3, 4]

@@ -33,7 +33,7 @@ def test_pings_come_back_as_they_went(dtype):
             np.testing.assert_array_equal(back.directions, sample.directions)
 
 
-def test_what_stands_for_an_image_has_its_shape_and_a_pixel_brighter_than_nearly_all():
+def test_stand_in_image_has_shape_and_bright_pixel_of_the_ping():
     sample = ping(1, "<u2")
     sample.image[3, 4] = 65535
     kept = PingSpool(None).keep(sample)
@@ -47,7 +47,7 @@ def test_what_stands_for_an_image_has_its_shape_and_a_pixel_brighter_than_nearly
     assert (nothing.image == 0).all()
 
 
-def test_without_a_file_the_remarks_are_the_same_and_the_images_black():
+def test_without_spool_file_notes_stay_and_images_are_black():
     samples = [ping(t, "<u2") for t in range(3)]
     spool = PingSpool(None)
     told, heard = [], []

@@ -75,7 +75,7 @@ def read(kit, message):
     return sample
 
 
-def test_a_satellite_fix_has_its_place_and_the_sigma_of_its_covariance(kit):
+def test_satellite_fix_has_place_and_sigma_of_its_covariance(kit):
     sample = read(kit, satellite_fix(kit))
     assert tuple(sample.place) == KIEL
     assert sample.sigma_m == pytest.approx(np.sqrt(0.26))

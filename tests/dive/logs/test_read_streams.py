@@ -48,7 +48,7 @@ def test_topics_that_are_not_wanted_are_counted_but_not_decoded(kit, tmp_path):
     assert {c.topic: n for c, n in found.counts.items()}["/dvl"] == 8
 
 
-def test_a_topic_of_another_type_is_an_input_error_that_names_both(kit, tmp_path):
+def test_topic_of_wrong_type_is_refused_with_both_types(kit, tmp_path):
     with pytest.raises(
         InputError, match="/imu holds sensor_msgs/msg/Imu, which is not read as dvl"
     ) as caught:
@@ -57,7 +57,7 @@ def test_a_topic_of_another_type_is_an_input_error_that_names_both(kit, tmp_path
     assert caught.value.where == "topics.dvl"
 
 
-def test_messages_without_a_stamp_take_the_time_of_logging_and_are_counted(kit, tmp_path):
+def test_unstamped_messages_take_logging_time_and_are_counted(kit, tmp_path):
     entries = [
         dataclasses.replace(e, message=kit.imu(0)) if e.topic == "/imu" else e for e in kit.dive()
     ]
@@ -136,9 +136,7 @@ class Recording:
         ("joints", "string[] name", "float64[] name"),
     ],
 )
-def test_messages_whose_carried_definition_is_damaged_cost_themselves_and_are_named(
-    kit, sensor, old, new
-):
+def test_damaged_definition_costs_only_its_own_messages(kit, sensor, old, new):
     """Fields of other names and types lead anywhere; the dive goes on with its other sensors."""
     t = kit.start_ns
     made = {"imu": kit.imu(t), "dvl": kit.dvl(t), "joints": kit.joints(t, ["a"], [0.5])}[sensor]
@@ -177,7 +175,7 @@ def test_reasons_of_one_topic_do_not_grow_with_its_messages(kit):
     assert sum(found.undecoded.values()) == 36
 
 
-def test_a_definition_that_changes_with_every_message_is_not_compiled_each_time(kit, monkeypatch):
+def test_number_of_compiled_definitions_per_topic_is_bounded(kit, monkeypatch):
     compiled = []
     monkeypatch.setattr(
         read_streams_module, "decode", lambda c, data: compiled.append(c) or decode(c, data)

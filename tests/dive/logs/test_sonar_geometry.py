@@ -23,7 +23,7 @@ def ping(t, last=5.0, bins=50, first=None, *, known=True):
     return SonarSample(t, np.tile(np.arange(bins, dtype=np.uint8), (BEAMS, 1)), directions, range_m)
 
 
-def test_pings_of_another_speed_of_sound_are_put_onto_the_same_ranges():
+def test_pings_of_other_sound_speeds_are_put_on_same_ranges():
     notes: list[Finding] = []
     found = streams.sonar_pings([ping(0), ping(1), ping(2, 5.02), ping(3, 4.98)], notes)
     np.testing.assert_array_equal(found.range_m, ping(0).range_m)

@@ -80,7 +80,7 @@ def test_enu_headings_become_ned_headings(enu_yaw_deg, ned_yaw_deg):
     )
 
 
-def test_in_enu_nose_up_is_a_negative_pitch_and_becomes_a_positive_one():
+def test_negative_pitch_in_enu_becomes_nose_up_in_ned():
     quaternion = Rotation.from_euler("ZYX", [90, -10, 5], degrees=True).as_quat()
     found = streams.imu_samples([imu(0, quaternion)], "enu", [])
     yaw, pitch, roll = Rotation.from_quat(found.quaternion[0]).as_euler("ZYX", degrees=True)
@@ -123,7 +123,7 @@ def test_an_orientation_that_is_never_filled_in_is_refused(quaternion, rates, wh
         streams.imu_samples([imu(t, quaternion, rates) for t in range(50)], "ned", [])
 
 
-def test_few_attitudes_alike_and_those_of_a_vehicle_at_rest_are_taken():
+def test_few_equal_attitudes_or_a_vehicle_at_rest_are_accepted():
     assert len(streams.imu_samples([imu(t, [0, 0, 0, 1]) for t in range(49)], "ned", []).t_ns) == 49
     assert (
         len(streams.imu_samples([imu(t, TURNED, (0, 0, 0)) for t in range(60)], "ned", []).t_ns)
@@ -164,7 +164,7 @@ def test_a_gauge_pressure_or_another_unit_is_suspected():
     assert "absolute and in pascal" in notes[0].sentence
 
 
-def test_joint_angles_in_degrees_are_suspected_and_lost_ones_left_out():
+def test_joint_angles_in_degrees_are_noted_and_lost_ones_dropped():
     notes = []
     found = streams.joint_samples(
         [JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", notes
@@ -193,7 +193,7 @@ def test_sonar_pings_of_another_range_are_left_out_and_counted():
     assert "1 of 3 pings" in notes[0].sentence
 
 
-def test_sonar_pixels_of_more_bits_are_scaled_to_eight_by_the_brightest():
+def test_deep_sonar_pixels_are_scaled_to_8_bits_by_brightest():
     notes = []
     found = streams.sonar_pings([sonar(0, np.array([[0, 500], [1000, 250]], np.uint16))], notes)
     assert found.image.tolist() == [[[0, 128], [255, 64]]]
@@ -201,7 +201,7 @@ def test_sonar_pixels_of_more_bits_are_scaled_to_eight_by_the_brightest():
 
 
 @pytest.mark.parametrize("dtype", [np.uint16, np.uint32, np.float32])
-def test_few_saturated_sonar_pixels_leave_the_others_their_brightness(dtype):
+def test_few_saturated_pixels_do_not_darken_a_sonar_image(dtype):
     pixels = np.tile(np.linspace(0, 2000, 400).astype(dtype), (10, 1))
     saturated = pixels.copy()
     saturated[3:5, 7] = 65535
@@ -214,7 +214,7 @@ def test_few_saturated_sonar_pixels_leave_the_others_their_brightness(dtype):
     assert (found.image[1][saturated > 3000] == 255).all()
 
 
-def test_few_pings_that_are_too_bright_leave_the_others_their_brightness():
+def test_few_overbright_pings_do_not_darken_the_others():
     pixels = np.tile(np.linspace(0, 2000, 20).astype(np.uint16), (10, 1))
     found = streams.sonar_pings(
         [sonar(t, pixels + (60000 if t == 50 else 0)) for t in range(200)], []

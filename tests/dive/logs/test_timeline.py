@@ -35,7 +35,7 @@ def test_of_duplicate_stamps_the_first_stays():
     assert any("2 of 5 stamps are duplicates" in note for note in sentences(line.notes))
 
 
-def test_a_clock_that_jumps_against_the_loggers_is_named_with_its_size_and_moment():
+def test_clock_jump_is_noted_with_size_and_time():
     (words,) = sentences(put_in_order("dvl", ns(0, 1, 2, 12.5, 13.5), ns(0, 1, 2, 3, 4)).notes)
     assert "jumps by +9.500 s at 1970-01-01T00:00:02.000Z" in words
 
@@ -46,7 +46,7 @@ def test_a_clock_that_falls_back_is_named_without_a_logger_too():
     assert "jumps by -7.000 s" in words
 
 
-def test_a_clock_that_was_set_back_goes_on_where_no_logger_has_a_clock():
+def test_clock_set_back_is_corrected_without_logger_clock():
     true = np.arange(0, 30, 0.1)
     stamps = ns(*np.where(true >= 15, true - 2.03, true))
     line = put_in_order("dvl", stamps, stamps)
@@ -60,7 +60,7 @@ def test_a_clock_that_was_set_back_goes_on_where_no_logger_has_a_clock():
 @pytest.mark.parametrize(
     "second", [np.arange(0, 15, 0.1), np.arange(5, 30, 0.1)], ids=["logged later", "logged twice"]
 )
-def test_parts_logged_in_another_order_or_twice_are_sorted_and_not_moved(second):
+def test_reordered_or_repeated_parts_are_sorted_and_not_shifted(second):
     first = np.arange(15, 30, 0.1) if second[0] == 0 else np.arange(0, 20, 0.1)
     stamps = ns(*np.concatenate([first, second]))
     line = put_in_order("dvl", stamps, stamps)
@@ -79,7 +79,7 @@ def test_two_recordings_that_overlap_are_sorted_and_not_moved():
     )
 
 
-def test_logs_that_are_listed_in_another_order_show_no_clock_that_jumps():
+def test_logs_listed_in_another_order_show_no_clock_jump():
     stamps = ns(*np.arange(300, 600, 0.1), *np.arange(0, 300, 0.1))
     line = put_in_order("dvl", stamps, stamps + 2_000_000, np.repeat([0, 1], 3000))
     assert (np.diff(line.t_ns) == NS // 10).all()
@@ -99,7 +99,7 @@ def test_a_computer_s_clock_that_was_set_back_mixes_no_two_times(delay_ms):
     assert "3000 stamps were put right as if it had been set back" in sentences(line.notes)[0]
 
 
-def test_a_computer_s_clock_set_back_by_whole_periods_drops_no_reading():
+def test_clock_set_back_by_whole_periods_drops_no_reading():
     true = np.arange(0, 600, 0.1)
     stamps = ns(*np.where(true >= 300, true - 30, true))
     line = put_in_order(
@@ -119,7 +119,7 @@ def test_a_few_stamps_of_another_day_are_left_out_and_counted(count):
     assert "2025-10-16T09:30:00.000Z" in sentences(line.notes)[0]
 
 
-def test_another_day_s_dive_and_the_few_readings_of_a_joint_are_kept():
+def test_another_days_dive_and_few_joint_readings_are_kept():
     days = ns(*np.arange(0, 100, 0.1), *np.arange(100_000, 100_010, 0.1))
     assert len(put_in_order("camera_top", days, days).keep) == 1100
     twice = ns(5, 1_777_887_000)
@@ -197,7 +197,7 @@ def clock(count=200, jump_s=2.0, at=100, rate_s=0.04, delay_s=0.003):
 
 
 @pytest.mark.parametrize("jump_s", [2.0, -2.0])
-def test_after_a_jump_the_stamps_are_put_right_by_the_loggers_clock(jump_s):
+def test_stamps_after_a_jump_are_corrected_by_logger_clock(jump_s):
     stamps, logged, true = clock(jump_s=jump_s)
     line = put_in_order("imu", stamps, logged)
     assert np.abs(line.t_ns - true).max() < 0.003 * NS
@@ -208,7 +208,7 @@ def test_after_a_jump_the_stamps_are_put_right_by_the_loggers_clock(jump_s):
     assert "100 stamps were put right by the logger's clock" in sentences(line.notes)[0]
 
 
-def test_a_clock_that_was_wrong_before_its_jump_is_put_right_there():
+def test_stamps_wrong_before_a_jump_are_corrected():
     stamps, logged, true = clock()
     line = put_in_order("imu", stamps - 2 * NS, logged)
     assert np.abs(line.t_ns - true).max() < 0.003 * NS
@@ -246,7 +246,7 @@ def test_without_a_loggers_clock_stamps_stay_as_they_are():
     st.integers(0, 10**12),
     st.integers(1, 79),
 )
-def test_whatever_clocks_do_the_stamps_kept_grow_and_belong_to_rows(stamps, jump, at):
+def test_kept_stamps_always_increase_and_belong_to_rows(stamps, jump, at):
     assume(len(stamps) <= 2 or len(set(stamps)) > 1)
     moved = [t + (jump if i >= at else 0) for i, t in enumerate(sorted(stamps))]
     assume(len(moved) <= 2 or len(set(moved)) > 1)

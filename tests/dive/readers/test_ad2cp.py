@@ -82,7 +82,7 @@ def test_distances_along_z_become_ranges_along_the_beams(tmp_path):
     )
 
 
-def test_beams_that_the_file_does_not_describe_are_asked_for_and_taken_from_dive_toml(tmp_path):
+def test_undescribed_beams_are_asked_for_and_can_be_configured(tmp_path):
     pings, _, _ = read(tmp_path / "x.ad2cp", block(DF21, dvl_record()))
     assert pings[0].beams is None
     with pytest.raises(InputError, match="nothing says where the DVL's 4 beams point"):
@@ -121,7 +121,7 @@ def test_a_velocity_without_a_valid_figure_of_merit_has_no_sigma(merit):
     assert np.isnan(parse(DF21, dvl_record(merit=merit)).sigma)
 
 
-def test_velocities_along_the_beams_become_those_of_the_instrument(tmp_path):
+def test_beam_velocities_become_instrument_velocity(tmp_path):
     """It moves with (0.3, -0.2, 0.1) m/s: beam 1 leans to x, beam 2 to -y, beam 3 to -x, beam 4 to
     y.
     """
@@ -159,7 +159,7 @@ def test_values_belong_to_the_beams_that_the_record_names(tmp_path):
     assert ping.velocity == pytest.approx([0.3, -0.2, 0.1], abs=1e-6)
 
 
-def test_velocities_along_beams_that_nothing_describes_are_lost_and_that_is_said(tmp_path):
+def test_beam_velocities_without_directions_are_lost_and_noted(tmp_path):
     (ping,), _, log = read(tmp_path / "x.ad2cp", block(DF20, signature_record(code=BEAM)))
     assert np.isnan(ping.velocity).all()
     assert any(
@@ -173,7 +173,7 @@ def test_beams_in_one_plane_give_no_velocity():
     assert np.isnan(velocity_from_beams(np.array([0.1, 0.2, 0.3]), flat)).all()
 
 
-def test_a_velocity_in_xyz_is_taken_as_it_is_with_the_mean_of_its_two_z(tmp_path):
+def test_xyz_velocity_is_kept_with_mean_of_its_two_z(tmp_path):
     (ping,), _, log = read(tmp_path / "x.ad2cp", signature(velocity=(100, -200, 300, 310)))
     assert ping.velocity == pytest.approx([0.1, -0.2, 0.305])
     assert len(ping.ranges) == 0
@@ -192,9 +192,7 @@ def test_one_lost_beam_spoils_a_velocity_that_was_made_of_all(tmp_path):
 
 
 @pytest.mark.parametrize("orientation", [4, 5, 7])
-def test_a_velocity_along_the_earths_axes_comes_back_by_the_attitude_that_the_reader_gives(
-    tmp_path, orientation
-):
+def test_earth_velocity_is_turned_back_by_reported_attitude(tmp_path, orientation):
     turned = {"heading": 4500, "pitch": -200, "roll": 300, "orientation": orientation}
     (ping,), (attitude,), _ = read(
         tmp_path / "x.ad2cp", signature(code=ENU, velocity=(300, 400, -100, -100), **turned)
@@ -204,7 +202,7 @@ def test_a_velocity_along_the_earths_axes_comes_back_by_the_attitude_that_the_re
     assert attitude.of_dvl
 
 
-def test_heading_pitch_and_roll_are_those_of_nortek_s_transformation(tmp_path):
+def test_heading_pitch_roll_follow_nortek_transformation(tmp_path):
     """Looking up and level, x is where the heading says; pitch lifts x; roll of 90 degrees lays z
     to where y was, reversed.
     """
@@ -227,7 +225,7 @@ def test_heading_pitch_and_roll_are_those_of_nortek_s_transformation(tmp_path):
 
 
 @pytest.mark.parametrize("more", [{"orientation": 0}, {"config": 0x32B}, {"config": 0x327}])
-def test_angles_of_another_axis_or_without_compass_or_tilt_are_no_attitude(tmp_path, more):
+def test_angles_of_other_axis_or_incomplete_are_no_attitude(tmp_path, more):
     (ping,), attitudes, log = read(tmp_path / "x.ad2cp", signature(code=ENU, **more))
     assert attitudes == []
     assert np.isnan(ping.velocity).all()
@@ -279,9 +277,7 @@ def test_a_kind_that_nobody_entered_is_not_parsed_as_another(tmp_path, kind):
     )
 
 
-def test_a_kind_that_is_entered_goes_to_its_own_parser_and_counts_under_its_own_name(
-    tmp_path, monkeypatch
-):
+def test_registered_kind_uses_its_own_parser_and_count(tmp_path, monkeypatch):
     """A third kind, whose parser gives a velocity of its own."""
     other = replace(parse(DF21, dvl_record()), velocity=np.array([7.0, 8, 9]))
     monkeypatch.setitem(
@@ -349,7 +345,7 @@ def test_a_block_that_claims_gigabytes_costs_itself(tmp_path):
     assert f"a block of {3 << 30} bytes is longer than any that is read" in log.losses()[0].why
 
 
-def test_the_checksum_takes_a_last_odd_byte_as_the_high_half_of_a_word():
+def test_checksum_takes_last_odd_byte_as_high_half_of_word():
     assert checksum(b"") == 0xB58C
     assert checksum(b"\x01\x02\x03") == 0xB58C + 0x0201 + 0x0300
     for size in range(40):
@@ -357,7 +353,7 @@ def test_the_checksum_takes_a_last_odd_byte_as_the_high_half_of_a_word():
         assert checksum(data) == word_sum(data)
 
 
-def test_blocks_of_either_header_and_parity_are_found_across_the_edge_of_what_is_read_at_a_time(
+def test_blocks_are_found_across_read_window_edges(
     monkeypatch,
 ):
     monkeypatch.setattr(ad2cp_blocks, "WINDOW", 300)
@@ -370,7 +366,7 @@ def test_blocks_of_either_header_and_parity_are_found_across_the_edge_of_what_is
     ]
 
 
-def test_headers_that_all_claim_the_same_bytes_cost_one_sum_over_the_file(monkeypatch):
+def test_overlapping_headers_cost_one_checksum_over_the_file(monkeypatch):
     """Each stands in the data of the one before and claims 60 kB; their own checksums hold, those
     of their data do not.
     """
@@ -404,7 +400,7 @@ def test_any_bytes_around_a_block_do_not_hide_it(tmp_path, before, after):
     assert len(log.losses()) == (len(before) > 0) + (len(after) > 0)
 
 
-def test_reading_twice_gives_the_same_and_other_blocks_are_counted(tmp_path):
+def test_second_reading_is_equal_and_other_blocks_are_counted(tmp_path):
     (tmp_path / "x.ad2cp").write_bytes(dvl_file() + block(0x15, bytes(31)))
     log = Ad2cpLog(tmp_path / "x.ad2cp")
     first = [(m.t_ns, m.data.velocity.tolist()) for m in log.messages()]

@@ -66,7 +66,7 @@ def test_beams_point_where_the_maker_measured_them(model, beams, is_telephoto, t
         assert azimuth[beam] == pytest.approx(angle, abs=0.012)
 
 
-def test_beams_of_a_lens_of_which_nothing_is_published_point_nowhere(tmp_path):
+def test_unpublished_lens_has_no_beam_directions(tmp_path):
     assert beam_azimuths(ARIS_3000, 128, is_telephoto=True) is None
     assert beam_azimuths(9, 48, is_telephoto=False) is None
     (ping,), log = read(tmp_path / "x.aris", aris_file(1, lens=1))
@@ -110,7 +110,7 @@ def test_a_rotator_that_turns_is_named(tmp_path):
 @pytest.mark.parametrize(
     "kept", [0, 3, 1024, 1030, 1024 + 1023, 1024 + SIZE - 1, 1024 + SIZE, 1024 + SIZE + 900]
 )
-def test_a_file_that_is_cut_gives_its_whole_frames_and_names_the_rest(tmp_path, kept):
+def test_cut_file_gives_whole_frames_and_names_the_rest(tmp_path, kept):
     pings, log = read(tmp_path / "x.aris", aris_file(3)[:kept])
     assert len(pings) == max(0, kept - 1024) // SIZE
     rest = max(0, kept - 1024) % SIZE
@@ -142,7 +142,7 @@ def test_a_frame_whose_size_is_wrong_is_not_taken_for_whole(tmp_path, claimed):
     ]
 
 
-def test_bytes_that_are_missing_or_too_many_cost_what_stands_around_them(tmp_path):
+def test_missing_or_extra_bytes_cost_only_the_frames_around_them(tmp_path):
     content = aris_file(5)
     cut = content[: 1024 + SIZE + 1100] + content[1024 + SIZE + 1200 :]
     pings, _ = read(tmp_path / "cut.aris", cut)

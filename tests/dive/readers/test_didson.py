@@ -25,7 +25,7 @@ def table(folder, rows):
 
 @pytest.mark.parametrize("version", [3, 4])
 @pytest.mark.parametrize("beams", [48, 96])
-def test_a_frame_of_either_version_reads_back_from_port_to_starboard(tmp_path, version, beams):
+def test_frame_of_both_versions_is_read_port_to_starboard(tmp_path, version, beams):
     content = didson_file(version, 3, beams)
     (tmp_path / "p.ddf").write_bytes(content)
     before, header = HEADERS[version]
@@ -34,7 +34,7 @@ def test_a_frame_of_either_version_reads_back_from_port_to_starboard(tmp_path, v
     np.testing.assert_array_equal(read_frame(tmp_path / "p.ddf", 2), pixels[:, ::-1].T)
 
 
-def test_rows_give_the_stamp_and_the_window_and_dive_toml_the_beams(tmp_path):
+def test_rows_give_stamp_and_window_and_dive_toml_the_beams(tmp_path):
     (tmp_path / "p.ddf").write_bytes(didson_file(4))
     log = table(tmp_path, ["1.5,p.ddf,0,1,6", "2.5,p.ddf,1,1,6"])
     pings = [message.data for message in log.messages()]
@@ -72,7 +72,7 @@ def test_a_window_for_a_file_that_has_ranges_is_refused(tmp_path):
         read_ping(tmp_path / "p.npz", 0, (1.0, 2.0))
 
 
-def test_a_file_that_is_cut_gives_its_whole_frames_and_the_rows_of_the_others_are_lost(tmp_path):
+def test_cut_file_gives_whole_frames_and_loses_other_rows(tmp_path):
     (tmp_path / "p.ddf").write_bytes(didson_file(3)[:-1])
     log = table(tmp_path, ["1,p.ddf,0,1,6", "2,p.ddf,1,1,6", "3,p.ddf,7,1,6"])
     assert len(list(log.messages())) == 1

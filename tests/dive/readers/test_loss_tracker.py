@@ -34,7 +34,7 @@ def test_a_known_span_is_lost_to_the_topics_that_are_named():
     assert tracker.losses == [Loss("a chunk is damaged", "/b", 10, 20)]
 
 
-def test_a_known_span_is_lost_to_every_topic_seen_where_none_is_named():
+def test_known_span_without_topics_is_lost_to_every_seen_topic():
     tracker = tracker_of((B, 2), (A, 1))
     tracker.add_loss("a chunk is damaged", 10, 20)
     assert [loss.topic for loss in tracker.losses] == ["/a", "/b"]
@@ -65,7 +65,7 @@ def test_two_gaps_end_at_the_same_next_message():
     ]
 
 
-def test_messages_that_a_log_counts_and_nobody_saw_are_a_loss_of_their_own():
+def test_counted_but_unread_messages_are_a_loss():
     tracker = tracker_of((A, 1))
     tracker.finish({"/a": 3})
     (loss,) = tracker.losses
@@ -76,7 +76,7 @@ def test_messages_that_a_log_counts_and_nobody_saw_are_a_loss_of_their_own():
 @given(
     st.lists(st.tuples(st.sampled_from([A, B]), st.integers(0, 100), st.booleans()), max_size=30)
 )
-def test_whatever_comes_in_each_gap_starts_no_later_than_the_last_message_before_it(entries):
+def test_loss_starts_no_later_than_last_message_before_gap(entries):
     tracker = LossTracker()
     latest = 0
     for channel, t_ns, damaged in entries:

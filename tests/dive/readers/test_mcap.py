@@ -71,7 +71,7 @@ def test_a_file_without_chunks_is_read(kit, tmp_path):
     assert log.losses() == []
 
 
-def test_damage_in_a_file_without_chunks_is_told_by_the_checksum_over_all(kit, tmp_path):
+def test_damage_without_chunks_is_found_by_the_data_checksum(kit, tmp_path):
     data = bytearray(
         kit.mcap(
             tmp_path / "x.mcap", kit.dive(), use_chunking=False, enable_data_crcs=True
@@ -82,7 +82,7 @@ def test_damage_in_a_file_without_chunks_is_told_by_the_checksum_over_all(kit, t
     assert any("checksum" in loss.why or "damaged" in loss.why for loss in log.losses())
 
 
-def test_a_file_without_a_summary_is_read_from_its_start_without_loss_of_messages(kit, tmp_path):
+def test_file_without_summary_is_read_completely_from_start(kit, tmp_path):
     path = kit.mcap(
         tmp_path / "x.mcap",
         kit.dive(),
@@ -95,9 +95,7 @@ def test_a_file_without_a_summary_is_read_from_its_start_without_loss_of_message
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
-def test_a_cut_file_gives_its_whole_chunks_and_says_from_when_on_each_topic_is_lost(
-    kit, tmp_path, whole, share
-):
+def test_cut_file_gives_whole_chunks_and_losses_by_topic(kit, tmp_path, whole, share):
     data = whole.read_bytes()
     messages, log = read(broken(tmp_path, data[: int(share * len(data))]))
     everything = [(e.topic, e.t_ns) for e in kit.dive()]
@@ -110,16 +108,14 @@ def test_a_cut_file_gives_its_whole_chunks_and_says_from_when_on_each_topic_is_l
 
 
 @pytest.mark.parametrize(("share", "least"), [(0.25, 1510), (0.5, 3095), (0.95, 6128)])
-def test_a_cut_simulated_dive_gives_all_that_its_whole_chunks_hold(data, tmp_path, share, least):
+def test_cut_simulated_dive_gives_all_whole_chunks(data, tmp_path, share, least):
     content = (data / "dive-a" / "logs" / "dive.mcap").read_bytes()
     messages, log = read(broken(tmp_path, content[: int(share * len(content))]))
     assert len(messages) == least
     assert len(log.losses()) == 7
 
 
-def test_a_flipped_bit_in_a_chunk_loses_that_chunk_alone_and_names_its_span_and_counts(
-    kit, tmp_path, whole
-):
+def test_flipped_bit_loses_one_chunk_with_span_and_counts(kit, tmp_path, whole):
     data = bytearray(whole.read_bytes())
     data[len(data) // 2] ^= 0x10
     messages, log = read(broken(tmp_path, bytes(data)))
@@ -131,7 +127,7 @@ def test_a_flipped_bit_in_a_chunk_loses_that_chunk_alone_and_names_its_span_and_
     assert max(loss.end_ns for loss in log.losses()) >= max(lost_times)
 
 
-def test_damage_without_a_summary_is_stepped_over_to_the_next_whole_chunk(kit, tmp_path, whole):
+def test_damage_without_summary_skips_to_next_whole_chunk(kit, tmp_path, whole):
     data = bytearray(whole.read_bytes()[:-60])
     at = data.find(b"\x04\x00\x00\x00zstd", len(data) // 3) - 37  # the head of a chunk
     data[at] = 0x7E
@@ -221,9 +217,7 @@ def boundaries(path: Path) -> list[int]:
 
 
 @pytest.mark.parametrize("opcode", [0x02, 0x0F, 0x01, 0x04, 0x07, 0x86])
-def test_a_cut_file_whose_record_is_taken_for_another_kind_loses_nothing_unsaid(
-    kit, whole, tmp_path, opcode
-):
+def test_chunk_with_damaged_opcode_is_still_read_and_noted(kit, whole, tmp_path, opcode):
     """An opcode of an end, of an index or of a private record where a chunk stands: its bytes say
     that it is a chunk.
     """
@@ -239,9 +233,7 @@ def test_a_cut_file_whose_record_is_taken_for_another_kind_loses_nothing_unsaid(
         assert any(f"byte {at}" in note for note in sentences(log.notes))
 
 
-def test_an_end_of_data_inside_a_cut_file_is_a_gap_and_what_follows_comes_through(
-    kit, whole, tmp_path
-):
+def test_end_of_data_inside_file_is_a_gap_and_rest_is_read(kit, whole, tmp_path):
     content = whole.read_bytes()
     starts = boundaries(whole)
     middle = starts[len(starts) // 2]
@@ -274,7 +266,7 @@ def test_a_closing_part_spliced_into_the_middle_hides_nothing(kit, whole, tmp_pa
     assert log.losses()
 
 
-def test_a_summary_that_names_a_part_of_the_chunks_is_not_trusted(kit, tmp_path):
+def test_summary_naming_only_some_chunks_is_not_trusted(kit, tmp_path):
     path = kit.mcap(
         tmp_path / "x.mcap",
         kit.dive(),
@@ -293,7 +285,7 @@ def test_a_summary_that_names_a_part_of_the_chunks_is_not_trusted(kit, tmp_path)
     assert len(messages) == len(kit.dive())
 
 
-def test_messages_of_a_topic_whose_definition_was_lost_are_counted(kit, tmp_path):
+def test_messages_of_topic_without_definition_are_counted(kit, tmp_path):
     path = kit.mcap(
         tmp_path / "x.mcap",
         kit.dive(),
@@ -321,7 +313,7 @@ class CountedBytes(io.BytesIO):
         return out
 
 
-def test_heads_that_look_like_chunks_are_looked_at_without_reading_what_they_claim():
+def test_false_chunk_heads_are_skipped_without_reading_bodies():
     """Each claims the rest of the file: reading them would take the square of it."""
     size = 1 << 20
     heads = b"".join(
@@ -332,7 +324,7 @@ def test_heads_that_look_like_chunks_are_looked_at_without_reading_what_they_cla
     assert stream.count < 2 * size
 
 
-def test_chunks_that_turn_out_damaged_are_read_a_few_times_the_file_at_most(tmp_path, monkeypatch):
+def test_damaged_chunks_are_read_in_time_linear_in_file_size(tmp_path, monkeypatch):
     """Heads whose lengths agree, one within the other, each with a wrong checksum."""
     size, data = 200_000, bytearray(b"\x89MCAP0\r\n")
     while len(data) < size - 100:
@@ -383,7 +375,7 @@ def test_names_that_a_terminal_would_obey_are_escaped(kit, tmp_path):
     assert messages[0].channel.topic == "/imu\\x1b[2J\\n\\u202e"
 
 
-def test_a_topic_whose_type_was_lost_costs_its_messages_and_not_the_dive(kit, tmp_path):
+def test_topic_of_lost_type_costs_only_its_messages(kit, tmp_path):
     path = kit.mcap(
         tmp_path / "x.mcap",
         kit.dive(),

@@ -101,7 +101,7 @@ def test_a_log_whose_own_header_is_damaged_gives_its_pings(tmp_path):
     ]
 
 
-def test_what_is_no_ping_is_counted_and_a_log_without_any_says_so(tmp_path):
+def test_items_without_ping_are_counted_and_empty_log_is_noted(tmp_path):
     other = bytearray(oculus_ping())
     struct.pack_into("<H", other, 6, 0x15)  # the message that asks for a ping
     pings, log = read(
@@ -115,7 +115,7 @@ def test_what_is_no_ping_is_counted_and_a_log_without_any_says_so(tmp_path):
 
 
 @pytest.mark.parametrize("kept", [0, 3, 30, SIZE - 1, SIZE, SIZE + 20, 2 * SIZE + 45])
-def test_a_log_that_is_cut_gives_its_whole_pings_and_names_the_rest(tmp_path, kept):
+def test_cut_log_gives_whole_pings_and_names_the_rest(tmp_path, kept):
     pings, log = read(tmp_path / "x.oculus", oculus_file(3)[: FIRST + kept])
     assert len(pings) == kept // SIZE
     rest = kept % SIZE

@@ -37,7 +37,7 @@ def test_a_ros2_folder_is_known_without_its_metadata(kit, tmp_path):
     assert open_log(folder).kind == "ROS 2 folder"
 
 
-def test_a_missing_log_is_an_input_error_that_says_what_lies_there(tmp_path):
+def test_missing_log_is_refused_with_a_list_of_those_present(tmp_path):
     (tmp_path / "dive.bag").write_bytes(b"x")
     with pytest.raises(InputError, match=r"the log dive\.mcap is missing \(there are dive\.bag\)"):
         open_log(tmp_path / "dive.mcap")
@@ -56,7 +56,7 @@ def test_what_is_no_log_is_an_input_error_that_lists_the_formats(tmp_path: Path,
         open_log(tmp_path / name)
 
 
-def test_the_logs_of_a_folder_are_found_in_it_or_in_its_folder_logs(tmp_path):
+def test_logs_are_found_in_a_folder_or_its_logs_folder(tmp_path):
     (tmp_path / "logs").mkdir()
     for name in ("b.mcap", "a.pd0", "notes.txt"):
         (tmp_path / "logs" / name).write_bytes(b"x")
@@ -79,7 +79,7 @@ def test_a_folder_without_logs_is_an_input_error(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".mcap", ".bag", ".db3", ".pd0", ".txt"])
-def test_pipes_sockets_and_devices_are_refused_in_one_line_and_not_waited_for(tmp_path, suffix):
+def test_pipes_sockets_devices_are_refused_without_waiting(tmp_path, suffix):
     os.mkfifo(tmp_path / f"pipe{suffix}")
     with pytest.raises(InputError, match=f"pipe{suffix} is a pipe, not a file"):
         open_log(tmp_path / f"pipe{suffix}")
@@ -102,9 +102,7 @@ def test_a_name_that_no_file_has_is_one_line(tmp_path, name):
     assert caught.value.line().isprintable()
 
 
-def test_a_file_that_cannot_be_read_to_its_end_gives_what_it_gave_and_says_so(
-    kit, tmp_path, monkeypatch
-):
+def test_read_error_midway_keeps_messages_and_notes_the_loss(kit, tmp_path, monkeypatch):
     log = open_log(kit.mcap(tmp_path / "a.mcap", kit.dive()))
     whole = type(log)._read
 
@@ -129,7 +127,7 @@ def test_a_file_that_vanishes_before_it_is_read_is_one_line(kit, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["ADCP_20.000", "track.ENR", "x"])
-def test_a_log_is_found_in_a_folder_by_its_first_bytes_whatever_its_name(kit, tmp_path, name):
+def test_log_is_found_by_first_bytes_whatever_its_name(kit, tmp_path, name):
     # the head of a PD0 ensemble
     (tmp_path / name).write_bytes(b"\x7f\x7f" + bytes([20, 0, 0, 1, 8, 0]) + bytes(40))
     (tmp_path / "grey.raw").write_bytes(b"\x7f" * 4096)

@@ -83,7 +83,7 @@ def test_lost_ranges_and_velocities_are_nan():
     assert np.isnan(ping.bottom).all()
 
 
-def test_the_instrument_moves_against_the_bottom_and_its_z_axis_points_into_the_housing():
+def test_velocity_is_opposite_to_bottom_with_z_into_housing():
     """Bottom at (0.1, 0.2, -0.3) in the instrument's axes (to beam 2, to beam 3, up): the
     instrument moves the other way; dvl's axes are to beam 3, to beam 2, down.
     """
@@ -99,7 +99,7 @@ def test_ranges_along_the_axis_become_ranges_along_the_beams():
     assert sample.beams[0] == pytest.approx([0, -0.5, np.sqrt(0.75)])
 
 
-def test_earth_coordinates_are_turned_back_by_the_instruments_own_attitude():
+def test_earth_velocity_is_turned_back_by_own_attitude():
     """Heading east and level: the bottom passing to the west means moving east, which is forward
     (beam 3).
     """
@@ -119,13 +119,13 @@ def test_an_upward_instrument_is_turned_over():
     assert sample.velocity == pytest.approx([0, 0, 0.3], abs=1e-9)
 
 
-def test_the_rotation_to_earth_is_a_rotation_and_pitches_beam_three_up():
+def test_earth_rotation_is_orthonormal_and_pitch_lifts_beam_3():
     turn = earth_from_instrument(0.3, 0.2, -0.1)
     assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-12)
     assert earth_from_instrument(0.0, 0.2, 0.0)[2, 1] == pytest.approx(np.sin(0.2))
 
 
-def test_beam_velocities_give_the_velocity_that_made_them_with_one_beam_lost_too():
+def test_beam_velocities_are_inverted_also_with_one_beam_lost():
     angle = 30 * DEG
     truth = np.array([0.3, -0.2, 0.1])
     s, c = np.sin(angle), np.cos(angle)
@@ -153,7 +153,7 @@ def own_sensors(path, *contents):
     return found
 
 
-def test_its_own_heading_tilts_and_depth_are_those_of_the_frame_dvl(tmp_path):
+def test_own_attitude_and_depth_are_those_of_frame_dvl(tmp_path):
     found = own_sensors(tmp_path / "x.pd0", ensemble_bytes(1, heading=9000, pitch=-1000, roll=0))
     (attitude,), (depth,) = found["imu"], found["pressure"]
     ned_from_dvl = Rotation.from_quat(attitude.quaternion).as_matrix()
@@ -199,7 +199,7 @@ def test_a_file_without_bottom_track_says_so(tmp_path):
     assert sentences(log.notes)[0].startswith("no ensemble has a bottom track")
 
 
-def test_a_wrong_checksum_loses_that_ensemble_alone_and_says_where(tmp_path):
+def test_wrong_checksum_loses_one_ensemble_with_its_place(tmp_path):
     content = [ensemble_bytes(n) for n in range(5)]
     content[2] = content[2][:100] + b"\x55" + content[2][101:]
     path = tmp_path / "x.pd0"
@@ -212,7 +212,7 @@ def test_a_wrong_checksum_loses_that_ensemble_alone_and_says_where(tmp_path):
     assert log.losses()[0].end_ns == samples[2].t_ns
 
 
-def test_rubbish_between_ensembles_and_a_cut_end_are_stepped_over(tmp_path):
+def test_rubbish_and_cut_end_between_ensembles_are_skipped(tmp_path):
     path = tmp_path / "x.pd0"
     path.write_bytes(
         b"rubbish\x7f\x7f"
@@ -258,7 +258,7 @@ def reference(text: str, key: str) -> list[np.ndarray]:
     ]
 
 
-def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
+def test_ensembles_equal_an_independent_decoder(data):
     folder = data / "dvl-pd0-slocum"
     text = gzip.decompress((folder / "LA101636_20.yml.gz").read_bytes()).decode()
     found = [e for _, _, e in ensembles(io.BytesIO((folder / "LA101636_20.PD0").read_bytes()))]
@@ -286,7 +286,7 @@ def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
     np.testing.assert_allclose([e.t_ns / 1e9 for e in found], stamps, atol=1e-3)
 
 
-def test_a_bottom_track_of_a_glider_is_read_as_its_source_prints_it(data):
+def test_glider_bottom_track_equals_its_published_values(data):
     found = [
         e
         for _, _, e in ensembles(
@@ -322,7 +322,7 @@ def test_a_diving_glider_sinks_and_moves_ahead(data):
     assert np.median([to_sample(e).velocity[0] for e in tracked]) > 0.2
 
 
-def test_the_corrupted_file_gives_its_whole_ensembles_and_says_what_was_lost(data, tmp_path):
+def test_corrupted_file_gives_whole_ensembles_and_losses(data, tmp_path):
     path = tmp_path / "x.PD0"
     shutil.copy(data / "dvl-pd0-slocum" / "LB180210_3_corrupted.PD0", path)
     samples, log = read(path)
@@ -332,13 +332,13 @@ def test_the_corrupted_file_gives_its_whole_ensembles_and_says_what_was_lost(dat
     ]
 
 
-def test_a_current_profiler_without_bottom_track_gives_pings_that_are_all_lost(data):
+def test_profiler_without_bottom_track_gives_lost_pings(data):
     samples, _ = read(data / "dvl-pd0-slocum" / "ADCP_CCE1T_20.000")
     assert len(samples) == 20
     assert all(np.isnan(s.velocity).all() and np.isnan(s.ranges).all() for s in samples)
 
 
-def test_heads_that_look_like_ensembles_cost_one_sum_over_the_file(monkeypatch):
+def test_false_ensemble_heads_cost_one_checksum_over_the_file(monkeypatch):
     """Every byte of it may start an ensemble that claims half of 64 KiB, whose checksum is another
     sum each time.
     """
@@ -354,7 +354,7 @@ def test_heads_that_look_like_ensembles_cost_one_sum_over_the_file(monkeypatch):
     assert len(tried) < 100
 
 
-def test_ensembles_across_the_edge_of_what_is_read_at_a_time_are_found(monkeypatch):
+def test_ensembles_across_read_block_edges_are_found(monkeypatch):
     monkeypatch.setattr(pd0_ensemble, "BLOCK", 300)
     content = b"".join(ensemble_bytes(n) for n in range(20)) + b"rubbish" + ensemble_bytes(20)
     found = list(ensembles(io.BytesIO(content)))

@@ -27,7 +27,7 @@ def read(folder, package=None):
     return [m.data for m in log.messages()], log
 
 
-def test_a_dvl_row_has_its_velocity_and_ranges_with_empty_cells_lost(tmp_path):
+def test_empty_cells_of_a_dvl_row_are_lost_values(tmp_path):
     (tmp_path / "dvl.csv").write_text(
         "t,vx,vy,vz,range_1,range_2,range_3,range_4\n1.5,0.1,,0.3,1,2,,4\n"
     )
@@ -111,7 +111,7 @@ def test_a_sonar_file_that_is_damaged_or_gone_is_a_named_loss(tmp_path, content)
     assert log.losses()[0].why == "line 2 of sonar.csv cannot be read"
 
 
-def test_a_row_that_is_no_numbers_is_a_named_loss_and_the_others_stay(tmp_path):
+def test_unreadable_row_is_a_named_loss_and_others_are_kept(tmp_path):
     (tmp_path / "pressure.csv").write_text("t,pascal\n0,1e5\n1,oops\n2\n3,1e5\n")
     samples, log = read(tmp_path)
     assert [s.t_ns for s in samples] == [0, 3_000_000_000]
@@ -150,9 +150,7 @@ def test_any_bytes_below_the_header_are_survived(tmp_path, tail):
 @pytest.mark.parametrize(
     ("scale", "unit"), [(10**3, "milliseconds"), (10**6, "microseconds"), (10**9, "nanoseconds")]
 )  # fmt: skip
-def test_stamps_in_another_unit_than_seconds_are_refused_with_the_unit_that_they_look_like(
-    tmp_path, scale, unit
-):
+def test_stamps_in_other_units_are_refused_with_likely_unit(tmp_path, scale, unit):
     rows = "".join(f"{1_777_887_000 * scale + i},{101_325 + i}\n" for i in range(3))
     (tmp_path / "pressure.csv").write_text("t,pascal\n" + rows)
     with pytest.raises(
@@ -190,7 +188,7 @@ def test_the_tables_that_are_there_are_listed(tmp_path):
     assert PlainLog(tmp_path).tables() == ["imu.csv", "pressure.csv"]
 
 
-def test_a_relative_folder_names_the_same_files_as_an_absolute_one(tmp_path, monkeypatch):
+def test_relative_and_absolute_folder_name_the_same_files(tmp_path, monkeypatch):
     folder = tmp_path / "p" / "logs"
     folder.mkdir(parents=True)
     (folder / "a.jpg").write_bytes(b"a")
@@ -212,9 +210,7 @@ def test_a_relative_folder_names_the_same_files_as_an_absolute_one(tmp_path, mon
         ("sonar", "t,file\n0,gone.npz\n", "line 2: gone.npz: "),
     ],
 )
-def test_a_table_without_any_readable_row_is_refused_with_the_first_reason(
-    tmp_path, sensor, text, reason
-):
+def test_table_without_readable_row_is_refused_with_reason(tmp_path, sensor, text, reason):
     (tmp_path / f"{sensor}.csv").write_text(text)
     with pytest.raises(InputError, match=f"{sensor}.csv has no row that can be read: {reason}"):
         read(tmp_path)
@@ -316,7 +312,7 @@ def test_names_of_joints_are_escaped(tmp_path):
     assert read(tmp_path)[0][0].name == "tray\\x1b[31m"
 
 
-def test_pings_together_unpack_to_a_multiple_of_their_files_and_no_further(tmp_path):
+def test_pings_unpack_to_a_bounded_multiple_of_their_files(tmp_path):
     """Hundreds of files of some kilobytes, or links to one, would fill the memory."""
     ping = {"azimuth": np.zeros(1000), "range": np.arange(4000.0)}
     np.savez_compressed(tmp_path / "p.npz", image=np.zeros((1000, 4000), np.uint8), **ping)

@@ -61,9 +61,7 @@ def test_compressed_chunks_are_read(kit, tmp_path, compression):
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.9])
-def test_a_cut_bag_gives_its_whole_chunks_and_says_from_when_on_each_topic_is_lost(
-    kit, tmp_path, whole, share
-):
+def test_cut_bag_gives_whole_chunks_and_losses_by_topic(kit, tmp_path, whole, share):
     data = whole.read_bytes()
     messages, log = read(broken(tmp_path, data[: int(share * len(data))]))
     everything = [(e.topic, e.t_ns) for e in kit.dive()]
@@ -83,7 +81,7 @@ def test_a_bag_without_its_index_loses_nothing_else(kit, tmp_path, whole):
     assert len(messages) == len(kit.dive())
 
 
-def test_a_damaged_chunk_loses_that_chunk_alone_and_names_span_and_counts(kit, tmp_path, whole):
+def test_damaged_chunk_is_lost_alone_with_span_and_counts(kit, tmp_path, whole):
     data = bytearray(whole.read_bytes())
     at = data.find(b"compression=none", len(data) // 2)
     data[at + 12 : at + 16] = b"n\x00ne"
@@ -94,7 +92,7 @@ def test_a_damaged_chunk_loses_that_chunk_alone_and_names_span_and_counts(kit, t
     assert all(loss.start_ns <= loss.end_ns for loss in log.losses())
 
 
-def test_damage_without_an_index_is_stepped_over_to_the_next_whole_chunk(kit, tmp_path, whole):
+def test_damage_without_index_skips_to_next_whole_chunk(kit, tmp_path, whole):
     data = bytearray(whole.read_bytes())
     at = data.find(b"index_pos=") + 10
     data[at : at + 8] = bytes(8)
@@ -170,7 +168,7 @@ def head_of_chunk(count: int, op: int = 5) -> bytes:
     return len(head).to_bytes(4, "little") + head + count.to_bytes(4, "little")
 
 
-def test_heads_that_look_like_chunks_are_looked_at_without_reading_what_they_claim():
+def test_false_chunk_heads_are_skipped_without_reading_data():
     """Each claims a byte more than the file has: reading them would take the square of it."""
     size, data = 1 << 20, bytearray()
     while len(data) < size - 100:
@@ -181,7 +179,7 @@ def test_heads_that_look_like_chunks_are_looked_at_without_reading_what_they_cla
     assert stream.count < 2 * size
 
 
-def test_chunks_that_turn_out_damaged_are_read_a_few_times_the_file_at_most(tmp_path, monkeypatch):
+def test_damaged_chunks_are_read_in_time_linear_in_file_size(tmp_path, monkeypatch):
     size, data = 300_000, bytearray(b"#ROSBAG V2.0\n")
     width = len(head_of_chunk(0))
     while len(data) < size - 100:
@@ -197,7 +195,7 @@ def test_chunks_that_turn_out_damaged_are_read_a_few_times_the_file_at_most(tmp_
     assert sum(opened) < 8 * size
 
 
-def test_an_index_that_names_a_chunk_again_and_again_is_not_followed(kit, tmp_path, whole):
+def test_index_that_repeats_a_chunk_is_not_trusted(kit, tmp_path, whole):
     """Each of a hundred thousand entries would unpack the same chunk."""
     data = bytearray(whole.read_bytes())
     positions = [at + 10 for at in range(len(data)) if data[at : at + 10] == b"chunk_pos="]
@@ -208,7 +206,7 @@ def test_an_index_that_names_a_chunk_again_and_again_is_not_followed(kit, tmp_pa
 
 
 @pytest.mark.parametrize("op", [1, 4, 7, 2])
-def test_a_chunk_whose_kind_is_damaged_is_a_gap_of_a_bag_without_index(kit, tmp_path, whole, op):
+def test_chunk_of_damaged_kind_is_a_gap_without_index(kit, tmp_path, whole, op):
     data = bytearray(whole.read_bytes())
     at = data.find(b"index_pos=") + 10
     data[at : at + 8] = bytes(8)
@@ -220,7 +218,7 @@ def test_a_chunk_whose_kind_is_damaged_is_a_gap_of_a_bag_without_index(kit, tmp_
 
 
 @pytest.mark.parametrize("compression", ["BZ2", "LZ4"])
-def test_a_compressed_chunk_that_stops_before_its_checksum_is_damaged(kit, tmp_path, compression):
+def test_compressed_chunk_without_its_checksum_is_damaged(kit, tmp_path, compression):
     """The stream's last bytes, behind all of its content, are its checksum."""
     path = kit.bag1(tmp_path / "x.bag", kit.dive(ros=1), compression=compression)
     data = bytearray(path.read_bytes())
@@ -234,7 +232,7 @@ def test_a_compressed_chunk_that_stops_before_its_checksum_is_damaged(kit, tmp_p
     assert log.losses()
 
 
-def test_a_bag_says_that_its_chunks_carry_no_checksum_where_they_do_not(kit, tmp_path):
+def test_missing_chunk_checksums_are_noted_where_absent(kit, tmp_path):
     assert read(kit.bag1(tmp_path / "a.bag", kit.dive(ros=1)))[1].notes == NO_CHECKSUM
     assert (
         sentences(read(kit.bag1(tmp_path / "b.bag", kit.dive(ros=1), compression="BZ2"))[1].notes)

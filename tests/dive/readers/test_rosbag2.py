@@ -59,7 +59,7 @@ def test_a_whole_folder_gives_every_message(kit, folders, storage):
     assert decode(ping.channel, ping.data).range[3] == 4.0
 
 
-def test_without_metadata_the_files_are_read_by_name_and_that_is_said(kit, folder):
+def test_without_metadata_files_are_read_by_name_with_a_note(kit, folder):
     (folder / "metadata.yaml").unlink()
     messages, log = read(Rosbag2Log(folder))
     assert len(messages) == len(kit.dive())
@@ -86,7 +86,7 @@ def test_a_file_that_is_no_database_is_a_loss_of_the_folder(folder):
     assert any("cannot be read" in loss.why for loss in log.losses())
 
 
-def test_files_that_were_compressed_whole_are_refused_with_the_remedy(folder):
+def test_files_compressed_whole_are_refused_with_remedy(folder):
     text = (
         (folder / "metadata.yaml")
         .read_text()
@@ -126,7 +126,7 @@ def test_a_database_of_something_else_is_an_input_error(tmp_path):
 
 
 @pytest.mark.parametrize("share", [0.5, 0.95])
-def test_a_cut_database_gives_what_sqlite_reaches_or_a_typed_error(folder, share):
+def test_cut_database_gives_reachable_rows_and_losses(folder, share):
     path = database(folder)
     content = path.read_bytes()
     path.write_bytes(content[: int(share * len(content))])
@@ -179,7 +179,7 @@ def test_any_flipped_bit_is_survived_or_a_typed_error(kit, folders, tmp_path, da
         "? !!set {a: b}\n: !!omap [3]\n",
     ],
 )
-def test_metadata_that_is_half_written_or_of_other_shape_is_done_without(kit, folder, text):
+def test_damaged_metadata_is_ignored(kit, folder, text):
     (folder / "metadata.yaml").write_text(text)
     messages, log = read(Rosbag2Log(folder))
     assert len(messages) == len(kit.dive())
@@ -220,7 +220,7 @@ def test_a_file_that_is_named_twice_is_read_once(kit, folder):
     assert len(read(Rosbag2Log(folder))[0]) == len(kit.dive())
 
 
-def test_messages_that_the_metadata_counts_and_no_file_holds_are_a_loss(kit, folder):
+def test_messages_counted_in_metadata_but_absent_are_a_loss(kit, folder):
     with sqlite3.connect(database(folder)) as connection:
         connection.execute("DELETE FROM messages WHERE id % 2")
     messages, log = read(Rosbag2Log(folder))
@@ -230,7 +230,7 @@ def test_messages_that_the_metadata_counts_and_no_file_holds_are_a_loss(kit, fol
     assert sum(loss.messages for loss in log.losses()) == len(kit.dive()) - len(messages)
 
 
-def test_a_count_of_thousands_of_digits_is_a_loss_of_an_unknown_number(folder):
+def test_absurd_message_count_is_a_loss_of_unknown_number(folder):
     path = folder / "metadata.yaml"
     path.write_text(
         re.sub(r"message_count: \d+\n", f"message_count: 0x{'F' * 5000}\n", path.read_text())

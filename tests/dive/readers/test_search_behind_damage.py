@@ -51,7 +51,7 @@ def aris_headers(count):
     ],
     ids=["oculus", "aris"],
 )
-def test_headers_that_claim_the_rest_of_a_file_cost_no_square_of_it(make, walk, few):
+def test_headers_claiming_rest_of_file_cost_linear_time(make, walk, few):
     read, size = [], []
     for count in (few, 4 * few):
         stream = CountedBytes(make(count))

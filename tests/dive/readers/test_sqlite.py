@@ -76,7 +76,7 @@ def test_messages_of_an_unmerged_write_ahead_log_are_read(kit, unmerged):
     assert any("write-ahead log" in note for note in sentences(log.notes))
 
 
-def test_reading_a_write_ahead_log_changes_nothing_in_the_package(kit, unmerged):
+def test_reading_a_write_ahead_log_leaves_package_unchanged(kit, unmerged):
     folder = unmerged.parent
     before = {p.name: (p.read_bytes(), p.stat().st_mtime_ns) for p in folder.iterdir()}
     modes = {p: p.stat().st_mode for p in (folder, *folder.iterdir())}
@@ -127,7 +127,7 @@ def test_a_write_ahead_log_that_was_merged_long_ago_is_no_loss(unmerged, kit):
     assert log.losses() == []
 
 
-def test_a_pipe_in_place_of_a_write_ahead_log_is_a_loss_and_not_waited_for(kit, database):
+def test_pipe_as_write_ahead_log_is_a_loss_without_waiting(kit, database):
     os.mkfifo(f"{database}-wal")
     messages, log = read(database)
     assert len(messages) == len(kit.dive())
@@ -183,7 +183,7 @@ def test_damage_in_front_of_a_row_far_away_is_stepped_over(kit, database):
         ("UPDATE topics SET type = 3.5 WHERE name = '/imu'", 40, "no topic of the database"),
     ],
 )
-def test_values_in_the_wrong_columns_cost_their_rows_and_are_counted(
+def test_rows_with_values_in_wrong_columns_are_lost_and_counted(
     kit, database, statement, lost, why
 ):
     # the columns' types convert what they can; a damaged page asks nobody

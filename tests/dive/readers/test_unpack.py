@@ -71,7 +71,7 @@ def test_an_unknown_compression_is_damage():
         decompress(b"", "brotli", 0)
 
 
-def test_fields_beyond_the_end_and_names_that_are_no_text_are_damage():
+def test_fields_past_the_end_and_names_not_utf8_are_damage():
     assert fields("<HI", b"\x01\x00\x02\x00\x00\x00") == (1, 2)
     with pytest.raises(DamagedError, match="ends too early"):
         fields("<I", b"\x01\x02\x03")

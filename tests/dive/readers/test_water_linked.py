@@ -87,7 +87,7 @@ def read(path, *reports):
     return [m.data for m in log.messages()], log
 
 
-def test_a_velocity_report_has_velocity_sigma_and_ranges_by_number(tmp_path):
+def test_velocity_report_has_sigma_and_ranges_by_beam_number(tmp_path):
     report = velocity()
     report["transducers"].reverse()
     report["transducers"][0]["beam_valid"] = False  # of number 3
@@ -102,7 +102,7 @@ def test_a_velocity_report_has_velocity_sigma_and_ranges_by_number(tmp_path):
     assert not log.losses()
 
 
-def test_a_velocity_that_is_not_valid_or_of_the_water_or_of_no_merit_is_lost(tmp_path):
+def test_invalid_water_or_poor_velocity_is_lost(tmp_path):
     lost = velocity(velocity_valid=False), velocity(tracking_mode="water"), velocity(fom=0.5)
     samples, _ = read(tmp_path / "x.json", *lost)
     assert all(np.isnan(s.sigma) for s in samples)
@@ -127,7 +127,7 @@ def test_the_mounting_rotation_offset_is_told(tmp_path):
     assert any("is not in the file" in line for line in sentences(log.notes))
 
 
-def test_reports_of_an_older_protocol_have_no_time_and_are_counted(tmp_path):
+def test_reports_of_older_protocol_lack_time_and_are_counted(tmp_path):
     old = velocity()
     del old["time_of_validity"]
     samples, log = read(tmp_path / "x.json", old, old, velocity())
@@ -159,7 +159,7 @@ def test_a_bad_line_costs_itself_and_is_named(tmp_path, line):
     assert "line 2 cannot be read" in log.losses()[0].why
 
 
-def test_a_file_of_reports_without_any_time_is_refused_with_what_to_do(tmp_path):
+def test_file_of_timeless_reports_is_refused_with_remedy(tmp_path):
     first_protocol = {
         k: v
         for k, v in velocity().items()
@@ -197,7 +197,7 @@ def test_other_json_in_a_folder_is_no_log(tmp_path):
     assert [p.name for p in find_logs(tmp_path)] == ["dvl.txt"]
 
 
-def test_it_is_known_by_its_first_report_and_asks_where_the_beams_point(tmp_path):
+def test_log_is_known_by_first_report_and_asks_for_beams(tmp_path):
     samples, _ = read(tmp_path / "x.log", *(velocity(i) for i in range(12)))
     assert isinstance(open_log(tmp_path / "x.log"), WaterLinkedLog)
     with pytest.raises(InputError, match="nothing says where the DVL's 4 beams point") as caught:

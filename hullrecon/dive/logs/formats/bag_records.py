@@ -35,7 +35,7 @@ Head = dict[str, bytes]
 
 @dataclass(frozen=True, kw_only=True)
 class BagChunk:
-    """What the index says about one chunk."""
+    """The index entry of one chunk."""
 
     offset: int  # bytes
     start_ns: int  # in log time
@@ -73,7 +73,7 @@ def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
 def messages_of(
     head: Head, data: bytes, connections: Connections, budget: UnpackBudget | None = None
 ) -> list[Message]:
-    """Read the messages of a chunk or of a lone message record, learning connections on the way."""
+    """Read the messages of a chunk or of a single message record, and learn its connections."""
     op = op_of(head)
     if op == CHUNK:
         how = text(head.get("compression", b""))
@@ -95,7 +95,7 @@ def messages_of(
 
 
 def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
-    """Yield head and data of the records in a chunk: connections and messages, no others."""
+    """Yield head and data of the records in a chunk: connections and messages only."""
     at = 0
     while at < len(data):
         (length,) = fields("<I", data, at)
@@ -111,7 +111,7 @@ def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
 
 
 def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[BagChunk] | None:
-    """Read the index at a bag's end, in the order of the file; None if it cannot be trusted."""
+    """Read the index at a bag's end, in the order of the file. None if it cannot be trusted."""
     try:
         head, _, _ = record(stream, len(MAGIC), size)
         (at,) = fields("<Q", head.get("index_pos", b""))
@@ -145,7 +145,7 @@ def parse_head(data: bytes) -> Head:
 
 
 def op_of(head: Head) -> int:
-    """Return the kind of a record; -1 where its head does not say."""
+    """Read the kind of a record. -1 where its head does not say."""
     op = head.get("op", b"")
     return op[0] if len(op) == 1 else -1
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rows of a CSV with a header; what is wrong with one line costs that line alone."""
+"""Rows of a CSV with a header. An error in a line costs that line alone."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Row = Mapping[str, str]  # cells by column; those that a short line lacks are em
 
 
 def read_rows(path: Path, needed: Sequence[str]) -> Iterator[tuple[int, Row | None]]:
-    """Yield line numbers and rows; None for a line that is too long or no CSV.
+    """Yield line numbers and rows. None for a line that is too long or no CSV.
 
     Blank lines are passed over. Raises InputError when the file cannot be read or a column that
     every row needs is not in the header.
@@ -63,7 +63,7 @@ def _check_header(path: Path, header: Sequence[str], needed: Sequence[str]) -> N
 
 
 def _lines(stream: TextIO) -> Iterator[str | None]:
-    """Yield lines without zero bytes; None for one that is too long."""
+    """Yield lines without zero bytes. None for a line that is too long."""
     while line := stream.readline(LONGEST_LINE):
         if len(line) < LONGEST_LINE or line.endswith(ENDS):
             yield line.replace("\0", "")
@@ -74,7 +74,7 @@ def _lines(stream: TextIO) -> Iterator[str | None]:
 
 
 def _cells(line: str | None) -> list[str] | None:
-    """Split one line into cells; None where it is no CSV. An open quote ends with its line."""
+    """Split one line into cells. None where it is no CSV. An open quote ends with its line."""
     if line is None:
         return None
     try:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tables of a rosbag2 database, row by row past damaged pages, and its write-ahead log.
 
-SQLite stops at the first damaged frame of a write-ahead log without a word, so that the log is
-checked first. Layout and checksum: sqlite.org/fileformat2.html, section 4.
+SQLite silently stops at the first damaged frame of a write-ahead log, so that the log is checked
+first. Layout and checksum: sqlite.org/fileformat2.html, section 4.
 """
 
 from __future__ import annotations
@@ -49,7 +49,10 @@ class Database:
             self.connection.execute(f"PRAGMA {pragma}")
 
     def channels(self) -> dict[int, Channel]:
-        """Read the topics by their number; DamagedError for a database that is none of rosbag2."""
+        """Read the topics by their number.
+
+        Raises DamagedError for a database that is none of rosbag2.
+        """
         tables = {name: kind for _, name, kind, *_ in self.connection.execute("PRAGMA table_list")}
         for name in ("topics", "messages"):
             if tables.get(name) != "table" or self._is_computed(name):
@@ -74,7 +77,7 @@ class Database:
         return out
 
     def rows(self, open_gap: Callable[[str], None]) -> Iterator[Row]:
-        """Yield the rows by number; behind one that cannot be read, look for the next that can."""
+        """Yield the rows by number. Behind an unreadable row, look for the next readable one."""
         at = bad = self._first()
         self.skipped = max(0, at - 1) if at < HIGHEST else 0
         patience, misses, left = NEIGHBOURS + ROWS_A_PAGE * self._pages(), 0, 2 * self._size
@@ -106,7 +109,7 @@ class Database:
         self.connection.execute(f"{ROWS} LIMIT 1", (at,)).fetchall()
 
     def _first_readable(self, bad: int, good: int) -> int:
-        """Bisect for the first row that can be read, between one that cannot and one that can."""
+        """Bisect for the first readable row between an unreadable and a readable one."""
         while good - bad > 1:
             middle = (good + bad) // 2
             try:
@@ -117,7 +120,7 @@ class Database:
         return good
 
     def _first(self) -> int:
-        """Find the first row's number; 1, where rosbag2 starts, if damage hides it."""
+        """Find the first row's number. 1, where rosbag2 starts, if damage hides it."""
         try:
             (low,) = self.connection.execute("SELECT min(rowid) FROM messages").fetchone()
         except READ_ERRORS:
@@ -144,7 +147,7 @@ def _text(value: object) -> str:
 
 
 def describe_damage(path: Path) -> str:
-    """Say what of a write-ahead log SQLite will ignore, though it was written; "" for nothing.
+    """Describe what SQLite will ignore of a write-ahead log, though it was written. "" for nothing.
 
     Frames of an older generation (another salt) behind those of the last one are sound, and belong
     to nobody.

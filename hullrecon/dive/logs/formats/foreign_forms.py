@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Name what people bring that is no log of a dive here, and say how to bring it."""
+"""Name files that are no log of a dive, and say how to provide a log instead."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ BY_SUFFIX = {
 
 
 def describe_file(path: Path, start: bytes) -> tuple[str, str]:
-    """Name what a file is and what to do with it; two empty texts where that is not known."""
+    """Name what a file is and what to do with it. Two empty texts where that is not known."""
     suffix = path.suffix.lower()
     if suffix in IMAGE_SUFFIXES or suffix in VIDEOS:
         kind = "a photo" if suffix in IMAGE_SUFFIXES else "a video"
@@ -82,7 +82,7 @@ def describe_file(path: Path, start: bytes) -> tuple[str, str]:
 
 
 def describe_folder(names: Iterable[str]) -> tuple[str, str]:
-    """Name what lies in a folder without a log and what to do with it, if that is known."""
+    """Name the contents of a folder without a log and what to do with it, if that is known."""
     names = sorted(names)
     suffixes = Counter(Path(name.lower().removesuffix(".gz")).suffix for name in names)
     photos = sum(suffixes[suffix] for suffix in IMAGE_SUFFIXES)

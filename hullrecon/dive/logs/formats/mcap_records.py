@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The records of an MCAP file that matter here, checked as they are read."""
+"""The relevant records of an MCAP file, checked as they are read."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ LONGEST_DEFINITION = 1 << 20  # bytes
 
 @dataclass(frozen=True, kw_only=True)
 class Chunk:
-    """A chunk: its span in log time and its records, still packed."""
+    """A chunk: its records, still packed, and their span of time."""
 
-    start_ns: int
-    end_ns: int
-    size: int
-    crc: int
-    compression: str
-    packed: bytes
+    start_ns: int  # log time of its first message
+    end_ns: int  # log time of its last message
+    size: int  # bytes of its records once unpacked
+    crc: int  # of the unpacked records, 0: none
+    compression: str  # one of COMPRESSIONS
+    packed: bytes  # its records
 
 
 class Definitions:
@@ -63,7 +63,10 @@ class Definitions:
         self.unknown = 0  # messages of channels whose definition was lost
 
     def take(self, opcode: int, body: bytes) -> Message | None:
-        """Learn a schema or a channel, or return a message; DamagedError for an invalid record."""
+        """Learn a schema or a channel, or decode a message.
+
+        Raises DamagedError for an invalid record.
+        """
         if opcode == SCHEMA:
             name, at = _string(body, 2)
             form, at = _string(body, at)
@@ -103,7 +106,7 @@ def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
 
 
 def packed_at(body: bytes, length: int) -> int | None:
-    """Find where the packed records of a chunk's body start; None when it is no chunk's body.
+    """Find where the packed records of a chunk's body start. None when it is no chunk's body.
 
     A chunk's lengths agree with each other, which no other record's bytes do by chance.
 
@@ -123,7 +126,7 @@ def packed_at(body: bytes, length: int) -> int | None:
 
 
 def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
-    """Read the chunk at byte `at`, whatever its opcode says; its lengths have to agree."""
+    """Read the chunk at byte `at`, whatever its opcode says, if its lengths agree."""
     _, length = head(stream, at, end)
     start = packed_at(stream.read(min(length, CHUNK_HEAD)), length)
     if start is None:

@@ -31,7 +31,7 @@ from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, fiel
 
 @dataclass(frozen=True, kw_only=True)
 class ChunkNote:
-    """What the summary says about one chunk."""
+    """The summary's entry of one chunk."""
 
     offset: int  # bytes
     end: int  # the byte behind it and its indices
@@ -51,7 +51,7 @@ class Summary:
 
 
 def read_summary(stream: BinaryIO, size: int) -> Summary | None:
-    """Read the summary; None when there is none that can be trusted.
+    """Read the summary. None when there is none that can be trusted.
 
     Its checksum, where it has one, must hold, and no message may lie where it names no chunk.
     """
@@ -88,7 +88,7 @@ def claims_summary(stream: BinaryIO, size: int) -> bool:
 
 
 def _footer(stream: BinaryIO, size: int) -> tuple[int, int] | None:
-    """Read where the summary starts, and where the footer; None without a footer."""
+    """Read where the summary starts, and where the footer. None without a footer."""
     at = size - FOOTER_SIZE - len(MAGIC)
     try:
         if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):

@@ -54,7 +54,10 @@ def is_ping(data: bytes) -> bool:
 
 
 def parse_ping(data: bytes) -> OculusPing:
-    """Parse one whole message; DamagedError for any other message and where sizes do not fit."""
+    """Parse one whole message.
+
+    Raises DamagedError for any other message and where sizes do not fit.
+    """
     length = message_bytes(data)
     if not is_ping(data) or length > len(data):
         raise DamagedError("it is no whole ping of an Oculus")

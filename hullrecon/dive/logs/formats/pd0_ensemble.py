@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find and parse the ensembles of a Teledyne PD0 file.
 
-Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format [TeledynePD0]; the
+Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format [TeledynePD0]. The
 Explorer DVL writes the same.
 """
 
@@ -30,7 +30,7 @@ BLOCK, REACH = 1 << 20, 65535 + 2  # bytes read at a time; of the longest ensemb
 
 @dataclass(frozen=True, kw_only=True)
 class Ensemble:
-    """One ping as the instrument wrote it, in SI units; NaN where lost or not measured."""
+    """One ping as the instrument wrote it, in SI units. NaN where lost or not measured."""
 
     number: int
     t_ns: int
@@ -52,12 +52,12 @@ class Ensemble:
 
     @property
     def has_attitude(self) -> bool:
-        """Tell whether heading or a tilt is not zero: without the sensors all three are."""
+        """Tell whether heading, pitch or roll is not zero: without sensors all three are."""
         return any((self.heading_rad, self.pitch_rad, self.roll_rad))
 
 
 def is_pd0(start: bytes) -> bool:
-    """Tell whether a file starts with an ensemble: the first data type follows the list of them."""
+    """Tell whether a file starts with an ensemble, whose list of types is followed by the first."""
     return (
         len(start) >= 8
         and start.startswith(MAGIC)
@@ -112,7 +112,7 @@ def _checked_starts(data: bytes) -> NDArray[np.intp]:
 
 
 def _ensemble_at(data: bytes, at: int) -> tuple[Ensemble | None, str]:
-    """Parse the ensemble at a byte, or say why there is none."""
+    """Parse the ensemble at a byte, or explain why there is none."""
     try:
         return parse(data[at : _end_of(data, at)]), ""
     except DamagedError as error:
@@ -184,7 +184,10 @@ def _parts(data: bytes) -> dict[int, bytes]:
 
 
 def _clock(variable: bytes) -> int:
-    """Read the instrument's clock as UTC; the one with a century where it is there."""
+    """Read the instrument's clock as UTC.
+
+    The clock with a century is preferred where there is one.
+    """
     year, *rest = fields("<7B", variable, 4)
     year += 2000 if year < 80 else 1900
     if len(variable) >= 65 and fields("<B", variable, 57)[0] in (19, 20):
@@ -207,7 +210,10 @@ def _beam_angle(system: int, fixed: bytes) -> float:
 
 
 def _ranges(bottom: bytes | None) -> Array:
-    """Read the ranges (4,) m; 0 is lost. Their high bytes are at the end of long records."""
+    """Read the ranges (4,) m. NaN where the record has 0, which is lost.
+
+    Their high bytes are at the end of long records.
+    """
     if bottom is None:
         return np.full(4, np.nan)
     high = fields("<4B", bottom, 77) if len(bottom) >= 81 else (0, 0, 0, 0)

@@ -40,7 +40,7 @@ def read_ping(path: Path, number: int = 0, window_m: tuple[float, float] | None 
     ----------
     path : of the file
     number : which ping, from 0, of a file of an Oculus or a DIDSON
-    window_m : where the samples of a DIDSON begin and end; a DIDSON has no azimuths
+    window_m : where the samples of a DIDSON begin and end. A DIDSON has no azimuths
 
     Raises
     ------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Frames of a video file by their number, one after the other, as JPEG."""
+"""Frames of a video file by their number, in order, as JPEG."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class VideoFrames:
         self._next = 0
 
     def jpeg(self, number: int) -> bytes:
-        """Encode a frame by its number from 0, which has to be larger than the last one's."""
+        """Encode a frame by its number from 0. Numbers have to grow from call to call."""
         import cv2
 
         if not self._next <= number < MOST_FRAMES:

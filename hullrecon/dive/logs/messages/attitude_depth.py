@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages of attitude and of depth to samples: one small function a type."""
+"""Translate messages of attitude and of depth to samples: one small function per type."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NO_DATA = -9999.0  # ds_sensor_msgs: DEPTH_PRESSURE_NO_DATA
 
 
 def imu(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read sensor_msgs/Imu. A covariance of -1 says that the IMU does not measure that quantity."""
+    """Read sensor_msgs/Imu. A covariance of -1 marks a quantity that the IMU does not measure."""
     q = message.orientation
     quaternion = np.array([q.x, q.y, q.z, q.w], float)
     given = [
@@ -54,12 +54,12 @@ def _attitude(q: Fields, t_ns: int) -> ImuSample:
 
 
 def depth_of_pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read z of geometry_msgs/PoseStamped as the height over the water, up as REP 103 has it."""
+    """Read z of geometry_msgs/PoseStamped as the height over the water, up as in REP 103."""
     return [DepthSample(t_ns, float(message.pose.position.z), is_up=True)]
 
 
 def depth_of_pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read z of PoseWithCovarianceStamped and nav_msgs/Odometry, up as REP 103 has it."""
+    """Read z of PoseWithCovarianceStamped and nav_msgs/Odometry, up as in REP 103."""
     return [DepthSample(t_ns, float(message.pose.pose.position.z), is_up=True)]
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decode serialised messages by the definition that the log carries, else by a bundled one."""
+"""Decode serialised messages by the definition carried in the log, else by a bundled one."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ LOST = np.full(3, np.nan)  # a vector that was not measured
 
 
 def type_name(channel: Channel) -> str:
-    """Return the type in its three-part form, "sensor_msgs/msg/Imu"."""
+    """Write the type in its three-part form, "sensor_msgs/msg/Imu"."""
     parts = channel.type.split("/")
     return f"{parts[0]}/msg/{parts[-1]}" if len(parts) > 1 else channel.type
 
 
 def decode(channel: Channel, data: bytes) -> Fields:
-    """Decode a message; DamagedError for damaged bytes and for a type without a definition."""
+    """Decode a message. Raises DamagedError for damaged bytes and types without a definition."""
     store = _store(channel)
     if isinstance(store, str):
         raise DamagedError(store)
@@ -44,14 +44,14 @@ def decode(channel: Channel, data: bytes) -> Fields:
 
 
 def describe(error: Exception) -> str:
-    """Shorten an exception of a library to a piece of one line."""
+    """Shorten an exception of a library to one line."""
     reason = printable(str(error).strip().partition("\n")[0], LONGEST_REASON)
     return reason if isinstance(error, DamagedError) else f"{type(error).__name__} {reason}"
 
 
 @lru_cache(maxsize=64)
 def _store(channel: Channel) -> Typestore | str:
-    """Compile the types by which a channel's messages are decoded, or say why that fails."""
+    """Compile the types for decoding a channel's messages, or explain why that fails."""
     if channel.encoding not in ENCODINGS:
         return f"messages in the encoding {channel.encoding!r} are not read"
     try:
@@ -90,5 +90,5 @@ def _standard(encoding: str) -> Typestore:
 
 
 def vector(v: Fields) -> Array:
-    """Return x, y, z of a geometry_msgs/Vector3 or Point."""
+    """Convert a geometry_msgs/Vector3 or Point to an array (3,)."""
     return np.array([v.x, v.y, v.z], float)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Refuse definitions of message types that would take hours or gigabytes to compile or decode by.
+"""Refuse definitions of message types that take hours or gigabytes to compile or decode.
 
 A log carries its types' definitions as text, and rosbags compiles them: each element of an array of
 messages becomes lines of code, each nested type a call for each message. Real definitions stay far
@@ -58,7 +58,7 @@ def check_idl(text: str) -> None:
 
 
 def _blank(match: re.Match[str]) -> str:
-    """Blank a string or a comment; DamagedError for one without an end."""
+    """Blank a string or a comment. Raises DamagedError where it does not end."""
     found = match.group()
     if found.startswith("//"):
         return " "
@@ -69,7 +69,7 @@ def _blank(match: re.Match[str]) -> str:
 
 
 def check_types(types: Types, name: str) -> None:
-    """Raise DamagedError for types that cannot be compiled or decoded by in reasonable time.
+    """Raise DamagedError for types that cannot be compiled or used in reasonable time.
 
     name: of the message itself.
     """
@@ -105,7 +105,7 @@ def _check_bounds(kind: int, inner: Any) -> None:
 
 
 class _Sizes:
-    """The least bytes of each type and the calls to decode it; calls without bytes are refused."""
+    """Count the least bytes of each type and the calls to decode it. Refuse calls without bytes."""
 
     def __init__(self, types: Types) -> None:
         self._types = types
@@ -125,7 +125,7 @@ class _Sizes:
         return self._known[name]
 
     def _field(self, kind: FieldKind, depth: int) -> tuple[int, int]:
-        """Count the bytes and calls of a field; one call reads an array of numbers."""
+        """Count the bytes and calls of a field. One call reads an array of numbers."""
         form, inner = kind
         if form == BASE:
             return WIDTHS.get(str(inner[0]), 1), 1

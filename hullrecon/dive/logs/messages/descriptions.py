@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read what a log says of its sensors themselves: CameraInfo, and the fixed frames of tf_static."""
+"""Read a log's descriptions of its sensors: CameraInfo, and the fixed frames of tf_static."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
 
 @dataclass(frozen=True, kw_only=True)
 class WayUp:
-    """Where a frame is."""
+    """The place of a frame."""
 
     vehicle: Poses | None  # vehicle_from_frame; None where no way leads there
     servo: Poses | None = None  # its pose in the first frame of a servo on the way
@@ -59,7 +59,7 @@ class WayUp:
 
 
 def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
-    """Locate a frame by the way up to base_link; the vehicle's axes are forward, starboard, down.
+    """Locate a frame by the way up to base_link, in vehicle axes forward, starboard, down.
 
     servos: names of frames that a servo turns.
     """
@@ -79,7 +79,7 @@ def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
 
 
 def mount_of(pose: Poses) -> list[float]:
-    """Convert a pose to x, y, z in m, roll, pitch, yaw in degrees, as dive.toml has them."""
+    """Convert a pose to x, y, z in m, roll, pitch, yaw in degrees, as in dive.toml."""
     matrix = pose.rotation.as_matrix()[0]
     pitch = np.arcsin(np.clip(-matrix[2, 0], -1, 1))
     # at 90 degrees roll and yaw are one: all of it is roll, yaw is 0
@@ -92,7 +92,7 @@ def mount_of(pose: Poses) -> list[float]:
 
 
 def lies_beside(topic: str, images: str) -> bool:
-    """Tell whether a CameraInfo has the namespace of an image topic, as image_transport puts it."""
+    """Tell whether a CameraInfo has the namespace of an image topic, as in image_transport."""
     return topic.rpartition("/")[0] == images.removesuffix(COMPRESSED).rpartition("/")[0]
 
 
@@ -109,7 +109,7 @@ def calibration_keys(info: Fields) -> dict[str, object]:
 
 
 def calibration_yaml(info: Fields, topic: str) -> str | None:
-    """Write camera_calibration's YAML for a CameraInfo; None where that is not filled in."""
+    """Write camera_calibration's YAML for a CameraInfo. None where that is not filled in."""
     keys = calibration_keys(info)
     matrix, distortion = np.array(keys["camera_matrix"]), np.array(keys["distortion_coefficients"])
     if not (

@@ -34,7 +34,7 @@ QUICK = 1  # PNG's compression level: images are written once, and read a few ti
 
 
 def encode_raw(message: Fields) -> bytes:
-    """Encode an image as PNG; DamagedError for missing pixels or an unknown encoding."""
+    """Encode an image as PNG. Raises DamagedError for missing pixels or an unknown encoding."""
     import cv2
 
     pixels = _pixels(message)
@@ -76,7 +76,7 @@ def _pixels(message: Fields) -> NDArray[np.integer]:
 
 
 def _to_bgr(pixels: NDArray[np.integer], encoding: str) -> NDArray[np.integer]:
-    """Convert pixels to gray or blue, green, red, as OpenCV writes them; 16 bits stay."""
+    """Convert pixels to gray or blue, green, red, as OpenCV writes them. 16 bits stay."""
     import cv2
 
     if pixels.dtype.itemsize == 2:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages of GPS and USBL positions to samples: one small function a type."""
+"""Translate messages of GPS and USBL positions to samples: one small function per type."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NO_FIX, UNKNOWN_COVARIANCE = -1, 0  # of sensor_msgs/NavSatStatus and NavSatFix
 
 
 def satellite_fix(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read sensor_msgs/NavSatFix, of an antenna above water; a status of -1 is no fix."""
+    """Read sensor_msgs/NavSatFix, of an antenna above water. A status of -1 is no fix."""
     place = np.array([message.latitude, message.longitude, message.altitude], float)
     known = message.position_covariance_type != UNKNOWN_COVARIANCE
     sigma = _sigma(np.asarray(message.position_covariance, float).reshape(3, 3)) if known else NAN
@@ -73,7 +73,7 @@ def _six_by_six(covariance: object) -> np.ndarray[tuple[int, int], np.dtype[np.f
 
 
 def _sigma(covariance: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> float:
-    """Average the variances of both horizontal axes into a sigma; NaN where they say nothing."""
+    """Average the variances of both horizontal axes into a sigma. NaN where they say nothing."""
     variance = 0.5 * (covariance[0, 0] + covariance[1, 1])
     return (
         float(np.sqrt(variance))

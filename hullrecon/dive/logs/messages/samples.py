@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages to samples; the tables at the end say which topics take which types."""
+"""Translate messages to samples. The tables at the end say which topics take which types."""
 
 from __future__ import annotations
 

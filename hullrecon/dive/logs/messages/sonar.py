@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate pings of imaging sonars to samples: one small function a type."""
+"""Translate pings of imaging sonars to samples: one small function per type."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def sonar_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def oculus_raw(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read a message that holds an Oculus' bytes; bearings grow from port to starboard."""
+    """Read a message that holds an Oculus' bytes. Bearings grow from port to starboard."""
     ping = parse_ping(bytes(message.data))
     return [SonarSample(t_ns, ping.image, in_fan(ping.azimuth_rad), ping.range_m)]
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Translate messages of DVLs, and of velocities alone, to samples: one small function a type."""
+"""Translate messages of DVLs, and of velocities alone, to samples: one small function per type."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ OF_THE_WATER, IN_EARTH = 2, 3
 def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read marine_acoustic_msgs/Dvl.
 
-    A lost velocity has a covariance of -1, or comes from the water; a lost beam a range of 0,
-    negative or NaN, or a covariance of -1.
+    A lost velocity has a covariance of -1, or is relative to the water. A lost beam has a range of
+    0, negative or NaN, or a covariance of -1.
     """
     covariance = np.asarray(message.velocity_covar, float)
     ranges = np.asarray(message.range, float).copy()
@@ -82,9 +82,9 @@ def twist(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def water_linked(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read the A50's report: figure of merit as sigma, one entry a beam with its own validity.
+    """Read the A50's report: figure of merit as sigma, one entry per beam with its own validity.
 
-    Its beams are those of the A50: the message has none.
+    Its beams are those of the A50, since the message has none.
     """
     ranges = [
         b.distance if b.valid else np.nan for b in sorted(message.beams, key=lambda b: int(b.id))
@@ -115,7 +115,7 @@ def _transducers(report: Fields, t_ns: int, instrument: str) -> DvlSample:
 def _water_linked(
     report: Fields, velocity: Array, distances: list[float], t_ns: int, instrument: str
 ) -> DvlSample:
-    """Read what the reports of all drivers share: x forward, y right, z out of the transducers.
+    """Read the fields common to all drivers: x forward, y right, z out of the transducers.
 
     A velocity whose figure of merit is too large is lost.
     """
@@ -143,7 +143,7 @@ def girona_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read DVLs of UUV Simulator and Stonefish: one message a beam, covariance -1 where lost."""
+    """Read DVLs of UUV Simulator and Stonefish: one message per beam, covariance -1 where lost."""
     covariance = np.asarray(message.velocity_covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.velocity)
     ranges = [
@@ -166,13 +166,13 @@ def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def _sigma(variances: Array) -> float:
-    """Average variances into one sigma; NaN where they are zero or senseless."""
+    """Average variances into one sigma. NaN where they are zero or senseless."""
     mean = float(np.mean(variances))
     return float(np.sqrt(mean)) if np.isfinite(mean) and mean > 0 else float("nan")
 
 
 def _positive(altitude: float) -> float:
-    """Replace an altitude of -1 or 0, which is none, by NaN."""
+    """Replace an altitude of -1 or 0, which means none, by NaN."""
     return float(altitude) if altitude > 0 else float("nan")
 
 

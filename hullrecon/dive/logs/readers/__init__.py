@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One reader a log format, all behind `protocol.Log`: a module, or a folder of a maker's."""
+"""One reader per log format, all behind `protocol.Log`: a module, or a folder per maker."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the readers of single files share: a pass over the file, its notes and its losses."""
+"""Common parts of the readers of single files: a pass over the file, its notes and its losses."""
 
 from __future__ import annotations
 
@@ -27,7 +27,11 @@ class FileLog:
         self._tracker = LossTracker()
 
     def messages(self) -> Iterator[Message]:
-        """Yield every whole message, in the order of the file; InputError when there is none."""
+        """Yield every whole message, in the order of the file.
+
+        Raises InputError for a pipe, socket or device, and where the system cannot read the file's
+        start.
+        """
         self.notes, self._tracker = [], LossTracker()
         try:
             require_regular_file(self.path)
@@ -39,7 +43,7 @@ class FileLog:
             self._tracker.finish()
 
     def losses(self) -> list[Loss]:
-        """Return what the last pass could not read."""
+        """List what the last pass could not read."""
         return list(self._tracker.losses)
 
     def _read(self) -> Iterator[Message]:
@@ -47,7 +51,7 @@ class FileLog:
 
 
 def unreadable(path: Path, error: OSError) -> InputError:
-    """Return the error that says why the system does not give a file."""
+    """Make the error that says why the system does not give a file."""
     return InputError(
         f"{printable(path.name)} cannot be read: {error.strerror or error}",
         where=printable(str(path.parent)),

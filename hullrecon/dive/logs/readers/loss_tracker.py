@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Track what a reader saw and what it could not read, topic by topic."""
+"""Track by topic what a reader saw and what it could not read."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class LossTracker:
         return message
 
     def add_loss(self, why: str, start_ns: int, end_ns: int, topics: Collection[str] = ()) -> None:
-        """Add the loss of a part with a known span; without topics, of every topic seen so far."""
+        """Add the loss of a part with a known span. Without topics, of every topic seen so far."""
         if self._is_full():
             return
         self._add(why, dict.fromkeys(topics or self._last, start_ns), end_ns, start_ns)
@@ -42,13 +42,13 @@ class LossTracker:
     def open_gap(self, why: str) -> None:
         """Open the loss of a part of unknown content.
 
-        Of each topic it reaches from its last message to the next message of the log.
+        For each topic it reaches from its last message to the next message of the log.
         """
         if len(self._open) < MOST_REASONS and not self._is_full():
             self._open.append((why, dict(self._last)))
 
     def count_lost(self, why: str, count: int) -> None:
-        """Add the loss of messages of which nothing but the count is known."""
+        """Add the loss of messages of which only the count is known."""
         if count:
             self.losses.append(Loss(why, messages=count))
 
@@ -80,7 +80,7 @@ class LossTracker:
             self._more = 0
 
     def _is_full(self) -> bool:
-        """Count a loss that is one too many to be kept."""
+        """Count a loss that is beyond the number kept."""
         full = len(self.losses) >= MOST_LOSSES
         self._more += full
         return full
@@ -93,7 +93,7 @@ class LossTracker:
     def _add(
         self, why: str, starts: Mapping[str, int], end_ns: int | None, start_ns: int | None
     ) -> None:
-        """Add a loss of each topic from its start on; one of all where they are too many."""
+        """Add a loss of each topic from its start on, or one for all where there are too many."""
         named = sorted(starts.items()) if len(starts) <= MOST_TOPICS else []
         self.losses += [Loss(why, topic, start, end_ns) for topic, start in named] or [
             Loss(why, "", start_ns, end_ns)

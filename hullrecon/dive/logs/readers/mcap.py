@@ -95,7 +95,7 @@ class McapLog(FileLog):
         self._check_data(stream, summary.start - DATA_END_SIZE)
 
     def _from_start(self, stream: BinaryIO, size: int) -> Iterator[Message]:
-        """Read record by record; behind damage look for the next chunk."""
+        """Read record by record. Behind damage, look for the next chunk."""
         at, patience = len(MAGIC), PATIENCE * size
         while at < size:
             length = 0
@@ -123,7 +123,7 @@ class McapLog(FileLog):
     def _messages_at(
         self, stream: BinaryIO, opcode: int, length: int, at: int, size: int
     ) -> list[Message]:
-        """Read the messages of the record at a byte; DamagedError for one out of place."""
+        """Read the messages of the record at a byte. Raises DamagedError for a misplaced record."""
         stream.seek(at + HEAD)
         if opcode == CHUNK or packed_at(stream.read(min(length, CHUNK_HEAD)), length) is not None:
             if opcode != CHUNK:
@@ -151,7 +151,7 @@ class McapLog(FileLog):
         return messages_of(chunk, self._definitions, self._budget)
 
     def _check_data(self, stream: BinaryIO, at: int) -> None:
-        """Compare the checksum over all data where no chunk's covers it; note if there is none."""
+        """Compare the checksum over all data where no chunk's covers it. Note if there is none."""
         stream.seek(at)
         closing = stream.read(DATA_END_SIZE)
         crc = (
@@ -192,10 +192,10 @@ def checksum(stream: BinaryIO, end: int) -> int:
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Find the next chunk, from `start` on, whose lengths agree; `size` without any.
+    """Find the next chunk, from `start` on, whose lengths agree. `size` without any.
 
-    Only heads are looked at: reading bodies for each head that looks like one would take the
-    square of the file.
+    Only heads are looked at: reading bodies for each head that looks like one would take time
+    quadratic in the file's size.
     """
     at = start
     while at < size:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Choose the reader of a log: by its first bytes; by its name where those are damaged."""
+"""Choose the reader of a log by its first bytes, or by its name where those are damaged."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ FORMS = (
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:
-    """Choose the reader of a log. Raises InputError for what is missing or that no reader knows.
+    """Choose the reader of a log. Raises InputError where it is missing or of no known format.
 
     package: the folder that paths in plain files may be relative to.
     """
@@ -106,7 +106,7 @@ def _open_folder(path: Path, package: Path | None) -> Log:
 
 
 def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
-    """Return the error for what no reader knows, with what it is and what to do if known."""
+    """Make the error for what no reader knows, with what it is and what to do if known."""
     state = "holds no log" if name.startswith("the folder ") else "is no log"
     kind = f": {what}" if what else ""
     return InputError(
@@ -151,7 +151,7 @@ def _is_log(path: Path) -> bool:
 
 
 def is_log_of_any_name(start: bytes) -> bool:
-    """Tell a log by its first bytes alone: a PD0 file is often called .000, .ENR or .bin."""
+    """Recognise a log by its first bytes alone: a PD0 file is often called .000, .ENR or .bin."""
     return (
         pd0_ensemble.is_pd0(start)
         or is_ad2cp(start)
@@ -196,7 +196,7 @@ def _holds_log(folder: Path) -> bool:
 
 
 def _peek(path: Path) -> bytes:
-    """Read the first bytes of a file among logs; none where it cannot be read."""
+    """Read the first bytes of a file among logs. Empty where it cannot be read."""
     try:
         return _start(path)
     except (OSError, InputError):

@@ -31,7 +31,7 @@ AZIMUTH_RAD = np.radians([-90.0, 90.0, 0.0, 180.0])  # of beams 1 to 4 about z o
 
 
 class Pd0Log(FileLog):
-    """Ensembles whose checksum holds; what lies between them is named."""
+    """Ensembles whose checksum holds. What lies between them is named."""
 
     kind = "Teledyne PD0"
     gives_samples = True
@@ -87,7 +87,7 @@ def attitude(ping: Ensemble) -> ImuSample:
 
 
 def instrument_velocity(ping: Ensemble) -> Array:
-    """Turn the bottom's velocity (3,) m/s into the instrument's axes; NaN when lost."""
+    """Turn the bottom's velocity (3,) m/s into the instrument's axes. NaN when lost."""
     if ping.frame == "beam":
         return from_beams(ping.bottom, ping.beam_angle_rad)
     vector = ping.bottom[:3]
@@ -103,7 +103,7 @@ def instrument_velocity(ping: Ensemble) -> Array:
 def from_beams(beams: Array, angle_rad: float) -> Array:
     """Compute the instrument's velocity from four beams' (positive towards the transducer).
 
-    With one lost, the error velocity is taken as zero; NaN with more lost.
+    With one lost, the error velocity is taken as zero. NaN with more lost.
     """
     b = beams.copy()
     lost = np.flatnonzero(np.isnan(b))

@@ -51,7 +51,7 @@ WINDOW = ("range_from", "range_to")
 
 
 class PlainLog:
-    """A folder of CSVs; files that they name lie next to them, or in the package."""
+    """A folder of CSVs. Files that they name lie next to them, or in the package."""
 
     kind = "plain files"
     gives_samples = True
@@ -66,7 +66,10 @@ class PlainLog:
         self._videos: dict[str, tuple[Path, video_frames.VideoFrames]] = {}
 
     def messages(self) -> Iterator[Message]:
-        """Yield the rows of all tables, table by table; InputError for a table without any."""
+        """Yield the rows of all tables, table by table.
+
+        Raises InputError for a table without any.
+        """
         self.notes, self._losses = [], []
         self._pings, self._ping_files, self._videos = set(), set(), {}
         self._ping_bytes_left = PING_FREE_BYTES
@@ -82,16 +85,16 @@ class PlainLog:
             yield from self._table(table.removesuffix(".csv"))
 
     def first_messages(self) -> list[Message]:
-        """Return the first row of each table that can be read."""
+        """Read the first row of each table that can be read."""
         first = (next(self._table(table.removesuffix(".csv")), None) for table in self.tables())
         return [message for message in first if message is not None]
 
     def losses(self) -> list[Loss]:
-        """Return what the last pass could not read."""
+        """List what the last pass could not read."""
         return list(self._losses)
 
     def tables(self) -> list[str]:
-        """Return the names of the CSVs that are there and read."""
+        """List the CSVs of the folder that are read."""
         return [f"{sensor}.csv" for sensor in COLUMNS if (self.path / f"{sensor}.csv").exists()]
 
     def named_files(self) -> list[Path]:
@@ -181,7 +184,7 @@ class PlainLog:
         return ImageSample(_ns(row), camera, b"", self._in_package(path).as_posix())
 
     def _frame(self, camera: str, path: Path, row: Row) -> bytes:
-        """Read a frame of a video, whose rows follow each other."""
+        """Read a frame of a video. Its rows have to be in the order of the frames."""
         if not (row.get("frame") or "").strip().isdecimal():
             raise ValueError("a video needs the number of its frame in column frame")
         name, video = self._videos.get(camera, (None, None))
@@ -196,7 +199,7 @@ class PlainLog:
         )
 
     def _sonar(self, row: Row) -> SonarSample:
-        """Read a ping; beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
+        """Read a ping. Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
         name = printable(row["file"], LONGEST_REASON)
         path = Path(os.path.realpath(self._locate(row["file"])))  # of links in a circle, too
         number = int(row.get("ping") or 0)
@@ -219,7 +222,7 @@ class PlainLog:
 
 
 class _BadLines:
-    """Lines that cannot be read: their number, and the first of them."""
+    """Count the lines that cannot be read, and keep the numbers of the first."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -238,7 +241,7 @@ class _BadLines:
 
 
 def is_there(path: Path) -> bool:
-    """Tell whether something lies at a path; False for a path that no file can have."""
+    """Tell whether something lies at a path. False for a path that no file can have."""
     try:
         return path.exists()
     except (OSError, ValueError):
@@ -246,7 +249,7 @@ def is_there(path: Path) -> bool:
 
 
 def is_file(path: Path) -> bool:
-    """Tell whether a file lies at a path, and no pipe, device or folder."""
+    """Tell whether a path is a regular file, not a pipe, device or folder."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -260,7 +263,7 @@ class _LateStampError(ValueError):
 
 
 def unit_of_stamp(value: float) -> str:
-    """Guess the unit of a stamp that cannot be in seconds; "" where none fits."""
+    """Guess the unit of a stamp that cannot be in seconds. "" where no unit fits."""
     fits = [name for name, size in UNITS.items() if EARLIEST_S <= value / size <= LATEST_S]
     return f", which look like {fits[0]}" if fits else ""
 
@@ -286,7 +289,7 @@ def _imu(row: Row) -> ImuSample:
 
 
 def _position(row: Row) -> PositionSample:
-    """Read a place: latitude and longitude, or x and y; an empty one is no fix."""
+    """Read latitude and longitude, or x and y. An empty place is no fix."""
     geographic = "latitude" in row
     names = ("latitude", "longitude", "altitude") if geographic else ("x", "y", "z")
     if not geographic and not {"x", "y"} <= row.keys():
@@ -296,13 +299,13 @@ def _position(row: Row) -> PositionSample:
 
 
 def _window(row: Row) -> tuple[float, float] | None:
-    """Read where a DIDSON's samples begin and end; None where the row has neither."""
+    """Read where a DIDSON's samples begin and end. None where the row has neither."""
     near, far = ((row.get(name) or "").strip() for name in WINDOW)
     return (_number(near), _number(far)) if near or far else None
 
 
 def _number(value: str, lost: bool = False) -> float:
-    """Read a cell's number; an empty one is a lost value where that may be."""
+    """Read a cell's number. An empty cell is a lost value where `lost` allows it."""
     return float("nan") if lost and not (value or "").strip() else float(value)
 
 

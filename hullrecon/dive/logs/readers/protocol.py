@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What every log reader gives: messages in file order, and afterwards what was lost."""
+"""The interface of all log readers: messages in file order, and afterwards what was lost."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Channel:
     definition_format: str = "ros2msg"
 
     def __post_init__(self) -> None:
-        """Escape what a terminal would obey: names come from the log and are printed."""
+        """Escape control characters: names come from the log and are printed."""
         for name in ("topic", "type", "encoding"):
             object.__setattr__(self, name, printable(getattr(self, name)))
 
@@ -53,7 +53,7 @@ class Loss:
 
 
 class Log(Protocol):
-    """A log that was opened. Reading it twice gives the same."""
+    """An open log. Reading it twice gives the same messages."""
 
     path: Path
     kind: str  # its name, "MCAP"
@@ -64,4 +64,4 @@ class Log(Protocol):
         """Yield every whole message, in the order of the file. Raises HullreconError only."""
 
     def losses(self) -> list[Loss]:
-        """Return what the last pass of `messages` could not read."""
+        """List what the last pass of `messages` could not read."""

@@ -112,10 +112,10 @@ class Rosbag1Log(FileLog):
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Find the next chunk, from `start` on, whose data fits into the file; `size` without any.
+    """Find the next chunk, from `start` on, whose data fits into the file. `size` without any.
 
-    Only heads are looked at: reading data for each head that looks like one would take the square
-    of the file.
+    Only heads are looked at: reading data for each head that looks like one would take time
+    quadratic in the file's size.
     """
     at = start
     while at < size:

@@ -36,7 +36,10 @@ class Rosbag2Log:
         self._losses: list[Loss] = []
 
     def messages(self) -> Iterator[Message]:
-        """Yield every whole message of the folder's files; InputError where none can be read."""
+        """Yield every whole message of the folder's files.
+
+        Raises InputError where none can be read.
+        """
         self.notes, self._losses = [], []
         seen: Counter[str] = Counter()
         info = self._metadata()
@@ -61,7 +64,7 @@ class Rosbag2Log:
         ]
 
     def losses(self) -> list[Loss]:
-        """Return what the last pass could not read."""
+        """List what the last pass could not read."""
         return list(self._losses)
 
     def _parts(self, info: _Metadata) -> list[Log]:
@@ -94,7 +97,7 @@ class Rosbag2Log:
         return False
 
     def _metadata(self) -> _Metadata:
-        """Read metadata.yaml; nothing, with a note, when it is missing or damaged."""
+        """Read metadata.yaml. Empty, with a note, when it is missing or damaged."""
         path = self.path / METADATA
         try:
             if path.exists():
@@ -113,7 +116,7 @@ class Rosbag2Log:
 
 @dataclass(frozen=True, kw_only=True)
 class _Metadata:
-    """What metadata.yaml tells."""
+    """The contents of metadata.yaml."""
 
     compression: str = ""  # "", "FILE" or "MESSAGE"
     files: tuple[str, ...] = ()  # in their order, each once
@@ -121,7 +124,7 @@ class _Metadata:
 
 
 def _parse(info: object) -> _Metadata:
-    """Take what has its proper shape: a half-written file lacks the rest."""
+    """Take the fields of the right type: a half-written file lacks the rest."""
     table = info if isinstance(info, Mapping) else {}
     mode, files, topics = (
         table.get(k)
@@ -147,7 +150,7 @@ def _parse(info: object) -> _Metadata:
 
 
 def _lost_messages(counted: int, read: int) -> int | None:
-    """Count missing messages; None where what was counted is no number of messages."""
+    """Count missing messages. None where what was counted is no number of messages."""
     return counted - read if counted < MOST_MESSAGES else None
 
 
@@ -168,7 +171,7 @@ class _MessageUnpacker:
         self._budget = UnpackBudget(path.stat().st_size)
 
     def unpack(self, message: Message) -> Message:
-        """Unpack a message; where that fails the decoder will find it damaged."""
+        """Unpack a message. Where that fails the decoder will find it damaged."""
         if not isinstance(message.data, bytes):
             return message
         try:

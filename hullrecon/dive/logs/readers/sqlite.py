@@ -73,7 +73,7 @@ class SqliteLog(FileLog):
             self.notes.append(Finding("database-rows-missing", {"count": database.skipped}))
 
     def _merge(self, stack: ExitStack) -> Path | None:
-        """Copy database and write-ahead log for SQLite to merge; None where there is no such log.
+        """Copy database and write-ahead log for SQLite to merge. None without such a log.
 
         SQLite reads a write-ahead log only where it may write beside it, and the package is not
         written to.
@@ -101,7 +101,7 @@ class SqliteLog(FileLog):
 
 
 def write_ahead_log(path: Path) -> Path:
-    """Return the path of a database's write-ahead log."""
+    """Name the path of a database's write-ahead log."""
     return path.with_name(f"{path.name}-wal")
 
 

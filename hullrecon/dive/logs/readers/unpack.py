@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decompression, headers and text of damaged files; what is wrong is one error, `DamagedError`."""
+"""Decompression, headers and text of damaged files. Any damage raises `DamagedError`."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ LONGEST_REASON = 200
 
 
 class DamagedError(ValueError):
-    """These bytes are not what they should be. Caught by the readers, which go on behind them."""
+    """Bytes that are damaged. Caught by the readers, which go on behind them."""
 
 
 class UnpackBudget:
-    """Limits what a log of a given size unpacks to: kilobytes must not become hours of work."""
+    """Limit the unpacked size of a log, so that kilobytes do not become hours of work."""
 
     def __init__(self, size: int) -> None:
         self._left = FREE_BYTES + RATIO * size
 
     def take(self, size: int) -> None:
-        """Count so many bytes. Raises DamagedError when they are more than are left."""
+        """Charge `size` bytes to the budget. Raises DamagedError when they exceed what is left."""
         if size > self._left:
             raise DamagedError(
                 f"with its {size} bytes the log would unpack to more than {RATIO} times its size"
@@ -45,7 +45,7 @@ class UnpackBudget:
 def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = None) -> bytes:
     """Unpack a chunk packed as "", "none", "zstd", "lz4", "bz2" or "zlib" to `size` bytes.
 
-    Raises DamagedError when they are not there, or not whole.
+    Raises DamagedError when data are missing or incomplete.
     """
     if size > LARGEST_CHUNK:
         raise DamagedError(f"it claims {size} bytes")
@@ -88,7 +88,7 @@ def unpack_frame(data: bytes, budget: UnpackBudget) -> bytes:
 
 
 def text(data: bytes) -> str:
-    """Decode a name; DamagedError when it is not UTF-8."""
+    """Decode a name. Raises DamagedError when it is not UTF-8."""
     try:
         return data.decode()
     except UnicodeDecodeError:
@@ -96,7 +96,7 @@ def text(data: bytes) -> str:
 
 
 def printable(name: str, longest: int = LONGEST_NAME) -> str:
-    """Escape what is not printable: a name is shown on one line and never obeyed."""
+    """Escape what is not printable, so that a name is shown on one line and terminals ignore it."""
     shown = (
         name
         if name.isprintable()
@@ -106,7 +106,10 @@ def printable(name: str, longest: int = LONGEST_NAME) -> str:
 
 
 def fields(layout: str, data: bytes, offset: int = 0) -> tuple[int, ...]:
-    """Unpack fields as struct.unpack_from does; DamagedError when the bytes end too early."""
+    """Unpack fields as struct.unpack_from does.
+
+    Raises DamagedError when the bytes end too early.
+    """
     try:
         return struct.unpack_from(layout, data, offset)
     except struct.error:
@@ -148,7 +151,7 @@ def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
 
 @dataclass(frozen=True)
 class HeaderMark:
-    """How a header is known."""
+    """The marks by which a header is found."""
 
     magic: bytes
     magic_at: int  # bytes behind the header's start

@@ -3,7 +3,7 @@
 """The JSON lines that a Water Linked DVL sends over TCP: velocity with ranges, its own attitude.
 
 Protocol: [WaterLinkedJSON], json_v3 (before it, reports had no time). Axes: x forward, y right, z
-out of the transducers; velocities are turned by the mounting rotation offset, ranges are those of
+out of the transducers. Velocities are turned by the mounting rotation offset, ranges are those of
 the transducers. position_local has roll, pitch and yaw in degrees, z down, heading from wherever
 the DVL was started: by its gyroscope, not a compass.
 """
@@ -40,7 +40,7 @@ MOST_BEAMS = 8
 
 
 def read_reports(stream: BinaryIO) -> Iterator[tuple[int, Report | None]]:
-    """Yield line numbers and JSON objects; None for a line that is too long or holds none."""
+    """Yield line numbers and JSON objects. None for a line that is too long or holds none."""
     number = 0
     while line := stream.readline(LONGEST_LINE):
         number += 1
@@ -75,7 +75,7 @@ def _parse(line: bytes) -> Report | None:
 
 
 class WaterLinkedLog(FileLog):
-    """Reports line by line; what is no report is named by its line."""
+    """Reports line by line. Lines that are no report are named by their number."""
 
     kind = "Water Linked JSON"
     gives_samples = True
@@ -114,7 +114,7 @@ class WaterLinkedLog(FileLog):
 
 
 def is_water_linked(start: bytes) -> bool:
-    """Tell whether a file holds such reports, one a line: other JSON lies in many folders."""
+    """Tell whether a file holds such reports, one per line: other JSON lies in many folders."""
     return (
         holds_reports(start)
         and start.lstrip().startswith(b"{")
@@ -123,14 +123,14 @@ def is_water_linked(start: bytes) -> bool:
 
 
 def holds_reports(start: bytes) -> bool:
-    """Tell whether a file holds such reports, one a line or rewritten as an indented list."""
+    """Tell whether a file holds such reports, one per line or reformatted as an indented list."""
     return start.lstrip()[:1] in (b"{", b"[") and any(mark in start for mark in MARKS)
 
 
 def describe(timeless: int, offset_deg: float | None) -> list[Finding]:
     """Tell what the reports of a file lack.
 
-    offset_deg: mounting rotation offset; None where the configuration was not logged.
+    offset_deg: mounting rotation offset, None where the configuration was not logged.
     """
     out = [Finding("water-linked-timeless", {"count": timeless})] if timeless else []
     if offset_deg is None:

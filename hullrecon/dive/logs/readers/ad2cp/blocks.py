@@ -74,7 +74,7 @@ def blocks(stream: BinaryIO) -> Iterator[tuple[int, int, Block | str]]:
 
 
 def checksum(data: bytes) -> int:
-    """Compute Nortek's checksum of 16-bit words; an odd last byte is the high half of a word."""
+    """Compute Nortek's checksum of 16-bit words. An odd last byte is the high half of a word."""
     values = np.frombuffer(data, np.uint8)
     return (
         int(
@@ -88,12 +88,12 @@ def checksum(data: bytes) -> int:
 
 
 def _odd(data: bytes) -> int:
-    """Correct a sum of an odd number of bytes: the last one counts as the high half of a word."""
+    """Correct a sum over an odd number of bytes: the last is the high half of a word."""
     return 255 * data[-1] if len(data) % 2 else 0
 
 
 def _whole_blocks(data: bytes) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Find starts and ends of all that has a block's header, length and both checksums.
+    """Find starts and ends of blocks whose header, length and both checksums are right.
 
     Sums over blocks are differences of two running sums: each byte is added once, however many
     headers claim it.

@@ -44,7 +44,7 @@ LOST = np.full(3, np.nan)
 
 @dataclass(frozen=True, kw_only=True)
 class BottomTrack:
-    """One ping in SI units; NaN where it is lost or was not measured."""
+    """One ping in SI units. NaN where it is lost or was not measured."""
 
     t_ns: int
     frame: str  # of the velocity, one of FRAMES
@@ -59,7 +59,7 @@ class BottomTrack:
 
 
 def parse(kind: int, data: bytes) -> BottomTrack:
-    """Parse the data of a block of one of KINDS; DamagedError for any other or damaged data."""
+    """Parse the data of a block of one of KINDS. Raises DamagedError for other or damaged data."""
     if kind not in KINDS:
         raise DamagedError(f"blocks of kind {kind:#04x} are not read as bottom tracks")
     version, start = fields("<BB", data)
@@ -139,12 +139,15 @@ def _has_angles(config: int) -> bool:
 
 
 def _vector(values: Array, tracked: Array) -> Array:
-    """Average the z of different beams of a velocity; a lost beam spoils all of it."""
+    """Average the z of a velocity that was measured by different beams.
+
+    The velocity is lost if any beam is.
+    """
     return np.array([*values[:2], values[2:].mean()]) if tracked.all() else LOST
 
 
 def _mean(values: Array) -> float:
-    """Average the values that are not lost; NaN of none."""
+    """Average the values that are not lost. NaN where all are."""
     good = values[np.isfinite(values)]
     return float(good.mean()) if len(good) else float("nan")
 

@@ -49,14 +49,14 @@ def read_beams(text: bytes) -> dict[int, Array]:
 
 
 def directions(beams: Mapping[int, Array], numbers: Sequence[int]) -> Array | None:
-    """Stack the beams (n, 3) of these numbers; None where one is not described."""
+    """Stack the beams (n, 3) of these numbers. None where one is not described."""
     return np.array([beams[n] for n in numbers]) if all(n in beams for n in numbers) else None
 
 
 def velocity_from_beams(closing: Array, units: Array) -> Array:
     """Solve for the velocity (3,) m/s whose parts along units (n, 3) are `closing` (n,).
 
-    Least squares; NaN with less than three beams left, or with beams that leave a direction open.
+    Least squares. NaN with less than three beams left, or with beams that leave a direction open.
     """
     good = np.isfinite(closing)
     if np.count_nonzero(good) < 3 or np.linalg.svd(units[good], compute_uv=False)[-1] < FLATTEST:
@@ -65,7 +65,7 @@ def velocity_from_beams(closing: Array, units: Array) -> Array:
 
 
 class Ad2cpLog(FileLog):
-    """Blocks whose checksums hold; what lies between them is named."""
+    """Blocks whose checksums hold. What lies between them is named."""
 
     kind = "Nortek AD2CP"
     gives_samples = True
@@ -91,7 +91,7 @@ class Ad2cpLog(FileLog):
     def _pings(
         self, block: Block, start: int, beams: dict[int, Array], seen: Counter[str]
     ) -> Iterator[Message]:
-        """Yield the readings of one record, or note its loss; count in `seen` what was met."""
+        """Yield the readings of one record, or note its loss. Counts in `seen` what was met."""
         try:
             ping = tracks.parse(block.kind, block.data)
         except DamagedError as error:
@@ -114,7 +114,7 @@ class Ad2cpLog(FileLog):
 def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None) -> DvlSample:
     """Convert a bottom track to velocity and distances along z.
 
-    units (n, 3): of the beams; None where the file does not describe them.
+    units (n, 3): of the beams, None where the file does not describe them.
     """
     velocity = ping.velocity
     if ping.frame == "beam":
@@ -125,7 +125,7 @@ def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None
 
 
 def enu_from_dvl(ping: BottomTrack) -> Array | None:
-    """Build the rotation (3, 3) from `dvl` to east, north, up; None without angles of z."""
+    """Build the rotation (3, 3) from `dvl` to east, north, up. None without angles of z."""
     if not np.isfinite(ping.angles_rad).all() or ping.orientation not in (
         tracks.Z_UP,
         tracks.Z_DOWN,
@@ -149,7 +149,7 @@ def attitude(t_ns: int, turn: Array) -> ImuSample:
 
 
 def describe(seen: Counter[str]) -> list[Finding]:
-    """Tell what a file lacks, what was ignored, what was assumed."""
+    """List what a file lacks, what was ignored and what was assumed."""
     others = seen["water track"] + seen["other"]
     found: list[tuple[object, str, dict[str, object]]] = [
         (seen["bottom track"] and not seen["tracked"], "ad2cp-not-tracked", {}),

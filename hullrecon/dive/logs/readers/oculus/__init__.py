@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Logs of Oculus ViewPoint: where their items lie, the reader of their pings."""
+"""Logs of Oculus ViewPoint: finding their items, and reading their pings."""

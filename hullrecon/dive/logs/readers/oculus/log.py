@@ -28,7 +28,7 @@ OCULUS = 10  # kind of the items that hold what the sonar sent
 
 
 class OculusLog(FileLog):
-    """Pings of items whose headers hold what ViewPoint writes; what lies between them is named."""
+    """Pings of items whose headers hold what ViewPoint writes. What lies between them is named."""
 
     kind = "Oculus ViewPoint"
     gives_samples = True
@@ -74,7 +74,7 @@ class OculusLog(FileLog):
 
 
 def to_sample(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> SonarSample | None:
-    """Read the ping of an item; None where it holds something else, else DamagedError."""
+    """Read the ping of an item. None for another item. Raises DamagedError for a damaged one."""
     if header.kind != OCULUS:
         return None
     data = unpacked(header, payload, budget)

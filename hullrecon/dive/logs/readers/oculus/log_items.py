@@ -3,7 +3,7 @@
 """Find the items of an .oculus file of ViewPoint, also behind damage: each a header and a payload.
 
 Layout: [OculusDriver], little-endian, fields aligned by their size. Each header states its own
-length. Nothing of it has a checksum.
+length. There are no checksums.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ PATIENCE = 4
 
 @dataclass(frozen=True, kw_only=True)
 class ItemHeader:
-    """What stands before a payload."""
+    """The header before a payload."""
 
     size: int  # bytes of the header itself
     kind: int
@@ -50,7 +50,7 @@ class ItemHeader:
 
 
 def parse_file_header(data: bytes) -> tuple[int, bool]:
-    """Read how long the file's header is, and whether what follows is encrypted.
+    """Read the length of the file's header, and whether the rest is encrypted.
 
     Raises DamagedError where it is no header.
     """
@@ -63,7 +63,7 @@ def parse_file_header(data: bytes) -> tuple[int, bool]:
 
 
 def parse_item_header(data: bytes) -> ItemHeader:
-    """Read an item's header. Raises DamagedError where it says what ViewPoint does not write."""
+    """Read an item's header. Raises DamagedError for values that ViewPoint does not write."""
     if data[: len(ITEM_MAGIC)] != ITEM_MAGIC:
         raise DamagedError("no item begins there")
     _, size, kind, _, time_s, compression, original, payload, _ = fields(ITEM_HEADER, data)
@@ -91,7 +91,7 @@ def items(
     """Yield (start, end, header and payload) of items, and (start, end, why) of bytes between them.
 
     An item counts whose bytes end where another begins or the file does, or that holds one whole
-    message of an Oculus. False headers may each claim the rest of the file; PATIENCE bounds what is
+    message of an Oculus. False headers may each claim the rest of the file. PATIENCE bounds what is
     read of payloads that turn out to be none.
     """
     mark = HeaderMark(ITEM_MAGIC, 0, ITEM_HEADER_BYTES, parse_item_header)
@@ -115,7 +115,7 @@ def items(
 
 
 def unpacked(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bytes:
-    """Unpack a payload; DamagedError for one of another size, and beyond the log's budget."""
+    """Unpack a payload. Raises DamagedError for another size, and beyond the log's budget."""
     return (
         decompress(payload[4:], "zlib", header.original_bytes, budget)
         if header.is_packed
@@ -143,7 +143,7 @@ def _payload_at(stream: BinaryIO, at: int, header: ItemHeader, budget: UnpackBud
 
 
 def _is_whole_message(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bool:
-    """Tell whether a payload is as long as the message in it says."""
+    """Tell whether a payload is as long as its message states."""
     try:
         data = unpacked(header, payload, budget)
         return message_bytes(data) == len(data)

@@ -3,8 +3,7 @@
 """An .aris file as an imaging sonar: frames are pings in the frame `sonar` of an upright sonar.
 
 The lens spaces beams unevenly. Sound Metrics publishes the middle of each beam, the mean of several
-lenses a type [ArisFileSDK]; here each table is an odd polynomial of fifth order that was fitted to
-it.
+lenses a type [ArisFileSDK]. Here each table is an odd polynomial of fifth order fitted to it.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ MOST_KINDS = 4  # of model, beams and lens, that are told
 def beam_azimuths(model: int, beams: int, *, is_telephoto: bool) -> Array | None:
     """Compute azimuths (beams,) rad from the middle of the fan, growing from port to starboard.
 
-    None where nothing is published for that model, lens and number of beams.
+    None where Sound Metrics publishes none for this model, lens and number of beams.
     """
     factors = ANGLES.get((model, beams, is_telephoto))
     if factors is None:
@@ -58,7 +57,7 @@ def beam_azimuths(model: int, beams: int, *, is_telephoto: bool) -> Array | None
 
 
 class ArisLog(FileLog):
-    """Frames whose header holds what an ARIS writes; what lies between them is named."""
+    """Frames whose header holds what an ARIS writes. What lies between them is named."""
 
     kind = "Sound Metrics ARIS"
     gives_samples = True
@@ -82,7 +81,7 @@ class ArisLog(FileLog):
 
 
 def to_sample(frame: ArisFrame) -> SonarSample:
-    """Convert a frame; directions are None where none are published for its fan."""
+    """Convert a frame. Directions are None where Sound Metrics publishes none for its fan."""
     header = frame.header
     azimuth = beam_azimuths(header.model, header.beams, is_telephoto=header.is_telephoto)
     return SonarSample(
@@ -91,7 +90,7 @@ def to_sample(frame: ArisFrame) -> SonarSample:
 
 
 class _Seen:
-    """What was met in a file: models, lenses, silent frames, a rotator that turned."""
+    """Collect what a file holds: models, lenses, silent frames, a rotator that turned."""
 
     def __init__(self) -> None:
         self._frames = self._silent = 0

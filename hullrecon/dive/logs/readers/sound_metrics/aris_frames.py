@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find the frames of an .aris file (DDF_05), also behind damage: each a header and an image.
 
-Layout: Sound Metrics, ARIS File SDK [ArisFileSDK]. Nothing of it has a checksum.
+Layout: Sound Metrics, ARIS File SDK [ArisFileSDK]. There are no checksums.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
 
 @dataclass(frozen=True, kw_only=True)
 class FrameHeader:
-    """What is read of a frame's header."""
+    """The fields read from a frame's header."""
 
     t_ns: int  # by the clock of the computer that recorded it
     model: int
@@ -58,7 +58,7 @@ class ArisFrame:
 
 
 def parse_header(data: bytes) -> FrameHeader:
-    """Read a frame's header. Raises DamagedError where it says what no ARIS does."""
+    """Read a frame's header. Raises DamagedError for values that no ARIS writes."""
     if data[MAGIC_AT : MAGIC_AT + len(MAGIC)] != MAGIC:
         raise DamagedError("no frame begins there")
     (time_us,) = fields("<Q", data, 4)
@@ -92,8 +92,8 @@ def parse_header(data: bytes) -> FrameHeader:
 def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
     """Yield (start, end, frame) of whole frames, and (start, end, why) of the bytes between them.
 
-    A frame counts whose bytes end where another begins, where the file does, or where those of the
-    last frame would.
+    A frame counts if it ends where another begins, where the file ends, or where a frame of the
+    last size would end.
     """
     at, last, mark = HEADER, 0, HeaderMark(MAGIC, MAGIC_AT, HEADER, parse_header)
     end = stream.seek(0, 2)
@@ -111,7 +111,10 @@ def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
 
 
 def _frame_at(stream: BinaryIO, at: int, end: int, last: int) -> ArisFrame:
-    """Read the frame at a byte. last: bytes of the image of the one before, 0 for none."""
+    """Read the frame at a byte.
+
+    last: bytes of the image of the previous frame, 0 for the first.
+    """
     stream.seek(at)
     header = parse_header(stream.read(HEADER))
     size = header.image_bytes
@@ -127,5 +130,5 @@ def _frame_at(stream: BinaryIO, at: int, end: int, last: int) -> ArisFrame:
 
 
 def _is_header(data: bytes) -> bool:
-    """Tell whether bytes look like the beginning of a frame's header, or of one that is cut off."""
+    """Tell whether bytes look like the beginning of a frame's header, even of a cut one."""
     return len(data) < MAGIC_AT + len(MAGIC) or data[MAGIC_AT:] == MAGIC

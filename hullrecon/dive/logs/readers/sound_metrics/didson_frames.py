@@ -4,8 +4,7 @@
 
 The layout's sizes are those of Sound Metrics' ARIS File SDK [ArisFileSDK]. A frame states its
 window by codes, whose meaning in metres changed with the instrument, its time by a clock without a
-zone, and nothing of where its beams point: who names the file gives these. Nothing of it has a
-checksum.
+zone, and nothing of where its beams point: who names the file gives these. There are no checksums.
 """
 
 from __future__ import annotations
