@@ -402,12 +402,13 @@ def _build_sonar(source: _Source) -> SonarPings | None:
 
 
 def _build_position(source: _Source) -> PositionFixes | None:
+    """Stack the fixes of GPS or USBL. The pressure tells which antennas were under water."""
     request, samples = source.request, source.samples("position", PositionSample)
     moved = [replace(s, t_ns=s.t_ns + request.position_offset_ns) for s in samples]
     depths = source.built.get("pressure")
-    known = depths if isinstance(depths, PressureSamples) else None
+    pressure = depths if isinstance(depths, PressureSamples) else None
     return position_fixes(
-        moved, request.sigma_position, request.position_frame, known, source.notes
+        moved, request.sigma_position, request.position_frame, pressure, source.notes
     )
 
 

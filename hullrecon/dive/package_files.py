@@ -72,9 +72,10 @@ def lies_inside(path: Path, package: Path) -> bool:
 
 
 def log_files(package: Path, name: str) -> list[Path]:
-    """List the files of one log that are read, relative to the package where they lie in it.
+    """List the files that reading the log `name` opens.
 
-    Raises InputError for a folder that holds no log.
+    A file with a database's write-ahead log, or the tables, images and bags of a folder. Paths are
+    relative to the package, absolute if outside. Raises InputError for a folder that holds no log.
     """
     folder = package / name
     try:
@@ -85,7 +86,7 @@ def log_files(package: Path, name: str) -> list[Path]:
                 Path(name),
                 *([Path(f"{name}-wal")] if write_ahead_log(folder).is_file() else []),
             ]
-    except OSError:  # a name that no file can have: the reader says so
+    except OSError:  # a name that no file can have: open_log raises, and says so
         open_log(folder, package)
     log = open_log(folder, package)
     if isinstance(log, PlainLog):

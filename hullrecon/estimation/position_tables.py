@@ -20,7 +20,7 @@ MEDIAN_OF_NORM = float(np.sqrt(2 * np.log(2)))  # of two normal numbers
 
 
 def with_positions(problem: native.Problem, ties: PositionTies | None) -> native.Problem:
-    """Add positions to a problem, started where its path lies in their frame."""
+    """Add measured positions to a problem, and start g in their frame at the best fit."""
     if ties is None:
         return problem
     pose = problem.unknowns.pose

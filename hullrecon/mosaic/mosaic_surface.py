@@ -103,15 +103,18 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
-    """Evaluate the chart at texel centres, linear between some of them."""
+    """Compute points and normals (h, w, 3) at texel centres.
+
+    They are exact at every COARSE-th centre, and linear between.
+    """
     height, width = window.shape
     rows, columns = (np.arange(0, n + COARSE, COARSE, dtype=float) for n in (height, width))
     nodes = grid.centers(rows + window.top, columns + window.left)
     point, normal = chart.from_chart(nodes.reshape(-1, 2))
     fields = np.concatenate([point, normal], axis=1).reshape(len(rows), len(columns), 6)
     fine = _interpolate_axis(_interpolate_axis(fields, height, 0), width, 1)
-    turned = fine[..., 3:]
-    return fine[..., :3], turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+    normal = fine[..., 3:]
+    return fine[..., :3], normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
 
 def _interpolate_axis(values: Array, count: int, axis: int) -> Array:

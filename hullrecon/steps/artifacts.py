@@ -328,11 +328,12 @@ class InputArtifacts:
         return kind(self.inputs[name]) if name in self.inputs else None
 
     def mounts(self, settings: Mapping[str, object]) -> dict[str, ChosenMount]:
-        """Choose the lever arms and mounts that these settings leave to the log.
+        """Choose each lever arm and mount: by dive.toml, else by the log, else its default.
 
         Raises InputError for a tray that carries only one of DVL and camera.
         """
-        declared = dict(settings)  # without a fault where the step declares no such key
+        # a dict: settings raise for keys that the step did not declare
+        declared = dict(settings)
         values = {key: _value(declared, key) for key in DEFAULTS}
         tray = self.ingest.tray
         if tray is not None and len(tray.t_ns):

@@ -198,10 +198,10 @@ def continuity(
 
 
 def fills_most(xy: Array, camera: CameraModel) -> bool:
-    """Decide whether points (n, 2), ideal coordinates, are spread over most of an image.
+    """Decide whether points (n, 2), ideal coordinates, cover more than MOST of an image.
 
-    Judged by their scatter, which measures the area of a patch wherever it lies, and by the number
-    of cells with a point, which is small on the rim of the image.
+    Both the area that their scatter stands for and the share of cells with a point must exceed it:
+    scatter alone would pass points along the rim.
     """
     place = (xy * [camera.fx, camera.fy] + [camera.cx, camera.cy]) / [camera.width, camera.height]
     # Points that are even over a rectangle scatter by a twelfth of the square of its sides.

@@ -261,7 +261,6 @@ def offset(sensor: Sensor, begin_s: float, end_s: float, seconds: float) -> Time
         to_ns=round(end_s * 1e9),
         seconds=seconds,
         sigma_s=0.01,
-        significant=True,
         relative_to=(Sensor.IMU,),
     )
 

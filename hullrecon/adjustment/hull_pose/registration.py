@@ -154,9 +154,9 @@ def frame_at(center: Array) -> Poses:
 
 
 def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
-    """Move a hull pose by a step (6,): translation in g, rotation on the right.
+    """Move a hull pose by a step (6,): a translation in g, and a turn about `center` (3,) in M.
 
-    Both are about `center` (3,) in M.
+    The turn is on the right, in the axes of M.
     """
     moved = global_from_hull @ frame_at(center)
     turned = Poses(moved.quaternion, moved.translation + step[:3]) @ poses.exp(
@@ -366,11 +366,11 @@ def signed_distances(
 
 
 def _robust_noise(distance: Array, sigma_range: float, sigma_field: float) -> Array:
-    """Inflate the noise of ranges (n,) that lie beyond what noise and deviation explain.
+    """Widen the sigma of ranges (n,) beyond 1.345 sigmas of their median by Huber's weight.
 
-    By Huber's weight.
+    Those beyond three times as much are widened by another factor of ten: they hardly count.
     """
-    excess = np.abs(distance - np.median(distance)) / (1.345 * np.hypot(sigma_range, sigma_field))
+    ratio = np.abs(distance - np.median(distance)) / (1.345 * np.hypot(sigma_range, sigma_field))
     return np.asarray(
-        sigma_range * np.sqrt(np.maximum(1.0, excess)) * np.where(excess > 3, 10.0, 1.0)
+        sigma_range * np.sqrt(np.maximum(1.0, ratio)) * np.where(ratio > 3, 10.0, 1.0)
     )

@@ -129,10 +129,8 @@ def _end_towards(segments: Segments, segment: int, other: int) -> int:
 def _relative_covariance(
     problem: native.Problem, settings: native.Options, first: Ints, second: Ints
 ) -> Array:
-    """Compute the covariance (m, 6, 6) of the second node's pose minus the first node's.
-
-    Of (translation, rotation) in g.
-    """
+    """Compute the covariance (m, 6, 6) of the second node's pose minus the first node's, in g."""
+    # (m, 14, 14): of each node its translation in g, rotation in the vehicle's axes, tray angle
     joint = native.pair_covariance(
         problem, np.column_stack([first, second]).astype(np.int32), settings
     ).pose

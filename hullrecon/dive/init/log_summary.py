@@ -191,7 +191,12 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
 
 
 def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
-    """Guess each sensor's topic by its type, and by its name among several or common types."""
+    """Guess each sensor's topic by type, then by name.
+
+    The name decides among several topics of one type, and alone says what a type that many sensors
+    share (COMMON_TYPES) is. A channel of samples is named by its sensor and goes first, but a DVL's
+    own attitude and depth yield to those of other sensors.
+    """
     found: dict[str, str] = {}
     for sensor, parts in NAMED.items():
         fitting = [

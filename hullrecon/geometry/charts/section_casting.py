@@ -135,9 +135,10 @@ def cast_sections(mesh: Mesh, height: float) -> Sections:
 
 
 def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
-    """Lay out stations and angles, without radii.
+    """Lay out the grid of stations and angles about the axis, with radius and girth still NaN.
 
-    A half hull ends at the middle plane, in which its axis lies, as for a whole hull.
+    The axis is at y = 0, for a half hull too (its mesh ends near y = 0). For a mesh to one side of
+    the middle plane it is in the middle of its beam.
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     beam = high[1] - low[1]

@@ -140,9 +140,10 @@ def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
 
 
 def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]:
-    """Find the edges (k,) inside old faces, and their places in their two faces (k, 2).
+    """Find the edges (k,) whose two faces were one face before.
 
-    A place is face * 3 + edge.
+    of_face (m, 3) are the edges of each face, old_face (m,) the face that each was cut from. The
+    second value (k, 2) is where of_face names each edge, as 3 * face + corner.
     """
     flat = of_face.ravel()
     place = np.argsort(flat, kind="stable")

@@ -196,8 +196,8 @@ def compare_depth(
     """
     known, read = np.isfinite(dvl.velocity).all(axis=1), np.isfinite(pressure.depth)
     t_ns, read_ns = dvl.t_ns[known], pressure.t_ns[read]
-    rows_of = _rows_apart(t_ns, SUNK_S)
-    if not len(rows_of) or len(read_ns) < LEAST_ROWS:
+    triples = _rows_apart(t_ns, SUNK_S)
+    if not len(triples) or len(read_ns) < LEAST_ROWS:
         return None
     t_s, read_s = seconds(t_ns, int(t_ns[0])), seconds(read_ns, int(t_ns[0]))
     velocity = _vehicle_from_dvl(servo, rig, t_ns).apply(dvl.velocity[known])
@@ -219,10 +219,10 @@ def compare_depth(
         at_s = t_s + _shift_ns(offsets, Sensor.PRESSURE, Sensor.DVL) / NS
         depth = np.interp(at_s, read_s, smooth)
         depth[(at_s < read_s[0]) | (at_s > read_s[-1])] = np.nan
-        apart = (depth - sunk(_shift_ns(offsets, Sensor.IMU, Sensor.DVL)))[rows_of[rows]]
+        apart = (depth - sunk(_shift_ns(offsets, Sensor.IMU, Sensor.DVL)))[triples[rows]]
         return np.asarray((apart[:, 0] - 2 * apart[:, 1] + apart[:, 2])[:, None])
 
-    return _of_pings(t_ns, rows_of, Sensor.PRESSURE, DEPTH_S, evaluate)
+    return _compare_with_dvl(t_ns, triples, Sensor.PRESSURE, DEPTH_S, evaluate)
 
 
 def compare_hull_turns(
@@ -233,13 +233,13 @@ def compare_hull_turns(
     None without pings that show the hull's normal.
     """
     t_ns, normal = hull_normals(dvl)
-    rows_of = _rows_apart(t_ns, TURNED_S)
-    if not len(rows_of):
+    triples = _rows_apart(t_ns, TURNED_S)
+    if not len(triples):
         return None
     in_vehicle = _vehicle_from_dvl(servo, rig, t_ns).apply(normal)
 
     def evaluate(offsets: Offsets, rows: Ints) -> Array:
-        used, of = np.unique(rows_of[rows], return_inverse=True)
+        used, of = np.unique(triples[rows], return_inverse=True)
         of = of.reshape(-1, 3)
         at_ns = t_ns[used] + _shift_ns(offsets, Sensor.IMU, Sensor.DVL)
         global_from_vehicle = attitude.rotation(at_ns)
@@ -250,7 +250,7 @@ def compare_hull_turns(
         bend = seen[of[:, 0]] - 2 * seen[of[:, 1]] + seen[of[:, 2]]
         return np.asarray((bend * axis[of[:, 1]]).sum(axis=1, keepdims=True))
 
-    return _of_pings(t_ns, rows_of, Sensor.IMU, HULL_S, evaluate)
+    return _compare_with_dvl(t_ns, triples, Sensor.IMU, HULL_S, evaluate)
 
 
 def hull_normals(dvl: DvlPings) -> tuple[Ints, Array]:
@@ -298,23 +298,27 @@ def _of_motions(
     )
 
 
-def _of_pings(
+def _compare_with_dvl(
     t_ns: Ints,
-    rows_of: Ints,
+    triples: Ints,
     first: Sensor,
     systematic_s: float,
     evaluate: Callable[[Offsets, Ints], Array],
 ) -> Comparison:
-    begin_ns = t_ns[rows_of[:, 0]]
+    """Make a comparison with the DVL from triples of pings (m, 3), rows of t_ns.
+
+    Errors are common within BLOCK_S.
+    """
+    begin_ns = t_ns[triples[:, 0]]
     return Comparison(
         first=first,
         second=Sensor.DVL,
         systematic_s=systematic_s,
         begin_ns=begin_ns,
-        end_ns=t_ns[rows_of[:, 2]],
+        end_ns=t_ns[triples[:, 2]],
         block=np.asarray((begin_ns - t_ns[0]) // round(BLOCK_S * NS), np.int64),
         evaluate=evaluate,
-        rows=np.arange(len(rows_of)),
+        rows=np.arange(len(triples)),
         least_rows=LEAST_ROWS,
         least_blocks=LEAST_BLOCKS,
     )

@@ -42,14 +42,13 @@ ROUNDS, CONVERGED_S = 8, 1e-4
 
 @dataclass(frozen=True, kw_only=True)
 class TimeOffset:
-    """The delay of a sensor's stamps, valid for a span of its stamps."""
+    """The delay of a sensor's stamps in a span of them, at least SIGNIFICANT sigmas."""
 
     sensor: Sensor
     from_ns: int
     to_ns: int
     seconds: float  # to be subtracted from the stamps; negative where they are early
     sigma_s: float
-    significant: bool  # differs from zero by SIGNIFICANT sigmas, and no other clock explains it
     relative_to: tuple[Sensor, ...]  # whose clocks are right
 
 
@@ -348,7 +347,6 @@ def time_offsets(
                 to_ns=end,
                 seconds=hypothesis.offsets[sensor],
                 sigma_s=hypothesis.sigma_s[sensor],
-                significant=True,
                 relative_to=right,
             )
             for sensor in hypothesis.wrong

@@ -62,8 +62,8 @@ class HullPatch:
 class HullSkin:
     """The surveyed part of the CAD model's port side, cut block by block along the hull.
 
-    Girth is 0 where the port side passes `zero_z_m`, so that legs of constant girth keep their
-    depth near bow and stern. It grows up to the height `top_z_m`, and falls over `down_m`, past the
+    Girth is arc length along a section: 0 at z = zero_z_m, so that legs of constant girth keep
+    their depth near bow and stern, positive up to z = top_z_m, negative down to -down_m, past the
     keel if need be. The whole grid is along_m (a,), girth_m (g,).
     """
 
@@ -78,7 +78,7 @@ class HullSkin:
         step_m: float = 0.03,
         block_cells: float = BLOCK_CELLS,
     ) -> None:
-        """Find the grid.
+        """Lay the grid over span_m and over the girths that every section has.
 
         Raises
         ------

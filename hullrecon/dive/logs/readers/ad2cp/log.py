@@ -125,7 +125,10 @@ def to_sample(ping: BottomTrack, units: Array | None, enu_from_dvl: Array | None
 
 
 def enu_from_dvl(ping: BottomTrack) -> Array | None:
-    """Build the rotation (3, 3) from `dvl` to east, north, up. None without angles of z."""
+    """Build the rotation (3, 3) from `dvl` to east, north, up. None without an attitude.
+
+    That is where an angle is missing, or the instrument took another axis than z as vertical.
+    """
     if not np.isfinite(ping.angles_rad).all() or ping.orientation not in (
         tracks.Z_UP,
         tracks.Z_DOWN,
