@@ -33,7 +33,7 @@ def problem_of(bundle: Bundle) -> native.Problem:
     unknowns = native.Unknowns(
         pose=np.c_[bundle.pose, np.zeros(len(bundle.pose))],
         landmark=bundle.point,
-        top_from_bottom=bundle.top_from_bottom,
+        T_ct_cb=bundle.top_from_bottom,
         intrinsics_top=bundle.camera,
         intrinsics_bottom=bundle.camera,
     )
