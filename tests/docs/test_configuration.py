@@ -95,7 +95,7 @@ def test_tables_of_the_dive_and_of_the_steps_are_there(generator: ModuleType) ->
         "camera.bottom",
         "sonar",
         "hull",
-        "navigate",
+        "links",
         "matches",
         "adjust",
         "detect",

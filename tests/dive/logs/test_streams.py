@@ -45,9 +45,9 @@ def test_a_half_lost_velocity_and_a_senseless_one_are_lost_whole():
     assert "1 velocities above 15 m/s" in notes[0].sentence
 
 
-def test_ranges_that_are_not_positive_are_lost():
+def test_ranges_not_positive_or_infinite_are_lost():
     pings = streams.dvl_pings([ping(ranges=(0, -1, np.inf, 2))], None, 0.003, [])
-    assert np.isnan(pings.ranges[0]).tolist() == [True, True, False, False]
+    assert np.isnan(pings.ranges[0]).tolist() == [True, True, True, False]
 
 
 def test_pings_without_any_range_have_no_beams():
