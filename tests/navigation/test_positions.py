@@ -13,7 +13,7 @@ from navigation.linked_dive import DVL_TURN_SIGMA, LinkedDive, poses, simulate
 from hullrecon import native
 from hullrecon.estimation.position_tables import fit_of_positions, place_path, with_positions
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
-from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
+from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
 from hullrecon.records.links import no_links
 from hullrecon.records.sensors import PositionFixes
 from hullrecon.records.trajectory import PositionTies
@@ -148,7 +148,7 @@ def test_fixes_that_contradict_navigation_are_told_in_words(dive: LinkedDive) ->
 def test_without_fixes_the_problem_is_the_same(dive: LinkedDive) -> None:
     problem = solve(dive, None).problem
     assert with_positions(problem, None) is problem
-    assert fit_of_positions(problem, None, np.zeros((3, 3))) is None
+    assert fit_of_positions(problem, None, np.zeros((3, 3)), OPTIONS) is None
     assert solve(dive, None).fit_of_positions() is None
 
 
