@@ -59,7 +59,7 @@ class Servo:
         return np.asarray(np.minimum(UNREAD_RATE_RAD_S * unread_s(self.t_ns, t_ns), most))
 
     def silence(self, t_ns: Ints) -> str:
-        """Describe how long no angle was read at nodes t_ns (m,). "" where none was missed."""
+        """Say for how long the servo was silent along nodes t_ns (m,). "" if it never was."""
         return describe_silence(self.t_ns, t_ns) if self.is_read else ""
 
 

@@ -102,7 +102,7 @@ def lens_error(spec: DiveSpec, name: str, camera: CameraModel) -> Array | None:
 
 
 def _paint(dive: Dive) -> Albedo:
-    """Paint the hull, as the spec has it."""
+    """Make the albedo of the hull: paint that repeats or lies bare if the spec says so."""
     paint, survey = dive.spec.paint, dive.spec.survey
     if paint.bare_share == 0 and paint.repeats_m is None:
         return _atlas(dive)

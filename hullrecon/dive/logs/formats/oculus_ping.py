@@ -41,7 +41,7 @@ class OculusPing:
 
 
 def message_bytes(data: bytes) -> int:
-    """Read the length of a message, header included. Raises DamagedError where none starts."""
+    """Read the length of a message, header included. Raises DamagedError if none starts there."""
     check, *_, payload, _ = fields(HEADER, data)
     if check != int.from_bytes(MAGIC, "little"):
         raise DamagedError("no Oculus message starts there")
