@@ -392,6 +392,5 @@ def test_offsets_have_the_fields_of_navigation_json():
         "to_ns",
         "seconds",
         "sigma_s",
-        "significant",
         "relative_to",
     ]
