@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -25,7 +25,7 @@ from hullrecon.dive.logs.ping_spool import KeepImages, PingSpool, PingStorage, S
 from hullrecon.dive.logs.positions import position_fixes
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
-from hullrecon.dive.logs.readers.protocol import Log, Message
+from hullrecon.dive.logs.readers.protocol import Log, Loss, Message
 from hullrecon.dive.logs.samples import (
     DepthSample,
     DvlSample,
@@ -185,7 +185,9 @@ def ingest(
         spool.keep,
         request.offsets_ns,
     )
-    _check_topics(topics, found, problems)
+    # a log that could not be read may hold the topics that seem to be missing
+    if len(logs) == len(request.logs) and not found.unread:
+        _check_topics(topics, found, problems)
     calibrations.check_constant(problems)
     out.sensors = frames.sensors(request.joints)
     out.notes += [*found.notes, *calibrations.notes(out.cameras)]
@@ -199,7 +201,7 @@ def ingest(
             index = sink.finish(out.notes)
             if index is not None:
                 out.images[name] = index
-    _check_found(out, request, window if found.outside else None, problems)
+    _check_found(out, request, window if found.outside else None, found.losses, problems)
     return out
 
 
@@ -257,7 +259,11 @@ def _describe_contents(out: IngestResult, found: LogContents, chosen: set[str]) 
 
 
 def _check_found(
-    out: IngestResult, request: IngestRequest, window: TimeWindow | None, problems: Problems
+    out: IngestResult,
+    request: IngestRequest,
+    window: TimeWindow | None,
+    losses: Sequence[tuple[str, Loss]],
+    problems: Problems,
 ) -> None:
     """Refuse several dives in one, and a package of which nothing was read.
 
@@ -267,11 +273,19 @@ def _check_found(
         _check_silence(out)
     if not out.records.by_name() and not out.images and not problems.found:
         with problems.collect():
-            raise _nothing_read(request, window)
+            raise _nothing_read(request, window, [loss for _, loss in losses])
 
 
-def _nothing_read(request: IngestRequest, window: TimeWindow | None) -> InputError:
+def _nothing_read(
+    request: IngestRequest, window: TimeWindow | None, losses: Sequence[Loss]
+) -> InputError:
     """Make the error that says why nothing could be read."""
+    if losses:
+        return InputError(
+            f"nothing could be read of the logs: {losses[0].why}",
+            where=", ".join(request.logs),
+            remedy="give a log that is whole",
+        )
     if window is not None:
         return InputError(
             f"nothing was measured {window.describe()}",

@@ -14,13 +14,13 @@ from hullrecon.dive.images.encoded import IMAGE_SUFFIXES
 from hullrecon.dive.logs.readers.file_log import require_regular_file
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.plain import PlainLog
-from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE
+from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE, is_stored
 from hullrecon.dive.logs.readers.sqlite import write_ahead_log
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
 
 TABLE = ".csv"
-STORED = (*STORAGE, *(f"{suffix}-wal" for suffix in STORAGE))
+WRITE_AHEAD = tuple(f"{suffix}-wal" for suffix in STORAGE)
 REMEDY = "put it into the package, or give --allow-outside if you trust who wrote the package"
 
 
@@ -92,7 +92,7 @@ def log_files(package: Path, name: str) -> list[Path]:
     if isinstance(log, PlainLog):
         return [*(Path(name) / table for table in log.tables()), *log.named_files()]
     files = sorted(
-        path for path in folder.iterdir() if path.name == METADATA or path.suffix in STORED
+        path for path in folder.iterdir() if path.name == METADATA or _is_stored(path.name)
     )
     return [Path(name) / path.name for path in files if path.is_file()]
 
@@ -153,7 +153,9 @@ def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Pat
         yield key, write_ahead_log(log)
         return
     members = [
-        p for p in sorted(log.iterdir()) if p.name == METADATA or p.suffix in (*STORED, TABLE)
+        p
+        for p in sorted(log.iterdir())
+        if p.name == METADATA or p.suffix == TABLE or _is_stored(p.name)
     ]
     yield from ((key, member) for member in members)
     if any(member.suffix == TABLE for member in members) and _is_plain(log, package):
@@ -161,6 +163,10 @@ def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Pat
             (f"a table of {shorten(log.name)}", package / file)
             for file in log_files(package, str(log.absolute()))
         )
+
+
+def _is_stored(name: str) -> bool:
+    return is_stored(name) or name.endswith(WRITE_AHEAD)
 
 
 def _is_folder(path: Path) -> bool:

@@ -55,6 +55,7 @@ class LogContents:
     # the channels by which a topic was decoded
     definitions: dict[str, set[Channel]] = field(default_factory=dict)
     notes: list[Finding] = field(default_factory=list)
+    unread: int = 0  # logs that could not be read to their end
 
 
 def read_streams(
@@ -90,6 +91,7 @@ def read_streams(
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()
     for number, log in enumerate(logs):
+        out.unread += 1
         with problems.collect():
             for message in watch(log.messages()):
                 out.counts[message.channel] += 1
@@ -100,6 +102,7 @@ def read_streams(
                     _sort(message, number, topics, take_image, out, window, keep_ping, offset_ns)
                 if len(problems.found) > count:
                     refused.add(message.channel)
+            out.unread -= 1
         name = printable(log.path.name)
         out.losses += [(name, loss) for loss in log.losses()]
         out.notes += [note.inside(name) for note in log.notes]

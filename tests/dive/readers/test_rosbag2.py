@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from hullrecon.dive.check.contents import describe_losses
 from hullrecon.dive.logs.messages.decode import decode
+from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.rosbag2 import Rosbag2Log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.errors import HullreconError, InputError
@@ -86,31 +87,90 @@ def test_a_file_that_is_no_database_is_a_loss_of_the_folder(folder):
     assert any("cannot be read" in loss.why for loss in log.losses())
 
 
-def test_files_compressed_whole_are_refused_with_remedy(folder):
-    text = (
-        (folder / "metadata.yaml")
-        .read_text()
-        .replace("compression_mode: ''", "compression_mode: FILE")
-    )
+def edit_metadata(folder: Path, *changes: tuple[str, str]) -> None:
+    text = (folder / "metadata.yaml").read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
     (folder / "metadata.yaml").write_text(text)
-    with pytest.raises(InputError, match="zstd -d"):
-        read(Rosbag2Log(folder))
 
 
-def test_messages_that_were_compressed_one_by_one_are_unpacked(kit, folder):
-    text = (
-        (folder / "metadata.yaml")
-        .read_text()
-        .replace("compression_mode: ''", "compression_mode: MESSAGE")
+def pack_as_recorded(folder: Path) -> Path:
+    """Pack the storage file as rosbag2 does in its compression mode FILE."""
+    (path,) = [p for p in folder.iterdir() if p.suffix in (".db3", ".mcap")]
+    packed = path.with_name(f"{path.name}.zstd")
+    packed.write_bytes(zstandard.ZstdCompressor().compress(path.read_bytes()))
+    path.unlink()
+    edit_metadata(
+        folder, (path.name, packed.name), ("compression_mode: ''", "compression_mode: FILE")
     )
-    (folder / "metadata.yaml").write_text(text)
+    return packed
+
+
+def unpack(packed: Path) -> None:
+    content = zstandard.ZstdDecompressor().decompress(packed.read_bytes())
+    packed.with_suffix("").write_bytes(content)
+
+
+@pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
+@pytest.mark.parametrize("form", ["recorded", "unpacked", "both", "without metadata"])
+def test_files_compressed_whole_are_read(kit, folders, tmp_path, storage, form):
+    folder = Path(shutil.copytree(folders[storage], tmp_path / "bag"))
+    packed = pack_as_recorded(folder)
+    if form in ("unpacked", "both"):
+        unpack(packed)
+    if form == "unpacked":
+        packed.unlink()
+    if form == "without metadata":
+        (folder / "metadata.yaml").unlink()
+    log = open_log(folder)
+    for _ in range(2):
+        messages = list(log.messages())
+        assert len(messages) == len(kit.dive())
+        assert log.losses() == []
+    assert len(find_logs(folder)) == 1
+
+
+def test_of_a_split_bag_one_file_may_still_be_compressed(kit, folder):
+    first = database(folder)
+    second = first.with_name("second_1.db3.zstd")
+    second.write_bytes(zstandard.ZstdCompressor().compress(first.read_bytes()))
+    edit_metadata(folder, (f"- {first.name}\n", f"- {first.name}\n  - {second.name}\n"))
+    messages, log = read(Rosbag2Log(folder))
+    assert len(messages) == 2 * len(kit.dive())
+    assert log.losses() == []
+
+
+def test_a_compressed_file_that_is_gone_is_missing_by_its_name(folder):
+    pack_as_recorded(folder).unlink()
+    _, log = read(Rosbag2Log(folder))
+    assert any(re.fullmatch(r"the file .*\.db3 is missing", loss.why) for loss in log.losses())
+
+
+def test_a_compressed_file_that_is_cut_off_is_read_to_there(kit, folders, tmp_path):
+    folder = Path(shutil.copytree(folders["MCAP"], tmp_path / "bag"))
+    packed = pack_as_recorded(folder)
+    packed.write_bytes(packed.read_bytes()[:-30])
+    _, log = read(Rosbag2Log(folder))
+    assert any("could be unpacked in part only" in loss.why for loss in log.losses())
+
+
+def test_a_lone_compressed_file_is_read(kit, folder):
+    packed = pack_as_recorded(folder)
+    assert len(list(open_log(packed).messages())) == len(kit.dive())
+
+
+@pytest.mark.parametrize("mode", ["MESSAGE", "FILE", ""])
+def test_messages_that_were_compressed_one_by_one_are_unpacked(kit, folder, mode):
+    edit_metadata(folder, ("compression_mode: ''", f"compression_mode: '{mode}'"))
     with sqlite3.connect(database(folder)) as connection:
         rows = connection.execute("SELECT id, data FROM messages").fetchall()
         pack = zstandard.ZstdCompressor().compress
         connection.executemany(
             "UPDATE messages SET data = ? WHERE id = ?", [(pack(data), n) for n, data in rows]
         )
-    messages, _ = read(Rosbag2Log(folder))
+    messages, log = read(Rosbag2Log(folder))
+    assert log.losses() == []
     pressures = [
         decode(m.channel, m.data).fluid_pressure for m in messages if m.channel.topic == "/pressure"
     ]

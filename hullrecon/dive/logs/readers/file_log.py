@@ -6,13 +6,16 @@ from __future__ import annotations
 
 import stat
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from hullrecon.dive.logs.readers.loss_tracker import LossTracker
 from hullrecon.dive.logs.readers.protocol import Loss, Message
-from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.dive.logs.readers.unpack import DamagedError, UnpackBudget, printable, unpack_frame
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
+
+ZSTD = b"\x28\xb5\x2f\xfd"  # the start of a zstd frame; serialised messages start with 0
 
 
 class FileLog:
@@ -35,7 +38,9 @@ class FileLog:
         self.notes, self._tracker = [], LossTracker()
         try:
             require_regular_file(self.path)
-            yield from self._read()
+            budget = UnpackBudget(self.path.stat().st_size)
+            for message in self._read():
+                yield _unpack_message(message, budget)
         except OSError as error:  # a disk with a bad sector, a share that went away
             if not self._tracker.seen:
                 raise unreadable(self.path, error) from None
@@ -48,6 +53,22 @@ class FileLog:
 
     def _read(self) -> Iterator[Message]:
         raise NotImplementedError
+
+
+def _unpack_message(message: Message, budget: UnpackBudget) -> Message:
+    """Unpack a message that rosbag2 packed by itself (compression mode MESSAGE).
+
+    Where that fails the decoder will find it damaged.
+    """
+    data = message.data
+    if not isinstance(data, bytes) or message.channel.encoding != "cdr":
+        return message
+    if not data.startswith(ZSTD):
+        return message
+    try:
+        return replace(message, data=unpack_frame(data, budget))
+    except DamagedError:
+        return message
 
 
 def unreadable(path: Path, error: OSError) -> InputError:

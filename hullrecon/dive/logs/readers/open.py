@@ -12,15 +12,16 @@ from hullrecon.dive.logs.formats.foreign_forms import PACKED, describe_file, des
 from hullrecon.dive.logs.readers import sqlite
 from hullrecon.dive.logs.readers.ad2cp.blocks import is_ad2cp
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
-from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
+from hullrecon.dive.logs.readers.file_log import ZSTD, require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.oculus import log_items
 from hullrecon.dive.logs.readers.oculus.log import OculusLog
+from hullrecon.dive.logs.readers.packed import PackedLog, unpacked_name
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
 from hullrecon.dive.logs.readers.plain import COLUMNS, PlainLog
 from hullrecon.dive.logs.readers.protocol import Log
 from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
-from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE, Rosbag2Log
+from hullrecon.dive.logs.readers.rosbag2 import METADATA, Rosbag2Log, is_stored
 from hullrecon.dive.logs.readers.sound_metrics import aris_frames
 from hullrecon.dive.logs.readers.sound_metrics.aris import ArisLog
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
@@ -86,7 +87,10 @@ def open_log(path: Path, package: Path | None = None) -> Log:
     if is_ad2cp(start):
         return Ad2cpLog(path)
     found = [reader for magic, reader in BY_MAGIC.items() if start.startswith(magic)]
-    found += [reader for suffix, reader in BY_SUFFIX.items() if path.suffix.lower() == suffix]
+    by_name = BY_SUFFIX.get(Path(unpacked_name(path.name)).suffix.lower())
+    if by_name is not None and start.startswith(ZSTD):
+        return PackedLog(path, by_name)
+    found += [by_name] if by_name is not None else []
     if not found:
         raise _not_read(name, where, *describe_file(path, start))
     return found[0](path)
@@ -94,7 +98,7 @@ def open_log(path: Path, package: Path | None = None) -> Log:
 
 def _open_folder(path: Path, package: Path | None) -> Log:
     names = {p.name for p in path.iterdir()}
-    if METADATA in names or any(Path(name).suffix in STORAGE for name in names):
+    if METADATA in names or any(map(is_stored, names)):
         return Rosbag2Log(path)
     if any(f"{sensor}.csv" in names for sensor in COLUMNS):
         return PlainLog(path, package)
@@ -143,7 +147,7 @@ def _find_logs(path: Path) -> list[Path]:
 def _is_log(path: Path) -> bool:
     if path.is_dir():
         return path.name != "logs" and _holds_log(path)
-    suffix = path.suffix.lower()
+    suffix = Path(unpacked_name(path.name)).suffix.lower()
     if suffix in BY_SUFFIX or not path.is_file():
         return suffix in BY_SUFFIX
     start = _peek(path)

@@ -1,20 +1,25 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A ROS 2 folder: its storage files, MCAP or SQLite, in order, with or without metadata.yaml."""
+"""A ROS 2 folder: its storage files, MCAP or SQLite, in order, with or without metadata.yaml.
+
+The files decide what is read, packed by zstd or not; the metadata tell their order and what is
+missing. A recorder's compression mode goes stale when somebody unpacks the files.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from hullrecon.dive.config.yaml_files import read_yaml
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
+from hullrecon.dive.logs.readers.packed import PackedLog, unpacked_name
 from hullrecon.dive.logs.readers.protocol import Log, Loss, Message
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
-from hullrecon.dive.logs.readers.unpack import DamagedError, UnpackBudget, printable, unpack_frame
+from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.errors import HullreconError, InputError
 from hullrecon.findings.finding import Finding
 
@@ -22,6 +27,17 @@ METADATA = "metadata.yaml"
 STORAGE: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".db3": SqliteLog}
 LARGEST_METADATA = 1 << 18  # bytes; a topic has some 400
 MOST_MESSAGES = 1 << 63  # a recorder's integers; those of YAML may have thousands of digits
+
+
+def is_stored(name: str) -> bool:
+    """Tell whether a file's name is that of a rosbag2 storage, packed or not."""
+    return Path(unpacked_name(name)).suffix in STORAGE
+
+
+def open_stored(path: Path) -> Log:
+    """Open a storage file by its name, packed or not."""
+    reader = STORAGE[Path(unpacked_name(path.name)).suffix]
+    return reader(path) if path.suffix in STORAGE else PackedLog(path, reader)
 
 
 class Rosbag2Log:
@@ -34,6 +50,7 @@ class Rosbag2Log:
         self.path = path
         self.notes: list[Finding] = []
         self._losses: list[Loss] = []
+        self._opened: dict[Path, Log] = {}
 
     def messages(self) -> Iterator[Message]:
         """Yield every whole message of the folder's files.
@@ -44,11 +61,10 @@ class Rosbag2Log:
         seen: Counter[str] = Counter()
         info = self._metadata()
         for log in self._parts(info):
-            unpack = _MessageUnpacker(log.path) if info.compression == "MESSAGE" else None
             try:
                 for message in log.messages():
                     seen[message.channel.topic] += 1
-                    yield message if unpack is None else unpack.unpack(message)
+                    yield message
             except HullreconError as error:
                 self._losses.append(Loss(error.what))
             self._losses += log.losses()
@@ -68,33 +84,38 @@ class Rosbag2Log:
         return list(self._losses)
 
     def _parts(self, info: _Metadata) -> list[Log]:
-        if info.compression == "FILE":
-            raise InputError(
-                "the ROS 2 folder's files are compressed",
-                where=str(self.path),
-                remedy="unpack them with zstd -d",
-            )
+        """Open the folder's files. Of a file and its packed form, the one that is not packed."""
         try:
-            found = sorted(p for p in self.path.iterdir() if p.suffix in STORAGE)
+            inside = sorted(p for p in self.path.iterdir() if is_stored(p.name))
         except OSError as error:
             raise unreadable(self.path, error) from None
-        named = [self.path / name for name in info.files]
-        for missing in [p for p in named if p not in found]:
-            self._losses.append(Loss(f"the file {printable(missing.name)} is missing"))
-        order = [p for p in named if p in found] + [p for p in found if p not in named]
-        return [STORAGE[p.suffix](p) for p in order if self._has_bytes(p)]
+        forms: dict[str, list[Path]] = {}
+        for path in sorted(inside, key=lambda p: p.suffix not in STORAGE):
+            forms.setdefault(unpacked_name(path.name), []).append(path)
+        named = dict.fromkeys(unpacked_name(name) for name in info.files)
+        missing = [name for name in named if name not in forms]
+        self._losses += [Loss(f"the file {printable(name)} is missing") for name in missing]
+        order = [name for name in named if name in forms]
+        order += [name for name in sorted(forms) if name not in named]
+        chosen = [self._choose(forms[name]) for name in order]
+        return [self._open(path) for path in chosen if path is not None]
 
-    def _has_bytes(self, path: Path) -> bool:
-        try:
-            require_regular_file(path)
-            if path.stat().st_size:
-                return True
-            self._losses.append(Loss(f"the file {printable(path.name)} is empty"))
-        except InputError as error:
-            self._losses.append(Loss(error.what))
-        except OSError as error:
-            self._losses.append(Loss(unreadable(path, error).what))
-        return False
+    def _choose(self, forms: Sequence[Path]) -> Path | None:
+        """Choose the first form of a file that has bytes. None, with the losses, without any."""
+        lost = []
+        for path in forms:
+            why = _why_empty(path)
+            if not why:
+                return path
+            lost.append(Loss(why))
+        self._losses += lost
+        return None
+
+    def _open(self, path: Path) -> Log:
+        """Open a file at the first pass: a packed one is unpacked once."""
+        if path not in self._opened:
+            self._opened[path] = open_stored(path)
+        return self._opened[path]
 
     def _metadata(self) -> _Metadata:
         """Read metadata.yaml. Empty, with a note, when it is missing or damaged."""
@@ -114,11 +135,21 @@ class Rosbag2Log:
         return _parse(table.get("rosbag2_bagfile_information"))
 
 
+def _why_empty(path: Path) -> str:
+    """Say why a file gives no bytes. "" where it gives some."""
+    try:
+        require_regular_file(path)
+        return "" if path.stat().st_size else f"the file {printable(path.name)} is empty"
+    except InputError as error:
+        return error.what
+    except OSError as error:
+        return unreadable(path, error).what
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Metadata:
     """The contents of metadata.yaml."""
 
-    compression: str = ""  # "", "FILE" or "MESSAGE"
     files: tuple[str, ...] = ()  # in their order, each once
     counts: Mapping[str, int] = field(default_factory=dict)  # messages by topic
 
@@ -126,10 +157,7 @@ class _Metadata:
 def _parse(info: object) -> _Metadata:
     """Take the fields of the right type: a half-written file lacks the rest."""
     table = info if isinstance(info, Mapping) else {}
-    mode, files, topics = (
-        table.get(k)
-        for k in ("compression_mode", "relative_file_paths", "topics_with_message_count")
-    )
+    files, topics = (table.get(k) for k in ("relative_file_paths", "topics_with_message_count"))
     names = (
         [Path(name).name for name in files if isinstance(name, str)]
         if isinstance(files, list)
@@ -143,7 +171,6 @@ def _parse(info: object) -> _Metadata:
         if isinstance(name, str) and isinstance(count, int):
             counts[printable(name)] = count
     return _Metadata(
-        compression=mode.upper() if isinstance(mode, str) else "",
         files=tuple(dict.fromkeys(name for name in names if name)),
         counts=counts,
     )
@@ -162,19 +189,3 @@ def _refuse_bombs(path: Path) -> None:
     text = path.read_text(encoding="utf-8", errors="replace")
     if "<<" in text or "!!merge" in text or "2002:merge" in text:
         raise InputError(f"{METADATA} merges aliases")
-
-
-class _MessageUnpacker:
-    """Unpacks messages that were compressed one by one."""
-
-    def __init__(self, path: Path) -> None:
-        self._budget = UnpackBudget(path.stat().st_size)
-
-    def unpack(self, message: Message) -> Message:
-        """Unpack a message. Where that fails the decoder will find it damaged."""
-        if not isinstance(message.data, bytes):
-            return message
-        try:
-            return replace(message, data=unpack_frame(message.data, self._budget))
-        except DamagedError:
-            return message
