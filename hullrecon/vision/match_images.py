@@ -117,6 +117,7 @@ def join_images(
     by_node, verified = stereo_by_node(stereo), _verified_links(links)
 
     def contradicted(node: Ints, label: Ints, top: Array, bottom: Array) -> Mask:
+        """Mark observations of a track that do not fit the verified relative poses."""
         return contradicted_observations(
             worker.rig, node, label, top, bottom, verified, worker.options.sigma_px
         )

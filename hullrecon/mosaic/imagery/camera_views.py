@@ -204,6 +204,10 @@ def sample_light(
     thumbnails: Sequence[NDArray[np.uint8] | None],
     camera: Ints,
 ) -> LightSamples:
+    """Sample the brightness of each surface texel in every thumbnail that sees it.
+
+    windows: the texels that each view covers. camera (v,): the camera of each view.
+    """
     parts: list[tuple[Any, ...]] = []
     for tile in grid.tiles(BLOCK):
         patch = sample_surface(surface, grid, tile)
@@ -227,11 +231,11 @@ def sample_light(
         return LightSamples(
             view=none, texel=none, cell=none, log_value=np.zeros((0, 3)), camera=camera
         )
-    view_of, texel_size, cell_of, value = (np.concatenate(p) for p in zip(*parts, strict=True))
-    _, texel_size = np.unique(texel_size, return_inverse=True)
+    view_of, texel_of, cell_of, value = (np.concatenate(p) for p in zip(*parts, strict=True))
+    _, texel_of = np.unique(texel_of, return_inverse=True)
     return LightSamples(
         view=view_of.astype(np.int64),
-        texel=texel_size,
+        texel=texel_of,
         cell=cell_of.astype(np.int64),
         log_value=value,
         camera=camera,

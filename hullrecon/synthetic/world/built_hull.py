@@ -38,7 +38,10 @@ class AsBuilt:
 
 
 def build(spec: DiveSpec, patch: HullPatch, items: tuple[Item, ...]) -> AsBuilt:
-    """Move a patch of the CAD model by its deviation, and put the items on it."""
+    """Move a patch of the CAD model by its deviation, and put the items on it.
+
+    Around items the mesh has cells FINER times smaller, so that their edges are sharp.
+    """
     a, g = np.meshgrid(patch.along_m, patch.girth_m, indexing="ij")
     steel = patch.point + deviation_m(spec, a, g)[..., None] * patch.normal
     busy = _busy(patch, items, 0.12)
@@ -73,6 +76,7 @@ def crop(built: AsBuilt, along_m: tuple[float, float], girth_m: tuple[float, flo
 
 
 def _busy(patch: HullPatch, items: tuple[Item, ...], margin_m: float) -> NDArray[np.bool_]:
+    """Mark the grid nodes (a, g) that an item with relief covers, or that lie next to it."""
     out = np.zeros((len(patch.along_m), len(patch.girth_m)), bool)
     for item in (i for i in items if i.height_m != 0):
         reach = item.reach_m() + margin_m

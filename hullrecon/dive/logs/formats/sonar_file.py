@@ -126,9 +126,10 @@ def _arrays(path: Path) -> list[NDArray[np.generic]]:
         if absent:
             raise ValueError(f"it has no {' and no '.join(absent)}")
         before = min(info.header_offset for info in archive.infolist())
-        # a ZIP may have anything before it; a ping that has was overwritten by another
+        # A ZIP is valid with other bytes before it. In a ping's file these are the remains of an
+        # earlier, longer file that was overwritten in part.
         if before > 0:
-            raise ValueError(f"{before} bytes of something else stand before its arrays")
+            raise ValueError(f"{before} bytes that are none of its own precede its arrays")
         return [_array(archive, members[name]) for name in KEYS]
 
 
