@@ -22,8 +22,8 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, from_mount, tray_poses
 from hullrecon.records.solution import Mounts
-from hullrecon.records.trajectory import Returns, VehiclePath
-from hullrecon.typing import Array
+from hullrecon.records.trajectory import Returns, VehiclePath, VehicleTrack
+from hullrecon.typing import Array, Ints
 
 # The keys of dive.toml that a rig without priors is made of: what a step declares to be handed them
 RIG_KEYS = (
@@ -158,6 +158,13 @@ class Rig:
         """
         tray = path.poses @ tray_poses(self.tray_origin, path.tray)
         return tray if sensor == "tray" else tray @ self.tray_from(sensor)
+
+    def image_poses(self, track: VehicleTrack, nodes: Ints, camera: Camera) -> Poses:
+        """Compute the poses (m,) of a camera halfway through its exposures at nodes (m,)."""
+        tray = self.poses_along(track.path[nodes], "tray")
+        if track.exposures is not None:
+            tray = tray @ track.exposures.take(nodes).motion(camera, 0.5)
+        return tray @ self.tray_from(camera)
 
     def dvl_points(self, returns: Returns, path: VehiclePath) -> DvlPoints:
         """Compute where DVL beams end, in the frame of the path at the nodes.

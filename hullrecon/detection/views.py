@@ -61,7 +61,7 @@ def views_of_top_camera(
     node = np.flatnonzero(track.image[:, camera.column] >= 0)
     if camera not in rig.cameras or not len(node) or not len(landmarks):
         return None
-    model, poses = rig.camera_models[camera], rig.poses_along(track.path[node], camera)
+    model, poses = rig.camera_models[camera], rig.image_poses(track, node, camera)
     names = tuple(
         f"{camera.key}/{t}.jpg" for t in image_t_ns[track.image[node, camera.column]].tolist()
     )

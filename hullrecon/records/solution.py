@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import Poses, identity
-from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.records.trajectory import Exposures, VehicleTrack
 from hullrecon.typing import Array, Ints, Mask
 
 # |deviation| at which a landmark's label changes, m: where the two parts of the mixture of
@@ -107,6 +107,7 @@ class Solution:
     navigation_errors: Array
     hull_pose: HullPose | None  # None without a CAD model
     deviation_field: DeviationField | None  # None without a CAD model
+    exposures: Exposures | None = None  # None: all images were exposed at their node's time
 
     @property
     def frame(self) -> Frame:
@@ -126,4 +127,5 @@ class Solution:
             covariance=self.pose_covariance,
             image=self.image,
             frame=self.frame,
+            exposures=self.exposures,
         )

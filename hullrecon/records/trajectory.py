@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.tangents import tangents_at
-from hullrecon.geometry.frames import Frame
-from hullrecon.geometry.poses import Poses, interpolate
+from hullrecon.geometry.frames import Camera, Frame
+from hullrecon.geometry.poses import Poses, exp, interpolate
 from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints, Mask
 
@@ -31,6 +32,27 @@ class VehiclePath:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Exposures(Rows):
+    """When each node's images were exposed, and how the tray moved meanwhile."""
+
+    late_s: Array  # (n, 2) of the first rows of the top and bottom camera's images after the node
+    twist: Array  # (n, 6) of the tray in its own axes, m/s and rad/s
+    depth_m: Array  # (n,) of the scene in the top camera by the DVL, NaN where not measured
+    readout_s: Array  # (2,) from the first row of an image of either camera to its last
+
+    SHARED: ClassVar = frozenset({"readout_s"})
+
+    def motion(self, camera: Camera, row_share: Array | float) -> Poses:
+        """Compute tray_at_node from tray_at_exposure (m,).
+
+        row_share: place of the row in the image (m,), 0 for the first one and 1 for the last. The
+        nodes are m, or one for all rows.
+        """
+        after_s = self.late_s[:, camera.column] + self.readout_s[camera.column] * row_share
+        return exp(np.atleast_1d(after_s)[:, None] * self.twist)
+
+
+@dataclass(frozen=True, kw_only=True)
 class VehicleTrack:
     """The best path available of a dive, in the frame of its results."""
 
@@ -40,6 +62,7 @@ class VehicleTrack:
     covariance: Array  # (n, 6, 6) of (translation in that frame, rotation perturbed on the right)
     image: Ints  # (n, 2) rows in the cameras' indices, -1 without an image
     frame: Frame
+    exposures: Exposures | None = None  # None: all images were exposed at their node's time
 
     @property
     def path(self) -> VehiclePath:
@@ -92,6 +115,7 @@ class Trajectory:
     covariance: Array  # (n, 6, 6) of (translation in g, rotation right-perturbed in v)
     tray: Array  # (n,) rad
     image: Ints  # (n, 2) rows in the cameras' indices, top and bottom, -1 without an image
+    exposures: Exposures | None = None  # None: all images were exposed at their node's time
 
     def poses(self) -> Poses:
         """Combine rotation and translation to global_from_vehicle (n)."""
@@ -106,6 +130,7 @@ class Trajectory:
             covariance=self.covariance,
             image=self.image,
             frame=Frame.GLOBAL,
+            exposures=self.exposures,
         )
 
 

@@ -167,7 +167,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=20,
+    version=21,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

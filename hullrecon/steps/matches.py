@@ -33,7 +33,7 @@ def run(context: Context[MatchOptions]) -> None:
         raise InputError("the links are missing", where="matches", remedy="run the step links")
     found = join_images(
         worker,
-        inputs.navigate.trajectory.image,
+        inputs.navigate.trajectory,
         links.pairs,
         links.links,
         links.features,
@@ -62,7 +62,7 @@ STAGE = Stage(
     summary="join matches of linked images to feature tracks",
     inputs=("ingest", "navigate", "features", "links"),
     parameters=MatchOptions,
-    version=8,
+    version=9,
     run=run,
     uses=RIG_KEYS,
     applies=applies,

@@ -26,6 +26,7 @@ from hullrecon.navigation.dead_reckoning.dead_reckon import (
     NavigationLogs,
     usable_frames,
 )
+from hullrecon.navigation.dead_reckoning.exposures import CameraTiming
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
 from hullrecon.navigation.navigate import choose_path, reckon_dive
 from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
@@ -52,6 +53,7 @@ from hullrecon.vision.odometry import (
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
 
 Samples = TypeVar("Samples", bound=Stream)
+READOUT_KEYS = ("camera.top.readout_s", "camera.bottom.readout_s")
 CLOCK_FEATURES = 1000  # of an image from whose motion time offsets are estimated
 
 
@@ -152,6 +154,7 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
         tray=_unless_empty(ingest.tray),
         top=_unless_empty(ingest.image_index(Camera.TOP)),
         bottom=_unless_empty(ingest.image_index(Camera.BOTTOM)),
+        timing=_timing(settings),
     )
     rig = rig_from_settings(settings, ingest.camera_models)
     measure, goes_on = None, None
@@ -164,6 +167,11 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
         return context.progress(frames, "images followed")
 
     return reckon_dive(logs, rig, sigmas_from_settings(settings), measure, goes_on, progress)
+
+
+def _timing(settings: StageSettings) -> CameraTiming:
+    top, bottom = (settings.read_optional(key, float) or 0.0 for key in READOUT_KEYS)
+    return CameraTiming(readout_s=(top, bottom))
 
 
 def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
@@ -234,8 +242,15 @@ STAGE = Stage(
     summary="compute the dead-reckoned trajectory",
     inputs=("ingest",),
     parameters=NavigateOptions,
-    version=22,
+    version=23,
     run=run,
-    uses=(*RIG_KEYS, *SIGMA_KEYS, "camera.bottom.pose_sigma", "position.origin", "logs"),
+    uses=(
+        *RIG_KEYS,
+        *SIGMA_KEYS,
+        *READOUT_KEYS,
+        "camera.bottom.pose_sigma",
+        "position.origin",
+        "logs",
+    ),
     external=external,
 )

@@ -320,9 +320,15 @@ def _nodes(worker: MatchWorker, dive: NavigatedDive, track: CameraTrack) -> list
     depths = [None] * len(track) if dive.returns is None else depth_priors(
         track, dive.trajectory, dive.returns, worker.rig
     )  # fmt: skip
+    exposures = dive.trajectory.exposures
     return [
-        MatchNode(image=(int(top), int(bottom)), depth=depth, stereo=no_matches())
-        for (top, bottom), depth in zip(dive.trajectory.image, depths, strict=True)
+        MatchNode(
+            image=(int(top), int(bottom)),
+            depth=depth,
+            stereo=no_matches(),
+            exposure=None if exposures is None else exposures.take(np.array([k])),
+        )
+        for k, ((top, bottom), depth) in enumerate(zip(dive.trajectory.image, depths, strict=True))
     ]
 
 

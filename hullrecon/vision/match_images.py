@@ -12,11 +12,13 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.links import CameraLinks, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.tracks import Tracks
+from hullrecon.records.trajectory import Trajectory
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.match_worker import MatchWorker
+from hullrecon.vision.pairs.match_worker import MatchNode, MatchWorker
 from hullrecon.vision.pairs.pair_match import REASON_TEXTS, Reason
 from hullrecon.vision.stereo.matching import StereoMatches
+from hullrecon.vision.stereo.node_view import NodeFeatures
 from hullrecon.vision.tracks.landmarks import FeatureMatches, build_tracks, first_numbers
 from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
 
@@ -78,7 +80,7 @@ class MatchedImages:
 
 def join_images(
     worker: MatchWorker,
-    image: Ints,
+    trajectory: Trajectory,
     pairs: NodePairs,
     links: CameraLinks,
     features: PairFeatures,
@@ -91,8 +93,8 @@ def join_images(
     ----------
     worker
         Reads features.
-    image
-        Rows (n, 2) in the cameras' indices, by node.
+    trajectory
+        Images and their exposures by node.
     pairs
         Compared.
     links, features
@@ -116,6 +118,14 @@ def join_images(
     size, start = np.diff(features.start), first_numbers(stereo.features)
     by_node, verified = stereo_by_node(stereo), _verified_links(links)
 
+    def read(k: int) -> NodeFeatures:
+        top, bottom = trajectory.image[k].tolist()
+        exposures = trajectory.exposures
+        exposure = None if exposures is None else exposures.take(np.array([k]))
+        return worker.read(
+            MatchNode(image=(top, bottom), depth=None, stereo=by_node[k], exposure=exposure)
+        )
+
     def contradicted(node: Ints, label: Ints, top: Array, bottom: Array) -> Mask:
         """Mark observations of a track that do not fit the verified relative poses."""
         return contradicted_observations(
@@ -130,14 +140,14 @@ def join_images(
             second=np.repeat(start[links.second], size) + features.second,
             distance=features.distance,
         ),
-        lambda k: worker.read((int(image[k, 0]), int(image[k, 1])), by_node[k]),
+        read,
         worker.options.single_node,
         contradicted,
     )
     inliers = np.zeros(len(pairs), np.int64)
     inliers[pairs.joined] = size
     return MatchedImages(
-        tracks=tracks, pairs=pairs, inliers=inliers, keyframes=keyframes, nodes=len(image)
+        tracks=tracks, pairs=pairs, inliers=inliers, keyframes=keyframes, nodes=len(trajectory.t_ns)
     )
 
 

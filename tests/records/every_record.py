@@ -30,6 +30,7 @@ from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import (
     Attitude,
+    Exposures,
     Odometry,
     PositionTies,
     Returns,
@@ -79,7 +80,9 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
         "covariance": "n 6 6",
         "tray": "n",
         "image": "n 2",
+        "exposures": {},
     },
+    Exposures: {"late_s": "n 2", "twist": "n 6", "depth_m": "n", "readout_s": "2"},
     TrajectoryErrorModel: {
         "by_error": "n 6 k",
         "error_covariance": "k k",
@@ -182,6 +185,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
         "navigation_errors": "6",
         "hull_pose": {},
         "deviation_field": {},
+        "exposures": {},
     },
 }
 

@@ -103,7 +103,7 @@ def test_pair_contradicted_by_path_joins_nothing_is_counted():
 def test_no_match_raises_error_with_reason_and_remedy():
     pairs = matched([(0, 1), (1, 2)], [Reason.FEW_PUTATIVE, Reason.FEW_PUTATIVE]).pairs
     with pytest.raises(StageError, match="no two images could be matched") as raised:
-        join_images(None, np.zeros((3, 2)), pairs, None, None, None, 3)
+        join_images(None, None, pairs, None, None, None, 3)
     assert f"of 2 pairs most failed by: {REASON_TEXTS[Reason.FEW_PUTATIVE]}" in str(
         raised.value.where
     )

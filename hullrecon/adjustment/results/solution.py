@@ -83,6 +83,7 @@ def build_solution(m: Measurements, adjusted: Adjusted, marginals: native.Covari
         navigation_errors=state.navigation,
         hull_pose=_hull_pose(state.hull, marginals),
         deviation_field=_deviation_field(state.hull, marginals),
+        exposures=m.trajectory.exposures,
     )
 
 

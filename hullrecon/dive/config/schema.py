@@ -52,6 +52,12 @@ Calibration = Annotated[
     ),
 ]
 TimeOffset = Annotated[Offset, Meta(description="s, added to the stamps")]
+Readout = Annotated[
+    float,
+    Meta(
+        ge=0.0, le=0.2, description="s, from the first row of an image, at its stamp, to the last"
+    ),
+]
 TopicName = Annotated[str, Meta(pattern=ONE_LINE, max_length=1000)]
 Hour = Annotated[datetime, Meta(tz=True)]
 WindowLimit = Annotated[
@@ -227,6 +233,7 @@ class CameraTop(Section, frozen=True):
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     time_offset: TimeOffset = 0.0
+    readout_s: Readout = 0.0
     sigma_px: Annotated[
         Positive, Meta(description="px, sigma of a feature before residuals tell it")
     ] = 1.0
@@ -254,6 +261,7 @@ class CameraBottom(Section, frozen=True):
         0.0,
     )
     time_offset: TimeOffset = 0.0
+    readout_s: Readout = 0.0
 
 
 class Cameras(Section, frozen=True):

@@ -69,7 +69,7 @@ def images_of_camera(
     return CameraImages(
         camera=rig.camera_models[camera],
         rows=track.image[nodes, camera.column],
-        poses=rig.poses_along(track.path[nodes], camera),
+        poses=rig.image_poses(track, nodes, camera),
         read=read,
     )
 

@@ -15,6 +15,7 @@ from hullrecon.navigation.dead_reckoning.error_propagation import (
     dead_reckoning_errors,
     trajectory_covariance,
 )
+from hullrecon.navigation.dead_reckoning.exposures import CameraTiming, exposures_of
 from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
 from hullrecon.navigation.dead_reckoning.nodes import NODE_SPACING_S, Nodes, choose_nodes
 from hullrecon.navigation.dead_reckoning.odometry import odometry, widen_for_tray
@@ -40,6 +41,7 @@ from hullrecon.records.trajectory import (
     Returns,
     Trajectory,
     TrajectoryErrorModel,
+    VehiclePath,
 )
 from hullrecon.rig import Rig
 from hullrecon.typing import Ints
@@ -61,6 +63,7 @@ class NavigationLogs:
     tray: JointSamples | None = None
     top: ImageIndex | None = None
     bottom: ImageIndex | None = None
+    timing: CameraTiming = field(default_factory=CameraTiming)  # of the images
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,8 +117,14 @@ def dead_reckon(
         tray=at.tray.copy(),
         image=nodes.image.copy(),
     )
+
+    def path_at(t_ns: Ints) -> VehiclePath:
+        instant = path.at(t_ns)
+        return VehiclePath(poses=instant.poses(), tray=instant.tray)
+
+    exposures = exposures_of(trajectory, beams, (logs.top, logs.bottom), logs.timing, path_at, rig)
     return Navigated(
-        trajectory=trajectory,
+        trajectory=replace(trajectory, exposures=exposures),
         error_model=errors,
         odometry=widen_for_tray(odometry(path, at), path.servo.unread_sigma(at.t_ns)),
         returns=beams,

@@ -114,7 +114,7 @@ def _ranked_views(
     if not len(nodes):
         return []
     model = rig.camera_models[camera]
-    camera_from_result = rig.poses_along(track.path[nodes], camera).inverse()
+    camera_from_result = rig.image_poses(track, nodes, camera).inverse()
     center = np.tile(np.array(found.center), (len(nodes), 1))
     pixel = model.project(camera_from_result.apply(center))
     size = np.array([model.width, model.height])

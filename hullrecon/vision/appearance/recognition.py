@@ -224,7 +224,7 @@ def learn_words(worker: MatchWorker, nodes: Sequence[MatchNode]) -> tuple[Vocabu
 
 def _strongest(worker: MatchWorker, node: MatchNode, most: int) -> Descriptors:
     """Read the descriptors (at most `most`, 128) of the leading image's strongest features."""
-    features = worker.read(node.image, node.stereo).leading
+    features = worker.read(node).leading
     rows = np.flatnonzero(features.scored)
     order = np.argsort(-features.keypoints[rows, 3], kind="stable")[:most]
     return features.descriptors[rows[np.sort(order)]]

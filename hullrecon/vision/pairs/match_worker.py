@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.records.trajectory import Exposures
 from hullrecon.rig import Rig
 from hullrecon.typing import Mask
 from hullrecon.vision.features.extraction import no_features
@@ -19,6 +20,7 @@ from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import MatchStrategy, PairMatcher
 from hullrecon.vision.pairs.pair_match import PairMatch
+from hullrecon.vision.stereo.exposure import DEPTHS_M, move_features, settle_depths
 from hullrecon.vision.stereo.matching import StereoMatches, no_matches
 from hullrecon.vision.stereo.node_view import (
     DepthPrior,
@@ -36,6 +38,7 @@ class MatchNode:
     image: tuple[int, int]  # rows in the two cameras' indices, -1 for none
     depth: DepthPrior | None  # of the scene, by the DVL
     stereo: StereoMatches  # between its two cameras
+    exposure: Exposures | None = None  # one row; None: exposed at the node's time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,24 +60,29 @@ class MatchWorker:
     options: MatchOptions
     strategy: MatchStrategy = field(default_factory=MatchStrategy)
 
-    def read(self, image: tuple[int, int], stereo: StereoMatches) -> NodeFeatures:
-        """Read the features of both cameras, given their matches. None of a camera not carried."""
+    def read(self, node: MatchNode) -> NodeFeatures:
+        """Read the features of both cameras, at the node's time. None of a camera not carried."""
+        seen = self._as_found(node)
+        if node.exposure is None:
+            return seen
+        return move_features(self.rig, seen, float(node.exposure.depth_m[0]), node.exposure)
+
+    def _as_found(self, node: MatchNode) -> NodeFeatures:
         bottom = (
-            FeatureStore(self.features, Camera.BOTTOM).read(image[1])
+            FeatureStore(self.features, Camera.BOTTOM).read(node.image[1])
             if self.rig.stereo_mount is not None
             else no_features()
         )
-        return NodeFeatures(
-            top=FeatureStore(self.features, Camera.TOP).read(image[0]), bottom=bottom, stereo=stereo
-        )
+        top = FeatureStore(self.features, Camera.TOP).read(node.image[0])
+        return NodeFeatures(top=top, bottom=bottom, stereo=node.stereo)
 
     def bottom_leads(self, nodes: Sequence[MatchNode]) -> Mask:
         """Select the nodes (n,) at which the bottom camera leads."""
-        return np.array([self.read(node.image, node.stereo).bottom_leads for node in nodes], bool)
+        return np.array([self.read(node).bottom_leads for node in nodes], bool)
 
     def saliency(self, node: MatchNode) -> float:
         """Look up the local saliency of the image that leads."""
-        if not self.read(node.image, node.stereo).bottom_leads:
+        if not self.read(node).bottom_leads:
             top = FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
             if top or self.rig.stereo_mount is None:
                 return top
@@ -85,16 +93,34 @@ class MatchWorker:
 
         Returns the count of the leading camera's features, and the matches.
         """
-        features = self.read(node.image, no_matches())
-        stereo = stereo_of_node(
+        features = self._as_found(replace(node, stereo=no_matches()))
+        if node.exposure is None:
+            stereo = self._match_cameras(features, node.depth)
+        else:
+            stereo = self._match_moved(features, node.depth, node.exposure)
+        return len(replace(features, stereo=stereo).leading), stereo
+
+    def _match_moved(
+        self, seen: NodeFeatures, prior: DepthPrior | None, exposure: Exposures
+    ) -> StereoMatches:
+        """Match cameras that were not exposed at one time, by the depth that most features fit."""
+        depth_m = float(exposure.depth_m[0])
+        tried = [
+            self._match_cameras(move_features(self.rig, seen, depth, exposure), prior)
+            for depth in ((depth_m,) if np.isfinite(depth_m) else DEPTHS_M)
+        ]
+        matched = replace(seen, stereo=max(tried, key=len))
+        return settle_depths(self.rig, matched, depth_m, exposure)
+
+    def _match_cameras(self, features: NodeFeatures, prior: DepthPrior | None) -> StereoMatches:
+        return stereo_of_node(
             self.rig,
             features.top,
             features.bottom,
-            node.depth,
+            prior,
             self.options,
             self.strategy.match_descriptors,
         )
-        return len(replace(features, stereo=stereo).leading), stereo
 
     def match_pairs(
         self, block: tuple[dict[int, MatchNode], Sequence[NodePair]]
@@ -116,5 +142,5 @@ class MatchWorker:
 
     def view(self, node: MatchNode) -> NodeView:
         """Prepare a node for pair matching."""
-        features = self.read(node.image, node.stereo)
+        features = self.read(node)
         return view_of_node(self.rig, features, node.depth, self.options.sigma_px)

@@ -132,9 +132,9 @@ def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatc
     )
     features, asked = paint(dive, repeats_m), []
 
-    def read(image, stereo):
-        asked.append(image)
-        return SimpleNamespace(leading=features[image[0]])
+    def read(node):
+        asked.append(node.image)
+        return SimpleNamespace(leading=features[node.image[0]])
 
     worker = SimpleNamespace(
         rig=rig,

@@ -146,6 +146,7 @@ def test_mono_worker_reads_no_bottom_images(worker, nodes):
         rig=camera_rig(worker.rig.model(Camera.TOP)),
         options=worker.options,
     )
-    assert len(mono.read((0, 0), no_matches()).bottom) == 0
-    assert len(mono.read((0, 0), no_matches()).top) == len(nodes[0].top)
+    bare = MatchNode(image=(0, 0), depth=PRIOR, stereo=no_matches())
+    assert len(mono.read(bare).bottom) == 0
+    assert len(mono.read(bare).top) == len(nodes[0].top)
     assert not mono.view(MatchNode(image=(0, 0), depth=PRIOR, stereo=no_matches())).stereo.any()

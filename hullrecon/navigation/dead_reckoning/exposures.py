@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""When the images of the nodes were exposed, and how the vehicle moved meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.frames import Camera
+from hullrecon.records.sensors import ImageIndex
+from hullrecon.records.trajectory import Exposures, Returns, Trajectory, VehiclePath
+from hullrecon.rig import Rig
+from hullrecon.typing import Array, Ints
+
+# Around an exposure, over which its motion is taken: a vehicle keeps its speed for so long, and
+# the noise of an encoder or an attitude over it stays below the motion within an exposure.
+SPAN_S = 0.2
+NEAR_S = 1.0  # of a node, DVL returns that measure the depth of its scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraTiming:
+    """When rows of images are exposed relative to the images' stamps."""
+
+    bottom_late_s: float = 0.0  # of the bottom camera against its stamps
+    readout_s: tuple[float, float] = (0.0, 0.0)  # of top and bottom, first row to last
+
+    @property
+    def is_ideal(self) -> bool:
+        """Whether each image is exposed at its stamp, all rows at once."""
+        return not (self.bottom_late_s or any(self.readout_s))
+
+
+def exposures_of(
+    trajectory: Trajectory,
+    returns: Returns,
+    images: tuple[ImageIndex | None, ImageIndex | None],
+    timing: CameraTiming,
+    path_at: Callable[[Ints], VehiclePath],
+    rig: Rig,
+) -> Exposures | None:
+    """Compute when a dive's images were exposed. None where all were at their node's time.
+
+    Parameters
+    ----------
+    trajectory, returns
+        Of the dive.
+    images
+        Indices of top and bottom camera.
+    timing
+        Of the cameras.
+    path_at
+        The vehicle's path at any times, ns.
+    rig
+        The vehicle's sensors.
+    """
+    late_s = np.zeros((len(trajectory.t_ns), 2))
+    for column, index in enumerate(images):
+        if index is not None:
+            row = trajectory.image[:, column]
+            after_s = 1e-9 * (index.t_ns[row] - trajectory.t_ns)
+            late_s[:, column] = np.where(row >= 0, after_s, 0.0)
+    late_s[trajectory.image[:, 1] >= 0, 1] += timing.bottom_late_s
+    if rig.tray_from_top is None or (not late_s.any() and timing.is_ideal):
+        return None
+    half_ns = round(0.5e9 * SPAN_S)
+    middle_ns = trajectory.t_ns + np.rint(0.5e9 * late_s.sum(axis=1)).astype(np.int64)
+    before, after = (
+        rig.poses_along(path_at(middle_ns + step), "tray") for step in (-half_ns, half_ns)
+    )
+    return Exposures(
+        late_s=late_s,
+        twist=(before.inverse() @ after).log() / SPAN_S,
+        depth_m=_scene_depths(trajectory, returns, rig),
+        readout_s=np.array(timing.readout_s),
+    )
+
+
+def _scene_depths(trajectory: Trajectory, returns: Returns, rig: Rig) -> Array:
+    """Measure the depth (n,) of each node's scene in the top camera, m. NaN without returns."""
+    path = trajectory.track().path
+    good = returns.take(np.flatnonzero(~returns.flagged & np.isfinite(returns.range_m)))
+    good = good.take(np.argsort(good.t_ns, kind="stable"))
+    points = rig.dvl_points(good, path).points
+    reach_ns = round(1e9 * NEAR_S)
+    start = np.searchsorted(good.t_ns, trajectory.t_ns - reach_ns)
+    stop = np.searchsorted(good.t_ns, trajectory.t_ns + reach_ns)
+    camera_from_global = rig.poses_along(path, Camera.TOP).inverse()
+    depth = np.full(len(path), np.nan)
+    for k in np.flatnonzero(stop > start).tolist():
+        ahead = camera_from_global[k].apply(points[start[k] : stop[k]])[:, 2]
+        if (ahead > 0).any():
+            depth[k] = np.median(ahead[ahead > 0])
+    return depth
