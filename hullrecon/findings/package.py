@@ -220,6 +220,10 @@ NOTES: dict[str, Words] = {
     # the CAD model
     "mesh-read": _mesh,
     "mesh-faces-removed": _removed,
+    "mesh-faces-hidden": lambda hidden, count: (
+        f"{hidden} of {count} faces were left out, as nothing outside sees them: inner sides of "
+        "plates, tanks, structure"
+    ),
     "mesh-faces-turned": "{turned} of {count} faces had their normals inward and were turned",
     "mesh-pieces-unclear": "{unclear} of {count} separate pieces have no clear outer side",
     "mesh-edges-twisted": lambda count: (

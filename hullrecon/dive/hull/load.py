@@ -19,6 +19,7 @@ import numpy as np
 
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.files import MIB, gunzip, read_regular
+from hullrecon.dive.hull.hidden_faces import leave_out_hidden
 from hullrecon.dive.hull.mirrors import ends_at_a_plane, find_boundary
 from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.errors import InputError
@@ -62,7 +63,7 @@ def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
     mesh = clean_mesh(Mesh(vertices, faces), notes)
     if not len(mesh.faces):
         raise InputError("the CAD model has no face with an area", where=str(path))
-    mesh = orient_outward(mesh, notes)
+    mesh = orient_outward(leave_out_hidden(mesh, notes), notes)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     values = {"file": path.name, "faces": len(mesh.faces)}
     corners = {"low_m": low.tolist(), "high_m": high.tolist()}

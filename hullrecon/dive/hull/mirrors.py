@@ -38,19 +38,40 @@ def find_possible_cuts(mesh: Mesh) -> list[Plane]:
     edges = find_boundary(mesh.faces)
     if not len(edges):
         return []
-    ends, corners = mesh.vertices[edges], mesh.vertices[mesh.faces]
+    ends = mesh.vertices[edges]
     length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
-    area = face_areas(mesh)
+    tolerance = ON_PLANE * float(np.ptp(mesh.vertices, axis=0).max())
+    found = []
+    for axis, level in _find_unplated_sides(mesh, tolerance):
+        lies = (np.abs(ends[:, :, axis] - level) < tolerance).all(axis=1)
+        if length[lies].sum() >= OPEN_SHARE * length.sum():
+            found.append((axis, level))
+    return found
+
+
+def find_openings(mesh: Mesh) -> list[Plane]:
+    """Find the sides of the bounding box without plating that the mesh reaches across its size.
+
+    Unlike `find_possible_cuts`, also of plates with thickness, whose rims there are closed.
+    """
+    extent = np.ptp(mesh.vertices, axis=0)
+    tolerance = ON_PLANE * float(extent.max())
+    found = []
+    for axis, level in _find_unplated_sides(mesh, tolerance):
+        rim = mesh.vertices[np.abs(mesh.vertices[:, axis] - level) < tolerance]
+        if (np.delete(np.ptp(rim, axis=0), axis) > 0.5 * np.delete(extent, axis)).all():
+            found.append((axis, level))
+    return found
+
+
+def _find_unplated_sides(mesh: Mesh, tolerance: float) -> list[Plane]:
+    """Find the sides of the bounding box in which hardly any face lies, to the tolerance, m."""
+    corners, area = mesh.vertices[mesh.faces], face_areas(mesh)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    tolerance = ON_PLANE * float((high - low).max())
     found = []
     for axis, level in [(axis, float(side[axis])) for axis in range(3) for side in (low, high)]:
-        lies = (np.abs(ends[:, :, axis] - level) < tolerance).all(axis=1)
         plated = (np.abs(corners[:, :, axis] - level) < tolerance).all(axis=1)
-        if (
-            length[lies].sum() >= OPEN_SHARE * length.sum()
-            and area[plated].sum() < PLATED_SHARE * area.sum()
-        ):
+        if area[plated].sum() < PLATED_SHARE * area.sum():
             found.append((axis, level))
     return found
 

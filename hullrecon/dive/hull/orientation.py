@@ -83,7 +83,7 @@ def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
     is_open = np.bincount(piece, unpaired) > 0
     side = np.sign(volume)
     size = np.bincount(piece, face_areas(mesh)) * is_open
-    picked = _sample_faces(
+    picked = sample_faces(
         mesh,
         piece,
         np.sort(np.argsort(-size, kind="stable")[: min(int(is_open.sum()), MOST_PIECES)]),
@@ -121,7 +121,7 @@ def _measure_sides(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
     return seen
 
 
-def _sample_faces(mesh: Mesh, piece: Ints32, wanted: Ints) -> Ints:
+def sample_faces(mesh: Mesh, piece: Ints32, wanted: Ints) -> Ints:
     """Pick up to SAMPLES faces of each wanted piece, evenly over its area."""
     area = face_areas(mesh)
     order = np.argsort(piece, kind="stable")
@@ -155,11 +155,15 @@ def _hemisphere(normal: Array) -> Array:
     local = np.stack(
         [radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - k / RAYS)], axis=1
     )
+    return np.asarray(np.einsum("kj,nji->nki", local, frames_about(normal)).reshape(-1, 3))
+
+
+def frames_about(normal: Array) -> Array:
+    """Make a frame (n, 3, 3) about each unit normal (n, 3), its last row."""
     helper = np.where(np.abs(normal[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]])
     first = np.cross(normal, helper)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    frame = np.stack([first, np.cross(normal, first), normal], axis=1)
-    return np.asarray(np.einsum("kj,nji->nki", local, frame).reshape(-1, 3))
+    return np.stack([first, np.cross(normal, first), normal], axis=1)
 
 
 def _flip_faces(faces: Ints32, which: Mask) -> Ints32:

@@ -18,8 +18,8 @@ from hullrecon.geometry.meshes.mesh import Mesh
 
 TRIANGLE = "v 0 0 0\nv 20 0 0\nv 0 9 0\n"
 FACET = (
-    "facet normal 0 0 1\nouter loop\nvertex 0 0 0.{0}\nvertex 20 0 0.{0}\n"
-    "vertex 0 9 0.{0}\nendloop\nendfacet\n"
+    "facet normal 0 0 1\nouter loop\nvertex 0.{0} 0 0\nvertex 20.{0} 0 0\n"
+    "vertex 0.{0} 9 0\nendloop\nendfacet\n"
 )
 SOLID = f"solid {{0}}\n{FACET}endsolid {{0}}\n"
 
