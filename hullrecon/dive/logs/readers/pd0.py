@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles
 from hullrecon.dive.logs.readers.file_log import FileLog
@@ -79,6 +78,8 @@ def to_sample(ping: Ensemble) -> DvlSample:
 
 def attitude(ping: Ensemble) -> ImuSample:
     """Compute the attitude of `dvl` in north-east-down, by the instrument's compass and tilts."""
+    from scipy.spatial.transform import Rotation  # half of a start's time: logs are opened by all
+
     enu_from_instrument = earth_from_instrument(ping.heading_rad, *_tilts(ping))
     ned_from_dvl = NED_FROM_ENU @ enu_from_instrument @ DVL_FROM_INSTRUMENT.T
     return ImuSample(

@@ -15,7 +15,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import BinaryIO
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.messages.velocity import FIGURE_OF_MERIT_LIMIT
 from hullrecon.dive.logs.readers.file_log import FileLog
@@ -163,6 +162,8 @@ def to_velocity(report: Report) -> DvlSample:
 
 def to_attitude(report: Report) -> ImuSample:
     """Convert a report of type position_local. Raises DamagedError."""
+    from scipy.spatial.transform import Rotation  # half of a start's time: logs are opened by all
+
     angles = [number_of(report, key) for key in ("yaw", "pitch", "roll")]
     quaternion = Rotation.from_euler("ZYX", angles, degrees=True).as_quat()
     return ImuSample(round(number_of(report, "ts") * 1e9), quaternion, LOST, LOST, of_dvl=True)

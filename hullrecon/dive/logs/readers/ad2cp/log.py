@@ -13,7 +13,6 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.readers.ad2cp import bottom_track as tracks
@@ -129,6 +128,8 @@ def enu_from_dvl(ping: BottomTrack) -> Array | None:
 
     That is where an angle is missing, or the instrument took another axis than z as vertical.
     """
+    from scipy.spatial.transform import Rotation  # half of a start's time: logs are opened by all
+
     if not np.isfinite(ping.angles_rad).all() or ping.orientation not in (
         tracks.Z_UP,
         tracks.Z_DOWN,
@@ -142,6 +143,8 @@ def enu_from_dvl(ping: BottomTrack) -> Array | None:
 
 def attitude(t_ns: int, turn: Array) -> ImuSample:
     """Convert the rotation of enu_from_dvl to an attitude of `dvl` in north-east-down."""
+    from scipy.spatial.transform import Rotation
+
     return ImuSample(
         t_ns,
         Rotation.from_matrix(NED_FROM_ENU @ turn).as_quat(),
