@@ -15,14 +15,14 @@ import numpy as np
 
 from hullrecon.dive.check.contents import describe_losses, describe_streams
 from hullrecon.dive.check.topics import describe_unused, unread_dvls
-from hullrecon.dive.config.calibration import read_camera
+from hullrecon.dive.config.calibration import read_camera, read_pose_in_top
 from hullrecon.dive.hull.load import read_hull
 from hullrecon.dive.images.logged_calibrations import LoggedCalibrations
 from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.logs import streams
-from hullrecon.dive.logs.fixed_frames import FixedSensor, FrameListener, is_static
+from hullrecon.dive.logs.fixed_frames import RIG, FixedSensor, FrameListener, is_static
 from hullrecon.dive.logs.ping_spool import KeepImages, PingSpool, PingStorage, SpooledPing
-from hullrecon.dive.logs.positions import position_fixes
+from hullrecon.dive.logs.positions import is_acoustic, position_fixes
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.protocol import Log, Loss, Message
@@ -42,6 +42,7 @@ from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding, sentences
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.clock import NS, format_time
 from hullrecon.records.sensors import (
@@ -86,6 +87,8 @@ class IngestRequest:
     end: Instant = None
     sonar_azimuth_deg: Array | None = None  # (beams,), for logs that do not say
     sonar_offset_ns: int = 0  # added to the stamps
+    log_units: streams.LogUnits = field(default_factory=streams.LogUnits)
+    position_source: str | None = None  # "satellite", "acoustic"; None: by type and topic
     position_frame: str = "enu"  # or "ned", of local positions
     sigma_position: float = 2.0  # m, where a message has none
     position_offset_ns: int = 0  # added to the stamps
@@ -158,7 +161,8 @@ def ingest(
     logs = _open_logs(package, request, problems)
     for name, path in request.calibration.items():
         with problems.collect():
-            out.cameras[name] = read_camera(package / path)
+            camera = Camera(name.removeprefix("camera_"))
+            out.cameras[name] = read_camera(package / path, camera, request.topics.get(name, ""))
     topics = {} if all(log.gives_samples for log in logs) else request.topics
     calibrations = LoggedCalibrations({name: topics.get(name) for name in request.uncalibrated})
     out.cameras |= calibrations.find(logs, problems)
@@ -189,7 +193,7 @@ def ingest(
     if len(logs) == len(request.logs) and not found.unread:
         _check_topics(topics, found, problems)
     calibrations.check_constant(problems)
-    out.sensors = frames.sensors(request.joints)
+    out.sensors = frames.sensors(request.joints) | _rig_of_camchain(package, request, out.cameras)
     out.notes += [*found.notes, *calibrations.notes(out.cameras)]
     _describe_contents(out, found, {*topics.values(), *calibrations.topics.values()})
     keep_images = streams.leave_black if pings is None else pings.keep
@@ -218,6 +222,17 @@ def _sensors_by_topic(topics: Mapping[str, str]) -> dict[str, list[str]]:
         topic: [sensor for sensor, named in topics.items() if named == topic]
         for topic in topics.values()
     }
+
+
+def _rig_of_camchain(
+    package: Path, request: IngestRequest, cameras: Mapping[str, CameraModel]
+) -> dict[str, FixedSensor]:
+    """Read how the lower camera sits in the upper one where both share a camchain."""
+    files = [request.calibration.get(camera.key) for camera in Camera]
+    if files[0] is None or files[0] != files[1] or len(cameras) < len(files):
+        return {}
+    pose = read_pose_in_top(package / files[0], request.topics)
+    return {} if pose is None else {RIG: FixedSensor(frame=files[0], pose=pose)}
 
 
 def _image_sinks(
@@ -389,7 +404,8 @@ def _build_dvl(source: _Source) -> DvlPings | None:
     samples, request = source.samples("dvl", DvlSample), source.request
     if not samples:
         return None
-    return streams.dvl_pings(samples, request.beams, request.sigma_velocity, source.notes)
+    unit = request.log_units.velocity
+    return streams.dvl_pings(samples, request.beams, request.sigma_velocity, source.notes, unit)
 
 
 def _build_imu(source: _Source) -> ImuSamples | None:
@@ -397,7 +413,13 @@ def _build_imu(source: _Source) -> ImuSamples | None:
     if not samples:
         return None
     source.attitude_is_dvls = all(sample.of_dvl for sample in samples)
-    return streams.imu_samples(samples, request.imu_frame, source.notes, request.imu_mount_deg)
+    return streams.imu_samples(
+        samples,
+        request.imu_frame,
+        source.notes,
+        request.imu_mount_deg,
+        request.log_units.rates,
+    )
 
 
 def _build_pressure(source: _Source) -> PressureSamples | None:
@@ -418,7 +440,15 @@ def _build_sonar(source: _Source) -> SonarPings | None:
 def _build_position(source: _Source) -> PositionFixes | None:
     """Stack the fixes of GPS or USBL. The pressure tells which antennas were under water."""
     request, samples = source.request, source.samples("position", PositionSample)
-    moved = [replace(s, t_ns=s.t_ns + request.position_offset_ns) for s in samples]
+    acoustic = is_acoustic(request.position_source, request.topics.get("position", ""))
+    moved = [
+        replace(
+            s,
+            t_ns=s.t_ns + request.position_offset_ns,
+            by_satellite=s.by_satellite and not acoustic,
+        )
+        for s in samples
+    ]
     depths = source.built.get("pressure")
     pressure = depths if isinstance(depths, PressureSamples) else None
     return position_fixes(
@@ -432,7 +462,8 @@ def _build_joint(record: str, source: _Source) -> JointSamples | None:
     if joint is None:
         return None
     samples = source.samples("joints", JointSample, joint)
-    return streams.joint_samples(samples, joint, source.notes) if samples else None
+    unit = source.request.log_units.joints.get(record, "rad")
+    return streams.joint_samples(samples, record, joint, source.notes, unit) if samples else None
 
 
 BUILDERS: dict[str, Callable[[_Source], SensorRecord | None]] = {

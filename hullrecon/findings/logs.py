@@ -55,6 +55,15 @@ def _jumps(seconds: float, time: str, more: int, corrected: int, set_back: bool)
     return f"the clock jumps by {seconds:+.3f} s at {time}{again}; {done}"
 
 
+def _marked_lost(huge: int, zero: int, limit_m_s: float, start: str, seconds: float) -> str:
+    parts = [f"{huge} have a sigma of {limit_m_s:g} m/s or more"] if huge else []
+    parts += [f"{zero} are exactly zero while the vehicle moved"] if zero else []
+    return (
+        f"velocities were taken as lost, the first at {start}, the last {seconds:.1f} s later: "
+        f"{' and '.join(parts)}"
+    )
+
+
 def _of_dvl(sensor: str, count: int) -> str:
     what, other = ("attitudes", "the IMU") if sensor == "imu" else ("depths", "the pressure sensor")
     return f"{count} {what} by the DVL's own sensors were ignored, as {other} was logged"
@@ -98,15 +107,19 @@ NOTES: dict[str, Words] = {
     # streams of one sensor
     "readings-not-finite": "{lost} of {count} readings are no finite numbers and were left out",
     "ranges-all-lost": "every range is lost; it measures no distance to the hull",
-    "velocities-absurd": "{count} velocities above {limit_m_s:.0f} m/s were taken as lost (are "
-    "they in mm/s?)",
+    "velocities-absurd": "{count} velocities above {limit_m_s:.0f} m/s were taken as lost",
+    "velocities-marked-lost": _marked_lost,
+    "velocity-sigmas-useless": "every velocity has a sigma of {least_m_s:.2g} m/s or more, which "
+    "says nothing of it; dvl.sigma_velocity was used",
+    "ranges-at-limit": "{count} ranges are exactly {limit_m:g} m, the others {next_m:.2f} m at "
+    "most: they were taken as lost",
     "attitudes-lacking": "{lacking} of {count} readings have no attitude and were left out",
     "attitude-of-dvl": "attitude comes from the DVL's own sensors; a compass near a steel hull can "
     "be off by tens of degrees, which imu.heading_drift_deg_per_hour has to cover",
     "depth-of-dvl": "depth comes from the DVL's own sensor; pressure.origin is that sensor's",
     "dvl-sensors-ignored": _of_dvl,
-    "depth-above-water": "the median depth is {depth_m:.1f} m, above the water: {advice}",
-    "angles-in-degrees": "angles reach {largest_rad:.1f} rad; are they in degrees?",
+    "angles-in-degrees": "angles reach {largest_rad:.1f} rad; are they in degrees (give "
+    'sonar.joint_unit = "deg" then)?',
     "joint-absent": "no reading of {joint} is in the log; it is taken as fixed at 0 degrees",
     "joint-before-window": "at the start of the time window as last read, at {time}",
     # the DVL's beams
@@ -135,7 +148,8 @@ NOTES: dict[str, Words] = {
     "positions-other-form": "{others} of {count} fixes are not of the form of the first (latitude "
     "and longitude, or metres) and were left out",
     "positions-under-water": "{drowned} of {count} GPS fixes are of a vehicle deeper than "
-    "{deepest_m:g} m, where no antenna receives: they are not used",
+    "{deepest_m:g} m, where no antenna receives: they are not used; acoustic positions of this "
+    'type are, with position.source = "acoustic"',
     # images
     "images-bad": "{bad} of {count} images are missing or damaged and are left out",
     "images-other-size": "{others} of {count} images have another size and are left out",

@@ -19,7 +19,7 @@ from hullrecon.dive.config.schema import Logs, Topics
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, offset_ns
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.ping_spool import Images, PingStorage
-from hullrecon.dive.logs.streams import PressureModel
+from hullrecon.dive.logs.streams import LogUnits, PressureModel
 from hullrecon.dive.logs.time_window import Instant
 from hullrecon.dive.package_files import log_files
 from hullrecon.geometry.frames import Camera
@@ -34,20 +34,26 @@ USES = (
     "logs",
     "topics",
     "tray.joint",
+    "tray.joint_unit",
     "sonar.joint",
+    "sonar.joint_unit",
     "sonar.beam_azimuth_deg",
     "sonar.time_offset",
     "imu.frame",
     "imu.mount_deg",
+    "imu.rates_unit",
     "pressure.density",
     "pressure.gravity",
     "pressure.atmosphere",
     "pressure.z_axis",
+    "pressure.unit",
     "dvl.beams",
     "dvl.beam_angle_deg",
     "dvl.beam_azimuth_deg",
     "dvl.sigma_velocity",
+    "dvl.velocity_unit",
     "position.frame",
+    "position.source",
     "position.sigma_m",
     "position.time_offset",
     *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")),
@@ -80,10 +86,19 @@ def request_of(settings: StageSettings) -> IngestRequest:
             }
         ),
         imu_frame=settings.read("imu.frame", str),
+        log_units=LogUnits(
+            rates=settings.read("imu.rates_unit", str),
+            velocity=settings.read("dvl.velocity_unit", str),
+            joints={
+                "tray": settings.read("tray.joint_unit", str),
+                "sonar_tray": settings.read_optional("sonar.joint_unit", str) or "rad",
+            },
+        ),
         imu_mount_deg=settings.read_optional("imu.mount_deg", tuple),
         pressure=PressureModel(
             **{key: settings.read(f"pressure.{key}", float) for key in keys},
             z_axis=settings.read_optional("pressure.z_axis", str),
+            unit=settings.read_optional("pressure.unit", str),
         ),
         beams=_beams(settings),
         sigma_velocity=settings.read("dvl.sigma_velocity", float),
@@ -100,6 +115,7 @@ def request_of(settings: StageSettings) -> IngestRequest:
         start=_instant(settings, "dive.from"),
         end=_instant(settings, "dive.to"),
         sonar_offset_ns=offset_ns(settings.read_optional("sonar.time_offset", float) or 0.0),
+        position_source=settings.read_optional("position.source", str),
         position_frame=settings.read("position.frame", str),
         sigma_position=settings.read("position.sigma_m", float),
         position_offset_ns=offset_ns(settings.read("position.time_offset", float)),

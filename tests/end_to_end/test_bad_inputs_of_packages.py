@@ -125,6 +125,14 @@ BEAMS = "beam_angle_deg = 30.0\nbeam_azimuth_deg = [180, 0, 90, -90]"
 TOPICS = '[topics]\nimu = "/imu"\njoints = "/imu"\n'
 ZEROS = "t,qx,qy,qz,qw\n0,0,0,0,0\n1,0,0,0,0\n"
 REFUSED = {
+    "pressure in hectopascal": (
+        table("pressure", "t,pascal\n0,1113\n1,1213\n2,1313\n"),
+        r'pressure\.unit = "hPa" \(1\.1 to 2\.9 m deep then\)',
+    ),
+    "velocities in mm/s": (
+        table("dvl", "t,vx,vy,vz\n0,300,0,0\n1,300,0,0\n2,300,0,0\n"),
+        r'"mm/s" \(0\.3 m/s\)',
+    ),
     "dive.toml is a folder": (toml_as_folder, 3, r"dive\.toml cannot be read: Is a directory"),
     "dive.toml is not UTF-8": (
         file("dive.toml", TOML.encode("utf-16")),
@@ -291,10 +299,6 @@ TOLD = {
         table("dvl", "t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,1\n"),
         r"dvl: 1 ping in",
     ),
-    "pressure in hectopascal": (
-        table("pressure", "t,pascal\n0,1113\n1,1213\n2,1313\n"),
-        r"absolute and in pascal\?",
-    ),
     "one quaternion of zeros": (
         table("imu", ZEROS + "2,0,0,0,1\n"),
         r"imu: 2 of 3 readings have no attitude",
@@ -303,9 +307,9 @@ TOLD = {
         file("logs/a.png", b""),
         r"camera_top: 1 of 2 images are missing or damaged",
     ),
-    "velocities in mm/s": (
-        table("dvl", "t,vx,vy,vz\n0,1000,0,0\n1,1,0,0\n"),
-        r"are they in mm/s\?",
+    "an absurd velocity": (
+        table("dvl", "t,vx,vy,vz\n0,1000,0,0\n1,1,0,0\n2,1,0,0\n"),
+        r"1 velocities above 15 m/s",
     ),
     "a hull of two centimetres": (
         file("hull.off", OFF.replace("20", "0.02").encode()),

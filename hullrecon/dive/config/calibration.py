@@ -1,67 +1,156 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read the camera_info YAML that ROS's camera_calibration writes."""
+"""Read the calibration of a camera: the YAML of ROS's camera_calibration, OpenCV or Kalibr."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from hullrecon.dive.config.camchain import (
+    camera_info_of,
+    cameras_of,
+    choose_camera,
+    pose_in_top,
+)
 from hullrecon.dive.config.config_errors import shorten, show_value
+from hullrecon.dive.config.lens_models import (
+    PLUMB_BOB_COUNT,
+    convert_rational,
+)
 from hullrecon.dive.config.yaml_files import read_yaml
 from hullrecon.dive.images.encoded import fits
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 
-PINHOLE = ("plumb_bob", "none", "rational_polynomial", "")
+READ_MODELS = ("plumb_bob", "none", "rational_polynomial", "")
+# the names of a camera_info YAML, those of the message and those of OpenCV's samples
+NAMES = {
+    "image_width": ("width", "imageWidth"),
+    "image_height": ("height", "imageHeight"),
+    "camera_matrix": ("k", "K", "cameraMatrix", "Camera_Matrix"),
+    "distortion_coefficients": ("d", "D", "distCoeffs", "Distortion_Coefficients"),
+}
+LEAST_SKEW = 1e-6  # of the focal length
 
 
-def read_camera(path: Path) -> CameraModel:
-    """Read a pinhole camera with plumb_bob distortion.
+def read_camera(path: Path, camera: Camera = Camera.TOP, topic: str = "") -> CameraModel:
+    """Read a pinhole camera from a camera_info YAML or a camchain of Kalibr.
 
     Raises InputError, with the key, for any other camera.
+
+    Parameters
+    ----------
+    path : of the YAML
+    camera : of the rig, for a camchain
+    topic : of its images, for a camchain
     """
-    return camera_of(read_yaml(path), str(path))
+    data, where = read_yaml(path), str(path)
+    if cameras_of(data):
+        data = camera_info_of(data, choose_camera(data, camera, topic), where)
+    return camera_of(data, where)
+
+
+def read_pose_in_top(path: Path, topics: Mapping[str, str]) -> tuple[float, ...] | None:
+    """Read the lower camera's pose in the upper one from a camchain. None from any other YAML.
+
+    topics: of the images, by camera ("camera_top").
+    """
+    data = read_yaml(path)
+    if not cameras_of(data):
+        return None
+    top, bottom = (choose_camera(data, camera, topics.get(camera.key, "")) for camera in Camera)
+    return pose_in_top(data, top, bottom)
 
 
 def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
     """Build the camera from the keys of such a YAML. where: their place, for errors."""
+    for name, others in NAMES.items():
+        found = next((data[other] for other in others if other in data), None)
+        data = data if name in data or found is None else {**data, name: found}
     width, height = (_whole(data, key, where) for key in ("image_width", "image_height"))
     if not fits((width, height)):
         raise InputError(
             f"images of {width} x {height} pixels are too large to be read", where=where
         )
-    matrix = _numbers(data, "camera_matrix", 9, where)
-    fx, fy, cx, cy = matrix[0], matrix[4], matrix[2], matrix[5]
+    fx, fy, cx, cy = _pinhole(_numbers(data, "camera_matrix", 9, where), where)
+    camera = _of_region(CameraModel(width, height, fx, fy, cx, cy), data, where)
+    return _distorted(camera, data, where)
+
+
+def _pinhole(matrix: list[float], where: str) -> tuple[float, float, float, float]:
+    """Check that nine numbers are a camera matrix. Returns fx, fy, cx, cy."""
+    fx, skew, cx, other, fy, cy = matrix[:6]
+    if matrix[6:] != [0, 0, 1]:
+        what = "camera_matrix has the last row {:g} {:g} {:g}, not 0 0 1".format(*matrix[6:])
+        if matrix[8] == 1 and cx == cy == 0:
+            what += ": is it transposed, as MATLAB has it?"
+        raise InputError(what, where=where, remedy="give fx 0 cx, 0 fy cy, 0 0 1, row by row")
     if not (0 < fx < 1e6 and 0 < fy < 1e6):
-        raise InputError(f"camera_matrix has focal lengths {fx:g} and {fy:g}", where=where)
-    if abs(matrix[1]) > 1e-6 * fx:
+        swapped = ": are its first two rows swapped?" if fx == fy == 0 and skew * other > 0 else ""
+        raise InputError(f"camera_matrix has focal lengths {fx:g} and {fy:g}{swapped}", where=where)
+    if max(abs(skew), abs(other)) > LEAST_SKEW * fx:
         raise InputError(
-            f"camera_matrix has a skew of {matrix[1]:g}, which is not modelled", where=where
+            f"camera_matrix has a skew of {skew or other:g}, which is not modelled", where=where
         )
-    k1, k2, p1, p2, k3 = _distortion(data, where)
-    return CameraModel(width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3)
+    if cx == cy == 0:
+        raise InputError("camera_matrix has no principal point: cx and cy are zero", where=where)
+    return fx, fy, cx, cy
 
 
-def _distortion(data: Mapping[str, object], where: str) -> list[float]:
+def _of_region(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:
+    """Crop and bin a camera of the whole sensor, as REP 104 defines roi and binning.
+
+    Pixel centres have whole coordinates: the first of two binned pixels has its centre at 0.5.
+    """
+    found = data.get("roi")
+    region: Mapping[str, object] = found if isinstance(found, Mapping) else {}
+    x, y, width, height = (
+        _count(region.get(name), f"roi.{name}", where)
+        for name in ("x_offset", "y_offset", "width", "height")
+    )
+    width, height = width or camera.width, height or camera.height
+    if x + width > camera.width or y + height > camera.height:
+        raise InputError(
+            f"its roi, {width} x {height} pixels from {x}, {y} on, lies outside of the "
+            f"{camera.width} x {camera.height} pixels that its calibration is for: one of the two "
+            "is not what sensor_msgs/CameraInfo says",
+            where=where,
+            remedy="give the YAML of the camera at the size of its images",
+        )
+    across, down = (_count(data.get(name), name, where) or 1 for name in ("binning_x", "binning_y"))
+    return replace(
+        camera,
+        width=width // across,
+        height=height // down,
+        fx=camera.fx / across,
+        fy=camera.fy / down,
+        cx=(camera.cx - x + 0.5) / across - 0.5,
+        cy=(camera.cy - y + 0.5) / down - 0.5,
+    )
+
+
+def _distorted(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:
+    """Give a pinhole its distortion."""
     model = data.get("distortion_model", "plumb_bob")
-    if model not in PINHOLE:
+    if not isinstance(model, str) or model not in READ_MODELS:
         shown = shorten(model) if isinstance(model, str) else show_value(model)
         raise InputError(
             f"the distortion model {shown} is not read",
             where=where,
-            remedy="calibrate with plumb_bob",
+            remedy="calibrate with plumb_bob (radtan in Kalibr)",
         )
     if "distortion_coefficients" not in data:
-        return [0.0] * 5
+        return camera
     values = _numbers(data, "distortion_coefficients", None, where)
-    if any(values[5:]):
-        raise InputError(
-            "more than five distortion coefficients", where=where, remedy="calibrate with plumb_bob"
-        )
-    return (values + [0.0] * 5)[:5]
+    if any(values[PLUMB_BOB_COUNT:]):
+        return convert_rational(camera, values, where)
+    k1, k2, p1, p2, k3 = (values + [0.0] * PLUMB_BOB_COUNT)[:PLUMB_BOB_COUNT]
+    return replace(camera, k1=k1, k2=k2, p1=p1, p2=p2, k3=k3)
 
 
 def _numbers(data: Mapping[str, object], key: str, count: int | None, where: str) -> list[float]:
@@ -87,3 +176,8 @@ def _whole(data: Mapping[str, object], key: str, where: str) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not 0 < value < 100_000:
         raise InputError(f"{key} is {show_value(value)}, not a number of pixels", where=where)
     return value
+
+
+def _count(value: object, key: str, where: str) -> int:
+    """Read a number of pixels that may be left out."""
+    return 0 if value in (None, 0) else _whole({key: value}, key, where)

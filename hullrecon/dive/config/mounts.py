@@ -13,7 +13,7 @@ from msgspec import Struct, structs
 
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import FROM_LOG, DiveConfig
-from hullrecon.dive.logs.fixed_frames import FixedSensor
+from hullrecon.dive.logs.fixed_frames import RIG, FixedSensor
 from hullrecon.dive.logs.messages.descriptions import mount_of
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
@@ -100,7 +100,11 @@ def choose_mounts(
                 value=fixed.pose[:3], source=f"tf_static, frame {fixed.frame}"
             )
     top, bottom = sensors.get("camera_top"), sensors.get("camera_bottom")
-    if top is not None and bottom is not None and top.on_servo == bottom.on_servo:
+    if RIG in sensors:
+        chosen["camera.bottom.pose_in_top"] = ChosenMount(
+            value=sensors[RIG].pose, source=f"the calibration {sensors[RIG].frame}"
+        )
+    elif top is not None and bottom is not None and top.on_servo == bottom.on_servo:
         pose = from_mount(top.pose).inverse() @ from_mount(bottom.pose)
         chosen["camera.bottom.pose_in_top"] = ChosenMount(
             value=tuple(mount_of(pose)), source=f"tf_static, frame {bottom.frame}"

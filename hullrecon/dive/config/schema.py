@@ -58,6 +58,7 @@ Readout = Annotated[
         ge=0.0, le=0.2, description="s, from the first row of an image, at its stamp, to the last"
     ),
 ]
+JointUnit = Annotated[Literal["rad", "deg"], Meta(description="of the logged angles")]
 TopicName = Annotated[str, Meta(pattern=ONE_LINE, max_length=1000)]
 Hour = Annotated[datetime, Meta(tz=True)]
 WindowLimit = Annotated[
@@ -134,6 +135,7 @@ class Tray(Section, frozen=True):
             description="name of the tray's joint in the joint messages; empty: nothing turns",
         ),
     ] = "tray"
+    joint_unit: JointUnit = "rad"
     origin: Origin = FROM_LOG
     sigma_deg: Annotated[
         Positive, Meta(description="deg, sigma of the servo's angle, its backlash included")
@@ -144,13 +146,21 @@ class Imu(Section, frozen=True):
     """Attitude."""
 
     frame: Annotated[
-        Literal["ned", "enu"], Meta(description="convention of the logged orientation")
+        Literal["ned", "enu"],
+        Meta(
+            description="convention of the logged orientation and axes: forward, starboard, down "
+            "in north, east, down, or forward, port, up in east, north, up"
+        ),
     ] = "ned"
+    rates_unit: Annotated[
+        Literal["rad/s", "deg/s"], Meta(description="of the logged angular velocity")
+    ] = "rad/s"
     mount_deg: Annotated[
         Three | None,
         Meta(
             description="deg, roll, pitch, yaw of the IMU (axes forward, starboard, down) in the "
-            "vehicle; absent: aligned. To be given where attitude comes from a DVL's own sensors: "
+            "vehicle; absent: aligned; 180, 0, 0 where its axes are of the other convention than "
+            "its orientation. To be given where attitude comes from a DVL's own sensors: "
             "then of the frame dvl"
         ),
     ] = None
@@ -169,6 +179,13 @@ class Pressure(Section, frozen=True):
     """Depth, from absolute pressure or as logged."""
 
     origin: Origin = FROM_LOG
+    unit: Annotated[
+        Literal["Pa", "hPa", "mbar", "kPa", "dbar", "bar", "m", "cm", "mm", "ft"] | None,
+        Meta(
+            description="of what the topic holds: a pressure, or a depth; absent: Pa for types of "
+            "pressures, m for others"
+        ),
+    ] = None
     z_axis: Annotated[
         Literal["up", "down"] | None,
         Meta(
@@ -205,6 +222,9 @@ class Dvl(Section, frozen=True):
         ),
     ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
+    velocity_unit: Annotated[
+        Literal["m/s", "cm/s", "mm/s"], Meta(description="of the logged velocities")
+    ] = "m/s"
     sigma_velocity: Annotated[
         Positive, Meta(description="m/s, of each axis, where the messages have no covariance")
     ] = 0.003
@@ -277,6 +297,7 @@ class Sonar(Section, frozen=True):
     joint: Annotated[
         TopicName | None, Meta(description="name of the joint of its own servo; absent: fixed")
     ] = None
+    joint_unit: JointUnit = "rad"
     origin: Origin = FROM_LOG
     mount: Annotated[
         MountNumbers,
@@ -303,6 +324,14 @@ class Position(Section, frozen=True):
     """Positions by USBL, or by GPS at the surface: they bound the drift of the path."""
 
     origin: Origin = FROM_LOG
+    source: Annotated[
+        Literal["satellite", "acoustic"] | None,
+        Meta(
+            description="who measures them: an antenna, which receives nothing under water, or "
+            "USBL and underwater GPS; absent: sensor_msgs/NavSatFix is an antenna's, unless its "
+            "topic's name says otherwise (usbl, ugps, acoustic, ...), other types are acoustic"
+        ),
+    ] = None
     frame: Annotated[
         Literal["enu", "ned"],
         Meta(

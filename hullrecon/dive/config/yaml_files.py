@@ -21,6 +21,7 @@ LARGEST_YAML = 4 * MIB
 ROOM = 10_000  # values beyond one a character, which no file without aliases has
 MOST_VALUES = 20_000  # the parser takes some 60 us for each: more than a second in all
 DEEPEST = 100  # it looks through all open brackets at every value
+OPENCV_MATRIX = "tag:yaml.org,2002:opencv-matrix"  # a table of rows, cols, dt and data
 BRACKETS = re.compile(r"[\[{\]}]")
 
 
@@ -85,6 +86,9 @@ class _BoundedConstructor(SafeConstructor):
         if count_values(node, {}) > self.largest_count:
             raise ValueError("its aliases stand for more values than a file of its size could hold")
         return super().construct_document(node)
+
+
+_BoundedConstructor.add_constructor(OPENCV_MATRIX, SafeConstructor.construct_yaml_map)
 
 
 def count_values(node: Node, known: dict[int, int]) -> int:

@@ -25,11 +25,14 @@ SERVO_OF = {"dvl": "tray", "camera_top": "tray", "camera_bottom": "tray", "sonar
 ENDINGS = ("", "_link", "_frame")  # of the frame that a joint turns
 
 
+RIG = "rig"  # key of the lower camera in the upper one, by a calibration of both
+
+
 @dataclass(frozen=True, kw_only=True)
 class FixedSensor:
-    """The place of a sensor in tf_static."""
+    """The place of a sensor in tf_static, or of a rig's lower camera in its calibration."""
 
-    frame: str  # its name in the log
+    frame: str  # its name in the log, or the calibration's file
     # x, y, z in m, roll, pitch, yaw in degrees: in the vehicle with its servo at zero, or on the
     # servo where tf_static leads no farther
     pose: tuple[float, ...]

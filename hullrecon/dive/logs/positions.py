@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,6 +19,15 @@ from hullrecon.typing import Array, Mask
 # of a satellite's signal; centimetres of sea water end it, the rest is for waves and the sensor
 DEEPEST_RECEPTION_M = 1.0
 NEAR_DEPTH_S = 10.0  # of a depth that tells whether an antenna was under water
+# in the name of a topic whose positions are of a locator under water
+ACOUSTIC_WORDS = frozenset({"usbl", "ssbl", "sbl", "lbl", "ugps", "acoustic", "underwater"})
+
+
+def is_acoustic(source: str | None, topic: str) -> bool:
+    """Tell whether positions are acoustic: by dive.toml, else by the words of the topic's name."""
+    if source is not None:
+        return source == "acoustic"
+    return bool(ACOUSTIC_WORDS & set(re.split(r"[^a-z]+", topic.lower())))
 
 
 @np.errstate(all="ignore")

@@ -8,14 +8,15 @@ Assumptions and omissions are added to `notes`.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import check_beams, choose_beams, unit
+from hullrecon.dive.logs.lost_values import drop_lost_velocities, drop_ranges_at_limit
 from hullrecon.dive.logs.ping_spool import Images, KeepImages, bright_pixel
 from hullrecon.dive.logs.samples import (
     DepthSample,
@@ -47,7 +48,12 @@ UNIT_QUATERNION = 0.05  # how far the length of an attitude's quaternion may be 
 # of the pings have a bright pixel at most as bright as the one scaled to white: a few are disturbed
 BRIGHT_PINGS_PERCENT = 99.0
 FASTEST_M_S = 15.0  # no vehicle at a hull is faster
+FASTEST_MEDIAN_M_S = 4.0  # of a dive: a survey of a hull is ten times slower
 HIGHEST_M = 1.0  # median height over the water, beyond which depths are wrong
+DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
+PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "dbar": 1e4, "bar": 1e5}
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
+METRES_A_SECOND = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
 
@@ -60,11 +66,25 @@ class PressureModel:
     gravity: float  # m/s2
     atmosphere: float  # Pa
     z_axis: str | None = None  # "up" or "down", of logged depths; None: as their type has it
+    unit: str | None = None  # of PASCALS or METRES; None: as the type has it
+
+
+@dataclass(frozen=True)
+class LogUnits:
+    """The units of what was logged, as dive.toml gives them."""
+
+    rates: str = "rad/s"
+    velocity: str = "m/s"
+    joints: Mapping[str, str] = field(default_factory=dict)  # by record ("tray", "sonar_tray")
 
 
 @np.errstate(all="ignore")  # values of any size: what is absurd is left out below
 def dvl_pings(
-    samples: Sequence[DvlSample], beams: Array | None, sigma: float, notes: list[Finding]
+    samples: Sequence[DvlSample],
+    beams: Array | None,
+    sigma: float,
+    notes: list[Finding],
+    unit: str = "m/s",
 ) -> DvlPings:
     """Stack the pings of a DVL.
 
@@ -74,11 +94,12 @@ def dvl_pings(
     beams : (b, 3) directions of dive.toml, for messages without
     sigma : of a velocity, m/s, where a message has none
     notes : what was assumed or left out is added
+    unit : of METRES_A_SECOND, of the logged velocities and of their sigmas
 
     Raises
     ------
     InputError
-        Ranges along beams that nothing describes.
+        Ranges along beams that nothing describes, or velocities of another unit.
     """
     counts = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
     width = counts[0][0] if counts else 0
@@ -87,28 +108,53 @@ def dvl_pings(
         if len(sample.ranges) == width:
             ranges[row] = sample.ranges
     ranges[~((ranges > 0) & np.isfinite(ranges))] = np.nan  # no return
+    ranges = drop_ranges_at_limit(ranges, notes)
     if width and not np.isfinite(ranges).any():
         notes.append(Finding("ranges-all-lost", where="dvl"))
         ranges, width = ranges[:, :0], 0
-    velocity = np.array([s.velocity for s in samples]).reshape(-1, 3)
+    scale = METRES_A_SECOND[unit]
+    velocity = scale * np.array([s.velocity for s in samples]).reshape(-1, 3)
     velocity[~np.isfinite(velocity).all(axis=1)] = np.nan
-    absurd = np.linalg.norm(np.nan_to_num(velocity), axis=1) > FASTEST_M_S
+    speed = np.linalg.norm(velocity, axis=1)
+    _refuse_fast(speed, unit)
+    absurd = speed > FASTEST_M_S
     if absurd.any():
         velocity[absurd] = np.nan
         values = {"count": int(absurd.sum()), "limit_m_s": FASTEST_M_S}
         notes.append(Finding("velocities-absurd", values, "dvl"))
-    given = np.array([s.sigma for s in samples])
+    given = scale * np.array([s.sigma for s in samples])
+    t_ns = _times(samples)
+    velocity, given = drop_lost_velocities(t_ns, velocity, given, notes)
     directions = choose_beams(samples, beams, width, notes)
     along_axis = np.array([s.along_axis for s in samples], bool)
     along_beams = ranges[along_axis] / directions[:, 2]
     ranges[along_axis] = np.where(np.isfinite(along_beams) & (along_beams > 0), along_beams, np.nan)
     notes += check_beams(directions, ranges, np.array([s.altitude for s in samples]))
     return DvlPings(
-        t_ns=_times(samples),
+        t_ns=t_ns,
         velocity=velocity,
         velocity_sigma=np.where(np.isfinite(given) & (given > 0), given, sigma),
         ranges=ranges,
         beams=directions,
+    )
+
+
+def _refuse_fast(speed: Array, unit: str) -> None:
+    """Raise InputError for speeds (n,), m/s, that only another unit explains."""
+    known = speed[np.isfinite(speed)]
+    median = float(np.median(known)) if len(known) > 2 else 0.0
+    if median <= FASTEST_MEDIAN_M_S:
+        return
+    logged = median / METRES_A_SECOND[unit]
+    others = [
+        f'"{other}" ({logged * METRES_A_SECOND[other]:.2g} m/s)'
+        for other in METRES_A_SECOND
+        if logged * METRES_A_SECOND[other] <= FASTEST_MEDIAN_M_S
+    ]
+    raise InputError(
+        f"half of the DVL's velocities are {median:.3g} m/s or more, as no vehicle at a hull moves",
+        where="dvl.velocity_unit",
+        remedy=f"give their unit: {' or '.join(others)}" if others else "see what the topic holds",
     )
 
 
@@ -118,6 +164,7 @@ def imu_samples(
     frame: str,
     notes: list[Finding],
     mount_deg: tuple[float, float, float] | None = None,
+    rates_unit: str = "rad/s",
 ) -> ImuSamples:
     """Stack attitudes and rates of the vehicle, leaving out rows without an attitude.
 
@@ -128,6 +175,7 @@ def imu_samples(
         forward-port-up in east-north-up)
     notes : what was assumed or left out is added
     mount_deg : roll, pitch, yaw of the IMU in the vehicle
+    rates_unit : "rad/s" or "deg/s"
 
     Raises
     ------
@@ -146,6 +194,7 @@ def imu_samples(
         lacking = {"lacking": int(np.count_nonzero(~good)), "count": len(good)}
         notes.append(Finding("attitudes-lacking", lacking, "imu"))
     rates = np.array([s.rates for s in samples]).reshape(-1, 3)[good]
+    rates = np.radians(rates) if rates_unit == "deg/s" else rates
     _refuse_unfilled(quaternion[good], rates)
     rotation = Rotation.from_quat(quaternion[good])
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
@@ -222,32 +271,80 @@ def pressure_samples(
         return None
     depth = depth[good]
     if np.median(depth) < -HIGHEST_M:
-        advice = "is the pressure absolute and in pascal?"
-        if isinstance(samples[0], DepthSample):
-            advice = "is pressure.z_axis right?"
-        values = {"depth_m": float(np.median(depth)), "advice": advice}
-        notes.append(Finding("depth-above-water", values, "pressure"))
+        raise _above_water([s for s, is_good in zip(samples, good, strict=True) if is_good], model)
     return PressureSamples(t_ns=_times(samples)[good], depth=depth)
 
 
 def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:
-    if isinstance(sample, PressureSample):
-        return (sample.pascal - model.atmosphere) / (model.density * model.gravity)
-    is_up = sample.is_up if model.z_axis is None else model.z_axis == "up"
-    return -sample.height if is_up else sample.height
+    """Convert a reading to metres below the water."""
+    by_type = isinstance(sample, PressureSample)
+    value = sample.pascal if isinstance(sample, PressureSample) else sample.height
+    unit = model.unit or ("Pa" if by_type else "m")
+    if unit in PASCALS:
+        return (value * PASCALS[unit] - model.atmosphere) / (model.density * model.gravity)
+    of_type = isinstance(sample, DepthSample) and sample.is_up
+    is_up = of_type if model.z_axis is None else model.z_axis == "up"
+    return -value * METRES[unit] if is_up else value * METRES[unit]
+
+
+def _above_water(
+    samples: Sequence[PressureSample | DepthSample], model: PressureModel
+) -> InputError:
+    """Make the error for depths that lie above the water, with the units that bring them below."""
+    unit = model.unit or ("Pa" if isinstance(samples[0], PressureSample) else "m")
+    height = -float(np.median([_depth(s, model) for s in samples]))
+    what = f"half of the depths lie {height:.1f} m or more above the water"
+    if unit not in PASCALS:
+        other = "down" if samples[0].is_up else "up"  # type: ignore[union-attr]
+        if model.z_axis is not None:
+            other = "down" if model.z_axis == "up" else "up"
+        return InputError(what, where="pressure", remedy=f'give pressure.z_axis = "{other}"')
+    fitting = []
+    for name in {scale: name for name, scale in PASCALS.items()}.values():  # hPa stands for mbar
+        depth = [_depth(s, replace(model, unit=name)) for s in samples]
+        low, high = np.percentile(depth, [5, 95])
+        if low > -HIGHEST_M and high < DEEPEST_HULL_M:
+            fitting.append(f'pressure.unit = "{name}" ({low:.1f} to {high:.1f} m deep then)')
+    relative = "pressure.atmosphere = 0 for a pressure over that of the air"
+    return InputError(
+        f"{what}, as no absolute pressure in {unit} does",
+        where="pressure",
+        remedy=f"give {', or '.join([*fitting, relative])}",
+    )
 
 
 @np.errstate(all="ignore")
 def joint_samples(
-    samples: Sequence[JointSample], name: str, notes: list[Finding]
+    samples: Sequence[JointSample], record: str, name: str, notes: list[Finding], unit: str = "rad"
 ) -> JointSamples | None:
-    """Stack the angles of one servo. None where no reading is finite."""
+    """Stack the angles of one servo. None where no reading is finite.
+
+    Parameters
+    ----------
+    samples : in order of time
+    record : "tray" or "sonar_tray"
+    name : of the joint
+    notes : what was left out is added
+    unit : "rad" or "deg"
+
+    Raises
+    ------
+    InputError
+        A tray that would turn by more than a whole turn.
+    """
     angle = np.array([s.angle for s in samples])
+    angle = np.radians(angle) if unit == "deg" else angle
     good = np.isfinite(angle)
     notes += _describe_lost(f"joint {name}", good)
     if not good.any():
         return None
     largest_rad = float(np.abs(angle[good]).max())
+    if largest_rad > 2 * np.pi and record == "tray":
+        raise InputError(
+            f"the angles of {name} reach {largest_rad:.1f} rad, more than a whole turn",
+            where="tray.joint_unit",
+            remedy='give tray.joint_unit = "deg" where they are degrees',
+        )
     if largest_rad > 2 * np.pi:
         notes.append(Finding("angles-in-degrees", {"largest_rad": largest_rad}, f"joint {name}"))
     return JointSamples(t_ns=_times(samples)[good], angle=angle[good])

@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 import os
 
+import cv2
+import numpy as np
 import pytest
 
 from hullrecon.dive.config.calibration import read_camera
 from hullrecon.errors import InputError
+from hullrecon.geometry.cameras import CameraModel
 
 
 def test_a_camera_info_file_becomes_a_camera(calibration, tmp_path):
@@ -52,11 +55,72 @@ def test_a_rational_model_whose_denominator_is_one_is_read(calibration, tmp_path
         ({"camera_matrix": "[1, 0.5, 2, 0, 1, 1, 0, 0, 1]"}, "skew"),
         ({"distortion_model": "equidistant"}, "equidistant is not read"),
         ({"distortion_coefficients": "[0, 0, 0, 0, 0, 1, 0, 0]"}, "more than five"),
+        ({"distortion_coefficients": "[0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.1, 0]"}, "tilted"),
+        ({"camera_matrix": "[50, 0, 0, 0, 51, 0, 31.5, 23.5, 1]"}, "is it transposed, as MATLAB"),
+        ({"camera_matrix": "[0, 51, 23.5, 50, 0, 31.5, 0, 0, 1]"}, "two rows swapped"),
+        ({"camera_matrix": "[50, 0, 31.5, 0.5, 51, 23.5, 0, 0, 1]"}, "skew"),
+        ({"camera_matrix": "[50, 0, 31.5, 0, 51, 23.5, 0, 0, 2]"}, "last row 0 0 2, not 0 0 1"),
+        ({"camera_matrix": "[50, 0, 0, 0, 51, 0, 0, 0, 1]"}, "no principal point"),
+        ({"roi": "{x_offset: 10, width: 64}"}, "roi, 64 x 48 pixels from 10, 0 on, lies outside"),
     ],
 )
 def test_what_is_no_pinhole_is_refused_with_its_key(calibration, tmp_path, more, words):
     with pytest.raises(InputError, match=words.replace("[", r"\[")):
         read_camera(calibration(tmp_path / "c.yaml", **more))
+
+
+def test_a_rational_lens_becomes_the_plumb_bob_that_is_as_good(calibration, tmp_path):
+    k = [0.1, 0.02, 0.001, -0.001, 0.002, 0.3, 0.03, 0.01, 1e-4, 0.0, -1e-4, 0.0]
+    more = {
+        "image_width": "640",
+        "image_height": "512",
+        "camera_matrix": "[700, 0, 320, 0, 702, 250, 0, 0, 1]",
+        "distortion_model": "rational_polynomial",
+        "distortion_coefficients": str(k),
+    }
+    camera = read_camera(calibration(tmp_path / "c.yaml", **more))
+    rays = np.random.default_rng(1).uniform([-0.44, -0.34], [0.44, 0.34], (500, 2))
+    matrix = np.array([[700, 0, 320], [0, 702, 250], [0, 0, 1.0]])
+    points = np.c_[rays, np.ones(len(rays))]
+    by_opencv = cv2.projectPoints(points, np.zeros(3), np.zeros(3), matrix, np.array(k))[0][:, 0]
+    assert np.abs(camera.distort(rays) - by_opencv).max() < 0.05
+
+
+def test_binning_and_roi_crop_and_scale_the_camera(calibration, tmp_path):
+    """A point of the sensor is where REP 104 has it: cropped first, then binned."""
+    whole = read_camera(calibration(tmp_path / "whole.yaml"))
+    part = read_camera(
+        calibration(
+            tmp_path / "part.yaml",
+            binning_x="2",
+            binning_y="2",
+            roi="{x_offset: 10, y_offset: 4, height: 40, width: 50, do_rectify: false}",
+        )
+    )
+    assert (part.width, part.height) == (25, 20)
+    rays = np.array([[0.1, -0.2], [-0.3, 0.1]])
+    # the centres of the first two pixels across, 0 and 1, are binned into one at 0
+    expected = (whole.distort(rays) - [10, 4] - 0.5) / 2
+    assert part.distort(rays) == pytest.approx(expected)
+
+
+def test_the_names_of_opencv_and_of_the_message_are_read(tmp_path):
+    path = tmp_path / "opencv.yml"
+    store = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    store.write("imageWidth", 64)
+    store.write("imageHeight", 48)
+    store.write("cameraMatrix", np.array([[50, 0, 31.5], [0, 51, 23.5], [0, 0, 1.0]]))
+    store.write("distCoeffs", np.array([[-0.1, 0.02, 0.001, -0.002, 0.003]]))
+    store.release()
+    message = tmp_path / "message.yaml"
+    message.write_text(
+        "height: 48\nwidth: 64\nk: [50, 0, 31.5, 0, 51, 23.5, 0, 0, 1]\n"
+        "d: [-0.1, 0.02, 0.001, -0.002, 0.003]\nbinning_x: 0\nroi: {x_offset: 0, width: 0}\n"
+    )
+    for camera in (read_camera(path), read_camera(message)):
+        assert camera == CameraModel(
+            64, 48, 50.0, 51.0, 31.5, 23.5, -0.1, 0.02, 0.001, -0.002, 0.003
+        )
 
 
 @pytest.mark.parametrize("content", [b"a: [", b"- 1\n- 2\n", b"\xff\xfe\x00", b"", b"a: b: c"])

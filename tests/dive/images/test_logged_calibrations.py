@@ -137,6 +137,24 @@ def test_a_rational_model_whose_denominator_is_one_is_read(package, kit):
     assert check(package).found.cameras["camera_top"].k1 == 0.1
 
 
+def test_a_camera_info_of_the_whole_sensor_fits_binned_and_cropped_images(package, kit):
+    region = {"x_offset": 20, "y_offset": 10, "width": 128, "height": 96, "do_rectify": False}
+    more = {
+        "width": 200,
+        "height": 150,
+        "k": (100.0, 0, 83.5, 0, 102.0, 57.5, 0, 0, 1),
+        "binning_x": 2,
+        "binning_y": 2,
+        "roi": kit.make("sensor_msgs/msg/RegionOfInterest", **region),
+    }
+    kit.mcap(
+        package / "logs" / "dive.mcap", entries_of(kit, [("/camera_info", 0.0, info(kit, **more))])
+    )
+    camera = check(package).found.cameras["camera_top"]
+    assert (camera.width, camera.height, camera.fx, camera.fy) == (64, 48, 50.0, 51.0)
+    assert (camera.cx, camera.cy) == (31.5, 23.5)
+
+
 def test_a_calibration_that_changes_within_the_log_is_refused(package, kit):
     infos = [
         ("/camera_info", s, info(kit, d=(0.1 if s > 2 else 0.2, 0, 0, 0, 0)))

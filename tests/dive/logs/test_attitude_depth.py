@@ -76,12 +76,11 @@ def test_number_is_a_depth_and_vfr_hud_an_altitude(kit):
     assert depth_of("mavros_msgs/msg/VfrHud", message) == [4.5]
 
 
-def test_sign_of_depth_can_be_given_and_wrong_sign_is_warned_of(kit):
-    notes = []
+def test_sign_of_depth_can_be_given_and_wrong_sign_is_refused(kit):
     number = kit.make("std_msgs/msg/Float64", data=-2.25)
     assert depth_of("std_msgs/msg/Float64", number, UP) == [2.25]
-    assert depth_of("std_msgs/msg/Float64", number, MODEL, notes) == [-2.25]
-    assert "is pressure.z_axis right?" in notes[0].sentence
+    with pytest.raises(InputError, match=r'pressure\.z_axis = "up"'):
+        depth_of("std_msgs/msg/Float64", number, MODEL)
 
 
 def test_ds_depth_is_read_and_its_gap_value_is_damage():

@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.dive.logs.messages.decode import decode
 from hullrecon.dive.logs.messages.samples import TYPES
-from hullrecon.dive.logs.positions import position_fixes
+from hullrecon.dive.logs.positions import is_acoustic, position_fixes
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.samples import PositionSample
 from hullrecon.findings.finding import sentences
@@ -174,7 +174,8 @@ def test_a_gps_fix_under_water_is_refused_and_usbl_is_not():
     assert len(fixes.t_ns) == 2
     assert sentences(notes) == [
         "position: 2 of 4 GPS fixes are of a vehicle deeper than 1 m, where no antenna receives: "
-        "they are not used"
+        "they are not used; acoustic positions of this type are, with position.source = "
+        '"acoustic"'
     ]
     assert (
         len(position_fixes([local(t, t, 0.0) for t in (1, 5, 40, 80)], 2.0, "enu", depth, []).t_ns)
@@ -199,3 +200,22 @@ def test_fixes_of_another_form_than_the_first_are_left_out():
     )
     assert len(fixes.t_ns) == 2
     assert "1 of 3 fixes are not of the form of the first" in notes[0].sentence
+
+
+@pytest.mark.parametrize(
+    ("source", "topic", "acoustic"),
+    [
+        (None, "/usbl/fix", True),
+        (None, "/waterlinked/ugps/global", True),
+        (None, "/gps/fix", False),
+        (None, "/mavros/global_position/raw/fix", False),
+        ("acoustic", "/gps/fix", True),
+        ("satellite", "/usbl/fix", False),
+    ],
+)
+def test_a_topics_name_or_a_key_says_that_positions_are_acoustic(source, topic, acoustic):
+    assert is_acoustic(source, topic) == acoustic
+
+
+def test_a_fix_that_may_be_anywhere_is_lost(kit):
+    assert np.isnan(read(kit, satellite_fix(kit, variances=(1e9, 1e9))).place).all()

@@ -1,11 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.samples import (
+    DepthSample,
     DvlSample,
     ImuSample,
     JointSample,
@@ -151,29 +154,88 @@ def test_a_sensor_of_which_no_reading_is_a_number_has_no_record():
         )
         is None
     )
-    assert streams.joint_samples([JointSample(0, "tray", np.nan)], "tray", notes) is None
+    assert streams.joint_samples([JointSample(0, "tray", np.nan)], "tray", "tray", notes) is None
     assert sentences(notes) == [
         "pressure: 2 of 2 readings are no finite numbers and were left out",
         "joint tray: 1 of 1 readings are no finite numbers and were left out",
     ]
 
 
-def test_a_gauge_pressure_or_another_unit_is_suspected():
-    notes = []
-    streams.pressure_samples([PressureSample(0, 1013.25)], MODEL, notes)
-    assert "absolute and in pascal" in notes[0].sentence
+@pytest.mark.parametrize(
+    ("unit", "readings"),
+    [
+        ("hPa", [1013.25, 1213.25]),
+        ("kPa", [101.325, 121.325]),
+        ("dbar", [10.1325, 12.1325]),
+        ("bar", [1.01325, 1.21325]),
+    ],
+)
+def test_a_pressure_of_another_unit_is_refused_with_one_that_heals(unit, readings):
+    samples = [PressureSample(k, value) for k, value in enumerate(readings)]
+    with pytest.raises(InputError, match=rf'pressure\.unit = "{unit}" \(0\.'):
+        streams.pressure_samples(samples, MODEL, [])
+    healed = streams.pressure_samples(samples, replace(MODEL, unit=unit), [])
+    assert healed.depth == pytest.approx([0.0, 20_000 / (1025 * 9.81)], abs=1e-9)
 
 
-def test_joint_angles_in_degrees_are_noted_and_lost_ones_dropped():
+def test_a_gauge_pressure_is_refused_with_the_atmosphere_that_heals():
+    samples = [PressureSample(0, 20_000.0)]
+    with pytest.raises(InputError, match=r"pressure\.atmosphere = 0"):
+        streams.pressure_samples(samples, MODEL, [])
+    healed = streams.pressure_samples(samples, replace(MODEL, atmosphere=0.0), [])
+    assert healed.depth == pytest.approx([20_000 / (1025 * 9.81)])
+
+
+def test_a_number_is_a_pressure_or_a_depth_by_its_unit():
+    for unit, value in (("mbar", 1213.25), ("cm", 198.9), ("ft", 6.526)):
+        samples = [DepthSample(0, value, is_up=False)]
+        found = streams.pressure_samples(samples, replace(MODEL, unit=unit), [])
+        assert found.depth == pytest.approx([1.989], abs=2e-3)
+
+
+def test_joint_angles_in_degrees_are_refused_until_their_unit_is_given():
+    samples = [JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)]
+    with pytest.raises(InputError, match=r'tray\.joint_unit = "deg"'):
+        streams.joint_samples(samples, "tray", "tray", [])
     notes = []
-    found = streams.joint_samples(
-        [JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", notes
-    )
-    assert found.angle.tolist() == [45.0]
-    assert (
-        notes[0].sentence == "joint tray: 1 of 2 readings are no finite numbers and were left out"
-    )
-    assert "in degrees?" in notes[1].sentence
+    found = streams.joint_samples(samples, "tray", "tray", notes, "deg")
+    assert found.angle == pytest.approx([np.pi / 4])
+    assert sentences(notes) == [
+        "joint tray: 1 of 2 readings are no finite numbers and were left out"
+    ]
+
+
+def test_a_sonars_rotator_may_turn_more_than_once():
+    notes = []
+    found = streams.joint_samples([JointSample(0, "pan", 9.0)], "sonar_tray", "pan", notes)
+    assert found.angle.tolist() == [9.0]
+    assert "in degrees" in notes[0].sentence
+
+
+@pytest.mark.parametrize("unit", ["cm/s", "mm/s"])
+def test_velocities_of_another_unit_are_refused_until_it_is_given(unit):
+    scale = {"cm/s": 100.0, "mm/s": 1000.0}[unit]
+    samples = [
+        DvlSample(k, scale * np.array([0.3, 0.01, 0.0]), 0.003 * scale, np.zeros(0), None)
+        for k in range(3)
+    ]
+    with pytest.raises(InputError, match=rf'"{unit}" \(0\.3 m/s\)'):
+        streams.dvl_pings(samples, None, 0.01, [])
+    found = streams.dvl_pings(samples, None, 0.01, [], unit)
+    assert found.velocity == pytest.approx(np.tile([0.3, 0.01, 0.0], (3, 1)))
+    assert found.velocity_sigma == pytest.approx(0.003)
+
+
+def test_rates_in_degrees_and_axes_of_another_convention_are_put_right():
+    """East-north-up orientation of a body forward, starboard, down: the vehicle's own axes."""
+    ned_from_body = Rotation.from_euler("ZYX", [0.7, 0.2, -0.1])
+    enu_from_body = streams.NED_FROM_ENU.inv() * ned_from_body
+    rates = np.array([0.01, 0.02, -0.03])
+    samples = [ImuSample(0, enu_from_body.as_quat(), np.degrees(rates), np.full(3, np.nan))]
+    found = streams.imu_samples(samples, "enu", [], (180.0, 0.0, 0.0), "deg/s")
+    assert found.angular_velocity[0] == pytest.approx(rates)
+    turn = Rotation.from_quat(found.quaternion[0]) * ned_from_body.inv()
+    assert turn.magnitude() < 1e-9
 
 
 def sonar(t, image, reach=3.0):

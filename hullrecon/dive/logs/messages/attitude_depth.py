@@ -4,39 +4,49 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from hullrecon.dive.logs.messages.covariance import (
+    DEEP_PA,
+    FAR_M,
+    FASTEST_TURN_RAD_S,
+    LOST_SIGMA,
+    NO_DIRECTION_RAD,
+    sigma_of,
+)
 from hullrecon.dive.logs.messages.decode import LOST, Fields, vector
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import DepthSample, ImuSample, PressureSample, Sample
 
+AXES = (0, 1, 2)  # of a covariance
 NO_DATA = -9999.0  # ds_sensor_msgs: DEPTH_PRESSURE_NO_DATA
 
 
 def imu(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """Read sensor_msgs/Imu. A covariance of -1 marks a quantity that the IMU does not measure."""
+    """Read sensor_msgs/Imu without the quantities that their covariances mark as not measured.
+
+    A heading alone may be as uncertain as it likes: its changes are measured all the same.
+    """
     q = message.orientation
-    quaternion = np.array([q.x, q.y, q.z, q.w], float)
-    given = [
-        np.asarray(c)[0] != -1
-        for c in (
-            message.orientation_covariance,
-            message.angular_velocity_covariance,
-            message.linear_acceleration_covariance,
-        )
-    ]
+    attitude_lost = sigma_of(message.orientation_covariance, (0, 1)) > NO_DIRECTION_RAD
+    rates_lost = sigma_of(message.angular_velocity_covariance, AXES) > FASTEST_TURN_RAD_S
+    acceleration_lost = sigma_of(message.linear_acceleration_covariance, AXES) == LOST_SIGMA
     return [
         ImuSample(
             t_ns,
-            quaternion if given[0] else np.full(4, np.nan),
-            vector(message.angular_velocity) if given[1] else LOST,
-            vector(message.linear_acceleration) if given[2] else LOST,
+            np.full(4, np.nan) if attitude_lost else np.array([q.x, q.y, q.z, q.w], float),
+            LOST if rates_lost else vector(message.angular_velocity),
+            LOST if acceleration_lost else vector(message.linear_acceleration),
         )
     ]
 
 
 def fluid_pressure(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    return [PressureSample(t_ns, float(message.fluid_pressure))]
+    """Read sensor_msgs/FluidPressure without readings that their variance marks as lost."""
+    lost = sigma_of([message.variance], (0,)) > DEEP_PA
+    return [PressureSample(t_ns, np.nan if lost else float(message.fluid_pressure))]
 
 
 def attitude_of_pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -46,7 +56,9 @@ def attitude_of_pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 def attitude_of_pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read the orientation of geometry_msgs/PoseWithCovarianceStamped and of nav_msgs/Odometry."""
-    return [_attitude(message.pose.pose.orientation, t_ns)]
+    found = _attitude(message.pose.pose.orientation, t_ns)
+    lost = sigma_of(message.pose.covariance, (3, 4)) > NO_DIRECTION_RAD
+    return [replace(found, quaternion=np.full(4, np.nan)) if lost else found]
 
 
 def _attitude(q: Fields, t_ns: int) -> ImuSample:
@@ -60,7 +72,8 @@ def depth_of_pose(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 def depth_of_pose_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read z of PoseWithCovarianceStamped and nav_msgs/Odometry, up as in REP 103."""
-    return [DepthSample(t_ns, float(message.pose.pose.position.z), is_up=True)]
+    lost = sigma_of(message.pose.covariance, (2,)) > FAR_M
+    return [DepthSample(t_ns, np.nan if lost else float(message.pose.pose.position.z), is_up=True)]
 
 
 def depth_of_number(message: Fields, t_ns: int, role: str) -> list[Sample]:

@@ -19,6 +19,8 @@ COMPRESSED = "/compressed"  # what image_transport adds to a topic's name
 BASE_FRAMES = ("base_link", "base_footprint")  # REP 105: on the vehicle, x forward, y to port, z up
 FRD_FROM_FLU = Poses(Rotation.from_euler("x", 180, degrees=True).as_quat()[None], np.zeros((1, 3)))
 MOST_FRAMES, DEEPEST = 1000, 20
+BINNING = ("binning_x", "binning_y")  # fields of a CameraInfo, and of its roi
+REGION = ("x_offset", "y_offset", "width", "height")
 
 Tree = Mapping[str, tuple[str, Poses]]  # child frame: its parent, and T_parent_child
 
@@ -78,8 +80,11 @@ def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
     return WayUp(vehicle=None, servo=servo)
 
 
-def mount_of(pose: Poses) -> list[float]:
-    """Convert a pose to x, y, z in m, roll, pitch, yaw in degrees, as in dive.toml."""
+def mount_of(pose: Poses, digits: int = 4) -> list[float]:
+    """Convert a pose to x, y, z in m, roll, pitch, yaw in degrees, as in dive.toml.
+
+    digits: decimals of the numbers.
+    """
     matrix = pose.rotation.as_matrix()[0]
     pitch = np.arcsin(np.clip(-matrix[2, 0], -1, 1))
     # at 90 degrees roll and yaw are one: all of it is roll, yaw is 0
@@ -88,7 +93,7 @@ def mount_of(pose: Poses) -> list[float]:
     else:
         roll, yaw = np.arctan2(matrix[2, 1], matrix[2, 2]), np.arctan2(matrix[1, 0], matrix[0, 0])
     values = [*pose.translation[0], *np.degrees([roll, pitch, yaw])]
-    return [round(float(v), 4) + 0.0 for v in values]
+    return [round(float(v), digits) + 0.0 for v in values]
 
 
 def lies_beside(topic: str, images: str) -> bool:
@@ -105,6 +110,8 @@ def calibration_keys(info: Fields) -> dict[str, object]:
         "camera_matrix": [float(v) for v in (info.k if "k" in fields else info.K)],
         "distortion_model": str(info.distortion_model),
         "distortion_coefficients": [float(v) for v in (info.d if "d" in fields else info.D)],
+        **{name: int(getattr(info, name)) for name in BINNING},
+        "roi": {name: int(getattr(info.roi, name)) for name in REGION},
     }
 
 
@@ -131,6 +138,8 @@ def calibration_yaml(info: Fields, topic: str) -> str | None:
             f"distortion_model: {model if model.isidentifier() else 'plumb_bob'}",
             f"distortion_coefficients: {{rows: 1, cols: {len(distortion)}, "
             f"data: {distortion.tolist()}}}",
+            *(f"{name}: {keys[name]}" for name in BINNING),
+            f"roi: {keys['roi']}".replace("'", ""),
             "",
         ]
     )

@@ -4,14 +4,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hullrecon.dive.logs.dvl_beams import A50, a50_beams
+from hullrecon.dive.logs.messages.covariance import LOST_SIGMA, UNKNOWN_SIGMA, sigma_of
 from hullrecon.dive.logs.messages.decode import LOST, Fields, vector
 from hullrecon.dive.logs.samples import DvlSample, Sample
 from hullrecon.typing import Array
 
 NO_RANGES = np.zeros(0)
+VELOCITY = (0, 1, 2)  # axes of a covariance
 # m/s; Water Linked: velocities with a larger figure of merit are not valid
 FIGURE_OF_MERIT_LIMIT = 0.4
 # m/s; Nortek: velocities of -32.768 and figures of merit of 10 are invalid
@@ -23,23 +27,21 @@ OF_THE_WATER, IN_EARTH = 2, 3
 def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read marine_acoustic_msgs/Dvl.
 
-    A lost velocity has a covariance of -1, or is relative to the water. A lost beam has a range of
-    0, negative or NaN, or a covariance of -1.
+    A velocity relative to the water is lost. A lost beam has a range of 0, negative or NaN, or a
+    negative covariance.
     """
-    covariance = np.asarray(message.velocity_covar, float)
+    sigma = sigma_of(message.velocity_covar, VELOCITY)
     ranges = np.asarray(message.range, float).copy()
-    bad = np.asarray(message.range_covar, float) == -1
+    bad = np.asarray(message.range_covar, float) < 0
     ranges[bad | ~(ranges > 0)] = np.nan
     if not message.beam_ranges_valid:
         ranges[:] = np.nan
     beams = np.array([vector(b) for b in message.beam_unit_vec])
     of_the_water = message.velocity_mode == OF_THE_WATER
-    velocity = LOST if covariance[0] == -1 or of_the_water else vector(message.velocity)
+    velocity = LOST if of_the_water else vector(message.velocity)
     altitude = _positive(message.altitude)
     known = beams if _are_unit(beams) else None
-    return [
-        DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), ranges, known, altitude=altitude)
-    ]
+    return [_known(DvlSample(t_ns, velocity, sigma, ranges, known, altitude=altitude))]
 
 
 def deep_submergence_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -47,34 +49,19 @@ def deep_submergence_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
     A velocity along the earth's axes is lost.
     """
-    covariance = np.asarray(message.velocity_covar, float)
+    sigma = sigma_of(message.velocity_covar, VELOCITY)
     ranges = np.asarray(message.range, float)
-    lost = (
-        covariance[0] == -1
-        or message.velocity_mode == OF_THE_WATER
-        or message.coordinate_mode == IN_EARTH
-    )
-    ranges = np.where(
-        (np.asarray(message.range_covar, float) == -1) | ~(ranges > 0), np.nan, ranges
-    )
+    lost = message.velocity_mode == OF_THE_WATER or message.coordinate_mode == IN_EARTH
+    ranges = np.where((np.asarray(message.range_covar, float) < 0) | ~(ranges > 0), np.nan, ranges)
     beams = np.array([vector(b) for b in message.beam_unit_vec])
     velocity = LOST if lost else vector(message.velocity)
-    return [
-        DvlSample(
-            t_ns,
-            velocity,
-            _sigma(covariance[[0, 4, 8]]),
-            ranges,
-            beams if _are_unit(beams) else None,
-        )
-    ]
+    return [_known(DvlSample(t_ns, velocity, sigma, ranges, beams if _are_unit(beams) else None))]
 
 
 def twist_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read geometry_msgs/TwistWithCovarianceStamped and nav_msgs/Odometry: no ranges."""
-    covariance = np.asarray(message.twist.covariance, float)
-    velocity = LOST if covariance[0] == -1 else vector(message.twist.twist.linear)
-    return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 7, 14]]), NO_RANGES, None)]
+    sigma = sigma_of(message.twist.covariance, VELOCITY)
+    return [_known(DvlSample(t_ns, vector(message.twist.twist.linear), sigma, NO_RANGES, None))]
 
 
 def twist(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -137,19 +124,18 @@ def _water_linked(
 
 def girona_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read cola2_msgs/DVL: velocity with covariance, one altitude, no beams."""
-    covariance = np.asarray(message.velocity_covariance, float)
-    velocity = LOST if covariance[0] == -1 else vector(message.velocity)
-    return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), NO_RANGES, None)]
+    sigma = sigma_of(message.velocity_covariance, VELOCITY)
+    return [_known(DvlSample(t_ns, vector(message.velocity), sigma, NO_RANGES, None))]
 
 
 def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """Read DVLs of UUV Simulator and Stonefish: one message per beam, covariance -1 where lost."""
-    covariance = np.asarray(message.velocity_covariance, float)
-    velocity = LOST if covariance[0] == -1 else vector(message.velocity)
+    sigma = sigma_of(message.velocity_covariance, VELOCITY)
     ranges = [
-        b.range if b.range > 0 and b.range_covariance != -1 else np.nan for b in message.beams
+        b.range if b.range > 0 and not b.range_covariance < 0 else np.nan for b in message.beams
     ]
-    return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), np.array(ranges, float), None)]
+    velocity = vector(message.velocity)
+    return [_known(DvlSample(t_ns, velocity, sigma, np.array(ranges, float), None))]
 
 
 def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
@@ -165,10 +151,11 @@ def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     ]
 
 
-def _sigma(variances: Array) -> float:
-    """Average variances into one sigma. NaN where they are zero or senseless."""
-    mean = float(np.mean(variances))
-    return float(np.sqrt(mean)) if np.isfinite(mean) and mean > 0 else float("nan")
+def _known(sample: DvlSample) -> DvlSample:
+    """Drop a velocity that its covariance marks as lost."""
+    if sample.sigma < LOST_SIGMA or np.isnan(sample.sigma):
+        return sample
+    return replace(sample, velocity=LOST, sigma=UNKNOWN_SIGMA)
 
 
 def _positive(altitude: float) -> float:

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Read what the covariance beside a value says of it: its sigma, nothing, or that it was lost.
+
+One rule for all types. A negative variance (-1 by sensor_msgs) or an infinite one marks a value
+that was not measured. Zero and NaN say nothing. Drivers for filters that take neither mark a lost
+value by a variance beyond all that the sensor could have, which is told by a limit for each
+quantity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hullrecon.typing import Array
+
+LOST_SIGMA, UNKNOWN_SIGMA = float("inf"), float("nan")
+# rad, of a direction of which nothing is known: one evenly spread over the circle
+NO_DIRECTION_RAD = float(np.pi / np.sqrt(3))
+FASTEST_TURN_RAD_S = 35.0  # of gyros' common range of 2000 deg/s
+DEEP_PA = 1e6  # a hundred metres of water: no pressure sensor at a hull is that bad
+FAR_M = 1000.0  # a position that may be anywhere in a harbour
+
+
+def sigma_of(covariance: ArrayLike, axes: Sequence[int]) -> float:
+    """Average the variances of some axes of a square covariance into one sigma.
+
+    Parameters
+    ----------
+    covariance : (n * n,) or (n, n)
+    axes : which of them
+
+    Returns
+    -------
+    LOST_SIGMA where any of these, or the first element, marks a lost value, UNKNOWN_SIGMA where
+    nothing is said.
+    """
+    flat = np.asarray(covariance, float).ravel()
+    if not flat.size:
+        return UNKNOWN_SIGMA
+    size = round(flat.size**0.5)
+    variance: Array = flat[:: size + 1][list(axes)]
+    if flat[0] < 0 or (variance < 0).any() or np.isinf(variance).any():
+        return LOST_SIGMA
+    given = variance[variance != 0]  # zero says nothing, as does NaN
+    return float(np.sqrt(given.mean())) if len(given) else UNKNOWN_SIGMA
