@@ -153,6 +153,8 @@ NOTES: dict[str, Words] = {
     # images
     "images-bad": "{bad} of {count} images are missing or damaged and are left out",
     "images-other-size": "{others} of {count} images have another size and are left out",
+    "pictures-turned": "its pictures are to be shown {turn}; they are read as the sensor stored "
+    "them, and the calibration has to be one of such pictures",
     "images-deep": "its images have 16 bits with values up to {largest}; the upper 8 of {bits} "
     "bits are used",
     "calibration-of-log": "its calibration is the CameraInfo on {topic}; see that it is that of "

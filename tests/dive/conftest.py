@@ -187,7 +187,7 @@ class Kit:
                         "/joints",
                         "sensor_msgs/msg/JointState",
                         t,
-                        self.joints(t, ["tray", "other"], [0.1 * i, 9.0], ros),
+                        self.joints(t, ["tray", "other"], [0.1 * i % 6, 9.0], ros),
                     )
                 )
             if i % 5 == 0:

@@ -127,10 +127,12 @@ ZEROS = "t,qx,qy,qz,qw\n0,0,0,0,0\n1,0,0,0,0\n"
 REFUSED = {
     "pressure in hectopascal": (
         table("pressure", "t,pascal\n0,1113\n1,1213\n2,1313\n"),
+        3,
         r'pressure\.unit = "hPa" \(1\.1 to 2\.9 m deep then\)',
     ),
     "velocities in mm/s": (
         table("dvl", "t,vx,vy,vz\n0,300,0,0\n1,300,0,0\n2,300,0,0\n"),
+        3,
         r'"mm/s" \(0\.3 m/s\)',
     ),
     "dive.toml is a folder": (toml_as_folder, 3, r"dive\.toml cannot be read: Is a directory"),

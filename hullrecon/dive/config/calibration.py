@@ -21,7 +21,8 @@ from hullrecon.dive.config.lens_models import (
     PLUMB_BOB_COUNT,
     convert_rational,
 )
-from hullrecon.dive.config.yaml_files import read_yaml
+from hullrecon.dive.config.yaml_files import LARGEST_YAML, read_yaml
+from hullrecon.dive.files import read_text
 from hullrecon.dive.images.encoded import fits
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
@@ -53,6 +54,15 @@ def read_camera(path: Path, camera: Camera = Camera.TOP, topic: str = "") -> Cam
     if cameras_of(data):
         data = camera_info_of(data, choose_camera(data, camera, topic), where)
     return camera_of(data, where)
+
+
+def is_camchain(path: Path) -> bool:
+    """Tell whether a file looks like a camchain of Kalibr."""
+    try:
+        text = read_text(path, LARGEST_YAML)
+    except (OSError, ValueError):
+        return False
+    return text.startswith("cam0:") or "\ncam0:" in text
 
 
 def read_pose_in_top(path: Path, topics: Mapping[str, str]) -> tuple[float, ...] | None:

@@ -31,6 +31,16 @@ GRAY_OR_TIFF = (b"P2", b"P5", b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 BITS_PER_SAMPLE = 258  # TIFF's tag
 # of larger images of 16 bits the upper 8 are read: in colour each pixel takes 12 bytes
 MOST_DEEP_PIXELS = LARGEST_PIXELS // 2
+EXIF_ORIENTATION = 0x0112
+TURNS = {  # by the values of that tag; 1 is as stored
+    2: "mirrored",
+    3: "turned by 180 degrees",
+    4: "mirrored",
+    5: "turned by 270 degrees and mirrored",
+    6: "turned by 90 degrees",
+    7: "turned by 90 degrees and mirrored",
+    8: "turned by 270 degrees",
+}
 DEPTHS = (8, 10, 12, 14)  # bits that cameras measure; 16 take all that two bytes hold
 MARKER = re.compile(rb"\xff([\x01-\xfe])")  # of a JPEG
 END, SCAN, RESTART = 0xD9, 0xDA, range(0xD0, 0xD8)
@@ -54,6 +64,22 @@ def header_size(encoded: bytes) -> Size | None:
     if encoded.startswith(RIFF):
         return _webp_size(encoded)
     return _pillow_size(encoded)
+
+
+def turn_in_exif(encoded: bytes) -> str:
+    """Say how EXIF would have a picture shown, such as "turned by 180 degrees". "" for as stored.
+
+    Nothing here turns pictures: a calibration is one of the sensor.
+    """
+    from PIL import Image
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            with Image.open(io.BytesIO(encoded), formats=("JPEG", "PNG", "TIFF", "WEBP")) as image:
+                return TURNS.get(image.getexif().get(EXIF_ORIENTATION, 1), "")
+        except Exception:  # Pillow raises whatever damaged bytes lead it to
+            return ""
 
 
 def fits(size: Size) -> bool:

@@ -13,7 +13,7 @@ from typing import BinaryIO
 import numpy as np
 
 from hullrecon.dive.files import read_regular
-from hullrecon.dive.images.encoded import check_image, significant_bits
+from hullrecon.dive.images.encoded import check_image, significant_bits, turn_in_exif
 from hullrecon.dive.images.store import LARGEST_BYTES
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.logs.timeline import put_in_order
@@ -53,6 +53,7 @@ class ImageSink:
         self._rows: list[tuple[int, int, int, str, int, int, bool]] = []
         self._sizes: Counter[tuple[int, int]] = Counter()
         self._largest: int | None = None  # value of the images of 16 bits
+        self._turn = ""  # that the first picture's EXIF has
 
     def take(self, sample: ImageSample, logged_ns: int, log: int) -> None:
         """Check one image and keep its bytes, unless they lie in a file of the package.
@@ -62,6 +63,8 @@ class ImageSink:
         encoded = self._bytes(sample)
         found = check_image(encoded, self._size)
         size = found.size
+        if size is not None and not self._sizes:
+            self._turn = turn_in_exif(encoded)
         if size is not None:
             self._sizes[size] += 1
         if found.largest is not None and size == self._size:
@@ -123,10 +126,11 @@ class ImageSink:
 
     def _check_size(self) -> None:
         if self._sizes and not self._sizes[self._size]:
-            logged = "{} x {}".format(*self._sizes.most_common(1)[0][0])
+            logged = self._sizes.most_common(1)[0][0]
+            turn = f" as stored, to be shown {self._turn}" if self._turn else ""
             raise InputError(
-                f"the images of {self._camera} have {logged} pixels, its calibration is for "
-                f"{self._size[0]} x {self._size[1]}",
+                f"the images of {self._camera} have {logged[0]} x {logged[1]} pixels{turn}, its "
+                f"calibration is for {self._size[0]} x {self._size[1]}",
                 remedy="give the calibration of this camera at this size",
             )
 
@@ -135,6 +139,8 @@ class ImageSink:
         count, others = len(usable), sum(self._sizes.values()) - self._sizes[self._size]
         bad = usable.count(False) - others
         out = []
+        if self._turn:
+            out.append(Finding("pictures-turned", {"turn": self._turn}, self._camera))
         if bad:
             out.append(Finding("images-bad", {"bad": bad, "count": count}, self._camera))
         if others:

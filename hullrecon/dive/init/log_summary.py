@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from hullrecon.dive.check.contents import describe_losses
 from hullrecon.dive.check.requirements import missing, needs
 from hullrecon.dive.check.topics import describe_unused, unread_dvls
+from hullrecon.dive.init.depth_signal import DepthSignal, drop_still
 from hullrecon.dive.logs.fixed_frames import MOST_FRAME_MESSAGES, is_static
 from hullrecon.dive.logs.messages.decode import ENCODINGS, Fields, decode, type_name
 from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, COMPRESSED
@@ -33,8 +35,7 @@ NAMED = {
     "position": ("usbl", "gps", "gnss"),
 }
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
-# the lowest air pressure at any sea is 87 kPa
-DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3
+DIFFERENTIAL = ("diff", "gauge", "relative")
 IMU = "sensor_msgs/msg/Imu"
 MOST_NOTES = 2  # of a reader in one line
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
@@ -47,6 +48,7 @@ class TopicNote:
     channel: Channel
     first: object = None  # its first message, decoded, or the sample; None: it does not decode
     later: object = None  # of an IMU, a message that follows
+    depth: DepthSignal = field(default_factory=DepthSignal)  # of types that may hold one
     frames: list[Fields] = field(default_factory=list)  # messages of tf_static, a part each
     count: int = 0
     start_ns: int = 0
@@ -125,7 +127,7 @@ class LogSummary:
 
 
 def summarise_log(log: Log) -> LogSummary:
-    """Read the log once, decoding only the first message of each topic."""
+    """Read the log once, decoding the first message of each topic, and some that tell depths."""
     notes: dict[Channel, TopicNote] = {}
     for message in log.messages():
         note = notes.get(message.channel)
@@ -152,6 +154,7 @@ def summarise_log(log: Log) -> LogSummary:
             and type_name(note.channel) == IMU
         ):
             note.later = _first(message)
+        _note_depth(note, message)
         note.start_ns, note.end_ns = (
             min(note.start_ns, message.t_ns),
             max(note.end_ns, message.t_ns),
@@ -174,6 +177,7 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
         if kept is not note:
             kept.count += note.count
             kept.frames += note.frames
+            kept.depth.values += note.depth.values
             kept.start_ns, kept.end_ns = (
                 min(kept.start_ns, note.start_ns),
                 max(kept.end_ns, note.end_ns),
@@ -204,7 +208,11 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
         ]
         own = [t.channel.topic for t in fitting if type_name(t.channel) not in COMMON_TYPES]
         common = [t.channel.topic for t in fitting if type_name(t.channel) in COMMON_TYPES]
-        chosen = _with_part(own, parts) or own or _with_part(common, parts)
+        named, others = _with_part(own, parts), _with_part(common, parts)
+        if sensor == "pressure":
+            signals = {t.channel.topic: t.depth for t in fitting}
+            named, own, others = _moving(signals, named, own, others)
+        chosen = named or own or others
         if chosen:
             found[sensor] = chosen[0]
     found |= _guess_cameras([t.channel.topic for t in topics if _fits(t, IMAGE_TYPES)])
@@ -246,12 +254,40 @@ def _is_of_dvl(topic: TopicNote) -> bool:
 
 
 def _is_differential(topic: TopicNote) -> bool:
-    """Tell whether a pressure is differential, by its name or a value below the air's."""
-    pascal = getattr(topic.first, "fluid_pressure", LOWEST_ABSOLUTE_PA)
-    return (
-        any(part in topic.channel.topic.lower() for part in DIFFERENTIAL)
-        or not pascal >= LOWEST_ABSOLUTE_PA
+    """Tell whether a pressure is differential, by its name or by values below the air's."""
+    if any(part in topic.channel.topic.lower() for part in DIFFERENTIAL):
+        return True
+    return topic.depth.is_pressure and topic.depth.unit is None
+
+
+def _moving(
+    signals: Mapping[str, DepthSignal], *candidates: Sequence[str]
+) -> tuple[list[str], ...]:
+    """Drop from lists of topics those that stay still while another one shows a depth.
+
+    Pressures in pascal come first: others need a key.
+    """
+    topics = list(dict.fromkeys(topic for listed in candidates for topic in listed))
+    kept = {topics[row] for row in drop_still([signals[topic] for topic in topics])}
+    return tuple(
+        sorted(
+            (topic for topic in listed if topic in kept),
+            key=lambda topic: signals[topic].unit not in (None, "Pa"),
+        )
+        for listed in candidates
     )
+
+
+def _note_depth(note: TopicNote, message: Message) -> None:
+    """Keep some readings of a topic that may hold the depth."""
+    translate = TYPES["pressure"].get(type_name(note.channel))
+    if translate is None or note.first is None or not note.depth.is_due(message.t_ns):
+        return
+    if not isinstance(message.data, bytes):
+        return
+    with suppress(Exception):  # fields of any names and types, as in _first
+        fields = decode(message.channel, message.data)
+        note.depth.take(message.t_ns, translate(fields, message.t_ns, "pressure"))
 
 
 def _guess_cameras(topics: Sequence[str]) -> dict[str, str]:

@@ -11,6 +11,7 @@ from types import MappingProxyType
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.config.calibration import is_camchain, read_pose_in_top
 from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts, parted_on_tray
 from hullrecon.dive.config.schema import FROM_LOG
 from hullrecon.dive.init.log_summary import LogSummary, TopicNote, guess_topics
@@ -27,7 +28,9 @@ from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER
 from hullrecon.dive.logs.samples import DvlSample, ImuSample, SonarSample
 from hullrecon.dive.logs.sonar_geometry import ask_for_azimuths
 from hullrecon.dive.logs.streams import UNIT_QUATERNION
+from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
+from hullrecon.geometry.frames import Camera
 
 GRAVITY_FELT_M_S2 = 5.0  # less upward acceleration tells no convention
 
@@ -70,6 +73,13 @@ def imu_frame(summary: LogSummary) -> tuple[str, str]:
     if is_message:
         return "enu", "REP 145, as no gravity is logged; or ned"
     return "ned", "or enu: the convention of the orientation"
+
+
+def pressure_unit(summary: LogSummary) -> str | None:
+    """Find the unit of the pressure's topic where that is not pascal, by its values."""
+    note = _note_of(summary, "pressure")
+    unit = None if note is None else note.depth.unit
+    return None if unit == "Pa" else unit
 
 
 def beams_to_ask_for(summary: LogSummary) -> int:
@@ -134,10 +144,27 @@ def proposed_mounts(
 
 
 def find_calibration(folder: Path, camera: str) -> str | None:
-    """Find the YAML file of a package that is named after a camera, relative to the package."""
+    """Find the YAML file of a package that calibrates a camera, relative to the package.
+
+    It is named after the camera, or is a camchain of Kalibr.
+    """
     side = camera.removeprefix("camera_")
     patterns = ("*.yaml", "*.yml", "*/*.yaml", "*/*.yml")
-    found = sorted(
-        p for pattern in patterns for p in folder.glob(pattern) if side in p.stem.lower()
-    )
+    files = [p for pattern in patterns for p in folder.glob(pattern) if p.is_file()]
+    found = sorted(p for p in files if side in p.stem.lower()) or sorted(filter(is_camchain, files))
     return found[0].relative_to(folder).as_posix() if found else None
+
+
+def pose_by_calibration(folder: Path, summary: LogSummary) -> tuple[str, tuple[float, ...]] | None:
+    """Find the lower camera's pose in the upper one where one camchain calibrates both.
+
+    Returns its file and the pose as in dive.toml.
+    """
+    file = find_calibration(folder, Camera.TOP.key)
+    if file is None or file != find_calibration(folder, Camera.BOTTOM.key):
+        return None
+    try:
+        pose = read_pose_in_top(folder / file, guess_topics(summary.topics))
+    except InputError:  # `check` says what is wrong with it
+        return None
+    return None if pose is None else (file, pose)

@@ -18,6 +18,8 @@ from hullrecon.dive.init.proposals import (
     find_calibration,
     has_attitude_of_dvl,
     imu_frame,
+    pose_by_calibration,
+    pressure_unit,
     proposed_mounts,
 )
 from hullrecon.dive.logs.messages.samples import TYPES
@@ -51,7 +53,7 @@ heading_drift_deg_per_hour = 1.0
 
 [pressure]
 {pressure_origin}
-density = 1025.0                 # kg/m3; fresh water has 1000
+{pressure_unit}density = 1025.0                 # kg/m3; fresh water has 1000
 # where density was measured, it tells one camera's scale; kg/m3, 2.05 if left out
 # density_sigma = 0.3
 gravity = 9.81
@@ -118,6 +120,8 @@ MOUNT_DEG = """\
 # mount_deg = [roll, pitch, yaw]
 """
 
+BY_VALUES = "# by its values: as pascal they lie above the water"
+
 BEAMS = """\
 # beam_angle_deg = 30.0          # to fill in, from its manual: from its axis to each beam
 # beam_azimuth_deg = [180.0, 0.0, 90.0, -90.0]  # of each beam about its z axis, from x towards y
@@ -159,10 +163,11 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
     tray = next((n for n in names if "tray" in n or "tilt" in n), names[0] if names else "tray")
     starts = [t.start_ns for t in summary.topics if t.count]
     frame, why_frame = imu_frame(summary)
-    mounts = _mount_lines(summary, tray)
+    mounts, unit = _mount_lines(summary, tray, folder), pressure_unit(summary)
     text = HEAD.format(
         frame=frame,
         why_frame=why_frame,
+        pressure_unit="" if unit is None else f"{f'unit = {_quote(unit)}'.ljust(33)}{BY_VALUES}\n",
         mount_deg=MOUNT_DEG if has_attitude_of_dvl(summary) else "",
         folder=_printable(folder.name) or ".",
         name=_quote(
@@ -192,12 +197,16 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
     return text + (HULL.format(mesh=_quote(mesh)) if mesh else NO_HULL)
 
 
-def _mount_lines(summary: LogSummary, tray: str) -> dict[str, str]:
+def _mount_lines(summary: LogSummary, tray: str, folder: Path) -> dict[str, str]:
     """Write the lines of all mounts, by the name of their place in the template."""
     lines = dict(MOUNTS)
     for key, mount in proposed_mounts(summary, {"tray": tray}).items():
         values, name = ", ".join(f"{v:g}" for v in mount.value), key.rpartition(".")[2]
         lines[key] = f"{name} = [{values}]  # by {mount.source}; see that it is right"
+    rig = pose_by_calibration(folder, summary)
+    if rig is not None:
+        values = ", ".join(f"{v:.7g}" for v in rig[1])
+        lines["camera.bottom.pose_in_top"] = f"pose_in_top = [{values}]  # by {_printable(rig[0])}"
     return {key.replace(".", "_"): line for key, line in lines.items()}
 
 

@@ -61,3 +61,26 @@ def test_a_table_names_frames_of_a_video_with_their_times(tmp_path):
         assert all(s.file == "" for s in samples)
         assert "lines 4, 5, 7 of camera_top.csv" in log.losses()[0].why
     assert [p.name for p in log.named_files()] == ["dive.avi"]
+
+
+def test_a_video_is_read_as_its_sensor_stored_it(tmp_path):
+    """Though its container asks players to turn it, which OpenCV does by itself."""
+    path = tmp_path / "dive.mp4"
+    codec = cv2.VideoWriter_fourcc(*"mp4v")
+    writer = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, codec, 10.0, (64, 48))
+    ramp = np.repeat(np.tile(np.linspace(0, 250, 64).astype(np.uint8), (48, 1))[:, :, None], 3, 2)
+    for _ in range(3):
+        writer.write(ramp)
+    writer.release()
+    data = bytearray(path.read_bytes())
+    # ISO 14496-12: the track header's matrix begins 40 bytes behind its name; -1, 0, 0, -1 is half
+    # a turn
+    at = data.index(b"tkhd") + 4 + 40
+    data[at : at + 4], data[at + 16 : at + 20] = b"\xff\xff\0\0", b"\xff\xff\0\0"
+    path.write_bytes(data)
+    (tmp_path / "camera_top.csv").write_text("t,file,frame\n1.0,dive.mp4,0\n1.2,dive.mp4,2\n")
+    log = PlainLog(tmp_path)
+    encoded = next(m.data.encoded for m in log.messages())
+    picture = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert picture[:, :8].mean() < 50 < 200 < picture[:, -8:].mean()
+    assert ["turned by 180 degrees" in note.sentence for note in log.notes] == [True]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.dive.images.encoded import IMAGE_SUFFIXES, check_image, decode, jpeg_is_whole
@@ -185,3 +186,30 @@ def test_names_of_logs_and_tables_are_no_images():
 
 def test_the_cameras_of_the_store_are_those_of_the_rig():
     assert CAMERAS == ("camera_top", "camera_bottom")
+
+
+def turned_jpeg(value):
+    picture = Image.fromarray(np.tile(np.arange(0, 250, 4, np.uint8)[:63], (48, 1)))
+    exif = Image.Exif()
+    exif[0x0112] = value
+    out = BytesIO()
+    picture.save(out, "JPEG", exif=exif)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize(("value", "turn"), [(3, "by 180 degrees"), (6, "by 90 degrees")])
+def test_a_picture_is_read_as_stored_and_its_turn_is_named(tmp_path, value, turn):
+    encoded = turned_jpeg(value)
+    pixels = decode(encoded)
+    assert pixels.shape == (48, 63, 3)
+    assert pixels[:, :8].mean() < 50 < 200 < pixels[:, -8:].mean()
+    _, notes = take(sink(tmp_path, (63, 48))[0], image(10, encoded))
+    (line,) = sentences(notes)
+    assert f"turned {turn}; they are read as the sensor stored them" in line
+
+
+def test_a_calibration_of_turned_pictures_is_refused_with_the_turn(tmp_path):
+    store, _ = sink(tmp_path, (48, 63))
+    words = "63 x 48 pixels as stored, to be shown turned by 90 degrees, its calibration is for 48"
+    with pytest.raises(InputError, match=words):
+        take(store, image(10, turned_jpeg(6)))

@@ -7,6 +7,7 @@ from dive.conftest import Entry
 from benchmarks.fuzz.seed_ad2cp import TEXT, block
 from hullrecon.dive.check.requirements import missing, to_fill_in
 from hullrecon.dive.config.load import load_config
+from hullrecon.dive.init.depth_signal import DepthSignal
 from hullrecon.dive.init.log_summary import (
     LogSummary,
     TopicNote,
@@ -302,3 +303,70 @@ def test_log_without_readable_dvl_names_the_unreadable_one():
         "missing: a DVL with an IMU, or two cameras; /teledyne/ensemble "
         "(teledyne_navigator/Ensemble) is a DVL's"
     )
+
+
+FLUID, HUD = "sensor_msgs/msg/FluidPressure", "mavros_msgs/msg/VfrHud"
+DEPTH_M = np.linspace(0.3, 2.0, 50)
+
+
+def with_depths(**topics):
+    """Topics of (type, readings)."""
+    out = notes(**{name: kind for name, (kind, _) in topics.items()})
+    for note, (kind, values) in zip(out, topics.values(), strict=True):
+        note.depth = DepthSignal(values=list(values), is_pressure=kind == FLUID)
+    return out
+
+
+def pressure_topic(**topics):
+    return guess_topics(with_depths(**topics)).get("pressure")
+
+
+def test_the_pressure_that_follows_the_dive_is_chosen():
+    """Not the air in the enclosure, though its type says pressure alone."""
+    air, water = 102_950 + 5 * np.sin(np.arange(50)), 101_325 + 10_055 * DEPTH_M
+    assert pressure_topic(static_pressure=(FLUID, air), vfr_hud=(HUD, -DEPTH_M)) == "/vfr_hud"
+    both = {"a_pressure": (FLUID, air), "z_pressure": (FLUID, water)}
+    assert pressure_topic(**both) == "/z_pressure"
+    both = {"a_pressure": (FLUID, air), "bar30": (FLUID, water / 100)}
+    assert pressure_topic(**both) == "/bar30"
+
+
+def test_where_nothing_moves_the_pressure_is_chosen_by_type():
+    air = 102_950 + np.zeros(50)
+    topics = {"static_pressure": (FLUID, air), "vfr_hud": (HUD, np.full(50, -1.5))}
+    assert pressure_topic(**topics) == "/static_pressure"
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit"), [(1.0, "Pa"), (1e2, "hPa"), (1e3, "kPa"), (1e4, "dbar"), (1e5, "bar")]
+)
+def test_the_unit_of_a_pressure_is_told_by_its_values(scale, unit):
+    absolute = (101_325 + 10_055 * DEPTH_M) / scale
+    assert DepthSignal(values=list(absolute), is_pressure=True).unit == unit
+
+
+def test_a_pressure_over_that_of_the_air_is_not_chosen():
+    assert pressure_topic(pressure=(FLUID, 10_055 * DEPTH_M)) is None
+
+
+def test_the_unit_stands_in_the_first_dive_toml(kit, tmp_path):
+    entries = kit.dive()
+    for entry in entries:
+        if entry.topic == "/pressure":
+            entry.message.fluid_pressure /= 100.0
+    summary = summarise_log(open_log(kit.mcap(tmp_path / "x.mcap", entries)))
+    text = fill_template(summary, [tmp_path / "x.mcap"], tmp_path)
+    assert 'unit = "hPa"' in text
+    (tmp_path / "dive.toml").write_text(text)
+    assert load_config(tmp_path).config.pressure.unit == "hPa"
+
+
+def test_a_camchain_calibrates_both_cameras_of_the_first_dive_toml(kit, tmp_path):
+    kit.mcap(tmp_path / "x.mcap", kit.dive())
+    pose = "[[1, 0, 0, 0], [0, 1, 0, -0.12], [0, 0, 1, 0], [0, 0, 0, 1]]"
+    (tmp_path / "results.yaml").write_text(f"cam0: {{}}\ncam1:\n  T_cn_cnm1: {pose}\n")
+    summary = summarise_log(open_log(tmp_path / "x.mcap"))
+    summary.topics += notes(right=IMAGE)
+    text = fill_template(summary, [tmp_path / "x.mcap"], tmp_path)
+    assert text.count('calibration = "results.yaml"') == 2
+    assert "pose_in_top = [0, 0.12, 0, 0, 0, 0]  # by results.yaml" in text

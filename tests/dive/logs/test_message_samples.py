@@ -467,3 +467,34 @@ def test_what_an_oculus_sent_byte_by_byte_is_read_from_a_message(data):
     assert np.degrees(
         np.arctan2(ping.directions[[0, -1], 1], ping.directions[[0, -1], 2])
     ) == pytest.approx([-30, 30])
+
+
+def compressed(kit, form, data):
+    message = kit.make(
+        "sensor_msgs/msg/CompressedImage",
+        header=kit.header(T),
+        format=form,
+        data=np.frombuffer(data, np.uint8),
+    )
+    (sample,) = translate("camera_top", "sensor_msgs/msg/CompressedImage", message)
+    return sample.encoded
+
+
+def test_a_compressed_mosaic_becomes_a_picture_in_colour(kit):
+    red = np.zeros((8, 8), np.uint8)
+    red[::2, ::2] = 200
+    data = cv2.imencode(".png", red)[1].tobytes()
+    found = cv2.imdecode(
+        np.frombuffer(compressed(kit, "bayer_rggb8; png compressed ", data), np.uint8),
+        cv2.IMREAD_COLOR,
+    )
+    assert found[2:6, 2:6, 2].min() > 150
+    assert found[2:6, 2:6, :2].max() == 0
+    for form in ("png", "bayer_rggb8; jpeg compressed bgr8", "bgr8; png compressed bgr8", ""):
+        assert compressed(kit, form, data) == data
+
+
+@pytest.mark.parametrize("form", ["16UC1; compressedDepth png", "h264", "32FC1; compressedDepth"])
+def test_what_is_compressed_but_no_picture_is_refused_by_its_format(kit, form):
+    with pytest.raises(DamagedError, match=f"format '{form}'"):
+        compressed(kit, form, b"")

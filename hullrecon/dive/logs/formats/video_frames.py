@@ -32,6 +32,9 @@ class VideoFrames:
         self._capture = cv2.VideoCapture(str(path.absolute()), cv2.CAP_FFMPEG)
         if not self._capture.isOpened():
             raise ValueError("it cannot be decoded")
+        # as the sensor stored them, like all pictures (images/encoded.py)
+        self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
+        self.turned_deg = int(self._capture.get(cv2.CAP_PROP_ORIENTATION_META)) % 360
         size = (
             int(self._capture.get(cv2.CAP_PROP_FRAME_WIDTH)),
             int(self._capture.get(cv2.CAP_PROP_FRAME_HEIGHT)),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Convert sensor_msgs/Image to PNG, without loss."""
+"""Convert the pixels of sensor_msgs/Image and mosaics of CompressedImage to PNG, without loss."""
 
 from __future__ import annotations
 
@@ -30,17 +30,48 @@ CHANNELS = {
     "yuv422_yuy2": 2,
     "yuyv": 2,
 }
+VIDEO_FORMS = ("h264", "h265", "hevc", "av1", "ffmpeg", "theora")
 QUICK = 1  # PNG's compression level: images are written once, and read a few times
 
 
 def encode_raw(message: Fields) -> bytes:
     """Encode an image as PNG. Raises DamagedError for missing pixels or an unknown encoding."""
+    return _png(_to_bgr(_pixels(message), message.encoding.lower()))
+
+
+def decoded_mosaic(form: str, encoded: bytes) -> bytes:
+    """Turn a compressed mosaic of a colour sensor into a picture. Other pictures stay as they are.
+
+    Parameters
+    ----------
+    form : of sensor_msgs/CompressedImage: "jpeg", or as image_transport has it, "bayer_rggb8; jpeg
+        compressed bgr8": what was published, and what was compressed
+    encoded : a picture
+
+    Raises
+    ------
+    DamagedError
+        What is no picture of a camera: a depth image, a frame of a video stream.
+    """
     import cv2
 
-    pixels = _pixels(message)
-    ok, png = cv2.imencode(
-        ".png", _to_bgr(pixels, message.encoding.lower()), [cv2.IMWRITE_PNG_COMPRESSION, QUICK]
-    )
+    first, _, rest = form.lower().partition(";")
+    words = rest.split()
+    if "compresseddepth" in rest.replace(" ", "") or any(v in form.lower() for v in VIDEO_FORMS):
+        raise DamagedError(f"an image in the format {form!r}")
+    kept = words[-1] if len(words) > 2 else first.strip()
+    if not kept.startswith("bayer_"):
+        return encoded
+    pixels = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_UNCHANGED)
+    if pixels is None or pixels.ndim != 2 or kept not in CHANNELS:
+        return encoded
+    return _png(_to_bgr(pixels, kept))
+
+
+def _png(pixels: NDArray[np.integer]) -> bytes:
+    import cv2
+
+    ok, png = cv2.imencode(".png", pixels, [cv2.IMWRITE_PNG_COMPRESSION, QUICK])
     if not ok:
         raise DamagedError("an image cannot be encoded")
     return bytes(png)

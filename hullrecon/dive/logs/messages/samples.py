@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 
 from hullrecon.dive.logs.messages import attitude_depth, position, sonar, velocity
 from hullrecon.dive.logs.messages.decode import Fields
-from hullrecon.dive.logs.messages.pictures import encode_raw
+from hullrecon.dive.logs.messages.pictures import decoded_mosaic, encode_raw
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.samples import ImageSample, JointSample, Sample
 
@@ -26,7 +26,8 @@ def joint_state(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def compressed_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    return [ImageSample(t_ns, role, bytes(message.data))]
+    """Read sensor_msgs/CompressedImage, whose format says what the compressed pixels are."""
+    return [ImageSample(t_ns, role, decoded_mosaic(message.format, bytes(message.data)))]
 
 
 def raw_image(message: Fields, t_ns: int, role: str) -> list[Sample]:

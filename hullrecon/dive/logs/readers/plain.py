@@ -191,6 +191,9 @@ class PlainLog:
         if name != path or video is None:
             video = video_frames.VideoFrames(path)
             self._videos[camera] = (path, video)
+            if video.turned_deg:
+                values = {"turn": f"turned by {video.turned_deg} degrees"}
+                self.notes.append(Finding("pictures-turned", values, path.name))
         return video.jpeg(int(row["frame"]))
 
     def _in_package(self, path: Path) -> Path:

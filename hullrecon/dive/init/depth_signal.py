@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tell by its readings whether a topic can be the vehicle's depth, and in which unit it is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hullrecon.dive.logs.samples import DepthSample, PressureSample, Sample
+from hullrecon.dive.logs.streams import DEEPEST_HULL_M, PASCALS
+from hullrecon.records.clock import NS
+from hullrecon.typing import Array
+
+MOST_READINGS = 512  # of a topic, evenly over the log
+LOWEST_AIR_PA, AIR_PA = 80e3, 101325.0  # at any sea 87 kPa at least
+PASCALS_A_METRE = 1025 * 9.81
+# of its readings from the 5th to the 95th percentile; the air in a sealed enclosure stays within
+STILL_M = 0.15
+FOLLOWS = 3.0  # times as much has the depth of the same dive changed at least
+
+
+@dataclass(kw_only=True)
+class DepthSignal:
+    """Readings of one topic, spread over the log."""
+
+    values: list[float] = field(default_factory=list)  # as logged: a pressure, or m
+    is_pressure: bool = False
+    _every_ns: int = NS
+    _next_ns: int = 0
+
+    def is_due(self, t_ns: int) -> bool:
+        """Tell whether a message logged at t_ns is to be read."""
+        return t_ns >= self._next_ns
+
+    def take(self, t_ns: int, samples: Sequence[Sample]) -> None:
+        """Keep the readings of a message. Where they become many, every second one is dropped."""
+        self._next_ns = t_ns + self._every_ns
+        for sample in samples:
+            if isinstance(sample, PressureSample):
+                self.is_pressure = True
+                self.values.append(sample.pascal)
+            elif isinstance(sample, DepthSample):
+                self.values.append(sample.height)
+        if len(self.values) > MOST_READINGS:
+            self.values, self._every_ns = self.values[::2], 2 * self._every_ns
+
+    @property
+    def unit(self) -> str | None:
+        """The unit in which a pressure is that of a sensor at a hull. None where none is."""
+        known = self._known()
+        if not self.is_pressure or not len(known):
+            return None
+        deepest_pa = AIR_PA + DEEPEST_HULL_M * PASCALS_A_METRE
+        fitting = [
+            unit
+            for unit, scale in PASCALS.items()
+            if known.min() * scale >= LOWEST_AIR_PA and known.max() * scale <= deepest_pa
+        ]
+        return fitting[-1] if fitting else None
+
+    @property
+    def span_m(self) -> float:
+        """By how much the depth changes."""
+        known = self._known()
+        if not len(known):
+            return 0.0
+        low, high = np.percentile(known, [5, 95])
+        scale = PASCALS[self.unit or "Pa"] / PASCALS_A_METRE if self.is_pressure else 1.0
+        return float(scale * (high - low))
+
+    def _known(self) -> Array:
+        values = np.array(self.values, float)
+        return np.asarray(values[np.isfinite(values)])
+
+
+def drop_still(signals: Sequence[DepthSignal]) -> list[int]:
+    """List the signals that may be the depth, by row.
+
+    One that stays still while another changes is the pressure of something else, as of the air in
+    an enclosure.
+    """
+    spans = [signal.span_m for signal in signals]
+    moving = max(spans, default=0.0)
+    return [
+        row
+        for row, (signal, span) in enumerate(zip(signals, spans, strict=True))
+        if span >= STILL_M or moving < FOLLOWS * STILL_M or not signal.values
+    ]
