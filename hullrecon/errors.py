@@ -32,6 +32,10 @@ class InputError(HullreconError):
     exit_code = 3
 
 
+class ContradictionError(InputError):
+    """Measurements contradict each other by more than a correction may take out."""
+
+
 class StageError(HullreconError):
     """A step could not reach a result: too few matches, no convergence."""
 

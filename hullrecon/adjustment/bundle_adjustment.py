@@ -16,7 +16,8 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.cad_acceptance import Placement, place_cad_model
-from hullrecon.adjustment.exceeded_priors import widen_exceeded_priors
+from hullrecon.adjustment.contradictions import explain_refusal, hold_within_belief
+from hullrecon.adjustment.exceeded_priors import contradicts_priors, widen_exceeded_priors
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions, Strategy
 from hullrecon.adjustment.problem import iteration_history, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection
@@ -79,6 +80,8 @@ def adjust(
     ------
     StageError
         When too little agrees to be adjusted.
+    ContradictionError
+        When measurements contradict each other by more than a correction may take out.
     """
     solver = RoundSolver(calibrated=measured.rig, options=options, strategy=strategy, report=report)
 
@@ -90,6 +93,7 @@ def adjust(
     if measured.cad_model is not None:
         placed = place_cad_model(path, measured.cad_model, solver)
         if not placed.verdict.accepted:
+            placed = explain_refusal(path, placed, solver)
             report(f"the CAD model is left out: {placed.verdict.reason}")
 
     # Then labels and ranges: all landmarks, with the CAD model if it is accepted.
@@ -107,10 +111,15 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Stage:
         return path
 
     # A contradicted stereo calibration becomes an unknown.
-    path = path.then(free_contradicted_rig(path, solver))
+    corrected = path.then(free_contradicted_rig(path, solver))
 
     # Contradicted priors of navigation and mounts are widened.
-    return path.then(widen_exceeded_priors(path, solver))
+    corrected = corrected.then(widen_exceeded_priors(corrected, solver))
+
+    # So far, and not where another sensor explains the contradiction better.
+    if corrected is path and not contradicts_priors(path):
+        return path
+    return hold_within_belief(path, corrected, solver)
 
 
 def solve_all_landmarks(path: Stage, placed: Stage | None, solver: RoundSolver) -> Adjusted:

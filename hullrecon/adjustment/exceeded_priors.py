@@ -102,6 +102,13 @@ def widen_exceeded_priors(path: Stage, solver: RoundSolver) -> Stage | None:
     return Stage(rounds=(result,), estimate=result.after, verdict=verdict)
 
 
+def contradicts_priors(path: Stage) -> bool:
+    """Tell whether an estimate lies beyond what the package allows, widened or not."""
+    solved = path.estimate
+    priors = _priors(solved.measured.rig, solved.state).values()
+    return any(bool(np.abs(prior.deviation).max() > MANY_SIGMAS) for prior in priors)
+
+
 def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
     """Collect the priors of navigation and of the mounts' rotations by name.
 

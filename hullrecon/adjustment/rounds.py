@@ -26,6 +26,7 @@ from hullrecon.typing import Array
 if TYPE_CHECKING:
     from hullrecon.adjustment.cad_acceptance import Placement
     from hullrecon.adjustment.stereo_calibration import StereoContradiction
+    from hullrecon.adjustment.suspects import Trial
 
 Report = Callable[[str], None]
 OUTLIER_SIGMAS = 5.0  # observations with larger residuals are left out
@@ -75,6 +76,7 @@ class Verdict:
     # Share by which the DVL's velocities contradict all else about lengths, where one camera
     # cannot tell which is right
     length_conflict: float | None = None
+    suspects: tuple[Trial, ...] = ()  # tried where something contradicts the package, best first
 
 
 ACCEPTED = Verdict()
@@ -103,6 +105,7 @@ class Stage:
                 reason=there.reason,
                 stereo=there.stereo or here.stereo,
                 length_conflict=here.length_conflict if conflict is None else conflict,
+                suspects=there.suspects or here.suspects,
             ),
             placement=later.placement,
         )

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from hullrecon.findings import logs, package, sensors
+from hullrecon.findings import adjustment, logs, package, sensors
 from hullrecon.findings.logs import Words
 
 # error: no run is possible; warning: a run goes on, and its result may be wrong;
@@ -20,6 +20,7 @@ from hullrecon.findings.logs import Words
 Severity = Literal["error", "warning", "note"]
 TABLES: tuple[tuple[Severity, Mapping[str, Words]], ...] = (
     ("error", package.ERRORS),
+    ("error", adjustment.ERRORS),
     ("warning", package.WARNINGS),
     ("warning", sensors.WARNINGS),
     ("note", package.NOTES),

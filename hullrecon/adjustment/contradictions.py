@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Corrections held within what a sensor can be wrong by, and contradictions refused.
+
+The adjustment takes errors of sensors and mounts out. A correction that no sensor needs, or that
+another sensor's error explains better, is no correction: the dive is contradictory
+(docs/methods.md 6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
+from hullrecon.adjustment.rounds import RoundResult, RoundSolver, Stage
+from hullrecon.adjustment.suspects import Trial, best_explanations, try_suspects
+from hullrecon.errors import ContradictionError
+from hullrecon.findings.finding import Finding
+from hullrecon.rig import Rig
+from hullrecon.typing import Array
+
+# Largest believable errors of navigation, in the order of RigPriors.navigation_sigma:
+LARGEST_ERRORS = np.array(
+    [
+        # Sound goes at 1402 m/s in fresh water of 0 degrees and at 1560 in salt water of 36
+        # [DelGrosso1974]: a DVL that was set to the one in the other is off by a ninth.
+        0.115,
+        # Zero-rate offsets of MEMS gyros that nothing calibrates are a tenth of a degree a second
+        # after their filter has settled.
+        np.radians(0.1),
+        # An attitude sensor is levelled by hand to a degree or two, as is its mount.
+        np.radians(5.0),
+        np.radians(5.0),
+        # A gauge that was not zeroed: weather makes 0.4 m of water, trim and draught a metre
+        2.0,
+    ]
+)
+ERRORS = (
+    "dvl.scale_sigma", "imu.heading_drift_deg_per_hour", "imu.bias_sigma_deg",
+    "imu.bias_sigma_deg", "pressure.bias_sigma_m",
+)  # fmt: skip
+# Mounts are measured with a protractor to a degree or two; a bracket is made at 0, 45 or 90.
+LARGEST_TURN_RAD = np.radians(5.0)
+MOUNT_KEYS = {"tray_from_top": "camera.top.mount", "tray_from_dvl": "dvl.mount"}
+# A bracket that was bent, or a baseline that was measured with a ruler. Air in place of water
+# makes a third.
+LARGEST_BASELINE_SHARE = 0.1
+LARGEST_STEREO_TURN_RAD = np.radians(3.0)
+# A calibration in water knows focal lengths to half a per cent, another medium's is a third off
+LARGEST_FOCAL_SHARE = 0.03
+LARGEST_CENTER_PX = 30.0
+# What is left out contradicts the rest grossly: by so many squares of its sigma a row
+GROSS = 4.0
+LEAST_WEIGHT = 1e-3  # of depths, which a path without noise makes nil
+
+
+def hold_within_belief(path: Stage, corrected: Stage, solver: RoundSolver) -> Stage:
+    """Accept corrections that a sensor may need, with the suspects that were tried.
+
+    Parameters
+    ----------
+    path, corrected
+        The path with the package's priors, and with those that it contradicts widened.
+    solver
+        Of both.
+
+    Raises
+    ------
+    ContradictionError
+        Where a correction is larger than its sensor can be wrong by, or an error that cannot be
+        taken out explains more.
+    """
+    beyond = list(_beyond_belief(path.estimate.measured.rig, corrected))
+    trials = try_suspects(_as_stated(path.rounds[-1]), solver.settings)
+    _refuse(trials, beyond, solver)
+    return replace(corrected, verdict=replace(corrected.verdict, suspects=trials))
+
+
+def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
+    """Ask whether a sensor is wrong before the CAD model is blamed.
+
+    Raises
+    ------
+    ContradictionError
+        Where the path contradicts itself without the CAD model.
+    """
+    if not path.rounds or not solver.strategy.systematic_errors:
+        return placed
+    trials = path.verdict.suspects
+    if not trials:
+        trials = try_suspects(_as_stated(path.rounds[-1]), solver.settings)
+    _refuse(trials, [], solver)
+    return replace(placed, verdict=replace(placed.verdict, suspects=trials))
+
+
+def _as_stated(solved: RoundResult) -> native.Problem:
+    """Return a round's problem with the sigmas of depths and of the tray that the package states.
+
+    Those estimated from residuals are too small where the solution follows a sensor's noise, and
+    whatever is left out then seems to explain much.
+    """
+    problem, weights = solved.problem, solved.weights
+    stated = solved.after.measured.rig.priors.tray_sigma_rad / weights.tray
+    depths = np.array([1 / max(weights.depth, LEAST_WEIGHT), 1.0, 1.0])
+    return replace(
+        problem,
+        tray=replace(problem.tray, sigma=problem.tray.sigma * stated),
+        attitude=replace(problem.attitude, sigma=problem.attitude.sigma * depths),
+    )
+
+
+def _refuse(trials: Sequence[Trial], beyond: Sequence[str], solver: RoundSolver) -> None:
+    """Raise ContradictionError unless a correction explains what the trials show."""
+    best = best_explanations(trials)
+    for trial in trials:
+        solver.report(f"left out or freed: {trial.suspect}: {trial.gain:.0f} squares are gone")
+    corrected = any(trial.corrects and _is_believable(trial) for trial in best)
+    if not beyond and (not best or corrected or not _is_gross(best[0])):
+        return
+    explanations = [[trial.suspect, trial.found] for trial in best]
+    found = Finding("contradiction", {"beyond": ", ".join(beyond), "explanations": explanations})
+    raise ContradictionError(found.sentence)
+
+
+def _is_believable(trial: Trial) -> bool:
+    """Tell whether a suspect's own error is of a size that it may have."""
+    largest = {
+        "dvl-scale": LARGEST_ERRORS[0],
+        "dvl-mount": LARGEST_TURN_RAD,
+        "camera-mount": LARGEST_TURN_RAD,
+        "imu": LARGEST_ERRORS[2],
+        "stereo-rig": LARGEST_BASELINE_SHARE,
+        "focal-length": LARGEST_FOCAL_SHARE,
+        "principal-point": LARGEST_CENTER_PX,
+    }.get(trial.suspect)
+    if largest is None or trial.found is None:
+        return False
+    about = 1.0 if trial.suspect == "focal-length" else 0.0
+    return bool(abs(trial.found - about) <= largest)
+
+
+def _is_gross(trial: Trial) -> bool:
+    """Tell whether a suspect contradicts the rest by more than small errors do."""
+    return not _is_believable(trial) and trial.gain > GROSS * trial.rows
+
+
+def _beyond_belief(stated: Rig, corrected: Stage) -> Iterator[str]:
+    """Describe each correction that is larger than its sensor can be wrong by.
+
+    A package that allows more than that itself is believed.
+    """
+    state, stereo = corrected.estimate.state, corrected.verdict.stereo
+    found = np.abs(state.navigation[: len(LARGEST_ERRORS)])
+    allowed = MANY_SIGMAS * stated.priors.navigation_sigma[: len(LARGEST_ERRORS)]
+    for place in np.flatnonzero(found > np.maximum(LARGEST_ERRORS, allowed)):
+        yield f"{found[place] / allowed[place] * MANY_SIGMAS:.0f} times {ERRORS[place]}"
+    for name in MOUNTS:
+        nominal, rows, mount = (getattr(of, name) for of in (stated, stated.priors, state.mounts))
+        if nominal is None or rows is None or mount is None:
+            continue
+        turn = float(np.linalg.norm(displacement(nominal, mount)[0][ROTATION]))
+        if turn > max(LARGEST_TURN_RAD, MANY_SIGMAS * _largest_sigma(rows)):
+            yield f"{MOUNT_KEYS[name]} turned by {np.degrees(turn):.1f} degrees"
+    if stereo is None:
+        return
+    if stereo.turn_rad > LARGEST_STEREO_TURN_RAD:
+        yield f"the bottom camera turned by {np.degrees(stereo.turn_rad):.1f} degrees"
+    if abs(stereo.length) > LARGEST_BASELINE_SHARE:
+        yield f"the baseline off by {100 * abs(stereo.length):.0f} %"
+
+
+def _largest_sigma(rows: Array) -> float:
+    """Compute the largest sigma of a mount's rotation, rad, from its square root of information."""
+    return float(np.linalg.norm(np.linalg.inv(rows), axis=1)[ROTATION].max())

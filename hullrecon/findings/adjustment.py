@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Words: measurements of a dive that contradict each other, and who explains it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from math import degrees
+
+from hullrecon.findings.logs import Words
+
+WATER = 1.333  # refractive index of fresh water, salt water has 1.34 [Hecht2017]
+NEAR = 0.03  # share by which a factor may be off that
+
+
+def _scaled(found: float | None) -> str:
+    """Describe velocities whose truth is 1 + found times what was measured."""
+    share = 1 / (1 + (found or 0.0)) - 1 if (found or 0.0) > -1 else float("inf")
+    return f"with the DVL's velocities {100 * abs(share):.0f} % too {_long(share)}"
+
+
+def _turned(key: str) -> Callable[[float | None], str]:
+    return lambda found: f"with {key} turned by {degrees(found or 0.0):.1f} degrees"
+
+
+def _long(share: float) -> str:
+    return "long" if share > 0 else "short"
+
+
+def _baseline(found: float | None) -> str:
+    share = found or 0.0
+    return (
+        f"with the baseline {100 * abs(share):.0f} % {'longer' if share > 0 else 'shorter'} than "
+        "camera.bottom.pose_in_top says"
+    )
+
+
+def _focal_ratio(found: float | None) -> str:
+    ratio = found or 0.0
+    said = f"with focal lengths {ratio:.2f} times the calibration's"
+    if abs(ratio / WATER - 1) < NEAR:
+        return f"{said}, as where the camera was calibrated in air"
+    if abs(ratio * WATER - 1) < NEAR:
+        return f"{said}, as where a calibration in water was converted from air to water again"
+    return said
+
+
+# By suspect: what makes the rest agree; found is its own error, where it was freed
+SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
+    "pressure": lambda _: "without the depths of the pressure sensor",
+    "dvl-velocities": lambda _: "without the DVL's velocities",
+    "dvl-scale": _scaled,
+    "dvl-mount": _turned("dvl.mount"),
+    "dvl-ranges": lambda _: "without the DVL's ranges",
+    "imu": _turned("the IMU"),
+    "tray": lambda _: "without the tray's angles",
+    "positions": lambda _: "without the positions from outside",
+    "camera-mount": _turned("camera.top.mount"),
+    "focal-length": _focal_ratio,
+    "principal-point": lambda found: (
+        f"with the principal point {found or 0.0:.0f} px from where the calibration has it"
+    ),
+    "stereo-rig": _baseline,
+}
+# Suspects whose own error the adjustment estimates and takes out, up to a largest believable size
+CORRECTED = frozenset({"dvl-scale", "dvl-mount", "imu", "camera-mount", "stereo-rig"})
+# What heals where one suspect alone explains a contradiction
+REMEDIES: Mapping[str, str] = {
+    "pressure": "name the topic of the water's pressure, or leave topics.pressure away",
+    "positions": "leave topics.position away",
+}
+
+
+def _contradiction(beyond: str, explanations: Sequence[Sequence[object]]) -> str:
+    """Tell which suspects make the rest agree.
+
+    Parameters
+    ----------
+    beyond
+        The correction that nobody believes, "" without one.
+    explanations
+        Suspect and its own error, the best first.
+    """
+    what = "the measurements contradict each other"
+    if beyond:
+        what += f" by more than a correction may take out ({beyond})"
+    if not explanations:
+        return f"{what}, and no one sensor explains it"
+    phrases = [SUSPECTS[str(name)](_number(found)) for name, found in explanations]
+    if len(phrases) > 1:
+        return f"{what}; all else agrees {', or as well '.join(phrases)}"
+    remedy = REMEDIES.get(str(explanations[0][0]))
+    return f"{what}; all else agrees {phrases[0]}{f': {remedy}' if remedy else ''}"
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) else None
+
+
+ERRORS: dict[str, Words] = {"contradiction": _contradiction}
