@@ -184,7 +184,7 @@ def test_a_run_killed_at_random_times_ends_with_the_same_bytes(
     toy.run(package, whole, **pause)
     chance = random.Random(7)
     killed = 0
-    for trial in range(20):
+    for trial in range(10):
         workspace = Workspace(tmp_path / f"killed-{trial}")
         killed += _kill_while_it_runs(
             Path(toy.__file__ or ""), package, workspace, chance.uniform(0.0, 3 * PAUSE_S)
@@ -192,7 +192,7 @@ def test_a_run_killed_at_random_times_ends_with_the_same_bytes(
         assert contents(workspace).items() <= contents(whole).items()
         toy.run(package, workspace, **pause)
         assert snapshot(workspace) == snapshot(whole)
-    assert killed >= 10
+    assert killed >= 5
 
 
 def _kill_while_it_runs(script: Path, package: Path, workspace: Workspace, after_s: float) -> bool:

@@ -32,12 +32,12 @@ calibration = "camera.yaml"
 """
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def pipelines() -> Path:
     return PIPELINES
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def make_package() -> Callable[[Path, str], Path]:
     def make(folder: Path, name: str, *, camera: bool = False) -> Path:
         folder.mkdir(parents=True)
@@ -50,28 +50,35 @@ def make_package() -> Callable[[Path, str], Path]:
     return make
 
 
+@pytest.fixture(scope="session")
+def toy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of an executable that stands for hullrecon, and of its steps."""
+    folder = tmp_path_factory.mktemp("toy")
+    steps = [[s.name, s.inputs, s.optional, s.name in NEED_CAMERA] for s in stages()]
+    (folder / "steps.json").write_text(json.dumps(steps))
+    path = folder / "hullrecon"
+    path.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{HERE / "program.py"}" "$@"\n')
+    path.chmod(0o755)
+    return folder
+
+
 @pytest.fixture
-def trace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def trace(tmp_path: Path, toy: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Gets the name of each step that runs."""
     path = tmp_path / "trace.txt"
     path.touch()
     monkeypatch.setenv("TOY_TRACE", str(path))
-    monkeypatch.setenv("TOY_STEPS", str(tmp_path / "steps.json"))
-    steps = [[s.name, s.inputs, s.optional, s.name in NEED_CAMERA] for s in stages()]
-    (tmp_path / "steps.json").write_text(json.dumps(steps))
+    monkeypatch.setenv("TOY_STEPS", str(toy / "steps.json"))
     return path
 
 
 @pytest.fixture
-def program(tmp_path: Path, trace: Path) -> Path:
+def program(toy: Path, trace: Path) -> Path:
     """An executable that stands for hullrecon."""
-    path = tmp_path / "hullrecon"
-    path.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{HERE / "program.py"}" "$@"\n')
-    path.chmod(0o755)
-    return path
+    return toy / "hullrecon"
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def call() -> Callable[..., subprocess.CompletedProcess[str]]:
     def call(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
         # under `make test` an outer make's flags would print the folders it enters

@@ -18,6 +18,7 @@ from hullrecon_cli.main import main
 from msgspec import Struct
 
 import hullrecon.steps.chain as chain
+from hullrecon.api import dive_run
 from hullrecon.api.fleet import processes
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.errors import StageError
@@ -45,7 +46,7 @@ def toy(name: str, inputs: list[str], optional: list[str], needs_camera: bool) -
     def files(settings: Any, source: Path) -> list[Path]:
         if name == "change":  # as the run of an earlier dive, outside the package
             return [file for file in [source.absolute().parent / "earlier.txt"] if file.exists()]
-        return [source / file for file in settings["logs"].files]
+        return [Path(file) for file in settings["logs"].files]
 
     return Stage(
         name, name, tuple(inputs), Options, 1, run, ("camera.top", "logs"), tuple(optional),
@@ -61,4 +62,5 @@ if __name__ == "__main__":
     stages = {step[0]: toy(*step) for step in json.loads(Path(os.environ["TOY_STEPS"]).read_text())}
     chain.stages = lambda: tuple(stages.values())
     chain.stage = stages.__getitem__
+    dive_run._warn_of_defaults = lambda dive: None  # what it imports takes longer than all steps
     sys.exit(main())

@@ -26,6 +26,7 @@ from hullrecon.records.trajectory import Returns, Trajectory
 from hullrecon.studies import compare_methods
 from hullrecon.studies.methods import adjust_variant
 from hullrecon.studies.methods.variants import read_dead_reckoning, read_objects, read_solutions
+from hullrecon.studies.scenes import scene_figures as scenes
 
 
 class Nothing(Struct, frozen=True, kw_only=True):
@@ -159,9 +160,10 @@ def test_what_the_chain_solves_itself_stands_in_its_own_place(
 
 
 def test_figures_solves_and_leaves_pictures_and_tables(
-    opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
+    opened: Any, package: Path, scene_figures: list, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(study, "open_dive", opened)
+    monkeypatch.setattr(scenes, "draw_scene_figures", lambda: scene_figures)
     # a log that another test set up goes to standard error
     printed = call(study.figures, package).stdout.splitlines()
     assert len(opened.calls) == 6
@@ -176,9 +178,10 @@ def test_figures_solves_and_leaves_pictures_and_tables(
 
 
 def test_figures_after_compare_solves_nothing(
-    opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
+    opened: Any, package: Path, scene_figures: list, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(study, "open_dive", opened)
+    monkeypatch.setattr(scenes, "draw_scene_figures", lambda: scene_figures)
     call(study.methods, package)
     opened.calls.clear()
     call(study.figures, package)

@@ -10,17 +10,14 @@ import io
 import numpy as np
 import pytest
 
-from hullrecon.studies.scenes.scene_figures import PEAKS_M, POSE_SIGMAS, draw_scene_figures, peaks
+from hullrecon.studies.scenes.scene_figures import PEAKS_M, POSE_SIGMAS, peaks
 
 PUBLISHED, CAPPED = "as published", "outliers capped (the software)"
 
 
 @pytest.fixture(scope="module")
-def tables() -> dict[str, list[dict[str, str]]]:
-    return {
-        figure.name: list(csv.DictReader(io.StringIO(figure.csv)))
-        for figure in draw_scene_figures()
-    }
+def tables(scene_figures) -> dict[str, list[dict[str, str]]]:
+    return {figure.name: list(csv.DictReader(io.StringIO(figure.csv))) for figure in scene_figures}
 
 
 def columns(table: list[dict[str, str]], key: str, value: str, *names: str) -> np.ndarray:
