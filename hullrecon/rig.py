@@ -63,6 +63,9 @@ class RigPriors:
     navigation_sigma: Array = field(default_factory=lambda: _nan(6))
     density_sigma: float = np.nan  # of the water, relative: scales the error of all depths alike
     pixel_sigma_px: float = np.nan
+    # px rms over the image of top and bottom camera, what calibrations leave of the lenses'
+    # displacement; 0: nothing
+    calibration_sigma_px: tuple[float, float] = (0.0, 0.0)
     range_sigma_m: float = np.nan
 
 
@@ -293,6 +296,10 @@ def _priors(sections: Mapping[str, object], rig: Rig) -> RigPriors:
         navigation_sigma=np.maximum(errors, LEAST_ERROR_SIGMA),
         density_sigma=pressure.density_sigma / pressure.density,
         pixel_sigma_px=top.sigma_px if top is not None else 1.0,
+        calibration_sigma_px=(
+            top.calibration_sigma_px if top is not None else 0.0,
+            bottom.calibration_sigma_px if bottom is not None else 0.0,
+        ),
         range_sigma_m=dvl.sigma_range,
     )
 

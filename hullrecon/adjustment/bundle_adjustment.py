@@ -33,6 +33,7 @@ from hullrecon.adjustment.rounds import (
 )
 from hullrecon.adjustment.stereo_calibration import free_contradicted_rig
 from hullrecon.rig import Rig
+from hullrecon.typing import Array
 
 # Outlier limit of the first round: dead-reckoned poses err by centimetres across legs, which is
 # some tens of pixels at a metre
@@ -54,6 +55,7 @@ class Adjusted:
     result: native.Result
     rounds: tuple[iteration_history.Round, ...]
     rig: Rig  # with the intrinsics and priors found
+    lenses: Array  # (2, 2 LENS_MODES) px, the displacements found
     verdict: Verdict  # on the CAD model, and what of the dive package was contradicted
     placement: Placement | None  # of the CAD model; None without one
     strategy: Strategy
@@ -184,6 +186,7 @@ def _adjusted(stages: Stage, last: RoundResult, solver: RoundSolver) -> Adjusted
         result=result,
         rounds=tuple(done.history for done in rounds),
         rig=last.after.measured.rig,
+        lenses=last.after.measured.lenses,
         verdict=stages.verdict,
         placement=stages.placement,
         strategy=solver.strategy,

@@ -14,7 +14,7 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions, Strategy
-from hullrecon.adjustment.problem import intrinsics, iteration_history, selection, weighting
+from hullrecon.adjustment.problem import intrinsics, iteration_history, lens, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection, assemble, state_from_unknowns
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
@@ -169,6 +169,7 @@ class RoundSolver:
             measured, state, weights, chosen, self.strategy.systematic_errors, hold_hull_pose
         )
         problem = intrinsics.free_intrinsics(problem, self.calibrated, self.options)
+        problem = lens.free_lenses(problem, measured, weights.lens)
         began_s = time.perf_counter() - self.begun_s
         result = self._solve(problem, final)
         history = self._record(measured, result, weights, chosen, began_s)
@@ -176,6 +177,7 @@ class RoundSolver:
         # Sigmas and outlier limit of the next round follow from the residuals.
         state = state_from_unknowns(state, result.unknowns, chosen)
         measured = intrinsics.apply_intrinsics(measured, problem, result)
+        measured = lens.apply_lenses(measured, problem, result)
         found = weighting.estimate_weights(measured, state, chosen, weights, self.strategy)
         self.report(_describe_round(len(self.history), result, chosen, found))
         return RoundResult(

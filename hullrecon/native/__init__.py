@@ -22,9 +22,12 @@ from hullrecon.native.pair_motion import (
 )
 from hullrecon.native.planes import PlanePairTable, PlaneRangeTable, PlaneSightingTable, PlaneTable
 from hullrecon.native.problem import (
+    LENS_DEGREE,
+    LENS_MODES,
     AttitudeTable,
     CadMesh,
     FieldNodes,
+    LensTable,
     LeverArms,
     MonoTable,
     MotionPrior,
@@ -60,6 +63,8 @@ __all__ = [
     "FACTORS",
     "GRAPH_FACTORS",
     "IDENTITY",
+    "LENS_DEGREE",
+    "LENS_MODES",
     "AttitudeTable",
     "CadMesh",
     "Closest",
@@ -68,6 +73,7 @@ __all__ = [
     "FieldNodes",
     "Hits",
     "IterationRecord",
+    "LensTable",
     "LeverArms",
     "LinkKernel",
     "LinkTable",

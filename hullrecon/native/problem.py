@@ -24,6 +24,11 @@ from hullrecon.native.planes import PlanePairTable, PlaneRangeTable, PlaneSighti
 from hullrecon.rows import Rows
 from hullrecon.typing import Array, Ints32
 
+# Displacement of a lens: for either axis a sum of products of Legendre polynomials over the image,
+# of unit rms, by total degree from 2 to LENS_DEGREE, then by that along u
+LENS_DEGREE = 5
+LENS_MODES = (LENS_DEGREE + 1) * (LENS_DEGREE + 2) // 2 - 3  # of one axis
+
 
 @dataclass(frozen=True, kw_only=True)
 class Unknowns:
@@ -48,6 +53,10 @@ class Unknowns:
     # (3,) north and east of g's origin m, heading of its x axis rad; unknown where there are
     # positions
     world: Array = floats(3)
+    # (2 LENS_MODES,) px of the modes of u, then of v: pixel p sees what the intrinsics put at p +
+    # displacement; unknown where Problem.lenses is given
+    lens_top: Array = floats(2 * LENS_MODES)
+    lens_bottom: Array = floats(2 * LENS_MODES)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -218,6 +227,15 @@ class MonoTable(Rows):
 
 
 @dataclass(frozen=True, kw_only=True)
+class LensTable:
+    """Displacements of the top and the bottom lens with their prior; empty: there are none."""
+
+    image_size: Array = floats(0, 2)  # (2, 2) px, width and height
+    sigma_px: Array = floats(0, 2 * LENS_MODES)  # (2, 2 LENS_MODES)
+    expected_px: Array = floats(0, 2 * LENS_MODES)  # (2, 2 LENS_MODES)
+
+
+@dataclass(frozen=True, kw_only=True)
 class FieldNodes(Rows):
     """Where rows stand in the deviation field; empty without a field."""
 
@@ -257,7 +275,8 @@ class Problem:
 
     unknowns: Unknowns
     # blocks held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation",
-    # "intrinsics_top", "intrinsics_bottom", "world", "tray" (every pose's tray angle)
+    # "intrinsics_top", "intrinsics_bottom", "world", "lens_top", "lens_bottom", "tray" (every
+    # pose's tray angle)
     constant: tuple[str, ...] = ()
     cad_mesh: CadMesh = CadMesh()
     lever_arms: LeverArms = LeverArms()
@@ -267,6 +286,7 @@ class Problem:
     odometry: OdometryTable = OdometryTable()
     stereo: StereoTable = StereoTable()
     mono: MonoTable = MonoTable()
+    lenses: LensTable = LensTable()
     sigma_px: float = 1.0  # of a pixel coordinate, but for a row's sigma_ratio
     ranges: RangeTable = RangeTable()
     surface: SurfaceTable = SurfaceTable()

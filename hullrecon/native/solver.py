@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from hullrecon.native.problem import Problem, Unknowns
+import numpy as np
+
+from hullrecon.native.problem import LENS_MODES, Problem, Unknowns
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
 # apart in the record of a solve
@@ -99,7 +101,8 @@ class Evaluation:
 
     Columns: poses 7 each (6 when "tray" is held), landmarks 3 each, then, where free, T_g_M,
     T_s_ct, T_ct_cb, T_s_d 6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, world 3,
-    the deviation's nodes 1 each, planes 3 each, links' switches 1 each.
+    lens_top, lens_bottom 2 LENS_MODES each, the deviation's nodes 1 each, planes 3 each, links'
+    switches 1 each.
     """
 
     residual: Array  # (R,) whitened
@@ -140,6 +143,9 @@ class Covariance:
     # unknowns determined by a kind of factors (FACTORS) that meet no landmark: the squares of their
     # whitened residuals are expected to sum up to their rows less that
     leverage_by_factor: dict[str, float]
+    # (2 LENS_MODES, 2 LENS_MODES) px2
+    lens_top: Array = field(default_factory=lambda: np.zeros((2 * LENS_MODES, 2 * LENS_MODES)))
+    lens_bottom: Array = field(default_factory=lambda: np.zeros((2 * LENS_MODES, 2 * LENS_MODES)))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -151,6 +151,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=28,
+    version=29,
     run=run,
 )

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "factors/camera.h"
+#include "factors/lens.h"
 #include "factors/residual.h"
 
 namespace hullrecon {
@@ -32,14 +33,18 @@ struct InTopCamera {
 
 // A stereo pair [Ozog2016 4.12].
 // Rows: 4, px: top u v, bottom u v, raw pixels through the full camera model. Blocks: landmark, pose, T_s_ct, T_ct_cb,
-// intrinsics of top and bottom. Sign: predicted - measured. Sigma: one for all rows; one Huber loss on the norm of the four,
-// for a pair is good or bad as one (Options.huber_stereo). A point behind a camera: kBehindPixels, no derivative (camera.h).
+// intrinsics of top and bottom and, with image_size, lenses of top and bottom. Sign: predicted - measured. Sigma: one for all
+// rows; one Huber loss on the norm of the four, for a pair is good or bad as one (Options.huber_stereo). A point behind a
+// camera: kBehindPixels, no derivative (camera.h).
 struct Stereo {
   static constexpr int kRows = 4;
   Vec3 tray_origin;
   Eigen::Vector4d measured;
+  const double* image_size = nullptr;  // (2, 2) of top and bottom; null: lenses have no displacement
 
-  std::vector<int> sizes() const { return {3, 8, 7, 7, 9, 9}; }
+  std::vector<int> sizes() const {
+    return image_size ? std::vector{3, 8, 7, 7, 9, 9, kLensNumbers, kLensNumbers} : std::vector{3, 8, 7, 7, 9, 9};
+  }
   bool operator()(const double* const* x, double* r, double* const* J) const {
     const InTopCamera top(x[0], x[1], x[2], tray_origin, J != nullptr);
     const Motion bottom_pose(x[3]);
@@ -48,6 +53,7 @@ struct Stereo {
     const bool seen = project(x[4], top.point, J, above) && project(x[5], in_bottom, J, below);
     Eigen::Map<Eigen::Vector4d> out(r);
     if (seen) out << above.pixel - measured.head<2>(), below.pixel - measured.tail<2>();
+    for (int k = 0; seen && image_size && k < 2; ++k) out.segment<2>(2 * k) -= displacement_px(x[6 + k], modes(k));
     if (!seen) out.setConstant(kBehindPixels);
     if (!J) return true;
     if (!seen) above.by_point.setZero(), below.by_point.setZero();
@@ -67,20 +73,34 @@ struct Stereo {
     derive<4, 9>(J, 5, [&](auto& j) {
       if (seen) j.template bottomRows<2>() = by_intrinsics(x[5], in_bottom);
     });
+    for (int k = 0; image_size && k < 2; ++k) {
+      derive<4, kLensNumbers>(J, 6 + k, [&](auto& j) {
+        if (seen) put_by_lens(j.template middleRows<2>(2 * k), modes(k));
+      });
+    }
     return true;
   }
+
+ private:
+  LensModes modes(int camera) const { return lens_modes(image_size + 2 * camera, measured.data() + 2 * camera); }
 };
 
 // One image of a landmark [Ozog2016 4.13].
-// Rows: 2, px: u v. Blocks: landmark, pose, T_s_ct, intrinsics of that camera and, for the bottom one, T_ct_cb. Sign: predicted
-// - measured. Sigma: one; Huber loss on the norm of both rows (Options.huber_mono).
+// Rows: 2, px: u v. Blocks: landmark, pose, T_s_ct, intrinsics of that camera and, for the bottom one, T_ct_cb, and with
+// image_size its lens. Sign: predicted - measured. Sigma: one; Huber loss on the norm of both rows (Options.huber_mono).
 struct Mono {
   static constexpr int kRows = 2;
   Vec3 tray_origin;
   Eigen::Vector2d measured;
   bool bottom;
+  const double* image_size = nullptr;  // (2,) of this camera; null: its lens has no displacement
 
-  std::vector<int> sizes() const { return bottom ? std::vector{3, 8, 7, 9, 7} : std::vector{3, 8, 7, 9}; }
+  std::vector<int> sizes() const {
+    std::vector out{3, 8, 7, 9};
+    if (bottom) out.push_back(7);
+    if (image_size) out.push_back(kLensNumbers);
+    return out;
+  }
   bool operator()(const double* const* x, double* r, double* const* J) const {
     const InTopCamera top(x[0], x[1], x[2], tray_origin, J != nullptr);
     const Motion camera = bottom ? Motion(x[4]) : Motion(Vec3::Zero(), Quaternion::Identity());
@@ -89,6 +109,9 @@ struct Mono {
     const bool seen = project(x[3], point, J, image);
     Eigen::Map<Eigen::Vector2d> out(r);
     if (seen) out = image.pixel - measured;
+    const int lens = bottom ? 5 : 4;
+    const LensModes modes = image_size ? lens_modes(image_size, measured.data()) : LensModes();
+    if (seen && image_size) out -= displacement_px(x[lens], modes);
     if (!seen) out.setConstant(kBehindPixels);
     if (!J) return true;
     if (!seen) image.by_point.setZero();
@@ -99,8 +122,11 @@ struct Mono {
     derive<2, 9>(J, 3, [&](auto& j) {
       if (seen) j = by_intrinsics(x[3], point);
     });
-    if (!bottom) return true;
-    derive<2, 7>(J, 4, [&](auto& j) { j.template leftCols<6>() << -by_top, image.by_point * hat(point); });
+    if (bottom) derive<2, 7>(J, 4, [&](auto& j) { j.template leftCols<6>() << -by_top, image.by_point * hat(point); });
+    if (!image_size) return true;
+    derive<2, kLensNumbers>(J, lens, [&](auto& j) {
+      if (seen) put_by_lens(j, modes);
+    });
     return true;
   }
 };

@@ -56,6 +56,11 @@ void Model::visit_prior(int64_t row, const Use& use) const {
   const int k = global_priors_[row - t.prior_pose_node.rows()];
   if (k == kNavigation) return use(VectorPrior<6>{{}}, diagonal<6>(t.prior_navigation_sigma.data));
   if (k == kWorld) return use(VectorPrior<3>{{}}, diagonal<3>(t.prior_world_sigma.data));
+  if (k >= kTopLens) {
+    VectorPrior<kLensNumbers> prior;
+    std::copy_n(t.lens_expected.row(k - kTopLens), kLensNumbers, prior.expected.begin());
+    return use(prior, diagonal<kLensNumbers>(t.lens_sigma.row(k - kTopLens)));
+  }
   if (k >= kTopIntrinsics) {
     VectorPrior<9> prior;
     std::copy_n(&intrinsics_start_[9 * (k - kTopIntrinsics)], 9, prior.expected.begin());
@@ -102,9 +107,12 @@ void Model::visit(int64_t factor, const Use& use) const {
     case Kind::Odometry:
       return use(odometry(t, i), Full<6>{matrix<6, 6>(t.odometry_sqrt.row(i))});
     case Kind::Stereo:
-      return use(Stereo{tray, matrix<4, 1>(t.stereo_pixel.row(i))}, Scalar{1 / t.stereo_sigma_px(i)});
+      return use(Stereo{tray, matrix<4, 1>(t.stereo_pixel.row(i)), t.has_lens() ? t.lens_image_size.data : nullptr},
+                 Scalar{1 / t.stereo_sigma_px(i)});
     case Kind::Mono:
-      return use(Mono{tray, matrix<2, 1>(t.mono_pixel.row(i)), t.mono_camera.data[i] == 1}, Scalar{1 / t.mono_sigma_px(i)});
+      return use(Mono{tray, matrix<2, 1>(t.mono_pixel.row(i)), t.mono_camera.data[i] == 1,
+                      t.has_lens() ? t.lens_image_size.row(t.mono_camera.data[i]) : nullptr},
+                 Scalar{1 / t.mono_sigma_px(i)});
     case Kind::Range:
       return use(range(i), Scalar{1 / t.range_sigma.data[i]});
     case Kind::Surface: {

@@ -12,7 +12,8 @@ namespace hullrecon {
 namespace {
 
 constexpr std::array<const char*, kGlobals> kGlobalNames{"T_g_M",      "T_s_ct",         "T_ct_cb",           "T_s_d",
-                                                         "navigation", "intrinsics_top", "intrinsics_bottom", "world"};
+                                                         "navigation", "intrinsics_top", "intrinsics_bottom", "world",
+                                                         "lens_top",   "lens_bottom"};
 
 std::unique_ptr<MeshIndex> mesh(const Tables& t) {
   if (t.faces.rows() == 0 || t.surface_landmark.rows() + t.range_node.rows() == 0) return nullptr;
@@ -55,6 +56,7 @@ void Model::add_blocks() {
       &t.pose,           &t.landmark,          &t.T_g_M,     &t.T_s_ct, &t.T_ct_cb,    &t.T_s_d, &t.navigation,
       &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation, &t.plane,  &t.link_switch};
   if (t.places_world()) tables.push_back(&t.world);
+  if (t.has_lens()) tables.insert(tables.end(), {&t.lens_top, &t.lens_bottom});
   for (const Table<double>* table : tables) {
     start.push_back(unknowns_.size());
     unknowns_.insert(unknowns_.end(), table->data, table->data + table->rows() * table->width());
@@ -70,10 +72,16 @@ void Model::add_blocks() {
   add_block(all + start[6], 6, tangent("navigation", 6), "navigation");
   for (int k = 0; k < 2; ++k)
     add_block(&intrinsics_[9 * k], 9, tangent(kGlobalNames[kTopIntrinsics + k], 9), kGlobalNames[kTopIntrinsics + k]);
-  // A world that is held stays where it was given and is never written: norms of all unknowns are sums over the array, and
-  // three more numbers would change their last digits in problems that have none.
+  // A world that is held, and lenses without displacement, stay where they were given and are never written: norms of all
+  // unknowns are sums over the array, and more numbers would change their last digits in problems that have none.
   double* const world = t.places_world() ? all + start[12] : const_cast<double*>(t.world.data);
   add_block(world, 3, t.places_world() ? 3 : 0, "world");
+  for (int k = 0; k < 2; ++k) {
+    const char* const name = kGlobalNames[kTopLens + k];
+    double* const given = const_cast<double*>((k == 0 ? t.lens_top : t.lens_bottom).data);
+    double* const lens = t.has_lens() ? all + unknowns_.size() - (2 - k) * kLensNumbers : given;
+    add_block(lens, kLensNumbers, t.has_lens() ? tangent(name, kLensNumbers) : 0, name);
+  }
   for (int k = 0; k < nodes(); ++k) add_block(&deviation[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
   for (int k = 0; k < planes(); ++k) add_block(&plane[3 * k], 3, 3, "plane " + std::to_string(k));
   for (int64_t k = 0; k < t.link_switch.rows(); ++k) add_block(&switches[k], 1, 1, "link_switch " + std::to_string(k));
@@ -93,6 +101,9 @@ void Model::number_factors() {
     if (!t.held(kGlobalNames[k]) && (k >= 4 || motions[k]->rows() > 0)) global_priors_.push_back(k);
   }
   if (t.places_world()) global_priors_.push_back(kWorld);
+  for (int k : {kTopLens, kBottomLens}) {
+    if (t.has_lens() && !t.held(kGlobalNames[k])) global_priors_.push_back(k);
+  }
   for (int64_t i = 0; i < t.range_field_index.rows(); ++i) {
     range_nodes_.add(t.range_field_index.row(i), t.range_field_weight.row(i), 4);
   }
@@ -184,10 +195,12 @@ void Model::blocks_of(int64_t factor, std::vector<int32_t>& out) const {
              global + kBottom,
              global + kTopIntrinsics,
              global + kBottomIntrinsics};
+      if (t.has_lens()) out.insert(out.end(), {global + kTopLens, global + kBottomLens});
       break;
     case Kind::Mono:
       out = {landmark + t.mono_landmark.data[i], t.mono_node.data[i], global + kCamera, global + kTopIntrinsics};
       if (t.mono_camera.data[i] == 1) out[3] = global + kBottomIntrinsics, out.push_back(global + kBottom);
+      if (t.has_lens()) out.push_back(global + (t.mono_camera.data[i] == 1 ? kBottomLens : kTopLens));
       break;
     case Kind::Range:
       out = {t.range_node.data[i], global + kHull, global + kDvl};

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "factors/lens.h"
 #include "factors/mixture.h"
 #include "model/association.h"
 #include "model/field_nodes.h"
@@ -33,13 +34,25 @@ enum class Kind : int8_t {
   Velocity,
   Position
 };
-constexpr int kMostRows = 9;  // of a residual: the prior of a camera's intrinsics
+constexpr int kMostRows = kLensNumbers;  // of a residual: the prior of a lens
 constexpr std::array<const char*, 15> kKindNames{"prior", "attitude",   "tray",        "odometry",  "stereo",
                                                  "mono",  "range",      "surface",     "deviation", "link",
                                                  "plane", "plane_pair", "plane_range", "velocity",  "position"};
 
 // Blocks that every factor may meet, in this order after poses and landmarks.
-enum Global { kHull, kCamera, kBottom, kDvl, kNavigation, kTopIntrinsics, kBottomIntrinsics, kWorld, kGlobals };
+enum Global {
+  kHull,
+  kCamera,
+  kBottom,
+  kDvl,
+  kNavigation,
+  kTopIntrinsics,
+  kBottomIntrinsics,
+  kWorld,
+  kTopLens,
+  kBottomLens,
+  kGlobals
+};
 
 // One block of unknowns. tangent: its columns; 0 when held.
 struct Block {
@@ -56,7 +69,7 @@ class Model {
   Model(const Tables& tables, const Options& options);
 
   // Blocks in the order of columns: poses, landmarks, T_g_M, T_s_ct, T_ct_cb, T_s_d, navigation, intrinsics_top,
-  // intrinsics_bottom, world, nodes of the deviation field, planes, switches of links.
+  // intrinsics_bottom, world, lens_top, lens_bottom, nodes of the deviation field, planes, switches of links.
   const std::vector<Block>& blocks() const { return blocks_; }
 
   // Factors are numbered by kind, then by row. Their residuals are made when they are evaluated: half a million kept would cost

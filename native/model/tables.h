@@ -45,7 +45,8 @@ struct Table {
   X(plane_range_offset) X(plane_range_tray_offset) X(plane_range_beam) \
   X(plane_range_measured) X(plane_range_sigma) X(velocity_before) \
   X(velocity_after) X(velocity_sigma) X(world) X(prior_world_sigma) \
-  X(position_antenna) X(position_measured) X(position_sigma)
+  X(position_antenna) X(position_measured) X(position_sigma) \
+  X(lens_top) X(lens_bottom) X(lens_image_size) X(lens_sigma) X(lens_expected)
 #define HULLRECON_INT_TABLES(X) \
   X(faces) X(prior_pose_node) X(attitude_node) X(tray_node) X(odometry_first) X(odometry_second) X(stereo_node) \
   X(stereo_landmark) X(mono_node) X(mono_landmark) X(mono_camera) X(range_node) X(range_field_index) X(surface_landmark) \
@@ -73,6 +74,9 @@ struct Tables {
 
   // Whether the world's place is an unknown: where no position was measured nothing depends on it.
   bool places_world() const { return position_node.rows() > 0 && !held("world"); }
+
+  // Whether lenses have a displacement, free or held.
+  bool has_lens() const { return lens_image_size.rows() > 0; }
 
   bool held(const char* block) const {
     for (const auto& name : constant) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "common/errors.h"
+#include "factors/lens.h"
 #include "model/tables.h"
 
 namespace hullrecon {
@@ -92,7 +93,8 @@ void unknowns(const Tables& t) {
   shape(t.tray_origin, {3});
   shape(t.pressure_origin, {3});
   static const std::set<std::string> known{"T_g_M",     "T_s_ct",         "T_ct_cb",           "T_s_d", "navigation",
-                                           "deviation", "intrinsics_top", "intrinsics_bottom", "tray",  "world"};
+                                           "deviation", "intrinsics_top", "intrinsics_bottom", "tray",  "world",
+                                           "lens_top",  "lens_bottom"};
   for (const auto& name : t.constant) {
     if (!known.count(name)) throw InputError("there is no block of the name " + name, "constant", "");
   }
@@ -116,6 +118,15 @@ void priors(const Tables& t) {
   positive(t.prior_world_sigma);
   shape(t.prior_intrinsics_sigma, {9});
   positive(t.prior_intrinsics_sigma);
+}
+
+void lenses(const Tables& t) {
+  if (!t.has_lens()) return;
+  shape(t.lens_image_size, {2, 2});
+  positive(t.lens_image_size);
+  for (const Floats* lens : {&t.lens_top, &t.lens_bottom}) shape(*lens, {kLensNumbers});
+  for (const Floats* table : {&t.lens_sigma, &t.lens_expected}) shape(*table, {2, kLensNumbers});
+  positive(t.lens_sigma);
 }
 
 void navigation(const Tables& t) {
@@ -296,6 +307,7 @@ void validate(const Tables& t) {
 #undef HULLRECON_FINITE
   unknowns(t);
   priors(t);
+  lenses(t);
   navigation(t);
   images(t);
   hull(t);

@@ -132,6 +132,12 @@ inline void read_positions(const TableReader& from, Tables& t) {
   from.read(t.position_measured, "positions.measured"), from.read(t.position_sigma, "positions.sigma");
 }
 
+inline void read_lenses(const TableReader& from, Tables& t) {
+  from.read(t.lens_top, "unknowns.lens_top"), from.read(t.lens_bottom, "unknowns.lens_bottom");
+  from.read(t.lens_image_size, "lenses.image_size"), from.read(t.lens_sigma, "lenses.sigma_px");
+  from.read(t.lens_expected, "lenses.expected_px");
+}
+
 inline void read_hull(const TableReader& from, Tables& t) {
   from.read(t.vertices, "cad_mesh.vertices"), from.read(t.faces, "cad_mesh.faces");
   from.read(t.tray_origin, "lever_arms.tray"), from.read(t.pressure_origin, "lever_arms.pressure");
@@ -155,6 +161,7 @@ inline Tables read_tables(const py::object& problem, std::vector<py::object>& al
   read_planes(from, t);
   read_velocities(from, t);
   read_positions(from, t);
+  read_lenses(from, t);
   t.constant = problem.attr("constant").cast<std::vector<std::string>>();
   t.sigma_px = problem.attr("sigma_px").cast<double>();
   return t;

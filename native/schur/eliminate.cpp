@@ -37,8 +37,10 @@ void Schur::eliminate() {
   });
   const Border of_landmarks =
       chunked(model_.landmarks(), kLandmarks, [&](int64_t r, Border& b) { reduce_landmark_border(r, b); });
-  reduced_->add_own(border, intrinsics_own_ + sum.own + of_landmarks.own + small_.information().at(border, border));
-  rhs_.segment(offset(border), layout_.border()) += sum.rhs + of_landmarks.rhs;
+  const Border of_intrinsics = reduce_intrinsics();
+  reduced_->add_own(border, intrinsics_own_ + sum.own + of_landmarks.own + of_intrinsics.own +
+                                small_.information().at(border, border));
+  rhs_.segment(offset(border), layout_.border()) += sum.rhs + of_landmarks.rhs + of_intrinsics.rhs;
 }
 
 // Row i of X (9), and of what it shares with nodes, hull and intrinsics (11). place: of each block, -1 between calls.
@@ -79,7 +81,7 @@ void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
     images_.add_intrinsics(v, cross, nullptr, nullptr);
     with_intrinsics.topRows<3>() += cross;
     for (int c = 0; c < intrinsics_; ++c) with_intrinsics.col(c).tail<3>() += q.cross(Vec3(cross.col(c)));
-    with_intrinsics -= y * intrinsics_of(rank);
+    with_intrinsics.noalias() -= y * intrinsics_of(rank);
   }
   Eigen::Map<Mat6>(&x_[place[i]]) += own_[i];
   eliminated_.col(i) = eliminated, with_hull_[i] = with_hull, with_intrinsics_[i] = with_intrinsics;
@@ -184,27 +186,37 @@ void Schur::reduce_other(int block) {
   reduced_->add_border(block, border);
 }
 
-// What a landmark leaves between hull and intrinsics (13).
+// What a landmark leaves of the hull, and between hull and intrinsics (13).
 void Schur::reduce_landmark_border(int64_t rank, Border& sum) const {
-  if (hull_ < 0 && intrinsics_ == 0) return;
+  if (hull_ < 0) return;
   const Mat3 k = inverse(rank);
   for (const SurfaceTerm& s : surface_.of_landmark(rank)) {
-    if (hull_ < 0) break;
     const Vec3 kn = k * s.n;
     Twist others = s.by_hull();  // a - sum of the a of all surface factors of this landmark, by n'K n
     for (const SurfaceTerm& other : surface_.of_landmark(rank)) others -= kn.dot(other.n) * other.by_hull();
     sum.own.block<6, 6>(hull_, hull_).noalias() += s.by_hull() * others.transpose();
     sum.rhs.segment<6>(hull_) -= s.n.dot(gain_.col(rank)) * s.by_hull();
   }
-  for (int c = 0; c < intrinsics_; ++c) {
-    const int at = intrinsics_in_border(c);
-    const Vec3 kc = k * intrinsics_of(rank).col(c);
-    for (const SurfaceTerm& s : surface_.of_landmark(rank)) {
-      if (hull_ >= 0) sum.own.row(at).segment<6>(hull_) -= kc.dot(s.n) * s.by_hull().transpose();
-    }
-    for (int d = 0; d <= c; ++d) sum.own(at, intrinsics_in_border(d)) -= kc.dot(intrinsics_of(rank).col(d));
-    sum.rhs[at] -= gain_.col(rank).dot(intrinsics_of(rank).col(c));
+  for (const SurfaceTerm& s : surface_.of_landmark(rank)) {
+    if (intrinsics_ == 0) break;
+    const Eigen::VectorXd with_normal = intrinsics_of(rank).transpose() * (k * s.n);
+    for (int c = 0; c < intrinsics_; ++c)
+      sum.own.row(intrinsics_in_border(c)).segment<6>(hull_) -= with_normal[c] * s.by_hull().transpose();
   }
+}
+
+// What landmarks leave of the intrinsics alone (13), as one product of a group of them.
+Schur::Border Schur::reduce_intrinsics() const {
+  return chunked(intrinsics_ > 0 ? groups() : 0, 1, [&](int64_t group, Border& sum) {
+    const int64_t first = group * kGroup, count = std::min(kGroup, model_.landmarks() - first);
+    Eigen::MatrixXd c(3 * count, intrinsics_), kc(3 * count, intrinsics_);
+    for (int64_t i = 0; i < count; ++i) {
+      c.middleRows<3>(3 * i) = intrinsics_of(first + i);
+      kc.middleRows<3>(3 * i).noalias() = inverse(first + i) * intrinsics_of(first + i);
+    }
+    const Eigen::Map<const Eigen::VectorXd> gain(gain_.col(first).data(), 3 * count);
+    add_intrinsics_to_border(-kc.transpose() * c, -c.transpose() * gain, sum);
+  });
 }
 
 }  // namespace hullrecon

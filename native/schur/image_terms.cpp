@@ -18,16 +18,22 @@ struct Observation {
   Eigen::Vector4d r;
   Eigen::Matrix<double, 4, 3> by;  // apparent displacement of the landmark, in g
   Vec3 top, bottom;
+  std::array<LensModes, 2> modes;  // of top and bottom, where lenses have a displacement
   int rows;
   bool in_front;
 };
 
+struct OneCamera {
+  const double *intrinsics, *lens, *image_size;  // the last two null: no displacement
+};
+
 // One image's two rows.
 template <bool kDerive>
-bool image(const double* intrinsics, const Vec3& point, const Mat3& camera_from_global, const double* measured,
-           double inverse_sigma, int row, Observation& out) {
+bool image(const OneCamera& camera, const Vec3& point, const Mat3& camera_from_global, const double* measured,
+           double inverse_sigma, int row, Observation& out, LensModes& modes) {
   Projection p;
-  if (!project(intrinsics, point, kDerive, p)) return false;
+  if (!project(camera.intrinsics, point, kDerive, p)) return false;
+  if (camera.lens) modes = lens_modes(camera.image_size, measured), p.pixel -= displacement_px(camera.lens, modes);
   out.r.segment<2>(row) = inverse_sigma * (p.pixel - Eigen::Map<const Eigen::Vector2d>(measured));
   if (kDerive) out.by.middleRows<2>(row).noalias() = inverse_sigma * (p.by_point * camera_from_global);
   return true;
@@ -36,9 +42,9 @@ bool image(const double* intrinsics, const Vec3& point, const Mat3& camera_from_
 }  // namespace
 
 FreeIntrinsics::FreeIntrinsics(const Model& model) {
-  const char* const names[] = {"T_ct_cb", "intrinsics_top", "intrinsics_bottom"};
-  for (int k = 0; k < 3; ++k) {
-    const int tangent = model.blocks()[model.block(names[k])].tangent;
+  for (size_t k = 0; k < kBlocks.size(); ++k) {
+    if (kBlocks[k] == kTopLens) before_lenses_ = width_;
+    const int tangent = model.blocks()[model.poses() + model.landmarks() + kBlocks[k]].tangent;
     at_[k] = tangent > 0 ? width_ : -1;
     width_ += tangent;
   }
@@ -47,17 +53,23 @@ FreeIntrinsics::FreeIntrinsics(const Model& model) {
 // The two cameras on the tray, at the present unknowns.
 struct ImageTerms::Cameras {
   const Tables& tables;
-  std::array<const double*, 2> intrinsics;
+  std::array<OneCamera, 2> camera;
   Motion bottom;
   Mat3 bottom_from_top;
   Robust pair, single;
 
   explicit Cameras(const Model& model)
       : tables(model.tables()),
-        intrinsics{model.blocks()[model.block("intrinsics_top")].data, model.blocks()[model.block("intrinsics_bottom")].data},
+        camera{camera_of(model, 0), camera_of(model, 1)},
         bottom(model.blocks()[model.block("T_ct_cb")].data),
         bottom_from_top(bottom.rotation().transpose()) {
     pair.huber = model.options().huber_stereo, single.huber = model.options().huber_mono;
+  }
+
+  static OneCamera camera_of(const Model& model, int k) {
+    const auto data = [&](int global) { return model.blocks()[model.poses() + model.landmarks() + global].data; };
+    if (!model.tables().has_lens()) return {data(kTopIntrinsics + k), nullptr, nullptr};
+    return {data(kTopIntrinsics + k), data(kTopLens + k), model.tables().lens_image_size.row(k)};
   }
 
   double inverse_sigma(int32_t observation) const {
@@ -75,16 +87,28 @@ struct ImageTerms::Cameras {
     out.top.noalias() = chain.camera_from_global * (landmark - chain.centre);
     out.rows = both ? 4 : 2;
     out.in_front = true;
-    if (above) out.in_front = image<kDerive>(intrinsics[0], out.top, chain.camera_from_global, measured, scale, 0, out);
+    if (above) out.in_front = image<kDerive>(camera[0], out.top, chain.camera_from_global, measured, scale, 0, out, out.modes[0]);
     if (below) {
       out.bottom.noalias() = bottom_from_top * (out.top - bottom.t);
       const Mat3 bottom_from_global = kDerive ? Mat3(bottom_from_top * chain.camera_from_global) : Mat3();
-      out.in_front &= image<kDerive>(intrinsics[1], out.bottom, bottom_from_global, both ? measured + 2 : measured, scale,
-                                     out.rows - 2, out);
+      out.in_front &= image<kDerive>(camera[1], out.bottom, bottom_from_global, both ? measured + 2 : measured, scale,
+                                     out.rows - 2, out, out.modes[1]);
     }
     if (out.in_front) return;
     out.r.setConstant(kBehindPixels * scale);
     out.by.setZero();
+  }
+  // Derivative of the rows, in px, by what is free of T_ct_cb and the intrinsics.
+  void derive(const FreeIntrinsics& free, const Observation& s, bool above, bool below,
+              Eigen::Matrix<double, 4, Eigen::Dynamic>& J) const {
+    const int row = s.rows - 2;
+    J.setZero();
+    if (above && free.of_top() >= 0) J.block<2, 9>(0, free.of_top()) = by_intrinsics(camera[0].intrinsics, s.top);
+    if (below && free.of_bottom() >= 0) J.block<2, 9>(row, free.of_bottom()) = by_intrinsics(camera[1].intrinsics, s.bottom);
+    if (!below || free.mount() < 0) return;
+    Projection p;
+    project(camera[1].intrinsics, s.bottom, true, p);
+    J.block<2, 6>(row, free.mount()) << -p.by_point * bottom_from_top, p.by_point * hat(s.bottom);
   }
   // Huber's cost of an observation and its slope, by the norm of all its rows.
   void robust(const Observation& s, double& rho, double& slope) const {
@@ -225,30 +249,37 @@ void ImageTerms::add_intrinsics(int64_t v, Eigen::Matrix3Xd& cross, Eigen::Matri
   const Vec3 landmark = model_.landmark(order_[view.landmark]);
   Observation s;
   double rho, slope;
-  Eigen::Matrix<double, 4, Eigen::Dynamic> J(4, intrinsics_.width());
+  const int width = intrinsics_.before_lenses();
+  Eigen::Matrix<double, 4, Eigen::Dynamic> J(4, width);
   for (int32_t k = view.first_observation; k < view_[v + 1].first_observation; ++k) {
     cameras.look<true>(chain_[view.pose], landmark, observation_[k], s);
     if (!s.in_front) continue;
     cameras.robust(s, rho, slope);
-    J.setZero();
     const bool below =
         s.rows == 4 || model_.tables().mono_camera.data[observation_[k] - model_.tables().stereo_node.rows()] == 1;
     const bool above = s.rows == 4 || !below;
-    const int row = s.rows - 2;
-    if (above && intrinsics_.of_top() >= 0)
-      J.block<2, 9>(0, intrinsics_.of_top()) = by_intrinsics(cameras.intrinsics[0], s.top);
-    if (below && intrinsics_.of_bottom() >= 0)
-      J.block<2, 9>(row, intrinsics_.of_bottom()) = by_intrinsics(cameras.intrinsics[1], s.bottom);
-    if (below && intrinsics_.mount() >= 0) {
-      Projection p;
-      project(cameras.intrinsics[1], s.bottom, true, p);
-      J.block<2, 6>(row, intrinsics_.mount()) << -p.by_point * cameras.bottom_from_top, p.by_point * hat(s.bottom);
-    }
-    J *= cameras.inverse_sigma(observation_[k]);
+    const double inverse_sigma = cameras.inverse_sigma(observation_[k]);
+    if (width > 0) cameras.derive(intrinsics_, s, above, below, J);
+    J *= inverse_sigma;
     const auto rows = J.topRows(s.rows);
-    cross.noalias() += slope * s.by.topRows(s.rows).transpose() * rows;
-    if (own) own->noalias() += slope * rows.transpose() * rows;
-    if (gradient) gradient->noalias() += slope * rows.transpose() * s.r.head(s.rows);
+    cross.leftCols(width).noalias() += slope * s.by.topRows(s.rows).transpose() * rows;
+    if (own) own->topLeftCorner(width, width).noalias() += slope * rows.transpose() * rows;
+    if (gradient) gradient->head(width).noalias() += slope * rows.transpose() * s.r.head(s.rows);
+    for (int camera = 0; camera < 2; ++camera) {
+      const int first = intrinsics_.lens(camera), row = camera == 0 ? 0 : s.rows - 2;
+      if (first < 0 || !(camera == 0 ? above : below)) continue;
+      // Either row of an image meets the modes of its own axis alone, and both by the same numbers.
+      const LensModes by = -inverse_sigma * s.modes[camera], weighted = slope * by;
+      const Eigen::Matrix<double, kLensModes, kLensModes> square =
+          own ? (weighted * by.transpose()).eval() : Eigen::Matrix<double, kLensModes, kLensModes>();
+      for (int axis = 0; axis < 2; ++axis) {
+        const int at = first + axis * kLensModes;
+        cross.middleCols<kLensModes>(at).noalias() += s.by.row(row + axis).transpose() * weighted.transpose();
+        if (own) own->block<kLensModes, kLensModes>(at, at) += square;
+        if (own) own->block(at, 0, kLensModes, width).noalias() += weighted * J.row(row + axis);
+        if (gradient) gradient->segment<kLensModes>(at) += s.r[row + axis] * weighted;
+      }
+    }
   }
 }
 

@@ -30,7 +30,8 @@ struct View {
   Mat3 matrix() const { return symmetric(information); }
 };
 
-// Columns of T_ct_cb and the cameras' intrinsics, those that are free, side by side. Few dives free them, so they are not fast.
+// Columns of T_ct_cb, the cameras' intrinsics and their lenses, those that are free, side by side. Few dives free T_ct_cb and
+// intrinsics, so they are not fast.
 class FreeIntrinsics {
  public:
   explicit FreeIntrinsics(const Model& model);
@@ -39,9 +40,15 @@ class FreeIntrinsics {
   int mount() const { return at_[0]; }  // of T_ct_cb
   int of_top() const { return at_[1]; }
   int of_bottom() const { return at_[2]; }
+  int lens(int camera) const { return at_[3 + camera]; }
+  int before_lenses() const { return before_lenses_; }  // columns
+
+  // In the order of their columns, which is that of the border.
+  static constexpr std::array<Global, 5> kBlocks{kBottom, kTopIntrinsics, kBottomIntrinsics, kTopLens, kBottomLens};
 
  private:
-  std::array<int, 3> at_;
+  std::array<int, 5> at_;
+  int before_lenses_ = 0;
   int width_ = 0;
 };
 

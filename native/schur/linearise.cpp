@@ -27,11 +27,6 @@ void Schur::differentiate_landmarks() {
       }
       for (const SurfaceTerm& s : surface_.of_landmark(r)) g += s.n * s.r, d += s.n.cwiseAbs2();
       gradient_.landmark.segment<3>(3 * r) = g, diagonal_.landmark.segment<3>(3 * r) = d;
-      if (intrinsics_ == 0) continue;
-      Eigen::Matrix3Xd cross = Eigen::Matrix3Xd::Zero(3, intrinsics_);
-      for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v)
-        images_.add_intrinsics(v, cross, nullptr, nullptr);
-      intrinsics_cross_.middleCols(r * intrinsics_, intrinsics_) = cross;
     }
   });
 }
@@ -106,22 +101,37 @@ void Schur::differentiate_border() {
       sum.rhs.segment<6>(hull_) += a * s.r;
       diagonal(sum, hull_, a.cwiseAbs2());
     }
-    if (intrinsics_ == 0) return;
-    Eigen::Matrix3Xd cross = Eigen::Matrix3Xd::Zero(3, intrinsics_);
+  });
+  const Border of_intrinsics = differentiate_intrinsics();
+  const int first = offset(layout_.blocks()), width = layout_.border();
+  gradient_.reduced.segment(first, width) =
+      of_poses.rhs + of_landmarks.rhs + of_intrinsics.rhs + small_.gradient(layout_.blocks());
+  diagonal_.reduced.segment(first, width) =
+      (of_poses.own + of_landmarks.own + of_intrinsics.own).diagonal() + small_.diagonal(layout_.blocks());
+  intrinsics_own_ = of_intrinsics.own;
+}
+
+// What the images say of the intrinsics alone; what they say of them and of each landmark is kept.
+Schur::Border Schur::differentiate_intrinsics() {
+  return chunked(intrinsics_ > 0 ? groups() : 0, 1, [&](int64_t group, Border& sum) {
+    Eigen::Matrix3Xd cross(3, intrinsics_);
     Eigen::MatrixXd own = Eigen::MatrixXd::Zero(intrinsics_, intrinsics_);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(intrinsics_);
-    for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v) images_.add_intrinsics(v, cross, &own, &g);
-    for (int k = 0; k < intrinsics_; ++k) {
-      sum.rhs[intrinsics_in_border(k)] += g[k];
-      // The intrinsics' own block stands whole in the lower half; its diagonal is that of J'J, too.
-      for (int m = 0; m <= k; ++m) sum.own(intrinsics_in_border(k), intrinsics_in_border(m)) += own(k, m);
+    for (int64_t r = group * kGroup; r < std::min(model_.landmarks(), (group + 1) * kGroup); ++r) {
+      cross.setZero();
+      for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v) images_.add_intrinsics(v, cross, &own, &g);
+      intrinsics_cross_.middleCols(r * intrinsics_, intrinsics_) = cross;
     }
+    add_intrinsics_to_border(own, g, sum);
   });
-  const int first = offset(layout_.blocks()), width = layout_.border();
-  gradient_.reduced.segment(first, width) = of_poses.rhs + of_landmarks.rhs + small_.gradient(layout_.blocks());
-  diagonal_.reduced.segment(first, width) = (of_poses.own + of_landmarks.own).diagonal() + small_.diagonal(layout_.blocks());
-  intrinsics_own_ = of_landmarks.own;
-  if (hull_ >= 0) intrinsics_own_.middleRows(hull_, 6).setZero();
+}
+
+// own: its lower half; so it stands in the border, and its diagonal is that of J'J, too.
+void Schur::add_intrinsics_to_border(const Eigen::MatrixXd& own, const Eigen::VectorXd& rhs, Border& sum) const {
+  for (int c = 0; c < intrinsics_; ++c) {
+    sum.rhs[intrinsics_in_border(c)] += rhs[c];
+    for (int d = 0; d <= c; ++d) sum.own(intrinsics_in_border(c), intrinsics_in_border(d)) += own(c, d);
+  }
 }
 
 }  // namespace hullrecon

@@ -39,6 +39,10 @@ Schur::Schur(Model& model)
   own_.resize(poses), with_hull_.resize(poses), eliminated_.resize(6, poses);
   with_intrinsics_.assign(poses, Mat6X(6, intrinsics_));
   inverse_.resize(landmarks), gain_.resize(3, landmarks), intrinsics_cross_.resize(3, landmarks * intrinsics_);
+  for (Global global : FreeIntrinsics::kBlocks) {
+    for (int c = 0; c < model.blocks()[layout_.model_global(global)].tangent; ++c)
+      intrinsics_in_border_.push_back(layout_.column(global) + c);
+  }
   for (StepVector* s : {&gradient_, &diagonal_}) s->landmark.resize(3 * landmarks), s->reduced.resize(layout_.size());
 }
 
@@ -140,16 +144,6 @@ void Schur::plus(const std::vector<double>& from, const StepVector& step, std::v
   }
   for (int64_t r = 0; r < model_.landmarks(); ++r)
     put(static_cast<int>(model_.poses()) + images_.landmark(r), &step.landmark[3 * r]);
-}
-
-int Schur::intrinsics_in_border(int column) const {
-  const FreeIntrinsics& free = images_.intrinsics();
-  const std::array<std::pair<int, int>, 3> parts{
-      {{free.of_bottom(), kBottomIntrinsics}, {free.of_top(), kTopIntrinsics}, {free.mount(), kBottom}}};
-  for (const auto& [first, global] : parts) {
-    if (first >= 0 && column >= first) return layout_.column(global) + column - first;
-  }
-  return -1;
 }
 
 // Sums over fixed chunks, then the chunks in order: the same bytes for any number of threads.

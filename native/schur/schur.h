@@ -60,6 +60,7 @@ class Schur {
   using Mat63 = Eigen::Matrix<double, 6, 3>;
   using Mat6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
   static constexpr int64_t kPoses = 64, kLandmarks = 1024;  // chunks of sums
+  static constexpr int64_t kGroup = 256;                    // landmarks whose products with intrinsics are one
   struct Border {                                           // what a chunk adds to the border's own block and right side
     Eigen::MatrixXd own;
     Eigen::VectorXd rhs;
@@ -71,6 +72,8 @@ class Schur {
   void differentiate_nodes();
   void differentiate_others();
   void differentiate_border();
+  Border differentiate_intrinsics();
+  void add_intrinsics_to_border(const Eigen::MatrixXd& own, const Eigen::VectorXd& rhs, Border& sum) const;
 
   bool invert(const StepVector& damping);
   void eliminate();
@@ -80,12 +83,14 @@ class Schur {
   void reduce_other(int block);
   void add_small(int block, Eigen::MatrixXd& own, Eigen::MatrixXd& border);
   void reduce_landmark_border(int64_t rank, Border& sum) const;
+  Border reduce_intrinsics() const;
   void back_substitute(StepVector& step) const;
 
   Vec3 at(int64_t rank) const { return images_.at(rank); }
   Mat3 inverse(int64_t rank) const { return symmetric(inverse_[rank]); }
   auto intrinsics_of(int64_t rank) const { return intrinsics_cross_.middleCols(rank * intrinsics_, intrinsics_); }
-  int intrinsics_in_border(int column) const;
+  int64_t groups() const { return (model_.landmarks() + kGroup - 1) / kGroup; }
+  int intrinsics_in_border(int column) const { return intrinsics_in_border_[column]; }
   Border chunked(int64_t count, int64_t chunk, const std::function<void(int64_t, Border&)>& work) const;
 
   Model& model_;
@@ -97,6 +102,7 @@ class Schur {
   const TwistPattern pattern_;
   const std::unique_ptr<ReducedSystem> reduced_;
   const int intrinsics_, hull_, mount_;  // columns of the free intrinsics; first of T_g_M, T_s_ct in the border, -1: held
+  std::vector<int> intrinsics_in_border_;
 
   // At the last accepted point.
   StepVector gradient_, diagonal_;

@@ -119,13 +119,15 @@ void SmallFactors::evaluate(int64_t f, double* to, Scratch& s) const {
   model_.blocks_of(factor_[f], s.blocks);
   const int rows = rows_[f];
   s.x.clear(), s.J.clear(), s.sizes.clear();
-  s.raw.resize(s.blocks.size() * 9 * rows);
+  size_t numbers = 0;
+  for (int32_t b : s.blocks) numbers += model_.blocks()[b].size * rows;
+  s.raw.resize(numbers);
   double* next = s.raw.data();
   for (int32_t b : s.blocks) {
     const Block& block = model_.blocks()[b];
     s.x.push_back(block.data), s.sizes.push_back(block.size);
     s.J.push_back(block.tangent > 0 ? next : nullptr);
-    next += 9 * rows;
+    next += block.size * rows;
   }
   Eigen::Map<Eigen::MatrixXd> out(to, rows, (value_start_[f + 1] - value_start_[f]) / rows);
   double residual[kMostRows], rho, slope = 1;

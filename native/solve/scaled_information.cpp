@@ -18,6 +18,7 @@ const char* coordinate(const Block& block, int k) {
   static constexpr std::array<const char*, 9> intrinsics{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
   if (block.name == "navigation") return navigation[k];
   if (block.name.starts_with("link_switch")) return "value";
+  if (block.name.starts_with("lens")) return "displacement";
   return block.size == 9 ? intrinsics[k] : block.size == 1 ? "offset" : motion[k];
 }
 

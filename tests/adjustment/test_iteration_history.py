@@ -23,6 +23,7 @@ WEIGHTS = Weights(
     range_sigma=0.02,
     surface=np.ones(3),
     tray_direction=np.zeros(2),
+    lens=np.zeros(2),
 )
 
 

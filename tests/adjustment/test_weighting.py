@@ -26,6 +26,7 @@ WEIGHTS = Weights(
     range_sigma=0.02,
     surface=np.ones(0),
     tray_direction=np.ones(400),
+    lens=np.zeros(2),
 )
 GIVEN_M = 0.02
 
@@ -52,6 +53,7 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M, nodes_per_reading=1):
         rig=scene.rig,
         tracks=scene.tracks,
         trajectory=SimpleNamespace(tray=level),
+        lenses=np.zeros((2, 36)),
     )
     nodes = poses.from_rpy(np.c_[level, level, depth], np.zeros((n, 3)))
     return measured, SimpleNamespace(nodes=nodes, tray=level, navigation=np.zeros(6))

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from drafts import Draft, change, covariance, evaluate, leaves, solve
 from native.test_cores import field, links, mono_beside_stereo, planes, positions
+from native.test_lens import lenses
 from native.twins import array_fields
 
 from hullrecon.errors import InputError, UsageError
@@ -30,6 +31,7 @@ def whole(make_survey: Survey) -> Draft:
     links(p)
     planes(p)
     positions(p)
+    lenses(p)
     p.priors.T_ct_cb = MotionPrior(value=p.unknowns.T_ct_cb.copy(), sqrt_information=np.eye(6))
     return p
 
@@ -50,6 +52,11 @@ REFUSALS: list[tuple[str, Callable[[np.ndarray], Any], str]] = [
     ("unknowns.T_ct_cb", lambda x: 0 * x, "the quaternion is not of unit length"),
     ("unknowns.T_s_d", lambda x: x[None], "expected"),
     ("odometry.mount", lambda x: -3 * x, "the quaternion is not of unit length"),
+    ("unknowns.lens_top", lambda x: x[:5], "expected"),
+    ("lenses.image_size", lambda x: x[:1], "expected"),
+    ("lenses.image_size", lambda x: 0 * x, "not positive"),
+    ("lenses.expected_px", lambda x: x[:, :3], "expected"),
+    ("lenses.sigma_px", lambda x: 0 * x, "not positive"),
     ("unknowns.navigation", lambda x: x[:5], r"expected \(6, \)"),
     ("unknowns.deviation", lambda x: x[:, None], "expected"),
     ("unknowns.intrinsics_top", lambda x: x[:8], r"expected \(9, \)"),

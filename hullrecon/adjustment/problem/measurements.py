@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
+from hullrecon.native import LENS_MODES
 from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import (
@@ -51,3 +54,6 @@ class Measurements:
     start: VehiclePath | None = None  # path to begin with; None: dead reckoning
     planes: TiedPlanes | None = None  # tie passes where there is no CAD model
     positions: PositionTies | None = None  # from outside (GPS, USBL)
+    # (2, 2 LENS_MODES) px, displacements of top and bottom lens that were found: the pixels of the
+    # tracks have been moved by them
+    lenses: Array = field(default_factory=lambda: np.zeros((2, 2 * LENS_MODES)))

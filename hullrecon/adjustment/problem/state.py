@@ -86,3 +86,4 @@ class Weights:
     range_sigma: float  # m
     surface: Array  # (L,) weight of each landmark's surface factor
     tray_direction: Array  # (n,) +1 or -1: side of its backlash on which the tray hangs
+    lens: Array  # (2,) px rms, displacement of top and bottom lens; 0: none

@@ -11,6 +11,7 @@ import numpy as np
 from hullrecon.adjustment.options import Strategy
 from hullrecon.adjustment.problem import selection
 from hullrecon.adjustment.problem.assembly import Selection, share_weight_by_cell
+from hullrecon.adjustment.problem.lens import estimate_lens_sigma
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors
@@ -37,6 +38,7 @@ def initial_weights(m: Measurements, strategy: Strategy) -> Weights:
         tray_direction=m.attitude.tray_direction
         if strategy.systematic_errors
         else np.zeros(len(m.trajectory.t_ns)),
+        lens=np.array(m.rig.priors.calibration_sigma_px) * float(strategy.systematic_errors),
     )
 
 
@@ -75,6 +77,7 @@ def estimate_weights(
         depth=_depth_weight(m, state),
         tray_direction=side,
         tray=tray,
+        lens=estimate_lens_sigma(m.lenses, np.array(m.rig.priors.calibration_sigma_px)),
     )
 
 

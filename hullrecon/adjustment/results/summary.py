@@ -14,7 +14,7 @@ from hullrecon.adjustment.bundle_adjustment import Adjusted
 from hullrecon.adjustment.cad_acceptance import Placement
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.problem import intrinsics, iteration_history, weighting
+from hullrecon.adjustment.problem import intrinsics, iteration_history, lens, weighting
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.results.covariance import hull_axes
@@ -67,6 +67,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
     fit = fit_of_positions(adjusted.problem, m.positions, marginals.world, settings)
     disagreement = None if fit is None else fit.disagreement()
     seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
+    lenses = lens.summarise_lenses(m.rig, adjusted.lenses, marginals)
     stereo = _stereo_sentence(m, adjusted, marginals)
     summary = {
         **_figures(m, adjusted),
@@ -82,6 +83,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         "cad_model_refused": adjusted.verdict.reason,
         "legs": [] if ties is None else ties.table(m.trajectory.t_ns),
         **({"intrinsics": seen_with} if seen_with else {}),
+        **({"lenses": lenses} if lenses else {}),
         **(
             {"stereo_contradiction": asdict(adjusted.verdict.stereo) | {"sentence": stereo}}
             if adjusted.verdict.stereo is not None

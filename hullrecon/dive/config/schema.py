@@ -59,6 +59,15 @@ Readout = Annotated[
     ),
 ]
 JointUnit = Annotated[Literal["rad", "deg"], Meta(description="of the logged angles")]
+CalibrationSigma = Annotated[
+    float,
+    Meta(
+        ge=0,
+        le=10,
+        description="px, rms over the image of what the calibration leaves of the lens's smooth "
+        "displacement of pixels; 0: nothing",
+    ),
+]
 TopicName = Annotated[str, Meta(pattern=ONE_LINE, max_length=1000)]
 Hour = Annotated[datetime, Meta(tz=True)]
 WindowLimit = Annotated[
@@ -257,6 +266,7 @@ class CameraTop(Section, frozen=True):
     sigma_px: Annotated[
         Positive, Meta(description="px, sigma of a feature before residuals tell it")
     ] = 1.0
+    calibration_sigma_px: CalibrationSigma = 0.1
 
 
 class CameraBottom(Section, frozen=True):
@@ -282,6 +292,7 @@ class CameraBottom(Section, frozen=True):
     )
     time_offset: TimeOffset = 0.0
     readout_s: Readout = 0.0
+    calibration_sigma_px: CalibrationSigma = 0.1
 
 
 class Cameras(Section, frozen=True):

@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The lenses' smooth displacements of pixels as unknowns (docs/methods.md 6).
+
+A calibration leaves some tenth of a pixel, the same in every image: all landmarks share it and it
+does not average out as their noise does. Pixel p sees what the calibration puts at p plus that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
+from hullrecon.rig import Rig
+from hullrecon.typing import Array
+
+# Displacement that features themselves have, px: the mean residual in 8 x 8 cells of lenses that
+# are exact is 0.003 (docs/methods.md 4)
+LEAST_PX = 0.005
+MOST_CALIBRATIONS = 3.0
+LENGTH = 1 / 4  # correlation length of a displacement along either axis, in the image's side
+_DEGREES = [
+    (n, degree - n) for degree in range(2, native.LENS_DEGREE + 1) for n in range(degree + 1)
+]  # along u and v, of the modes in their order
+_BLOCKS = ("lens_top", "lens_bottom")
+
+
+def lens_modes(pixels: Array, camera: CameraModel) -> Array:
+    """Compute the modes (n, LENS_MODES) at pixels (n, 2), as native/factors/lens.h does."""
+    at = (2 * pixels + 1) / [camera.width, camera.height] - 1
+    u, v = (_legendre(at[:, axis]) for axis in range(2))
+    along_u, along_v = np.array(_DEGREES).T
+    return u[:, along_u] * v[:, along_v]
+
+
+def displacement(pixels: Array, camera: CameraModel, lens: Array) -> Array:
+    """Compute the displacement (n, 2) px of a lens (2 LENS_MODES,) at pixels (n, 2)."""
+    return lens_modes(pixels, camera) @ lens.reshape(2, native.LENS_MODES).T
+
+
+@cache
+def mode_shares() -> Array:
+    """Compute the sigma (2 LENS_MODES,) of each mode's number where the displacement's rms is 1 px.
+
+    The modes' share in a Gaussian field of `LENGTH`; what is finer is left out, and constant and
+    linear parts, which any calibration finds.
+    """
+    at, weight = np.polynomial.legendre.leggauss(40)
+    by_mode = _legendre(at) * weight[:, None] / 2
+    field = np.exp(-0.5 * ((at[:, None] - at) / (2 * LENGTH)) ** 2)
+    variance = np.diag(by_mode.T @ field @ by_mode)
+    along_u, along_v = np.array(_DEGREES).T
+    of_mode = variance[along_u] * variance[along_v]
+    return np.tile(np.sqrt(of_mode / (2 * of_mode.sum())), 2)
+
+
+def free_lenses(problem: native.Problem, m: Measurements, sigma_px: Array) -> native.Problem:
+    """Make unknowns of the displacements of lenses.
+
+    The tracks' pixels have been moved by what was found so far, about the negative of which the
+    prior of the rest stands.
+
+    Parameters
+    ----------
+    problem, m
+        A round's problem, and what it was made of.
+    sigma_px
+        (2,) rms of the displacement of top and bottom lens; 0: none.
+    """
+    models = m.rig.camera_models
+    if m.tracks is None or not any(sigma_px[camera.column] > 0 for camera in models):
+        return problem
+    size = {camera: [model.width, model.height] for camera, model in models.items()}
+    table = native.LensTable(
+        image_size=np.array([size.get(camera, [1, 1]) for camera in Camera], float),
+        sigma_px=np.outer(np.where(sigma_px > 0, sigma_px, 1.0), mode_shares()),
+        expected_px=-m.lenses,
+    )
+    held = [_BLOCKS[camera.column] for camera in models if sigma_px[camera.column] == 0]
+    return replace(problem, lenses=table).hold(*held)
+
+
+def apply_lenses(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
+    """Move the tracks' pixels by the displacements that the solve found."""
+    if not len(problem.lenses.image_size) or m.tracks is None:
+        return m
+    found = np.stack([result.unknowns.lens_top, result.unknowns.lens_bottom])
+    tracks = m.tracks
+    for camera in Camera:
+        model, name = m.rig.camera_models.get(camera), camera.value
+        if model is not None:
+            pixels = getattr(tracks, name)
+            moved = pixels + displacement(pixels, model, found[camera.column])
+            tracks = replace(tracks, **{name: moved})
+    return replace(m, tracks=tracks, lenses=m.lenses + found)
+
+
+def estimate_lens_sigma(found: Array, calibration_sigma_px: Array) -> Array:
+    """Estimate the rms (2,) px of the lenses' displacements from the modes (2, 2 LENS_MODES) found.
+
+    Most modes the images tell to thousandths of a pixel. What those show is known of the few that
+    hide in a bend of the path, which from round to round are held the tighter. At most
+    `MOST_CALIBRATIONS` of the calibration's sigma; of a lens that has none it stays 0.
+    """
+    rms_px = np.sqrt(np.mean((found / mode_shares()) ** 2, axis=1))
+    least, most = np.minimum(LEAST_PX, calibration_sigma_px), MOST_CALIBRATIONS
+    return np.asarray(np.clip(rms_px, least, most * calibration_sigma_px))
+
+
+def summarise_lenses(rig: Rig, found: Array, marginals: native.Covariance) -> dict[str, Any]:
+    """Tabulate by camera the displacement found, its sigma and its calibration's, px rms."""
+    out: dict[str, Any] = {}
+    for camera in rig.camera_models:
+        variance_px2 = float(np.trace(getattr(marginals, _BLOCKS[camera.column])))
+        if variance_px2 > 0:
+            out[camera.value] = {
+                "displacement_px": float(np.linalg.norm(found[camera.column])),
+                "sigma_px": float(np.sqrt(variance_px2)),
+                "calibration_sigma_px": rig.priors.calibration_sigma_px[camera.column],
+            }
+    return out
+
+
+def _legendre(at: Array) -> Array:
+    """Compute Legendre polynomials (n, LENS_DEGREE + 1) of unit rms at `at` (n,) in -1 to 1."""
+    degree = native.LENS_DEGREE
+    values = np.polynomial.legendre.legvander(at, degree)
+    return np.asarray(values * np.sqrt(2 * np.arange(degree + 1) + 1), float)
