@@ -115,7 +115,7 @@ def _mount(key: str, value: object, source: str) -> str:
 
 def _bow(axis: str, bow_m: float, given: bool, zero_m: float, ahead_m: float) -> str:
     why = "hull.bow" if given else f"where {axis} grows, as hull.bow is not given"
-    counted = f"its {axis} = {zero_m:g}{' m' if zero_m else ''}"
+    counted = f"its {axis} = {_coordinate(zero_m)}{' m' if zero_m else ''}"
     return (
         f"bow: at {axis} = {bow_m:+.1f} m of the CAD model ({why}); stations count from {counted}, "
         f"{_from_aft_end(ahead_m)}"
@@ -124,10 +124,15 @@ def _bow(axis: str, bow_m: float, given: bool, zero_m: float, ahead_m: float) ->
 
 def _stations(axis: str, zero_m: float, ahead_m: float) -> str:
     return (
-        f"stations and frames count from {axis} = {zero_m:g} m of the CAD model, "
+        f"stations and frames count from {axis} = {_coordinate(zero_m)} m of the CAD model, "
         f"{_from_aft_end(ahead_m)}: if its bow is the other end, give hull.bow; if its aft "
         "perpendicular lies elsewhere, hull.aft_perpendicular"
     )
+
+
+def _coordinate(value_m: float) -> str:
+    """Format a coordinate, those of a map too, which are longer than six digits."""
+    return f"{value_m:g}" if abs(value_m) < 1e5 else f"{value_m:.1f}"
 
 
 def _from_aft_end(ahead_m: float) -> str:
@@ -220,6 +225,8 @@ NOTES: dict[str, Words] = {
     # the CAD model
     "mesh-read": _mesh,
     "mesh-faces-removed": _removed,
+    "mesh-steps": "the CAD model's coordinates reach {farthest_m:.0f} m and are stored in steps of "
+    "{step_m:.2g} m there",
     "mesh-faces-hidden": lambda hidden, count: (
         f"{hidden} of {count} faces were left out, as nothing outside sees them: inner sides of "
         "plates, tanks, structure"

@@ -5,7 +5,8 @@
 report/web/src/scene.js is given a document, and one packed block of arrays that it points into. All
 arrays are little-endian. Each begins at a multiple of four bytes:
 
-- vertices: three uint16 inside the part's box
+- vertices: three uint16 inside the part's box, which is about the document's `origin`, as path and
+  objects are: WebGL has single precision
 - form: int16 in steps of `form_step_m` along the normal
 - relief, the part of the form that may be exaggerated: int16 in the same steps
 - normals: three int8 in 127ths
@@ -22,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
+from hullrecon.geometry.meshes.local_origin import local_origin
 from hullrecon.geometry.meshes.mesh import vertex_normals
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.figures.hull_map import HullMap
@@ -172,19 +174,21 @@ def make_scene(survey: Survey, view: HullMap | None) -> SceneView | None:
         return None
     outside = view.extent.outside
     block, path = bytearray(), _known(survey.track.poses.translation)
+    origin = local_origin(surveyed.vertices)
     document: SceneDocument = {
         "block": BLOCK,
         "frame": str(survey.track.frame),
+        "origin": origin.tolist(),
         "up": view.chart.ship_axes[2].tolist(),
         "forward": view.chart.ship_axes[0].tolist(),
         "forward_name": "bow" if survey.is_in_hull_frame else "x",
-        "surveyed": _pack(surveyed, outside, block),
-        "rest": None if rest is None else _pack(rest, outside, block),
+        "surveyed": _pack(surveyed, outside, block, origin),
+        "rest": None if rest is None else _pack(rest, outside, block, origin),
         "has_form": surveyed.has_form,
         "has_cad": survey.is_in_hull_frame,
-        "path": _rounded(path[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
+        "path": _rounded((path - origin)[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
         "objects": [
-            _object(o)
+            _object(o, origin)
             for o in survey.findings.objects or ()
             if np.isfinite((*o.center, *o.normal)).all()
         ],
@@ -192,8 +196,8 @@ def make_scene(survey: Survey, view: HullMap | None) -> SceneView | None:
     return SceneView(document=document, block=b64encode(bytes(block)).decode())
 
 
-def _pack(part: ScenePart, outside: OutsideMap, block: bytearray) -> SceneDocument:
-    """Append a part's arrays to the block. Returns their offsets and scales."""
+def _pack(part: ScenePart, outside: OutsideMap, block: bytearray, origin: Array) -> SceneDocument:
+    """Append a part's arrays to the block. Returns their offsets and scales, about an origin."""
     relief = relief_of(part.vertices, part.form)
     low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
     span = np.maximum(high - low, 1e-6)
@@ -201,7 +205,7 @@ def _pack(part: ScenePart, outside: OutsideMap, block: bytearray) -> SceneDocume
     return {
         "count": len(part.vertices),
         "triangles": len(part.faces),
-        "low": low.tolist(),
+        "low": (low - origin).tolist(),
         "step": (span / _STEPS).tolist(),
         "form_step_m": form_step,
         "vertices": _append(block, np.round((part.vertices - low) / span * _STEPS).astype("<u2")),
@@ -221,13 +225,13 @@ def _append(block: bytearray, values: np.ndarray) -> int:
     return start
 
 
-def _object(found: ReportedObject) -> SceneDocument:
+def _object(found: ReportedObject, origin: Array) -> SceneDocument:
     return {
         "id": found.id,
         "kind": "protrusion" if found.height >= 0 else "recess",
-        "at": _rounded(np.array(found.center, float)),
+        "at": _rounded(np.array(found.center, float) - origin),
         "normal": _rounded(np.array(found.normal, float)),
-        "outline": _rounded(_known(np.array(found.outline, float).reshape(-1, 3))),
+        "outline": _rounded(_known(np.array(found.outline, float).reshape(-1, 3) - origin)),
     }
 
 

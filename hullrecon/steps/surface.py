@@ -77,7 +77,7 @@ def _cad_hull(mesh: Mesh, settings: StageSettings) -> CadHull:
         mesh=mesh,
         up=(0.0, 0.0, 1.0) if pose is None else up_in(from_mount(pose)),
         bow=settings.read_optional("hull.bow", str),
-        aft_perpendicular_m=settings.read_optional("hull.aft_perpendicular", float) or 0.0,
+        aft_perpendicular_m=settings.read_optional("hull.aft_perpendicular", float),
     )
 
 

@@ -30,7 +30,7 @@ class CadHull:
     mesh: Mesh
     up: Sequence[float] | Array = (0.0, 0.0, 1.0)  # (3,) roughly up
     bow: str | None = None  # as `chart_for_hull` has it
-    aft_perpendicular_m: float = 0.0
+    aft_perpendicular_m: float | None = None  # as `chart_for_hull` has it
 
     def chart(self, points: Array, sensors: Array) -> Chart:
         """Unroll the CAD model, whatever points and sensors are."""

@@ -129,3 +129,19 @@ def test_a_gray_mosaic_is_a_texture_too(flat_surface: Callable[..., MosaicSurfac
     texture = np.asarray(loaded.visual.material.baseColorTexture.convert("RGB")).astype(int)
     assert np.abs(texture[..., 0] - texture[..., 2]).max() <= 2
     assert np.ptp(texture) > 30
+
+
+def test_a_mesh_in_map_coordinates_keeps_tenths_of_a_millimetre() -> None:
+    far = np.array([573_412.3, 6_020_155.7, -3.8])
+    mesh = TexturedMesh(
+        vertices=far + np.array([[0.0, 0, 0.0123], [1, 0, 0], [0, 1, 0]]),
+        faces=np.array([[0, 1, 2]]),
+        uv=np.array([[0.0, 0], [1, 0], [0, 1]]),
+    )
+    scene = trimesh.load(BytesIO(encode_glb(mesh, checks(), UP)), file_type="glb")
+    (stored,) = scene.geometry.values()
+    assert np.abs(stored.vertices).max() < 2
+    place, _ = scene.graph[scene.graph.nodes_geometry[0]]
+    turned = stored.vertices @ place[:3, :3].T + place[:3, 3]
+    upright = np.stack([turned[:, 0], -turned[:, 2], turned[:, 1]], axis=1)
+    np.testing.assert_allclose(np.sort(upright, axis=0), np.sort(mesh.vertices, axis=0), atol=1e-4)

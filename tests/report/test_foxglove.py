@@ -260,3 +260,39 @@ def test_a_cad_model_with_y_up_has_an_upright_frame(whole: Survey) -> None:
     np.testing.assert_allclose(
         np.sort(seen, axis=0), np.sort(CAD_MODEL.vertices, axis=0), atol=1e-6
     )
+
+
+def far_from_zero(whole: Survey) -> Survey:
+    """The survey of a ship in map coordinates."""
+    shift = np.array([573_412.25, 6_020_155.5, -3.75])
+    poses = whole.track.poses
+    as_found = whole.surfaces.as_found
+    moved = Poses(poses.quaternion, poses.translation + shift)
+    surfaces = replace(
+        whole.surfaces,
+        as_found=replace(as_found, vertices=as_found.vertices + shift),
+        cad_model=Mesh(CAD_MODEL.vertices + shift, CAD_MODEL.faces),
+    )
+    return replace(whole, track=replace(whole.track, poses=moved), surfaces=surfaces)
+
+
+def test_clouds_in_map_coordinates_keep_tenths_of_a_millimetre(whole: Survey) -> None:
+    far = far_from_zero(whole)
+    found = read(dive_result_mcap(far))
+    (value,) = found["/hull/as_found"]
+    assert value["frame_id"] == "hull_local"
+    place = chain(found["/tf"], "hull", "hull_local", t_ns=START)
+    seen = far.surfaces.as_found.vertices[far.surfaces.as_found.support > 0]
+    np.testing.assert_allclose(place.apply(xyz(cloud(value))), seen, atol=1e-4)
+    (entity,) = found["/hull/cad_model"][0]["entities"]
+    assert entity["frame_id"] == "hull_local"
+    glb = base64.b64decode(entity["models"][0]["data"])
+    model = trimesh.load(BytesIO(glb), file_type="glb").to_mesh()
+    assert np.abs(model.vertices).max() < 20
+    assert {value["frame_id"] for value in found["/dvl/returns"]} == {"hull_local"}
+    assert found["/vehicle/pose"][0]["frame_id"] == "hull"
+
+
+def test_a_ship_near_zero_needs_no_local_frame(whole: Survey) -> None:
+    found = read(dive_result_mcap(whole))
+    assert "hull_local" not in {value["child_frame_id"] for value in found["/tf"]}

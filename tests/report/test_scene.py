@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from report.conftest import FlatChart
 
+from hullrecon.geometry.poses import Poses
 from hullrecon.report import scene_view as parts
 from hullrecon.report.figures.hull_map import hull_map
 from hullrecon.report.scene_view import SceneView, make_scene, relief_of, scene_parts
@@ -192,3 +193,42 @@ def test_an_object_without_a_place_is_left_out(survey: Survey) -> None:
 def test_a_form_of_nothing_has_no_relief() -> None:
     assert (relief_of(np.zeros((4, 3)), np.zeros(4)) == 0).all()
     assert relief_of(np.zeros((0, 3)), np.zeros(0)).shape == (0,)
+
+
+UTM = np.array([573_412.0, 6_020_155.0, -4.0])
+
+
+class FarChart(FlatChart):
+    """The same chart of a plate in map coordinates."""
+
+    def to_chart(self, points: np.ndarray) -> np.ndarray:
+        return super().to_chart(points - UTM)
+
+    def from_chart(self, along_girth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        points, normals = super().from_chart(along_girth)
+        return points + UTM, normals
+
+
+def test_a_scene_in_map_coordinates_is_about_an_origin_of_its_own(survey: Survey) -> None:
+    survey = replace(survey, findings=replace(survey.findings, objects=()))
+    plate, poses = survey.surfaces.as_found, survey.track.poses
+    assert plate is not None
+    far = replace(
+        survey,
+        surfaces=replace(
+            survey.surfaces,
+            chart=FarChart(),
+            as_found=replace(plate, vertices=plate.vertices + UTM),
+        ),
+        track=replace(survey.track, poses=Poses(poses.quaternion, poses.translation + UTM)),
+    )
+    one, two = scene_of(survey), scene_of(far)
+    assert one.document["origin"] == [0.0, 0.0, 0.0]
+    shift = UTM - np.array(two.document["origin"])
+    assert np.abs(shift).max() < 20
+    for name in ("path", "surveyed"):
+        near, moved = (
+            np.array(v.document["path"]) if name == "path" else arrays(v, name)["vertices"]
+            for v in (one, two)
+        )
+        np.testing.assert_allclose(moved, near + shift, atol=2e-4)

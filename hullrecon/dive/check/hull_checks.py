@@ -11,7 +11,7 @@ from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.charts.region import chart_limits, region_cells
-from hullrecon.geometry.charts.section_casting import AXES, hull_axes
+from hullrecon.geometry.charts.section_casting import AXES, first_station, hull_axes
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_mount, up_in
 
@@ -26,8 +26,8 @@ def describe_bow(hull: Hull, mesh: Mesh) -> tuple[Finding, list[Finding]]:
     forward = hull_axes(mesh.vertices, up_in(from_mount(hull.pose)), hull.bow)[0]
     axis = AXES[int(np.argmax(np.abs(forward)))]
     aft_m, bow_m = np.sort(mesh.vertices @ forward)[[0, -1]]
-    zero_m = hull.aft_perpendicular
-    ahead_m = float(zero_m * forward.sum() - aft_m)
+    first_m = first_station(mesh.vertices, forward, hull.aft_perpendicular)
+    zero_m, ahead_m = float(first_m * forward.sum()) + 0.0, float(first_m - aft_m)
     values: dict[str, object] = {"axis": axis, "zero_m": zero_m, "ahead_m": ahead_m}
     at_m = round(float(bow_m * forward.sum()), 1) + 0.0  # no "-0.0"
     bow = Finding("bow", {**values, "bow_m": at_m, "given": hull.bow is not None})

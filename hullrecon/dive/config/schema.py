@@ -415,12 +415,13 @@ class Hull(Section, frozen=True):
         ),
     ] = None
     aft_perpendicular: Annotated[
-        Offset,
+        Offset | None,
         Meta(
             description="m, where on the mesh's long axis the aft perpendicular lies: stations and "
-            "frames count from it"
+            "frames count from it; absent: its zero, or the aft end where zero lies off the ship "
+            "by more than its length"
         ),
-    ] = 0.0
+    ] = None
     frame_spacing: Annotated[
         Positive | None, Meta(description="m, between frames, for addresses by frame number")
     ] = None

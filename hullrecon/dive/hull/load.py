@@ -22,6 +22,7 @@ from hullrecon.dive.files import MIB, gunzip, read_regular
 from hullrecon.dive.hull.hidden_faces import leave_out_hidden
 from hullrecon.dive.hull.mirrors import ends_at_a_plane, find_boundary
 from hullrecon.dive.hull.orientation import orient_outward
+from hullrecon.dive.hull.precision import stored_step
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas
@@ -38,6 +39,9 @@ FREE_BYTES, PACKED_BY = 64 * MIB, 50
 SHORTEST_M, LONGEST_M = 5.0, 500.0  # of a ship hull
 MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
 FINEST_M = 1e-6  # no CAD model is finer
+# in which coordinates are stored: an error of 3 mm (step / sqrt(12)), beside the 20 mm by which
+# hulls leave their CAD model, and one that no deviation shows
+COARSEST_STEP_M, FINE_STEP_M = 0.01, 0.001
 # magic, version, length; length and type of the first chunk, which is JSON
 GLB_HEAD = struct.Struct("<4sIIII")
 ROOM = 1_000_000  # values or faces beyond one a byte
@@ -57,9 +61,11 @@ def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
     Defects and repairs are added to notes. Raises InputError for a file that is no mesh or of a
     wrong size.
     """
-    vertices, faces = _load(path)
-    vertices = vertices * METRES_PER_UNIT[units]
+    stored, faces, is_single = _load(path)
+    vertices = stored * METRES_PER_UNIT[units]
     _check_extent(vertices[faces].reshape(-1, 3), units, path, notes)
+    step = stored_step(stored[np.unique(faces)], is_single)
+    _check_step(METRES_PER_UNIT[units] * step, vertices, path, notes)
     mesh = clean_mesh(Mesh(vertices, faces), notes)
     if not len(mesh.faces):
         raise InputError("the CAD model has no face with an area", where=str(path))
@@ -78,7 +84,8 @@ def read_hull(path: Path, units: str, notes: list[Finding]) -> Mesh:
     return mesh
 
 
-def _load(path: Path) -> tuple[Array, Ints32]:
+def _load(path: Path) -> tuple[Array, Ints32, bool]:
+    """Read vertices (n, 3), faces (m, 3), and whether the file stores single precision."""
     name = path.name.lower().removesuffix(".gz")
     kind = name.rpartition(".")[2]
     if kind not in FORMATS:
@@ -109,7 +116,8 @@ def _load(path: Path) -> tuple[Array, Ints32]:
         raise InputError(
             f"faces of {path.name} name vertices that it does not have", where=str(path.parent)
         )
-    return vertices, faces.astype(np.int32)
+    is_binary_stl = kind == "stl" and not data[:5].lower().startswith(b"solid")
+    return vertices, faces.astype(np.int32), is_binary_stl
 
 
 def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
@@ -164,6 +172,21 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
         where="hull.units",
         remedy=f'set units = "{guess}" in [hull]',
     )
+
+
+def _check_step(step_m: float, vertices: Array, path: Path, notes: list[Finding]) -> None:
+    """Refuse coordinates stored in steps too coarse for a hull, and remark less coarse ones."""
+    farthest_m = float(np.abs(vertices).max())
+    if step_m > COARSEST_STEP_M:
+        raise InputError(
+            f"the coordinates of {path.name} reach {farthest_m:.0f} m and are stored in steps of "
+            f"{step_m:.2g} m there, too coarse for a hull",
+            where="hull.mesh",
+            remedy="export it about an origin near the ship (hull.pose is of that origin then), or "
+            "as OBJ or PLY with double precision",
+        )
+    if step_m > FINE_STEP_M:
+        notes.append(Finding("mesh-steps", {"step_m": step_m, "farthest_m": farthest_m}))
 
 
 def clean_mesh(mesh: Mesh, notes: list[Finding]) -> Mesh:

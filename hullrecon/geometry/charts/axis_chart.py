@@ -19,6 +19,7 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.charts.section_casting import (
     cast_sections,
     choose_axis_height,
+    first_station,
     hull_axes,
     outward_faces,
 )
@@ -134,7 +135,7 @@ class AxisChart:
 
 
 def build_axis_chart(
-    mesh: Mesh, up: Array, bow: str | None = None, aft_perpendicular_m: float = 0.0
+    mesh: Mesh, up: Array, bow: str | None = None, aft_perpendicular_m: float | None = None
 ) -> AxisChart:
     """Build the chart that `chart_for_hull` describes."""
     axes = hull_axes(mesh.vertices, up, bow)
@@ -149,5 +150,5 @@ def build_axis_chart(
         axes,
         outward_faces(turned, sections),
         sections,
-        float(axes[0].sum()) * aft_perpendicular_m,
+        first_station(mesh.vertices, axes[0], aft_perpendicular_m),
     )

@@ -54,7 +54,7 @@ def chart_for_hull(
     mesh: Mesh,
     up: ArrayLike = (0.0, 0.0, 1.0),
     bow: str | None = None,
-    aft_perpendicular_m: float = 0.0,
+    aft_perpendicular_m: float | None = None,
 ) -> Chart:
     """Build the chart of a CAD model: stations along the ship and girth from the keel.
 
@@ -68,7 +68,8 @@ def chart_for_hull(
     bow
         Direction of the bow along that axis, "+x" to "-z". If None, the axis points to the bow.
     aft_perpendicular_m
-        Coordinate on that axis at which along is zero.
+        Coordinate on that axis at which along is zero. If None, zero, or the aft end of a mesh that
+        lies farther from zero than its length.
 
     Raises
     ------

@@ -42,6 +42,20 @@ def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
     return rows
 
 
+def first_station(vertices: Array, forward: Array, aft_perpendicular_m: float | None) -> float:
+    """Find where along `forward` (3,) stations count from, m.
+
+    That is the aft perpendicular, a coordinate on the mesh's axis. If it is not given, it is the
+    mesh's zero, or the aft end where that zero lies off the ship by more than its length, as in map
+    coordinates.
+    """
+    if aft_perpendicular_m is not None:
+        return float(forward.sum()) * aft_perpendicular_m
+    along = vertices @ forward
+    aft, bow = float(along.min()), float(along.max())
+    return aft if aft > bow - aft or -bow > bow - aft else 0.0
+
+
 def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str) -> InputError:
     """Build the error for a bow along an axis that the ship does not lie along.
 

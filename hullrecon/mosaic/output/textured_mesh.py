@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.gltf_axes import gltf_from
+from hullrecon.geometry.meshes.local_origin import local_origin
 from hullrecon.geometry.meshes.mesh import Mesh, face_cross_products, vertex_normals
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
@@ -92,6 +93,8 @@ def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
 def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> bytes:
     """Encode a GLB file with normals, without which a viewer shades each triangle flat.
 
+    Vertices are single precision, about a local origin that the node's matrix moves them from.
+
     Parameters
     ----------
     texture
@@ -113,14 +116,17 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> byt
         doubleSided=True,
         name="mosaic",
     )
+    origin = local_origin(mesh.vertices)
+    place = gltf_from(up)
+    place[:3, 3] = place[:3, :3] @ origin
     mesh = trimesh.Trimesh(
-        mesh.vertices,
+        mesh.vertices - origin,
         mesh.faces,
         vertex_normals=vertex_normals(Mesh(mesh.vertices, mesh.faces.astype(np.int32))),
         visual=trimesh.visual.TextureVisuals(uv=mesh.uv, material=material),
         process=False,
     )
     scene = trimesh.Scene()
-    scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=gltf_from(up))
+    scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=place)
     data: bytes = scene.export(file_type="glb", include_normals=True)
     return bytes(data)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.gltf_axes import gltf_from
+from hullrecon.geometry.meshes.local_origin import local_origin
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_matrix, from_rpy, tray_poses
 from hullrecon.records.deliverables import ReportedObject
@@ -40,6 +41,14 @@ TOPICS: Mapping[str, schemas.Schema] = {
     "/objects": schemas.SCENE_UPDATE,
 }
 FRAMES = {"M": "hull", "g": "global"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LocalFrame:
+    """The frame of what is written in single precision, beside the survey's frame."""
+
+    name: str
+    origin: Array  # (3,) m in the survey's frame, zero if that is the same frame
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +80,10 @@ def dive_result_mcap(survey: Survey) -> bytes:
         "frame": survey.frame_in_words,
         "unit": "metre, second, radian",
     }
+    local = _local_frame(survey)
+    if local.origin.any():
+        offset = ", ".join(f"{value:.0f}" for value in local.origin)
+        about[local.name] = f"clouds and CAD model; its origin lies at {offset} m in that frame"
     writer.add_metadata("hullrecon", about)
     for message in found:
         data = json.dumps(message.value, allow_nan=False, separators=(",", ":")).encode()
@@ -84,12 +97,23 @@ def dive_result_mcap(survey: Survey) -> bytes:
 def survey_messages(survey: Survey) -> Iterator[TimedMessage]:
     """Yield a survey's messages: moving things at their time, fixed ones at the first pose's."""
     start, frame = int(survey.track.t_ns[0]), FRAMES[survey.track.frame]
+    local = _local_frame(survey)
+    if local.origin.any():
+        place = from_rpy(local.origin[None], np.zeros((1, 3)))
+        value = messages.frame_transform(start, frame, local.name, place)
+        yield TimedMessage(t_ns=start, topic="/tf", value=value)
     for value in _fixed_frames(survey, start, frame):
         yield TimedMessage(t_ns=start, topic="/tf", value=value)
-    for topic, value in _standing(survey, start, frame):
+    for topic, value in _standing(survey, start, frame, local):
         yield TimedMessage(t_ns=start, topic=topic, value=value)
     yield from _vehicle(survey, frame)
-    yield from _dvl_returns(survey, frame)
+    yield from _dvl_returns(survey, local)
+
+
+def _local_frame(survey: Survey) -> LocalFrame:
+    """Choose the frame of what is written in single precision: about the path, if that is far."""
+    frame, origin = FRAMES[survey.track.frame], local_origin(survey.track.poses.translation)
+    return LocalFrame(name=f"{frame}_local" if origin.any() else frame, origin=origin)
 
 
 def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
@@ -117,7 +141,9 @@ def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
         yield messages.frame_transform(t_ns, "hull_z_up", frame, upright)
 
 
-def _standing(survey: Survey, t_ns: int, frame: str) -> Iterator[tuple[str, Message]]:
+def _standing(
+    survey: Survey, t_ns: int, frame: str, local: LocalFrame
+) -> Iterator[tuple[str, Message]]:
     poses, surfaces, objects = survey.track.poses, survey.surfaces, survey.findings.objects
     path = [messages.pose(poses, row) for row in range(len(poses))]
     yield "/vehicle/path", {"timestamp": messages.time(t_ns), "frame_id": frame, "poses": path}
@@ -131,12 +157,12 @@ def _standing(survey: Survey, t_ns: int, frame: str) -> Iterator[tuple[str, Mess
             "alpha": np.full(len(landmarks), 255, np.uint8),
             "label": landmarks.label.astype(np.uint8),
         }
-        points = _columns(landmarks_in_hull(survey.adjusted.solution))
-        yield "/landmarks", messages.point_cloud(t_ns, frame, {**points, **color, **more})
+        points = _columns(landmarks_in_hull(survey.adjusted.solution), local)
+        yield "/landmarks", messages.point_cloud(t_ns, local.name, {**points, **color, **more})
     if surfaces.as_found is not None:
-        yield "/hull/as_found", _as_found(surfaces.as_found, t_ns, frame)
+        yield "/hull/as_found", _as_found(surfaces.as_found, t_ns, local)
     if surfaces.cad_model is not None and survey.is_in_hull_frame:
-        yield "/hull/cad_model", _cad_model(surfaces.cad_model, t_ns, frame)
+        yield "/hull/cad_model", _cad_model(surfaces.cad_model, t_ns, local)
     if objects is not None:
         yield "/objects", messages.scene_update([_object(found, t_ns, frame) for found in objects])
 
@@ -171,7 +197,7 @@ def _vehicle(survey: Survey, frame: str) -> Iterator[TimedMessage]:
             yield TimedMessage(t_ns=t_ns, topic=topic, value=value)
 
 
-def _dvl_returns(survey: Survey, frame: str) -> Iterator[TimedMessage]:
+def _dvl_returns(survey: Survey, local: LocalFrame) -> Iterator[TimedMessage]:
     """Yield the ends of the beams as one cloud per ping.
 
     Returns that disagree with their neighbours are flagged.
@@ -187,26 +213,28 @@ def _dvl_returns(survey: Survey, frame: str) -> Iterator[TimedMessage]:
             "range": returns.range_m[rows].astype(np.float32),
             "flagged": returns.flagged[rows].astype(np.uint8),
         }
-        value = messages.point_cloud(t_ns, frame, {**_columns(points[rows]), **more})
+        columns = {**_columns(points[rows], local), **more}
+        value = messages.point_cloud(t_ns, local.name, columns)
         yield TimedMessage(t_ns=t_ns, topic="/dvl/returns", value=value)
 
 
-def _columns(points: Array) -> dict[str, NDArray[np.generic]]:
+def _columns(points: Array, local: LocalFrame) -> dict[str, NDArray[np.generic]]:
     """Split points (n, 3) into x, y, z of single precision: 0.1 mm at a ship's length."""
-    return {name: points[:, k].astype(np.float32) for k, name in enumerate("xyz")}
+    near = (points - local.origin).astype(np.float32)
+    return {name: near[:, k] for k, name in enumerate("xyz")}
 
 
-def _as_found(surface: Surface, t_ns: int, frame: str) -> Message:
+def _as_found(surface: Surface, t_ns: int, local: LocalFrame) -> Message:
     seen = surface.support > 0
     values = {"deviation": surface.deviation, "sigma": surface.sigma}
     more = {name: value[seen].astype(np.float32) for name, value in values.items()}
-    return messages.point_cloud(t_ns, frame, {**_columns(surface.vertices[seen]), **more})
+    columns = {**_columns(surface.vertices[seen], local), **more}
+    return messages.point_cloud(t_ns, local.name, columns)
 
 
-def _cad_model(mesh: Mesh, t_ns: int, frame: str) -> Message:
-    return messages.scene_update(
-        [messages.entity(t_ns, frame, "cad_model", models=[messages.model(ship_glb(mesh))])]
-    )
+def _cad_model(mesh: Mesh, t_ns: int, local: LocalFrame) -> Message:
+    model = messages.model(ship_glb(Mesh(mesh.vertices - local.origin, mesh.faces)))
+    return messages.scene_update([messages.entity(t_ns, local.name, "cad_model", models=[model])])
 
 
 def _object(found: ReportedObject, t_ns: int, frame: str) -> Message:

@@ -72,6 +72,13 @@ def test_a_zero_amidships_is_no_aft_perpendicular():
     assert "50.0 m forward of its aft end" in turned
 
 
+@pytest.mark.parametrize(("bow", "first"), [(None, "573412.0"), ("-x", "573462.0")])
+def test_stations_of_a_ship_in_map_coordinates_count_from_its_aft_end(bow, first):
+    line, warnings = told(hull(bow=bow), box((573412, 6020150, 0), (573462, 6020159, 5.5)))
+    assert line.endswith(f"stations count from its x = {first} m, 0.0 m forward of its aft end")
+    assert warnings == []
+
+
 def test_a_bow_across_the_ship_is_an_error():
     with pytest.raises(InputError, match=r"the bow cannot lie at \+y"):
         told(hull(bow="+y"), SHIP)
