@@ -25,6 +25,7 @@ from hullrecon.findings.finding import Finding
 from hullrecon.findings.package import A_RUN_NEEDS
 from hullrecon.steps.chain import stages
 from hullrecon.steps.ingest import STAGE, USES, request_of
+from hullrecon.steps.sensor_check import describe_sensors
 from hullrecon.steps.stereo_check import describe_rig_problem
 
 
@@ -137,12 +138,15 @@ def check_loaded(
     check_files(loaded, allow_outside=allow_outside, trusted_keys=trusted_keys)
     request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))
     if progress is None:
-        return check_package(loaded, request, check_images=describe_rig_problem)
+        return check_package(
+            loaded, request, check_images=describe_rig_problem, check_sensors=describe_sensors
+        )
     return check_package(
         loaded,
         request,
         lambda messages: progress.track(messages, "check: messages", None),
         describe_rig_problem,
+        describe_sensors,
     )
 
 

@@ -21,6 +21,7 @@ Severity = Literal["error", "warning", "note"]
 TABLES: tuple[tuple[Severity, Mapping[str, Words]], ...] = (
     ("error", package.ERRORS),
     ("error", adjustment.ERRORS),
+    ("error", sensors.ERRORS),
     ("warning", package.WARNINGS),
     ("warning", sensors.WARNINGS),
     ("note", package.NOTES),

@@ -4,9 +4,80 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from hullrecon.findings.logs import Words
 
+FAULTS = {  # of a sensor, as a statement
+    ("pressure", "unit"): "the readings are in {value}, not in {unit}",
+    ("pressure", "gauge"): "the readings are the pressure above the air's, not absolute",
+    ("pressure", "sign"): "the readings grow upwards, not with depth",
+    ("pressure", "constant"): "the readings stand still: they are not the water's pressure",
+    ("DVL", "unit"): "the velocities are in {value}, not in m/s",
+    ("DVL", "axes"): "the axes of the velocity are {value} of those that its convention has",
+    ("DVL", "repeated"): "velocities that repeat one value were taken without bottom lock",
+    ("IMU's rates", "unit"): "the angular velocities are in {value}, not in rad/s",
+    ("IMU's rates", "axes"): "the angular velocities are about {value} of the orientation's axes",
+    ("IMU's orientation", "order"): "the quaternion is {value}",
+    ("IMU's orientation", "frame"): "imu.frame does not fit: {value} are of the other frame",
+    ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",
+    ("tray's angle", "unit"): "the angle is in {value}, not in rad",
+    ("tray's angle", "sign"): "the angle grows the other way",
+}
+UNITS = {"cm": "m", "mm": "m", "ft": "m"}  # what was expected, of a pressure's else Pa
+DONE = {"constant": "they are left out", "repeated": "they are left out"}
+EVIDENCE = {  # that two sensors contradict each other, by what was compared
+    "level": "half of the depths are above the water, up to {first:.1f} m",
+    "turn": "within a second the rates turn by up to {first_deg:.3g} degrees, the orientation by "
+    "{second_deg:.3g}",
+    "gravity": "gravity does not pull along the vertical of the orientation",
+    "depth": "in 3 s the depth by pressure changes by up to {first:.3g} m, the way of the DVL by "
+    "{second:.3g} m",
+}
+
+
+def _evidence(kind: object, first: float, second: float) -> str:
+    degree = 57.29578
+    return EVIDENCE[str(kind)].format(
+        first=first, second=second, first_deg=degree * first, second_deg=degree * second
+    )
+
+
+def _fault(sensor: str, fault: str, value: str) -> str:
+    return FAULTS[sensor, fault].format(value=value, unit=UNITS.get(value, "Pa"))
+
+
+def _wrong(
+    sensor: str, fault: str, value: str, kind: str, first: float, second: float, misfit: float
+) -> str:
+    return f"{sensor}: {_fault(sensor, fault, value)} ({_evidence(kind, first, second)})"
+
+
+def _mended(
+    sensor: str, fault: str, value: str, kind: str, first: float, second: float, misfit: float
+) -> str:
+    said = _wrong(sensor, fault, value, kind, first, second, misfit)
+    return f"{said}; {DONE.get(fault, 'they were put right')}"
+
+
+def _contradict(
+    sensors: Sequence[str], kind: str, first: float, second: float, misfit: float
+) -> str:
+    return (
+        f"{' and '.join(sensors)} contradict each other, and which of them is wrong is not known: "
+        f"{_evidence(kind, first, second)}"
+    )
+
+
+ERRORS: dict[str, Words] = {
+    "sensor-wrong": _wrong,
+    "sensors-contradict": _contradict,
+}
 WARNINGS: dict[str, Words] = {
+    "sensor-mended": _mended,
+    "sensors-late": "{sensor}: its readings fit the other sensors' with stamps that are {value} "
+    "earlier: is a clock off?",
+    "sensors-part": _contradict,
     "clocks-apart": "{stream} and {other} do not overlap in time: one of the clocks is off by "
     "{seconds:.1f} s or more",
     "imu-single-reading": "the IMU gave a single reading, which tells no attitude",
@@ -20,10 +91,6 @@ WARNINGS: dict[str, Words] = {
     "leaves that part out",
     "ranges-above-water": "{percent:.0f} % of the DVL's returns would lie above the water: are "
     "dvl.mount and the tray's angle right?",
-    "dvl-against-depth": "the DVL's downward speed runs against that of the pressure sensor: is "
-    "dvl.mount turned over?",
-    "dvl-unlike-depth": "the DVL's downward speed does not follow that of the pressure sensor: are "
-    "dvl.mount and its beams right?",
     "camera-dvl-apart": "camera.top looks {degrees:.0f} degrees away from where the DVL looks: is "
     "one of the mounts wrong?",
     "baseline-implausible": "the cameras are {metres:.3f} m apart: is camera.bottom.pose_in_top in "

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,6 +19,7 @@ from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.dive.package_files import named_images
 from hullrecon.errors import InputError, StageError
+from hullrecon.findings.finding import sentences
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.dead_reckoning.dead_reckon import (
@@ -38,10 +39,13 @@ from hullrecon.navigation.stereo_odometry.stereo_path import (
     Frames,
     stereo_navigate,
 )
+from hullrecon.navigation.suspects.suspects import Judged
+from hullrecon.records.sensors import SensorRecords
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory
-from hullrecon.rig import RIG_KEYS, rig_from_settings
+from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
+from hullrecon.steps.sensor_check import SENSOR_KEYS, judge_sensors
 from hullrecon.steps.stereo_check import find_rig_problem
 from hullrecon.vision.odometry import (
     OdometryFrame,
@@ -99,16 +103,40 @@ def run(context: Context[NavigateOptions]) -> None:
     ingest = inputs.ingest
     for mount in describe_mounts(inputs.mounts(context.settings)):
         context.warn(mount.sentence)
+    judged = _judge_sensors(context)
     _refuse_wrong_rig(context)
     has_stereo = all(ingest.image_index(camera) is not None for camera in Camera)
     found, source = choose_path(
-        ingest.dvl,
-        ingest.imu,
+        judged.records.dvl,
+        judged.records.imu,
         ingest.image_index(Camera.TOP) if has_stereo else None,
-        lambda: _by_dvl(context),
-        lambda: _by_stereo(context),
+        lambda: _by_dvl(context, judged.records),
+        lambda: _by_stereo(context, judged.records),
     )
-    _write(context, found, source)
+    facts = {"suspects": [one.document() for one in judged.tried], **found.facts}
+    # offsets of clocks are told by what follows, which estimates them
+    told = [one for one in judged.findings if one.code != "sensors-late"]
+    remarks = [*sentences(told), *found.remarks]
+    _write(context, replace(found, facts=facts, remarks=remarks), source)
+
+
+def _judge_sensors(context: Context[NavigateOptions]) -> Judged:
+    """Hold the sensors against each other, and put right what the evidence tells.
+
+    Raises InputError where one is wrong that the path cannot do without.
+    """
+    ingest, settings = _ingest_and_settings(context)
+    records = SensorRecords(
+        dvl=_unless_empty(ingest.dvl),
+        imu=_unless_empty(ingest.imu),
+        pressure=_unless_empty(ingest.pressure),
+        tray=_unless_empty(ingest.tray),
+    )
+    judged = judge_sensors(settings, records)
+    for finding in judged.findings:
+        if finding.severity == "error":
+            raise InputError(finding.sentence)
+    return judged
 
 
 def _ingest_and_settings(context: Context[NavigateOptions]) -> tuple[IngestArtifact, StageSettings]:
@@ -135,9 +163,9 @@ def _refuse_wrong_rig(context: Context[NavigateOptions]) -> None:
         raise InputError(problem.what, where="camera.bottom", remedy=problem.remedy)
 
 
-def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
+def _by_dvl(context: Context[NavigateOptions], records: SensorRecords) -> Navigated:
     ingest, settings = _ingest_and_settings(context)
-    dvl, imu = _unless_empty(ingest.dvl), _unless_empty(ingest.imu)
+    dvl, imu = records.dvl, records.imu
     if dvl is None:
         raise StageError(
             "the DVL's log is empty",
@@ -150,8 +178,8 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
     logs = NavigationLogs(
         dvl=dvl,
         imu=imu,
-        pressure=_unless_empty(ingest.pressure),
-        tray=_unless_empty(ingest.tray),
+        pressure=records.pressure,
+        tray=records.tray,
         top=_unless_empty(ingest.image_index(Camera.TOP)),
         bottom=_unless_empty(ingest.image_index(Camera.BOTTOM)),
         timing=_timing(settings),
@@ -174,7 +202,7 @@ def _timing(settings: StageSettings) -> CameraTiming:
     return CameraTiming(readout_s=(top, bottom))
 
 
-def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
+def _by_stereo(context: Context[NavigateOptions], records: SensorRecords) -> Navigated:
     ingest, settings = _ingest_and_settings(context)
     rig = rig_from_settings(settings, ingest.camera_models)
     rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [
@@ -185,11 +213,7 @@ def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
     ]
     odometer = stereo_odometer(rig, FEATURES, INLIERS, float(rig_sigma[3:].max()))
     top, bottom = (ingest.images(camera, context.source) for camera in Camera)
-    aids = Aids(
-        imu=_unless_empty(ingest.imu),
-        pressure=_unless_empty(ingest.pressure),
-        tray=_unless_empty(ingest.tray),
-    )
+    aids = Aids(imu=records.imu, pressure=records.pressure, tray=records.tray)
 
     def progress(pairs: Sequence[int]) -> Iterable[int]:
         return context.progress(pairs, "stereo pairs")
@@ -242,10 +266,10 @@ STAGE = Stage(
     summary="compute the dead-reckoned trajectory",
     inputs=("ingest",),
     parameters=NavigateOptions,
-    version=23,
+    version=24,
     run=run,
     uses=(
-        *RIG_KEYS,
+        *SENSOR_KEYS,
         *SIGMA_KEYS,
         *READOUT_KEYS,
         "camera.bottom.pose_sigma",

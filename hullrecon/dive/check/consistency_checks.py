@@ -32,9 +32,6 @@ SAME_DEG = 5.0  # between two statements on how one sensor sits
 UNPLACED_SHARE = 0.01  # of the DVL's velocities without an attitude, from which on it is told
 UNPLACED_S = 10.0  # of readings under water without a velocity, from which on it is told
 UNDER_WATER_M = 0.5  # a sensor deeper than that is no longer on deck
-SLOW_M_S = 0.02  # standard deviation of the depth's rate; below, it says nothing about the DVL
-LEAST_SAMPLES = 10  # velocities and depths that are compared
-OPPOSED, ALIKE = -0.3, 0.3  # correlation of the DVL's downward speed with that of the pressure
 BASELINE_M = (0.01, 2.0)  # of a stereo rig on a vehicle
 LEAST_GRAVITY = 5.0  # m/s2; a sensor that felt less has gravity taken off
 UPRIGHT, UPSIDE_DOWN = 0.9, -0.7  # cosine between gravity as measured and the vertical
@@ -55,7 +52,6 @@ def check_consistency(
     if dvl is not None and imu is not None and pressure is not None:
         global_from_dvl = _global_from_dvl(config, dvl, imu, records.tray)
         out += _check_returns_below_water(dvl, pressure, global_from_dvl)
-        out += _check_depth_rate(dvl, pressure, global_from_dvl)
     return out + _check_mounts(config)
 
 
@@ -158,28 +154,6 @@ def _check_returns_below_water(
     if share < ABOVE_WATER_SHARE:
         return []
     return [Finding("ranges-above-water", {"percent": 100 * share})]
-
-
-def _check_depth_rate(
-    dvl: DvlPings, pressure: PressureSamples, global_from_dvl: Rotation
-) -> list[Finding]:
-    """Compare the downward speed by the DVL with that by pressure over two seconds."""
-    moved = np.isfinite(dvl.velocity).all(axis=1)
-    if moved.sum() < LEAST_SAMPLES or len(pressure.t_ns) < LEAST_SAMPLES:
-        return []
-    ahead, behind = (
-        np.interp(dvl.t_ns + side * NS, pressure.t_ns, pressure.depth) for side in (1, -1)
-    )
-    by_pressure = ((ahead - behind) / 2)[moved]
-    if by_pressure.std() < SLOW_M_S:
-        return []
-    by_dvl = global_from_dvl.apply(np.nan_to_num(dvl.velocity))[moved, 2]
-    correlation = float(np.corrcoef(by_dvl, by_pressure)[0, 1]) if by_dvl.std() > 0 else 0.0
-    if correlation < OPPOSED:
-        return [Finding("dvl-against-depth", {"correlation": correlation})]
-    if correlation < ALIKE:
-        return [Finding("dvl-unlike-depth", {"correlation": correlation})]
-    return []
 
 
 def _check_mounts(config: DiveConfig) -> list[Finding]:

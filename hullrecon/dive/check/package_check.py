@@ -38,7 +38,7 @@ from hullrecon.findings.finding import Finding, sentences
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.clock import rate_hz
-from hullrecon.records.sensors import DvlPings, ImageIndex
+from hullrecon.records.sensors import DvlPings, ImageIndex, SensorRecords
 
 VEHICLE_SECTIONS = (
     "tray",
@@ -51,6 +51,11 @@ VEHICLE_SECTIONS = (
 )
 # looks at some of the images, by camera, and tells what contradicts the configuration
 CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]], list[Finding]]
+# holds the sensors against each other: the records with what was put right, what was found, and
+# what was tried, for `--json`
+CheckSensors = Callable[
+    [LoadedConfig, SensorRecords], tuple[SensorRecords, list[Finding], list[dict[str, object]]]
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +76,7 @@ class PackageCheck:
     regions: list[Finding]  # how much hull each of dive.toml holds
     mounts: list[Finding]  # those that the log gave
     defaults: dict[str, object]  # keys left at their default, with the value used
+    suspects: list[dict[str, object]]  # what may be wrong with a sensor, and how much it explains
 
     @property
     def findings(self) -> list[Finding]:
@@ -148,6 +154,7 @@ class PackageCheck:
             "unused": sentences(self.found.unused),
             "offset": sentences(self.start_offset),
             "defaults": self.defaults,
+            "suspects": self.suspects,
             "findings": [finding.document() for finding in self.findings],
             "run_is_possible": self.run_is_possible,
             "verdict": self.verdict,
@@ -159,6 +166,7 @@ def check_package(
     request: IngestRequest,
     watch: Watch = iter,
     check_images: CheckImages | None = None,
+    check_sensors: CheckSensors | None = None,
 ) -> PackageCheck:
     """Read a whole package, and list what it holds, what it lacks and what cannot be used.
 
@@ -168,6 +176,7 @@ def check_package(
     request : what ingest needs of it
     watch : sees every message pass (progress)
     check_images : looks at some of the images
+    check_sensors : holds the sensors against each other
     """
     request, missing_files = _leave_out_missing(loaded.package, request)
     logo = logo_of(loaded)
@@ -193,7 +202,11 @@ def check_package(
     known = present | logged if problems.found else present
     bow, stations_off = _bow(loaded.config.hull, found.hull, problems)
     regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow else None)
-    warnings = check_consistency(loaded.config, found.records, found.images)
+    records, judged, suspects = found.records, list[Finding](), list[dict[str, object]]()
+    if check_sensors is not None:
+        records, judged, suspects = check_sensors(loaded, records)
+    warnings = check_consistency(loaded.config, records, found.images)
+    warnings += [finding for finding in judged if finding.severity == "warning"]
     if found.attitude_is_dvls:
         warnings += check_mount_of_attitude(loaded.config, found.records.tray)
     if check_images is not None:
@@ -207,6 +220,7 @@ def check_package(
         unusable=[
             *_lost_velocities(found.records.dvl, found.images),
             *problems.found,
+            *(finding for finding in judged if finding.severity == "error"),
         ],
         needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
@@ -217,6 +231,7 @@ def check_package(
         regions=regions,
         mounts=describe_mounts(mounts),
         defaults={key: value for key, value in defaults.items() if key not in mounts},
+        suspects=suspects,
     )
 
 

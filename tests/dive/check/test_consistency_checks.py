@@ -100,33 +100,6 @@ def test_returns_above_the_water_raise_suspicion_of_the_mount():
     assert "% of the DVL's returns would lie above the water" in line
 
 
-def test_dvl_upside_down_contradicts_pressure():
-    """It looks down, the file says up."""
-    records = dive(depth=9.0, mount_pitch_deg=0.0)
-    (line,) = told(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {})
-    assert "runs against that of the pressure sensor" in line
-
-
-def test_dvl_with_swapped_axes_does_not_follow_pressure():
-    records = dive(depth=9.0, mount_pitch_deg=0.0)
-    noise = np.random.default_rng(1).normal(0, 0.05, records["dvl"].velocity.shape)
-    records["dvl"] = DvlPings(
-        t_ns=T,
-        velocity=records["dvl"].velocity + noise,
-        velocity_sigma=np.full(len(T), 0.003),
-        ranges=np.ones((len(T), 4)),
-        beams=JANUS,
-    )
-    (line,) = told(config(dvl=Dvl(mount=(0, 0, 0, 0, 90, 0))), SensorRecords(**records), {})
-    assert "does not follow" in line
-
-
-def test_constant_depth_gives_no_finding_about_dvl():
-    records = dive(depth=9.0)
-    records["pressure"] = PressureSamples(t_ns=T, depth=np.full(len(T), 9.0))
-    assert told(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {}) == []
-
-
 @pytest.mark.parametrize(("frame", "other"), [("ned", "enu"), ("enu", "ned")])
 def test_inverted_gravity_suggests_other_imu_frame(frame, other):
     records = {"imu": dive(acceleration=(0, 0, 9.81))["imu"]}

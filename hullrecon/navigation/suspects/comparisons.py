@@ -1,0 +1,369 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Compare two sensors by a motion that both measured (docs/methods.md, Suspects).
+
+- pressure and DVL: the change of depth against the integral of the DVL's vertical velocity,
+- rates and attitude: the integral of an IMU's rates against the turn of its orientation,
+- attitude and acceleration: gravity points down,
+- DVL's velocity and ranges: the hull stands still where the DVL comes nearer to it or turns.
+
+Each comparison is a table of residuals with their sigmas, and of what they would be for one sigma
+of each error that a faultless sensor has (a mount's tilt, a scale): `Comparison.chi2` fits these.
+Stamps are taken as they are: clocks are compared in navigation/clocks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.poses import Poses, interpolate, tray_poses
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.navigation.clocks.comparisons import hull_normals
+from hullrecon.navigation.dead_reckoning.integral import Integral, integral
+from hullrecon.navigation.sensors.servo import servo
+from hullrecon.navigation.sensors.smoothing import local_line
+from hullrecon.records.clock import NS, period, seconds
+from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples, SensorRecords
+from hullrecon.rig import Rig
+from hullrecon.typing import Array, Ints
+
+SUNK_S, TURNED_S, NEARED_S = 3.0, 1.0, 2.0  # of the windows in which motions are compared
+LEAST_WINDOWS, MOST_WINDOWS = 4, 2000
+LONGEST_GAP_S = 1.5  # between two readings of a window
+SMOOTH_S = 0.4  # of pressure and ranges
+# One sigma of errors that faultless sensors have:
+TILT_RAD = np.radians(2.0)  # between DVL and IMU: mounts as measured by hand, backlash of a tray
+SCALE = 0.015  # of a DVL and of the water's density together
+LATE_S = 0.15  # between two sensors' clocks, which navigation/clocks judges
+RATE_BIAS_RAD_S, RATE_SHARE = 0.01, 0.05  # of a MEMS gyroscope: bias, scale and axes
+ALONG_1_M = 0.05  # curvature of a hull along its length
+RELIEF_M, RELIEF_RAD = 0.03, 0.03  # plates, weld seams and curvature within a window
+LEVELS = np.linspace(0.25, 0.75, 5)  # quantiles of the depth that are held against the surface
+HIGHEST_M, SURFACE_SIGMA_M = 1.0, 0.3  # a sensor at the surface, the day's air pressure
+GRAVITY, GRAVITY_SIGMA = 9.81, 1.0  # m/s2, of a median over the dive
+DEPTH_SIGMA_M = 0.005  # of a change of depth: what two smoothed readings leave at least
+CLIP = 4.0  # sigmas, beyond which a residual costs no more
+GAIN = 25.0  # of chi-square beyond its mean: five sigmas, as in navigation/clocks
+MISFIT = 2.0  # of chi-square by row: 1.2 at most on 17 faultless dives, 3.3 to 11 with faults
+
+
+class Sensor(StrEnum):
+    """What may be wrong: a sensor, or one of the signals of an IMU."""
+
+    PRESSURE = "pressure"
+    DVL = "DVL"
+    RATES = "IMU's rates"
+    ATTITUDE = "IMU's orientation"
+    ACCELERATION = "IMU's acceleration"
+    TRAY = "tray's angle"
+    CAMERA = "camera"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Residuals of two sensors' measurements of one motion."""
+
+    kind: str  # "level", "turn", "gravity", "depth", "range" or "hull"
+    sensors: frozenset[Sensor]
+    residual: Array  # (n,)
+    sigma: Array  # (n,)
+    nuisance: Array  # (n, k) change of the residual for one sigma of each error that is no fault
+    first: Array  # (n,) the motion by the sensor that is compared
+    second: Array  # (n,) the same by the others
+    vouches: bool = False  # speaks for its sensors and is too coarse to accuse one
+
+    @property
+    def is_contradiction(self) -> bool:
+        """Tell whether the residuals are beyond what faultless sensors leave."""
+        return self.chi2 - len(self.residual) > GAIN and self.chi2 > MISFIT * len(self.residual)
+
+    @property
+    def misfit(self) -> float:
+        """Compute the rms of the residuals as a share of that of the motion."""
+        motion = np.maximum(np.abs(self.first), np.abs(self.second))
+        left = np.minimum(np.abs(self._whitened() * self.sigma), motion)
+        return _rms(left) / max(_rms(motion), 1e-12)
+
+    @property
+    def follows(self) -> float:
+        """Compute the size of the first sensor's motion as a share of that by the others."""
+        return _rms(self.first) / max(_rms(self.second), 1e-12)
+
+    @property
+    def chi2(self) -> float:
+        """Sum the squares of the clipped residuals, in sigmas, once the nuisances are fitted."""
+        left = self._whitened()
+        return float(np.square(np.minimum(np.abs(left), CLIP)).sum())
+
+    def _whitened(self) -> Array:
+        z, design = self.residual / self.sigma, self.nuisance / self.sigma[:, None]
+        weight = np.ones(len(z))
+        left = z
+        for _ in range(3):  # reweighted, so that clipped residuals do not pull
+            normal = design.T @ (weight[:, None] * design) + np.eye(design.shape[1])
+            left = z - design @ np.linalg.solve(normal, design.T @ (weight * z))
+            weight = np.minimum(1.0, CLIP / np.maximum(np.abs(left), 1e-9))
+        return np.asarray(left)
+
+
+def compare_all(
+    records: SensorRecords,
+    rig: Rig,
+    of: Set[Sensor] = frozenset(Sensor),
+    track: Track | None = None,
+) -> list[Comparison]:
+    """Make every comparison of some sensors for which the dive has readings and motion enough.
+
+    track: of the DVL, where it is known already.
+    """
+    found: list[Comparison | None] = []
+    imu, dvl, pressure = records.imu, records.dvl, records.pressure
+    if pressure is not None and of & {Sensor.PRESSURE}:
+        found.append(compare_level(pressure))
+    if imu is not None and len(imu.t_ns) > 1 and of & {Sensor.RATES, Sensor.ATTITUDE}:
+        found.append(compare_rates(imu))
+    if imu is not None and of & {Sensor.ACCELERATION, Sensor.ATTITUDE}:
+        found.append(compare_gravity(imu))
+    if of & {Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}:
+        track = track_of(records, rig) if track is None else track
+        if track is not None:
+            found.append(compare_depth(records, track))
+            if dvl is not None and of & {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}:
+                found += compare_ranges(dvl, track)
+    return [one for one in found if one is not None]
+
+
+def compare_rates(imu: ImuSamples) -> Comparison | None:
+    """Compare the turns of an IMU's orientation with the integrals of its rates."""
+    known = np.isfinite(imu.angular_velocity).all(axis=1)
+    t_ns, rates = imu.t_ns[known], imu.angular_velocity[known]
+    windows = _windows(t_ns, TURNED_S)
+    if len(windows) < LEAST_WINDOWS:
+        return None
+    t_s = seconds(t_ns, int(t_ns[0]))
+    by_rates = _over(integral(t_s, rates).total, windows)
+    attitude = Rotation.from_quat(imu.quaternion[known])
+    turn = (attitude[windows[:, 0]].inv() * attitude[windows[:, 1]]).as_rotvec()
+    step = (attitude[:-1].inv() * attitude[1:]).as_rotvec() - 0.5 * (
+        rates[1:] + rates[:-1]
+    ) * np.diff(t_s)[:, None]
+    white = min(robust_sigma(step.ravel()), robust_sigma(np.diff(turn, axis=0).ravel()))
+    lag = np.abs(rates[windows[:, 1]] - rates[windows[:, 0]]) * LATE_S
+    sigma = np.sqrt(white**2 + RELIEF_RAD**2 / 100 + (RATE_SHARE * turn) ** 2 + lag**2)
+    lasts = (t_s[windows[:, 1]] - t_s[windows[:, 0]])[:, None, None]
+    return Comparison(
+        kind="turn",
+        sensors=frozenset({Sensor.RATES, Sensor.ATTITUDE}),
+        residual=(turn - by_rates).ravel(),
+        sigma=sigma.ravel(),
+        nuisance=(RATE_BIAS_RAD_S * lasts * np.eye(3)).reshape(-1, 3),
+        first=by_rates.ravel(),
+        second=turn.ravel(),
+    )
+
+
+def compare_gravity(imu: ImuSamples) -> Comparison | None:
+    """Compare the mean acceleration with gravity: at rest, -g along z of `global`.
+
+    None without accelerations, or of a sensor that has gravity taken off.
+    """
+    felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
+    felt = felt[np.isfinite(felt).all(axis=1)]
+    mean = np.median(felt, axis=0) if len(felt) else np.zeros(3)
+    if np.linalg.norm(mean) < GRAVITY / 2:
+        return None
+    down = np.array([0.0, 0.0, -GRAVITY])
+    return Comparison(
+        kind="gravity",
+        sensors=frozenset({Sensor.ACCELERATION, Sensor.ATTITUDE}),
+        residual=mean - down,
+        sigma=np.full(3, GRAVITY_SIGMA),
+        nuisance=np.zeros((3, 0)),
+        first=mean,
+        second=down,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Track:
+    """The DVL's way and attitude at the pings with a velocity."""
+
+    t_ns: Ints  # (n,)
+    global_from_dvl: Rotation  # (n,)
+    global_from_vehicle: Rotation  # (n,)
+    way: Integral  # (n, 3) of the velocity in `global`, m
+    lever: Array  # (n, 3) from pressure sensor to DVL in `global`
+
+
+def track_of(records: SensorRecords, rig: Rig) -> Track | None:
+    """Integrate the DVL's velocity in the axes of `global`. None without DVL or IMU."""
+    dvl, imu = records.dvl, records.imu
+    if dvl is None or imu is None or len(imu.t_ns) < 2:
+        return None
+    heard = np.isfinite(dvl.velocity).all(axis=1)
+    heard &= (dvl.t_ns >= imu.t_ns[0]) & (dvl.t_ns <= imu.t_ns[-1])
+    if heard.sum() < LEAST_WINDOWS:
+        return None
+    t_ns = dvl.t_ns[heard]
+    held = Poses(imu.quaternion, np.zeros((len(imu.t_ns), 3)))
+    global_from_vehicle = interpolate(imu.t_ns, held, t_ns).rotation
+    tray = tray_poses(rig.tray_origin, servo(records.tray, int(t_ns[0])).angle_at(t_ns))
+    global_from_dvl = global_from_vehicle * tray.rotation * rig.tray_from_dvl.rotation
+    velocity = global_from_dvl.apply(dvl.velocity[heard])
+    at = tray.apply(np.tile(rig.tray_from_dvl.translation, (len(t_ns), 1)))
+    return Track(
+        t_ns=t_ns,
+        global_from_dvl=global_from_dvl,
+        global_from_vehicle=global_from_vehicle,
+        way=integral(seconds(t_ns, int(t_ns[0])), velocity),
+        lever=np.asarray(global_from_vehicle.apply(at - rig.pressure_origin)),
+    )
+
+
+def compare_depth(records: SensorRecords, track: Track) -> Comparison | None:
+    """Compare the pressure sensor's depth with the DVL's vertical way."""
+    pressure = records.pressure
+    if pressure is None:
+        return None
+    read = np.isfinite(pressure.depth)
+    read_ns, depth = pressure.t_ns[read], pressure.depth[read]
+    if len(read_ns) < LEAST_WINDOWS:
+        return None
+    inside = (track.t_ns >= read_ns[0]) & (track.t_ns <= read_ns[-1])
+    windows = _windows(track.t_ns, SUNK_S, inside)
+    if len(windows) < LEAST_WINDOWS:
+        return None
+    start = int(track.t_ns[0])
+    read_s, t_s = seconds(read_ns, start), track.way.t_s
+    white = robust_sigma(np.diff(depth, n=2), about=0.0) / np.sqrt(6)
+    left = white * np.sqrt(period(read_s) / (2 * np.sqrt(np.pi) * SMOOTH_S))
+    smooth = local_line(read_s, depth, t_s, SMOOTH_S)[0][:, 0]
+    way = _over(track.way.total, windows)
+    sunk = _over(smooth, windows) - way[:, 2] + _over(track.lever[:, 2], windows)
+    rate = track.way.signal[:, 2]
+    late = LATE_S * np.abs(rate[windows[:, 1]] - rate[windows[:, 0]])
+    return Comparison(
+        kind="depth",
+        sensors=frozenset({Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
+        residual=sunk,
+        sigma=np.sqrt(2 * left**2 + DEPTH_SIGMA_M**2 + late**2),
+        nuisance=_tilted(track, windows, way),
+        first=_over(smooth, windows),
+        second=way[:, 2],
+    )
+
+
+def _tilted(track: Track, windows: Ints, way: Array) -> Array:
+    """Compute what a DVL turned by TILT_RAD about each of its axes, or SCALE, would sink by."""
+    own = track.global_from_dvl.inv().apply(track.way.signal)
+    t_s = track.way.t_s
+    turned = [
+        integral(t_s, track.global_from_dvl.apply(np.cross(axis, own))[:, 2]).total
+        for axis in np.eye(3)
+    ]
+    columns = [TILT_RAD * _over(one, windows) for one in turned]
+    return np.stack([*columns, SCALE * way[:, 2]], axis=1)
+
+
+def compare_ranges(dvl: DvlPings, track: Track) -> list[Comparison]:
+    """Compare the hull that the DVL's ranges show with its velocity, and with the attitude.
+
+    The hull stands still: it comes nearer by the velocity along its normal, and its normal turns
+    across the tray's axis by the attitude alone.
+    """
+    plane_ns, normal, distance = hull_planes(dvl)
+    common, rows, of = np.intersect1d(track.t_ns, plane_ns, return_indices=True)
+    if len(common) < LEAST_WINDOWS:
+        return []
+    t_s = seconds(common, int(common[0]))
+    smooth, _ = local_line(t_s, np.column_stack([normal, distance])[of], t_s, SMOOTH_S)
+    normal = smooth[:, :3] / np.linalg.norm(smooth[:, :3], axis=1, keepdims=True)
+    distance = smooth[:, 3]
+    windows = _windows(common, NEARED_S)
+    if len(windows) < LEAST_WINDOWS:
+        return []
+    first, last = windows.T
+    own = track.global_from_dvl[rows]
+    seen, axis = own.apply(normal), track.global_from_vehicle[rows].apply([0.0, 1.0, 0.0])
+    way = _over(track.way.total[rows], windows)
+    middle = 0.5 * (seen[first] + seen[last])
+    nearer = _over(distance, windows) + (middle * way).sum(axis=1)
+    turned = ((seen[last] - seen[first]) * axis[first]).sum(axis=1)
+    along = (way * axis[first]).sum(axis=1)
+    return [
+        Comparison(
+            kind="range",
+            sensors=frozenset({Sensor.DVL}),
+            residual=nearer,
+            sigma=np.full(len(nearer), RELIEF_M),
+            nuisance=TILT_RAD * way,
+            first=(middle * way).sum(axis=1),
+            second=-_over(distance, windows),
+            vouches=True,
+        ),
+        Comparison(
+            kind="hull",
+            sensors=frozenset({Sensor.ATTITUDE, Sensor.DVL}),
+            residual=turned,
+            sigma=np.full(len(turned), RELIEF_RAD),
+            nuisance=ALONG_1_M * along[:, None],
+            first=turned,
+            second=_over(normal, windows)[:, 1],
+            vouches=True,
+        ),
+    ]
+
+
+def hull_planes(dvl: DvlPings) -> tuple[Ints, Array, Array]:
+    """Fit a plane to each ping's returns.
+
+    Stamps (n,), normals (n, 3) in the DVL's frame away from it, and distances (n,), m.
+    """
+    t_ns, normal = hull_normals(dvl)
+    if not len(t_ns):
+        return t_ns, normal, np.zeros(0)
+    ends = dvl.ranges[np.searchsorted(dvl.t_ns, t_ns)][:, :, None] * dvl.beams
+    return t_ns, normal, np.nanmedian((ends * normal[:, None]).sum(axis=2), axis=1)
+
+
+def compare_level(pressure: PressureSamples) -> Comparison:
+    """Compare the depth with the surface, above which no vehicle dives."""
+    read = pressure.depth[np.isfinite(pressure.depth)]
+    depth = np.quantile(read, LEVELS) if len(read) else np.zeros(len(LEVELS))
+    above = np.minimum(depth + HIGHEST_M, 0.0)
+    return Comparison(
+        kind="level",
+        sensors=frozenset({Sensor.PRESSURE}),
+        residual=above,
+        sigma=np.full(len(LEVELS), SURFACE_SIGMA_M),
+        nuisance=np.zeros((len(LEVELS), 0)),
+        first=above,
+        second=np.zeros(len(LEVELS)),
+    )
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else 0.0
+
+
+def _windows(t_ns: Ints, lasts_s: float, inside: Array | None = None) -> Ints:
+    """Cut time into windows (m, 2) of rows, without long gaps, at most MOST_WINDOWS of them."""
+    if len(t_ns) < 2:
+        return np.zeros((0, 2), np.int64)
+    usable = np.ones(len(t_ns), bool) if inside is None else inside
+    begin = np.arange(t_ns[0], t_ns[-1] - round(lasts_s * NS), round(lasts_s * NS))
+    rows = np.searchsorted(t_ns, np.stack([begin, begin + round(lasts_s * NS)], axis=1))
+    gaps = np.cumsum(np.concatenate([[0], np.diff(t_ns) > LONGEST_GAP_S * NS]))
+    whole = (gaps[rows[:, 0]] == gaps[rows[:, 1]]) & (rows[:, 1] > rows[:, 0])
+    rows = rows[whole & usable[rows].all(axis=1)]
+    return np.asarray(rows[:: 1 + len(rows) // MOST_WINDOWS])
+
+
+def _over(values: Array, windows: Ints) -> Array:
+    """Compute how much a signal (n, ...) changes over windows (m, 2)."""
+    return np.asarray(values[windows[:, 1]] - values[windows[:, 0]])

@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What may be wrong with a sensor: each hypothesis holds the records with its fault taken off.
+
+All comparisons are made again with them. Nothing here judges.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Set
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.navigation.suspects.comparisons import Sensor
+from hullrecon.records.clock import NS
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImuSamples,
+    JointSamples,
+    PressureSamples,
+    SensorRecords,
+)
+from hullrecon.typing import Array, Mask
+
+# Units in which readings may have been logged in place of Pa, m, m/s
+PASCAL = {"hPa": 100.0, "kPa": 1e3, "dbar": 1e4, "bar": 1e5, "psi": 6894.757}
+METRES = {"cm": 0.01, "mm": 0.001, "ft": 0.3048}
+METRES_PER_SECOND = {"cm/s": 0.01, "mm/s": 0.001, "ft/s": 0.3048, "kn": 0.514444}
+REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes two of them rare
+# between the clocks of two sensors, as far as navigation/clocks searches, in steps that the depth
+# comparison tolerates near zero
+LATE_S = [s * late for late in (*np.arange(0.25, 5.0, 0.25), *range(5, 61)) for s in (1, -1)]
+NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
+FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hypothesis:
+    """A fault of one sensor."""
+
+    sensor: Sensor
+    fault: str  # "unit", "axes", "sign", "order", "frame", "constant", "repeated", "clock"
+    value: str  # which unit, which axes
+    mended: SensorRecords  # with the fault taken off; without the sensor where nothing mends it
+    exact: bool = False  # the mended readings can be used
+
+
+def hypotheses(
+    records: SensorRecords, sensors: Set[Sensor], atmosphere_m: float
+) -> Iterator[Hypothesis]:
+    """List what may be wrong with some sensors of a dive, one fault at a time.
+
+    atmosphere_m: the air's pressure in metres of water, which was taken off.
+    """
+    dvl, imu, pressure, tray = records.dvl, records.imu, records.pressure, records.tray
+    if Sensor.PRESSURE in sensors and pressure is not None:
+        yield from _of_pressure(records, pressure, atmosphere_m)
+    if Sensor.DVL in sensors and dvl is not None:
+        yield from _of_dvl(records, dvl)
+    if Sensor.RATES in sensors and imu is not None:
+        yield from _of_rates(records, imu)
+    if imu is not None and sensors & {Sensor.ATTITUDE, Sensor.ACCELERATION}:
+        yield from _of_attitude(records, imu)
+    if Sensor.TRAY in sensors and tray is not None:
+        yield from _of_tray(records, tray)
+
+
+def _of_pressure(
+    records: SensorRecords, pressure: PressureSamples, air_m: float
+) -> Iterator[Hypothesis]:
+    depth = pressure.depth
+    readings = {
+        **{("unit", unit): pa * (depth + air_m) - air_m for unit, pa in PASCAL.items()},
+        **{("unit", unit): metre * depth for unit, metre in METRES.items()},
+        ("gauge", ""): depth + air_m,
+        ("sign", ""): -depth,
+    }
+    for (fault, value), mended in readings.items():
+        held = replace(records, pressure=replace(pressure, depth=mended))
+        yield Hypothesis(sensor=Sensor.PRESSURE, fault=fault, value=value, mended=held, exact=True)
+    gone = replace(records, pressure=None)
+    yield Hypothesis(sensor=Sensor.PRESSURE, fault="constant", value="", mended=gone, exact=True)
+    for late_s in LATE_S:
+        moved = replace(pressure, t_ns=pressure.t_ns - round(late_s * NS))
+        yield Hypothesis(
+            sensor=Sensor.PRESSURE,
+            fault="clock",
+            value=f"{late_s:g} s",
+            mended=replace(records, pressure=moved),
+        )
+
+
+def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
+    frozen = repeated(dvl.velocity)
+    readings = {
+        **{
+            ("unit", unit): (factor * dvl.velocity, True)
+            for unit, factor in METRES_PER_SECOND.items()
+        },
+        **{("axes", name): (dvl.velocity @ turn.T, False) for name, turn in signed_axes()},
+    }
+    if frozen.any():
+        readings["repeated", ""] = (np.where(frozen[:, None], np.nan, dvl.velocity), True)
+    for (fault, value), (velocity, exact) in readings.items():
+        held = replace(records, dvl=replace(dvl, velocity=velocity))
+        yield Hypothesis(sensor=Sensor.DVL, fault=fault, value=value, mended=held, exact=exact)
+
+
+def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
+    degree = np.pi / 180
+    readings = {("unit", "deg/s"): degree * imu.angular_velocity}
+    for name, turn in signed_axes():
+        readings["axes", name] = imu.angular_velocity @ turn.T
+        readings["axes", f"{name}, deg/s"] = degree * imu.angular_velocity @ turn.T
+    for (fault, value), rates in readings.items():
+        held = replace(records, imu=replace(imu, angular_velocity=rates))
+        yield Hypothesis(sensor=Sensor.RATES, fault=fault, value=value, mended=held, exact=True)
+
+
+def _of_attitude(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
+    attitude = Rotation.from_quat(imu.quaternion)
+    turned = {
+        ("order", "inverse"): attitude.inv(),
+        ("order", "w x y z"): Rotation.from_quat(imu.quaternion[:, [1, 2, 3, 0]]),
+        ("frame", "global axes"): NED_FROM_ENU * attitude,
+    }
+    for (fault, value), rotation in turned.items():
+        held = replace(records, imu=replace(imu, quaternion=rotation.as_quat()))
+        yield Hypothesis(sensor=Sensor.ATTITUDE, fault=fault, value=value, mended=held)
+    frd = np.array([1.0, -1.0, -1.0])
+    for value, rotation in (
+        ("all axes", NED_FROM_ENU * attitude * FRD_FROM_FLU),
+        ("vehicle's axes", attitude * FRD_FROM_FLU),
+    ):
+        body = replace(
+            imu,
+            quaternion=rotation.as_quat(),
+            angular_velocity=frd * imu.angular_velocity,
+            acceleration=frd * imu.acceleration,
+        )
+        held = replace(records, imu=body)
+        yield Hypothesis(sensor=Sensor.ATTITUDE, fault="frame", value=value, mended=held)
+    held = replace(records, imu=replace(imu, acceleration=-imu.acceleration))
+    yield Hypothesis(sensor=Sensor.ACCELERATION, fault="sign", value="", mended=held, exact=True)
+
+
+def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]:
+    degree = np.pi / 180
+    for fault, value, factor, exact in (
+        ("unit", "deg", degree, True),
+        ("sign", "", -1.0, False),
+        ("sign", "deg", -degree, False),
+    ):
+        held = replace(records, tray=replace(tray, angle=factor * tray.angle))
+        yield Hypothesis(sensor=Sensor.TRAY, fault=fault, value=value, mended=held, exact=exact)
+
+
+def signed_axes() -> list[tuple[str, Array]]:
+    """List the 47 signed permutations of axes beside the identity, with their names."""
+    out = []
+    for order in itertools.permutations(range(3)):
+        for signs in itertools.product([1.0, -1.0], repeat=3):
+            turn = np.diag(signs) @ np.eye(3)[list(order)]
+            if not np.array_equal(turn, np.eye(3)):
+                axes = zip(signs, order, strict=True)
+                name = " ".join(f"{'+' if s > 0 else '-'}{'xyz'[k]}" for s, k in axes)
+                out.append((name, turn))
+    return out
+
+
+def repeated(velocity: Array) -> Mask:
+    """Find the pings in runs of REPEATED or more with one velocity (n, 3) to the last digit."""
+    same = np.concatenate([[False], (np.diff(velocity, axis=0) == 0).all(axis=1)])
+    run = np.cumsum(~same)
+    return np.asarray(np.bincount(run)[run] >= REPEATED)

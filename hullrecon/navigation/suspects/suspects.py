@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Find the sensor that contradicts the others, put it right, leave it out, or name it.
+
+See docs/methods.md, Suspects. Comparisons of two sensors show where a dive contradicts itself. Each
+hypothesis takes a fault off one sensor. The one that explains a contradiction has to leave none
+behind, and no other sensor's may explain as much. Where no hypothesis explains it, or several
+sensors' do, all of them are named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from hullrecon.findings.finding import Finding
+from hullrecon.navigation.suspects.comparisons import (
+    GAIN,
+    Comparison,
+    Sensor,
+    compare_all,
+    track_of,
+)
+from hullrecon.navigation.suspects.hypotheses import Hypothesis, hypotheses
+from hullrecon.records.sensors import SensorRecords
+from hullrecon.rig import Rig
+
+ALIKE = 4.0  # hypotheses whose chi-squares differ by less explain as much (navigation/clocks)
+EXPLAINED = 0.4  # of a motion, which the residuals of a hypothesis that explains it stay below
+STILL = 0.1  # of the others' motion: a signal that moves by less is constant
+GROSS = 0.6  # of a motion; a contradiction that size makes a path worthless
+KEPT = 0.5  # of the rows of a comparison, which a hypothesis leaves to judge it by
+SHOWN = 8  # hypotheses by contradiction that are listed
+FAULTS = 3  # that are looked for, one after the other
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tried:
+    """What a hypothesis explains."""
+
+    sensor: Sensor
+    fault: str
+    value: str
+    chi2: float  # of the comparisons that it may change, by this hypothesis
+    chi2_before: float
+    explains: bool
+
+    def document(self) -> dict[str, object]:
+        """Return the facts for JSON."""
+        return {
+            "sensor": str(self.sensor),
+            "fault": self.fault,
+            "value": self.value,
+            "chi2": round(self.chi2, 1),
+            "chi2_before": round(self.chi2_before, 1),
+            "explains": self.explains,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judged:
+    """Records with what was put right, and what was found."""
+
+    records: SensorRecords
+    findings: list[Finding]
+    tried: list[Tried]  # those that explain most, by contradiction
+
+
+def judge(
+    records: SensorRecords,
+    rig: Rig,
+    atmosphere_m: float,
+    topics: Mapping[Sensor, str] = MappingProxyType({}),
+) -> Judged:
+    """Hold the sensors of a dive against each other.
+
+    Parameters
+    ----------
+    records, rig
+        The dive.
+    atmosphere_m
+        The air's pressure in metres of water, which was taken off the pressure.
+    topics
+        Of the sensors, for what is said.
+    """
+    findings: list[Finding] = []
+    tried: list[Tried] = []
+    for _ in range(FAULTS):
+        base = compare_all(records, rig)
+        wrong = [c for c in base if c.is_contradiction and not c.vouches]
+        if not wrong:
+            break
+        found = _try_all(records, rig, atmosphere_m, base)
+        tried += [one for _, one in found[:SHOWN]]
+        best = [(h, one) for h, one in found if one.explains]
+        best = [(h, one) for h, one in best if one.chi2 < best[0][1].chi2 + ALIKE]
+        sensors = list(dict.fromkeys(h.sensor for h, _ in best))
+        late = [h for h, _ in best if h.fault == "clock"]
+        if late:
+            values = {"sensor": str(late[0].sensor), "value": late[0].value}
+            findings.append(Finding("sensors-late", values))
+        elif len(sensors) != 1:
+            findings.append(_describe_unknown(records, sensors, wrong, base))
+        elif best[0][0].exact:
+            records = best[0][0].mended
+            findings.append(_describe("sensor-mended", best[0][0], wrong, topics))
+            continue
+        else:
+            findings.append(_describe("sensor-wrong", best[0][0], wrong, topics))
+        break
+    return Judged(records=records, findings=findings, tried=tried)
+
+
+def _try_all(
+    records: SensorRecords, rig: Rig, atmosphere_m: float, base: Sequence[Comparison]
+) -> list[tuple[Hypothesis, Tried]]:
+    """Make the comparisons again under each hypothesis. Those that explain most come first."""
+    wrong = [c for c in base if c.is_contradiction and not c.vouches]
+    suspects = frozenset().union(*(c.sensors for c in wrong))
+    before = sum(c.chi2 for c in base)
+    track = track_of(records, rig)
+    out = []
+    for one in hypotheses(records, suspects, atmosphere_m):
+        own = [c for c in wrong if one.sensor in c.sensors]
+        if one.fault == "constant" and not all(c.follows < STILL for c in own if c.second.any()):
+            continue
+        held = track if one.sensor is Sensor.PRESSURE else None
+        after = {c.kind: c for c in compare_all(one.mended, rig, {one.sensor}, held)}
+        chi2 = before + sum(
+            _chi2_left(c, after.get(c.kind)) - c.chi2 for c in base if one.sensor in c.sensors
+        )
+        solved = one.fault == "constant" or all(_is_solved(c, after.get(c.kind)) for c in own)
+        sound = not any(c.is_contradiction and not c.vouches for c in after.values())
+        out.append(
+            (
+                one,
+                Tried(
+                    sensor=one.sensor,
+                    fault=one.fault,
+                    value=one.value,
+                    chi2=chi2,
+                    chi2_before=before,
+                    explains=solved and sound and chi2 < before - GAIN,
+                ),
+            )
+        )
+    return sorted(out, key=lambda pair: (not pair[1].explains, pair[1].chi2))
+
+
+def _chi2_left(before: Comparison, after: Comparison | None) -> float:
+    """Compute chi-square under a hypothesis. Rows that it loses cost what they did, at most one."""
+    kept = after.chi2 if after is not None else 0.0
+    lost = len(before.residual) - (len(after.residual) if after is not None else 0)
+    return kept + max(0, lost) * min(1.0, before.chi2 / max(1, len(before.residual)))
+
+
+def _is_solved(before: Comparison, after: Comparison | None) -> bool:
+    """Tell whether a hypothesis explains a contradiction, not by having fewer rows."""
+    if after is None or len(after.residual) < KEPT * len(before.residual):
+        return False
+    return after.misfit < EXPLAINED
+
+
+def _describe(
+    code: str, one: Hypothesis, wrong: Sequence[Comparison], topics: Mapping[Sensor, str]
+) -> Finding:
+    """Say what is wrong with a sensor, and by which comparison."""
+    own = max((c for c in wrong if one.sensor in c.sensors), key=lambda c: c.chi2)
+    values = {"sensor": str(one.sensor), "fault": one.fault, "value": one.value, **_facts(own)}
+    return Finding(code, values, topics.get(one.sensor, ""))
+
+
+def _describe_unknown(
+    records: SensorRecords,
+    sensors: Sequence[Sensor],
+    wrong: Sequence[Comparison],
+    base: Sequence[Comparison],
+) -> Finding:
+    """Name the sensors that contradict each other where it is not known which is wrong.
+
+    Those that agree with another one, and a tray that was not logged, are left out.
+    """
+    worst = max(wrong, key=lambda c: c.chi2)
+    agree = [c.sensors for c in base if len(c.sensors) > 1 and c not in wrong and not c.vouches]
+    named = [s for s in Sensor if s in worst.sensors and not any(s in c for c in agree)]
+    named = [s for s in named if s is not Sensor.TRAY or records.tray is not None]
+    code = "sensors-contradict" if worst.misfit > GROSS else "sensors-part"
+    return Finding(code, {"sensors": [str(s) for s in sensors or named], **_facts(worst)})
+
+
+def _facts(comparison: Comparison) -> dict[str, object]:
+    first, second = (float(np.abs(one).max()) for one in (comparison.first, comparison.second))
+    return {"kind": comparison.kind, "first": first, "second": second, "misfit": comparison.misfit}

@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.logs.dvl_beams import tilted_beams
+from hullrecon.geometry.poses import from_mount
+from hullrecon.navigation.suspects.suspects import judge
+from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples, SensorRecords
+from hullrecon.rig import Rig
+
+NS = 1_000_000_000
+SECONDS = 40
+AIR_M = 10.0
+RIG = Rig(
+    tray_origin=np.zeros(3),
+    pressure_origin=np.zeros(3),
+    tray_from_dvl=from_mount([0, 0, 0, 0, 90, 0]),
+)
+JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
+
+
+def stamps(hz: float) -> np.ndarray:
+    return np.arange(0, SECONDS * NS, round(NS / hz), dtype=np.int64)
+
+
+def attitude(t_s: np.ndarray) -> Rotation:
+    phase = np.outer(t_s, [0.9, 0.7, 0.4]) + np.array([0.0, 1.0, 2.0])
+    angles = np.radians([2.0, 3.0, 5.0]) * np.sin(phase)
+    return Rotation.from_euler("xyz", angles)
+
+
+def dive(seed: int = 1) -> SensorRecords:
+    """A vehicle that goes along a hull, down and up by 0.8 m, and turns by some degrees."""
+    rng = np.random.default_rng(seed)
+    imu_ns, ping_ns, read_ns = stamps(50), stamps(5), stamps(10)
+    imu_s, ping_s, read_s = (t / NS for t in (imu_ns, ping_ns, read_ns))
+    turned = attitude(imu_s)
+    noise = Rotation.from_rotvec(np.radians(0.1) * rng.standard_normal((len(imu_s), 3)))
+    rates = (turned.inv() * attitude(imu_s + 0.01)).as_rotvec() / 0.01
+    ashore = np.column_stack(
+        [0.02 * np.cos(ping_s), 0.3 * np.cos(0.1 * ping_s), 0.24 * np.cos(0.3 * ping_s)]
+    )
+    vehicle = attitude(ping_s).inv().apply(ashore)
+    velocity = RIG.tray_from_dvl.rotation.inv().apply(vehicle)
+    return SensorRecords(
+        imu=ImuSamples(
+            t_ns=imu_ns,
+            quaternion=(turned * noise).as_quat(),
+            angular_velocity=rates + 0.002 * rng.standard_normal(rates.shape),
+            acceleration=turned.inv().apply([0.0, 0.0, -9.81]),
+        ),
+        dvl=DvlPings(
+            t_ns=ping_ns,
+            velocity=velocity + 0.003 * rng.standard_normal(velocity.shape),
+            velocity_sigma=np.full(len(ping_ns), 0.003),
+            ranges=np.zeros((len(ping_ns), 0)),
+            beams=JANUS,
+        ),
+        pressure=PressureSamples(
+            t_ns=read_ns,
+            depth=2.0 + 0.8 * np.sin(0.3 * read_s) + 0.02 * rng.standard_normal(len(read_s)),
+        ),
+    )
+
+
+def judged(records: SensorRecords):
+    return judge(records, RIG, AIR_M)
+
+
+def with_depth(records: SensorRecords, depth: np.ndarray) -> SensorRecords:
+    return replace(records, pressure=replace(records.pressure, depth=depth))
+
+
+def with_rates(records: SensorRecords, rates: np.ndarray) -> SensorRecords:
+    return replace(records, imu=replace(records.imu, angular_velocity=rates))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_sensors_that_agree_are_not_accused(seed):
+    assert judged(dive(seed)).findings == []
+
+
+@pytest.mark.parametrize(("unit", "pascal"), [("hPa", 100.0), ("kPa", 1000.0)])
+def test_pressure_in_another_unit_is_converted(unit, pascal):
+    true = dive()
+    logged = (true.pressure.depth + AIR_M) / pascal - AIR_M
+    found = judged(with_depth(true, logged))
+    (finding,) = found.findings
+    assert (finding.code, finding.values["value"]) == ("sensor-mended", unit)
+    assert found.records.pressure.depth == pytest.approx(true.pressure.depth)
+
+
+def test_pressure_of_an_enclosure_is_left_out():
+    true = dive()
+    still = 0.2 + 0.0002 * np.random.default_rng(2).standard_normal(len(true.pressure.depth))
+    found = judged(with_depth(true, still))
+    (finding,) = found.findings
+    assert (finding.values["sensor"], finding.values["fault"]) == ("pressure", "constant")
+    assert found.records.pressure is None
+    assert found.tried[0].explains
+
+
+def test_rates_in_degrees_are_converted():
+    true = dive()
+    found = judged(with_rates(true, np.degrees(true.imu.angular_velocity)))
+    (finding,) = found.findings
+    assert finding.values["value"] == "deg/s"
+    assert found.records.imu.angular_velocity == pytest.approx(true.imu.angular_velocity)
+
+
+def test_rates_about_exchanged_axes_are_turned():
+    true = dive()
+    found = judged(with_rates(true, true.imu.angular_velocity[:, [1, 0, 2]] * [1, 1, -1]))
+    assert found.records.imu.angular_velocity == pytest.approx(true.imu.angular_velocity)
+
+
+def test_velocities_without_lock_are_left_out():
+    true = dive()
+    velocity = true.dvl.velocity.copy()
+    velocity[60:95] = 0.0
+    found = judged(replace(true, dvl=replace(true.dvl, velocity=velocity)))
+    assert np.isnan(found.records.dvl.velocity[60:95]).all()
+    assert np.isfinite(found.records.dvl.velocity[:60]).all()
+
+
+def test_dvl_that_looks_the_other_way_is_refused():
+    true = dive()
+    velocity = true.dvl.velocity * [-1, 1, -1]
+    (finding,) = judged(replace(true, dvl=replace(true.dvl, velocity=velocity))).findings
+    assert finding.severity == "error"
+    assert "DVL" in finding.sentence
+
+
+@pytest.mark.parametrize("late_s", [0.8, -7.0])
+def test_stamps_that_are_late_are_left_to_the_clocks(late_s):
+    true = dive()
+    moved = replace(true.pressure, t_ns=true.pressure.t_ns + round(late_s * NS))
+    found = judged(replace(true, pressure=moved))
+    (finding,) = found.findings
+    assert finding.code == "sensors-late"
+    assert float(finding.values["value"].removesuffix(" s")) == pytest.approx(late_s, abs=0.25)
