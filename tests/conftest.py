@@ -21,7 +21,7 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import pytest
 from datasets import dataset
-from end_to_end.shell import SAMPLE, Shell
+from end_to_end.shell import COARSE, SAMPLE, Shell
 
 sys.dont_write_bytecode = False
 Once = Callable[[str, Callable[[Shell], object]], Path]
@@ -85,10 +85,10 @@ def demo_run(once: Once) -> Path:
 
 @pytest.fixture(scope="session")
 def dive_a_run(once: Once) -> Path:
-    """The folder of a whole run over the evaluation data's simulated dive.
+    """The folder of a whole run over the evaluation data's simulated dive, with coarse mosaics.
 
     The test is skipped where the data are not there.
     """
     package = dataset("dive-a")
-    run = ("run", package, "--runs", "out", "--jobs", 2)
+    run = ("run", package, "--runs", "out", "--jobs", 2, *COARSE)
     return once("dive-a", lambda shell: shell(*run)) / "out/dive-a"

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from end_to_end.json_schema import violations
+from end_to_end.shell import COARSE
 from pypdf import PdfReader
 from scipy.spatial.transform import Rotation
 
@@ -33,7 +34,6 @@ from benchmarks.change import (
 )
 from hullrecon.api.change import RunComparison
 from hullrecon.api.dive_run import run
-from hullrecon.errors import StageError
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.frames import Camera
 from hullrecon.steps.artifacts import SurfaceArtifact
@@ -77,9 +77,8 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> Compared:
     folder = tmp_path_factory.mktemp("change")
     by_diff = run_both(folder, SEED, SMALLEST)
     first, second = simulate(folder, SEED, SMALLEST)
-    dive = run(
-        second, folder / "runs", overrides=[f"change.earlier={folder / 'runs' / first.name}"]
-    )
+    earlier = f"change.earlier={folder / 'runs' / first.name}"
+    dive = run(second, folder / "runs", overrides=[earlier, *COARSE[1::2]])
     return Compared(first=first, second=second, by_diff=by_diff, deliver=dive.deliver)
 
 
@@ -268,23 +267,3 @@ def test_the_pdf_has_the_chapter_too(compared: Compared) -> None:
     assert re.sub(r"\s+", "", f"{compared.document['verdict']}.") in text
     for row in compared.document["objects"]:
         assert re.sub(r"\s+", "", row["address"]) in text
-
-
-def test_missing_earlier_run_leaves_out_the_change_chapter_only(
-    compared: Compared, tmp_path: Path
-) -> None:
-    """The last test: it runs the second dive again."""
-    with pytest.raises(StageError, match="no comparison with an earlier dive: this is no run"):
-        run(
-            compared.second,
-            compared.deliver.parents[1],
-            overrides=[f"change.earlier={tmp_path / 'gone'}"],
-        )
-    summary = json.loads((compared.deliver / "summary.json").read_text())
-    assert summary["absent"]["change/"].startswith(
-        "no comparison with an earlier dive: this is no run"
-    )
-    assert "objects.json" in summary["deliverables"]
-    assert not [name for name in summary["deliverables"] if name.startswith("change/")]
-    assert not (compared.deliver / "change").exists()
-    assert 'id="change"' not in compared.page

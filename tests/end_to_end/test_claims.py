@@ -16,7 +16,7 @@ import pytest
 from datasets import FOLDER
 from end_to_end import claims
 from end_to_end.sentences import untrue
-from end_to_end.shell import SAMPLE, Shell
+from end_to_end.shell import COARSE, SAMPLE, Shell
 from end_to_end.statements import Statement, statements
 from end_to_end.true_dive import TrueDive
 
@@ -97,7 +97,7 @@ def dives(tmp_path_factory, request):
         if name in WITHOUT:
             package = shutil.copytree(package, shell.folder / name.replace(" ", "_"))
             leave_out(package, WITHOUT[name])
-        shell("run", package, "--runs", package.name + "_out", "--jobs", 2)
+        shell("run", package, "--runs", package.name + "_out", "--jobs", 2, *COARSE)
         return next((shell.folder / f"{package.name}_out").glob("*/deliver")).parent, package
 
     def make(name):

@@ -8,20 +8,20 @@ import random
 import time
 
 import pytest
-from end_to_end.shell import without_run_blocks
+from end_to_end.shell import COARSE, without_run_blocks
 
 
 @pytest.mark.slow
-def test_run_killed_eight_times_ends_with_the_same_bytes(shell, tiny):
-    shell("run", tiny, "--runs", "whole")
+def test_run_killed_four_times_ends_with_the_same_bytes(shell, tiny):
+    shell("run", tiny, "--runs", "whole", *COARSE)
     whole = without_run_blocks(shell.folder / "whole")
     rng = random.Random(20)
-    for _ in range(8):
-        run = shell.start("run", tiny, "--runs", "killed")
+    for _ in range(4):
+        run = shell.start("run", tiny, "--runs", "killed", *COARSE)
         time.sleep(rng.uniform(0.3, 6.0))
         run.kill()
         run.communicate()
-    shell("run", tiny, "--runs", "killed")
+    shell("run", tiny, "--runs", "killed", *COARSE)
     again = without_run_blocks(shell.folder / "killed")
     assert sorted(again) == sorted(whole)
     different = [name for name in whole if whole[name] != again[name]]

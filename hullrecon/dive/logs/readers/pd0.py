@@ -78,7 +78,7 @@ def to_sample(ping: Ensemble) -> DvlSample:
 
 def attitude(ping: Ensemble) -> ImuSample:
     """Compute the attitude of `dvl` in north-east-down, by the instrument's compass and tilts."""
-    from scipy.spatial.transform import Rotation  # half of a start's time: logs are opened by all
+    from scipy.spatial.transform import Rotation  # slow to import, and few logs need it
 
     enu_from_instrument = earth_from_instrument(ping.heading_rad, *_tilts(ping))
     ned_from_dvl = NED_FROM_ENU @ enu_from_instrument @ DVL_FROM_INSTRUMENT.T

@@ -162,7 +162,7 @@ def to_velocity(report: Report) -> DvlSample:
 
 def to_attitude(report: Report) -> ImuSample:
     """Convert a report of type position_local. Raises DamagedError."""
-    from scipy.spatial.transform import Rotation  # half of a start's time: logs are opened by all
+    from scipy.spatial.transform import Rotation  # slow to import, and few logs need it
 
     angles = [number_of(report, key) for key in ("yaw", "pitch", "roll")]
     quaternion = Rotation.from_euler("ZYX", angles, degrees=True).as_quat()

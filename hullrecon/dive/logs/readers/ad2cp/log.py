@@ -128,7 +128,7 @@ def enu_from_dvl(ping: BottomTrack) -> Array | None:
 
     That is where an angle is missing, or the instrument took another axis than z as vertical.
     """
-    from scipy.spatial.transform import Rotation  # half of a start's time: logs are opened by all
+    from scipy.spatial.transform import Rotation  # slow to import, and few logs need it
 
     if not np.isfinite(ping.angles_rad).all() or ping.orientation not in (
         tracks.Z_UP,
