@@ -14,6 +14,7 @@ from typing import BinaryIO, TypeVar
 import numpy as np
 
 from hullrecon.dive.check.contents import describe_losses, describe_streams
+from hullrecon.dive.check.time_overlap import clock_gaps
 from hullrecon.dive.check.topics import describe_unused, unread_dvls
 from hullrecon.dive.config.calibration import read_camera, read_pose_in_top
 from hullrecon.dive.hull.load import read_hull
@@ -35,7 +36,9 @@ from hullrecon.dive.logs.samples import (
     PositionSample,
     PressureSample,
     Sample,
+    is_of_dvl,
 )
+from hullrecon.dive.logs.time_bases import BagStamps, join_time_bases
 from hullrecon.dive.logs.time_window import Instant, TimeWindow, time_window
 from hullrecon.dive.logs.timeline import put_in_order
 from hullrecon.dive.problems import Problems
@@ -79,25 +82,17 @@ class IngestRequest:
     beams: Array | None  # (b, 3) of the DVL, for messages without
     sigma_velocity: float  # m/s, where a message has none
     calibration: Mapping[str, str]  # file by camera ("camera_top", "camera_bottom")
-    offset_ns: Mapping[str, int]  # by camera, added to the stamps
+    offset_ns: Mapping[str, int]  # by sensor, added to the stamps
     mesh: str | None  # the CAD model
     units: str  # of the CAD model
     uncalibrated: tuple[str, ...] = ()  # cameras whose calibration the logs have to hold
     start: Instant = None  # of the part of the logs that is used
     end: Instant = None
     sonar_azimuth_deg: Array | None = None  # (beams,), for logs that do not say
-    sonar_offset_ns: int = 0  # added to the stamps
     log_units: streams.LogUnits = field(default_factory=streams.LogUnits)
     position_source: str | None = None  # "satellite", "acoustic"; None: by type and topic
     position_frame: str = "enu"  # or "ned", of local positions
     sigma_position: float = 2.0  # m, where a message has none
-    position_offset_ns: int = 0  # added to the stamps
-
-    @property
-    def offsets_ns(self) -> dict[str, int]:
-        """The offset to add to the stamps of each sensor, ns."""
-        others = {"sonar": self.sonar_offset_ns, "position": self.position_offset_ns}
-        return {**self.offset_ns, **others}
 
 
 @dataclass(kw_only=True)
@@ -187,12 +182,14 @@ def ingest(
         problems,
         window,
         spool.keep,
-        request.offsets_ns,
+        request.offset_ns,
     )
     # a log that could not be read may hold the topics that seem to be missing
     if len(logs) == len(request.logs) and not found.unread:
         _check_topics(topics, found, problems)
     calibrations.check_constant(problems)
+    bags = [number for number, log in enumerate(logs) if not log.gives_samples]
+    out.notes += _join_time_bases(found, sinks, bags, request.offset_ns)
     out.sensors = frames.sensors(request.joints) | _rig_of_camchain(package, request, out.cameras)
     out.notes += [*found.notes, *calibrations.notes(out.cameras)]
     _describe_contents(out, found, {*topics.values(), *calibrations.topics.values()})
@@ -245,7 +242,6 @@ def _image_sinks(
         name: ImageSink(
             name,
             (camera.width, camera.height),
-            request.offset_ns[name],
             package,
             partial(open_file, name),
         )
@@ -258,6 +254,37 @@ def _take_image(
 ) -> None:
     if sample.camera in sinks:
         sinks[sample.camera].take(sample, logged_ns, log)
+
+
+def _join_time_bases(
+    found: LogContents,
+    sinks: Mapping[str, ImageSink],
+    bags: Sequence[int],
+    offset_ns: Mapping[str, int],
+) -> list[Finding]:
+    """Put sensors of bags onto one time base, but those whose offset dive.toml gives.
+
+    bags: numbers of the logs in which messages have a time of logging of their own.
+    """
+    rows: dict[str, tuple[Sequence[int], Sequence[int], Sequence[int]]] = {
+        sensor: ([s.t_ns for s in samples], found.logged_ns[sensor], found.log[sensor])
+        for sensor, samples in found.samples.items()
+    }
+    rows |= {camera: sink.stamps() for camera, sink in sinks.items()}
+    logged: dict[str, BagStamps] = {}
+    for sensor, (stamp, at, log) in rows.items():
+        if stamp and not offset_ns.get(sensor) and np.isin(log, bags).all():
+            logged[sensor] = BagStamps(np.array(stamp, np.int64), np.array(at, np.int64))
+    shifts, notes = join_time_bases(logged)
+    for sensor, shift_ns in shifts.items():
+        if sensor in sinks:
+            sinks[sensor].move(shift_ns)
+            continue
+        found.samples[sensor] = [
+            replace(sample, t_ns=sample.t_ns + int(more))
+            for sample, more in zip(found.samples[sensor], shift_ns, strict=True)
+        ]
+    return notes
 
 
 def _describe_contents(out: IngestResult, found: LogContents, chosen: set[str]) -> None:
@@ -286,6 +313,9 @@ def _check_found(
     """
     with problems.collect():
         _check_silence(out)
+    for gap in clock_gaps({**out.records.by_name(), **out.images}, request.offset_ns):
+        if gap.severity == "error":
+            problems.refuse(gap)
     if not out.records.by_name() and not out.images and not problems.found:
         with problems.collect():
             raise _nothing_read(request, window, [loss for _, loss in losses])
@@ -297,7 +327,7 @@ def _nothing_read(
     """Make the error that says why nothing could be read."""
     if losses:
         return InputError(
-            f"nothing could be read of the logs: {losses[0].why}",
+            f"no sensor could be read from the logs: {losses[0].why}",
             where=", ".join(request.logs),
             remedy="give a log that is whole",
         )
@@ -383,7 +413,7 @@ class _Source:
             if isinstance(row[0], kind) and joint in (None, getattr(row[0], "name", None))
         ]
         # before they are put in order: two sensors are two clocks
-        own = [row for row in rows if not streams.is_of_dvl(row[0])]
+        own = [row for row in rows if not is_of_dvl(row[0])]
         if own and len(own) < len(rows):
             values = {"sensor": sensor, "count": len(rows) - len(own)}
             self.notes.append(Finding("dvl-sensors-ignored", values, sensor))
@@ -430,8 +460,7 @@ def _build_pressure(source: _Source) -> PressureSamples | None:
 
 
 def _build_sonar(source: _Source) -> SonarPings | None:
-    request, spooled = source.request, source.samples("sonar", SpooledPing)
-    samples = [replace(s, t_ns=s.t_ns + request.sonar_offset_ns) for s in spooled]
+    request, samples = source.request, source.samples("sonar", SpooledPing)
     return streams.sonar_pings(
         samples, source.notes, request.sonar_azimuth_deg, source.keep_images, source.spool.load
     )
@@ -441,18 +470,11 @@ def _build_position(source: _Source) -> PositionFixes | None:
     """Stack the fixes of GPS or USBL. The pressure tells which antennas were under water."""
     request, samples = source.request, source.samples("position", PositionSample)
     acoustic = is_acoustic(request.position_source, request.topics.get("position", ""))
-    moved = [
-        replace(
-            s,
-            t_ns=s.t_ns + request.position_offset_ns,
-            by_satellite=s.by_satellite and not acoustic,
-        )
-        for s in samples
-    ]
+    samples = [replace(s, by_satellite=s.by_satellite and not acoustic) for s in samples]
     depths = source.built.get("pressure")
     pressure = depths if isinstance(depths, PressureSamples) else None
     return position_fixes(
-        moved, request.sigma_position, request.position_frame, pressure, source.notes
+        samples, request.sigma_position, request.position_frame, pressure, source.notes
     )
 
 

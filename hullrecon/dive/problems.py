@@ -18,6 +18,12 @@ class Problems:
         self._go_on = go_on
         self.found: list[Finding] = []  # what could not be used, in the order of reading
 
+    def refuse(self, finding: Finding) -> None:
+        """Keep a finding against a run and go on, or raise it as InputError."""
+        if not self._go_on:
+            raise InputError(finding.sentence)
+        self.found.append(finding)
+
     @contextmanager
     def collect(self) -> Iterator[None]:
         """Keep an InputError of the block and go on behind it, or let it pass."""

@@ -10,6 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 Words = str | Callable[..., str]
 
 
+YEAR_S = 365.25 * 86400.0
+
+
 def count_noun(count: int, noun: str) -> str:
     """Return count and noun, the noun in the plural unless the count is 1."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
@@ -75,6 +78,30 @@ def _rotator(turned_deg: Mapping[str, float]) -> str:
     return f"its rotator turned ({moved}), which is not read: {advice}"
 
 
+def duration(seconds: float) -> str:
+    """Write a time in the unit that suits it: 18.0 s, 2.0 h, 56.3 years."""
+    units = ((YEAR_S, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min"))
+    for size, unit in units:
+        if abs(seconds) >= 2 * size:
+            return f"{seconds / size:.1f} {unit}"
+    return f"{seconds:.1f} s"
+
+
+def names(sensors: Sequence[str]) -> str:
+    """List sensors as in a sentence."""
+    *most, last = sensors
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def _joined(count: int, seconds: float, others: Sequence[str], spread_s: float | None) -> str:
+    side = "behind" if seconds > 0 else "ahead of"
+    spread = "by the offset of that moment" if spread_s is None else f"spread {spread_s:.3f} s"
+    return (
+        f"by when they were logged, {count_noun(count, 'stamp')} are {duration(abs(seconds))} "
+        f"{side} those of {names(others)} ({spread}); they were put onto that time base"
+    )
+
+
 _SONAR_FILE = (
     "has no checksums; stamps are those of the computer that recorded it, taken as UTC "
     "(sonar.time_offset corrects its clock); beams are those of a sonar that stands upright (one "
@@ -104,6 +131,7 @@ NOTES: dict[str, Words] = {
     "logs-overlap": "logs were read in another order than they were recorded, or overlap: "
     "{seconds:.1f} s back to {time}; their readings were sorted",
     "clock-jumps": _jumps,
+    "time-base-joined": _joined,
     # streams of one sensor
     "readings-not-finite": "{lost} of {count} readings are no finite numbers and were left out",
     "ranges-all-lost": "every range is lost; it measures no distance to the hull",

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hullrecon.findings.logs import Words
+from hullrecon.findings.logs import Words, duration, names
 
 FAULTS = {  # of a sensor, as a statement
     ("pressure", "unit"): "the readings are in {value}, not in {unit}",
@@ -69,7 +69,41 @@ def _contradict(
     )
 
 
+def _beside(others: Sequence[str], seconds: float, after: bool) -> str:
+    side = "after" if after else "before"
+    return f"it was read {duration(seconds)} {side} {names(others)}, and never at the same time"
+
+
+def _apart(
+    others: Sequence[str],
+    seconds: float,
+    after: bool,
+    key: str,
+    unset: bool,
+    given_s: float,
+    hours: int | None,
+    offset_s: float | None,
+    by_motion: bool,
+) -> str:
+    """Name the gap between a sensor and the others, and the key that heals it."""
+    ends = f"begins {duration(seconds)} after {names(others)} end"
+    if not after:
+        ends = f"ends {duration(seconds)} before {names(others)} begin"
+    clock = " (it counts from 1970: it was never set)" if unset else ""
+    text = f"it {ends}, so that one of the clocks is wrong{clock}"
+    if offset_s is None:
+        return (
+            f"{text}: give {key}, the seconds to add to its stamps, to within a minute "
+            "(`hullrecon check` finds it where depth and DVL show one motion)"
+        )
+    zone = f"{hours:+d} h, as of a time zone" if hours is not None else ""
+    motion = "by depth and DVL, which then show one motion" if by_motion else ""
+    why = "; ".join(part for part in (zone, motion) if part)
+    return f"{text}: set {key} = {offset_s:.2f} ({why})"
+
+
 ERRORS: dict[str, Words] = {
+    "clocks-apart": _apart,
     "sensor-wrong": _wrong,
     "sensors-contradict": _contradict,
 }
@@ -78,8 +112,7 @@ WARNINGS: dict[str, Words] = {
     "sensors-late": "{sensor}: its readings fit the other sensors' with stamps that are {value} "
     "earlier: is a clock off?",
     "sensors-part": _contradict,
-    "clocks-apart": "{stream} and {other} do not overlap in time: one of the clocks is off by "
-    "{seconds:.1f} s or more",
+    "read-beside": _beside,
     "imu-single-reading": "the IMU gave a single reading, which tells no attitude",
     "imu-upside-down": 'imu: gravity pulls upward with imu.frame = "{frame}"; is it "{other}"?',
     "imu-gravity-tilted": "imu: gravity is {degrees:.0f} degrees off the vertical: is "

@@ -28,6 +28,11 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.artifacts import MOUNTS, SONAR_IMAGES
 from hullrecon.typing import Array
 
+TIME_OFFSETS = {  # sections with the time_offset of each sensor
+    **{name: name for name in ("dvl", "imu", "pressure", "sonar", "position")},
+    "joints": "tray",
+    **{camera.key: camera.section for camera in Camera},
+}
 USES = (
     "dive.from",
     "dive.to",
@@ -38,7 +43,6 @@ USES = (
     "sonar.joint",
     "sonar.joint_unit",
     "sonar.beam_azimuth_deg",
-    "sonar.time_offset",
     "imu.frame",
     "imu.mount_deg",
     "imu.rates_unit",
@@ -55,8 +59,8 @@ USES = (
     "position.frame",
     "position.source",
     "position.sigma_m",
-    "position.time_offset",
-    *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")),
+    *(f"{camera.section}.calibration" for camera in Camera),
+    *(f"{section}.time_offset" for section in TIME_OFFSETS.values()),
     "hull.mesh",
     "hull.units",
 )
@@ -106,19 +110,17 @@ def request_of(settings: StageSettings) -> IngestRequest:
             {c.key: settings.read_optional(f"{c.section}.calibration", str) for c in Camera}
         ),
         offset_ns={
-            c.key: offset_ns(settings.read_optional(f"{c.section}.time_offset", float) or 0.0)
-            for c in Camera
+            sensor: offset_ns(settings.read_optional(f"{section}.time_offset", float) or 0.0)
+            for sensor, section in TIME_OFFSETS.items()
         },
         uncalibrated=tuple(c.key for c in Camera if _needs_logged_calibration(settings, c)),
         mesh=settings.read_optional("hull.mesh", str),
         units=settings.read_optional("hull.units", str) or "m",
         start=_instant(settings, "dive.from"),
         end=_instant(settings, "dive.to"),
-        sonar_offset_ns=offset_ns(settings.read_optional("sonar.time_offset", float) or 0.0),
         position_source=settings.read_optional("position.source", str),
         position_frame=settings.read("position.frame", str),
         sigma_position=settings.read("position.sigma_m", float),
-        position_offset_ns=offset_ns(settings.read("position.time_offset", float)),
         sonar_azimuth_deg=None if azimuth is None else np.array(azimuth, float),
     )
 
@@ -223,7 +225,7 @@ STAGE = Stage(
     summary="read the logs, the calibration and the CAD model",
     inputs=(),
     parameters=IngestOptions,
-    version=13,
+    version=14,
     run=run,
     uses=USES,
     external=external,

@@ -13,7 +13,7 @@ import numpy as np
 from msgspec import Struct
 
 from hullrecon.artifacts.stage import Context, Stage, StageSettings
-from hullrecon.dive.check.contents import Stream
+from hullrecon.dive.check.time_overlap import Stream
 from hullrecon.dive.config.mounts import describe_mounts
 from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import ImageStore

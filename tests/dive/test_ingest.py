@@ -115,7 +115,7 @@ def test_the_window_holds_stamps_as_they_are_corrected(tmp_path):
         "logs": ("logs",),
         "topics": {},
         "calibration": {},
-        "position_offset_ns": offset_ns(-7200.0),
+        "offset_ns": {"position": offset_ns(-7200.0)},
     }
     found, _ = run(tmp_path, **off, **limits)
     expected = [int(START.timestamp() + k) * 10**9 for k in range(5, 11)]

@@ -31,11 +31,11 @@ def test_each_code_has_one_severity():
 
 
 def test_sentence_has_values_and_place():
-    found = Finding("clocks-apart", {"stream": "imu", "other": "dvl", "seconds": 2.0})
+    found = Finding("read-beside", {"others": ["imu", "dvl"], "seconds": 2.0, "after": True}, "gps")
     assert found.severity == "warning"
-    assert found.sentence.startswith("imu and dvl do not overlap in time")
-    assert sentences([found.inside("a.mcap")])[0].startswith("a.mcap: imu and dvl")
-    assert found.inside("a.mcap").inside("bag").where == "bag: a.mcap"
+    assert found.sentence.startswith("gps: it was read 2.0 s after imu and dvl")
+    assert sentences([found.inside("a.mcap")])[0].startswith("a.mcap: gps: it was read")
+    assert found.inside("a.mcap").inside("bag").where == "bag: a.mcap: gps"
 
 
 def test_document_has_code_severity_values_sentence():

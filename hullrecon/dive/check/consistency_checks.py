@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.check.contents import Stream
+from hullrecon.dive.check.time_overlap import clock_gaps
 from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.findings.finding import Finding
@@ -41,7 +41,10 @@ def check_consistency(
     config: DiveConfig, records: SensorRecords, images: Mapping[str, ImageIndex]
 ) -> list[Finding]:
     """Find contradictions between sensors, mounts and clocks."""
-    out = _check_clocks({**records.by_name(), **images})
+    gaps = clock_gaps({**records.by_name(), **images})
+    out = [finding for finding in gaps if finding.severity == "warning"]
+    if len(out) < len(gaps):  # nothing compares sensors whose clocks are apart
+        return out + _check_mounts(config)
     dvl, imu, pressure = records.dvl, records.imu, records.pressure
     if imu is not None:
         out += _check_gravity(imu, config.imu.frame)
@@ -66,26 +69,6 @@ def check_mount_of_attitude(config: DiveConfig, tray: JointSamples | None) -> li
     turn = by_imu.inv() * from_mount(config.dvl.mount).rotation
     degrees = float(np.degrees(turn.magnitude().max()))
     return [Finding("mounts-disagree", {"degrees": degrees})] if degrees > SAME_DEG else []
-
-
-def _check_clocks(streams: Mapping[str, Stream]) -> list[Finding]:
-    """Find streams that do not overlap in time with the longest one.
-
-    A single reading, as of a joint that stands still, says nothing about a clock.
-    """
-    spans = {
-        name: (int(s.t_ns[0]), int(s.t_ns[-1])) for name, s in streams.items() if len(s.t_ns) > 1
-    }
-    if not spans:
-        return []
-    longest = max(spans, key=lambda name: spans[name][1] - spans[name][0])
-    low, high = spans[longest]
-    apart = {name: max(start - high, low - end) / NS for name, (start, end) in spans.items()}
-    return [
-        Finding("clocks-apart", {"stream": name, "other": longest, "seconds": seconds})
-        for name, seconds in apart.items()
-        if seconds > 0
-    ]
 
 
 def _check_coverage(

@@ -5,17 +5,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Protocol
 
 import numpy as np
 
+from hullrecon.dive.check.time_overlap import Stream, clock_gaps
 from hullrecon.dive.logs.readers.protocol import Loss
 from hullrecon.dive.logs.timeline import describe_ends, describe_gaps
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.clock import NS, format_time, rate_hz
 from hullrecon.records.sensors import ImageIndex, SensorRecords
-from hullrecon.typing import Ints
 
 NOUNS = {
     "dvl": "ping",
@@ -30,20 +29,14 @@ NOUNS = {
 }
 
 
-class Stream(Protocol):
-    """Any record with stamps."""
-
-    @property
-    def t_ns(self) -> Ints:
-        """Stamps (n,), ns since 1970."""
-
-
 def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -> list[Finding]:
     """Describe each sensor's readings, rate and gaps, and the ranges of their values."""
     streams: Iterable[tuple[str, Stream]] = [*records.by_name().items(), *images.items()]
     logged = [(name, record.t_ns) for name, record in streams if len(record.t_ns)]
-    start_ns = min((int(t[0]) for _, t in logged), default=0)
-    stop_ns = max((int(t[-1]) for _, t in logged), default=0)
+    # a clock that is apart says nothing about when the others began
+    apart = {finding.where for finding in clock_gaps(dict(streams))}
+    start_ns = min((int(t[0]) for name, t in logged if name not in apart), default=0)
+    stop_ns = max((int(t[-1]) for name, t in logged if name not in apart), default=0)
     out = []
     for name, t_ns in logged:
         values = {
@@ -54,7 +47,8 @@ def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -
             "rate_hz": rate_hz(t_ns) if len(t_ns) > 1 else None,
         }
         out.append(Finding("stream-read", values, name))
-        out += describe_gaps(name, t_ns) + describe_ends(name, t_ns, start_ns, stop_ns)
+        out += describe_gaps(name, t_ns)
+        out += [] if name in apart else describe_ends(name, t_ns, start_ns, stop_ns)
     return out + _describe_values(records)
 
 

@@ -13,9 +13,11 @@ import numpy as np
 from msgspec import Struct
 
 from hullrecon.dive.check.consistency_checks import check_consistency, check_mount_of_attitude
-from hullrecon.dive.check.contents import Stream, describe_start_offset
+from hullrecon.dive.check.contents import describe_start_offset
 from hullrecon.dive.check.hull_checks import describe_bow, describe_regions
+from hullrecon.dive.check.motion_offset import add_motion
 from hullrecon.dive.check.requirements import missing, needs, to_fill_in
+from hullrecon.dive.check.time_overlap import Stream
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.mounts import (
@@ -219,7 +221,7 @@ def check_package(
         missing_files=missing_files,
         unusable=[
             *_lost_velocities(found.records.dvl, found.images),
-            *problems.found,
+            *add_motion(problems.found, loaded.config, records),
             *(finding for finding in judged if finding.severity == "error"),
         ],
         needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],

@@ -149,6 +149,9 @@ class Tray(Section, frozen=True):
     sigma_deg: Annotated[
         Positive, Meta(description="deg, sigma of the servo's angle, its backlash included")
     ] = 0.8
+    time_offset: Annotated[
+        Offset, Meta(description="s, added to the stamps of all joint messages")
+    ] = 0.0
 
 
 class Imu(Section, frozen=True):
@@ -182,6 +185,7 @@ class Imu(Section, frozen=True):
     bias_sigma_deg: Annotated[
         NotNegative, Meta(description="deg, sigma of the constant error of roll and of pitch")
     ] = 0.2
+    time_offset: TimeOffset = 0.0
 
 
 class Pressure(Section, frozen=True):
@@ -218,6 +222,7 @@ class Pressure(Section, frozen=True):
     bias_sigma_m: Annotated[
         NotNegative, Meta(description="m, sigma of the constant error of the depth")
     ] = 0.1
+    time_offset: TimeOffset = 0.0
 
 
 class Dvl(Section, frozen=True):
@@ -247,6 +252,9 @@ class Dvl(Section, frozen=True):
     ] = None
     beam_angle_deg: BeamAngle | None = None
     beam_azimuth_deg: BeamAzimuths | None = None
+    time_offset: Annotated[
+        Offset, Meta(description="s, added to the stamps, those of its own attitude and depth too")
+    ] = 0.0
 
 
 class CameraTop(Section, frozen=True):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Take the images of one camera as they stream by: check each, keep its bytes and their offset."""
+"""Take the images of one camera as they stream by: check each, and keep its bytes."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from hullrecon.dive.logs.timeline import put_in_order
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.records.sensors import ImageIndex
+from hullrecon.typing import Ints
 
 PATIENCE = 5  # images of another size than the calibration's, with none right, before giving up
 RUN = 8  # neighbouring images that are sampled together, so that both cameras keep the same ones
@@ -33,7 +34,6 @@ class ImageSink:
         self,
         camera: str,
         size: tuple[int, int],
-        offset_ns: int,
         package: Path,
         open_file: Callable[[], BinaryIO],
     ) -> None:
@@ -43,11 +43,10 @@ class ImageSink:
         ----------
         camera : "camera_top" or "camera_bottom"
         size : (width, height) of the calibration
-        offset_ns : added to the stamps
         package : the folder that files are relative to
         open_file : called once, when the first bytes are to be kept
         """
-        self._camera, self._size, self._offset_ns, self._package = camera, size, offset_ns, package
+        self._camera, self._size, self._package = camera, size, package
         self._open_file, self._at = open_file, 0
         self._file: BinaryIO | None = None
         self._rows: list[tuple[int, int, int, str, int, int, bool]] = []
@@ -70,12 +69,22 @@ class ImageSink:
         if found.largest is not None and size == self._size:
             self._largest = max(found.largest, self._largest or 0)
         offset, kept = (0, 0) if sample.file else (self._keep(encoded), len(encoded))
-        stamp = sample.t_ns + self._offset_ns
         self._rows.append(
-            (stamp, logged_ns + self._offset_ns, log, sample.file, offset, kept, size == self._size)
+            (sample.t_ns, logged_ns, log, sample.file, offset, kept, size == self._size)
         )
         if len(self._rows) == PATIENCE:
             self._check_size()
+
+    def stamps(self) -> tuple[list[int], list[int], list[int]]:
+        """List the stamps of all images, when they were logged, and the numbers of their logs."""
+        stamp, logged, log = ([row[k] for row in self._rows] for k in range(3))
+        return stamp, logged, log  # type: ignore[return-value]
+
+    def move(self, shift_ns: Ints) -> None:
+        """Add to the stamp of each image."""
+        self._rows = [
+            (row[0] + int(more), *row[1:]) for row, more in zip(self._rows, shift_ns, strict=True)
+        ]
 
     def finish(self, notes: list[Finding]) -> ImageIndex | None:
         """Index the images in order of time. None without any.

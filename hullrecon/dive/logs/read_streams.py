@@ -15,7 +15,13 @@ from hullrecon.dive.logs.messages.decode import decode, describe, type_name
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
-from hullrecon.dive.logs.samples import ImageSample, JointSample, Sample, SonarSample
+from hullrecon.dive.logs.samples import (
+    ImageSample,
+    JointSample,
+    Sample,
+    SonarSample,
+    is_of_dvl,
+)
 from hullrecon.dive.logs.time_window import TimeWindow
 from hullrecon.dive.logs.timeline import GAP_S
 from hullrecon.dive.problems import Problems
@@ -80,8 +86,7 @@ def read_streams(
     problems : takes what would be raised, if given
     window : what is used, None for all
     keep_ping : what is kept of a sonar's ping
-    offset_ns : by sensor, added to stamps before they are compared with the window. The samples
-    themselves stay as they are
+    offset_ns : by sensor, added to the stamps
 
     Raises
     ------
@@ -136,20 +141,24 @@ def _sort(
     offset_ns: Mapping[str, int],
 ) -> None:
     """Sort the samples of a message by sensor, and count those outside the time window."""
-    for sensor, sample in _samples(message, topics, out):
-        if window is not None and not window.holds(sample.t_ns + offset_ns.get(sensor, 0)):
+    for sensor, read in _samples(message, topics, out):
+        # the DVL's own attitude and depth are of its clock
+        moved_ns = offset_ns.get("dvl" if is_of_dvl(read) else sensor, 0)
+        sample = replace(read, t_ns=read.t_ns + moved_ns) if moved_ns else read
+        logged_ns = message.t_ns + moved_ns
+        if window is not None and not window.holds(sample.t_ns):
             out.outside += 1
             if isinstance(sample, JointSample) and np.isfinite(sample.angle):
-                _note_joint_before(sample, message.t_ns, log, out, window)
+                _note_joint_before(sample, logged_ns, log, out, window)
             continue
         out.inside += 1
         if isinstance(sample, ImageSample):
-            take_image(sample, message.t_ns, log)
+            take_image(sample, logged_ns, log)
         else:
             out.samples[sensor].append(
                 keep_ping(sample) if isinstance(sample, SonarSample) else sample
             )
-            out.logged_ns[sensor].append(message.t_ns)
+            out.logged_ns[sensor].append(logged_ns)
             out.log[sensor].append(log)
 
 

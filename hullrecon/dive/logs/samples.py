@@ -139,3 +139,8 @@ Sample = (
     | SonarSample
     | PositionSample
 )
+
+
+def is_of_dvl(sample: object) -> bool:
+    """Tell whether a sample is an attitude or a depth by sensors inside the DVL."""
+    return isinstance(sample, ImuSample | DepthSample) and sample.of_dvl

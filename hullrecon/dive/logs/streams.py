@@ -25,6 +25,7 @@ from hullrecon.dive.logs.samples import (
     JointSample,
     PressureSample,
     SonarSample,
+    is_of_dvl,
 )
 from hullrecon.dive.logs.sonar_geometry import (
     choose_directions,
@@ -250,11 +251,6 @@ def _require_mount_of_dvl(
             "with its x forward, [0, 90, 0] where it looks ahead",
         )
     return mount_deg
-
-
-def is_of_dvl(sample: object) -> bool:
-    """Tell whether a sample is an attitude or a depth by sensors inside the DVL."""
-    return isinstance(sample, ImuSample | DepthSample) and sample.of_dvl
 
 
 @np.errstate(all="ignore")

@@ -119,15 +119,6 @@ def test_an_imu_without_accelerations_raises_none():
     assert told(config(), SensorRecords(imu=dive(acceleration=(np.nan,) * 3)["imu"]), {}) == []
 
 
-def test_disjoint_clocks_are_named_with_their_offset():
-    found = told(
-        config(), SensorRecords(pressure=dive()["pressure"]), {"camera_top": index(T + 100 * NS)}
-    )
-    assert found == [
-        "camera_top and pressure do not overlap in time: one of the clocks is off by 80.2 s or more"
-    ]
-
-
 def test_a_joint_that_was_read_once_says_nothing_about_clocks():
     """As one that stands still, put at the start of a time window, before the IMU's first reading
     in it.

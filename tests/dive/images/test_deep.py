@@ -52,7 +52,7 @@ def deep(largest: int, suffix: str = ".png", color: bool = False) -> bytes:
 def stored(folder, *encoded: bytes) -> tuple[ImageStore, list[str]]:
     folder.mkdir(exist_ok=True)
     file, notes = BytesIO(), []
-    filled = ImageSink("camera_top", (64, 48), 0, folder, lambda: file)
+    filled = ImageSink("camera_top", (64, 48), folder, lambda: file)
     for t, data in enumerate(encoded):
         filled.take(ImageSample(t, "camera_top", data), t, 0)
     index = filled.finish(notes)

@@ -25,9 +25,9 @@ def jpegs(kit) -> list[bytes]:
     return [kit.jpeg(shade) for shade in range(6)]
 
 
-def sink(tmp_path, size=(64, 48), offset_ns=0):
+def sink(tmp_path, size=(64, 48)):
     file = BytesIO()
-    return ImageSink("camera_top", size, offset_ns, tmp_path, lambda: file), file
+    return ImageSink("camera_top", size, tmp_path, lambda: file), file
 
 
 def take(sink: ImageSink, *samples: ImageSample):
@@ -49,11 +49,6 @@ def test_images_keep_their_bytes_and_are_indexed_in_time_order(tmp_path, jpegs):
         assert file.getvalue()[index.offset[row] : index.offset[row] + index.size[row]] == encoded
     assert index.usable.all()
     assert sentences(notes) == ["camera_top: 1 readings stood out of order and were sorted"]
-
-
-def test_the_cameras_time_offset_is_added(tmp_path, jpegs):
-    index, _ = take(sink(tmp_path, offset_ns=-5)[0], image(20, jpegs[0]))
-    assert index.t_ns.tolist() == [15]
 
 
 @pytest.mark.parametrize("bad", [b"", b"no image", "half", "turned"])

@@ -1,0 +1,195 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Find by how much the clock of DVL or pressure sensor is off, however far, from vertical motion.
+
+The DVL's velocity, turned by the attitude, is how fast the depth grows. Both are compared at all
+offsets at once, by correlations of their products (docs/methods.md, Clocks).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.signal import correlate
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.check.time_overlap import HOUR_S
+from hullrecon.dive.config.mounts import numbers_of
+from hullrecon.dive.config.schema import DiveConfig
+from hullrecon.findings.finding import Finding
+from hullrecon.geometry.poses import from_mount
+from hullrecon.records.clock import NS, seconds
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImuSamples,
+    JointSamples,
+    PressureSamples,
+    SensorRecords,
+)
+from hullrecon.typing import Array, Ints, Mask
+
+STEP_S = 0.1  # of the grid on which motions are compared
+SMOOTH_S = 2.0  # over which velocities are averaged, and depths differ
+PAUSE_S = 2.0  # between readings, across which nothing is interpolated
+LEAST_S = 15.0  # of motion that both measured
+LEAST_SHARE = 0.5  # of the shorter one, that both measured
+OTHER_S = 10.0  # between the best offset and another one
+LEAST_CORRELATION = 0.7
+GAIN = 25.0  # by which chi-square is lower than at any other offset: five sigmas
+SAME_S = 30.0  # from whole hours; what is left of the offset is found by the step navigate
+INDEPENDENT_S = 2.0  # readings so far apart have errors and swell of their own
+
+
+def add_motion(
+    findings: Sequence[Finding], config: DiveConfig, records: SensorRecords
+) -> list[Finding]:
+    """Add to findings of clocks that are apart the offset that motion tells, where it does."""
+    return [
+        _told_by_motion(finding, config, records) if finding.code == "clocks-apart" else finding
+        for finding in findings
+    ]
+
+
+def _told_by_motion(finding: Finding, config: DiveConfig, records: SensorRecords) -> Finding:
+    dvl, imu, pressure = records.dvl, records.imu, records.pressure
+    if dvl is None or imu is None or pressure is None or len(imu.t_ns) < 2:
+        return finding
+    level = _Level.of(imu, records.tray, config)
+    more_s = offset_by_motion(finding.where, dvl, pressure, level)
+    if more_s is None:
+        return finding
+    hours, given_s = finding.values["hours"], finding.values["given_s"]
+    assert isinstance(given_s, float)
+    assert isinstance(hours, int | None)
+    of_zone = hours is not None and abs(more_s - hours * HOUR_S) < SAME_S
+    whole_s = given_s + (hours * HOUR_S if hours is not None and of_zone else round(more_s, 2))
+    told = {"offset_s": whole_s, "hours": hours if of_zone else None, "by_motion": True}
+    return replace(finding, values={**finding.values, **told})
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Level:
+    """How DVL and pressure sensor lay, by attitude and tray."""
+
+    t_ns: Ints  # (n,)
+    down: Array  # (n, 3) unit vectors down, in the DVL's frame
+    below: Array  # (n,) m, of the DVL below the pressure sensor
+
+    @classmethod
+    def of(cls, imu: ImuSamples, tray: JointSamples | None, config: DiveConfig) -> _Level:
+        angle = np.zeros(len(imu.t_ns))
+        if tray is not None and len(tray.t_ns):
+            angle = np.interp(imu.t_ns, tray.t_ns, tray.angle)
+        turned, dvl = Rotation.from_euler("y", angle[:, None]), from_mount(config.dvl.mount)
+        origins = [np.array(numbers_of(s.origin)) for s in (config.tray, config.pressure)]
+        lever = origins[0] - origins[1] + turned.apply(dvl.translation)
+        global_from_vehicle = Rotation.from_quat(imu.quaternion)
+        down = (global_from_vehicle * turned * dvl.rotation).inv().apply([0.0, 0.0, 1.0])
+        below = global_from_vehicle.apply(lever)[:, 2]
+        return cls(t_ns=imu.t_ns, down=np.asarray(down), below=np.asarray(below))
+
+
+def offset_by_motion(
+    sensor: str, dvl: DvlPings, pressure: PressureSamples, level: _Level
+) -> float | None:
+    """Estimate what to add to the stamps of "dvl" or "pressure", s. None where motion is silent.
+
+    All others are on one time base.
+    """
+    heard = np.isfinite(dvl.velocity).all(axis=1)
+    if sensor not in ("dvl", "pressure") or min(heard.sum(), len(pressure.t_ns)) < 2:
+        return None
+    begin = {"dvl": int(dvl.t_ns[heard][0]), "pressure": int(pressure.t_ns[0])}
+    velocity, is_heard = _on_grid(dvl.t_ns[heard], dvl.velocity[heard], begin["dvl"])
+    velocity = _running_mean(velocity)
+    # attitude goes with the sensor whose clock is right
+    at = begin["pressure" if sensor == "dvl" else "dvl"]
+    depth, is_read = _on_grid(pressure.t_ns, pressure.depth[:, None], begin["pressure"])
+    count = len(depth) if sensor == "dvl" else len(velocity)
+    down, is_level = _on_grid(level.t_ns, level.down, at, count)
+    below, _ = _on_grid(level.t_ns, level.below[:, None], at, count)
+    if sensor == "dvl":
+        rate, is_sunk = _rate(depth + below, is_read & is_level)
+        lag_s = _best_lag(down, rate, is_sunk, velocity, is_heard)
+        return None if lag_s is None else lag_s + (begin["pressure"] - begin["dvl"]) / NS
+    rate, is_sunk = _rate(depth, is_read)
+    swept, is_swept = _rate(below, is_level)
+    sinking = (down * velocity).sum(axis=1) - swept
+    ones = np.ones((len(rate), 1))
+    lag_s = _best_lag(ones, rate, is_sunk, sinking[:, None], is_heard & is_swept)
+    return None if lag_s is None else -(lag_s + (begin["pressure"] - begin["dvl"]) / NS)
+
+
+def _on_grid(
+    t_ns: Ints, values: Array, start_ns: int, count: int | None = None
+) -> tuple[Array, Mask]:
+    """Interpolate readings (n, k) on a grid from a start on, with where they are known."""
+    t_s = seconds(t_ns, start_ns)
+    if count is None:
+        count = max(1, int(t_s[-1] / STEP_S) + 1)
+    at_s = STEP_S * np.arange(count)
+    columns = [np.interp(at_s, t_s, column) for column in values.T]
+    after = np.clip(np.searchsorted(t_s, at_s), 1, len(t_s) - 1)
+    near = (t_s[after] - t_s[after - 1] <= PAUSE_S) & (at_s >= t_s[0]) & (at_s <= t_s[-1])
+    return np.stack(columns, axis=1), np.asarray(near, bool)
+
+
+def _running_mean(values: Array) -> Array:
+    width = round(SMOOTH_S / STEP_S)
+    kernel = np.full((width + 1, 1), 1.0 / width)
+    kernel[[0, -1]] *= 0.5
+    return np.asarray(correlate(values, kernel, mode="same"))
+
+
+def _rate(depth: Array, known: Mask) -> tuple[Array, Mask]:
+    """Differentiate a depth (n, 1) over SMOOTH_S."""
+    half = round(SMOOTH_S / STEP_S / 2)
+    rate = (np.roll(depth, -half) - np.roll(depth, half))[:, 0] / SMOOTH_S
+    known = known & np.roll(known, half) & np.roll(known, -half)
+    known[:half] = known[-half:] = False
+    return rate, known
+
+
+def _best_lag(
+    fixed: Array, rate: Array, is_fixed: Mask, moving: Array, is_moving: Mask
+) -> float | None:
+    """Find the lag, s, at which the sum over k of fixed times moving is the rate.
+
+    Parameters
+    ----------
+    fixed, rate, is_fixed : (n, k), (n,), (n,) on one grid
+    moving, is_moving : (m, k), (m,) on another grid. Its start is to be put at the lag
+    """
+    on, off = is_fixed.astype(float), is_moving.astype(float)
+    fixed, moving, rate = fixed * on[:, None], moving * off[:, None], rate * on
+
+    def lagged(one: Array, other: Array) -> Array:
+        return np.asarray(correlate(one, other, mode="full", method="fft"))
+
+    axes = range(fixed.shape[1])
+    count = np.maximum(lagged(on, off), 1.0)
+    mean = sum(lagged(fixed[:, i], moving[:, i]) for i in axes) / count
+    square = sum(
+        lagged(fixed[:, i] * fixed[:, j], moving[:, i] * moving[:, j]) for i in axes for j in axes
+    )
+    mean_rate, square_rate = lagged(rate, off) / count, lagged(rate**2, off)
+    product = sum(lagged(fixed[:, i] * rate, moving[:, i]) for i in axes)
+    scatter = (square / count - mean**2) * (square_rate / count - mean_rate**2)
+    floor = 1e-6 * float(np.mean(rate**2)) ** 2
+    found = (product / count - mean * mean_rate) / np.sqrt(np.maximum(scatter, max(floor, 1e-18)))
+    least = max(LEAST_S / STEP_S, LEAST_SHARE * min(on.sum(), off.sum()))
+    found = np.clip(np.where(count >= least, found, -1.0), -1.0, 0.999)
+    best = int(np.argmax(found))
+    apart = np.abs(np.arange(len(found)) - best) >= OTHER_S / STEP_S
+    other = float(found[apart].max(initial=-1.0))
+    # by how much chi-square is larger at any other offset
+    independent = max(count[best] * STEP_S / INDEPENDENT_S - 1.0, 0.0)
+    gain = independent * np.log((1 - max(other, 0.0) ** 2) / (1 - found[best] ** 2))
+    if found[best] < LEAST_CORRELATION or gain < GAIN:
+        return None
+    low, middle, high = found[best - 1 : best + 2] if 0 < best < len(found) - 1 else (0.0, 1.0, 0.0)
+    bend = low - 2 * middle + high
+    within = 0.5 * (low - high) / bend if bend < 0 else 0.0
+    return float(STEP_S * (best + np.clip(within, -0.5, 0.5) - (len(moving) - 1)))

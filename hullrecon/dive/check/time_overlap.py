@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Find sensors that were never read at the same time as the others: their clocks are apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Protocol
+
+import numpy as np
+
+from hullrecon.findings.finding import Finding
+from hullrecon.geometry.frames import Camera
+from hullrecon.records.clock import NS
+from hullrecon.typing import Ints
+
+KEYS = {  # of dive.toml, that put a sensor's stamps right
+    **{name: f"{name}.time_offset" for name in ("dvl", "imu", "pressure", "sonar", "position")},
+    **dict.fromkeys(("tray", "sonar_tray"), "tray.time_offset"),
+    **{camera.key: f"{camera.section}.time_offset" for camera in Camera},
+}
+JOINTS = dict.fromkeys(("tray", "sonar_tray"), "joints")  # the sensor of a record
+# may be read before or after all others: a GPS at the surface, a servo that turned beforehand
+ALONE = frozenset({"position", "tray", "sonar_tray"})
+LONG_ALONE_S = 3600.0  # from which on they are of another clock too
+HOUR_S, MOST_HOURS = 3600.0, 14  # between two time zones
+UNSET_NS = 10 * 365 * 86400 * NS  # a clock before 1980 was never set
+Span = tuple[int, int]
+
+
+class Stream(Protocol):
+    """Any record with stamps."""
+
+    @property
+    def t_ns(self) -> Ints:
+        """Stamps (n,), ns since 1970."""
+
+
+def clock_gaps(
+    streams: Mapping[str, Stream], offset_ns: Mapping[str, int] = MappingProxyType({})
+) -> list[Finding]:
+    """Find streams that overlap none of the largest group of streams that overlap each other.
+
+    A single reading, as of a joint that stands still, says nothing about a clock.
+
+    offset_ns: by sensor, what dive.toml has already added to the stamps.
+    """
+    spans = {
+        name: (int(s.t_ns[0]), int(s.t_ns[-1])) for name, s in streams.items() if len(s.t_ns) > 1
+    }
+    groups = _groups(spans)
+    if len(groups) < 2:
+        return []
+    main = max(groups, key=lambda names: (len(names - ALONE), len(names), _length(names, spans)))
+    whole = _union(main, spans)
+    others = [name for name in spans if name in main]
+    given_s = {name: offset_ns.get(JOINTS.get(name, name), 0) / NS for name in spans}
+    return [
+        _describe(name, spans[name], others, whole, given_s[name])
+        for name in spans
+        if name not in main
+    ]
+
+
+def _groups(spans: Mapping[str, Span]) -> list[set[str]]:
+    """Gather streams that overlap, also by way of others."""
+    groups: list[set[str]] = []
+    end = 0
+    for name in sorted(spans, key=lambda name: spans[name]):
+        if not groups or spans[name][0] > end:
+            groups.append(set())
+            end = spans[name][1]
+        groups[-1].add(name)
+        end = max(end, spans[name][1])
+    return groups
+
+
+def _length(names: set[str], spans: Mapping[str, Span]) -> int:
+    begin, end = _union(names, spans)
+    return end - begin
+
+
+def _union(names: set[str], spans: Mapping[str, Span]) -> Span:
+    return min(spans[name][0] for name in names), max(spans[name][1] for name in names)
+
+
+def _describe(name: str, span: Span, others: list[str], whole: Span, given_s: float) -> Finding:
+    after = span[0] > whole[1]
+    gap_s = (span[0] - whole[1] if after else whole[0] - span[1]) / NS
+    values: dict[str, object] = {"others": others, "seconds": gap_s, "after": after}
+    if name in ALONE and gap_s < LONG_ALONE_S:
+        return Finding("read-beside", values, name)
+    hours = whole_hours(span, whole)
+    values |= {
+        "key": KEYS[name],
+        "unset": span[0] < UNSET_NS <= whole[0],
+        "given_s": given_s,  # by dive.toml already
+        "hours": hours,
+        "offset_s": None if hours is None else given_s + hours * HOUR_S,
+        "by_motion": False,
+    }
+    return Finding("clocks-apart", values, name)
+
+
+def whole_hours(span: Span, whole: Span) -> int | None:
+    """Find the whole hours that make most of a stream overlap the others. None without any.
+
+    span, whole: first and last stamp, ns, of the stream and of the others.
+    """
+    hours = np.arange(-MOST_HOURS, MOST_HOURS + 1)
+    moved = [span[end] + hours * round(HOUR_S * NS) for end in (0, 1)]
+    shared = np.minimum(moved[1], whole[1]) - np.maximum(moved[0], whole[0])
+    least = 0.5 * min(span[1] - span[0], whole[1] - whole[0])
+    best = int(np.argmax(shared))
+    return int(hours[best]) if shared[best] > least else None

@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Put the sensors of a bag onto one time base, by when their messages were logged.
+
+Each message of a bag has two times: the stamp of its sensor and when it was logged. Their
+difference is known for every topic, so that stamps of different bases (a simulator's time, a clock
+that was never set, a topic without stamps) can be joined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.dive.logs.timeline import JUMP_S
+from hullrecon.findings.finding import Finding
+from hullrecon.records.clock import NS
+from hullrecon.typing import Ints
+
+# messages are logged after they are stamped, the slowest (images, acoustic positions) seconds
+# later; a stamp that lags further behind is of another clock
+LONGEST_DELAY_S = 60.0
+LEAST = 5  # readings that tell an offset
+BLOCK_S = 2.0  # over which the offset of a clock that runs at another rate is constant
+
+
+@dataclass(frozen=True, eq=False)
+class BagStamps:
+    """The stamps of one sensor in bags, in the order of the logs."""
+
+    stamp_ns: Ints  # (n,)
+    logged_ns: Ints  # (n,), equal to the stamp where the message has none
+
+    @property
+    def delay_ns(self) -> Ints:
+        return self.logged_ns - self.stamp_ns
+
+    @property
+    def is_stamped(self) -> bool:
+        return bool(self.delay_ns.any())
+
+    @property
+    def median_ns(self) -> int:
+        return int(np.median(self.delay_ns))
+
+    @property
+    def spread_s(self) -> float:
+        """The range of 80 % of the delays."""
+        low, high = np.percentile(self.delay_ns, [10, 90])
+        return float(high - low) / NS
+
+    @property
+    def is_steady(self) -> bool:
+        return self.spread_s < JUMP_S
+
+
+def join_time_bases(
+    sensors: Mapping[str, BagStamps],
+) -> tuple[dict[str, Ints], list[Finding]]:
+    """Compute what to add to stamps (n,), ns, of each sensor that is on another time base.
+
+    The base of most sensors holds, of two alike the one nearer to the logger's clock.
+    """
+    known = {name: stamps for name, stamps in sensors.items() if len(stamps.stamp_ns) >= LEAST}
+    if len(known) < 2:
+        return {}, []
+    offset_ns = {name: stamps.median_ns for name, stamps in known.items()}
+    alike = [
+        [name for name in known if abs(offset_ns[name] - middle) < JUMP_S * NS]
+        for middle in offset_ns.values()
+    ]
+    right = max(alike, key=lambda names: (len(names), -min(abs(offset_ns[n]) for n in names)))
+    shifts: dict[str, Ints] = {}
+    notes: list[Finding] = []
+    for name, stamps in known.items():
+        shift = None if name in right else _shift(stamps, [known[other] for other in right])
+        if shift is None:
+            continue
+        shifts[name] = shift
+        spread_s = max(known[other].spread_s for other in (*right, name))
+        values = {
+            "count": len(shift),
+            "seconds": float(np.median(shift)) / NS,
+            "others": right,
+            "spread_s": spread_s if spread_s < JUMP_S else None,
+        }
+        notes.append(Finding("time-base-joined", values, name))
+    return shifts, notes
+
+
+def _shift(stamps: BagStamps, right: Sequence[BagStamps]) -> Ints | None:
+    """Compute what to add to a sensor's stamps. None where they are right, or none can tell.
+
+    Stamps that were logged seconds late are right; those ahead of the logger's clock by a second
+    are not.
+    """
+    steady = [other.median_ns for other in right if other.is_steady]
+    if stamps.is_steady and steady:
+        shift_ns = stamps.median_ns - round(float(np.median(steady)))
+        is_late = stamps.is_stamped and -JUMP_S * NS < shift_ns < LONGEST_DELAY_S * NS
+        return None if is_late else np.full(len(stamps.stamp_ns), shift_ns, np.int64)
+    if steady or stamps.is_stamped:
+        return None
+    # the clock of all others runs at another rate than the logger's, as a simulator's does
+    return _follow(stamps.logged_ns, max(right, key=lambda other: len(other.stamp_ns)))
+
+
+def _follow(logged_ns: Ints, other: BagStamps) -> Ints:
+    """Compute what to add to times of logging, to have the stamps of another sensor."""
+    order = np.argsort(other.logged_ns, kind="stable")
+    at, delay = other.logged_ns[order], other.delay_ns[order]
+    block = (at - at[0]) // round(BLOCK_S * NS)
+    parts = np.split(np.arange(len(at)), np.flatnonzero(np.diff(block)) + 1)
+    middle_s, delay_s = (
+        np.array([float(np.median(values[part] - values[0])) for part in parts]) / NS
+        for values in (at, delay)
+    )
+    more_s = np.interp((logged_ns - at[0]) / NS, middle_s, delay_s)
+    return np.asarray(-delay[0] - np.round(more_s * NS), np.int64)

@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+
+from hullrecon.dive.check.time_overlap import clock_gaps
+from hullrecon.records.sensors import PressureSamples
+
+NS = 10**9
+START_S = 1_777_887_000
+
+
+def stream(start_s: float, length_s: float = 100.0) -> PressureSamples:
+    t_ns = np.round((start_s + np.arange(0.0, length_s)) * NS).astype(np.int64)
+    return PressureSamples(t_ns=t_ns, depth=np.zeros(len(t_ns)))
+
+
+def sensors(**late_s: float) -> dict[str, PressureSamples]:
+    late = {"dvl": 0.0, "imu": 0.0, "pressure": 0.0, **late_s}
+    return {name: stream(START_S + start) for name, start in late.items()}
+
+
+def test_streams_that_overlap_have_no_gap():
+    assert clock_gaps(sensors(camera_top=99.0, tray=-98.0)) == []
+
+
+@pytest.mark.parametrize("hours", [-5, 2])
+def test_a_clock_of_another_time_zone_is_told_with_its_key(hours):
+    (found,) = clock_gaps(sensors(dvl=3600.0 * hours + 20))
+    assert (found.code, found.severity, found.where) == ("clocks-apart", "error", "dvl")
+    assert f"set dvl.time_offset = {-3600.0 * hours:.2f}" in found.sentence
+    assert f"({-hours:+d} h, as of a time zone)" in found.sentence
+
+
+def test_an_offset_that_is_given_counts():
+    off = sensors(camera_top=7200.0 + 30.0)
+    (found,) = clock_gaps(off, {"camera_top": 30 * NS})
+    assert found.values["offset_s"] == 30.0 - 7200.0
+    assert found.values["key"] == "camera.top.time_offset"
+
+
+def test_a_clock_that_was_never_set_is_the_one_that_is_named():
+    off = {**sensors(), "dvl": stream(203.4), "tray": stream(-200.0)}
+    found = clock_gaps(off)
+    assert {f.where: f.values["key"] for f in found} == {
+        "dvl": "dvl.time_offset",
+        "tray": "tray.time_offset",
+    }
+    assert "it counts from 1970" in found[0].sentence
+    assert "give dvl.time_offset" in found[0].sentence
+    assert found[0].sentence.startswith("dvl: it ends 56.3 years before imu and pressure begin")
+
+
+def test_the_lone_clock_of_three_is_the_one_that_is_named():
+    assert [f.where for f in clock_gaps(sensors(imu=5000.0))] == ["imu"]
+
+
+@pytest.mark.parametrize(("late_s", "severity"), [(-500.0, "warning"), (-9000.0, "error")])
+def test_fixes_at_the_surface_before_the_dive_are_no_gap(late_s, severity):
+    assert [f.severity for f in clock_gaps(sensors(position=late_s))] == [severity]
+
+
+def test_a_single_reading_says_nothing_about_a_clock():
+    once = PressureSamples(t_ns=np.array([5], np.int64), depth=np.zeros(1))
+    assert clock_gaps({**sensors(), "tray": once}) == []
