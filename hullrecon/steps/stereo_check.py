@@ -25,6 +25,7 @@ from hullrecon.vision.stereo.rig_check import (
     StereoFrames,
     check_baseline,
     check_stereo_rig,
+    compare_ways,
 )
 
 
@@ -64,7 +65,7 @@ def find_rig_problem(
         return None
     if found.problem or dvl is None or not len(dvl.t_ns):
         return found.problem
-    return check_baseline(found, dvl, rig)
+    return check_baseline(found, dvl, rig, lambda: compare_ways(rig, frames, read, dvl))
 
 
 def describe_rig_problem(
@@ -93,4 +94,4 @@ def describe_rig_problem(
     problem = find_rig_problem(rig, index, read, sigma_rad, found.records.dvl)
     if problem is None:
         return []
-    return [Finding("stereo-rig", {"problem": f"{problem.what}: {problem.remedy}"})]
+    return [Finding("stereo-rig", {"problem": problem.sentence})]

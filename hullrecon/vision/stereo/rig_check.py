@@ -15,13 +15,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.records.sensors import DvlPings
 from hullrecon.rig import Rig
-from hullrecon.typing import Array, Ints, Pixels
+from hullrecon.typing import Array, Floats32, Ints, Pixels
 from hullrecon.vision.features.descriptors import MAX_DISTANCE, RATIO, best_of_all, to_unit
 from hullrecon.vision.features.extraction import FeatureOptions, Features, extract, no_features
 from hullrecon.vision.pairs.mono_motion import refine
 from hullrecon.vision.pairs.two_view import TwoView, essential_of, motions_of, sampson_squared
+from hullrecon.vision.stereo.lens_hypotheses import best_lens, epipolar_error_px
 from hullrecon.vision.stereo.matching import rectify, triangulate
 
 PAIRS = 6  # of images, spread over the dive
@@ -35,6 +38,16 @@ MAX_SHARE = 0.3  # of the pairs beyond MAX_ERROR_PX
 MAX_SHIFT = 3  # frames by which the stamps of one camera may be off
 MAX_DEPTH_RATIO = 0.15  # of stereo and DVL: a curved hull, relief and lever arms make some of it
 NEAR_NS = 1_000_000_000  # of a ping to a pair of images
+AS_GOOD = 1.5  # median error of a cause over the best one's: matches were chosen by a wrong rig
+WATER = 1.333  # refractive index
+MEDIUM_SHARE = 0.05  # by which depths may be off that where the medium is the cause
+# Ratio of two units of length at least; that of two speeds of sound is below MAX_DEPTH_RATIO
+LEAST_UNIT = 2.0
+CLEARLY_NEARER = 2.0  # how much better one cause has to explain the vehicle's way than another
+LEAST_WAY_M = 0.02  # between two pairs of images: some times what stereo errs by
+WAY_NS = 150_000_000  # about two pairs of images, in which pings count
+FITS, OUTLIER_MEDIANS = 3, 3.0  # of a motion, and how far points of it may be off
+CALIBRATE = "calibrate the two cameras again, in water (both files and camera.bottom.pose_in_top)"
 
 ReadImage = Callable[[Camera, int], Pixels | None]
 
@@ -53,7 +66,12 @@ class RigProblem:
     """A contradiction, in words."""
 
     what: str  # with its figures
-    remedy: str
+    remedy: str  # "" where nothing is known to heal
+
+    @property
+    def sentence(self) -> str:
+        """Tell the contradiction, and what to do where that is known."""
+        return f"{self.what}: {self.remedy}" if self.remedy else self.what
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +90,8 @@ class _Matched:
 
     top: Array  # (n, 2) ideal coordinates
     bottom: Array
+    pixels: tuple[Array, Array]  # (n, 2) of both as seen
+    descriptors: Floats32  # (n, 128) in the top image
     motion: Array  # (4, 4) bottom from top by these features, |t| = 1
     at_ns: int
 
@@ -130,13 +150,25 @@ def check_stereo_rig(
     )
 
 
-def check_baseline(found: RigCheck, dvl: DvlPings, rig: Rig) -> RigProblem | None:
+def check_baseline(
+    found: RigCheck, dvl: DvlPings, rig: Rig, motion_ratio: Callable[[], float | None]
+) -> RigProblem | None:
     """Compare the scene's depth by stereo with the DVL's ranges.
 
     None where they agree, or were never measured at the same time.
 
     The images alone do not determine the baseline's length. The DVL sits on the tray with the
-    cameras: no path is needed.
+    cameras: no path is needed. A wrong baseline scales the vehicle's way by stereo as much as
+    depths, wrong focal lengths of both cameras leave that way as it is.
+
+    Parameters
+    ----------
+    found
+        Of the images.
+    dvl, rig
+        Its pings, and where it sits.
+    motion_ratio
+        Way by stereo over that by the DVL, asked for where depths disagree; None: not known.
     """
     camera_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl
     ratio = []
@@ -151,16 +183,77 @@ def check_baseline(found: RigCheck, dvl: DvlPings, rig: Rig) -> RigProblem | Non
             ratio.append(depth_m / ahead_m)
     if len(ratio) < MIN_PAIRS or abs(np.log(np.median(ratio))) < np.log1p(MAX_DEPTH_RATIO):
         return None
-    camera_from_tray = rig.tray_from(Camera.TOP).inverse()
-    length_m = float(
-        np.linalg.norm(camera_from_tray.apply(rig.tray_from(Camera.BOTTOM).translation))
-    )
     middle = float(np.median(ratio))
-    return RigProblem(
-        what=f"stereo sees the hull at {middle:.2f} of the distance that the DVL measures: "
-        f"the baseline of {length_m:.3f} m would have to be {length_m / middle:.3f} m",
-        remedy="correct camera.bottom.pose_in_top (or the DVL's mount and beams)",
-    )
+    what = f"stereo sees the hull at {middle:.2f} of the distance that the DVL measures"
+    causes, remedy = _causes_of_depth(middle, motion_ratio(), rig.baseline_m)
+    return RigProblem(what=f"{what}: {causes}", remedy=remedy)
+
+
+def _causes_of_depth(depth: float, way: float | None, baseline_m: float) -> tuple[str, str]:
+    """Say what explains depths by stereo of `depth` times the DVL's, and what heals it.
+
+    way: by stereo over that by the DVL, None where it is not known.
+    """
+    baseline = f"the baseline of {baseline_m:.3f} m would have to be {baseline_m / depth:.3f} m"
+    focal = f"the focal lengths of both cameras would have to be {1 / depth:.2f} times as long"
+    if abs(np.log(depth * WATER)) < np.log1p(MEDIUM_SHARE):
+        focal += ", as where they were calibrated in air"
+    if way is None:
+        return f"{baseline}, or as well {focal}", ""
+    by_baseline, by_focal = abs(np.log(way / depth)), abs(np.log(way))
+    if by_baseline < by_focal / CLEARLY_NEARER:
+        if abs(np.log(depth)) < np.log(LEAST_UNIT):
+            return baseline, "correct camera.bottom.pose_in_top"
+        return f"{baseline}, or as well the DVL measures in another unit", ""
+    if by_focal < by_baseline / CLEARLY_NEARER:
+        return f"{focal}, or the DVL's ranges or dvl.mount are wrong", CALIBRATE
+    return f"{baseline}, or as well {focal}", ""
+
+
+def compare_ways(rig: Rig, frames: StereoFrames, read: ReadImage, dvl: DvlPings) -> float | None:
+    """Divide the vehicle's way from pair to pair by stereo by that by the DVL.
+
+    None where the vehicle hardly moved, or pairs have too little in common.
+    """
+    look = _ImageMatcher(rig, frames, read)
+    top_from_dvl = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from_dvl
+    places = np.unique(np.linspace(0, len(frames.pair) - 1, PAIRS + 2)[1:-1].astype(np.int64))
+    ratio = []
+    for k in places[places + 1 < len(frames.pair)]:
+        pair = [look.match(*frames.pair[row]) for row in (k, k + 1)]
+        if pair[0] is None or pair[1] is None:
+            continue
+        by_dvl_m = _way_of_dvl(dvl, pair[0].at_ns, pair[1].at_ns)
+        motion = _motion_between(look, pair[0], pair[1])
+        if motion is not None and by_dvl_m > LEAST_WAY_M:
+            moved = top_from_dvl.inverse() @ motion @ top_from_dvl
+            ratio.append(float(np.linalg.norm(moved.translation)) / by_dvl_m)
+    return float(np.median(ratio)) if len(ratio) >= MIN_PAIRS else None
+
+
+def _way_of_dvl(dvl: DvlPings, from_ns: int, to_ns: int) -> float:
+    """Compute how far the DVL moved between two times, m, by its mean velocity. NaN: unknown."""
+    inside = (dvl.t_ns >= from_ns - WAY_NS) & (dvl.t_ns <= to_ns + WAY_NS)
+    velocity = dvl.velocity[inside & np.isfinite(dvl.velocity).all(axis=1)]
+    if not len(velocity):
+        return float("nan")
+    return float(np.linalg.norm(velocity.mean(axis=0))) * (to_ns - from_ns) * 1e-9
+
+
+def _motion_between(look: _ImageMatcher, first: _Matched, second: _Matched) -> Poses | None:
+    """Fit the motion of the top camera, first_from_second, to points that two pairs share."""
+    shared = best_of_all(first.descriptors, second.descriptors, RATIO, MAX_DISTANCE)
+    here, there = look.points(first)[shared.first], look.points(second)[shared.second]
+    keep = (here[:, 2] > 0) & (there[:, 2] > 0)
+    here, there = here[keep], there[keep]
+    for _ in range(FITS):
+        if len(here) < MIN_MATCHES:
+            return None
+        motion = fit_rigid(there, here)
+        away = np.linalg.norm(motion.apply(there) - here, axis=1)
+        near = away <= OUTLIER_MEDIANS * np.median(away)
+        here, there = here[near], there[near]
+    return fit_rigid(there, here)
 
 
 class _ImageMatcher:
@@ -169,6 +262,7 @@ class _ImageMatcher:
     def __init__(self, rig: Rig, frames: StereoFrames, read: ReadImage) -> None:
         self._rig, self._frames, self._read = rig, frames, read
         self.given, self.focal_px = rig.from_top(Camera.BOTTOM), rig.focal_px(Camera.TOP)
+        self.lenses = (rig.model(Camera.TOP), rig.model(Camera.BOTTOM))
         self._seen: dict[tuple[Camera, int], Features] = {}
 
     def match(self, top: int, bottom: int) -> _Matched | None:
@@ -183,10 +277,11 @@ class _ImageMatcher:
         found = best_of_all(top_unit, bottom_unit, RATIO, MAX_DISTANCE)
         if len(found) < MIN_MATCHES:
             return None
-        a, b = (
-            self._rig.model(camera).undistort(f.keypoints[rows, :2])
-            for camera, f, rows in zip(Camera, sides, (found.first, found.second), strict=True)
-        )
+        seen = [
+            f.keypoints[rows, :2]
+            for f, rows in zip(sides, (found.first, found.second), strict=True)
+        ]
+        a, b = (self._rig.model(c).undistort(p) for c, p in zip(Camera, seen, strict=True))
         cv2.setRNGSeed(0)
         tolerance = MAX_ERROR_PX / self.focal_px
         essential, mask = cv2.findEssentialMat(
@@ -199,20 +294,32 @@ class _ImageMatcher:
         return _Matched(
             top=a[inlier],
             bottom=b[inlier],
+            pixels=(seen[0][inlier], seen[1][inlier]),
+            descriptors=top_unit[found.first][inlier],
             motion=motions_of(model, a, b)[0].motion,
             at_ns=int(self._frames.top[0][top]),
         )
 
     def depths(self, matched: _Matched) -> Array:
         """Triangulate depths (n,) m in the top camera as calibrated. Not positive behind it."""
+        return self.points(matched)[:, 2]
+
+    def points(self, matched: _Matched) -> Array:
+        """Triangulate matches (n, 3) m in the top camera as calibrated."""
         pose = self._rig.stereo_mount
         if pose is None:
-            return np.zeros(0)
+            return np.zeros((0, 3))
         turned = rectify(pose)
-        points = triangulate(
-            turned, turned.rectify_top(matched.top), turned.rectify_bottom(matched.bottom)
+        return np.asarray(
+            triangulate(
+                turned, turned.rectify_top(matched.top), turned.rectify_bottom(matched.bottom)
+            )
         )
-        return np.asarray(points[:, 2])
+
+    def pixels(self, pairs: Sequence[_Matched]) -> tuple[Array, Array]:
+        """Collect the matches of pairs (n, 2), as seen in the top and the bottom camera."""
+        top, bottom = (np.concatenate([m.pixels[side] for m in pairs]) for side in (0, 1))
+        return top, bottom
 
     def _features(self, camera: Camera, place: int) -> Features:
         if (camera, place) not in self._seen:
@@ -260,23 +367,18 @@ def _find_shift(
 
 
 def _explain(look: _ImageMatcher, pairs: Sequence[_Matched], error_px: float) -> RigProblem:
-    """Describe how the images contradict a rig: cameras swapped, turned, or not rigid at all."""
+    """Describe how the images contradict a rig: cameras swapped, turned, or a wrong lens."""
     found, _, fitted_px = _fit(pairs, look.focal_px)
     each_px = np.array([_error(m, found) for m in pairs]) * look.focal_px
-    if (each_px > MAX_ERROR_PX).mean() > MAX_SHARE:
-        return RigProblem(
-            what=f"the images contradict the stereo calibration: {error_px:.1f} px from the "
-            "epipolar lines in the median, and no one pose of the bottom camera fits them",
-            remedy="check the two calibration files, and that the cameras are triggered together",
-        )
-    if found[:3, 3] @ look.given[:3, 3] < 0:
+    rigid = (each_px > MAX_ERROR_PX).mean() <= MAX_SHARE
+    remedies = _exchanges(look, pairs) if found[:3, 3] @ look.given[:3, 3] < 0 else []
+    if remedies:
         return RigProblem(
             what="the two cameras are swapped: the images put the bottom camera on the other side "
             f"of the top one, {error_px:.1f} px from the epipolar lines",
-            remedy="exchange the topics and calibrations of camera_top and camera_bottom, or "
-            "invert camera.bottom.pose_in_top",
+            remedy=", or ".join(remedies),
         )
-    return _contradiction(found, look.given, error_px, fitted_px)
+    return _contradiction(look, pairs, found if rigid else None, error_px, fitted_px)
 
 
 def _describe_turn(
@@ -291,17 +393,53 @@ def _describe_turn(
     sigma = float(np.sqrt(np.linalg.eigvalsh(covariance[:3, :3]).max()))
     if turn < max(np.radians(MAX_TURN_DEG) + 3 * sigma_rad, TURN_SIGMAS * sigma):
         return None
-    return _contradiction(found, look.given, error_px, fitted_px)
+    return _contradiction(look, pairs, found, error_px, fitted_px)
 
 
-def _contradiction(found: Array, given: Array, error_px: float, fitted_px: float) -> RigProblem:
-    turn_deg = np.degrees(_turn_rad(given, found))
-    return RigProblem(
-        what=f"the images contradict the stereo calibration: {error_px:.1f} px from the epipolar "
-        f"lines in the median, {fitted_px:.1f} px with the bottom camera turned by "
-        f"{turn_deg:.1f} degrees",
-        remedy="correct camera.bottom.pose_in_top, or calibrate the two cameras again, under water",
+def _exchanges(look: _ImageMatcher, pairs: Sequence[_Matched]) -> list[str]:
+    """List the exchanges of the two cameras that bring matches onto their lines."""
+    essential = essential_of(np.asarray(np.linalg.inv(look.given)))
+    exchanges = {
+        "exchange the topics and calibrations of camera_top and camera_bottom": look.lenses[::-1],
+        "invert camera.bottom.pose_in_top": look.lenses,
+    }
+    seen = look.pixels(pairs)
+    return [
+        what
+        for what, lenses in exchanges.items()
+        if epipolar_error_px(lenses, essential, seen) <= MAX_ERROR_PX
+    ]
+
+
+def _contradiction(
+    look: _ImageMatcher,
+    pairs: Sequence[_Matched],
+    found: Array | None,
+    error_px: float,
+    fitted_px: float,
+) -> RigProblem:
+    """Name what explains the images best: a turn of the bottom camera, a wrong lens, or both alike.
+
+    found: motion of the rig as fitted, None where no one pose fits.
+    """
+    lens = best_lens(look.lenses, look.given, *look.pixels(pairs))
+    best_px = min(lens.error_px, fitted_px if found is not None else np.inf)
+    what = (
+        f"the images contradict the stereo calibration: {error_px:.1f} px from the epipolar "
+        "lines in the median"
     )
+    if best_px > MAX_ERROR_PX:
+        return RigProblem(
+            what=f"{what}, and neither one pose of the bottom camera nor one lens fits them",
+            remedy="",
+        )
+    causes = []
+    if found is not None and fitted_px <= AS_GOOD * best_px:
+        turn_deg = np.degrees(_turn_rad(look.given, found))
+        causes.append(f"{fitted_px:.1f} px with the bottom camera turned by {turn_deg:.1f} degrees")
+    if lens.error_px <= AS_GOOD * best_px:
+        causes.append(f"{lens.error_px:.1f} px with {lens.words}")
+    return RigProblem(what=f"{what}, {', or as well '.join(causes)}", remedy=CALIBRATE)
 
 
 def _turn_rad(given: Array, found: Array) -> float:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Simulated pairs of a moving stereo rig with each fault of calibration and stamps."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +11,16 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.records.sensors import DvlPings
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.stereo import rig_check
-from hullrecon.vision.stereo.rig_check import StereoFrames, check_baseline, check_stereo_rig
+from hullrecon.vision.stereo.rig_check import (
+    StereoFrames,
+    check_baseline,
+    check_stereo_rig,
+    compare_ways,
+)
 
 COUNT = 12
 PERIOD_NS = 500_000_000
@@ -139,12 +146,12 @@ def test_no_pairs_say_nothing(rig, dive):
 
 
 def pings(rig, range_m=1.3):
-    """Beams straight along the top camera's axis."""
+    """Beams straight along the top camera's axis, and the velocity of the rig."""
     mounted = replace(rig, tray_from_dvl=rig.tray_from(Camera.TOP))
     n = len(STAMPS)
     record = DvlPings(
         t_ns=STAMPS,
-        velocity=np.zeros((n, 3)),
+        velocity=np.tile([0.16, 0.0, 0.0], (n, 1)),
         velocity_sigma=np.full(n, 0.003),
         ranges=np.full((n, 1), range_m),
         beams=np.array([[0.0, 0.0, 1.0]]),
@@ -152,25 +159,106 @@ def pings(rig, range_m=1.3):
     return record, mounted
 
 
-def test_baseline_of_another_length_is_named_against_dvl(rig, dive):
-    longer = with_rig(
-        rig, Poses(rig.top_from_bottom.quaternion, 1.3 * rig.top_from_bottom.translation)
+def lengths(rig, range_m=1.3):
+    """The problem that depths and ways by stereo have with the DVL's."""
+    dvl, mounted = pings(rig, range_m)
+    rows = np.arange(COUNT)
+    frames = StereoFrames(
+        pair=np.stack([rows, rows], axis=1), top=(STAMPS, rows), bottom=(STAMPS, rows)
     )
-    found = check(longer)
-    assert found.problem is None  # the images cannot know
-    problem = check_baseline(found, *pings(longer))
-    assert "1.3" in problem.what
-    assert "baseline of 0.130 m" in problem.what
-    assert "pose_in_top" in problem.remedy
+    return check_baseline(
+        check(rig), dvl, mounted, lambda: compare_ways(mounted, frames, lambda *image: image, dvl)
+    )
+
+
+def with_baseline(rig, factor):
+    mount = rig.top_from_bottom
+    return with_rig(rig, Poses(mount.quaternion, factor * mount.translation))
+
+
+def with_focal_lengths(rig, factor):
+    models = {
+        camera: replace(model, fx=factor * model.fx, fy=factor * model.fy)
+        for camera, model in rig.camera_models.items()
+    }
+    return replace(rig, camera_models=models)
+
+
+@pytest.mark.parametrize("factor", [1.3, 0.7])
+def test_baseline_of_another_length_is_named_and_corrected(rig, dive, factor):
+    longer = with_baseline(rig, factor)
+    assert check(longer).problem is None  # the images cannot know
+    problem = lengths(longer)
+    (would_be,) = re.findall(r"would have to be (0\.\d+) m", problem.what)
+    assert "focal" not in problem.what
+    assert problem.remedy == "correct camera.bottom.pose_in_top"
+    assert lengths(with_baseline(longer, float(would_be) / longer.baseline_m)) is None
+
+
+def test_calibration_in_air_is_no_baseline(rig, dive):
+    """Depths are a third too small, the way is right: another baseline would make it wrong."""
+    air = with_focal_lengths(rig, 1 / 1.333)
+    problem = lengths(air)
+    assert "calibrated in air" in problem.what
+    assert "baseline" not in problem.what
+    assert "in water" in problem.remedy
+    (factor,) = re.findall(r"to be (\d\.\d+) times as long", problem.what)
+    assert lengths(with_focal_lengths(air, float(factor))) is None
+
+
+def test_what_cannot_be_told_apart_has_no_remedy(rig, dive):
+    dvl, mounted = pings(with_baseline(rig, 1.3))
+    problem = check_baseline(check(mounted), dvl, mounted, lambda: None)
+    assert "baseline" in problem.what
+    assert "focal lengths" in problem.what
+    assert problem.remedy == ""
 
 
 def test_right_baseline_agrees_with_dvl(rig, dive):
-    assert check_baseline(check(rig), *pings(rig)) is None
-    assert check_baseline(check(rig), *pings(rig, range_m=1.2)) is None
+    assert lengths(rig) is None
+    assert lengths(rig, range_m=1.2) is None
 
 
 def test_dvl_that_saw_nothing_says_nothing_of_baseline(rig, dive):
-    assert check_baseline(check(rig), *pings(rig, range_m=np.nan)) is None
+    assert lengths(rig, range_m=np.nan) is None
+
+
+def test_remedies_of_swapped_cameras_heal(rig, dive):
+    """The exchange is told from the inversion by the lenses, which differ."""
+    assert check(rig, swap=True).problem.remedy.startswith("exchange the topics")
+    assert check(rig).problem is None
+    inverted = with_rig(rig, rig.top_from_bottom.inverse())
+    assert check(inverted).problem.remedy == "invert camera.bottom.pose_in_top"
+    assert check(with_rig(rig, inverted.top_from_bottom.inverse())).problem is None
+
+
+@pytest.mark.parametrize("places", [1, -2])
+def test_offset_that_is_advised_heals_stamps(rig, dive, places):
+    rows = np.arange(COUNT)
+    stamped = STAMPS - places * PERIOD_NS  # of the images that those of the top camera fit
+    wrong = StereoFrames(
+        pair=pair_frames(STAMPS, stamped),
+        top=(STAMPS, rows),
+        bottom=(stamped, rows),
+    )
+    problem = check_stereo_rig(rig, wrong, lambda *image: image).problem
+    (offset_s,) = re.findall(r"add ([+-]\d\.\d+) s", problem.remedy)
+    put_right = stamped + round(float(offset_s) * 1e9)
+    right = replace(
+        wrong,
+        pair=pair_frames(STAMPS, put_right),
+        bottom=(put_right, rows),
+    )
+    assert check_stereo_rig(rig, right, lambda *image: image).problem is None
+
+
+@pytest.mark.parametrize("camera", Camera)
+def test_a_transposed_matrix_is_no_turned_camera(rig, dive, camera):
+    models = dict(rig.camera_models)
+    models[camera] = replace(models[camera], cx=0.0, cy=0.0)
+    problem = check(replace(rig, camera_models=models)).problem
+    assert "one camera's principal point" in problem.what
+    assert problem.remedy.startswith("calibrate the two cameras again")
 
 
 def test_wrong_lens_is_no_pose_of_camera(rig, dive):

@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a wrong lens explains matches of a stereo pair that the calibrated rig does not.
+
+A principal point, focal length or distortion of either camera is fitted with the rest held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.typing import Array
+from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
+
+MOST_MATCHES = 300  # that a hypothesis is fitted to, evenly from all
+EVALUATIONS = 150  # of two numbers by simplices
+STEP_SHARE, STEP_RADIAL = 0.1, 0.1  # of the first simplex: of the focal length, of k1 and k2
+Lenses = tuple[CameraModel, CameraModel]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LensFit:
+    """A lens that was fitted to matches."""
+
+    words: str  # what of which camera, and by how much
+    error_px: float  # median distance from epipolar lines
+
+
+def best_lens(lenses: Lenses, bottom_from_top: Array, top_px: Array, bottom_px: Array) -> LensFit:
+    """Fit each wrong lens, and return the one that explains matches best.
+
+    Parameters
+    ----------
+    lenses
+        Of the top and the bottom camera as calibrated.
+    bottom_from_top
+        (4, 4) as calibrated.
+    top_px, bottom_px
+        (n, 2) matches as seen.
+    """
+    rows = np.unique(np.linspace(0, len(top_px) - 1, MOST_MATCHES).astype(np.int64))
+    essential, seen = essential_of(bottom_from_top), (top_px[rows], bottom_px[rows])
+    return min(
+        (_fit(*cause, lenses, essential, seen) for cause in _causes()),
+        key=lambda fit: fit.error_px,
+    )
+
+
+def _causes() -> Iterator[tuple[str, Callable[[CameraModel, Array], CameraModel], str]]:
+    # The cameras look the same way: a shift in the one is a shift back in the other, and a scale of
+    # both moves no match off its epipolar line.
+    yield "principal point", _shifted, "bottom"
+    yield "principal point", _shifted, "both"
+    for which in ("top", "bottom"):
+        yield "focal length", _scaled, which
+        yield "distortion", _distorted, which
+
+
+def _fit(
+    name: str,
+    wrong: Callable[[CameraModel, Array], CameraModel],
+    which: str,
+    lenses: Lenses,
+    essential: Array,
+    seen: tuple[Array, Array],
+) -> LensFit:
+    from scipy.optimize import minimize  # a quarter of a second to load, for a rig that is wrong
+
+    def of(values: Array) -> Lenses:
+        top, bottom = lenses
+        return (
+            top if which == "bottom" else wrong(top, values),
+            bottom if which == "top" else wrong(bottom, values),
+        )
+
+    def error_px(values: Array) -> float:
+        return epipolar_error_px(of(values), essential, seen)
+
+    step = STEP_RADIAL if name == "distortion" else STEP_SHARE
+    simplex = step * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    if name == "focal length":
+        simplex = simplex[:2, :1]
+    found = minimize(
+        error_px,
+        simplex[0],
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "maxfev": EVALUATIONS, "xatol": 1e-5, "fatol": 1e-3},
+    )
+    camera = "both cameras'" if which == "both" else f"the {which} camera's"
+    if which == "bottom" and name == "principal point":
+        camera = "one camera's"
+    amount = {
+        "principal point": f"{lenses[0].fx * np.linalg.norm(found.x):.0f} px from where it is",
+        "focal length": f"{1 + found.x[0]:.2f} times as long",
+        "distortion": "another",
+    }[name]
+    return LensFit(words=f"{camera} {name} {amount}", error_px=float(found.fun))
+
+
+def epipolar_error_px(lenses: Lenses, essential: Array, seen: tuple[Array, Array]) -> float:
+    """Compute the median distance of matches (n, 2), px, from their epipolar lines."""
+    ideal = [lens.undistort(pixel) for lens, pixel in zip(lenses, seen, strict=True)]
+    squared = sampson_squared(essential, *ideal)
+    return float(np.sqrt(np.nanmedian(squared)) * 0.5 * (lenses[0].fx + lenses[1].fx))
+
+
+def _shifted(lens: CameraModel, values: Array) -> CameraModel:
+    return replace(lens, cx=lens.cx + values[0] * lens.fx, cy=lens.cy + values[1] * lens.fx)
+
+
+def _scaled(lens: CameraModel, values: Array) -> CameraModel:
+    factor = max(1 + values[0], 0.1)
+    return replace(lens, fx=lens.fx * factor, fy=lens.fy * factor)
+
+
+def _distorted(lens: CameraModel, values: Array) -> CameraModel:
+    return replace(lens, k1=lens.k1 + values[0], k2=lens.k2 + values[1])
