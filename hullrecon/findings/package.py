@@ -174,6 +174,7 @@ ERRORS: dict[str, Words] = {
     "needs-second-camera": _needs_second_camera,
     "needs-sensors": _needs_sensors,
     "dvl-without-velocity": _no_velocity,
+    "stereo-rig": "{problem}",
     "images-not-logged": "no image of camera.top was logged: " + WITHOUT_CAMERAS,
 }
 WARNINGS: dict[str, Words] = {
@@ -186,7 +187,6 @@ WARNINGS: dict[str, Words] = {
     "and run",
     "calibration-in-water": "to see to: {file} is the log's CameraInfo; it has to be that of the "
     "camera in water",
-    "stereo-rig": "{problem}",
     "stations-off": _stations,
     "region-empty": _empty_region,
     "regions-uncounted": lambda count, why: (
