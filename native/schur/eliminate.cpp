@@ -79,9 +79,9 @@ void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
     if (intrinsics_ == 0) continue;
     cross.setZero();
     images_.add_intrinsics(v, cross, nullptr, nullptr);
+    cross.noalias() -= (h * inverse(rank)) * intrinsics_of(rank);  // of the displacement; E' takes it to the twist
     with_intrinsics.topRows<3>() += cross;
-    for (int c = 0; c < intrinsics_; ++c) with_intrinsics.col(c).tail<3>() += q.cross(Vec3(cross.col(c)));
-    with_intrinsics.noalias() -= y * intrinsics_of(rank);
+    with_intrinsics.bottomRows<3>().noalias() += hat(q) * cross;
   }
   Eigen::Map<Mat6>(&x_[place[i]]) += own_[i];
   eliminated_.col(i) = eliminated, with_hull_[i] = with_hull, with_intrinsics_[i] = with_intrinsics;
