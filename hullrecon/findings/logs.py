@@ -58,9 +58,12 @@ def _jumps(seconds: float, time: str, more: int, corrected: int, set_back: bool)
     return f"the clock jumps by {seconds:+.3f} s at {time}{again}; {done}"
 
 
-def _marked_lost(huge: int, zero: int, limit_m_s: float, start: str, seconds: float) -> str:
+def _marked_lost(
+    huge: int, zero: int, repeated: int, limit_m_s: float, start: str, seconds: float
+) -> str:
     parts = [f"{huge} have a sigma of {limit_m_s:g} m/s or more"] if huge else []
-    parts += [f"{zero} are exactly zero while the vehicle moved"] if zero else []
+    parts += [f"{zero} are exactly zero, unlike those around them"] if zero else []
+    parts += [f"{repeated} repeat the last one exactly"] if repeated else []
     return (
         f"velocities were taken as lost, the first at {start}, the last {seconds:.1f} s later: "
         f"{' and '.join(parts)}"
@@ -141,6 +144,8 @@ NOTES: dict[str, Words] = {
     "says nothing of it; dvl.sigma_velocity was used",
     "ranges-at-limit": "{count} ranges are exactly {limit_m:g} m, the others {next_m:.2f} m at "
     "most: they were taken as lost",
+    "depths-above-water": "{lost} of {count} readings lie {limit_m:g} m or more above the water "
+    "and were left out",
     "attitudes-lacking": "{lacking} of {count} readings have no attitude and were left out",
     "attitude-of-dvl": "attitude comes from the DVL's own sensors; a compass near a steel hull can "
     "be off by tens of degrees, which imu.heading_drift_deg_per_hour has to cover",

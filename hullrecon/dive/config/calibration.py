@@ -36,6 +36,7 @@ NAMES = {
     "camera_matrix": ("k", "K", "cameraMatrix", "Camera_Matrix"),
     "distortion_coefficients": ("d", "D", "distCoeffs", "Distortion_Coefficients"),
 }
+REGION_KEYS = ("binning_x", "binning_y", "roi")
 LEAST_SKEW = 1e-6  # of the focal length
 
 
@@ -110,6 +111,14 @@ def _pinhole(matrix: list[float], where: str) -> tuple[float, float, float, floa
     if cx == cy == 0:
         raise InputError("camera_matrix has no principal point: cx and cy are zero", where=where)
     return fx, fy, cx, cy
+
+
+def has_region(data: Mapping[str, object]) -> bool:
+    """Tell whether binning or a region of interest is given, other than the whole sensor."""
+    found = data.get("roi")
+    region = found.values() if isinstance(found, Mapping) else ()
+    binning = (data.get(name) for name in ("binning_x", "binning_y"))
+    return any(region) or any(value not in (None, 0, 1) for value in binning)
 
 
 def _of_region(camera: CameraModel, data: Mapping[str, object], where: str) -> CameraModel:

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from hullrecon.dive.config.calibration import camera_of
+from hullrecon.dive.config.calibration import REGION_KEYS, camera_of, has_region
+from hullrecon.dive.images.encoded import Size, header_size
 from hullrecon.dive.logs.messages.decode import ENCODINGS, decode, type_name
 from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, calibration_keys, lies_beside
 from hullrecon.dive.logs.readers.protocol import Log, Message
@@ -18,6 +19,7 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 
 REMEDY = "give the YAML of the camera in water"
+COMPRESSED_IMAGE = "sensor_msgs/msg/CompressedImage"
 RECTIFIED = "rect"  # in the name of a topic of image_proc
 
 Keys = Mapping[str, object]
@@ -30,6 +32,7 @@ class LoggedCalibrations:
         """Take the image topics by camera ("camera_top"), None for a camera without a topic."""
         self._image_topics = image_topics
         self._keys: dict[str, Keys] = {}
+        self._sizes: dict[str, Size | None] = {}  # of the first image by camera
         # by camera, the topic of a CameraInfo that says something else
         self._changes: dict[str, str] = {}
         self.topics: dict[str, str] = {}  # of the CameraInfo by camera, once found
@@ -41,7 +44,7 @@ class LoggedCalibrations:
         `problems` takes it.
         """
         for log in logs:
-            if len(self._keys) == len(self._image_topics):
+            if self._is_complete():
                 break
             with problems.collect():
                 self._look_for_first(log.messages())
@@ -84,8 +87,17 @@ class LoggedCalibrations:
             for camera, keys in self._read(message):
                 if camera not in self._keys:
                     self._keys[camera], self.topics[camera] = keys, message.channel.topic
-            if len(self._keys) == len(self._image_topics):
+            for camera, images in self._image_topics.items():
+                if images == message.channel.topic and camera not in self._sizes:
+                    self._sizes[camera] = _size_of(message)
+            if self._is_complete():
                 return
+
+    def _is_complete(self) -> bool:
+        """Tell whether the logs need not be read on. An image judges a region that is given."""
+        return len(self._keys) == len(self._image_topics) and all(
+            camera in self._sizes or not has_region(keys) for camera, keys in self._keys.items()
+        )
 
     def _read(self, message: Message) -> Iterator[tuple[str, Keys]]:
         """Yield the cameras that a CameraInfo message belongs to, with its calibration."""
@@ -143,7 +155,33 @@ class LoggedCalibrations:
                 where=_key(camera),
                 remedy=REMEDY,
             )
-        return camera_of(keys, f"{topic}, for {_key(camera)}")
+        where = f"{topic}, for {_key(camera)}"
+        whole = {name: value for name, value in keys.items() if name not in REGION_KEYS}
+        # a driver that tells how it reads the sensor beside a calibration at its images' size
+        is_whole = self._sizes.get(camera) == (keys["image_width"], keys["image_height"])
+        if has_region(keys) and is_whole and not _is_shifted(keys):
+            return camera_of(whole, where)
+        return camera_of(keys, where)
+
+
+def _is_shifted(keys: Keys) -> bool:
+    """Tell whether a region begins elsewhere than its sensor: its principal point is unclear."""
+    region = keys["roi"]
+    return isinstance(region, Mapping) and bool(region["x_offset"] or region["y_offset"])
+
+
+def _size_of(message: Message) -> Size | None:
+    """Read the size of a logged image. None where it cannot be read."""
+    if not isinstance(message.data, bytes):
+        return None
+    try:
+        fields = decode(message.channel, message.data)
+        if type_name(message.channel) == COMPRESSED_IMAGE:
+            return header_size(bytes(fields.data))
+        return int(fields.width), int(fields.height)
+    # the log's own definition may leave fields out
+    except (DamagedError, AttributeError, TypeError, ValueError):
+        return None
 
 
 def _key(camera: str) -> str:

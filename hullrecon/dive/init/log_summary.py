@@ -15,13 +15,14 @@ from hullrecon.dive.check.requirements import missing, needs
 from hullrecon.dive.check.topics import describe_unused, unread_dvls
 from hullrecon.dive.init.depth_signal import DepthSignal, drop_still
 from hullrecon.dive.logs.fixed_frames import MOST_FRAME_MESSAGES, is_static
+from hullrecon.dive.logs.lost_values import UNFILLED
 from hullrecon.dive.logs.messages.decode import ENCODINGS, Fields, decode, type_name
 from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, COMPRESSED
 from hullrecon.dive.logs.messages.samples import COMMON_TYPES, IMAGE_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import DepthSample, ImuSample
-from hullrecon.dive.logs.streams import LEAST_ATTITUDES, UNFILLED, UNIT_QUATERNION
+from hullrecon.dive.logs.streams import LEAST_ATTITUDES, UNIT_QUATERNION
 from hullrecon.findings.finding import Finding, sentences
 from hullrecon.findings.logs import count_noun
 from hullrecon.records.clock import NS, format_time

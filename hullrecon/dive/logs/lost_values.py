@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Find velocities and ranges of a DVL that are written as numbers but stand for lost ones.
+"""Find readings that are written as numbers but stand for lost ones.
 
-Drivers write a lost velocity as zero, with or without a covariance beyond all measurement, and a
-lost range as the largest that the instrument could have.
+Drivers write a lost velocity as zero or as the last one, with or without a covariance beyond all
+measurement, a lost range as the largest that the instrument could have, a lost attitude as the
+default of its message.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ SUDDEN_M_S, SUDDEN_M_S2 = 0.02, 0.25
 LEAST_NOISE = 3.0  # times its step: a sensor as noisy does not measure exactly zero on three axes
 LEAST_PINGS = 20  # to tell a sensor's noise, and that its values are not constant
 THIRD_DIFFERENCE = 20**0.5  # of white noise: its standard deviation over the noise's
+LONG_RUN = 3.0  # times as many equal velocities as usual
+LONGEST_HOLD_S = 1.0
+UNFILLED, SUDDEN_TURN_RAD = (0.0, 0.0, 0.0, 1.0), 0.1  # ROS 2's default orientation
 LEAST_LIMITED = 5  # ranges that are exactly the largest one
 CLOSE_TO_LIMIT = 0.9  # of the largest range: one that was measured has others as long
 
@@ -48,12 +52,14 @@ def drop_lost_velocities(
         values = {"least_m_s": float(sigma[known].min()), "limit_m_s": WORST_SIGMA_M_S}
         notes.append(Finding("velocity-sigmas-useless", values, "dvl"))
         sigma, huge = np.full(len(sigma), np.nan), np.zeros(len(sigma), bool)
-    lost = huge | _false_zeros(t_ns, np.where(huge[:, None], np.nan, velocity))
+    zeros, repeats = _held(t_ns, np.where(huge[:, None], np.nan, velocity))
+    lost = huge | zeros | repeats
     if lost.any():
         first, last = np.flatnonzero(lost)[[0, -1]]
         marks: dict[str, object] = {
             "huge": int(huge.sum()),
-            "zero": int((lost & ~huge).sum()),
+            "zero": int(zeros.sum()),
+            "repeated": int(repeats.sum()),
             "limit_m_s": WORST_SIGMA_M_S,
             "start": format_time(int(t_ns[first])),
             "seconds": float(t_ns[last] - t_ns[first]) / NS,
@@ -62,27 +68,35 @@ def drop_lost_velocities(
     return np.where(lost[:, None], np.nan, velocity), sigma
 
 
-def _false_zeros(t_ns: Ints, velocity: Array) -> Mask:
-    """Find velocities (n,) of exactly zero that no sensor of this noise would have measured.
+def _held(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
+    """Find velocities (n,) that stand for lost ones: false zeros, and repeats of the last one.
 
-    They begin or end as no vehicle stops or starts, or are several in a row of a sensor whose noise
-    is well beyond the smallest velocity that it tells from zero.
+    Zeros are false where they begin or end as no vehicle stops or starts, or where a sensor whose
+    noise is well beyond the smallest velocity that it tells from zero gives several. Such a sensor
+    does not give the same velocity for seconds either, apart from a driver that writes each ping
+    several times.
     """
-    out = np.zeros(len(velocity), bool)
+    zeros, repeats = np.zeros(len(velocity), bool), np.zeros(len(velocity), bool)
     known = np.flatnonzero(np.isfinite(velocity).all(axis=1))
-    is_zero = (velocity[known] == 0).all(axis=1)
-    if not is_zero.any() or is_zero.all():
-        return out
-    step = np.linalg.norm(np.diff(velocity[known], axis=0), axis=1)
-    sudden = step > SUDDEN_M_S + SUDDEN_M_S2 * np.diff(t_ns[known]) / NS
-    noisy = _is_noisy(velocity[known][~is_zero])
-    ends = np.flatnonzero(np.diff(is_zero)) + 1
-    for run in np.split(np.arange(len(known)), ends):
-        if not is_zero[run[0]]:
-            continue
-        borders = [row for row in (run[0] - 1, run[-1]) if 0 <= row < len(sudden)]
-        out[known[run]] = sudden[borders].any() or (noisy and len(run) > 1)
-    return out
+    if len(known) < 2:
+        return zeros, repeats
+    measured, t_s = velocity[known], (t_ns[known] - t_ns[0]) / NS
+    step = np.linalg.norm(np.diff(measured, axis=0), axis=1)
+    sudden = step > SUDDEN_M_S + SUDDEN_M_S2 * np.diff(t_s)
+    starts = np.flatnonzero(np.r_[True, step > 0])
+    ends = np.r_[starts[1:], len(known)]
+    is_zero = (measured[starts] == 0).all(axis=1)
+    usual = LONG_RUN * float(np.median(ends - starts))
+    noisy = _is_noisy(measured[starts][~is_zero])
+    for start, end, zero in zip(starts, ends, is_zero, strict=True):
+        borders = sudden[[row for row in (start - 1, end - 1) if 0 <= row < len(sudden)]]
+        if zero:
+            zeros[known[start:end]] = len(starts) > 1 and (
+                borders.any() or (noisy and end - start > 1)
+            )
+        elif noisy and end - start > usual and t_s[end - 1] - t_s[start] > LONGEST_HOLD_S:
+            repeats[known[start + 1 : end]] = True
+    return zeros, repeats
 
 
 def _is_noisy(velocity: Array) -> bool:
@@ -92,6 +106,24 @@ def _is_noisy(velocity: Array) -> bool:
     noise = 1.4826 * np.median(np.abs(np.diff(velocity, 3, axis=0)), axis=0) / THIRD_DIFFERENCE
     smallest = np.abs(velocity[velocity != 0]).min()
     return bool(noise.min() > LEAST_NOISE * smallest)
+
+
+def is_false_attitude(quaternion: Array) -> Mask:
+    """Find attitudes (n,) of exactly (0, 0, 0, 1) amid others: a message that was not filled in.
+
+    quaternion: (n, 4) x, y, z, w. One that turns there gently from its neighbours is believed, and
+    so are most of them.
+    """
+    default = (np.abs(quaternion) == UNFILLED).all(axis=1)
+    others = np.flatnonzero(~default & np.isfinite(quaternion).all(axis=1))
+    if not 0 < default.sum() < len(others):
+        return np.zeros(len(quaternion), bool)
+    rows = np.arange(len(quaternion))
+    after = np.searchsorted(others, rows).clip(0, len(others) - 1)
+    before = (np.searchsorted(others, rows) - 1).clip(0)
+    # of the turn from the default to a unit quaternion, w is the cosine of half of it
+    turned = np.cos(SUDDEN_TURN_RAD / 2) > np.abs(quaternion[:, 3])
+    return np.asarray(default & (turned[others[after]] | turned[others[before]]))
 
 
 def drop_ranges_at_limit(ranges: Array, notes: list[Finding]) -> Array:

@@ -16,7 +16,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import check_beams, choose_beams, unit
-from hullrecon.dive.logs.lost_values import drop_lost_velocities, drop_ranges_at_limit
+from hullrecon.dive.logs.lost_values import (
+    UNFILLED,
+    drop_lost_velocities,
+    drop_ranges_at_limit,
+    is_false_attitude,
+)
 from hullrecon.dive.logs.ping_spool import Images, KeepImages, bright_pixel
 from hullrecon.dive.logs.samples import (
     DepthSample,
@@ -43,14 +48,14 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.typing import Array, Ints, Mask
 
-# ROS 2's default orientation; as many alike, to the last digit, are no measurement
-UNFILLED, LEAST_ATTITUDES = (0.0, 0.0, 0.0, 1.0), 50
+LEAST_ATTITUDES = 50  # as many alike, to the last digit, are no measurement
 UNIT_QUATERNION = 0.05  # how far the length of an attitude's quaternion may be off 1
 # of the pings have a bright pixel at most as bright as the one scaled to white: a few are disturbed
 BRIGHT_PINGS_PERCENT = 99.0
 FASTEST_M_S = 15.0  # no vehicle at a hull is faster
 FASTEST_MEDIAN_M_S = 4.0  # of a dive: a survey of a hull is ten times slower
 HIGHEST_M = 1.0  # median height over the water, beyond which depths are wrong
+HIGHEST_DECK_M = 6.0  # from which a vehicle is launched; zero pascal is 10 m above the water
 DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
 PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "dbar": 1e4, "bar": 1e5}
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
@@ -185,7 +190,8 @@ def imu_samples(
         mount_deg is missing.
     """
     quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
-    good = np.abs(np.linalg.norm(quaternion, axis=1) - 1) < UNIT_QUATERNION
+    is_unit = np.abs(np.linalg.norm(quaternion, axis=1) - 1) < UNIT_QUATERNION
+    good = is_unit & ~is_false_attitude(quaternion)
     if len(samples) and not good.any():
         raise InputError(
             "the IMU's messages hold no attitude (no unit quaternion)",
@@ -268,7 +274,11 @@ def pressure_samples(
     depth = depth[good]
     if np.median(depth) < -HIGHEST_M:
         raise _above_water([s for s, is_good in zip(samples, good, strict=True) if is_good], model)
-    return PressureSamples(t_ns=_times(samples)[good], depth=depth)
+    in_water = depth > -HIGHEST_DECK_M
+    if not in_water.all():
+        values = {"lost": int((~in_water).sum()), "count": len(depth), "limit_m": HIGHEST_DECK_M}
+        notes.append(Finding("depths-above-water", values, "pressure"))
+    return PressureSamples(t_ns=_times(samples)[good][in_water], depth=depth[in_water])
 
 
 def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:

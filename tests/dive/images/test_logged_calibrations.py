@@ -155,6 +155,27 @@ def test_a_camera_info_of_the_whole_sensor_fits_binned_and_cropped_images(packag
     assert (camera.cx, camera.cy) == (31.5, 23.5)
 
 
+def test_binning_beside_a_calibration_of_the_images_size_changes_nothing(package, kit):
+    more = {"binning_x": 2, "binning_y": 2}
+    kit.mcap(
+        package / "logs" / "dive.mcap", entries_of(kit, [("/camera_info", 0.0, info(kit, **more))])
+    )
+    found = check(package)
+    camera = found.found.cameras["camera_top"]
+    assert (camera.width, camera.fx, camera.cx) == (64, 50.0, 31.5)
+    assert not found.unusable
+
+
+def test_a_region_that_contradicts_its_calibrations_size_is_refused(package, kit):
+    region = {"x_offset": 20, "y_offset": 10, "width": 64, "height": 48, "do_rectify": False}
+    more = {"roi": kit.make("sensor_msgs/msg/RegionOfInterest", **region)}
+    kit.mcap(
+        package / "logs" / "dive.mcap", entries_of(kit, [("/camera_info", 0.0, info(kit, **more))])
+    )
+    (line,) = sentences(check(package).unusable)
+    assert "roi, 64 x 48 pixels from 20, 10 on, lies outside of the 64 x 48 pixels" in line
+
+
 def test_a_calibration_that_changes_within_the_log_is_refused(package, kit):
     infos = [
         ("/camera_info", s, info(kit, d=(0.1 if s > 2 else 0.2, 0, 0, 0, 0)))

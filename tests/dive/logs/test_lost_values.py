@@ -7,9 +7,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.dive.logs.lost_values import drop_lost_velocities, drop_ranges_at_limit
+from hullrecon.dive.logs.lost_values import (
+    drop_lost_velocities,
+    drop_ranges_at_limit,
+    is_false_attitude,
+)
 from hullrecon.dive.logs.messages.covariance import sigma_of
 from hullrecon.dive.logs.messages.samples import TYPES
+from hullrecon.dive.logs.samples import PressureSample
+from hullrecon.dive.logs.streams import PressureModel, pressure_samples
 from hullrecon.findings.finding import sentences
 from hullrecon.records.clock import NS
 
@@ -20,7 +26,7 @@ LOST_ROWS = np.isin(np.arange(COUNT), np.arange(COUNT)[LOCKLESS])
 
 def survey(speed=0.25, noise=0.003, seed=1):
     """Velocities of a vehicle that goes along, turns about and comes back."""
-    along = speed * np.sign(0.5 - np.arange(COUNT) / COUNT)[:, None] * [1.0, 0.0, 0.0]
+    along = speed * np.sign(0.501 - np.arange(COUNT) / COUNT)[:, None] * [1.0, 0.0, 0.0]
     return along + noise * np.random.default_rng(seed).standard_normal((COUNT, 3))
 
 
@@ -40,7 +46,7 @@ def velocities_without_lock(**how):
 def test_zeros_of_a_moving_vehicle_are_an_outage_that_is_named():
     rows, (line,) = lost(velocities_without_lock())
     assert (rows == LOST_ROWS).all()
-    assert "the last 3.8 s later: 20 are exactly zero while the vehicle moved" in line
+    assert "the last 3.8 s later: 20 are exactly zero, unlike those around them" in line
 
 
 def test_zeros_of_a_slow_vehicle_are_told_by_the_sensors_noise():
@@ -48,6 +54,45 @@ def test_zeros_of_a_slow_vehicle_are_told_by_the_sensors_noise():
     assert (lost(velocity)[0] == LOST_ROWS).all()
     slow_pings = (np.arange(COUNT) * NS).astype(np.int64)
     assert (lost(velocity, t_ns=slow_pings)[0] == LOST_ROWS).all()
+
+
+@pytest.mark.parametrize("times", [1, 4])
+def test_a_velocity_that_is_held_for_seconds_is_lost_after_the_first(times):
+    """Also by a driver that writes each ping several times."""
+    velocity = survey()
+    velocity[LOCKLESS] = velocity[60]
+    t_ns = np.linspace(0, T_NS[-1], COUNT * times).astype(np.int64)
+    rows, (line,) = lost(np.repeat(velocity, times, axis=0), t_ns=t_ns)
+    expected = np.repeat(LOST_ROWS, times)
+    expected[60 * times] = False
+    assert (rows == expected).all()
+    assert f"{expected.sum()} repeat the last one exactly" in line
+    assert not lost(np.repeat(survey(), times, axis=0), t_ns=t_ns)[0].any()
+
+
+def test_a_simulator_without_noise_may_hold_its_speed():
+    assert not lost(survey(noise=0.0))[0].any()
+
+
+def test_an_attitude_that_is_the_messages_default_amid_others_is_lost():
+    heading = np.linspace(1.0, 1.5, 40)
+    quaternion = np.stack([0 * heading, 0 * heading, np.sin(heading / 2), np.cos(heading / 2)], 1)
+    quaternion[10:15] = 0, 0, 0, 1
+    assert np.flatnonzero(is_false_attitude(quaternion)).tolist() == [10, 11, 12, 13, 14]
+    through_zero = np.linspace(-0.2, 0.2, 41)
+    quaternion = np.stack([0 * through_zero] * 2 + [np.sin(through_zero), np.cos(through_zero)], 1)
+    quaternion[20] = 0, 0, 0, 1
+    assert not is_false_attitude(quaternion).any()
+    assert not is_false_attitude(np.tile([0.0, 0, 0, 1], (9, 1))).any()
+
+
+def test_a_pressure_of_zero_amid_others_is_lost():
+    model, notes = PressureModel(1025.0, 9.81, 101325.0), []
+    samples = [PressureSample(k, 0.0 if k in (3, 4) else 121_325.0) for k in range(20)]
+    found = pressure_samples(samples, model, notes)
+    assert len(found.t_ns) == 18
+    assert found.depth.min() > 1.9
+    assert "2 of 20 readings lie 6 m or more above the water" in notes[0].sentence
 
 
 def test_a_vehicle_that_comes_to_rest_is_believed():
