@@ -17,6 +17,7 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.hull_pose.form import Form, compare_form
+from hullrecon.adjustment.hull_pose.other_units import find_fitting_unit
 from hullrecon.adjustment.hull_pose.segments import Segments, find_segments, register_segments
 from hullrecon.adjustment.problem import selection
 from hullrecon.adjustment.problem.deviation_field import grid_over
@@ -31,6 +32,7 @@ from hullrecon.adjustment.rounds import (
     Verdict,
 )
 from hullrecon.errors import StageError
+from hullrecon.geometry.meshes.units import UNIT_NAMES
 from hullrecon.typing import Array
 
 MIN_POINTS = 30  # that are registered
@@ -102,7 +104,12 @@ def register(
     return Stage(
         rounds=(),
         estimate=replace(solved, state=state),
-        verdict=_accept_registration(found, segments),
+        verdict=_name_unit(
+            _accept_registration(found, segments),
+            found.cad_model,
+            points if segments is None else None,
+            measured.rig.priors.range_sigma_m,
+        ),
         placement=Placement(registration=found, segments=segments),
     )
 
@@ -126,6 +133,23 @@ def _accept_registration(found: registration.Registration, segments: Segments | 
             "hull.pose_sigma says",
         )
     return ACCEPTED
+
+
+def _name_unit(
+    verdict: Verdict, cad_model: CadModel, points: Array | None, range_sigma_m: float
+) -> Verdict:
+    """Add to a refusal the unit in which the CAD model fits points (n, 3) in g, if there is one."""
+    if verdict.accepted or points is None:
+        return verdict
+    fitting = find_fitting_unit(points, cad_model, range_sigma_m)
+    if fitting is None:
+        return verdict
+    unit, found = fitting
+    share = f"{100 * found.fitness:.0f} % of the points"
+    named = (
+        f'read in {UNIT_NAMES[unit]} it fits {share} where hull.pose says (hull.units = "{unit}")'
+    )
+    return replace(verdict, reason=f"{verdict.reason}; {named}")
 
 
 def segments_of_path(solved: RoundResult, solver: RoundSolver) -> Segments | None:

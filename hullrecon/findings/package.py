@@ -241,5 +241,5 @@ NOTES: dict[str, Words] = {
     "is not added",
     "mesh-closed": "the mesh is watertight",
     "mesh-small": "the CAD model {file} is {length_m:.4g} m long when read in {units}; a ship hull "
-    "has {shortest_m:.0f} to {longest_m:.0f} m: is it a model?",
+    "has {shortest_m:.0f} to {longest_m:.0f} m: is it a model? hull.units says in which unit it is",
 }

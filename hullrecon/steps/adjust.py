@@ -108,6 +108,7 @@ def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
         guess_sigma=np.maximum(sigma, 1e-6),
         deviation_sigma=hull.deviation_sigma,
         deviation_length=hull.deviation_length,
+        units=hull.units,
     )
 
 

@@ -102,7 +102,9 @@ def test_a_good_model_is_found_and_never_refused(seed):
 
 def test_a_model_in_other_units_is_refused():
     """Nothing of it lies near the survey; far from the guess its large flat side fits."""
-    assert "times farther from hull.pose" in place(stretched(np.full(3, 3.28))).verdict.reason
+    reason = place(stretched(np.full(3, 1 / 0.3048))).verdict.reason
+    assert "times farther from hull.pose" in reason
+    assert reason.endswith('where hull.pose says (hull.units = "ft")')
 
 
 def test_model_that_fits_nowhere_is_refused():

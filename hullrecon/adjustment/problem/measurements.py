@@ -36,6 +36,7 @@ class CadModel:
     guess_sigma: Array  # (6,) in M's axes, m and rad
     deviation_sigma: float  # m, of the hull's deviation from the CAD model
     deviation_length: tuple[float, float]  # m, correlation length of that along and in girth
+    units: str = "m"  # in which the file was read, for what is said where it does not fit
     # sigmas were widened: the hull lies farther from the guess, or leaves the model by more
     contradicted: bool = False
 

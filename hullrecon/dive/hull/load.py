@@ -26,7 +26,7 @@ from hullrecon.dive.hull.precision import stored_step
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas
-from hullrecon.geometry.meshes.units import METRES_PER_UNIT, UNIT_NAMES
+from hullrecon.geometry.meshes.units import LONGEST_M, METRES_PER_UNIT, SHORTEST_M, UNIT_NAMES
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
 if TYPE_CHECKING:
@@ -36,7 +36,6 @@ FORMATS = ("stl", "ply", "obj", "off", "glb")
 LARGEST_BYTES = 2048 * MIB  # of a file, unpacked: 40 million triangles of a binary STL
 # what any small file may unpack to, and how tightly; hulls pack by 2 to 15
 FREE_BYTES, PACKED_BY = 64 * MIB, 50
-SHORTEST_M, LONGEST_M = 5.0, 500.0  # of a ship hull
 MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
 FINEST_M = 1e-6  # no CAD model is finer
 # in which coordinates are stored: an error of 3 mm (step / sqrt(12)), beside the 20 mm by which
@@ -165,12 +164,14 @@ def _check_extent(corners: Array, units: str, path: Path, notes: list[Finding]) 
         limits = {"shortest_m": SHORTEST_M, "longest_m": LONGEST_M}
         notes.append(Finding("mesh-small", {**values, **limits}))
         return
-    guess = fits[0]
+    looks_like = " or ".join(
+        f"{UNIT_NAMES[unit]} (it would be {in_file * METRES_PER_UNIT[unit]:.1f} m)" for unit in fits
+    )
+    named = " or ".join(f'units = "{unit}"' for unit in fits)
     raise InputError(
-        f"{length_text}, which looks like {UNIT_NAMES[guess]} (it would be "
-        f"{in_file * METRES_PER_UNIT[guess]:.1f} m)",
+        f"{length_text}, which looks like {looks_like}",
         where="hull.units",
-        remedy=f'set units = "{guess}" in [hull]',
+        remedy=f"set {named} in [hull]",
     )
 
 
