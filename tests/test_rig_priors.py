@@ -126,3 +126,9 @@ def test_a_camera_that_was_not_carried_has_no_mount(absent, top, bottom):
 def test_a_section_of_another_kind_is_named():
     with pytest.raises(TypeError, match=r"section imu is .*, where Imu is expected"):
         rig_of(imu=Tray())
+
+
+def test_each_camera_has_the_displacement_that_its_calibration_leaves():
+    assert rig_of().priors.calibration_sigma_px == (0.1, 0.1)
+    exact = CameraBottom(calibration="b", pose_in_top=(0, 0.1, 0, 0, 0, 0), calibration_sigma_px=0)
+    assert rig_of(**{"camera.bottom": exact}).priors.calibration_sigma_px == (0.1, 0.0)
