@@ -99,11 +99,28 @@ def _apart(
     zone = f"{hours:+d} h, as of a time zone" if hours is not None else ""
     motion = "by depth and DVL, which then show one motion" if by_motion else ""
     why = "; ".join(part for part in (zone, motion) if part)
-    return f"{text}: set {key} = {offset_s:.2f} ({why})"
+    return f"{text}: {'set' if by_motion else 'try'} {key} = {offset_s:.2f} ({why})"
+
+
+def _motions_apart(seconds: float) -> str:
+    return (
+        f"depth and DVL show one motion, {duration(abs(seconds))} apart: one of the clocks is "
+        f"wrong; set dvl.time_offset = {seconds:.2f} if it is the DVL's, or "
+        f"pressure.time_offset = {-seconds:.2f} if it is the pressure sensor's"
+    )
+
+
+def _in_other_unit(others: Sequence[str], seconds: float, after: bool, factor: int) -> str:
+    return (
+        f"its stamps are {factor} times smaller than those of {names(others)}: they are in "
+        "another unit of time than its format has; write them in that unit"
+    )
 
 
 ERRORS: dict[str, Words] = {
     "clocks-apart": _apart,
+    "stamps-in-other-unit": _in_other_unit,
+    "motions-apart": _motions_apart,
     "sensor-wrong": _wrong,
     "sensors-contradict": _contradict,
 }

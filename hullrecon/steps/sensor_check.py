@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from hullrecon.dive.check.motion_offset import level_of, motions_apart
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import Topics
 from hullrecon.findings.finding import Finding
@@ -34,7 +35,12 @@ def judge_sensors(settings: Mapping[str, object], records: SensorRecords) -> Jud
         }.items()
         if isinstance(topics, Topics) and topic
     }
-    return judge(records, rig_from_settings(settings), atmosphere / (density * gravity), named)
+    rig = rig_from_settings(settings)
+    level = level_of(records, rig.tray_origin, rig.pressure_origin, rig.tray_from_dvl)
+    apart = motions_apart(records, level)
+    if apart:  # nothing else compares sensors whose clocks are apart
+        return Judged(records=records, findings=apart, tried=[])
+    return judge(records, rig, atmosphere / (density * gravity), named)
 
 
 def describe_sensors(

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import dataclasses
 import json
+import re
 from datetime import UTC, datetime, timedelta
 from io import BytesIO
 from pathlib import Path
@@ -120,6 +121,54 @@ def test_the_window_holds_stamps_as_they_are_corrected(tmp_path):
     found, _ = run(tmp_path, **off, **limits)
     expected = [int(START.timestamp() + k) * 10**9 for k in range(5, 11)]
     assert found.records.position.t_ns.tolist() == found.records.dvl.t_ns.tolist() == expected
+
+
+PLAIN = {"logs": ("logs",), "topics": {}, "calibration": {}}
+
+
+@pytest.mark.parametrize("late_s", [7200, -3600 * 5 + 4])
+def test_clocks_apart_are_refused_and_the_remedy_heals(tmp_path, late_s):
+    write_tables(tmp_path / "logs", imu=0, dvl=late_s)
+    with pytest.raises(InputError, match="one of the clocks is wrong") as refused:
+        run(tmp_path, **PLAIN)
+    key, value = re.search(r"try (\S+) = (\S+) \(", refused.value.what).groups()
+    assert key == "dvl.time_offset"
+    found, _ = run(tmp_path, **PLAIN, offset_ns={"dvl": offset_ns(float(value))})
+    left_ns = found.records.dvl.t_ns - found.records.imu.t_ns
+    assert np.abs(left_ns).max() <= 4 * 10**9  # what navigate finds by itself
+
+
+@pytest.mark.parametrize("sensor", ["dvl", "imu", "position"])
+def test_an_offset_is_added_to_the_stamps_of_its_sensor(tmp_path, sensor):
+    write_tables(tmp_path / "logs", imu=0, dvl=0, position=0)
+    before, _ = run(tmp_path, **PLAIN)
+    after, _ = run(tmp_path, **PLAIN, offset_ns={sensor: offset_ns(-2.5)})
+    for name, record in after.records.by_name().items():
+        moved_ns = -2_500_000_000 if name == sensor else 0
+        np.testing.assert_array_equal(record.t_ns, before.records.by_name()[name].t_ns + moved_ns)
+
+
+def test_an_offset_of_the_joints_is_added_to_every_servo(package):
+    before, _ = run(package)
+    after, _ = run(package, offset_ns={"joints": offset_ns(0.25), "camera_top": offset_ns(-0.5)})
+    for name in ("tray", "sonar_tray"):
+        moved_ns = after.records.by_name()[name].t_ns - before.records.by_name()[name].t_ns
+        assert set(moved_ns.tolist()) == {250_000_000}
+    images = after.images["camera_top"].t_ns - before.images["camera_top"].t_ns
+    assert set(images.tolist()) == {-500_000_000}
+
+
+def test_a_bag_with_one_sensor_on_another_time_base_is_joined(kit, package):
+    before, _ = run(package)
+    boot_ns = kit.start_ns - 50 * 10**9
+    entries = [
+        dataclasses.replace(e, message=kit.imu(e.t_ns - boot_ns)) if e.topic == "/imu" else e
+        for e in kit.dive()
+    ]
+    kit.mcap(package / "logs" / "dive.mcap", entries)
+    found, _ = run(package)
+    np.testing.assert_array_equal(found.records.imu.t_ns, before.records.imu.t_ns)
+    assert any("they were put onto that time base" in note for note in sentences(found.notes))
 
 
 def test_seconds_of_a_window_count_from_the_earliest_table(tmp_path):

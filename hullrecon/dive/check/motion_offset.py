@@ -19,15 +19,9 @@ from hullrecon.dive.check.time_overlap import HOUR_S
 from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.findings.finding import Finding
-from hullrecon.geometry.poses import from_mount
+from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.clock import NS, seconds
-from hullrecon.records.sensors import (
-    DvlPings,
-    ImuSamples,
-    JointSamples,
-    PressureSamples,
-    SensorRecords,
-)
+from hullrecon.records.sensors import SensorRecords
 from hullrecon.typing import Array, Ints, Mask
 
 STEP_S = 0.1  # of the grid on which motions are compared
@@ -38,6 +32,7 @@ LEAST_SHARE = 0.5  # of the shorter one, that both measured
 OTHER_S = 10.0  # between the best offset and another one
 LEAST_CORRELATION = 0.7
 GAIN = 25.0  # by which chi-square is lower than at any other offset: five sigmas
+FAR_S = 60.0  # the step navigate finds what is less
 SAME_S = 30.0  # from whole hours; what is left of the offset is found by the step navigate
 INDEPENDENT_S = 2.0  # readings so far apart have errors and swell of their own
 
@@ -46,18 +41,16 @@ def add_motion(
     findings: Sequence[Finding], config: DiveConfig, records: SensorRecords
 ) -> list[Finding]:
     """Add to findings of clocks that are apart the offset that motion tells, where it does."""
+    tray, pressure = (np.array(numbers_of(s.origin)) for s in (config.tray, config.pressure))
+    level = level_of(records, tray, pressure, from_mount(numbers_of(config.dvl.mount)))
     return [
-        _told_by_motion(finding, config, records) if finding.code == "clocks-apart" else finding
+        _told_by_motion(finding, records, level) if finding.code == "clocks-apart" else finding
         for finding in findings
     ]
 
 
-def _told_by_motion(finding: Finding, config: DiveConfig, records: SensorRecords) -> Finding:
-    dvl, imu, pressure = records.dvl, records.imu, records.pressure
-    if dvl is None or imu is None or pressure is None or len(imu.t_ns) < 2:
-        return finding
-    level = _Level.of(imu, records.tray, config)
-    more_s = offset_by_motion(finding.where, dvl, pressure, level)
+def _told_by_motion(finding: Finding, records: SensorRecords, level: Level | None) -> Finding:
+    more_s = offset_by_motion(finding.where, records, level)
     if more_s is None:
         return finding
     hours, given_s = finding.values["hours"], finding.values["given_s"]
@@ -69,37 +62,51 @@ def _told_by_motion(finding: Finding, config: DiveConfig, records: SensorRecords
     return replace(finding, values={**finding.values, **told})
 
 
+def motions_apart(records: SensorRecords, level: Level | None) -> list[Finding]:
+    """Find DVL and pressure sensor that overlap, and whose motions agree over a minute apart."""
+    more_s = offset_by_motion("dvl", records, level)
+    if more_s is None or abs(more_s) < FAR_S:
+        return []
+    return [Finding("motions-apart", {"seconds": round(more_s, 2)})]
+
+
 @dataclass(frozen=True, kw_only=True)
-class _Level:
+class Level:
     """How DVL and pressure sensor lay, by attitude and tray."""
 
     t_ns: Ints  # (n,)
     down: Array  # (n, 3) unit vectors down, in the DVL's frame
     below: Array  # (n,) m, of the DVL below the pressure sensor
 
-    @classmethod
-    def of(cls, imu: ImuSamples, tray: JointSamples | None, config: DiveConfig) -> _Level:
-        angle = np.zeros(len(imu.t_ns))
-        if tray is not None and len(tray.t_ns):
-            angle = np.interp(imu.t_ns, tray.t_ns, tray.angle)
-        turned, dvl = Rotation.from_euler("y", angle[:, None]), from_mount(config.dvl.mount)
-        origins = [np.array(numbers_of(s.origin)) for s in (config.tray, config.pressure)]
-        lever = origins[0] - origins[1] + turned.apply(dvl.translation)
-        global_from_vehicle = Rotation.from_quat(imu.quaternion)
-        down = (global_from_vehicle * turned * dvl.rotation).inv().apply([0.0, 0.0, 1.0])
-        below = global_from_vehicle.apply(lever)[:, 2]
-        return cls(t_ns=imu.t_ns, down=np.asarray(down), below=np.asarray(below))
+
+def level_of(
+    records: SensorRecords, tray_origin: Array, pressure_origin: Array, tray_from_dvl: Poses
+) -> Level | None:
+    """Compute how DVL and pressure sensor lay. None where no attitude was read."""
+    imu, tray = records.imu, records.tray
+    if imu is None or len(imu.t_ns) < 2:
+        return None
+    angle = np.zeros(len(imu.t_ns))
+    if tray is not None and len(tray.t_ns):
+        angle = np.interp(imu.t_ns, tray.t_ns, tray.angle)
+    turned = Rotation.from_euler("y", angle[:, None])
+    lever = tray_origin - pressure_origin + turned.apply(tray_from_dvl.translation)
+    global_from_vehicle = Rotation.from_quat(imu.quaternion)
+    down = (global_from_vehicle * turned * tray_from_dvl.rotation).inv().apply([0.0, 0.0, 1.0])
+    below = global_from_vehicle.apply(lever)[:, 2]
+    return Level(t_ns=imu.t_ns, down=np.asarray(down), below=np.asarray(below))
 
 
-def offset_by_motion(
-    sensor: str, dvl: DvlPings, pressure: PressureSamples, level: _Level
-) -> float | None:
+def offset_by_motion(sensor: str, records: SensorRecords, level: Level | None) -> float | None:
     """Estimate what to add to the stamps of "dvl" or "pressure", s. None where motion is silent.
 
     All others are on one time base.
     """
+    dvl, pressure = records.dvl, records.pressure
+    if sensor not in ("dvl", "pressure") or dvl is None or pressure is None or level is None:
+        return None
     heard = np.isfinite(dvl.velocity).all(axis=1)
-    if sensor not in ("dvl", "pressure") or min(heard.sum(), len(pressure.t_ns)) < 2:
+    if min(heard.sum(), len(pressure.t_ns)) < 2:
         return None
     begin = {"dvl": int(dvl.t_ns[heard][0]), "pressure": int(pressure.t_ns[0])}
     velocity, is_heard = _on_grid(dvl.t_ns[heard], dvl.velocity[heard], begin["dvl"])

@@ -25,6 +25,8 @@ JOINTS = dict.fromkeys(("tray", "sonar_tray"), "joints")  # the sensor of a reco
 ALONE = frozenset({"position", "tray", "sonar_tray"})
 LONG_ALONE_S = 3600.0  # from which on they are of another clock too
 HOUR_S, MOST_HOURS = 3600.0, 14  # between two time zones
+TOGETHER_S = 300.0  # between starts, or ends, of logs that were started, or stopped, together
+FACTORS = (1000, 1_000_000)  # between s, ms, us
 UNSET_NS = 10 * 365 * 86400 * NS  # a clock before 1980 was never set
 Span = tuple[int, int]
 
@@ -91,6 +93,9 @@ def _describe(name: str, span: Span, others: list[str], whole: Span, given_s: fl
     values: dict[str, object] = {"others": others, "seconds": gap_s, "after": after}
     if name in ALONE and gap_s < LONG_ALONE_S:
         return Finding("read-beside", values, name)
+    factor = stamp_factor(span, whole)
+    if factor is not None:
+        return Finding("stamps-in-other-unit", {**values, "factor": factor}, name)
     hours = whole_hours(span, whole)
     values |= {
         "key": KEYS[name],
@@ -103,14 +108,24 @@ def _describe(name: str, span: Span, others: list[str], whole: Span, given_s: fl
     return Finding("clocks-apart", values, name)
 
 
+def stamp_factor(span: Span, whole: Span) -> int | None:
+    """Find by how many times stamps are too small, as milliseconds read as microseconds are.
+
+    None where no factor of FACTORS makes a stream overlap the others.
+    """
+    near = (f for f in FACTORS if f * span[0] <= whole[1] and f * span[1] >= whole[0])
+    return next(near, None)
+
+
 def whole_hours(span: Span, whole: Span) -> int | None:
-    """Find the whole hours that make most of a stream overlap the others. None without any.
+    """Find the whole hours with which a stream begins or ends beside the others. None without any.
 
     span, whole: first and last stamp, ns, of the stream and of the others.
     """
     hours = np.arange(-MOST_HOURS, MOST_HOURS + 1)
-    moved = [span[end] + hours * round(HOUR_S * NS) for end in (0, 1)]
-    shared = np.minimum(moved[1], whole[1]) - np.maximum(moved[0], whole[0])
+    begin, end = (span[k] + hours * round(HOUR_S * NS) for k in (0, 1))
+    shared = np.minimum(end, whole[1]) - np.maximum(begin, whole[0])
+    apart = np.minimum(np.abs(begin - whole[0]), np.abs(end - whole[1]))
     least = 0.5 * min(span[1] - span[0], whole[1] - whole[0])
-    best = int(np.argmax(shared))
-    return int(hours[best]) if shared[best] > least else None
+    fits = (shared > least) & (apart < TOGETHER_S * NS)
+    return int(hours[np.argmax(np.where(fits, shared, -1))]) if fits.any() else None

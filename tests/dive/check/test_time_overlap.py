@@ -28,8 +28,24 @@ def test_streams_that_overlap_have_no_gap():
 def test_a_clock_of_another_time_zone_is_told_with_its_key(hours):
     (found,) = clock_gaps(sensors(dvl=3600.0 * hours + 20))
     assert (found.code, found.severity, found.where) == ("clocks-apart", "error", "dvl")
-    assert f"set dvl.time_offset = {-3600.0 * hours:.2f}" in found.sentence
+    assert f"try dvl.time_offset = {-3600.0 * hours:.2f}" in found.sentence
     assert f"({-hours:+d} h, as of a time zone)" in found.sentence
+
+
+def test_hours_are_not_guessed_where_logs_begin_and_end_elsewhere():
+    off = {name: stream(START_S, 3000.0) for name in ("imu", "pressure")}
+    (found,) = clock_gaps({**off, "dvl": stream(START_S + 7200 + 1000, 1000.0)})
+    assert found.values["offset_s"] is None
+    assert "give dvl.time_offset, the seconds to add" in found.sentence
+
+
+@pytest.mark.parametrize("factor", [1000, 1_000_000])
+def test_stamps_of_another_unit_are_no_offset(factor):
+    others = sensors()
+    small = PressureSamples(t_ns=others["dvl"].t_ns // factor, depth=others["dvl"].depth)
+    (found,) = clock_gaps({**others, "dvl": small})
+    assert (found.code, found.severity) == ("stamps-in-other-unit", "error")
+    assert f"{factor} times smaller than those of imu and pressure" in found.sentence
 
 
 def test_an_offset_that_is_given_counts():
