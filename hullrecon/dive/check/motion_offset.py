@@ -15,7 +15,7 @@ import numpy as np
 from scipy.signal import correlate
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.check.time_overlap import HOUR_S
+from hullrecon.dive.check.time_overlap import HOUR_S, clock_gaps
 from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.findings.finding import Finding
@@ -65,7 +65,8 @@ def _told_by_motion(finding: Finding, records: SensorRecords, level: Level | Non
 def motions_apart(records: SensorRecords, level: Level | None) -> list[Finding]:
     """Find DVL and pressure sensor that overlap, and whose motions agree over a minute apart."""
     more_s = offset_by_motion("dvl", records, level)
-    if more_s is None or abs(more_s) < FAR_S:
+    gaps = clock_gaps(records.by_name())  # told elsewhere
+    if more_s is None or abs(more_s) < FAR_S or any(gap.severity == "error" for gap in gaps):
         return []
     return [Finding("motions-apart", {"seconds": round(more_s, 2)})]
 

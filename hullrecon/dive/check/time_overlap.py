@@ -54,7 +54,7 @@ def clock_gaps(
     groups = _groups(spans)
     if len(groups) < 2:
         return []
-    main = max(groups, key=lambda names: (len(names - ALONE), len(names), _length(names, spans)))
+    main = max(groups, key=lambda names: _weight(names, spans))
     whole = _union(main, spans)
     others = [name for name in spans if name in main]
     given_s = {name: offset_ns.get(JOINTS.get(name, name), 0) / NS for name in spans}
@@ -78,9 +78,10 @@ def _groups(spans: Mapping[str, Span]) -> list[set[str]]:
     return groups
 
 
-def _length(names: set[str], spans: Mapping[str, Span]) -> int:
+def _weight(names: set[str], spans: Mapping[str, Span]) -> tuple[int, int, bool, bool, int]:
+    """Rank groups: of two with as many sensors, clocks that were set, then the IMU's are right."""
     begin, end = _union(names, spans)
-    return end - begin
+    return len(names - ALONE), len(names), begin >= UNSET_NS, "imu" in names, end - begin
 
 
 def _union(names: set[str], spans: Mapping[str, Span]) -> Span:
