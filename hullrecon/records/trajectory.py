@@ -100,6 +100,11 @@ class VehicleTrack:
         """Interpolate the vehicle's pose at times (m,), held at both ends."""
         return interpolate(self.t_ns, self.poses, t_ns)
 
+    def path_at(self, t_ns: Ints) -> VehiclePath:
+        """Interpolate vehicle and tray at times (m,), held at both ends."""
+        tray = np.interp((t_ns - self.t_ns[0]) * 1e-9, (self.t_ns - self.t_ns[0]) * 1e-9, self.tray)
+        return VehiclePath(poses=self.vehicle_at(t_ns), tray=tray)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Trajectory:

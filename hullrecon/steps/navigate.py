@@ -27,7 +27,7 @@ from hullrecon.navigation.dead_reckoning.dead_reckon import (
     NavigationLogs,
     usable_frames,
 )
-from hullrecon.navigation.dead_reckoning.exposures import CameraTiming
+from hullrecon.navigation.dead_reckoning.exposures import CameraTiming, exposures_of
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
 from hullrecon.navigation.navigate import choose_path, reckon_dive
 from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
@@ -46,7 +46,7 @@ from hullrecon.records.trajectory import Trajectory
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.steps.sensor_check import SENSOR_KEYS, judge_sensors
-from hullrecon.steps.stereo_check import find_rig_problem
+from hullrecon.steps.stereo_check import MotionLogs, check_rig, describe_delay
 from hullrecon.vision.odometry import (
     OdometryFrame,
     StereoOdometer,
@@ -55,6 +55,7 @@ from hullrecon.vision.odometry import (
     stereo_odometer,
 )
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
+from hullrecon.vision.stereo.delay import Delay
 
 Samples = TypeVar("Samples", bound=Stream)
 READOUT_KEYS = ("camera.top.readout_s", "camera.bottom.readout_s")
@@ -104,14 +105,14 @@ def run(context: Context[NavigateOptions]) -> None:
     for mount in describe_mounts(inputs.mounts(context.settings)):
         context.warn(mount.sentence)
     judged = _judge_sensors(context)
-    _refuse_wrong_rig(context)
+    delay = _check_rig(context, judged.records)
     has_stereo = all(ingest.image_index(camera) is not None for camera in Camera)
     found, source = choose_path(
         judged.records.dvl,
         judged.records.imu,
         ingest.image_index(Camera.TOP) if has_stereo else None,
-        lambda: _by_dvl(context, judged.records),
-        lambda: _by_stereo(context, judged.records),
+        lambda: _by_dvl(context, judged.records, delay),
+        lambda: _by_stereo(context, judged.records, delay),
     )
     facts = {"suspects": [one.document() for one in judged.tried], **found.facts}
     # offsets of clocks are told by what follows, which estimates them
@@ -145,25 +146,35 @@ def _ingest_and_settings(context: Context[NavigateOptions]) -> tuple[IngestArtif
     return inputs.ingest, inputs.mounted(context.settings)
 
 
-def _refuse_wrong_rig(context: Context[NavigateOptions]) -> None:
-    """Raise InputError if a few stereo pairs contradict the calibration or the stamps."""
+def _check_rig(context: Context[NavigateOptions], records: SensorRecords) -> Delay | None:
+    """Check the stereo rig on a few pairs. Returns the delay of the bottom camera, if any.
+
+    Raises InputError if the pairs contradict the calibration or the stamps.
+    """
     ingest, settings = _ingest_and_settings(context)
     index = {
         camera: found for camera in Camera if (found := ingest.image_index(camera)) is not None
     }
     rig = rig_from_settings(settings, ingest.camera_models)
     if len(index) < len(Camera):
-        return
+        return None
     images = {camera: ingest.images(camera, context.source) for camera in Camera}
     sigma_rad = float(np.radians(np.max(settings.read("camera.bottom.pose_sigma", tuple)[3:])))
-    problem = find_rig_problem(
-        rig, index, lambda camera, row: images[camera].read(row), sigma_rad, ingest.dvl
-    )
-    if problem is not None:
-        raise InputError(problem.what, where="camera.bottom", remedy=problem.remedy)
+    logs = MotionLogs(dvl=records.dvl, imu=records.imu, tray=records.tray)
+    checked = check_rig(rig, index, lambda camera, row: images[camera].read(row), sigma_rad, logs)
+    if checked is None:
+        return None
+    if checked.problem is not None:
+        raise InputError(checked.problem.what, where="camera.bottom", remedy=checked.problem.remedy)
+    if checked.delay is not None:
+        offset_s = settings.read("camera.bottom.time_offset", float)
+        context.warn(describe_delay(checked.delay, offset_s).sentence)
+    return checked.delay
 
 
-def _by_dvl(context: Context[NavigateOptions], records: SensorRecords) -> Navigated:
+def _by_dvl(
+    context: Context[NavigateOptions], records: SensorRecords, delay: Delay | None
+) -> Navigated:
     ingest, settings = _ingest_and_settings(context)
     dvl, imu = records.dvl, records.imu
     if dvl is None:
@@ -182,7 +193,7 @@ def _by_dvl(context: Context[NavigateOptions], records: SensorRecords) -> Naviga
         tray=records.tray,
         top=_unless_empty(ingest.image_index(Camera.TOP)),
         bottom=_unless_empty(ingest.image_index(Camera.BOTTOM)),
-        timing=_timing(settings),
+        timing=_timing(settings, delay),
     )
     rig = rig_from_settings(settings, ingest.camera_models)
     measure, goes_on = None, None
@@ -197,12 +208,15 @@ def _by_dvl(context: Context[NavigateOptions], records: SensorRecords) -> Naviga
     return reckon_dive(logs, rig, sigmas_from_settings(settings), measure, goes_on, progress)
 
 
-def _timing(settings: StageSettings) -> CameraTiming:
+def _timing(settings: StageSettings, delay: Delay | None) -> CameraTiming:
     top, bottom = (settings.read_optional(key, float) or 0.0 for key in READOUT_KEYS)
-    return CameraTiming(readout_s=(top, bottom))
+    late_s = 0.0 if delay is None else delay.seconds
+    return CameraTiming(readout_s=(top, bottom), bottom_late_s=late_s)
 
 
-def _by_stereo(context: Context[NavigateOptions], records: SensorRecords) -> Navigated:
+def _by_stereo(
+    context: Context[NavigateOptions], records: SensorRecords, delay: Delay | None
+) -> Navigated:
     ingest, settings = _ingest_and_settings(context)
     rig = rig_from_settings(settings, ingest.camera_models)
     rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [
@@ -218,7 +232,7 @@ def _by_stereo(context: Context[NavigateOptions], records: SensorRecords) -> Nav
     def progress(pairs: Sequence[int]) -> Iterable[int]:
         return context.progress(pairs, "stereo pairs")
 
-    return stereo_navigate(
+    found = stereo_navigate(
         Frames(top=usable_frames(top.index), bottom=usable_frames(bottom.index)),
         aids,
         ImagePairMotion(top=top, bottom=bottom, odometer=odometer),
@@ -227,6 +241,15 @@ def _by_stereo(context: Context[NavigateOptions], records: SensorRecords) -> Nav
         np.concatenate([rig_sigma, np.full(DISPARITY, np.nan)]),
         progress,
     )
+    exposures = exposures_of(
+        found.trajectory,
+        found.returns,
+        (top.index, bottom.index),
+        _timing(settings, delay),
+        found.trajectory.track().path_at,
+        rig,
+    )
+    return replace(found, trajectory=replace(found.trajectory, exposures=exposures))
 
 
 def _unless_empty(samples: Samples | None) -> Samples | None:
@@ -273,6 +296,7 @@ STAGE = Stage(
         *SIGMA_KEYS,
         *READOUT_KEYS,
         "camera.bottom.pose_sigma",
+        "camera.bottom.time_offset",
         "position.origin",
         "logs",
     ),

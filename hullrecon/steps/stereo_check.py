@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -16,12 +18,14 @@ from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera
 from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
-from hullrecon.records.sensors import DvlPings, ImageIndex
+from hullrecon.navigation.sensors.tray_motion import tray_motion
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples
 from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
 from hullrecon.typing import Pixels
+from hullrecon.vision.stereo.delay import Delay
 from hullrecon.vision.stereo.rig_check import (
     ReadImage,
-    RigProblem,
+    RigCheck,
     StereoFrames,
     check_baseline,
     check_stereo_rig,
@@ -29,13 +33,22 @@ from hullrecon.vision.stereo.rig_check import (
 )
 
 
-def find_rig_problem(
+@dataclass(frozen=True, kw_only=True)
+class MotionLogs:
+    """What measures the motion of the rig. None: not logged."""
+
+    dvl: DvlPings | None
+    imu: ImuSamples | None
+    tray: JointSamples | None
+
+
+def check_rig(
     rig: Rig,
     index: Mapping[Camera, ImageIndex],
     read: ReadImage,
     sigma_rad: float,
-    dvl: DvlPings | None,
-) -> RigProblem | None:
+    logs: MotionLogs,
+) -> RigCheck | None:
     """Check calibration, stamps and baseline on some images.
 
     Parameters
@@ -48,24 +61,36 @@ def find_rig_problem(
         Reads an image by camera and row.
     sigma_rad
         Of the bottom camera's rotation.
-    dvl
-        For the baseline, None without a DVL.
+    logs
+        For the baseline and for cameras that fire apart.
 
     Returns
     -------
-    problem
-        None if all fits, or without two cameras.
+    check
+        None without two cameras or where too few images have enough in common.
     """
     if len(index) < len(Camera) or len(rig.cameras) < len(Camera):
         return None
     top, bottom = (usable_frames(index[camera]) for camera in Camera)
     frames = StereoFrames(pair=pair_frames(top[0], bottom[0]), top=top, bottom=bottom)
-    found = check_stereo_rig(rig, frames, read, sigma_rad)
-    if found is None:
-        return None
-    if found.problem or dvl is None or not len(dvl.t_ns):
-        return found.problem
-    return check_baseline(found, dvl, rig, lambda: compare_ways(rig, frames, read, dvl))
+    dvl, imu, motion = logs.dvl, logs.imu, None
+    if dvl is not None and imu is not None and len(dvl.t_ns) and len(imu.t_ns):
+        motion = partial(tray_motion, dvl, imu, logs.tray, rig)
+    found = check_stereo_rig(rig, frames, read, sigma_rad, motion)
+    if found is None or found.problem or dvl is None or not len(dvl.t_ns):
+        return found
+    problem = check_baseline(found, dvl, rig, lambda: compare_ways(rig, frames, read, dvl))
+    return replace(found, problem=problem)
+
+
+def describe_delay(delay: Delay, time_offset_s: float) -> Finding:
+    """Tell by how much the bottom camera fires after its stamps, and what states it."""
+    values = {
+        "late_ms": 1e3 * delay.seconds,
+        "sigma_ms": 1e3 * delay.sigma_s,
+        "offset_s": time_offset_s + delay.seconds,
+    }
+    return Finding("bottom-camera-late", values, "camera.bottom")
 
 
 def describe_rig_problem(
@@ -91,7 +116,11 @@ def describe_rig_problem(
     models = {camera: found.cameras[camera.key] for camera in Camera if camera.key in found.cameras}
     rig = rig_from_settings({key: loaded.value(key) for key in RIG_KEYS}, models)
     sigma_rad = float(np.radians(max(bottom.pose_sigma[3:])))
-    problem = find_rig_problem(rig, index, read, sigma_rad, found.records.dvl)
-    if problem is None:
-        return []
-    return [Finding("stereo-rig", {"problem": problem.sentence})]
+    logs = MotionLogs(dvl=found.records.dvl, imu=found.records.imu, tray=found.records.tray)
+    checked = check_rig(rig, index, read, sigma_rad, logs)
+    findings = []
+    if checked is not None and checked.problem is not None:
+        findings.append(Finding("stereo-rig", {"problem": checked.problem.sentence}))
+    if checked is not None and checked.delay is not None:
+        findings.append(describe_delay(checked.delay, bottom.time_offset))
+    return findings

@@ -134,6 +134,9 @@ class Cameras(Checked):
     camera_offset_s: float = describe_field(
         0.0, "Time by which the stamps of the images are late", "s", -1, 1
     )
+    pair_offset_s: float = describe_field(
+        0.0, "Time by which the bottom camera fires after the top one, unstamped", "s", -0.2, 0.2
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -101,11 +101,13 @@ def _camera_errors(dive: Dive) -> dict[str, Any]:
     (u + du, v + dv).
     """
     cameras = dive.spec.cameras
-    if not (cameras.lens_error_px or cameras.readout_s or cameras.camera_offset_s):
+    known = (cameras.readout_s, cameras.camera_offset_s, cameras.pair_offset_s)
+    if not (cameras.lens_error_px or any(known)):
         return {}
     out: dict[str, Any] = {
         "readout_s": cameras.readout_s,
         "camera_offset_s": cameras.camera_offset_s,
+        "pair_offset_s": cameras.pair_offset_s,
         "lens_error_px": cameras.lens_error_px,
         "lenses": {},
     }

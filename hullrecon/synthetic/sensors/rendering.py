@@ -55,18 +55,25 @@ def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
     exposed_s = row_times(dive.frame_s, dive.spec.cameras)
     each = exposed_s.shape[1]  # poses of an image
     tray_from_bottom = rig.tray_from_top @ rig.top_from_bottom
-    hull_from_top, hull_from_bottom = (
-        motion.in_hull(motion.on_tray(exposed_s.ravel(), mount, TRAY_ORIGIN))
-        for mount in (rig.tray_from_top, tray_from_bottom)
+    late_s = dive.spec.cameras.pair_offset_s
+    hull_from_top, hull_from_bottom, lit_from = (
+        motion.in_hull(motion.on_tray(exposed_s.ravel() + after_s, mount, TRAY_ORIGIN))
+        for mount, after_s in (
+            (rig.tray_from_top, 0.0),
+            (tray_from_bottom, late_s),
+            (rig.tray_from_top, late_s),
+        )
     )
     for k in range(0, exposed_s.size, each):
         scene = Scene(dive.hull.near(hull_from_top.translation[k, 0]), paint, absorption)
         rows = slice(k, k + each)
-        lamp = hull_from_top[rows].apply(np.tile(LAMP_IN_TOP, (each, 1)))
+        lamp, lamp_late = (
+            pose[rows].apply(np.tile(LAMP_IN_TOP, (each, 1))) for pose in (hull_from_top, lit_from)
+        )
         first = photograph(scene, top, hull_from_top[rows], lamp, random)
         second = None
         if bottom is not None:
-            second = photograph(scene, bottom, hull_from_bottom[rows], lamp, random)
+            second = photograph(scene, bottom, hull_from_bottom[rows], lamp_late, random)
         yield first, second
 
 

@@ -9,7 +9,7 @@ explains are compared with the calibrated geometry.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -24,6 +24,7 @@ from hullrecon.vision.features.descriptors import MAX_DISTANCE, RATIO, best_of_a
 from hullrecon.vision.features.extraction import FeatureOptions, Features, extract, no_features
 from hullrecon.vision.pairs.mono_motion import refine
 from hullrecon.vision.pairs.two_view import TwoView, essential_of, motions_of, sampson_squared
+from hullrecon.vision.stereo.delay import Delay, MatchedRays, estimate_delay, move_to_top
 from hullrecon.vision.stereo.lens_hypotheses import best_lens, epipolar_error_px
 from hullrecon.vision.stereo.matching import rectify, triangulate
 
@@ -50,6 +51,7 @@ FITS, OUTLIER_MEDIANS = 3, 3.0  # of a motion, and how far points of it may be o
 CALIBRATE = "calibrate the two cameras again, in water (both files and camera.bottom.pose_in_top)"
 
 ReadImage = Callable[[Camera, int], Pixels | None]
+TrayMotion = Callable[[Ints], Array]  # velocity and rate (n, 6) of the tray at times (n,), ns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,6 +84,7 @@ class RigCheck:
     depth_m: Array  # (k,) of the scene in the top camera, NaN behind it
     at_ns: Ints  # (k,) when
     problem: RigProblem | None = None  # None where all fits
+    delay: Delay | None = None  # of the bottom camera after its stamps; None: none that is seen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,10 +97,15 @@ class _Matched:
     descriptors: Floats32  # (n, 128) in the top image
     motion: Array  # (4, 4) bottom from top by these features, |t| = 1
     at_ns: int
+    stamped_s: float  # the bottom image's stamp after the top one's
 
 
 def check_stereo_rig(
-    rig: Rig, frames: StereoFrames, read: ReadImage, sigma_rad: float = 0.0
+    rig: Rig,
+    frames: StereoFrames,
+    read: ReadImage,
+    sigma_rad: float = 0.0,
+    motion: TrayMotion | None = None,
 ) -> RigCheck | None:
     """Check calibration and stamps by a few pairs of images.
 
@@ -113,6 +121,8 @@ def check_stereo_rig(
         An image by camera and row.
     sigma_rad
         Of the bottom camera's rotation. By two sigmas the limits are wider.
+    motion
+        Of the tray, by which cameras that fire apart are told. None where it was not measured.
 
     Returns
     -------
@@ -132,6 +142,7 @@ def check_stereo_rig(
         return RigCheck(
             error_px=np.nan, depth_m=np.zeros(0), at_ns=np.zeros(0, np.int64), problem=problem
         )
+    pairs, delay = (pairs, None) if motion is None else _timed(look, pairs, motion, limit_px)
     error_px = np.array([_error(found, look.given) for found in pairs]) * look.focal_px
     middle_px = float(np.median(error_px))
     depth = [look.depths(found) for found in pairs]
@@ -147,6 +158,7 @@ def check_stereo_rig(
         depth_m=np.array([np.nan if behind else np.median(z[z > 0]) for z in depth]),
         at_ns=np.array([found.at_ns for found in pairs], np.int64),
         problem=problem,
+        delay=delay,
     )
 
 
@@ -260,7 +272,7 @@ class _ImageMatcher:
     """Matches images of the two cameras, extracting features once."""
 
     def __init__(self, rig: Rig, frames: StereoFrames, read: ReadImage) -> None:
-        self._rig, self._frames, self._read = rig, frames, read
+        self.rig, self._frames, self._read = rig, frames, read
         self.given, self.focal_px = rig.from_top(Camera.BOTTOM), rig.focal_px(Camera.TOP)
         self.lenses = (rig.model(Camera.TOP), rig.model(Camera.BOTTOM))
         self._seen: dict[tuple[Camera, int], Features] = {}
@@ -281,7 +293,7 @@ class _ImageMatcher:
             f.keypoints[rows, :2]
             for f, rows in zip(sides, (found.first, found.second), strict=True)
         ]
-        a, b = (self._rig.model(c).undistort(p) for c, p in zip(Camera, seen, strict=True))
+        a, b = (self.rig.model(c).undistort(p) for c, p in zip(Camera, seen, strict=True))
         cv2.setRNGSeed(0)
         tolerance = MAX_ERROR_PX / self.focal_px
         essential, mask = cv2.findEssentialMat(
@@ -298,7 +310,13 @@ class _ImageMatcher:
             descriptors=top_unit[found.first][inlier],
             motion=motions_of(model, a, b)[0].motion,
             at_ns=int(self._frames.top[0][top]),
+            stamped_s=1e-9 * float(self._frames.bottom[0][bottom] - self._frames.top[0][top]),
         )
+
+    @property
+    def half_period_s(self) -> float:
+        """Half the time from one frame of the top camera to the next."""
+        return 0.5e-9 * float(np.median(np.diff(self._frames.top[0])))
 
     def depths(self, matched: _Matched) -> Array:
         """Triangulate depths (n,) m in the top camera as calibrated. Not positive behind it."""
@@ -306,7 +324,7 @@ class _ImageMatcher:
 
     def points(self, matched: _Matched) -> Array:
         """Triangulate matches (n, 3) m in the top camera as calibrated."""
-        pose = self._rig.stereo_mount
+        pose = self.rig.stereo_mount
         if pose is None:
             return np.zeros((0, 3))
         turned = rectify(pose)
@@ -328,6 +346,42 @@ class _ImageMatcher:
             options = FeatureOptions(max_features=1500)
             self._seen[camera, place] = no_features() if image is None else extract(image, options)
         return self._seen[camera, place]
+
+
+def _timed(
+    look: _ImageMatcher, pairs: list[_Matched], motion: TrayMotion, limit_px: float
+) -> tuple[list[_Matched], Delay | None]:
+    """Move features of the bottom camera to the top one's time, by stamps and by a delay.
+
+    A delay is believed where it brings the matches onto their lines with the rig as calibrated. One
+    beyond half a period is a pair of other frames.
+    """
+    twist = motion(np.array([matched.at_ns for matched in pairs], np.int64))
+    rays = [
+        MatchedRays(top=m.top, bottom=m.bottom, twist=row, stamped_s=m.stamped_s)
+        for m, row in zip(pairs, twist, strict=True)
+    ]
+
+    def moved(delay_s: float) -> list[_Matched]:
+        out = []
+        for m, ray in zip(pairs, rays, strict=True):
+            if np.isfinite(ray.twist).all() and ray.stamped_s + delay_s:
+                bottom = move_to_top(look.rig, ray, delay_s)
+                seen = m.pixels[0], look.lenses[1].distort(bottom)
+                m = replace(m, bottom=bottom, pixels=seen)
+            out.append(m)
+        return out
+
+    def error_px(matched: list[_Matched]) -> float:
+        return look.focal_px * float(np.median([_error(m, look.given) for m in matched]))
+
+    as_stamped, delay = moved(0.0), estimate_delay(look.rig, rays)
+    if delay is None or not delay.is_significant or abs(delay.seconds) > look.half_period_s:
+        return as_stamped, None
+    delayed = moved(delay.seconds)
+    if error_px(delayed) < min(error_px(as_stamped), limit_px):
+        return delayed, delay
+    return as_stamped, None
 
 
 def _error(matched: _Matched, bottom_from_top: Array) -> float:

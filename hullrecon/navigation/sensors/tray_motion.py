@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How the tray moves at some times, by DVL and IMU as read: no path is needed."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.navigation.sensors.servo import servo
+from hullrecon.records.clock import seconds
+from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples
+from hullrecon.rig import Rig
+from hullrecon.typing import Array, Ints
+
+NEAR_S = 1.0  # of a reading on either side
+SPAN_S = 0.2  # over which rates are averaged
+
+
+def tray_motion(
+    dvl: DvlPings, imu: ImuSamples, tray: JointSamples | None, rig: Rig, t_ns: Ints
+) -> Array:
+    """Compute the tray's velocity and rate of turn (n, 6) in its own axes, m/s and rad/s.
+
+    NaN where DVL or IMU were not read near by.
+    """
+    half_ns = round(0.5e9 * SPAN_S)
+    joint = servo(tray, int(dvl.t_ns[0]))
+    angle = [joint.angle_at(t_ns + step) for step in (-half_ns, half_ns)]
+    tray_from_vehicle = Rotation.from_rotvec(np.outer(-0.5 * (angle[0] + angle[1]), [0, 1.0, 0]))
+    rate = tray_from_vehicle.apply(_near_mean(imu.t_ns, imu.angular_velocity, t_ns))
+    rate[:, 1] += (angle[1] - angle[0]) / SPAN_S
+    velocity = rig.tray_from_dvl.rotation.apply(_near_mean(dvl.t_ns, dvl.velocity, t_ns))
+    velocity -= np.cross(rate, rig.tray_from_dvl.translation)
+    return np.hstack([velocity, rate])
+
+
+def _near_mean(read_ns: Ints, values: Array, t_ns: Ints) -> Array:
+    """Interpolate readings (m, 3), averaged over SPAN_S, at times (n,)."""
+    known = np.isfinite(values).all(axis=1)
+    if known.sum() < 2:
+        return np.full((len(t_ns), 3), np.nan)
+    read_s, at_s = seconds(read_ns[known], int(t_ns[0])), seconds(t_ns, int(t_ns[0]))
+    around_s = at_s[:, None] + SPAN_S * np.linspace(-0.5, 0.5, 5)
+    mean = np.stack(
+        [np.interp(around_s, read_s, column).mean(axis=1) for column in values[known].T], axis=1
+    )
+    after = np.clip(np.searchsorted(read_s, at_s), 1, len(read_s) - 1)
+    apart_s = np.maximum(np.abs(read_s[after] - at_s), np.abs(read_s[after - 1] - at_s))
+    mean[apart_s > NEAR_S] = np.nan
+    return mean

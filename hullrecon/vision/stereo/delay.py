@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Estimate by how much the bottom camera fires after the top one, from the motion in between.
+
+Between two exposures the rig moves on. That moves the bottom camera's image across its epipolar
+lines one way on one leg and the other way on the way back, which no calibration does
+(docs/methods.md 4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import Poses, exp
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.rig import Rig
+from hullrecon.typing import Array
+from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
+from hullrecon.vision.stereo.matching import rectify, triangulate
+
+# Sigma of the rig's rotation and of the baseline's direction, rad: as good as unknown, so that what
+# a wrong calibration explains is left to it
+RIG_SIGMA_RAD = 0.05
+SIGNIFICANT = 5.0  # sigmas of a delay that is believed
+# A shorter delay moves features at usual speeds by less than calibrations are wrong
+LEAST_S = 0.002
+# Sigma that is left however many features agree: of speeds within an exposure, and of lenses, s
+FLOOR_S = 0.0003
+FARTHEST_S, STEP_S = 0.24, 0.02  # where a delay is sought: less than half a period of two a second
+STEPS, SETTLED = 8, 1e-5  # of Gauss and Newton at most, until none is larger (rad or s)
+FEW = 60  # matches of a pair that tell where to start
+DIFFERENCE = 1e-4  # rad or s, for derivatives
+HUBER = 2.0  # robust sigmas of a residual beyond which its weight falls
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatchedRays:
+    """Features that two cameras have in common, and how the tray moved."""
+
+    top: Array  # (n, 2) ideal coordinates
+    bottom: Array  # (n, 2)
+    twist: Array  # (6,) of the tray in its own axes, m/s and rad/s; NaN where not measured
+    stamped_s: float  # the bottom camera's stamp after the top one's
+
+    def every(self, step: int) -> MatchedRays:
+        """Select one of so many matches."""
+        return replace(self, top=self.top[::step], bottom=self.bottom[::step])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delay:
+    """How long after its stamp the bottom camera fired."""
+
+    seconds: float
+    sigma_s: float
+
+    @property
+    def is_significant(self) -> bool:
+        """Whether it is believed and worth a correction."""
+        return abs(self.seconds) > max(SIGNIFICANT * self.sigma_s, LEAST_S)
+
+
+def estimate_delay(rig: Rig, pairs: Sequence[MatchedRays]) -> Delay | None:
+    """Estimate the bottom camera's delay together with errors of the rig's calibration.
+
+    Its sigma holds what pairs of images differ by beyond their noise. None where nothing moved.
+    """
+    pairs = [pair for pair in pairs if np.isfinite(pair.twist).all()]
+    if len(pairs) < 3:
+        return None
+    starts = np.arange(-FARTHEST_S, FARTHEST_S + STEP_S, STEP_S)
+    starts = starts[np.argsort(np.abs(starts), kind="stable")]
+    unknowns = np.zeros(6)
+    few = [pair.every(-(-len(pair.top) // FEW)) for pair in pairs]
+    unknowns[5] = min(starts, key=lambda delay_s: _cost(rig, few, np.r_[np.zeros(5), delay_s]))
+    information, scatter = np.eye(6), np.eye(6)
+    for _ in range(STEPS):
+        information, gradient, scatter = _normal(rig, pairs, unknowns)
+        if np.linalg.cond(information) > 1e14:
+            return None
+        step = np.linalg.solve(information, gradient)
+        unknowns = unknowns - step
+        if np.abs(step).max() < SETTLED:
+            break
+    inverse = np.linalg.inv(information)
+    variance = (inverse @ scatter @ inverse)[5, 5] + inverse[5, 5]
+    return Delay(seconds=float(unknowns[5]), sigma_s=float(np.hypot(np.sqrt(variance), FLOOR_S)))
+
+
+def move_to_top(rig: Rig, pair: MatchedRays, delay_s: float) -> Array:
+    """Move a pair's bottom features (n, 2), ideal coordinates, to where they were with the top."""
+    moved = _bottom_moved(rig, pair, delay_s)
+    if rig.stereo_mount is None:
+        return pair.bottom
+    turned = rectify(rig.stereo_mount @ moved)
+    point = triangulate(turned, turned.rectify_top(pair.top), turned.rectify_bottom(pair.bottom))
+    at = rig.stereo_mount.inverse().apply(point)
+    out = np.where(at[:, 2:] > 0, at[:, :2] / np.where(at[:, 2:] > 0, at[:, 2:], 1.0), np.nan)
+    return np.where(np.isfinite(out), out, pair.bottom)
+
+
+def _bottom_moved(rig: Rig, pair: MatchedRays, delay_s: float) -> Poses:
+    """Compute bottom_with_top from bottom_when_exposed, a batch of one."""
+    mount = rig.tray_from(Camera.BOTTOM)
+    moved = exp((pair.stamped_s + delay_s) * pair.twist[None])
+    return mount.inverse() @ moved @ mount
+
+
+def _residuals(rig: Rig, pair: MatchedRays, unknowns: Array) -> Array:
+    """Compute signed distances (n,) from epipolar lines, ideal coordinates.
+
+    unknowns: rotation of the bottom camera (3,), turn of the baseline (2,), rad; delay, s.
+    """
+    assert rig.stereo_mount is not None
+    turned = rectify(rig.stereo_mount).rotation_top
+    across = unknowns[3] * turned[0] + unknowns[4] * turned[2]
+    error = exp(np.r_[0.0, 0.0, 0.0, unknowns[:3]][None])
+    calibrated = Poses(
+        (rig.stereo_mount @ error).quaternion,
+        rig.stereo_mount.translation + rig.baseline_m * across,
+    )
+    top_from_bottom = calibrated @ _bottom_moved(rig, pair, float(unknowns[5]))
+    essential = essential_of(top_from_bottom.inverse().matrix()[0])
+    bottom, top = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (pair.bottom, pair.top))
+    sign = np.sign(np.einsum("ni,ij,nj->n", bottom, essential, top))
+    return np.asarray(sign * np.sqrt(sampson_squared(essential, pair.top, pair.bottom)))
+
+
+def _cost(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> float:
+    """Sum distances from epipolar lines, each at most as a match that is wrong."""
+    wrong = 3 / rig.focal_px(Camera.TOP)
+    return float(
+        sum(np.minimum(np.abs(_residuals(rig, pair, unknowns)), wrong).mean() for pair in pairs)
+    )
+
+
+def _normal(rig: Rig, pairs: Sequence[MatchedRays], unknowns: Array) -> tuple[Array, Array, Array]:
+    """Linearise: information (6, 6), gradient (6,), and scatter (6, 6) of the pairs' gradients."""
+    residual = [_residuals(rig, pair, unknowns) for pair in pairs]
+    sigma = robust_sigma(np.concatenate(residual), about=0.0)
+    prior = np.diag(np.r_[np.full(5, RIG_SIGMA_RAD**-2), 0.0])
+    information, gradient, scatter = prior, prior @ unknowns, np.zeros((6, 6))
+    for pair, r in zip(pairs, residual, strict=True):
+        jacobian = np.stack(
+            [
+                (_residuals(rig, pair, unknowns + step) - _residuals(rig, pair, unknowns - step))
+                / (2 * DIFFERENCE)
+                for step in DIFFERENCE * np.eye(6)
+            ],
+            axis=1,
+        )
+        weight = np.minimum(1.0, HUBER * sigma / np.maximum(np.abs(r), 1e-12)) / sigma**2
+        weighted = jacobian * weight[:, None]
+        own = weighted.T @ r
+        information, gradient = information + weighted.T @ jacobian, gradient + own
+        scatter += np.outer(own, own)
+    return information, gradient, scatter
