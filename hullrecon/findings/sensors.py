@@ -74,6 +74,14 @@ def _beside(others: Sequence[str], seconds: float, after: bool) -> str:
     return f"it was read {duration(seconds)} {side} {names(others)}, and never at the same time"
 
 
+def _shifted(seconds: float, shared_s: float, length_s: float, key: str) -> str:
+    side = "after" if seconds > 0 else "before"
+    return (
+        f"it begins and ends {abs(seconds):.1f} s {side} all others, which begin and end together, "
+        f"and shares {shared_s:.1f} s of its {length_s:.1f} s with them: is its clock off ({key})?"
+    )
+
+
 def _apart(
     others: Sequence[str],
     seconds: float,
@@ -130,6 +138,7 @@ WARNINGS: dict[str, Words] = {
     "earlier: is a clock off?",
     "sensors-part": _contradict,
     "read-beside": _beside,
+    "stream-shifted": _shifted,
     "imu-single-reading": "the IMU gave a single reading, which tells no attitude",
     "imu-upside-down": 'imu: gravity pulls upward with imu.frame = "{frame}"; is it "{other}"?',
     "imu-gravity-tilted": "imu: gravity is {degrees:.0f} degrees off the vertical: is "

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.check.time_overlap import clock_gaps
+from hullrecon.dive.check.time_overlap import clock_gaps, shifted_streams
 from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.findings.finding import Finding
@@ -41,10 +41,12 @@ def check_consistency(
     config: DiveConfig, records: SensorRecords, images: Mapping[str, ImageIndex]
 ) -> list[Finding]:
     """Find contradictions between sensors, mounts and clocks."""
-    gaps = clock_gaps({**records.by_name(), **images})
+    streams = {**records.by_name(), **images}
+    gaps = clock_gaps(streams)
     out = [finding for finding in gaps if finding.severity == "warning"]
     if len(out) < len(gaps):  # nothing compares sensors whose clocks are apart
         return out + _check_mounts(config)
+    out += shifted_streams(streams)
     dvl, imu, pressure = records.dvl, records.imu, records.pressure
     if imu is not None:
         out += _check_gravity(imu, config.imu.frame)

@@ -25,6 +25,8 @@ JOINTS = dict.fromkeys(("tray", "sonar_tray"), "joints")  # the sensor of a reco
 ALONE = frozenset({"position", "tray", "sonar_tray"})
 LONG_ALONE_S = 3600.0  # from which on they are of another clock too
 HOUR_S, MOST_HOURS = 3600.0, 14  # between two time zones
+AGREE_S = 1.0  # between the starts, or the ends, of logs that one switch started and stopped
+LEAST_SHIFT_S = 5.0  # of both ends, that is told
 TOGETHER_S = 300.0  # between starts, or ends, of logs that were started, or stopped, together
 FACTORS = (1000, 1_000_000)  # between s, ms, us
 UNSET_NS = 10 * 365 * 86400 * NS  # a clock before 1980 was never set
@@ -63,6 +65,33 @@ def clock_gaps(
         for name in spans
         if name not in main
     ]
+
+
+def shifted_streams(streams: Mapping[str, Stream]) -> list[Finding]:
+    """Find the stream that begins and ends as late, or as early, beside others that agree.
+
+    Logs that were started and stopped together show a clock that is off by both ends.
+    """
+    spans = {
+        name: (int(s.t_ns[0]) / NS, int(s.t_ns[-1]) / NS)
+        for name, s in streams.items()
+        if len(s.t_ns) > 1 and name not in ALONE
+    }
+    out = []
+    for name, (begin, end) in spans.items():
+        others = np.array([span for other, span in spans.items() if other != name])
+        if len(others) < 2 or np.ptp(others, axis=0).max() > AGREE_S:
+            continue
+        late = np.array([begin, end]) - np.median(others, axis=0)
+        seconds, shared_s = (
+            float(late.mean()),
+            float(min(end, others[0, 1]) - max(begin, others[0, 0])),
+        )
+        if abs(seconds) < LEAST_SHIFT_S or np.ptp(late) > AGREE_S or shared_s <= 0:
+            continue
+        values = {"seconds": seconds, "shared_s": shared_s, "length_s": end - begin}
+        out.append(Finding("stream-shifted", {**values, "key": KEYS[name]}, name))
+    return out
 
 
 def _groups(spans: Mapping[str, Span]) -> list[set[str]]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.check.time_overlap import clock_gaps
+from hullrecon.dive.check.time_overlap import clock_gaps, shifted_streams
 from hullrecon.records.sensors import PressureSamples
 
 NS = 10**9
@@ -79,3 +79,20 @@ def test_fixes_at_the_surface_before_the_dive_are_no_gap(late_s, severity):
 def test_a_single_reading_says_nothing_about_a_clock():
     once = PressureSamples(t_ns=np.array([5], np.int64), depth=np.zeros(1))
     assert clock_gaps({**sensors(), "tray": once}) == []
+
+
+@pytest.mark.parametrize("late_s", [30.0, -12.0])
+def test_a_stream_that_is_shifted_is_told_with_its_seconds(late_s):
+    (found,) = shifted_streams(sensors(camera_top=late_s))
+    side = "after" if late_s > 0 else "before"
+    assert (found.where, found.severity) == ("camera_top", "warning")
+    assert found.sentence.startswith(f"camera_top: it begins and ends {abs(late_s):.1f} s {side}")
+    assert f"shares {99 - abs(late_s):.1f} s of its 99.0 s" in found.sentence
+    assert "camera.top.time_offset" in found.sentence
+
+
+def test_logs_that_begin_and_end_as_they_like_are_not_told():
+    assert shifted_streams(sensors(camera_top=2.0)) == []
+    assert shifted_streams(sensors(imu=-40.0, camera_top=30.0)) == []
+    longer = {**sensors(), "camera_top": stream(START_S + 30, 60.0)}
+    assert shifted_streams(longer) == []
