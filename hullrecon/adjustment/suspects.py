@@ -80,18 +80,27 @@ def try_suspects(problem: native.Problem, settings: native.Options) -> tuple[Tri
         Of its solve.
     """
     before = _solved(problem, settings)[0]
-    trials = []
-    for suspect in _suspects(problem):
-        squares, unknowns = _solved(suspect.doubt(problem), settings)
-        trials.append(
-            Trial(
-                suspect=suspect.name,
-                gain=before - squares - suspect.rows,
-                rows=suspect.rows,
-                found=None if suspect.found is None else suspect.found(problem, unknowns),
-            )
-        )
+    trials = [_try(suspect, problem, settings, before) for suspect in _suspects(problem)]
     return tuple(sorted(trials, key=lambda trial: -trial.gain))
+
+
+def focal_ratio(problem: native.Problem, settings: native.Options) -> float:
+    """Solve a path with focal lengths free, and divide those found by the calibration's."""
+    doubted = _free_intrinsics(FOCAL)(problem)
+    return _focal_ratio(problem, _solved(doubted, settings)[1])
+
+
+def _try(
+    suspect: _Suspect, problem: native.Problem, settings: native.Options, before: float
+) -> Trial:
+    """Solve without a suspect. before: squares of the residuals with it."""
+    squares, unknowns = _solved(suspect.doubt(problem), settings)
+    return Trial(
+        suspect=suspect.name,
+        gain=before - squares - suspect.rows,
+        rows=suspect.rows,
+        found=None if suspect.found is None else suspect.found(problem, unknowns),
+    )
 
 
 def best_explanations(trials: Sequence[Trial]) -> tuple[Trial, ...]:

@@ -97,4 +97,13 @@ def _number(value: object) -> float | None:
     return float(value) if isinstance(value, int | float) else None
 
 
+def _explained_as_well(explanations: Sequence[Sequence[object]]) -> str:
+    others = " or ".join(SUSPECTS[str(name)](_number(found)) for name, found in explanations)
+    return (
+        f"What was taken out is explained as well {others}: which of them is wrong is not known, "
+        "and if it is not what was corrected, the result is wrong by as much."
+    )
+
+
 ERRORS: dict[str, Words] = {"contradiction": _contradiction}
+WARNINGS: dict[str, Words] = {"explained-as-well": _explained_as_well}

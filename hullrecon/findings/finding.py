@@ -23,6 +23,7 @@ TABLES: tuple[tuple[Severity, Mapping[str, Words]], ...] = (
     ("error", adjustment.ERRORS),
     ("error", sensors.ERRORS),
     ("warning", package.WARNINGS),
+    ("warning", adjustment.WARNINGS),
     ("warning", sensors.WARNINGS),
     ("note", package.NOTES),
     ("note", logs.NOTES),

@@ -90,6 +90,13 @@ class StereoContradictionFacts(StepDocument, frozen=True):
     sentence: str | None = None  # what it contradicts, None if that has no effect on the result
 
 
+class SuspectFacts(StepDocument, frozen=True):
+    """A sensor that was suspected, as in adjust.json."""
+
+    words: str  # with or without what the rest agrees
+    gain: float  # squares of residuals that are gone then
+
+
 class AdjustSummary(StepDocument, frozen=True):
     """adjust.json of adjust."""
 
@@ -106,6 +113,7 @@ class AdjustSummary(StepDocument, frozen=True):
     cad_model_refused: str | None = None  # why the CAD model was left out
     stereo_contradiction: StereoContradictionFacts | None = None  # None if the calibration holds
     positions: PositionFacts | None = None
+    suspects: tuple[SuspectFacts, ...] = ()  # where something contradicted the package, best first
 
 
 class SurfaceFacts(StepDocument, frozen=True):

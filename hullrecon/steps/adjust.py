@@ -152,6 +152,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=29,
+    version=30,
     run=run,
 )

@@ -12,6 +12,8 @@ from adjustment.solved_dives import solved
 
 from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.results.summary import explained_as_well
+from hullrecon.adjustment.suspects import Trial, best_explanations
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.adjustment import REMEDIES, SUSPECTS
 
@@ -80,7 +82,7 @@ def test_a_calibration_of_another_medium_is_named_by_its_factor(factor, cause):
     lens = dict.fromkeys(("fx", "fy"), lambda f: factor * f)
     said = refused(with_lens(simulate(**CAMERA_ONLY).measured, **lens))
     (found,) = re.findall(r"focal lengths (\d\.\d+) times the calibration's", said)
-    assert float(found) == pytest.approx(1 / factor, abs=0.02)
+    assert float(found) == pytest.approx(1 / factor, abs=0.011)
     assert cause in said
 
 
@@ -101,6 +103,40 @@ def test_a_package_that_allows_a_large_error_is_believed():
     rough = np.diag(1 / np.r_[np.full(3, 0.01), np.radians(np.full(3, 3.0))])
     measured = replace(measured, rig=measured.rig.with_priors(tray_from_top=rough))
     assert not adjust(measured, OPTIONS, lambda _: None).verdict.suspects
+
+
+def trial(suspect, gain, rows, found=None):
+    return Trial(suspect=suspect, gain=gain, rows=rows, found=found)
+
+
+SOUND, MOUNT = trial("dvl-scale", 500.0, 1, -0.08), trial("dvl-mount", 480.0, 3, 0.03)
+DEPTHS, VELOCITIES = trial("pressure", 490.0, 100), trial("dvl-velocities", 510.0, 120)
+
+
+def test_a_sensor_is_not_named_beside_its_own_error():
+    assert best_explanations([VELOCITIES, SOUND]) == (SOUND,)
+    assert best_explanations([VELOCITIES]) == (VELOCITIES,)
+
+
+def test_what_noise_explains_names_nobody():
+    assert best_explanations([trial("pressure", 30.0, 100), trial("dvl-scale", 3.0, 1)]) == ()
+
+
+def test_all_that_explain_as_much_are_named():
+    assert best_explanations([SOUND, DEPTHS, MOUNT]) == (SOUND, DEPTHS, MOUNT)
+    assert best_explanations([SOUND, trial("pressure", 300.0, 100)]) == (SOUND,)
+
+
+def test_a_scale_that_no_unit_has_explains_nothing():
+    assert best_explanations([trial("dvl-scale", 500.0, 1, -2.2), DEPTHS]) == (DEPTHS,)
+
+
+def test_a_correction_that_another_explains_as_well_is_doubted():
+    (said,) = explained_as_well([SOUND, DEPTHS])
+    assert "which of them is wrong is not known" in said
+    assert SUSPECTS["pressure"](None) in said
+    assert explained_as_well([SOUND]) == []
+    assert explained_as_well([]) == []
 
 
 @pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])

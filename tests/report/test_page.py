@@ -28,7 +28,7 @@ from hullrecon.report.content.page_context import coverage_rows, page_context
 from hullrecon.report.export.summary import FileEntry, counts, summary_document
 from hullrecon.report.figures.plots import draw_all_plots
 from hullrecon.report.render import render_html, render_page
-from hullrecon.report.step_documents import LogFindings, MosaicFacts
+from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, SuspectFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Survey
 
 FILES = {"trajectory.csv": FileEntry(bytes=1234, sha256="ab" * 32)}
@@ -88,6 +88,15 @@ def test_tags_are_closed_and_inner_links_lead_somewhere(survey: Survey) -> None:
     ids = page.with_attribute("id")
     assert len(ids) == len(set(ids))
     assert {h[1:] for h in page.with_attribute("href") if h.startswith("#")} <= set(ids)
+
+
+def test_the_appendix_lists_who_was_suspected(survey: Survey) -> None:
+    assert survey.adjusted is not None
+    assert "left out, or freed" not in page_of(survey, plots=True).text
+    facts = SuspectFacts(words="without the DVL's velocities", gain=123.4)
+    summary = AdjustSummary(suspects=(facts,))
+    suspected = replace(survey, adjusted=replace(survey.adjusted, summary=summary))
+    assert "without the DVL's velocities: 123" in page_of(suspected, plots=True).text
 
 
 def test_every_picture_has_words_instead(survey: Survey) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -27,7 +28,10 @@ from hullrecon.adjustment.results.unexpected_errors import (
     navigation_warnings,
 )
 from hullrecon.adjustment.stereo_calibration import stereo_warning
+from hullrecon.adjustment.suspects import Trial, best_explanations
 from hullrecon.estimation.position_tables import fit_of_positions
+from hullrecon.findings.adjustment import SUSPECTS
+from hullrecon.findings.finding import Finding
 from hullrecon.geometry.poses import pose_vector
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.solution import Solution
@@ -82,6 +86,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         **_registration(adjusted),
         "cad_model_refused": adjusted.verdict.reason,
         "legs": [] if ties is None else ties.table(m.trajectory.t_ns),
+        **_suspects(adjusted.verdict.suspects),
         **({"intrinsics": seen_with} if seen_with else {}),
         **({"lenses": lenses} if lenses else {}),
         **(
@@ -105,6 +110,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
             *intrinsics.intrinsics_warnings(seen_with),
             *([] if stereo is None else [stereo]),
             *_unexpected_errors(m, adjusted, marginals),
+            *explained_as_well(adjusted.verdict.suspects),
         ],
     )
 
@@ -165,6 +171,26 @@ def _unexpected_errors(
         *navigation_warnings(state.navigation, allowed, marginals.navigation),
         *mount_warnings(mounts),
     ]
+
+
+def _suspects(trials: Sequence[Trial]) -> dict[str, object]:
+    """Tabulate who was suspected, and what of the contradiction is gone without each."""
+    if not trials:
+        return {}
+    return {
+        "suspects": [
+            asdict(trial) | {"words": SUSPECTS[trial.suspect](trial.found)} for trial in trials
+        ]
+    }
+
+
+def explained_as_well(trials: Sequence[Trial]) -> list[str]:
+    """Warn where a sensor whose error cannot be taken out explains what was corrected as well."""
+    best = best_explanations(trials)
+    others = [[trial.suspect, trial.found] for trial in best if not trial.corrects]
+    if not others or not any(trial.corrects for trial in best):
+        return []
+    return [Finding("explained-as-well", {"explanations": others}).sentence]
 
 
 def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:

@@ -108,6 +108,7 @@ def page_context(
         "offset_words": figures.offset_words if figures is not None else "",
         "position": describe_position(survey),
         "survey": survey,
+        "suspects": survey.adjusted.summary.suspects if survey.adjusted is not None else (),
         "title": f"Hull survey: {dive.name}",
         "about": survey.facts.about,
         "logo": png_uri(survey.facts.about.logo) if survey.facts.about.logo else None,
