@@ -27,7 +27,7 @@ from hullrecon.typing import Array
 LARGEST_ERRORS = np.array(
     [
         # Sound goes at 1402 m/s in fresh water of 0 degrees and at 1560 in salt water of 36
-        # [DelGrosso1974]: a DVL that was set to the one in the other is off by a ninth.
+        # [ChenMillero1977]: a DVL that was set to the one in the other is off by a ninth.
         0.115,
         # Zero-rate offsets of MEMS gyros that nothing calibrates are a tenth of a degree a second
         # after their filter has settled.
