@@ -12,8 +12,10 @@ FAULTS = {  # of a sensor, as a statement
     ("pressure", "unit"): "the readings are in {value}, not in {unit}",
     ("pressure", "gauge"): "the readings are the pressure above the air's, not absolute",
     ("pressure", "sign"): "the readings grow upwards, not with depth",
+    ("pressure", "scale"): "the depths have to be multiplied by {value}",
     ("pressure", "constant"): "the readings stand still: they are not the water's pressure",
     ("DVL", "unit"): "the velocities are in {value}, not in m/s",
+    ("DVL", "scale"): "the velocities have to be multiplied by {value}",
     ("DVL", "axes"): "the axes of the velocity are {value} of those that its convention has",
     ("DVL", "repeated"): "velocities that repeat one value were taken without bottom lock",
     ("IMU's rates", "unit"): "the angular velocities are in {value}, not in rad/s",
@@ -21,6 +23,11 @@ FAULTS = {  # of a sensor, as a statement
     ("IMU's orientation", "order"): "the quaternion is {value}",
     ("IMU's orientation", "frame"): "imu.frame does not fit: {value} are of the other frame",
     ("IMU's acceleration", "sign"): "the accelerations are those of gravity, with the other sign",
+    ("camera", "medium"): "its focal lengths are {value} times too short, as those of a "
+    "calibration made in air are under water",
+    ("camera", "focal"): "its focal lengths have to be multiplied by {value}",
+    ("camera", "picture"): "its pictures are turned or mirrored: x and y of its calibration are "
+    "{value} of the pictures",
     ("tray's angle", "unit"): "the angle is in {value}, not in rad",
     ("tray's angle", "sign"): "the angle grows the other way",
 }
@@ -31,6 +38,8 @@ EVIDENCE = {  # that two sensors contradict each other, by what was compared
     "turn": "within a second the rates turn by up to {first_deg:.3g} degrees, the orientation by "
     "{second_deg:.3g}",
     "gravity": "gravity does not pull along the vertical of the orientation",
+    "flow": "between two images the hull moves by up to {first_deg:.3g} degrees by the images, by "
+    "{second_deg:.3g} by the DVL's velocity and ranges",
     "depth": "in 3 s the depth by pressure changes by up to {first:.3g} m, the way of the DVL by "
     "{second:.3g} m",
 }

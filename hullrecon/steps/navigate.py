@@ -39,13 +39,14 @@ from hullrecon.navigation.stereo_odometry.stereo_path import (
     Frames,
     stereo_navigate,
 )
+from hullrecon.navigation.suspects.comparisons import Flow
 from hullrecon.navigation.suspects.suspects import Judged
 from hullrecon.records.sensors import SensorRecords
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
-from hullrecon.steps.sensor_check import SENSOR_KEYS, judge_sensors
+from hullrecon.steps.sensor_check import SENSOR_KEYS, image_flows, judge_sensors
 from hullrecon.steps.stereo_check import MotionLogs, check_rig, describe_delay
 from hullrecon.vision.odometry import (
     OdometryFrame,
@@ -133,7 +134,11 @@ def _judge_sensors(context: Context[NavigateOptions]) -> Judged:
         pressure=_unless_empty(ingest.pressure),
         tray=_unless_empty(ingest.tray),
     )
-    judged = judge_sensors(settings, records)
+    index, flows = ingest.image_index(Camera.TOP), list[Flow]()
+    if index is not None and Camera.TOP in ingest.camera_models:
+        read = ingest.images(Camera.TOP, context.source).read
+        flows = image_flows(rig_from_settings(settings, ingest.camera_models), index, read)
+    judged = judge_sensors(settings, records, flows)
     for finding in judged.findings:
         if finding.severity == "error":
             raise InputError(finding.sentence)

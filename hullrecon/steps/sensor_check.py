@@ -4,22 +4,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from hullrecon.dive.check.motion_offset import level_of, motions_apart
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import Topics
+from hullrecon.dive.images.sink import SampledImages
+from hullrecon.dive.ingest import IngestResult
 from hullrecon.findings.finding import Finding
-from hullrecon.navigation.suspects.comparisons import Sensor
+from hullrecon.geometry.frames import Camera
+from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
+from hullrecon.navigation.suspects.comparisons import Flow, Sensor
 from hullrecon.navigation.suspects.suspects import Judged, judge
-from hullrecon.records.sensors import SensorRecords
-from hullrecon.rig import RIG_KEYS, rig_from_settings
+from hullrecon.records.clock import NS
+from hullrecon.records.sensors import ImageIndex, SensorRecords
+from hullrecon.rig import RIG_KEYS, Rig, rig_from_settings
+from hullrecon.steps.stereo_check import image_reader
+from hullrecon.vision.odometry import ReadRow, image_flow
 
 WATER_KEYS = ("pressure.density", "pressure.gravity", "pressure.atmosphere")
+PAIRS, FEATURES, INLIERS = 12, 500, 20  # of neighbouring images whose motion is compared
+NEIGHBOURS_S = 2.0  # between neighbours at most
 SENSOR_KEYS = (*RIG_KEYS, *WATER_KEYS, "topics")
 
 
-def judge_sensors(settings: Mapping[str, object], records: SensorRecords) -> Judged:
+def judge_sensors(
+    settings: Mapping[str, object], records: SensorRecords, flows: Sequence[Flow] = ()
+) -> Judged:
     """Hold the sensors of a dive against each other, by SENSOR_KEYS of dive.toml."""
     density, gravity, atmosphere = (_number(settings[key]) for key in WATER_KEYS)
     topics = settings["topics"]
@@ -31,6 +44,7 @@ def judge_sensors(settings: Mapping[str, object], records: SensorRecords) -> Jud
             Sensor.RATES: getattr(topics, "imu", None),
             Sensor.ATTITUDE: getattr(topics, "imu", None),
             Sensor.ACCELERATION: getattr(topics, "imu", None),
+            Sensor.CAMERA: getattr(topics, "camera_top", None),
             Sensor.TRAY: getattr(topics, "joints", None),
         }.items()
         if isinstance(topics, Topics) and topic
@@ -40,15 +54,37 @@ def judge_sensors(settings: Mapping[str, object], records: SensorRecords) -> Jud
     apart = motions_apart(records, level)
     if apart:  # nothing else compares sensors whose clocks are apart
         return Judged(records=records, findings=apart, tried=[])
-    return judge(records, rig, atmosphere / (density * gravity), named)
+    return judge(records, rig, atmosphere / (density * gravity), named, flows)
 
 
 def describe_sensors(
-    loaded: LoadedConfig, records: SensorRecords
+    loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
 ) -> tuple[SensorRecords, list[Finding], list[dict[str, object]]]:
     """Judge the sensors for `check`: records put right, what was found, and what was tried."""
-    judged = judge_sensors({key: loaded.value(key) for key in SENSOR_KEYS}, records)
+    settings = {key: loaded.value(key) for key in SENSOR_KEYS}
+    index, model = found.images.get(Camera.TOP.key), found.cameras.get(Camera.TOP.key)
+    flows: list[Flow] = []
+    if index is not None and model is not None:
+        rig = rig_from_settings(settings, {Camera.TOP: model})
+        read = image_reader(loaded, found, sampled)
+        flows = image_flows(rig, index, lambda row: read(Camera.TOP, row))
+    judged = judge_sensors(settings, found.records, flows)
     return judged.records, judged.findings, [one.document() for one in judged.tried]
+
+
+def image_flows(rig: Rig, index: ImageIndex, read: ReadRow) -> list[Flow]:
+    """Match some pairs of neighbouring images of the upper camera, spread over the dive."""
+    t_ns, rows = usable_frames(index)
+    if len(t_ns) < 2 or rig.tray_from_top is None:
+        return []
+    between = image_flow(rig, read, FEATURES, INLIERS)
+    near = np.flatnonzero(np.diff(t_ns) < NEIGHBOURS_S * NS)
+    out = []
+    for k in np.unique(near[np.linspace(0, len(near) - 1, PAIRS).astype(int)]) if len(near) else ():
+        found = between(int(rows[k]), int(rows[k + 1]))
+        if found is not None:
+            out.append(Flow(t_ns=(int(t_ns[k]), int(t_ns[k + 1])), first=found[0], second=found[1]))
+    return out
 
 
 def _number(value: object) -> float:

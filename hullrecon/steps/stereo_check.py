@@ -101,18 +101,7 @@ def describe_rig_problem(
     if bottom is None or any(camera.key not in found.images for camera in Camera):
         return []
     index = {camera: found.images[camera.key] for camera in Camera}
-
-    def encoded(camera: Camera, row: int) -> bytes | None:
-        if index[camera].file[row]:
-            return (loaded.package / str(index[camera].file[row])).read_bytes()
-        if camera.key not in sampled:
-            return None
-        return sampled[camera.key].image_at(int(index[camera].offset[row]))
-
-    def read(camera: Camera, row: int) -> Pixels | None:
-        data = encoded(camera, row)
-        return None if data is None else decode(data, int(index[camera].bits))
-
+    read = image_reader(loaded, found, sampled)
     models = {camera: found.cameras[camera.key] for camera in Camera if camera.key in found.cameras}
     rig = rig_from_settings({key: loaded.value(key) for key in RIG_KEYS}, models)
     sigma_rad = float(np.radians(max(bottom.pose_sigma[3:])))
@@ -124,3 +113,23 @@ def describe_rig_problem(
     if checked is not None and checked.delay is not None:
         findings.append(describe_delay(checked.delay, bottom.time_offset))
     return findings
+
+
+def image_reader(
+    loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]
+) -> ReadImage:
+    """Read the images that `check` sampled, by camera and row. None for one that it did not."""
+
+    def encoded(camera: Camera, row: int) -> bytes | None:
+        index = found.images[camera.key]
+        if index.file[row]:
+            return (loaded.package / str(index.file[row])).read_bytes()
+        if camera.key not in sampled:
+            return None
+        return sampled[camera.key].image_at(int(index.offset[row]))
+
+    def read(camera: Camera, row: int) -> Pixels | None:
+        data = encoded(camera, row)
+        return None if data is None else decode(data, int(found.images[camera.key].bits))
+
+    return read

@@ -197,6 +197,25 @@ def continuity(
     return goes_on
 
 
+def image_flow(
+    rig: Rig, read: ReadRow, max_features: int, min_inliers: int
+) -> Callable[[int, int], tuple[Array, Array] | None]:
+    """Set up the search for features of one rigid scene in two images of the top camera.
+
+    Parameters are those of `image_motion`. From two rows the places (m, 2) of m features in both
+    images, in ideal coordinates. None where features do not agree.
+    """
+    match, view = _match_top_images(rig, read, max_features, min_inliers)
+
+    def between(first: int, second: int) -> tuple[Array, Array] | None:
+        found = match(first, second)
+        if found.reason is not Reason.MATCHED:
+            return None
+        return view(first).xy[found.first], view(second).xy[found.second]
+
+    return between
+
+
 def fills_most(xy: Array, camera: CameraModel) -> bool:
     """Decide whether points (n, 2), ideal coordinates, cover more than MOST of an image.
 

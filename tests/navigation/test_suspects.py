@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.geometry.poses import from_mount
+from hullrecon.navigation.suspects.comparisons import Flow
 from hullrecon.navigation.suspects.suspects import judge
 from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples, SensorRecords
 from hullrecon.rig import Rig
@@ -19,7 +20,9 @@ RIG = Rig(
     tray_origin=np.zeros(3),
     pressure_origin=np.zeros(3),
     tray_from_dvl=from_mount([0, 0, 0, 0, 90, 0]),
+    tray_from_top=from_mount([0, 0, -0.05, 90, 0, 90]),
 )
+WALL_M = 1.5  # ahead of where the dive begins
 JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
 
 
@@ -31,6 +34,36 @@ def attitude(t_s: np.ndarray) -> Rotation:
     phase = np.outer(t_s, [0.9, 0.7, 0.4]) + np.array([0.0, 1.0, 2.0])
     angles = np.radians([2.0, 3.0, 5.0]) * np.sin(phase)
     return Rotation.from_euler("xyz", angles)
+
+
+def position(t_s: np.ndarray) -> np.ndarray:
+    """The integral of the velocity that `dive` has."""
+    return np.column_stack([0.02 * np.sin(t_s), 3.0 * np.sin(0.1 * t_s), 0.8 * np.sin(0.3 * t_s)])
+
+
+def ranges(t_s: np.ndarray) -> np.ndarray:
+    """Distances to the wall along the beams."""
+    ahead = [(attitude(t_s) * RIG.tray_from_dvl.rotation).apply(beam)[:, 0] for beam in JANUS]
+    return (WALL_M - position(t_s)[:, :1]) / np.stack(ahead, axis=1)
+
+
+def flows(turn: np.ndarray | None = None) -> list[Flow]:
+    """Places of points of the wall in neighbouring images, by a calibration that turns them."""
+    rng = np.random.default_rng(3)
+    out = []
+    for start_s in np.arange(2.0, SECONDS - 3, 3.0):
+        times = start_s + np.array([0.0, 0.6])
+        places = position(times)
+        points = places[0] + rng.uniform(-0.5, 0.5, (50, 3))
+        points[:, 0] = WALL_M
+        seen = []
+        for place, level in zip(places, attitude(times), strict=True):
+            in_vehicle = level.inv().apply(points - place)
+            in_top = RIG.tray_from_top.inverse().apply(in_vehicle)
+            seen.append(in_top[:, :2] / in_top[:, 2:] @ (np.eye(2) if turn is None else turn).T)
+        t_ns = (int(times[0] * NS), int(times[1] * NS))
+        out.append(Flow(t_ns=t_ns, first=seen[0], second=seen[1]))
+    return out
 
 
 def dive(seed: int = 1) -> SensorRecords:
@@ -57,7 +90,7 @@ def dive(seed: int = 1) -> SensorRecords:
             t_ns=ping_ns,
             velocity=velocity + 0.003 * rng.standard_normal(velocity.shape),
             velocity_sigma=np.full(len(ping_ns), 0.003),
-            ranges=np.zeros((len(ping_ns), 0)),
+            ranges=ranges(ping_s) + 0.01 * rng.standard_normal((len(ping_s), 4)),
             beams=JANUS,
         ),
         pressure=PressureSamples(
@@ -67,8 +100,8 @@ def dive(seed: int = 1) -> SensorRecords:
     )
 
 
-def judged(records: SensorRecords):
-    return judge(records, RIG, AIR_M)
+def judged(records: SensorRecords, seen=()):
+    return judge(records, RIG, AIR_M, flows=seen)
 
 
 def with_depth(records: SensorRecords, depth: np.ndarray) -> SensorRecords:
@@ -81,7 +114,7 @@ def with_rates(records: SensorRecords, rates: np.ndarray) -> SensorRecords:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_sensors_that_agree_are_not_accused(seed):
-    assert judged(dive(seed)).findings == []
+    assert judged(dive(seed), flows()).findings == []
 
 
 @pytest.mark.parametrize(("unit", "pascal"), [("hPa", 100.0), ("kPa", 1000.0)])
@@ -143,3 +176,32 @@ def test_stamps_that_are_late_are_left_to_the_clocks(late_s):
     (finding,) = found.findings
     assert finding.code == "sensors-late"
     assert float(finding.values["value"].removesuffix(" s")) == pytest.approx(late_s, abs=0.25)
+
+
+@pytest.mark.parametrize(
+    ("turn", "fault"),
+    [
+        (1.333 * np.eye(2), "medium"),
+        (0.8 * np.eye(2), "focal"),
+        (-np.eye(2), "picture"),
+        (np.diag([-1.0, 1.0]), "picture"),
+    ],
+)
+def test_camera_that_moves_unlike_the_dvl_is_named(turn, fault):
+    (finding,) = judged(dive(), flows(turn)).findings
+    assert (finding.severity, finding.values["sensor"]) == ("error", "camera")
+    assert finding.values["fault"] == fault
+
+
+def test_dvl_that_measures_too_long_is_named_by_depth_and_images():
+    true = dive()
+    long = replace(true, dvl=replace(true.dvl, velocity=1.4 * true.dvl.velocity))
+    (finding,) = judged(long, flows()).findings
+    assert (finding.values["sensor"], finding.values["fault"]) == ("DVL", "scale")
+
+
+def test_scale_of_one_of_two_sensors_names_both():
+    true = dive()
+    long = replace(true, dvl=replace(true.dvl, velocity=1.4 * true.dvl.velocity))
+    (finding,) = judged(long).findings
+    assert {"pressure", "DVL"} <= set(finding.values["sensors"])

@@ -56,7 +56,8 @@ CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]]
 # holds the sensors against each other: the records with what was put right, what was found, and
 # what was tried, for `--json`
 CheckSensors = Callable[
-    [LoadedConfig, SensorRecords], tuple[SensorRecords, list[Finding], list[dict[str, object]]]
+    [LoadedConfig, IngestResult, Mapping[str, SampledImages]],
+    tuple[SensorRecords, list[Finding], list[dict[str, object]]],
 ]
 
 
@@ -206,12 +207,13 @@ def check_package(
     regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow else None)
     records, judged, suspects = found.records, list[Finding](), list[dict[str, object]]()
     if check_sensors is not None:
-        records, judged, suspects = check_sensors(loaded, records)
+        records, judged, suspects = check_sensors(loaded, found, sampled)
     warnings = check_consistency(loaded.config, records, found.images)
     warnings += [finding for finding in judged if finding.severity == "warning"]
     if found.attitude_is_dvls:
         warnings += check_mount_of_attitude(loaded.config, found.records.tray)
-    if check_images is not None:
+    # a sensor that is wrong would be told as a fault of the stereo rig
+    if check_images is not None and all(one.severity != "error" for one in judged):
         warnings += check_images(loaded, found, sampled)
     defaults = defaults_of(loaded, with_positions="position" in logged | known)
     return PackageCheck(

@@ -5,6 +5,8 @@
 - pressure and DVL: the change of depth against the integral of the DVL's vertical velocity,
 - rates and attitude: the integral of an IMU's rates against the turn of its orientation,
 - attitude and acceleration: gravity points down,
+- images and DVL: the features' motion against that of a hull at the DVL's range, seen by a camera
+  that moves by the DVL's velocity and turns by the attitude,
 - DVL's velocity and ranges: the hull stands still where the DVL comes nearer to it or turns.
 
 Each comparison is a table of residuals with their sigmas, and of what they would be for one sigma
@@ -14,9 +16,10 @@ Stamps are taken as they are: clocks are compared in navigation/clocks.
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -32,6 +35,8 @@ from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples, Sen
 from hullrecon.rig import Rig
 from hullrecon.typing import Array, Ints
 
+# one sigma of the features' motion: of the whole, of all in common (range, curvature), and in rad
+FLOW_SHARE, FLOW_SCALE, FLOW_RAD = 0.05, 0.03, 0.003
 SUNK_S, TURNED_S, NEARED_S = 3.0, 1.0, 2.0  # of the windows in which motions are compared
 LEAST_WINDOWS, MOST_WINDOWS = 4, 2000
 LONGEST_GAP_S = 1.5  # between two readings of a window
@@ -65,10 +70,19 @@ class Sensor(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Flow:
+    """Features of a rigid scene in two images of the upper camera."""
+
+    t_ns: tuple[int, int]
+    first: Array  # (m, 2) ideal coordinates
+    second: Array  # (m, 2)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Comparison:
     """Residuals of two sensors' measurements of one motion."""
 
-    kind: str  # "level", "turn", "gravity", "depth", "range" or "hull"
+    kind: str  # "level", "turn", "gravity", "depth", "flow", "range" or "hull"
     sensors: frozenset[Sensor]
     residual: Array  # (n,)
     sigma: Array  # (n,)
@@ -80,13 +94,15 @@ class Comparison:
     @property
     def is_contradiction(self) -> bool:
         """Tell whether the residuals are beyond what faultless sensors leave."""
-        return self.chi2 - len(self.residual) > GAIN and self.chi2 > MISFIT * len(self.residual)
+        left, common = self._fit
+        rows, chi2 = len(self.residual), _clipped(left)
+        return (chi2 - rows > GAIN and chi2 > MISFIT * rows) or bool((common**2).sum() > GAIN)
 
     @property
     def misfit(self) -> float:
         """Compute the rms of the residuals as a share of that of the motion."""
         motion = np.maximum(np.abs(self.first), np.abs(self.second))
-        left = np.minimum(np.abs(self._whitened() * self.sigma), motion)
+        left = np.minimum(np.abs(self._fit[0] * self.sigma), motion)
         return _rms(left) / max(_rms(motion), 1e-12)
 
     @property
@@ -96,19 +112,27 @@ class Comparison:
 
     @property
     def chi2(self) -> float:
-        """Sum the squares of the clipped residuals, in sigmas, once the nuisances are fitted."""
-        left = self._whitened()
-        return float(np.square(np.minimum(np.abs(left), CLIP)).sum())
+        """Sum the squares of clipped residuals and of the fitted nuisances, in sigmas."""
+        left, common = self._fit
+        return _clipped(left) + float((common**2).sum())
 
-    def _whitened(self) -> Array:
+    @cached_property
+    def _fit(self) -> tuple[Array, Array]:
+        """Fit the nuisances (k,). Returns the residuals left (n,) and them, in sigmas."""
         z, design = self.residual / self.sigma, self.nuisance / self.sigma[:, None]
-        weight = np.ones(len(z))
-        left = z
+        left: Array = z
+        common: Array = np.zeros(design.shape[1])
+        weight: Array = np.ones(len(z))
         for _ in range(3):  # reweighted, so that clipped residuals do not pull
             normal = design.T @ (weight[:, None] * design) + np.eye(design.shape[1])
-            left = z - design @ np.linalg.solve(normal, design.T @ (weight * z))
-            weight = np.minimum(1.0, CLIP / np.maximum(np.abs(left), 1e-9))
-        return np.asarray(left)
+            common = np.asarray(np.linalg.solve(normal, design.T @ (weight * z)), float)
+            left = np.asarray(z - design @ common)
+            weight = np.asarray(np.minimum(1.0, CLIP / np.maximum(np.abs(left), 1e-9)), float)
+        return np.asarray(left), np.asarray(common)
+
+
+def _clipped(left: Array) -> float:
+    return float(np.square(np.minimum(np.abs(left), CLIP)).sum())
 
 
 def compare_all(
@@ -116,6 +140,7 @@ def compare_all(
     rig: Rig,
     of: Set[Sensor] = frozenset(Sensor),
     track: Track | None = None,
+    flows: Sequence[Flow] = (),
 ) -> list[Comparison]:
     """Make every comparison of some sensors for which the dive has readings and motion enough.
 
@@ -129,10 +154,13 @@ def compare_all(
         found.append(compare_rates(imu))
     if imu is not None and of & {Sensor.ACCELERATION, Sensor.ATTITUDE}:
         found.append(compare_gravity(imu))
-    if of & {Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}:
+    if of & {Sensor.PRESSURE, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY, Sensor.CAMERA}:
         track = track_of(records, rig) if track is None else track
         if track is not None:
-            found.append(compare_depth(records, track))
+            if of != {Sensor.CAMERA}:
+                found.append(compare_depth(records, track))
+            if dvl is not None and of != {Sensor.PRESSURE}:
+                found.append(compare_flow(dvl, rig, flows, track))
             if dvl is not None and of & {Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}:
                 found += compare_ranges(dvl, track)
     return [one for one in found if one is not None]
@@ -317,6 +345,51 @@ def compare_ranges(dvl: DvlPings, track: Track) -> list[Comparison]:
             vouches=True,
         ),
     ]
+
+
+def compare_flow(dvl: DvlPings, rig: Rig, flows: Sequence[Flow], track: Track) -> Comparison | None:
+    """Compare the motion of features with what DVL, attitude and tray make of it."""
+    if rig.tray_from_top is None or len(flows) < LEAST_WINDOWS:
+        return None
+    plane_ns, normal, distance = hull_planes(dvl)
+    common, _, of = np.intersect1d(track.t_ns, plane_ns, return_indices=True)
+    if len(common) < LEAST_WINDOWS:
+        return None
+    dvl_from_top = rig.tray_from_dvl.inverse() @ rig.tray_from_top
+    seen, made = [], []
+    for flow in flows:
+        if flow.t_ns[0] < track.t_ns[0] or flow.t_ns[1] > track.t_ns[-1]:
+            continue
+        at = np.asarray(flow.t_ns)
+        near = int(np.abs(common - at[0]).argmin())
+        turn = interpolate(track.t_ns, Poses(track.global_from_dvl.as_quat(), track.way.total), at)
+        top = turn @ Poses(
+            np.tile(dvl_from_top.quaternion, (2, 1)), np.tile(dvl_from_top.translation, (2, 1))
+        )
+        away = dvl_from_top.rotation.inv().apply(normal[of[near]])[0]
+        depth = distance[of[near]] - float(normal[of[near]] @ dvl_from_top.translation[0])
+        rays = np.column_stack([flow.first, np.ones(len(flow.first))])
+        slope = rays @ away
+        if depth <= 0 or (slope <= 0).any():
+            continue
+        points = (top[1:].inverse() @ top[:1]).apply(rays * (depth / slope)[:, None])
+        if (points[:, 2] <= 0).any():
+            continue
+        made.append(np.median(points[:, :2] / points[:, 2:] - flow.first, axis=0))
+        seen.append(np.median(flow.second - flow.first, axis=0))
+    if len(seen) < LEAST_WINDOWS:
+        return None
+    by_images, by_dvl = np.array(seen), np.array(made)
+    size = np.linalg.norm(by_dvl, axis=1, keepdims=True) * np.ones(2)
+    return Comparison(
+        kind="flow",
+        sensors=frozenset({Sensor.CAMERA, Sensor.DVL, Sensor.ATTITUDE, Sensor.TRAY}),
+        residual=(by_images - by_dvl).ravel(),
+        sigma=np.hypot(FLOW_SHARE * size, FLOW_RAD).ravel(),
+        nuisance=FLOW_SCALE * by_dvl.reshape(-1, 1),
+        first=by_images.ravel(),
+        second=by_dvl.ravel(),
+    )
 
 
 def hull_planes(dvl: DvlPings) -> tuple[Ints, Array, Array]:

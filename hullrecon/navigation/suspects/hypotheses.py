@@ -8,13 +8,13 @@ All comparisons are made again with them. Nothing here judges.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.navigation.suspects.comparisons import Sensor
+from hullrecon.navigation.suspects.comparisons import Flow, Sensor
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import (
     DvlPings,
@@ -29,6 +29,9 @@ from hullrecon.typing import Array, Mask
 PASCAL = {"hPa": 100.0, "kPa": 1e3, "dbar": 1e4, "bar": 1e5, "psi": 6894.757}
 METRES = {"cm": 0.01, "mm": 0.001, "ft": 0.3048}
 METRES_PER_SECOND = {"cm/s": 0.01, "mm/s": 0.001, "ft/s": 0.3048, "kn": 0.514444}
+# by which a length may be too short or too long: steps that the comparisons tolerate
+FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
+WATER = 1.333  # refractive index of water: a calibration made in air has focal lengths that short
 REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes two of them rare
 # between the clocks of two sensors, as far as navigation/clocks searches, in steps that the depth
 # comparison tolerates near zero
@@ -46,10 +49,11 @@ class Hypothesis:
     value: str  # which unit, which axes
     mended: SensorRecords  # with the fault taken off; without the sensor where nothing mends it
     exact: bool = False  # the mended readings can be used
+    flows: Sequence[Flow] | None = None  # of the images, where the camera is at fault
 
 
 def hypotheses(
-    records: SensorRecords, sensors: Set[Sensor], atmosphere_m: float
+    records: SensorRecords, sensors: Set[Sensor], atmosphere_m: float, flows: Sequence[Flow] = ()
 ) -> Iterator[Hypothesis]:
     """List what may be wrong with some sensors of a dive, one fault at a time.
 
@@ -66,6 +70,8 @@ def hypotheses(
         yield from _of_attitude(records, imu)
     if Sensor.TRAY in sensors and tray is not None:
         yield from _of_tray(records, tray)
+    if Sensor.CAMERA in sensors:
+        yield from _of_camera(records, flows)
 
 
 def _of_pressure(
@@ -75,6 +81,7 @@ def _of_pressure(
     readings = {
         **{("unit", unit): pa * (depth + air_m) - air_m for unit, pa in PASCAL.items()},
         **{("unit", unit): metre * depth for unit, metre in METRES.items()},
+        **{("scale", f"{factor:.2f}"): factor * depth for factor in FACTORS},
         ("gauge", ""): depth + air_m,
         ("sign", ""): -depth,
     }
@@ -100,6 +107,7 @@ def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
             ("unit", unit): (factor * dvl.velocity, True)
             for unit, factor in METRES_PER_SECOND.items()
         },
+        **{("scale", f"{f:.2f}"): (f * dvl.velocity, False) for f in FACTORS},
         **{("axes", name): (dvl.velocity @ turn.T, False) for name, turn in signed_axes()},
     }
     if frozen.any():
@@ -156,6 +164,21 @@ def _of_tray(records: SensorRecords, tray: JointSamples) -> Iterator[Hypothesis]
     ):
         held = replace(records, tray=replace(tray, angle=factor * tray.angle))
         yield Hypothesis(sensor=Sensor.TRAY, fault=fault, value=value, mended=held, exact=exact)
+
+
+def _of_camera(records: SensorRecords, flows: Sequence[Flow]) -> Iterator[Hypothesis]:
+    turns = {("focal", f"{factor:.2f}"): np.eye(2) / factor for factor in FACTORS}
+    turns |= {("medium", f"{WATER:.2f}"): np.eye(2) / WATER}
+    for name, turn in signed_axes():
+        if turn[2, 2] == 1 and not turn[:2, 2].any() and not turn[2, :2].any():
+            turns["picture", name[:5]] = turn[:2, :2]
+    for (fault, value), turn in turns.items():
+        moved = [
+            replace(flow, first=flow.first @ turn.T, second=flow.second @ turn.T) for flow in flows
+        ]
+        yield Hypothesis(
+            sensor=Sensor.CAMERA, fault=fault, value=value, mended=records, flows=moved
+        )
 
 
 def signed_axes() -> list[tuple[str, Array]]:

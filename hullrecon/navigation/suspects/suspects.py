@@ -20,6 +20,7 @@ from hullrecon.findings.finding import Finding
 from hullrecon.navigation.suspects.comparisons import (
     GAIN,
     Comparison,
+    Flow,
     Sensor,
     compare_all,
     track_of,
@@ -74,6 +75,7 @@ def judge(
     rig: Rig,
     atmosphere_m: float,
     topics: Mapping[Sensor, str] = MappingProxyType({}),
+    flows: Sequence[Flow] = (),
 ) -> Judged:
     """Hold the sensors of a dive against each other.
 
@@ -85,15 +87,17 @@ def judge(
         The air's pressure in metres of water, which was taken off the pressure.
     topics
         Of the sensors, for what is said.
+    flows
+        Features of neighbouring images.
     """
     findings: list[Finding] = []
     tried: list[Tried] = []
     for _ in range(FAULTS):
-        base = compare_all(records, rig)
+        base = compare_all(records, rig, flows=flows)
         wrong = [c for c in base if c.is_contradiction and not c.vouches]
         if not wrong:
             break
-        found = _try_all(records, rig, atmosphere_m, base)
+        found = _try_all(records, rig, atmosphere_m, base, flows)
         tried += [one for _, one in found[:SHOWN]]
         best = [(h, one) for h, one in found if one.explains]
         best = [(h, one) for h, one in best if one.chi2 < best[0][1].chi2 + ALIKE]
@@ -115,7 +119,11 @@ def judge(
 
 
 def _try_all(
-    records: SensorRecords, rig: Rig, atmosphere_m: float, base: Sequence[Comparison]
+    records: SensorRecords,
+    rig: Rig,
+    atmosphere_m: float,
+    base: Sequence[Comparison],
+    flows: Sequence[Flow],
 ) -> list[tuple[Hypothesis, Tried]]:
     """Make the comparisons again under each hypothesis. Those that explain most come first."""
     wrong = [c for c in base if c.is_contradiction and not c.vouches]
@@ -123,12 +131,13 @@ def _try_all(
     before = sum(c.chi2 for c in base)
     track = track_of(records, rig)
     out = []
-    for one in hypotheses(records, suspects, atmosphere_m):
+    for one in hypotheses(records, suspects, atmosphere_m, flows):
         own = [c for c in wrong if one.sensor in c.sensors]
         if one.fault == "constant" and not all(c.follows < STILL for c in own if c.second.any()):
             continue
-        held = track if one.sensor is Sensor.PRESSURE else None
-        after = {c.kind: c for c in compare_all(one.mended, rig, {one.sensor}, held)}
+        held = track if one.sensor in (Sensor.PRESSURE, Sensor.CAMERA) else None
+        seen = flows if one.flows is None else one.flows
+        after = {c.kind: c for c in compare_all(one.mended, rig, {one.sensor}, held, seen)}
         chi2 = before + sum(
             _chi2_left(c, after.get(c.kind)) - c.chi2 for c in base if one.sensor in c.sensors
         )
