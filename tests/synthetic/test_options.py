@@ -21,7 +21,7 @@ from hullrecon.synthetic.spec import (
 
 def test_every_described_field_is_option_under_name_of_its_own() -> None:
     names = [option.name for option in options()]
-    assert len(names) == len(set(names)) == 49
+    assert len(names) == len(set(names)) == 50
     assert {
         "legs",
         "cameras",
