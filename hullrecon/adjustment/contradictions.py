@@ -103,13 +103,21 @@ def _as_stated(solved: RoundResult) -> native.Problem:
     """Return a round's problem with the sigmas of depths and of the tray that the package states.
 
     Those estimated from residuals are too small where the solution follows a sensor's noise, and
-    whatever is left out then seems to explain much.
+    whatever is left out then seems to explain much. Lenses have no displacement: theirs would take
+    a part of any other error.
     """
     problem, weights = solved.problem, solved.weights
     stated = solved.after.measured.rig.priors.tray_sigma_rad / weights.tray
     depths = np.array([1 / max(weights.depth, LEAST_WEIGHT), 1.0, 1.0])
+    unknowns = problem.unknowns
     return replace(
         problem,
+        unknowns=replace(
+            unknowns,
+            lens_top=np.zeros_like(unknowns.lens_top),
+            lens_bottom=np.zeros_like(unknowns.lens_bottom),
+        ),
+        lenses=native.LensTable(),
         tray=replace(problem.tray, sigma=problem.tray.sigma * stated),
         attitude=replace(problem.attitude, sigma=problem.attitude.sigma * depths),
     )
@@ -145,7 +153,7 @@ def _own_error(trial: Trial, path: Stage, solver: RoundSolver) -> float | None:
         quiet = replace(solver, calibrated=rig, report=lambda _: None, history=[])
         try:
             solved = quiet.solve_round(start)
-            ratio *= focal_ratio(solved.problem, solver.settings)
+            ratio *= focal_ratio(_as_stated(solved), solver.settings)
         except StageError:
             return ratio
     return ratio

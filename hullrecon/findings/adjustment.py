@@ -10,7 +10,7 @@ from math import degrees
 from hullrecon.findings.logs import Words
 
 WATER = 1.333  # refractive index of fresh water, salt water has 1.34 [Hecht2017]
-NEAR = 0.03  # share by which a factor may be off that
+NEAR = 0.1  # share by which a factor may be off that: wrong ones bend the path as well
 
 
 def _scaled(found: float | None) -> str:
