@@ -205,3 +205,11 @@ def test_scale_of_one_of_two_sensors_names_both():
     long = replace(true, dvl=replace(true.dvl, velocity=1.4 * true.dvl.velocity))
     (finding,) = judged(long).findings
     assert {"pressure", "DVL"} <= set(finding.values["sensors"])
+
+
+def test_orientation_that_stands_still_does_not_blame_the_rates_alone():
+    true = dive()
+    still = np.tile(true.imu.quaternion[:1], (len(true.imu.t_ns), 1))
+    (finding,) = judged(replace(true, imu=replace(true.imu, quaternion=still))).findings
+    assert finding.severity == "error"
+    assert "IMU's orientation" in finding.values.get("sensors", [finding.values.get("sensor")])

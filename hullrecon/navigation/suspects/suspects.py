@@ -194,6 +194,8 @@ def _describe_unknown(
     """
     worst = max(wrong, key=lambda c: c.chi2)
     agree = [c.sensors for c in base if len(c.sensors) > 1 and c not in wrong and not c.vouches]
+    if worst.kind == "turn":  # gravity and depth tell nothing of an orientation that stands still
+        agree = []
     named = [s for s in Sensor if s in worst.sensors and not any(s in c for c in agree)]
     named = [s for s in named if s is not Sensor.TRAY or records.tray is not None]
     code = "sensors-contradict" if worst.misfit > GROSS else "sensors-part"
