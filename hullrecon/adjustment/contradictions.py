@@ -17,8 +17,8 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
 from hullrecon.adjustment.rounds import RoundResult, RoundSolver, Stage
-from hullrecon.adjustment.suspects import Trial, best_explanations, focal_ratio, try_suspects
-from hullrecon.errors import ContradictionError, StageError
+from hullrecon.adjustment.suspects import Trial, best_explanations, try_suspects
+from hullrecon.errors import ContradictionError
 from hullrecon.findings.finding import Finding
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
@@ -53,8 +53,6 @@ LARGEST_STEREO_TURN_RAD = np.radians(3.0)
 # A calibration in water knows focal lengths to half a per cent, another medium's is a third off
 LARGEST_FOCAL_SHARE = 0.03
 LARGEST_CENTER_PX = 30.0
-FOCAL_ROUNDS = 2  # until focal lengths that are a third off stay to a hundredth
-FOCAL_MAX_PX = 10.0  # outlier limit of these
 # What is left out contradicts the rest grossly: by so many squares of its sigma a row
 GROSS = 4.0
 LEAST_WEIGHT = 1e-3  # of depths, which a path without noise makes nil
@@ -77,8 +75,8 @@ def hold_within_belief(path: Stage, corrected: Stage, solver: RoundSolver) -> St
         taken out explains more.
     """
     beyond = list(_beyond_belief(path.estimate.measured.rig, corrected))
-    trials = try_suspects(_as_stated(path.rounds[-1]), solver.settings)
-    _refuse(trials, beyond, path, solver)
+    trials = try_suspects(_as_stated(path.rounds[0]), solver.settings)
+    _refuse(trials, beyond, solver)
     return replace(corrected, verdict=replace(corrected.verdict, suspects=trials))
 
 
@@ -94,8 +92,8 @@ def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
         return placed
     trials = path.verdict.suspects
     if not trials:
-        trials = try_suspects(_as_stated(path.rounds[-1]), solver.settings)
-    _refuse(trials, [], path, solver)
+        trials = try_suspects(_as_stated(path.rounds[0]), solver.settings)
+    _refuse(trials, [], solver)
     return replace(placed, verdict=replace(placed.verdict, suspects=trials))
 
 
@@ -123,9 +121,7 @@ def _as_stated(solved: RoundResult) -> native.Problem:
     )
 
 
-def _refuse(
-    trials: Sequence[Trial], beyond: Sequence[str], path: Stage, solver: RoundSolver
-) -> None:
+def _refuse(trials: Sequence[Trial], beyond: Sequence[str], solver: RoundSolver) -> None:
     """Raise ContradictionError unless a correction explains what the trials show."""
     best = best_explanations(trials)
     for trial in trials:
@@ -133,39 +129,9 @@ def _refuse(
     corrected = any(trial.corrects and _is_believable(trial) for trial in best)
     if not beyond and (not best or corrected or not _is_gross(best[0])):
         return
-    explanations = [[trial.suspect, _own_error(trial, path, solver)] for trial in best]
+    explanations = [[trial.suspect, trial.found] for trial in best]
     found = Finding("contradiction", {"beyond": ", ".join(beyond), "explanations": explanations})
     raise ContradictionError(found.sentence)
-
-
-def _own_error(trial: Trial, path: Stage, solver: RoundSolver) -> float | None:
-    """Return a suspect's own error; that of focal lengths is solved on until it stays.
-
-    With wrong ones many observations are outliers, and landmarks lie at wrong distances.
-    """
-    if trial.suspect != "focal-length" or trial.found is None:
-        return trial.found
-    ratio = trial.found
-    for _ in range(FOCAL_ROUNDS):
-        measured = path.estimate.measured
-        rig = with_focal_lengths(measured.rig, ratio)
-        start = replace(path.estimate, measured=replace(measured, rig=rig), max_px=FOCAL_MAX_PX)
-        quiet = replace(solver, calibrated=rig, report=lambda _: None, history=[])
-        try:
-            solved = quiet.solve_round(start)
-            ratio *= focal_ratio(_as_stated(solved), solver.settings)
-        except StageError:
-            return ratio
-    return ratio
-
-
-def with_focal_lengths(rig: Rig, ratio: float) -> Rig:
-    """Multiply the focal lengths of all cameras."""
-    models = {
-        camera: replace(model, fx=ratio * model.fx, fy=ratio * model.fy)
-        for camera, model in rig.camera_models.items()
-    }
-    return replace(rig, camera_models=models)
 
 
 def _is_believable(trial: Trial) -> bool:

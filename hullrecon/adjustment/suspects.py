@@ -84,12 +84,6 @@ def try_suspects(problem: native.Problem, settings: native.Options) -> tuple[Tri
     return tuple(sorted(trials, key=lambda trial: -trial.gain))
 
 
-def focal_ratio(problem: native.Problem, settings: native.Options) -> float:
-    """Solve a path with focal lengths free, and divide those found by the calibration's."""
-    doubted = _free_intrinsics(FOCAL)(problem)
-    return _focal_ratio(problem, _solved(doubted, settings)[1])
-
-
 def _try(
     suspect: _Suspect, problem: native.Problem, settings: native.Options, before: float
 ) -> Trial:
