@@ -92,9 +92,9 @@ void unknowns(const Tables& t) {
   }
   shape(t.tray_origin, {3});
   shape(t.pressure_origin, {3});
-  static const std::set<std::string> known{"T_g_M",     "T_s_ct",         "T_ct_cb",           "T_s_d", "navigation",
-                                           "deviation", "intrinsics_top", "intrinsics_bottom", "tray",  "world",
-                                           "lens_top",  "lens_bottom"};
+  static const std::set<std::string> known{"T_g_M",      "T_s_ct",    "T_ct_cb",        "T_s_d",
+                                           "navigation", "deviation", "intrinsics_top", "intrinsics_bottom",
+                                           "tray",       "world",     "lens_top",       "lens_bottom"};
   for (const auto& name : t.constant) {
     if (!known.count(name)) throw InputError("there is no block of the name " + name, "constant", "");
   }

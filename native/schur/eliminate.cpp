@@ -38,8 +38,8 @@ void Schur::eliminate() {
   const Border of_landmarks =
       chunked(model_.landmarks(), kLandmarks, [&](int64_t r, Border& b) { reduce_landmark_border(r, b); });
   const Border of_intrinsics = reduce_intrinsics();
-  reduced_->add_own(border, intrinsics_own_ + sum.own + of_landmarks.own + of_intrinsics.own +
-                                small_.information().at(border, border));
+  reduced_->add_own(border,
+                    intrinsics_own_ + sum.own + of_landmarks.own + of_intrinsics.own + small_.information().at(border, border));
   rhs_.segment(offset(border), layout_.border()) += sum.rhs + of_landmarks.rhs + of_intrinsics.rhs;
 }
 

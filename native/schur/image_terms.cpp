@@ -87,7 +87,8 @@ struct ImageTerms::Cameras {
     out.top.noalias() = chain.camera_from_global * (landmark - chain.centre);
     out.rows = both ? 4 : 2;
     out.in_front = true;
-    if (above) out.in_front = image<kDerive>(camera[0], out.top, chain.camera_from_global, measured, scale, 0, out, out.modes[0]);
+    if (above)
+      out.in_front = image<kDerive>(camera[0], out.top, chain.camera_from_global, measured, scale, 0, out, out.modes[0]);
     if (below) {
       out.bottom.noalias() = bottom_from_top * (out.top - bottom.t);
       const Mat3 bottom_from_global = kDerive ? Mat3(bottom_from_top * chain.camera_from_global) : Mat3();
