@@ -175,6 +175,8 @@ ERRORS: dict[str, Words] = {
     "needs-sensors": _needs_sensors,
     "dvl-without-velocity": _no_velocity,
     "stereo-rig": "{problem}",
+    "hull-unmeasured": "nothing measures the hull: the DVL gives no ranges, and no image was "
+    "logged; `hullrecon run --to navigate` gives the path alone",
     "images-not-logged": "no image of camera.top was logged: " + WITHOUT_CAMERAS,
 }
 WARNINGS: dict[str, Words] = {

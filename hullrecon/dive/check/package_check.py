@@ -223,6 +223,7 @@ def check_package(
         missing_files=missing_files,
         unusable=[
             *_lost_velocities(found.records.dvl, found.images),
+            *_unmeasured_hull(found.records.dvl, found.images),
             *add_motion(problems.found, loaded.config, records),
             *(finding for finding in judged if finding.severity == "error"),
         ],
@@ -289,6 +290,13 @@ def _lost_velocities(dvl: DvlPings | None, images: Mapping[str, ImageIndex]) -> 
         return []
     stereo = all(camera.key in images for camera in Camera)
     return [Finding("dvl-without-velocity", {"pings": len(dvl.t_ns), "stereo": stereo})]
+
+
+def _unmeasured_hull(dvl: DvlPings | None, images: Mapping[str, ImageIndex]) -> list[Finding]:
+    """Refuse a dive of which neither ranges nor images came back: there is no surface to map."""
+    if dvl is None or images or np.isfinite(dvl.ranges).any():
+        return []
+    return [Finding("hull-unmeasured")]
 
 
 def _file_missing(file: str, key: str) -> Finding:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import dataclasses
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,23 @@ def test_a_pressure_sensor_that_never_gave_a_number_is_none(package, kit):
     assert "note: pressure: 20 of 20 readings are no finite numbers and were left out" in lines
     assert any(line.startswith("no pressure") for line in lines)
     assert lines[-1].startswith("verdict: ready")
+
+
+def test_dive_that_measured_no_hull_is_not_ready(package, kit):
+    blind = [
+        dataclasses.replace(e, message=kit.dvl(e.t_ns, beam_ranges_valid=False))
+        if e.topic == "/dvl"
+        else e
+        for e in kit.dive()
+    ]
+    kit.mcap(package / "logs" / "dive.mcap", blind)
+    assert check(package).run_is_possible
+    kit.mcap(package / "logs" / "dive.mcap", [e for e in blind if e.topic != "/cam"])
+    text = (package / "dive.toml").read_text()
+    (package / "dive.toml").write_text(re.sub(r"(?m)^camera_top = .*$", "", text))
+    found = check(package)
+    assert not found.run_is_possible
+    assert "hull-unmeasured" in [finding.code for finding in found.findings]
 
 
 def test_unnamed_topic_is_listed_with_reason(package, kit):
