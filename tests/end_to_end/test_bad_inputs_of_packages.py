@@ -302,7 +302,7 @@ TOLD = {
         r"dvl: 1 ping in",
     ),
     "one quaternion of zeros": (
-        table("imu", ZEROS + "2,0,0,0,1\n"),
+        table("imu", ZEROS + "2,0,0,0.6,0.8\n"),
         r"imu: 2 of 3 readings have no attitude",
     ),
     "one image of no bytes": (

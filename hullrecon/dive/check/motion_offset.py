@@ -34,6 +34,7 @@ LEAST_CORRELATION = 0.7
 GAIN = 25.0  # by which chi-square is lower than at any other offset: five sigmas
 FAR_S = 60.0  # the step navigate finds what is less
 SAME_S = 30.0  # from whole hours; what is left of the offset is found by the step navigate
+LONGEST_S = 12 * HOUR_S  # of a log: a dive is four hours at most, and a month is no grid
 INDEPENDENT_S = 2.0  # readings so far apart have errors and swell of their own
 
 
@@ -108,6 +109,9 @@ def offset_by_motion(sensor: str, records: SensorRecords, level: Level | None) -
         return None
     heard = np.isfinite(dvl.velocity).all(axis=1)
     if min(heard.sum(), len(pressure.t_ns)) < 2:
+        return None
+    spans = (dvl.t_ns[heard], pressure.t_ns)
+    if any(t_ns[-1] - t_ns[0] > LONGEST_S * NS for t_ns in spans):
         return None
     begin = {"dvl": int(dvl.t_ns[heard][0]), "pressure": int(pressure.t_ns[0])}
     velocity, is_heard = _on_grid(dvl.t_ns[heard], dvl.velocity[heard], begin["dvl"])
@@ -192,10 +196,12 @@ def _best_lag(
     best = int(np.argmax(found))
     apart = np.abs(np.arange(len(found)) - best) >= OTHER_S / STEP_S
     other = float(found[apart].max(initial=-1.0))
+    if found[best] < LEAST_CORRELATION:
+        return None
     # by how much chi-square is larger at any other offset
     independent = max(count[best] * STEP_S / INDEPENDENT_S - 1.0, 0.0)
     gain = independent * np.log((1 - max(other, 0.0) ** 2) / (1 - found[best] ** 2))
-    if found[best] < LEAST_CORRELATION or gain < GAIN:
+    if gain < GAIN:
         return None
     low, middle, high = found[best - 1 : best + 2] if 0 < best < len(found) - 1 else (0.0, 1.0, 0.0)
     bend = low - 2 * middle + high

@@ -70,7 +70,7 @@ def test_a_file_without_an_array_names_it(tmp_path):
 def test_a_ping_over_the_head_of_another_is_refused(tmp_path):
     content = ping(tmp_path).read_bytes()
     (tmp_path / "q.npz").write_bytes(content[:63] + content)
-    with pytest.raises(ValueError, match="63 bytes of something else"):
+    with pytest.raises(ValueError, match="63 bytes that are none of its own"):
         read_ping(tmp_path / "q.npz")
 
 

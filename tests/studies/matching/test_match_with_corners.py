@@ -209,7 +209,7 @@ def test_two_cameras_of_node_match_by_kind(rig, two):
 def test_places_are_recognised_by_sift_alone(two):
     def words(view):
         worker = SimpleNamespace(
-            read=lambda k, stereo: NodeFeatures(top=view(two[k].top), bottom=no_features()),
+            read=lambda node: NodeFeatures(top=view(two[node.image].top), bottom=no_features()),
             options=MatchOptions(),
         )
         nodes = [SimpleNamespace(image=k, stereo=no_matches()) for k in range(2)]

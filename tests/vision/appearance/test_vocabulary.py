@@ -86,7 +86,7 @@ def test_words_of_images_depend_on_the_seed(look):
 
     def words(seed):
         worker = SimpleNamespace(
-            read=lambda image, stereo: NodeFeatures(top=node.top, bottom=no_features()),
+            read=lambda at: NodeFeatures(top=node.top, bottom=no_features()),
             options=MatchOptions(seed=seed),
         )
         return learn_words(worker, [SimpleNamespace(image=0, stereo=no_matches())])[0].fine
