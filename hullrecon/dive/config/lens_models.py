@@ -52,7 +52,10 @@ def convert_rational(
 
 @np.errstate(all="ignore")  # coefficients of any size
 def _as_plumb_bob(pinhole: CameraModel, distort: Distort, where: str) -> CameraModel:
-    """Find the plumb_bob camera that comes closest. Raises InputError where none comes close."""
+    """Fit the coefficients of plumb_bob to another lens model.
+
+    Raises InputError if the fit is off by more than LARGEST_DIFFERENCE_PX.
+    """
     rays = _rays_in_image(pinhole, distort)
     worst = np.inf
     if len(rays):

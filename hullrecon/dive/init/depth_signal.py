@@ -49,7 +49,10 @@ class DepthSignal:
 
     @property
     def unit(self) -> str | None:
-        """The unit in which a pressure is that of a sensor at a hull. None where none is."""
+        """Largest unit that puts all readings between the surface and the deepest hull.
+
+        None for depths, and if no unit does.
+        """
         known = self._known()
         if not self.is_pressure or not len(known):
             return None

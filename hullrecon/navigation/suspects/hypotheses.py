@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.logs.streams import FRD_FROM_FLU, METRES, NED_FROM_ENU, PASCALS
 from hullrecon.navigation.suspects.comparisons import Flow, Sensor
 from hullrecon.records.clock import NS
 from hullrecon.records.sensors import (
@@ -26,8 +27,7 @@ from hullrecon.records.sensors import (
 from hullrecon.typing import Array, Mask
 
 # Units in which readings may have been logged in place of Pa, m, m/s
-PASCAL = {"hPa": 100.0, "kPa": 1e3, "dbar": 1e4, "bar": 1e5, "psi": 6894.757}
-METRES = {"cm": 0.01, "mm": 0.001, "ft": 0.3048}
+PASCAL = {u: pa for u, pa in PASCALS.items() if u not in ("Pa", "mbar")} | {"psi": 6894.757}
 METRES_PER_SECOND = {"cm/s": 0.01, "mm/s": 0.001, "ft/s": 0.3048, "kn": 0.514444}
 # by which a length may be too short or too long: steps that the comparisons tolerate
 FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
@@ -36,8 +36,6 @@ REPEATED = 4  # pings with one velocity to the last digit: noise of 1 mm/s makes
 # between the clocks of two sensors, as far as navigation/clocks searches, in steps that the depth
 # comparison tolerates near zero
 LATE_S = [s * late for late in (*np.arange(0.25, 5.0, 0.25), *range(5, 61)) for s in (1, -1)]
-NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
-FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +78,7 @@ def _of_pressure(
     depth = pressure.depth
     readings = {
         **{("unit", unit): pa * (depth + air_m) - air_m for unit, pa in PASCAL.items()},
-        **{("unit", unit): metre * depth for unit, metre in METRES.items()},
+        **{("unit", unit): metre * depth for unit, metre in METRES.items() if metre != 1},
         **{("scale", f"{factor:.2f}"): factor * depth for factor in FACTORS},
         ("gauge", ""): depth + air_m,
         ("sign", ""): -depth,

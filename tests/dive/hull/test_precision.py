@@ -99,11 +99,14 @@ def test_a_harbour_grid_of_20_km_is_remarked_not_refused(tmp_path):
 
 def test_whole_metres_are_no_loss_of_precision(tmp_path):
     pontoon = box([0, 0, 0], [40, 8, 3])
-    read_hull(write(tmp_path / "h.obj", moved(pontoon, np.round(UTM)), 0), "m", [])
+    notes = []
+    read_hull(write(tmp_path / "h.obj", moved(pontoon, np.round(UTM)), 0), "m", notes)
     lattice = trimesh.creation.box((40, 8, 4)).subdivide().subdivide()
     local = Mesh(np.asarray(lattice.vertices), np.asarray(lattice.faces, np.int32))
-    read_hull(write(tmp_path / "i.obj", local), "m", [])
+    read_hull(write(tmp_path / "i.obj", local), "m", notes)
+    assert not any("stored in steps" in sentence for sentence in sentences(notes))
 
 
 def test_centimetres_of_a_surveyor_are_read(tmp_path):
-    read_hull(write(tmp_path / "h.obj", moved(SHIP, UTM), decimals=2), "m", [])
+    mesh = read_hull(write(tmp_path / "h.obj", moved(SHIP, UTM), decimals=2), "m", [])
+    assert np.abs(mesh.vertices.max(axis=0) - (SHIP.vertices + UTM).max(axis=0)).max() <= 0.005

@@ -41,7 +41,7 @@ class PackedLog:
         self._damage: list[Loss] = []
 
     def messages(self) -> Iterator[Message]:
-        """Yield every whole message. Raises InputError where none can be read."""
+        """Unpack the log and yield its messages. Raises InputError if none can be read."""
         try:
             log = self._log or self._unpack()
         except OSError as error:
