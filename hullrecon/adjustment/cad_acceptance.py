@@ -324,7 +324,7 @@ def _points_to_register(measured: Measurements, state: State) -> Array:
         raise StageError(
             f"nothing to register to the CAD model: fewer than {MIN_POINTS} DVL returns and "
             "landmarks",
-            remedy="check topics.dvl and the cameras, or remove [hull] to run without a CAD model",
+            remedy="without [hull] in dive.toml a run goes on without a CAD model",
         )
     return landmarks
 

@@ -19,6 +19,7 @@ from hullrecon.adjustment.problem.assembly import Selection, assemble, state_fro
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.errors import StageError
+from hullrecon.findings.package import DVL_ALONE
 from hullrecon.records.iterations import reached_cost
 from hullrecon.rig import Rig
 from hullrecon.typing import Array
@@ -213,7 +214,7 @@ class RoundSolver:
         if measured.tracks is not None and len(chosen.landmarks) < MIN_LANDMARKS:
             raise StageError(
                 f"only {len(chosen.landmarks)} landmarks agree with the navigation",
-                remedy="check camera mounts and time offsets, or lower matches' thresholds",
+                remedy=DVL_ALONE,
             )
         return chosen
 

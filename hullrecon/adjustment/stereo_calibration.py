@@ -151,8 +151,7 @@ def stereo_warning(
         return None
     return (
         f"The stereo calibration does not hold: {describe_contradiction(found)}. Where the two "
-        f"cameras are to each other was estimated, and {known}. Calibrate them again, under water, "
-        "and correct camera.bottom.pose_in_top."
+        f"cameras are to each other was estimated, and {known}."
     )
 
 
@@ -164,16 +163,10 @@ def _who_is_wrong(found: StereoContradiction, longer: float, sigma: float) -> st
     by_stereo, by_dvl = abs(longer) / sigma, abs(longer - found.length) / sigma
     if by_stereo > MAX_LENGTH_SIGMAS and by_dvl < MAX_LENGTH_SIGMAS:
         off = f"{100 * abs(longer):.1f} % {_longer(longer)}"
-        return f"by all else that was measured it is {off}; correct camera.bottom.pose_in_top"
+        return f"by all else that was measured it is {off}"
     if by_dvl > MAX_LENGTH_SIGMAS and by_stereo < MAX_LENGTH_SIGMAS:
-        return (
-            "by all else that was measured it is as calibrated; check the speed of sound that the "
-            "DVL was set to"
-        )
-    return (
-        "nothing else tells which is wrong; check camera.bottom.pose_in_top, and the DVL's speed "
-        "of sound"
-    )
+        return "by all else that was measured it is as calibrated, and the DVL is wrong"
+    return "nothing else tells which is wrong"
 
 
 def _longer(share: float) -> str:

@@ -11,6 +11,10 @@ from hullrecon.findings.logs import Words, count_noun
 WITHOUT_CAMERAS = (
     "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
 )
+DVL_ALONE = (
+    "a dive with a DVL is mapped by that alone, without [camera.top] and [camera.bottom] in "
+    "dive.toml"
+)
 A_RUN_NEEDS = "a run needs a DVL with an IMU, or two cameras"
 MOST_SHOWN = 2  # topics of unread DVLs in one line
 

@@ -149,18 +149,19 @@ WARNINGS: dict[str, Words] = {
     "read-beside": _beside,
     "stream-shifted": _shifted,
     "imu-single-reading": "the IMU gave a single reading, which tells no attitude",
-    "imu-upside-down": 'imu: gravity pulls upward with imu.frame = "{frame}"; is it "{other}"?',
-    "imu-gravity-tilted": "imu: gravity is {degrees:.0f} degrees off the vertical: is "
-    "imu.frame right?",
+    "imu-upside-down": 'imu: gravity pulls upward with imu.frame = "{frame}": it is "{other}", or '
+    "the accelerations are those of gravity, with the other sign",
+    "imu-gravity-tilted": "imu: gravity is {degrees:.0f} degrees off the vertical of the "
+    "orientation",
     "velocities-without-attitude": "{percent:.0f} % of the DVL's velocities lie where no attitude "
     "was read: a run cannot use them",
     "imu-without-velocities": "the IMU was read for {seconds:.1f} s under water before the first "
     "or after the last velocity of the DVL: no image tells where the vehicle was then, and a run "
     "leaves that part out",
-    "ranges-above-water": "{percent:.0f} % of the DVL's returns would lie above the water: are "
-    "dvl.mount and the tray's angle right?",
-    "camera-dvl-apart": "camera.top looks {degrees:.0f} degrees away from where the DVL looks: is "
-    "one of the mounts wrong?",
+    "ranges-above-water": "by depth, attitude, the tray's angle and dvl.mount {percent:.0f} % of "
+    "the DVL's returns lie above the water",
+    "camera-dvl-apart": "camera.top looks {degrees:.0f} degrees away from where the DVL looks, by "
+    "their mounts",
     "baseline-implausible": "the cameras are {metres:.3f} m apart: is camera.bottom.pose_in_top in "
     "metres?",
     "bottom-camera-late": lambda late_ms, sigma_ms, offset_s: (

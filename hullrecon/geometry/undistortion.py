@@ -81,10 +81,7 @@ def undistortion(camera: CameraModel) -> Undistortion:
     half_x = min(-left[:, 0].max(), right[:, 0].min()) * camera.fx
     half_y = min(-top[:, 1].max(), bottom[:, 1].min()) * camera.fy
     if not (np.abs(missed).max() < INVERSE_PX and half_x >= 1 and half_y >= 1):
-        raise InputError(
-            "the camera's distortion cannot be undone up to the image's borders",
-            remedy="check its calibration",
-        )
+        raise InputError("the camera's distortion cannot be undone up to the image's borders")
     # Between the centres of the first and the last pixel lie width - 1 pixels.
     width, height = (int(np.floor(2 * half)) + 1 for half in (half_x, half_y))
     pinhole = CameraModel(width, height, camera.fx, camera.fy, (width - 1) / 2, (height - 1) / 2)

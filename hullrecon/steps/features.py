@@ -17,7 +17,7 @@ from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.dive.package_files import named_images
 from hullrecon.errors import InputError, StageError
-from hullrecon.findings.package import WITHOUT_CAMERAS
+from hullrecon.findings.package import DVL_ALONE, WITHOUT_CAMERAS
 from hullrecon.geometry.frames import Camera
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.typing import Array, Ints, Mask, Pixels
@@ -93,11 +93,7 @@ def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
             start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
             index[f"{camera.key}_start"], index[f"{camera.key}_saliency"] = start, saliency
     if not any(index[name][-1] for name in index if name.endswith("_start")):
-        raise StageError(
-            "no image has a feature",
-            where="features",
-            remedy="look whether images are lit, sharp and of the hull",
-        )
+        raise StageError("no image has a feature", where="features", remedy=DVL_ALONE)
     context.out.arrays("index.npz", index)
 
 

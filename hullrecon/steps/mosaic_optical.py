@@ -19,7 +19,6 @@ from hullrecon.steps.mosaics import MosaicInputs, read_mosaic_inputs, write_mosa
 
 # of the rig, what places the cameras
 CAMERA_KEYS = ("tray.origin", "camera.top.mount", "camera.bottom.pose_in_top")
-REMEDY = "check the alignment of the dive with its surface, or set mosaic-optical.resolution_m"
 
 
 def applies(settings: Mapping[str, object], package: Path) -> str | None:
@@ -34,9 +33,7 @@ def run(context: Context[OpticalOptions]) -> None:
     try:
         mosaic = optical_mosaic(inputs.surface, cameras, options, context.progress)
     except ValueError as error:
-        raise StageError(
-            f"no optical mosaic: {error}", where="mosaic-optical", remedy=REMEDY
-        ) from error
+        raise StageError(f"no optical mosaic: {error}", where="mosaic-optical") from error
     facts: dict[str, object] = {
         "images": sum(len(images.rows) for images in cameras),
         "ground_sample_distance_m": mosaic.gsd_m,
@@ -60,11 +57,7 @@ def _usable_images(
         cameras.append(images_of_camera(rig, inputs.track, camera, store.index.usable, store.read))
     cameras = [images for images in cameras if len(images.rows)]
     if not cameras:
-        raise StageError(
-            "no usable image has a pose",
-            where="mosaic-optical",
-            remedy="see the remarks of ingest and navigate",
-        )
+        raise StageError("no usable image has a pose", where="mosaic-optical")
     return cameras
 
 

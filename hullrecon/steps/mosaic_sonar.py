@@ -126,21 +126,14 @@ def blend_pings(
             scratch,
         )
     except ValueError as error:
-        remedy = (
-            f"check the mount of the sonar, and whether its {pings.range_m.max():.1f} m reach the "
-            "surface that was found"
-        )
-        raise StageError(
-            f"no sonar mosaic: {error}", where="mosaic-sonar", remedy=remedy
-        ) from error
+        where = f"mosaic-sonar, pings to {pings.range_m.max():.1f} m"
+        raise StageError(f"no sonar mosaic: {error}", where=where) from error
 
 
 def _pings(artifacts: InputArtifacts) -> SonarPings:
     pings = artifacts.ingest.sonar
     if pings is None:
-        raise StageError(
-            "the log holds no sonar ping", where="mosaic-sonar", remedy="check topics.sonar"
-        )
+        raise StageError("the log holds no sonar ping", where="mosaic-sonar")
     return pings
 
 

@@ -39,8 +39,6 @@ def sonar_poses(
     angle = np.zeros(len(t_ns))
     if joint is not None:
         if samples is None or not len(samples.t_ns):
-            raise StageError(
-                f"the joint {joint} is not in the log", where="sonar", remedy="check sonar.joint"
-            )
+            raise StageError(f"the joint {joint} is not in the log", where="sonar.joint")
         angle = np.interp(t_ns - t_ns[0], samples.t_ns - t_ns[0], samples.angle)
     return rig.sonar_poses(track.vehicle_at(t_ns), angle)

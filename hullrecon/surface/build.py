@@ -124,11 +124,7 @@ def build_surface(
     charted = chart.to_chart(observed.point)
     known = np.asarray(np.isfinite(charted).all(axis=1))
     if not (known & observed.gives_support).any():
-        raise StageError(
-            "no return lies on the chart",
-            where="surface",
-            remedy="check hull.pose, dvl.mount and tray.origin",
-        )
+        raise StageError("no return lies on the chart", where="surface")
     charted, observed = charted[known], observed.take(known)
     if datum is not None:
         charted[:, 2] = datum.to_chart(observed.point)[:, 2]

@@ -82,11 +82,7 @@ def surface_from_survey(
     returns, counts = _points_of_returns(survey, options)
     landmarks = _find_landmarks(survey, options)
     if not len(returns.points) and not len(landmarks.points):
-        raise StageError(
-            "neither DVL returns nor landmarks",
-            where="surface",
-            remedy="check topics.dvl and the cameras' topics",
-        )
+        raise StageError("neither DVL returns nor landmarks", where="surface")
     # The chart, on which the points' shared uncertainty is taken along the normals
     sensors = survey.track.poses.translation
     chart = survey.chart or survey.hull.chart(
@@ -139,11 +135,7 @@ def _find_inliers(points: Array, flagged: Mask, options: SurfaceOptions) -> Mask
     """Mark the points (n, 3) that count. Raises StageError with fewer than four."""
     inlier = ~flagged & np.isfinite(points).all(axis=1)
     if inlier.sum() < 4:
-        raise StageError(
-            "the DVL gave fewer than four returns",
-            where="surface",
-            remedy="check topics.dvl and the log's span",
-        )
+        raise StageError("the DVL gave fewer than four returns", where="surface")
     inlier[inlier] = statistical_inliers(points[inlier], deviations=options.outlier_sigmas)
     return inlier
 

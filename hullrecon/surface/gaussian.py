@@ -241,8 +241,4 @@ class _Sparse:
 
 
 def _indefinite() -> NotPositiveDefiniteError:
-    return NotPositiveDefiniteError(
-        "the kernel's matrix is not positive definite",
-        where="surface",
-        remedy="check the returns: two at one place need noise",
-    )
+    return NotPositiveDefiniteError("the kernel's matrix is not positive definite", where="surface")

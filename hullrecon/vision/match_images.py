@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.errors import StageError
+from hullrecon.findings.package import DVL_ALONE
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.links import CameraLinks, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.tracks import Tracks
@@ -21,11 +22,6 @@ from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.stereo.node_view import NodeFeatures
 from hullrecon.vision.tracks.landmarks import FeatureMatches, build_tracks, first_numbers
 from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
-
-NO_IMAGES = (
-    "look whether images are lit, sharp and of the hull; without [camera.top] and [camera.bottom] "
-    "in dive.toml a run goes on with the DVL alone"
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +109,7 @@ def join_images(
         raise StageError(
             "no two images could be matched",
             where=f"links: {_most_frequent_reason(pairs)}",
-            remedy=NO_IMAGES,
+            remedy=DVL_ALONE,
         )
     size, start = np.diff(features.start), first_numbers(stereo.features)
     by_node, verified = stereo_by_node(stereo), _verified_links(links)

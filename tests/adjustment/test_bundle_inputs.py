@@ -79,19 +79,22 @@ def test_observation_far_from_its_landmark_is_dropped():
 
 
 @pytest.mark.parametrize("cad", [True, False])
-def test_too_few_landmarks_raise_error_with_remedy(cad):
+def test_too_few_landmarks_are_refused_and_the_remedy_heals(cad):
     measured = simulate(cad=cad).measured
     few = rows(measured.tracks, measured.tracks.landmark < 12)
     with pytest.raises(StageError, match=r"only \d+ landmarks agree") as error:
         quietly(replace(measured, tracks=few))
-    assert "mounts" in error.value.remedy
+    assert "without [camera.top] and [camera.bottom]" in error.value.remedy
+    assert quietly(replace(measured, tracks=None)).result.converged
 
 
-def test_nothing_to_register_raises_error_with_remedy():
+def test_nothing_to_register_is_refused_and_the_remedy_heals():
     measured = simulate().measured
+    unseen = replace(measured, returns=None, tracks=None)
     with pytest.raises(StageError, match="fewer than 30") as error:
-        quietly(replace(measured, returns=None, tracks=None))
-    assert "[hull]" in error.value.remedy
+        quietly(unseen)
+    assert "without [hull]" in error.value.remedy
+    assert quietly(replace(unseen, cad_model=None)).result.converged
 
 
 def test_flagged_returns_count_for_nothing():

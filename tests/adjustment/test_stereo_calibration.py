@@ -195,7 +195,7 @@ def test_contradiction_omits_what_rounds_to_zero():
 
 
 @pytest.mark.parametrize(
-    ("share", "word"), [(0.04, "longer"), (0.0, "speed of sound"), (0.02, "nothing else tells")]
+    ("share", "word"), [(0.04, "longer"), (0.0, "the DVL is wrong"), (0.02, "nothing else tells")]
 )
 def test_length_warning_names_wrong_sensor_if_known(share, word):
     disagrees = compare_rigs(TRUE, records_poses(longer(0.04)), SIGMA)

@@ -250,9 +250,7 @@ def test_sonar_that_misses_surface_is_refused_with_its_reach(
     np.save(passed["ingest"] / "sonar_image.npy", np.full((NODES, 2, 4), 9, np.uint8))
     # to port, away from the wall
     sonar = Sonar(mount=(0.0, 0.0, 0.0, 90.0, 90.0, 0.0), elevation_deg=20.0)
-    with pytest.raises(
-        StageError, match=r"check the mount of the sonar, and whether its 0\.4 m reach the surface"
-    ):
+    with pytest.raises(StageError, match=r"no sonar mosaic.*pings to 0\.4 m"):
         run_stage(
             mosaic_sonar.STAGE, {**settings(sonar), "camera": Cameras()}, passed, tmp_path / "out"
         )

@@ -107,26 +107,29 @@ def test_given_lengths_are_kept(wall: PlaneChart, rng: np.random.Generator) -> N
     assert facts["sigma_m"] == 0.05
 
 
-def test_returns_off_the_chart_are_an_error_with_advice(wall: PlaneChart) -> None:
+def test_returns_off_the_chart_are_refused(wall: PlaneChart) -> None:
     lost = SurfacePoints(
         point=np.full((5, 3), np.nan),
         noise=np.ones(5),
         pose_sigma=np.ones(5),
         gives_support=np.ones(5, bool),
     )
-    with pytest.raises(StageError, match=r"dvl\.mount"):
+    with pytest.raises(StageError, match="no return lies on the chart"):
         build_surface(lost, wall, SurfaceOptions())
 
 
-def test_returns_too_sparse_for_a_surface_are_refused(wall: PlaneChart) -> None:
+def test_returns_too_sparse_are_refused_and_the_remedy_heals(wall: PlaneChart) -> None:
+    place = np.arange(0.1, 3.0, 0.9)
+    along, deep = (axis.ravel() for axis in np.meshgrid(place, place))
     sparse = SurfacePoints(
-        point=np.array([[0.1, 2, 0.1], [9.1, 2, 0.1]]),
-        noise=np.ones(2),
-        pose_sigma=np.ones(2),
-        gives_support=np.ones(2, bool),
+        point=np.column_stack([along, np.full(len(along), 2.0), deep]),
+        noise=np.full(len(along), 0.01),
+        pose_sigma=np.full(len(along), 0.01),
+        gives_support=np.ones(len(along), bool),
     )
-    with pytest.raises(StageError, match=r"surface\.reach"):
+    with pytest.raises(StageError, match=r"raise surface\.reach_m"):
         build_surface(sparse, wall, SurfaceOptions(reach_m=0.05))
+    assert len(build_surface(sparse, wall, SurfaceOptions(reach_m=1.0))[0].vertices)
 
 
 def test_heights_over_a_plane_equal_offsets_from_it(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import StageError
+from hullrecon.findings.package import DVL_ALONE
 from hullrecon.records.links import NodePairs
 from hullrecon.records.tracks import Tracks
 from hullrecon.vision.match_images import MatchedImages, join_images
@@ -107,7 +108,7 @@ def test_no_match_raises_error_with_reason_and_remedy():
     assert f"of 2 pairs most failed by: {REASON_TEXTS[Reason.FEW_PUTATIVE]}" in str(
         raised.value.where
     )
-    assert "goes on with the DVL alone" in str(raised.value.remedy)
+    assert str(raised.value.remedy) == DVL_ALONE
 
 
 def test_without_pairs_there_is_no_chain():

@@ -269,8 +269,7 @@ def _placement_warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
         sources = "images and navigation" if len(solution.landmarks) else "navigation"
         return [
             f"The CAD model was left out: {adjusted.verdict.reason}. What is delivered comes from "
-            f"{sources} alone, in frame g: positions are relative to where the dive began. Check "
-            "[hull] mesh, units and pose in dive.toml."
+            f"{sources} alone, in frame g: positions are relative to where the dive began."
         ]
     if adjusted.placement is None:
         return []

@@ -46,8 +46,7 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
         way = "long" if error > 0 else "short"
         out.append(
             f"The DVL measures distances {abs(error):.1f} ± {100 * sigma[SCALE]:.1f} % too {way}, "
-            f"{_times(correction, allowed, SCALE)} dvl.scale_sigma: check the speed of sound that "
-            "it was set to. The error was taken out."
+            f"{_times(correction, allowed, SCALE)} dvl.scale_sigma. The error was taken out."
         )
     if many[DRIFT]:
         out.append(
@@ -59,15 +58,13 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
         if many[place]:
             out.append(
                 f"{name} is off by {degrees[place]:.2f} ± {np.degrees(sigma[place]):.2f} degrees, "
-                f"{_times(correction, allowed, place)} imu.bias_sigma_deg: check imu.mount_deg. "
-                "The error was taken out."
+                f"{_times(correction, allowed, place)} imu.bias_sigma_deg. The error was taken out."
             )
     if many[DEPTH]:
         way = "deep" if correction[DEPTH] > 0 else "shallow"
         out.append(
             f"Depths read {abs(correction[DEPTH]):.2f} ± {sigma[DEPTH]:.2f} m too {way}, "
-            f"{_times(correction, allowed, DEPTH)} pressure.bias_sigma_m: check the gauge's zero "
-            "and the draught. The error was taken out."
+            f"{_times(correction, allowed, DEPTH)} pressure.bias_sigma_m. The error was taken out."
         )
     return out
 
@@ -81,8 +78,7 @@ def length_warning(conflict: float, covariance: Array) -> str:
     return (
         "The DVL's velocities contradict all else that was measured about lengths, by "
         f"{100 * conflict:.1f} %. That became the sigma of velocities and ranges, and lengths are "
-        f"known to {100 * sigma:.2g} % (one sigma). Check the speed of sound that the DVL was set "
-        "to, and the camera's calibration under water."
+        f"known to {100 * sigma:.2g} % (one sigma)."
     )
 
 
@@ -167,8 +163,7 @@ class _Displacement:
         )
         return (
             f"The dive fits with {self.key} {' and '.join(parts)} from where dive.toml has it, "
-            f"{over.max():.0f} times what {self.key}_sigma allows. Where it sits was estimated: "
-            "correct it there."
+            f"{over.max():.0f} times what {self.key}_sigma allows. Where it sits was estimated."
         )
 
 

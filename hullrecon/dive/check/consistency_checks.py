@@ -25,6 +25,8 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.typing import Ints
 
+# Findings that sensors which fit otherwise are held to
+COARSE = frozenset({"imu-upside-down", "imu-gravity-tilted", "ranges-above-water"})
 ABOVE_WATER_M = 0.5  # a return that far above the surface is not of the hull under water
 ABOVE_WATER_SHARE = 0.05  # of the returns, from which on it is told
 APART_DEG = 50.0  # between where a camera and the DVL look

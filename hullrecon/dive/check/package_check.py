@@ -12,7 +12,11 @@ import msgspec
 import numpy as np
 from msgspec import Struct
 
-from hullrecon.dive.check.consistency_checks import check_consistency, check_mount_of_attitude
+from hullrecon.dive.check.consistency_checks import (
+    COARSE,
+    check_consistency,
+    check_mount_of_attitude,
+)
 from hullrecon.dive.check.contents import describe_start_offset
 from hullrecon.dive.check.hull_checks import describe_bow, describe_regions
 from hullrecon.dive.check.motion_offset import add_motion
@@ -208,13 +212,15 @@ def check_package(
     records, judged, suspects = found.records, list[Finding](), list[dict[str, object]]()
     if check_sensors is not None:
         records, judged, suspects = check_sensors(loaded, found, sampled)
+    wrong = any(finding.severity == "error" for finding in judged)
     warnings = check_consistency(loaded.config, records, found.images)
+    # a sensor that is wrong shows in these as well, and would be told as a fault of others
+    warnings = [one for one in warnings if not (wrong and one.code in COARSE)]
     warnings += [finding for finding in judged if finding.severity == "warning"]
     if found.attitude_is_dvls:
         warnings += check_mount_of_attitude(loaded.config, found.records.tray)
-    # a sensor that is wrong would be told as a fault of the stereo rig
-    if check_images is not None and all(one.severity != "error" for one in judged):
-        warnings += check_images(loaded, found, sampled)
+    if check_images is not None and not wrong:
+        warnings += check_images(loaded, replace(found, records=records), sampled)
     defaults = defaults_of(loaded, with_positions="position" in logged | known)
     return PackageCheck(
         name=loaded.config.dive.name,

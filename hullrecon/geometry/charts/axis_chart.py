@@ -142,10 +142,7 @@ def build_axis_chart(
     turned = Mesh(mesh.vertices @ axes.T, mesh.faces)
     sections = cast_sections(turned, choose_axis_height(turned))
     if not sections.whole.any():
-        raise InputError(
-            "the CAD model has no skin that a chart can follow",
-            remedy="check the mesh: which axis is up?",
-        )
+        raise InputError("the CAD model has no skin that a chart can follow", where="hull.mesh")
     return AxisChart(
         axes,
         outward_faces(turned, sections),

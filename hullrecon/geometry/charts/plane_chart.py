@@ -64,11 +64,7 @@ def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) ->
     """
     usable = points[np.isfinite(points).all(axis=1)]
     if len(usable) < 3:
-        raise InputError(
-            "a plane needs three points",
-            where=f"{len(usable)} given",
-            remedy="check that the DVL or camera saw a surface",
-        )
+        raise InputError("a plane needs three points", where=f"{len(usable)} given")
     kept = usable[_near(_least_median_plane(usable))]
     for _ in range(rounds):
         center, directions = _principal(kept)

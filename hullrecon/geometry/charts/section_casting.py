@@ -106,9 +106,7 @@ def choose_axis_height(mesh: Mesh) -> float:
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
     seen = [_seen_area(mesh, height) for height in heights]
     if max(seen) <= 0:
-        raise InputError(
-            "no ray from inside meets the CAD model", remedy="check the mesh and which way is up"
-        )
+        raise InputError("no ray from inside meets the CAD model", where="hull.mesh")
     good = np.asarray(seen) >= 0.995 * max(seen)
     return float(heights[good].max())
 

@@ -181,7 +181,7 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
         raise StageError(
             "the IMU gave a single orientation, and a path needs two",
             where="imu",
-            remedy="look whether its log is whole, and whether dive.from and dive.to leave it out",
+            remedy="see whether dive.from and dive.to leave the others out",
         )
     return ImuSamples(
         t_ns=imu.t_ns[known],
@@ -208,11 +208,7 @@ def _velocities(
             f"{len(logs.dvl.t_ns)} pings, {len(found.t_ns)} with a velocity "
             "while the IMU was running"
         )
-        raise StageError(
-            "the DVL gave no velocity to reckon with",
-            where=where,
-            remedy="check the DVL's bottom lock and the clocks",
-        )
+        raise StageError("the DVL gave no velocity to reckon with", where=where)
     heard = int(found.t_ns[0]), int(found.t_ns[-1])
     reached = heard[0] - reach, heard[1] + reach
     span = reached if walk is None else walk.widened(reached)
@@ -245,9 +241,7 @@ def _nodes(
         [span for span in lost if span is not None],
     )
     if len(nodes.t_ns) < 2:
-        raise StageError(
-            "fewer than two nodes", remedy="check that camera and DVL ran at the same time"
-        )
+        raise StageError("fewer than two images and pings lie where the motion is known")
     return nodes
 
 

@@ -86,11 +86,10 @@ def stereo_navigate(
     """
     pair = pair_frames(frames.top[0], frames.bottom[0])
     if len(pair) < 2:
-        raise StageError(
-            "fewer than two stereo pairs",
-            where="navigate",
-            remedy="check the stamps of both cameras",
+        where = (
+            f"{len(frames.top[0])} images of the top camera, {len(frames.bottom[0])} of the other"
         )
+        raise StageError("fewer than two stereo pairs by their stamps", where=where)
     t_ns, image = (
         frames.top[0][pair[:, 0]],
         np.stack([frames.top[1][pair[:, 0]], frames.bottom[1][pair[:, 1]]], axis=1),
@@ -106,8 +105,7 @@ def stereo_navigate(
             f"{len(chain.lost)} of {len(chain.step)} steps have fewer than "
             f"{INLIERS} common features"
         )
-        remedy = "check the calibration and pose_in_top"
-        raise StageError("the stereo pairs do not join", where=where, remedy=remedy)
+        raise StageError("the stereo pairs do not join", where=where)
     step, covariance, by_calibration = in_vehicle(chain, vehicle_from_camera)
     depth = _depths(aids.pressure, t_ns)
     path = compose(_start(history, depth, t_ns, rig), step)

@@ -97,14 +97,15 @@ def test_returns_above_the_water_raise_suspicion_of_the_mount():
     """At 0.4 m depth with the DVL looking up, ranges of 1 m end in the air."""
     records = dive(depth=0.4, mount_pitch_deg=180.0)
     (line,) = told(config(dvl=Dvl(mount=(0, 0, 0, 0, 180, 0))), SensorRecords(**records), {})
-    assert "% of the DVL's returns would lie above the water" in line
+    assert "% of the DVL's returns lie above the water" in line
 
 
 @pytest.mark.parametrize(("frame", "other"), [("ned", "enu"), ("enu", "ned")])
 def test_inverted_gravity_suggests_other_imu_frame(frame, other):
     records = {"imu": dive(acceleration=(0, 0, 9.81))["imu"]}
     assert told(config(imu=Imu(frame=frame)), SensorRecords(**records), {}) == [
-        f'imu: gravity pulls upward with imu.frame = "{frame}"; is it "{other}"?'
+        f'imu: gravity pulls upward with imu.frame = "{frame}": it is "{other}", or the '
+        "accelerations are those of gravity, with the other sign"
     ]
 
 
