@@ -37,7 +37,7 @@ from hullrecon.artifacts.manifest import (
 from hullrecon.artifacts.progress import Progress, choose_progress, raise_if_requested
 from hullrecon.artifacts.recipe import Job, SourceWatch, make_job
 from hullrecon.artifacts.stage import Context, Stage
-from hullrecon.artifacts.workspace import Workspace
+from hullrecon.artifacts.workspace import Workspace, removed_meanwhile
 from hullrecon.artifacts.writer import ArtifactWriter
 from hullrecon.errors import HullreconError, InputError, StageError
 
@@ -53,6 +53,7 @@ class RunContext:
     executor: Executor
     progress: Progress = field(default_factory=Progress)
     watch: SourceWatch | None = None  # of the whole run, None for a step that runs alone
+    is_held: Callable[[], bool] = lambda: True  # the workspace; not where somebody removed it
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ def run_chain(
     """
     refuse_small_address_space()
     workspace.refuse_package(chain.package)
-    with workspace.lock(wait_s):
+    with workspace.lock(wait_s) as is_held:
         other = workspace.other_package(chain.package, chain.read_before)
         if other is not None:
             log.warning(
@@ -128,14 +129,16 @@ def run_chain(
         try:
             if preflight is not None:
                 preflight(assess_chain(chain, workspace, run_context.hashes))
+            run_context = replace(run_context, is_held=is_held)
             return _run_all(chain, workspace, run_context, from_scratch, keep_going)
         except Exception:
-            if workspace.delivery.withdraw():
+            if is_held() and workspace.delivery.withdraw():
                 withdrawn = workspace.delivery.withdrawn
                 log.warning("what an earlier run delivered is in %s now", withdrawn)
             raise
         finally:
-            run_context.hashes.save()
+            if is_held():
+                run_context.hashes.save()
 
 
 def _run_all(
@@ -150,6 +153,8 @@ def _run_all(
     watch = SourceWatch(hashes, chain.package, chain.read_before)
     run_context = replace(run_context, watch=watch)
     for stage in chain.stages:
+        if not run_context.is_held():
+            raise removed_meanwhile(workspace.root)
         lost = next((name for name in stage.inputs if name in failures), None)
         if stage.name in skipped:
             log.info("%s: skipped: %s", stage.name, skipped[stage.name])

@@ -8,7 +8,7 @@ import errno
 import fcntl
 import os
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from hullrecon.artifacts.disk import (
 )
 from hullrecon.artifacts.documents import DamagedArtifactError, seal, unseal
 from hullrecon.artifacts.manifest import FILE_NAME, HashCache, Manifest, read_manifest
-from hullrecon.errors import LockedError, UsageError
+from hullrecon.errors import LockedError, StorageError, UsageError
 
 __all__ = ["COMPARE_FOLDER", "PRIVATE", "PUBLISHED", "Workspace", "damaged_files", "hold_lock"]
 PRIVATE = ".hullrecon"  # lock, hashes, where the package lies, folders under construction
@@ -58,16 +58,16 @@ class Workspace:
         return HashCache(self.root / PRIVATE / "hashes.json", trusting=trusting)
 
     @contextmanager
-    def lock(self, wait_s: float = 0.0) -> Iterator[None]:
-        """Hold the workspace.
+    def lock(self, wait_s: float = 0.0) -> Iterator[Callable[[], bool]]:
+        """Hold the workspace. Yields what tells whether it is held still.
 
         Raises LockedError if another run holds it after wait_s, UsageError if the folder is not a
-        run's own.
+        run's own, StorageError if somebody removed it meanwhile.
         """
         with storage_errors(self.root):
             _refuse_foreign(self.root)
-        with hold_lock(self.root / PRIVATE / "lock", wait_s):
-            yield
+        with hold_lock(self.root / PRIVATE / "lock", wait_s) as held:
+            yield held
 
     @property
     def delivery(self) -> Delivery:
@@ -198,10 +198,13 @@ def damaged_files(folder: Path, manifest: Manifest, hashes: HashCache) -> list[s
 
 
 @contextmanager
-def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[None]:
+def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[Callable[[], bool]]:
     """Hold the lock `path`, which the kernel frees when its holder dies, however it dies.
 
-    Raises LockedError if another process holds it after `wait_s` seconds.
+    Yields what tells whether it is held still: not where somebody removed its folder.
+
+    Raises LockedError if another process holds it after `wait_s` seconds, StorageError for an error
+    of the block where its folder was removed.
     """
     make_folder(path.parent)
     with storage_errors(path.parent):
@@ -212,12 +215,30 @@ def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[None]:
             os.truncate(descriptor, 0)
             os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
         try:
-            yield
+            yield lambda: _is_open_at(descriptor, path)
+        except Exception as error:
+            if _is_open_at(descriptor, path):
+                raise
+            raise removed_meanwhile(path.parent.parent) from error
         finally:
             with suppress(OSError):
                 os.truncate(descriptor, 0)  # a finished run holds no file without a checksum
     finally:
         os.close(descriptor)
+
+
+def _is_open_at(descriptor: int, path: Path) -> bool:
+    """Tell whether a path still names the file that is open."""
+    try:
+        return os.path.samestat(os.fstat(descriptor), os.stat(path))
+    except OSError:
+        return False
+
+
+def removed_meanwhile(root: Path) -> StorageError:
+    """Build the error of a run whose folder somebody removed."""
+    what = "the run's folder was removed while it was worked on"
+    return StorageError(what, where=str(root), remedy="run again when nobody removes it")
 
 
 def _acquire(descriptor: int, path: Path, until: float) -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from pathlib import Path
 from types import ModuleType
 
@@ -146,6 +147,22 @@ def test_a_run_beside_another_is_refused_and_changes_nothing(
     with workspace.lock(), pytest.raises(LockedError):
         toy.run(package, workspace, left=toy.Options(power=2))
     assert total(workspace) == {"total": 12.0, "of": ["left", "right"]}
+
+
+@pytest.mark.parametrize("again", [True, False], ids=["run again", "removed"])
+def test_a_run_whose_folder_was_removed_ends_in_one_line(
+    toy: ModuleType, package: Path, workspace: Workspace, again: bool
+) -> None:
+    def remove(_: list[StepStatus]) -> None:
+        shutil.rmtree(workspace.root)
+        if again:
+            toy.run(package, workspace)
+
+    lost = RunContext(workspace.hashes(), Executor())
+    with pytest.raises(StorageError, match="removed while it was worked on"):
+        run_chain(toy.chain(package), workspace, lost, preflight=remove)
+    assert workspace.root.exists() == again  # nothing left behind, nothing of the other's touched
+    assert len(toy.made(toy.run(package, workspace))) == (0 if again else 4)
 
 
 def test_preflight_sees_the_plan_and_may_end_the_run(

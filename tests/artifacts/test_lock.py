@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -85,3 +86,18 @@ def test_a_place_without_permission_is_a_storage_error(read_only_folder: Path) -
         hold_lock(read_only_folder / "dive" / "lock"),
     ):
         pytest.fail("locked where nothing can be written")
+
+
+def test_an_error_in_a_removed_folder_is_told_as_that(tmp_path: Path) -> None:
+    folder = tmp_path / "dive"
+
+    def work() -> None:
+        with hold_lock(folder / ".hullrecon" / "lock") as is_held:
+            assert is_held()
+            shutil.rmtree(folder)
+            assert not is_held()
+            (folder / "file").write_text("")
+
+    with pytest.raises(StorageError, match="removed while it was worked on") as caught:
+        work()
+    assert caught.value.exit_code == 6

@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import errno
 import os
 import re
 import shutil
@@ -16,7 +17,7 @@ from hullrecon.dive.logs.messages.decode import decode
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.rosbag2 import Rosbag2Log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
-from hullrecon.errors import HullreconError, InputError
+from hullrecon.errors import HullreconError, InputError, StorageError
 from hullrecon.findings.finding import sentences
 
 QUICK = settings(
@@ -110,6 +111,63 @@ def pack_as_recorded(folder: Path) -> Path:
 def unpack(packed: Path) -> None:
     content = zstandard.ZstdDecompressor().decompress(packed.read_bytes())
     packed.with_suffix("").write_bytes(content)
+
+
+class FullDisk:
+    """Stands for a disk with room for some bytes."""
+
+    def __init__(self, path: Path, room: int) -> None:
+        self._file, self._room = open(path, "wb"), room  # noqa: SIM115
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self._file.close()
+
+    def write(self, data: bytes) -> int:
+        if self.tell() + len(data) > self._room:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return self._file.write(data)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+
+@pytest.mark.parametrize("told", [True, False], ids=["size told", "size not told"])
+def test_no_room_to_unpack_is_one_line_and_leaves_nothing(
+    kit, folders, tmp_path, monkeypatch, told
+):
+    """Before anything is written where the file tells its size, else as the disk gets full."""
+    packed = pack_as_recorded(Path(shutil.copytree(folders["MCAP"], tmp_path / "bag")))
+    full, roomy, open_path = tmp_path / "full", tmp_path / "roomy", Path.open
+    full.mkdir()
+    roomy.mkdir()
+    really = shutil.disk_usage
+    free = really(full)._replace(free=1000)
+    if told:
+        monkeypatch.setattr(
+            shutil, "disk_usage", lambda at: free if full in Path(at).parents else really(at)
+        )
+    else:
+        stream = zstandard.ZstdCompressor().compressobj()
+        content = zstandard.ZstdDecompressor().decompress(packed.read_bytes())
+        packed.write_bytes(stream.compress(content) + stream.flush())
+
+        def opened(path, *arguments):
+            is_full = full in path.parents
+            return FullDisk(path, 1000) if is_full else open_path(path, *arguments)
+
+        monkeypatch.setattr(Path, "open", opened)
+    monkeypatch.setattr("tempfile.tempdir", str(full))
+    with pytest.raises(StorageError, match="no space to unpack a log") as caught:
+        list(open_log(packed.parent).messages())
+    assert caught.value.exit_code == 6
+    assert "TMPDIR" in caught.value.remedy
+    assert caught.value.where == str(full)
+    assert list(full.iterdir()) == []
+    monkeypatch.setattr("tempfile.tempdir", str(roomy))
+    assert len(list(open_log(packed.parent).messages())) == len(kit.dive())
 
 
 @pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])

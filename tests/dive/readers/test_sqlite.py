@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import errno
 import os
 import shutil
 import sqlite3
@@ -13,7 +14,7 @@ import pytest
 from hullrecon.dive.logs.read_streams import read_streams
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
-from hullrecon.errors import InputError
+from hullrecon.errors import InputError, StorageError
 from hullrecon.findings.finding import Finding, sentences
 
 
@@ -88,6 +89,18 @@ def test_reading_a_write_ahead_log_leaves_package_unchanged(kit, unmerged):
     finally:
         for path, mode in modes.items():
             path.chmod(mode)
+
+
+def test_no_room_for_the_write_ahead_log_leaves_nothing(unmerged, tmp_path, monkeypatch):
+    def copy(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    (tmp_path / "full").mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "full"))
+    monkeypatch.setattr(shutil, "copyfile", copy)
+    with pytest.raises(StorageError, match="no space to unpack a log"):
+        read(unmerged)
+    assert list((tmp_path / "full").iterdir()) == []
 
 
 @pytest.mark.parametrize("damage", ["flip", "cut", "insert", "header"])

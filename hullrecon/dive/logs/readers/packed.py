@@ -4,14 +4,16 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import shutil
-import tempfile
 import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.protocol import Log, Loss, Message
+from hullrecon.dive.logs.readers.scratch import scratch_folder, space_errors
 from hullrecon.dive.logs.readers.unpack import DamagedError, UnpackBudget, printable
 from hullrecon.findings.finding import Finding
 
@@ -57,14 +59,16 @@ class PackedLog:
         import zstandard
 
         require_regular_file(self.path)
-        folder = tempfile.mkdtemp(prefix="hullrecon-")
-        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
-        copy = Path(folder) / unpacked_name(self.path.name)
+        folder = scratch_folder()
+        remove = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        copy = folder / unpacked_name(self.path.name)
         budget = UnpackBudget(self.path.stat().st_size)
-        with self.path.open("rb") as packed, copy.open("wb") as out:
+        with space_errors(folder, remove), self.path.open("rb") as packed, copy.open("wb") as out:
             stream = zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True)
             try:
                 whole = zstandard.frame_content_size(packed.read(FRAME_HEAD))  # -1: not told
+                if whole > shutil.disk_usage(folder).free:
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
                 packed.seek(0)
                 while block := stream.read(BLOCK):
                     budget.take(len(block))

@@ -65,7 +65,7 @@ class Rosbag2Log:
                 for message in log.messages():
                     seen[message.channel.topic] += 1
                     yield message
-            except HullreconError as error:
+            except InputError as error:
                 self._losses.append(Loss(error.what))
             self._losses += log.losses()
             self.notes += [note.inside(printable(log.path.name)) for note in log.notes]

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 from hullrecon.dive.logs.formats.db3_tables import READ_ERRORS, Database, describe_damage
 from hullrecon.dive.logs.readers.file_log import FileLog, require_regular_file
 from hullrecon.dive.logs.readers.protocol import Message
+from hullrecon.dive.logs.readers.scratch import scratch_folder, space_errors
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
@@ -84,9 +84,11 @@ class SqliteLog(FileLog):
                 return None
             require_regular_file(log)
             damage = describe_damage(log)
-            folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="hullrecon-")))
-            copy = Path(shutil.copyfile(self.path, folder / "log.db3"))
-            shutil.copyfile(log, write_ahead_log(copy))
+            folder = scratch_folder()
+            stack.callback(shutil.rmtree, folder, ignore_errors=True)
+            with space_errors(folder, stack.close):
+                copy = Path(shutil.copyfile(self.path, folder / "log.db3"))
+                shutil.copyfile(log, write_ahead_log(copy))
         except (OSError, InputError) as error:
             self._tracker.add_loss(
                 f"the write-ahead log beside the database cannot be read: {error}", 0, 0
