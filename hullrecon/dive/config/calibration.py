@@ -16,6 +16,7 @@ from hullrecon.dive.config.camchain import (
     choose_camera,
     pose_in_top,
 )
+from hullrecon.dive.config.camera_matrix import read_pinhole
 from hullrecon.dive.config.config_errors import shorten, show_value
 from hullrecon.dive.config.lens_models import (
     PLUMB_BOB_COUNT,
@@ -37,7 +38,6 @@ NAMES = {
     "distortion_coefficients": ("d", "D", "distCoeffs", "Distortion_Coefficients"),
 }
 REGION_KEYS = ("binning_x", "binning_y", "roi")
-LEAST_SKEW = 1e-6  # of the focal length
 
 
 def read_camera(path: Path, camera: Camera = Camera.TOP, topic: str = "") -> CameraModel:
@@ -88,29 +88,9 @@ def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
         raise InputError(
             f"images of {width} x {height} pixels are too large to be read", where=where
         )
-    fx, fy, cx, cy = _pinhole(_numbers(data, "camera_matrix", 9, where), where)
-    camera = _of_region(CameraModel(width, height, fx, fy, cx, cy), data, where)
+    pinhole = read_pinhole(_numbers(data, "camera_matrix", 9, where), (width, height), where)
+    camera = _of_region(pinhole, data, where)
     return _distorted(camera, data, where)
-
-
-def _pinhole(matrix: list[float], where: str) -> tuple[float, float, float, float]:
-    """Check that nine numbers are a camera matrix. Returns fx, fy, cx, cy."""
-    fx, skew, cx, other, fy, cy = matrix[:6]
-    if matrix[6:] != [0, 0, 1]:
-        what = "camera_matrix has the last row {:g} {:g} {:g}, not 0 0 1".format(*matrix[6:])
-        if matrix[8] == 1 and cx == cy == 0:
-            what += ": is it transposed, as MATLAB has it?"
-        raise InputError(what, where=where, remedy="give fx 0 cx, 0 fy cy, 0 0 1, row by row")
-    if not (0 < fx < 1e6 and 0 < fy < 1e6):
-        swapped = ": are its first two rows swapped?" if fx == fy == 0 and skew * other > 0 else ""
-        raise InputError(f"camera_matrix has focal lengths {fx:g} and {fy:g}{swapped}", where=where)
-    if max(abs(skew), abs(other)) > LEAST_SKEW * fx:
-        raise InputError(
-            f"camera_matrix has a skew of {skew or other:g}, which is not modelled", where=where
-        )
-    if cx == cy == 0:
-        raise InputError("camera_matrix has no principal point: cx and cy are zero", where=where)
-    return fx, fy, cx, cy
 
 
 def has_region(data: Mapping[str, object]) -> bool:

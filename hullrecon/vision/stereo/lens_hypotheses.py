@@ -30,8 +30,10 @@ class LensFit:
     error_px: float  # median distance from epipolar lines
 
 
-def best_lens(lenses: Lenses, bottom_from_top: Array, top_px: Array, bottom_px: Array) -> LensFit:
-    """Fit each wrong lens, and return the one that explains matches best.
+def best_lenses(
+    lenses: Lenses, bottom_from_top: Array, top_px: Array, bottom_px: Array
+) -> list[LensFit]:
+    """Fit each wrong lens. Of each kind the one that explains matches best, the best first.
 
     Parameters
     ----------
@@ -44,10 +46,12 @@ def best_lens(lenses: Lenses, bottom_from_top: Array, top_px: Array, bottom_px: 
     """
     rows = np.unique(np.linspace(0, len(top_px) - 1, MOST_MATCHES).astype(np.int64))
     essential, seen = essential_of(bottom_from_top), (top_px[rows], bottom_px[rows])
-    return min(
-        (_fit(*cause, lenses, essential, seen) for cause in _causes()),
-        key=lambda fit: fit.error_px,
-    )
+    best: dict[str, LensFit] = {}
+    for name, wrong, which in _causes():
+        fit = _fit(name, wrong, which, lenses, essential, seen)
+        if name not in best or fit.error_px < best[name].error_px:
+            best[name] = fit
+    return sorted(best.values(), key=lambda fit: fit.error_px)
 
 
 def _causes() -> Iterator[tuple[str, Callable[[CameraModel, Array], CameraModel], str]]:
@@ -57,6 +61,7 @@ def _causes() -> Iterator[tuple[str, Callable[[CameraModel, Array], CameraModel]
     yield "principal point", _shifted, "both"
     for which in ("top", "bottom"):
         yield "focal length", _scaled, which
+    for which in ("top", "bottom", "both"):
         yield "distortion", _distorted, which
 
 

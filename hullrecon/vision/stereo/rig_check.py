@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.check.consistency_checks import BASELINE_M
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
@@ -25,8 +26,9 @@ from hullrecon.vision.features.extraction import FeatureOptions, Features, extra
 from hullrecon.vision.pairs.mono_motion import refine
 from hullrecon.vision.pairs.two_view import TwoView, essential_of, motions_of, sampson_squared
 from hullrecon.vision.stereo.delay import Delay, MatchedRays, estimate_delay, move_to_top
-from hullrecon.vision.stereo.lens_hypotheses import best_lens, epipolar_error_px
+from hullrecon.vision.stereo.lens_hypotheses import best_lenses
 from hullrecon.vision.stereo.matching import rectify, triangulate
+from hullrecon.vision.stereo.pose_conventions import fitting_readings
 
 PAIRS = 6  # of images, spread over the dive
 MIN_MATCHES = 25  # of an informative pair of images
@@ -44,6 +46,7 @@ WATER = 1.333  # refractive index
 MEDIUM_SHARE = 0.05  # by which depths may be off that where the medium is the cause
 # Ratio of two units of length at least; that of two speeds of sound is below MAX_DEPTH_RATIO
 LEAST_UNIT = 2.0
+LARGEST_SHIFT = 0.1  # of the focal length: a principal point is not off by more
 CLEARLY_NEARER = 2.0  # how much better one cause has to explain the vehicle's way than another
 LEAST_WAY_M = 0.02  # between two pairs of images: some times what stereo errs by
 WAY_NS = 150_000_000  # about two pairs of images, in which pings count
@@ -145,8 +148,7 @@ def check_stereo_rig(
     pairs, delay = (pairs, None) if motion is None else _timed(look, pairs, motion, limit_px)
     error_px = np.array([_error(found, look.given) for found in pairs]) * look.focal_px
     middle_px = float(np.median(error_px))
-    depth = [look.depths(found) for found in pairs]
-    behind = float(np.mean([np.mean(~(z > 0)) for z in depth])) > 0.5
+    depth, behind = [look.depths(found) for found in pairs], look.is_behind(pairs)
     if (error_px > limit_px).mean() > MAX_SHARE or behind:
         # A shift first: a vehicle that moves evenly makes wrong neighbours look like a rig of
         # another direction.
@@ -197,14 +199,27 @@ def check_baseline(
         return None
     middle = float(np.median(ratio))
     what = f"stereo sees the hull at {middle:.2f} of the distance that the DVL measures"
-    causes, remedy = _causes_of_depth(middle, motion_ratio(), rig.baseline_m)
+    shift_share = rig.baseline_m * abs(1 - middle) / float(np.nanmedian(found.depth_m))
+    causes, remedy = _causes_of_depth(middle, motion_ratio(), rig.baseline_m, shift_share)
     return RigProblem(what=f"{what}: {causes}", remedy=remedy)
 
 
-def _causes_of_depth(depth: float, way: float | None, baseline_m: float) -> tuple[str, str]:
+def _causes_of_depth(
+    depth: float, way: float | None, baseline_m: float, shift_share: float
+) -> tuple[str, str]:
     """Say what explains depths by stereo of `depth` times the DVL's, and what heals it.
 
-    way: by stereo over that by the DVL, None where it is not known.
+    Parameters
+    ----------
+    depth
+        By stereo over that by the DVL.
+    way
+        The same of the vehicle's way, None where it is not known.
+    baseline_m
+        As calibrated.
+    shift_share
+        Share of the focal length by which principal points that are off along the baseline would
+        have to be, to do what the baseline does.
     """
     baseline = f"the baseline of {baseline_m:.3f} m would have to be {baseline_m / depth:.3f} m"
     focal = f"the focal lengths of both cameras would have to be {1 / depth:.2f} times as long"
@@ -214,6 +229,11 @@ def _causes_of_depth(depth: float, way: float | None, baseline_m: float) -> tupl
         return f"{baseline}, or as well {focal}", ""
     by_baseline, by_focal = abs(np.log(way / depth)), abs(np.log(way))
     if by_baseline < by_focal / CLEARLY_NEARER:
+        if baseline_m > BASELINE_M[1] and baseline_m / depth < BASELINE_M[1]:
+            return baseline, "give x, y, z of camera.bottom.pose_in_top in metres"
+        if shift_share < LARGEST_SHIFT:
+            centre = "one of the principal points lies elsewhere along the baseline"
+            return f"{baseline}, or as well {centre}", CALIBRATE
         if abs(np.log(depth)) < np.log(LEAST_UNIT):
             return baseline, "correct camera.bottom.pose_in_top"
         return f"{baseline}, or as well the DVL measures in another unit", ""
@@ -275,6 +295,7 @@ class _ImageMatcher:
         self.rig, self._frames, self._read = rig, frames, read
         self.given, self.focal_px = rig.from_top(Camera.BOTTOM), rig.focal_px(Camera.TOP)
         self.lenses = (rig.model(Camera.TOP), rig.model(Camera.BOTTOM))
+        self.mount = rig.tray_from(Camera.TOP).inverse() @ rig.tray_from(Camera.BOTTOM)
         self._seen: dict[tuple[Camera, int], Features] = {}
 
     def match(self, top: int, bottom: int) -> _Matched | None:
@@ -322,12 +343,13 @@ class _ImageMatcher:
         """Triangulate depths (n,) m in the top camera as calibrated. Not positive behind it."""
         return self.points(matched)[:, 2]
 
+    def is_behind(self, pairs: Sequence[_Matched]) -> bool:
+        """Tell whether most matches lie behind the cameras as calibrated."""
+        return float(np.mean([np.mean(~(self.depths(m) > 0)) for m in pairs])) > 0.5
+
     def points(self, matched: _Matched) -> Array:
         """Triangulate matches (n, 3) m in the top camera as calibrated."""
-        pose = self.rig.stereo_mount
-        if pose is None:
-            return np.zeros((0, 3))
-        turned = rectify(pose)
+        turned = rectify(self.mount)
         return np.asarray(
             triangulate(
                 turned, turned.rectify_top(matched.top), turned.rectify_bottom(matched.bottom)
@@ -425,13 +447,6 @@ def _explain(look: _ImageMatcher, pairs: Sequence[_Matched], error_px: float) ->
     found, _, fitted_px = _fit(pairs, look.focal_px)
     each_px = np.array([_error(m, found) for m in pairs]) * look.focal_px
     rigid = (each_px > MAX_ERROR_PX).mean() <= MAX_SHARE
-    remedies = _exchanges(look, pairs) if found[:3, 3] @ look.given[:3, 3] < 0 else []
-    if remedies:
-        return RigProblem(
-            what="the two cameras are swapped: the images put the bottom camera on the other side "
-            f"of the top one, {error_px:.1f} px from the epipolar lines",
-            remedy=", or ".join(remedies),
-        )
     return _contradiction(look, pairs, found if rigid else None, error_px, fitted_px)
 
 
@@ -450,21 +465,6 @@ def _describe_turn(
     return _contradiction(look, pairs, found, error_px, fitted_px)
 
 
-def _exchanges(look: _ImageMatcher, pairs: Sequence[_Matched]) -> list[str]:
-    """List the exchanges of the two cameras that bring matches onto their lines."""
-    essential = essential_of(np.asarray(np.linalg.inv(look.given)))
-    exchanges = {
-        "exchange the topics and calibrations of camera_top and camera_bottom": look.lenses[::-1],
-        "invert camera.bottom.pose_in_top": look.lenses,
-    }
-    seen = look.pixels(pairs)
-    return [
-        what
-        for what, lenses in exchanges.items()
-        if epipolar_error_px(lenses, essential, seen) <= MAX_ERROR_PX
-    ]
-
-
 def _contradiction(
     look: _ImageMatcher,
     pairs: Sequence[_Matched],
@@ -476,12 +476,21 @@ def _contradiction(
 
     found: motion of the rig as fitted, None where no one pose fits.
     """
-    lens = best_lens(look.lenses, look.given, *look.pixels(pairs))
-    best_px = min(lens.error_px, fitted_px if found is not None else np.inf)
     what = (
         f"the images contradict the stereo calibration: {error_px:.1f} px from the epipolar "
         "lines in the median"
     )
+    if look.is_behind(pairs):
+        what += " and behind the cameras"
+    seen = look.pixels(pairs)
+    readings = fitting_readings(look.lenses, look.mount, *seen, AS_GOOD * fitted_px)
+    if readings:
+        words = ", or as well ".join(one.words for one in readings)
+        return RigProblem(
+            what=f"{what}; they fit {words}", remedy=", or ".join(one.remedy for one in readings)
+        )
+    lenses = best_lenses(look.lenses, look.given, *seen)
+    best_px = min(lenses[0].error_px, fitted_px if found is not None else np.inf)
     if best_px > MAX_ERROR_PX:
         return RigProblem(
             what=f"{what}, and neither one pose of the bottom camera nor one lens fits them",
@@ -491,8 +500,11 @@ def _contradiction(
     if found is not None and fitted_px <= AS_GOOD * best_px:
         turn_deg = np.degrees(_turn_rad(look.given, found))
         causes.append(f"{fitted_px:.1f} px with the bottom camera turned by {turn_deg:.1f} degrees")
-    if lens.error_px <= AS_GOOD * best_px:
-        causes.append(f"{lens.error_px:.1f} px with {lens.words}")
+    causes += [
+        f"{lens.error_px:.1f} px with {lens.words}"
+        for lens in lenses
+        if lens.error_px <= AS_GOOD * best_px
+    ]
     return RigProblem(what=f"{what}, {', or as well '.join(causes)}", remedy=CALIBRATE)
 
 

@@ -60,13 +60,33 @@ def test_a_rational_model_whose_denominator_is_one_is_read(calibration, tmp_path
         ({"camera_matrix": "[0, 51, 23.5, 50, 0, 31.5, 0, 0, 1]"}, "two rows swapped"),
         ({"camera_matrix": "[50, 0, 31.5, 0.5, 51, 23.5, 0, 0, 1]"}, "skew"),
         ({"camera_matrix": "[50, 0, 31.5, 0, 51, 23.5, 0, 0, 2]"}, "last row 0 0 2, not 0 0 1"),
-        ({"camera_matrix": "[50, 0, 0, 0, 51, 0, 0, 0, 1]"}, "no principal point"),
+        ({"camera_matrix": "[50, 0, 0, 0, 51, 0, 0, 0, 1]"}, "as Metashape's does"),
+        ({"camera_matrix": "[50, 0, -0.6, 0, 51, 1.2, 0, 0, 1]"}, "as Metashape's does"),
+        ({"camera_matrix": "[2.8, 0, 31.5, 0, 2.8, 23.5, 0, 0, 1]"}, "are they millimetres"),
+        ({"camera_matrix": "[0.78, 0, 0.5, 0, 0.8, 0.5, 0, 0, 1]"}, "shares of the image's size"),
+        ({"camera_matrix": "[50, 0, 23.5, 0, 51, 31.5, 0, 0, 1]"}, "cx = 31.5 and cy = 23.5"),
+        ({"camera_matrix": "[50, 0, 51, 0, 31.5, 23.5, 0, 0, 1]"}, "cx = 31.5 and cy = 23.5"),
         ({"roi": "{x_offset: 10, width: 64}"}, "roi, 64 x 48 pixels from 10, 0 on, lies outside"),
     ],
 )
 def test_what_is_no_pinhole_is_refused_with_its_key(calibration, tmp_path, more, words):
     with pytest.raises(InputError, match=words.replace("[", r"\[")):
         read_camera(calibration(tmp_path / "c.yaml", **more))
+
+
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        "[50, 0, 31.5, 0, 51, -22, 0, 0, 1]",  # cropped or rectified: off the middle one way
+        "[50, 0, 70, 0, 51, 50, 0, 0, 1]",  # the upper left quarter of a sensor
+        "[25, 0, 31.5, 0, 50, 23.5, 0, 0, 1]",  # binned across alone
+        "[37.5, 0, 31.5, 0, 50, 23.5, 0, 0, 1]",  # wide pixels of video
+    ],
+)
+def test_an_unusual_camera_is_read_as_it_is(calibration, tmp_path, matrix):
+    camera = read_camera(calibration(tmp_path / "c.yaml", camera_matrix=matrix))
+    numbers = [float(v) for v in matrix.strip("[]").split(",")]
+    assert [camera.fx, camera.cx, camera.fy, camera.cy] == [numbers[k] for k in (0, 2, 4, 5)]
 
 
 def test_a_rational_lens_becomes_the_plumb_bob_that_is_as_good(calibration, tmp_path):

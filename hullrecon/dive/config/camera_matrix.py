@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Check that nine numbers are the matrix of a camera with images of some size.
+
+Copied from another program they may be transposed, in another order or unit, or count from the
+middle of the image. Each of these is refused by its name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations
+
+import numpy as np
+
+from hullrecon.errors import InputError
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.typing import Array
+
+LEAST_SKEW = 1e-6  # of the focal length
+LEAST_FOCAL = 0.13  # of the larger side: an image sees 150 degrees then, more than a pinhole does
+SQUARE, MIDDLE = 0.05, 0.05  # how far a usual camera is off square pixels and the image's middle
+UNUSUAL, OFF_MIDDLE = 0.25, 0.1  # from which on another order that is usual is asked for
+ROW_BY_ROW = "give fx 0 cx, 0 fy cy, 0 0 1, row by row"
+IN_PIXELS = "give fx, fy, cx, cy in pixels of the images, from the upper left one"
+
+
+def read_pinhole(matrix: Sequence[float], size: tuple[int, int], where: str) -> CameraModel:
+    """Read a camera without distortion.
+
+    Raises InputError for a matrix that is none, or none of a camera of this size.
+
+    Parameters
+    ----------
+    matrix : (9,) row by row
+    size : (width, height), px
+    where : its place, for errors
+    """
+    fx, skew, cx, other, fy, cy = matrix[:6]
+    if list(matrix[6:]) != [0, 0, 1]:
+        what = "camera_matrix has the last row {:g} {:g} {:g}, not 0 0 1".format(*matrix[6:])
+        if matrix[8] == 1 and cx == cy == 0:
+            what += ": is it transposed, as MATLAB has it?"
+        raise InputError(what, where=where, remedy=ROW_BY_ROW)
+    if not (0 < fx < 1e6 and 0 < fy < 1e6):
+        swapped = ": are its first two rows swapped?" if fx == fy == 0 and skew * other > 0 else ""
+        raise InputError(f"camera_matrix has focal lengths {fx:g} and {fy:g}{swapped}", where=where)
+    if max(abs(skew), abs(other)) > LEAST_SKEW * fx:
+        raise InputError(
+            f"camera_matrix has a skew of {skew or other:g}, which is not modelled", where=where
+        )
+    doubt = _doubt(np.array([fx, fy, cx, cy]), np.array(size, float))
+    if doubt:
+        raise InputError(f"camera_matrix has {doubt}", where=where, remedy=IN_PIXELS)
+    return CameraModel(*size, fx, fy, cx, cy)
+
+
+def _doubt(lens: Array, size: Array) -> str:
+    """Say what shows that fx, fy, cx, cy (4,) are no pixels of images of this size. "" for none."""
+    width, height = size
+    fx, fy, cx, cy = lens
+    images = f"images of {width:g} x {height:g} pixels"
+    if lens[:2].max() < LEAST_FOCAL * size.max():
+        return (
+            f"the focal lengths {fx:g} and {fy:g} for {images}: are they millimetres, or shares of "
+            "the image's size?"
+        )
+    if (np.abs(lens[2:]) < MIDDLE * size).all():
+        return (
+            f"the principal point {cx:g}, {cy:g}, a corner of {images}: does it count from their "
+            "middle, as Metashape's does?"
+        )
+    if not _is_usual(lens, size, UNUSUAL, OFF_MIDDLE):
+        for order in permutations(lens.tolist()):
+            if _is_usual(np.array(order), size, SQUARE, MIDDLE):
+                return (
+                    f"fx = {fx:g}, fy = {fy:g}, cx = {cx:g}, cy = {cy:g} for {images}: are these "
+                    f"in another order, cx = {order[2]:g} and cy = {order[3]:g}?"
+                )
+    return ""
+
+
+def _is_usual(lens: Array, size: Array, square: float, middle: float) -> bool:
+    """Tell whether pixels are square and the principal point is in the middle, to shares."""
+    fx, fy, *centre = lens
+    off = np.abs(np.array(centre) / size - 0.5)
+    return bool(fx > 0 and fy > 0 and abs(np.log(fx / fy)) < square and (off < middle).all())
