@@ -77,8 +77,7 @@ def _of_dvl(sensor: str, count: int) -> str:
 
 def _rotator(turned_deg: Mapping[str, float]) -> str:
     moved = ", ".join(f"{axis} by {degrees:.0f} degrees" for axis, degrees in turned_deg.items())
-    advice = "log it as the joint that sonar.joint names"
-    return f"its rotator turned ({moved}), which is not read: {advice}"
+    return f"its rotator turned ({moved}), which is not read"
 
 
 def duration(seconds: float) -> str:
@@ -227,7 +226,7 @@ NOTES: dict[str, Words] = {
     "ad2cp-no-bottom": "no bottom-track record was read from it (a current profiler's file?): it "
     "gives no velocity over ground",
     "ad2cp-no-beams": "{count} velocities along the beams were lost: the file does not say where "
-    "its beams point (the configuration at its start is missing); have the instrument write XYZ",
+    "its beams point (the configuration at its start is missing)",
     "ad2cp-no-attitude": "{count} velocities east, north, up were lost: their records have no "
     "attitude of the z axis",
     "ad2cp-df20": "distances and figures of merit of its bottom tracks (DF20) were ignored, as no "

@@ -241,6 +241,15 @@ def source_and_steps(out: Path) -> tuple[str, np.ndarray]:
     return source, np.linalg.norm(np.diff(path.translation, axis=0), axis=1)
 
 
+def test_path_is_reckoned_without_any_range(ingest: Path, tmp_path: Path) -> None:
+    dvl = from_arrays(DvlPings, load_arrays(ingest / "dvl.npz"))
+    dvl.ranges[:] = np.nan
+    keep(ingest, "dvl", dvl)
+    source, step = source_and_steps(run(ingest, tmp_path / "navigate"))
+    assert source == "dvl"
+    assert step.sum() > 1.0
+
+
 def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: Path) -> None:
     (ingest / "dvl.npz").unlink()
     slide_over_seabed(ingest)

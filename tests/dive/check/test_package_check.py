@@ -356,6 +356,28 @@ def test_a_dvl_without_any_velocity_is_in_the_way_of_a_run(package, kit):
     assert line.endswith(
         "pings have no velocity over ground: log its bottom track, or give two cameras instead"
     )
+    with_bottom = [
+        type(e)("/cam2", e.kind, e.t_ns, e.message) for e in entries if e.topic == "/cam"
+    ]
+    kit.mcap(package / "logs" / "dive.mcap", [*entries, *with_bottom])
+    text = (
+        (package / "dive.toml").read_text().replace("[topics]", '[topics]\ncamera_bottom="/cam2"')
+    )
+    text += '\n[camera.bottom]\ncalibration = "calibration/camera_top.yaml"\n'
+    (package / "dive.toml").write_text(text)
+    (line,) = sentences(check(package).unusable)
+    assert line.endswith("or leave the DVL away (topics.dvl, or its file in logs.files)")
+    (package / "dive.toml").write_text(re.sub(r"(?m)^dvl = .*$", "", text))
+    assert check(package).run_is_possible
+
+
+def test_cameras_that_logged_nothing_are_in_the_way_until_left_out(package, kit):
+    kit.mcap(package / "logs" / "dive.mcap", [e for e in kit.dive() if e.topic != "/cam"])
+    text = re.sub(r"(?m)^camera_top = .*$", "", (package / "dive.toml").read_text())
+    (package / "dive.toml").write_text(text)
+    assert "take [camera.top] and [camera.bottom] out of dive.toml" in check(package).verdict
+    (package / "dive.toml").write_text(re.sub(r"\[camera\.top\][^\[]*", "", text))
+    assert check(package).run_is_possible
 
 
 def test_lost_profiler_velocities_come_before_its_mount(tmp_path):

@@ -54,6 +54,10 @@ def test_a_camera_without_a_section_needs_a_calibration(tmp_path, camera):
         f"[{section}] alone where the log has its CameraInfo; until then its images are not used"
         in line
     )
+    sections = dict.fromkeys(("camera.top", section))
+    text = "".join(f'[{name}]\ncalibration = "a"\n' for name in sections)
+    given = load(tmp_path, text)
+    assert f"{section}.calibration" not in keys(sentences(to_fill_in(given, {camera})))
 
 
 def test_sensors_are_those_of_the_topics(tmp_path):

@@ -46,6 +46,8 @@ def test_stamps_of_another_unit_are_no_offset(factor):
     (found,) = clock_gaps({**others, "dvl": small})
     assert (found.code, found.severity) == ("stamps-in-other-unit", "error")
     assert f"{factor} times smaller than those of imu and pressure" in found.sentence
+    written = PressureSamples(t_ns=small.t_ns * factor, depth=small.depth)
+    assert clock_gaps({**others, "dvl": written}) == []
 
 
 def test_an_offset_that_is_given_counts():
@@ -89,6 +91,7 @@ def test_a_stream_that_is_shifted_is_told_with_its_seconds(late_s):
     assert found.sentence.startswith(f"camera_top: it begins and ends {abs(late_s):.1f} s {side}")
     assert f"shares {99 - abs(late_s):.1f} s of its 99.0 s" in found.sentence
     assert "camera.top.time_offset" in found.sentence
+    assert shifted_streams(sensors(camera_top=late_s - found.values["seconds"])) == []
 
 
 def test_logs_that_begin_and_end_as_they_like_are_not_told():

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import re
+
 import pytest
 
 from hullrecon.dive.check.topics import (
@@ -12,6 +14,7 @@ from hullrecon.dive.check.topics import (
     describe_unused,
     unread_dvls,
 )
+from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.findings.finding import sentences
 
@@ -67,6 +70,14 @@ def test_a_topic_of_a_type_that_is_read_is_told_as_what(topic, kind, sensors):
         == f"not chosen, though of a type that is read: {topic} (could be {sensors}); name it in "
         "[topics] to use it"
     )
+    assert all(kind in TYPES[name] for name in sensors.split(" or "))
+
+
+def test_types_of_depths_that_are_advised_are_read():
+    (line,) = sentences(describe_unused([channel("/bar30", "orca_msgs/msg/Barometer")], set()))
+    advised = re.findall(r"\w+_msgs/\w+", line.partition("read from")[2])
+    assert len(advised) == 3
+    assert {kind.replace("/", "/msg/") for kind in advised} <= set(TYPES["pressure"])
 
 
 def test_used_topics_are_omitted_and_others_share_a_line():

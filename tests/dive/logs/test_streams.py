@@ -209,7 +209,10 @@ def test_a_sonars_rotator_may_turn_more_than_once():
     notes = []
     found = streams.joint_samples([JointSample(0, "pan", 9.0)], "sonar_tray", "pan", notes)
     assert found.angle.tolist() == [9.0]
-    assert "in degrees" in notes[0].sentence
+    assert 'are they in degrees (give sonar.joint_unit = "deg" then)?' in notes[0].sentence
+    found = streams.joint_samples([JointSample(0, "pan", 9.0)], "sonar_tray", "pan", notes, "deg")
+    assert np.degrees(found.angle) == pytest.approx([9.0])
+    assert len(notes) == 1
 
 
 @pytest.mark.parametrize("unit", ["cm/s", "mm/s"])

@@ -162,10 +162,7 @@ def test_values_belong_to_the_beams_that_the_record_names(tmp_path):
 def test_beam_velocities_without_directions_are_lost_and_noted(tmp_path):
     (ping,), _, log = read(tmp_path / "x.ad2cp", block(DF20, signature_record(code=BEAM)))
     assert np.isnan(ping.velocity).all()
-    assert any(
-        "1 velocities along the beams were lost" in r and "have the instrument write XYZ" in r
-        for r in sentences(log.notes)
-    )
+    assert any("1 velocities along the beams were lost" in r for r in sentences(log.notes))
 
 
 def test_beams_in_one_plane_give_no_velocity():

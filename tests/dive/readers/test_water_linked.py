@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs import streams
-from hullrecon.dive.logs.dvl_beams import a50_beams
+from hullrecon.dive.logs.dvl_beams import A50_ANGLE_DEG, A50_AZIMUTH_DEG, a50_beams, tilted_beams
 from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.water_linked import LONGEST_LINE, WaterLinkedLog
 from hullrecon.dive.logs.samples import DvlSample, ImuSample
@@ -123,6 +123,10 @@ def test_the_dead_reckoning_report_gives_the_attitude_of_the_dvl(tmp_path):
 def test_the_mounting_rotation_offset_is_told(tmp_path):
     _, log = read(tmp_path / "x.json", velocity(), CONFIGURATION)
     assert any("offset of 20 degrees" in line for line in sentences(log.notes))
+    # as advised, the beams are turned about z as the instrument turned its velocities
+    advised = tilted_beams(A50_ANGLE_DEG, np.array(A50_AZIMUTH_DEG) + 20.0)
+    turn = Rotation.from_euler("z", 20.0, degrees=True)
+    np.testing.assert_allclose(advised, turn.apply(a50_beams()), atol=1e-12)
     _, log = read(tmp_path / "y.json", velocity())
     assert any("is not in the file" in line for line in sentences(log.notes))
 

@@ -10,6 +10,7 @@ from vision.scene import camera_rig
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses, exp, from_rpy
+from hullrecon.steps.stereo_check import describe_delay
 from hullrecon.vision.stereo.delay import Delay, MatchedRays, estimate_delay, move_to_top
 
 MODEL = CameraModel(400, 320, 350.0, 350.0, 199.0, 160.0)
@@ -61,6 +62,15 @@ def test_delay_is_that_beyond_stamps():
     stamped_s = (0.01, 0.004, 0.0, 0.007, 0.012, 0.009)
     found = estimate_delay(RIG, seen_pairs(0.02, stamped_s=stamped_s))
     assert found.seconds == pytest.approx(0.02, abs=0.001)
+
+
+def test_offset_that_is_advised_heals():
+    pairs = seen_pairs(0.02)
+    said = describe_delay(estimate_delay(RIG, pairs), 0.1)
+    added_s = said.values["offset_s"] - 0.1
+    assert "states it" in said.sentence
+    stated = [replace(pair, stamped_s=added_s) for pair in pairs]
+    assert not estimate_delay(RIG, stated).is_significant
 
 
 @pytest.mark.parametrize("seed", range(3))
