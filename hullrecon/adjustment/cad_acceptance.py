@@ -116,15 +116,13 @@ def register(
 
 def _accept_registration(found: registration.Registration, segments: Segments | None) -> Verdict:
     if found.fitness < registration.GOOD_FITNESS:
-        what, besides = "it is placed", ""
+        what = "it is placed"
         if segments is not None:
             what = f"it and the {len(segments)} segments that outages leave of the path are placed"
-            besides = ", or the path of a segment is wrong"
         return Verdict(
             accepted=False,
             reason=f"only {100 * found.fitness:.0f} % of the surveyed points lie within three "
-            f"sigma of it, wherever {what}: it is another ship's, in other units, or far from "
-            f"where hull.pose says{besides}",
+            f"sigma of it, wherever {what}: the model, its unit, hull.pose or the path is wrong",
         )
     if found.sigmas_off > MAX_SIGMAS_OFF:
         return Verdict(
@@ -387,15 +385,12 @@ def accept_form(form: Form, sigmas_off: float) -> Verdict:
 def _reasons_against_form(form: Form, sigmas_off: float) -> Iterator[str]:
     times = f"{np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres"
     if form.is_of_another_hull:
-        yield (
-            f"the hull leaves it by {times}: it is another ship's, or of another scale, or "
-            "hull.deviation_sigma is too small"
-        )
+        yield (f"the hull leaves it by {times}: the model, that sigma or the path is wrong")
     if form.fits_better_scaled:
         yield (
-            "its proportions or its scale are not the hull's: stretched along its axes it fits "
-            f"the surveyed part better, by a chi-square of {form.scale_chi2:.0f} with three "
-            "degrees of freedom"
+            "stretched along its axes it fits the surveyed part better, by a chi-square of "
+            f"{form.scale_chi2:.0f} with three degrees of freedom: its proportions, its scale or "
+            "the path is wrong"
         )
     if sigmas_off <= registration.GUESS_SIGMAS:
         return
@@ -403,7 +398,4 @@ def _reasons_against_form(form: Form, sigmas_off: float) -> Iterator[str]:
     if not form.confirms:
         yield f"{far}, and the surveyed part of the hull is too plain to tell that it is this one"
     if form.is_worse_than_stated:
-        yield (
-            f"{far}, and there the hull leaves it by {times}: a package may be mistaken in one of "
-            "the two, but both point to another ship"
-        )
+        yield f"{far}, and there the hull leaves it by {times}"

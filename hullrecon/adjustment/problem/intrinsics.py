@@ -111,8 +111,7 @@ def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
                 f"{key} from {v['calibrated']:.5g} to {v['found']:.5g}" for key, v in far.items()
             )
             warnings.append(
-                f"The calibration of camera.{name} does not fit the dive ({moved}): check it, or "
-                "calibrate again."
+                f"The calibration of camera.{name} does not fit the dive: {moved}, as estimated."
             )
     return warnings
 

@@ -335,19 +335,13 @@ def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
         )
     missed = float(np.mean(~adjusted.result.ray_hit)) if len(adjusted.result.ray_hit) else 0.0
     if missed > 0.05:
-        found.append(
-            f"{100 * missed:.0f} % of the DVL's beams miss the CAD model: it may be incomplete, or "
-            "the first guess wrong."
-        )
+        found.append(f"{100 * missed:.0f} % of the DVL's beams miss the CAD model.")
     if (
         len(solution.landmarks)
         and solution.landmarks.label.mean() < 0.5
         and adjusted.state.hull is not None
     ):
-        found.append(
-            "Fewer than half of the landmarks lie on the CAD model's surface: the CAD model or "
-            "its first guess may be wrong."
-        )
+        found.append("Fewer than half of the landmarks lie on the CAD model's surface.")
     return found
 
 

@@ -168,7 +168,7 @@ def _refusal(offer: Offer, solved: GraphSolution) -> str | None:
         share = 100 * len(offer.agreeing) / offer.offered
         return (
             f"only {share:.0f} % of {offer.offered} patches of the hull that were passed again "
-            "are as they were"
+            "agree with what was measured before"
         )
     if offer.roughness.max() > MAX_ROUGHNESS:
         return (
