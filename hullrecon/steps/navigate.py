@@ -183,11 +183,7 @@ def _by_dvl(
     ingest, settings = _ingest_and_settings(context)
     dvl, imu = records.dvl, records.imu
     if dvl is None:
-        raise StageError(
-            "the DVL's log is empty",
-            where="navigate",
-            remedy="check the topic and the span of the log",
-        )
+        raise StageError("the DVL's log is empty", where="navigate")
     if imu is None:
         what = "the DVL's velocities have no heading: no IMU was logged"
         raise StageError(what, where="navigate", remedy="name the IMU's topic in [topics]")

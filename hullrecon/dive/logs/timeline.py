@@ -64,8 +64,7 @@ def put_in_order(
     number = np.zeros(len(stamp), np.int64) if log is None else np.asarray(log, np.int64)
     if len(stamp) > FEW and (stamp == stamp[0]).all():
         raise InputError(
-            f"{name}: all {len(stamp)} stamps are the same, {format_time(int(stamp[0]))}",
-            remedy="record the sensor with a clock that runs",
+            f"{name}: all {len(stamp)} stamps are the same, {format_time(int(stamp[0]))}"
         )
     jumped = clock_error(stamp, logged)
     near = np.flatnonzero(~_far_from_all(stamp - jumped))

@@ -371,6 +371,20 @@ def test_a_dvl_without_any_velocity_is_in_the_way_of_a_run(package, kit):
     assert check(package).run_is_possible
 
 
+def test_several_dives_are_refused_until_one_is_given(package, kit):
+    entries = [e for e in kit.dive() if e.topic != "/cam"]
+    first_ns, imu, dvl = entries[0].t_ns, entries[0], next(e for e in entries if e.topic == "/dvl")
+    for later_ns in range(first_ns + 7200 * 10**9, first_ns + 7203 * 10**9, 10**9):
+        turned = kit.imu(later_ns, quaternion=(0.0, 0.0, 1e-9 * (later_ns - first_ns) / 1e9, 1.0))
+        entries.append(type(imu)(imu.topic, imu.kind, later_ns, turned))
+        entries.append(type(dvl)(dvl.topic, dvl.kind, later_ns, kit.dvl(later_ns)))
+    kit.mcap(package / "logs" / "dive.mcap", entries)
+    text = re.sub(r"(?m)^camera_top = .*$", "", (package / "dive.toml").read_text())
+    (package / "dive.toml").write_text(re.sub(r"\[camera\.top\][^\[]*", "", text))
+    assert "by other files or by dive.from and dive.to" in check(package).verdict
+    assert check(package, "dive.to=3600").run_is_possible
+
+
 def test_cameras_that_logged_nothing_are_in_the_way_until_left_out(package, kit):
     kit.mcap(package / "logs" / "dive.mcap", [e for e in kit.dive() if e.topic != "/cam"])
     text = re.sub(r"(?m)^camera_top = .*$", "", (package / "dive.toml").read_text())

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import gzip
+import re
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +118,10 @@ def test_cad_model_in_wrong_units_is_refused_with_likely_ones(tmp_path, scale, d
     with pytest.raises(InputError) as caught:
         read_hull(path, declared, [])
     assert f"looks like {guess}" in str(caught.value)
+    advised = re.findall(r'units = "(\w+)"', caught.value.remedy)
+    assert advised
+    for unit in advised:
+        read_hull(path, unit, [])
 
 
 def test_a_small_model_is_remarked_not_refused(tmp_path):

@@ -158,6 +158,9 @@ def test_stamps_in_other_units_are_refused_with_likely_unit(tmp_path, scale, uni
     ) as caught:
         list(PlainLog(tmp_path).messages())
     assert "seconds since 1970" in caught.value.remedy
+    rows = "".join(f"{1_777_887_000 + i / scale},{101_325 + i}\n" for i in range(3))
+    (tmp_path / "pressure.csv").write_text("t,pascal\n" + rows)
+    assert len(list(PlainLog(tmp_path).messages())) == 3
 
 
 @pytest.mark.parametrize("stamp", ["1e300", "inf", "9" * 40])
