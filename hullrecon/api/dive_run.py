@@ -87,12 +87,8 @@ def open_dive(
     ----------
     target
         Folder of the package, or of a run (RUNS/<dive>).
-    runs
-        Folder of all runs.
     overrides
         `section.key=value` in place of what dive.toml says.
-    allow_outside
-        Let the package name files outside its folder.
 
     Raises
     ------

@@ -83,17 +83,6 @@ def export_colmap(
     It holds undistorted images, the model with pinhole cameras, and the files that COLMAP's stereo
     needs. The folder appears once all of it is written.
 
-    Parameters
-    ----------
-    run
-        RUNS/<dive>.
-    folder
-        The folder to write.
-    jobs
-        Worker processes, all usable cores if None.
-    progress
-        Shows how many images are done, nothing if None.
-
     Raises
     ------
     InputError

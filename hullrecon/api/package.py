@@ -55,10 +55,6 @@ def init(
         A file, or a folder with a log.
     out
         The package's folder. If None, the log if that is a folder, else the current folder.
-    force
-        Replace an existing dive.toml.
-    allow_outside
-        The log may lie outside the package.
 
     Raises
     ------
@@ -124,16 +120,7 @@ def check_loaded(
 ) -> PackageCheck:
     """Check the package of a configuration.
 
-    Parameters
-    ----------
-    loaded
-        Configuration with the sections of all steps.
-    allow_outside
-        Files may lie outside the package.
-    trusted_keys
-        Keys that the package did not set, whose files may lie outside.
-    progress
-        Shows the messages that pass.
+    `trusted_keys`: keys that the package did not set, whose files may lie outside.
     """
     check_files(loaded, allow_outside=allow_outside, trusted_keys=trusted_keys)
     request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))

@@ -57,16 +57,8 @@ def make_job(
 
     Parameters
     ----------
-    stage
-        The step.
     sections
         Sections of dive.toml, by dotted name.
-    inputs
-        Folder of each input artifact, by stage name.
-    source
-        The package's folder.
-    hashes
-        Cache of file hashes.
     failures
         Why steps of this run left no artifact. Only the stage's optional inputs count.
 

@@ -90,14 +90,6 @@ def run_chain(
 
     Parameters
     ----------
-    chain
-        Steps with their configuration and package.
-    workspace
-        The run's folder.
-    run_context
-        Hashes, executor and progress.
-    from_scratch
-        Rebuild every step, up to date or not.
     wait_s
         How long to wait for another run on this workspace.
     preflight
@@ -228,18 +220,12 @@ def run_stage(
 
     Parameters
     ----------
-    stage
-        The step.
     settings
         Decoded sections by name. An absent section is None, the stage's own has its defaults.
     inputs
         Folder of each input by stage name, with or without a manifest.
     out
         Folder of the artifact, which is returned.
-    source
-        The package's folder, for stages with `external` files.
-    jobs
-        Worker processes.
     """
     hashes = HashCache()
     job = make_job(stage, settings, inputs, source, hashes)

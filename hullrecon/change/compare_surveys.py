@@ -37,16 +37,8 @@ def compare_surveys(
 ) -> HullChange:
     """Find what changed between two surveys of one hull.
 
-    Raises StageError if they saw too little of the same hull.
-
-    Parameters
-    ----------
-    first, second
-        The surveys, each in its own hull frame M.
-    address
-        Names a point (3,) of M in words, no finer than a sigma.
-    options
-        Thresholds.
+    Raises StageError if they saw too little of the same hull. `first, second`: the surveys, each in
+    its own hull frame M. `address`: names a point (3,) of M in words, no finer than a sigma.
     """
     chart = first.chart
     seen = [seen_points(survey, chart)[0][:, :2] for survey in (first, second)]

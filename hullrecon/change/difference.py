@@ -71,14 +71,7 @@ def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
 def _beyond(height: Array, of: Array, cells: int) -> Array:
     """Measure how far heights (a, g) lie outside the other survey's range of heights around (71).
 
-    Parameters
-    ----------
-    height
-        Heights of this survey.
-    of
-        Heights of the other survey.
-    cells
-        Radius of the neighbourhood.
+    `of`: heights of the other survey. `cells`: radius of the neighbourhood.
     """
     from scipy.ndimage import maximum_filter, minimum_filter
 
@@ -160,16 +153,12 @@ def measure(
 
     Parameters
     ----------
-    found
-        The difference of the surveys.
     cells
         The region (a, g).
     top
         Its top (a, g).
     places
         Number of places tested.
-    options
-        Thresholds.
     off
         Cells (a, g) that changed anywhere, which do not count as hull around.
     """

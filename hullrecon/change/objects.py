@@ -261,8 +261,6 @@ def _describe_rest(
         Object of the second survey, None without.
     compared
         Number of objects and pairs in either survey.
-    context
-        The surveys' difference.
     """
     there = [p for p in (old, new) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])

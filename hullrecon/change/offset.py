@@ -137,16 +137,8 @@ def estimate_offset(
 ) -> SurveyOffset:
     """Estimate the offset of two surveys whose reliefs lie on one lattice.
 
-    Raises StageError if they saw too little of the same hull.
-
-    Parameters
-    ----------
-    first, second
-        The surveys.
-    chart
-        Of the first survey.
-    lattice, reliefs
-        Cells, and the heights of both surveys on them.
+    Raises StageError if they saw too little of the same hull. `chart`: of the first survey.
+    `lattice, reliefs`: cells, and the heights of both surveys on them.
     """
     center = _middle(chart, lattice, reliefs[1])
     prior = hull_pose_covariance(first.hull_pose, center) + hull_pose_covariance(

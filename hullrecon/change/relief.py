@@ -30,14 +30,7 @@ class Relief:
 def seen_points(survey: HullSurvey, chart: Chart, move: Poses | None = None) -> tuple[Array, Ints]:
     """Locate the vertices seen as along, girth and offset (n, 3), with their rows.
 
-    Parameters
-    ----------
-    survey
-        Hull as found.
-    chart
-        Of the CAD model.
-    move
-        Rigid motion in M that is applied to the vertices first.
+    `move`: rigid motion in M that is applied to the vertices first.
     """
     found = survey.as_found
     rows = np.flatnonzero((found.support > 0) & np.isfinite(survey.form_sigma))
@@ -52,16 +45,7 @@ def relief_on(
 ) -> Relief:
     """Sample a survey on a lattice, linear between vertices.
 
-    Parameters
-    ----------
-    lattice
-        Cells of the chart.
-    chart
-        Of the CAD model.
-    survey
-        Hull as found.
-    move
-        Rigid motion in M that is applied to the vertices first.
+    `move`: rigid motion in M that is applied to the vertices first.
     """
     from scipy.interpolate import LinearNDInterpolator
 

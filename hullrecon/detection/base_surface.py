@@ -52,10 +52,7 @@ class BaseSurface:
     def address_of(self, point: Array, sigma: AddressSigma | None = None) -> str:
         """Say in words where a point (3,) lies on the hull, no finer than its sigma.
 
-        Parameters
-        ----------
-        sigma
-            of the point; that of the survey as a whole if none is given.
+        `sigma`: of the point; that of the survey as a whole if none is given.
         """
         depth = self.depth_of(point)
         depths = None if depth is None else [depth]

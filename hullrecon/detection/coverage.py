@@ -66,14 +66,8 @@ def summarise_coverage(
 ) -> Facts:
     """Sum the hull that each sensor saw and find its holes, for coverage.json.
 
-    Holes are in what the camera saw, without a camera in what the DVL saw.
-
-    Parameters
-    ----------
-    track
-        the path that the hull was seen from.
-    regions
-        of the CAD model, whose own coverage is added; none without a CAD model.
+    Holes are in what the camera saw, without a camera in what the DVL saw. `regions`: of the CAD
+    model, whose own coverage is added; none without a CAD model.
     """
     surveyed = base.surveyed.vertices
     patches, scene = (
@@ -271,14 +265,8 @@ def find_holes(
     """Find unseen parts of the chart inside the surveyed area, the largest first.
 
     Without a CAD model there is no patch where there was nothing to see; such parts are holes as
-    well. What lies off the hull is none.
-
-    Parameters
-    ----------
-    locate
-        from a hole's center (3,) to members of coverage.json, its address among them.
-    min_hole_m2
-        holes smaller than this are left out.
+    well. What lies off the hull is none. `locate`: from a hole's center (3,) to members of
+    coverage.json, its address among them.
     """
     from scipy import ndimage
 

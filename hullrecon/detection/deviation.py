@@ -47,12 +47,8 @@ def split_deviation(
 ) -> DeviationSplit | None:
     """Split a deviation into offset, tilt and form. None if too little hull was seen.
 
-    Parameters
-    ----------
-    own_sigma
-        m, of each vertex without what all share (n,). None where only the whole is known.
-    bare
-        vertices on which no structure stands (n,).
+    `own_sigma`: m, of each vertex without what all share (n,). None where only the whole is known.
+    `bare`: vertices on which no structure stands (n,).
     """
     seen = (surface.support > 0) & np.isfinite(surface.deviation) & np.isfinite(surface.sigma)
     if (seen & bare).sum() < MIN_VERTICES:

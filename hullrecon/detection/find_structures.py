@@ -54,16 +54,7 @@ def find_structures(
 ) -> Structures:
     """Estimate the hull as found and the objects on it.
 
-    Without enough landmarks, the hull is as the DVL alone found it.
-
-    Parameters
-    ----------
-    landmarks
-        in g.
-    field
-        the adjustment's deviation field, None where it estimated none.
-    fusion
-        how heights and the views' shapes become the hull as found.
+    Without enough landmarks, the hull is as the DVL alone found it. `landmarks`: in g.
     """
     if views is None:
         return _without_landmarks(base, "no camera was carried")
@@ -118,12 +109,8 @@ def _choose_background(
 def _without_landmarks(base: BaseSurface, why: str) -> Structures:
     """Move the CAD model to the DVL's surface, without looking for objects.
 
-    Without a CAD model the surveyed surface is all there is.
-
-    Parameters
-    ----------
-    why
-        the report says it behind a colon.
+    Without a CAD model the surveyed surface is all there is. `why`: the report says it behind a
+    colon.
     """
     facts: Facts = {"reference": base.description, "objects": why}
     if base.cad_model is None:

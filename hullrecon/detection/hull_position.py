@@ -46,13 +46,7 @@ class HullError:
 
 
 def area_sigma(area_if: Callable[[HullError], float], hull_pose: HullPose) -> float:
-    """Propagate the hull pose's covariance to an area, m2, by central differences.
-
-    Parameters
-    ----------
-    area_if
-        the area under an error of the hull pose.
-    """
+    """Propagate the hull pose's covariance to an area, m2, by central differences."""
     variance, axes = np.linalg.eigh(hull_pose.covariance)
     changes = []
     for error in (axes * np.sqrt(np.maximum(variance, 0.0))).T:

@@ -50,12 +50,8 @@ def views_of_top_camera(
 ) -> CameraViews | None:
     """Place the top camera's images. None without an image or a landmark.
 
-    Parameters
-    ----------
-    image_t_ns
-        of the images in the camera's index.
-    landmarks
-        in the track's frame (n, 3), which say how far away surfaces were seen.
+    `image_t_ns`: of the images in the camera's index. `landmarks`: in the track's frame (n, 3),
+    which say how far away surfaces were seen.
     """
     camera = Camera.TOP
     node = np.flatnonzero(track.image[:, camera.column] >= 0)
@@ -119,13 +115,7 @@ def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Sc
 def find_visibility_by_cell(
     views: CameraViews, points: Array, normals: Array, scene: Scene, cell_m: Array
 ) -> Visibility:
-    """Find visibility by one point for all that share its cell.
-
-    Parameters
-    ----------
-    cell_m
-        size of the cell at each point (n,).
-    """
+    """Find visibility by one point for all that share its cell."""
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
     few = find_visibility(views, points[first], normals[first], scene)

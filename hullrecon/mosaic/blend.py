@@ -126,13 +126,7 @@ def _rank(
     image_views: dict[int, ImageView],
     limits: ViewLimits,
 ) -> BestViews:
-    """Rank the best views of each texel of the patch.
-
-    Parameters
-    ----------
-    surface
-        as for view_cost.
-    """
+    """Rank the best views of each texel of the patch."""
     shape = patch.point.shape[:2]
     best = BestViews(
         view=np.full((VIEWS, *shape), -1, np.int32),
@@ -170,10 +164,7 @@ def view_cost(
 ) -> Floats32:
     """Compute a view's cost (h, w) for the part, inf where it does not see the texel.
 
-    Parameters
-    ----------
-    surface
-        what may stand in its way, None to ask of nothing.
+    `surface`: what may stand in its way, None to ask of nothing.
     """
     known = np.isfinite(patch.point[part][..., 0])
     place, rows = np.flatnonzero(known), patch.rows(part)[known]

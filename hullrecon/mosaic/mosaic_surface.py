@@ -136,11 +136,6 @@ def seen(
     surface lies on the straight line between them: for a sonar, nothing nearer in the same
     direction, so at the same bearing (docs/methods.md 14). Rays are cast only where the horizon
     reaches up to the line.
-
-    Parameters
-    ----------
-    rows
-        flat rows of the patch.
     """
     cosine = patch.cosines(rows, sensor)
     free = cosine > min_cosine

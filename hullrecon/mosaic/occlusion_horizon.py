@@ -31,13 +31,7 @@ class OcclusionHorizon:
 def build_occlusion_horizon(
     mesh: Mesh, chart: Chart, bounds: Array, span_m: float
 ) -> OcclusionHorizon:
-    """Build the horizon of what lies within span_m of the texels.
-
-    Parameters
-    ----------
-    bounds
-        least and greatest along and girth of the texels (2, 2).
-    """
+    """Build the horizon of what lies within span_m of the texels."""
     at = chart.to_chart(mesh.vertices)[:, :2]
     corner = at[mesh.faces]
     corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
@@ -61,14 +55,8 @@ def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: 
     A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands
     h above that plane at the distance d can meet it only if t >= d / h. The least d / h over the
     horizon is a lower bound: distances are taken too short and heights too large by as much as
-    blocks, cells and faces extend.
-
-    Parameters
-    ----------
-    point
-        of the texels (h, w, 3).
-    normal
-        of the texels (h, w, 3).
+    blocks, cells and faces extend. `point`: of the texels (h, w, 3). `normal`: of the texels (h, w,
+    3).
     """
     height, width = point.shape[:2]
     side = max(1, round(BLOCK_M / step_m))

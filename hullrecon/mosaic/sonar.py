@@ -138,12 +138,7 @@ def learn_levels(
 
     That holds beam pattern, spreading and grazing angle. Only pixels on which the surface lies and
     is seen are counted, so that neither water before the first return nor shadows darken the mean.
-    None when too little of the hull was seen.
-
-    Parameters
-    ----------
-    scratch
-        an empty file.
+    None when too little of the hull was seen. `scratch`: an empty file.
     """
     grid = grid_around(footprints.at.reshape(-1, 2), 0.05)
     shape = image_views[0].image.shape

@@ -74,17 +74,6 @@ def read_survey(
     """Read a survey from the artifacts of the steps in NEEDED.
 
     Raises InputError if it has no CAD model or found too little of the hull.
-
-    Parameters
-    ----------
-    folders
-        Folder of each step's artifact, by name.
-    name
-        Of the dive.
-    frame_spacing_m
-        Of the ship's frames, None if unknown.
-    where
-        The run's place, for errors.
     """
     solution, detect = AdjustArtifact(folders["adjust"]).solution, DetectArtifact(folders["detect"])
     cad_model, as_found, split = (

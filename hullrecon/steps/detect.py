@@ -74,14 +74,8 @@ def _adjusted(inputs: InputArtifacts) -> AdjustArtifact:
 def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
     """Summarise how well the survey as a whole lies on the hull and below the water.
 
-    Parameters
-    ----------
-    solution
-        The adjusted dive.
-    chart
-        The hull's chart.
-    depth_sigma_m
-        Sigma of the water surface in g, for poses in M. If None, that of the poses is taken.
+    `depth_sigma_m`: sigma of the water surface in g, for poses in M. If None, that of the poses is
+    taken.
     """
     track = solution.track()
     along, girth = track.sigma_on_chart(chart)

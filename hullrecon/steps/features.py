@@ -66,8 +66,6 @@ def run(context: Context[FeatureOptions], find: FindFeatures = extract) -> None:
 
     Parameters
     ----------
-    context
-        Settings, inputs and writer of the step.
     find
         Finds the features of an image. hullrecon/studies has a published variant.
 

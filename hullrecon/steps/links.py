@@ -31,14 +31,8 @@ def run(
 ) -> None:
     """Write pairs of images, patches of hull seen again, and the path that both constrain.
 
-    Parameters
-    ----------
-    context
-        Settings, inputs and writer of the step.
-    kernel
-        Robust kernel against wrong links. hullrecon/studies compares others.
-    strategy
-        How images are matched. hullrecon/studies has published variants.
+    `kernel`: robust kernel against wrong links. hullrecon/studies compares others. `strategy`: how
+    images are matched. hullrecon/studies has published variants.
     """
     inputs = InputArtifacts(context.inputs)
     graph = pose_graph(inputs, inputs.mounted(context.settings), kernel)

@@ -75,16 +75,8 @@ def run(context: Context[SonarOptions]) -> None:
 def ping_poses(artifacts: InputArtifacts, settings: StageSettings, track: VehicleTrack) -> Poses:
     """Compute the sonar's poses at its pings in the track's frame: result_from_sonar (n).
 
-    Raises StageError if there is no ping, or the sonar's servo was not logged.
-
-    Parameters
-    ----------
-    artifacts
-        Inputs of the step.
-    settings
-        With the mounts that the log gives filled in.
-    track
-        Path of the vehicle.
+    Raises StageError if there is no ping, or the sonar's servo was not logged. `settings`: with the
+    mounts that the log gives filled in.
     """
     rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
     joint = settings.read_optional("sonar.joint", str)
@@ -99,21 +91,7 @@ def blend_pings(
     progress: Progress,
     scratch: BinaryIO,
 ) -> SonarMosaic:
-    """Blend posed pings on a surface. Raises StageError if no ping meets it.
-
-    Parameters
-    ----------
-    surface
-        The hull's surface with its chart.
-    pings, poses
-        The sonar's pings, and their poses in the surface's frame.
-    settings
-        Of the step.
-    progress
-        Shows how many pings are done.
-    scratch
-        An empty file.
-    """
+    """Blend posed pings on a surface. Raises StageError if no ping meets it."""
     elevation_rad = np.radians(settings.read("sonar.elevation_deg", float))
     try:
         return sonar_mosaic(

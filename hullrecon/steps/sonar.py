@@ -21,20 +21,8 @@ def sonar_poses(
 ) -> Poses:
     """Compute the sonar's poses at ping times (n,) in the track's frame: result_from_sonar (n).
 
-    Raises StageError if the servo was not logged.
-
-    Parameters
-    ----------
-    rig
-        The vehicle's sensors.
-    track
-        Path of the vehicle.
-    t_ns
-        Times of the pings (n,).
-    joint
-        Name of the sonar's servo, None if the sonar is fixed.
-    samples
-        Angles of the servo, None if they were not logged.
+    Raises StageError if the servo was not logged. `joint`: name of the sonar's servo, None if the
+    sonar is fixed. `samples`: angles of the servo, None if they were not logged.
     """
     angle = np.zeros(len(t_ns))
     if joint is not None:

@@ -53,16 +53,8 @@ def check_rig(
 
     Parameters
     ----------
-    rig
-        The vehicle's sensors.
-    index
-        The images of each camera.
-    read
-        Reads an image by camera and row.
     sigma_rad
         Of the bottom camera's rotation.
-    logs
-        For the baseline and for cameras that fire apart.
 
     Returns
     -------

@@ -34,17 +34,7 @@ def run(
     regression: Regression = gaussian_process,
     reference: Reference = own_chart,
 ) -> None:
-    """Make the surface and write it.
-
-    Parameters
-    ----------
-    context
-        Settings, inputs and writer of the step.
-    regression
-        Regresses the offsets from the reference.
-    reference
-        Chooses the surface that offsets are measured from.
-    """
+    """Make the surface and write it."""
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     adjust, cad_model = inputs.adjust, inputs.ingest.hull

@@ -50,19 +50,8 @@ def draw_figures(
     """Draw the sources' figures on a simulated dive into RUNS/<dive>/compare/figures.
 
     Solves what `compare_methods` has not solved, runs the chain up to `detect`, whose heights are
-    the ones delivered, and with one camera `links` for each two-view model.
-
-    Returns
-    -------
-    folder
-        where pictures and tables were written.
-    figures
-        as drawn.
-
-    Raises
-    ------
-    InputError
-        when the package holds no truth.
+    the ones delivered, and with one camera `links` for each two-view model. Raises InputError when
+    the package holds no truth.
     """
     results = run_studies(dive, FIGURES, jobs=jobs, progress=progress)
     figures = [figure for result in results for figure in result.figures]

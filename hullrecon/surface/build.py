@@ -67,8 +67,6 @@ def gaussian_process(
         the points on the chart (n, 3).
     wanted
         places of the chart (m, 2).
-    form
-        of the kernel.
 
     Returns
     -------

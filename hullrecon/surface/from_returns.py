@@ -70,13 +70,6 @@ def surface_from_survey(
     """Estimate the hull's surface in the frame of the track.
 
     Raises StageError where there is too little to make one of.
-
-    Parameters
-    ----------
-    regression
-        how offsets are regressed; a Gaussian process in the product.
-    reference
-        what they are offsets from; the chart in the product.
     """
     # Where the beams ended, and the landmarks on the hull
     returns, counts = _points_of_returns(survey, options)
@@ -240,11 +233,8 @@ def move_to_hull_frame(
 ) -> VehicleTrack:
     """Move a track from g to M by a first guess of the hull's pose (a batch of one).
 
-    Parameters
-    ----------
-    sigma_m
-        of the guess, along M's axes (3,). It is added to the covariance and soon exceeds the
-        rest of it.
+    `sigma_m`: of the guess, along M's axes (3,). It is added to the covariance and soon exceeds the
+    rest of it.
     """
     hull_from_global = global_from_hull.inverse()
     turn = np.zeros((6, 6))

@@ -134,10 +134,7 @@ def maximise_likelihood(
 ) -> tuple[Kernel, float]:
     """Estimate the field's lengths and sigma and a factor on the noise.
 
-    Parameters
-    ----------
-    limit
-        m, within which lengths stay.
+    `limit`: m, within which lengths stay.
     """
     from scipy.optimize import minimize
 

@@ -36,12 +36,8 @@ class Observations(Rows):
 def cell_means(at: Array, offset: Array, noise: Array, cell_m: float | Array) -> Observations:
     """Average over the cells of a grid, weighted, in the grid's order.
 
-    The noise (n,) is white, so means have less of it.
-
-    Parameters
-    ----------
-    cell_m
-        side of a cell, or its two sides along and in girth.
+    The noise (n,) is white, so means have less of it. `cell_m`: side of a cell, or its two sides
+    along and in girth.
     """
     corner = np.floor(at / cell_m).astype(np.int64)
     _, cell = np.unique(corner, axis=0, return_inverse=True)

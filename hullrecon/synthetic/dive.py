@@ -43,10 +43,7 @@ class Dive:
 def simulate_dive(spec: DiveSpec) -> Dive:
     """Build the hull, the items, the path and the rig of a dive.
 
-    Raises
-    ------
-    UsageError
-        Where the hull is too small for it.
+    Raises UsageError where the hull is too small for it.
     """
     ship, survey = spec.ship, spec.survey
     cad_model = hull_shape(ship)

@@ -36,10 +36,7 @@ def options() -> tuple[Option, ...]:
 def with_options(spec: DiveSpec, **values: Any) -> DiveSpec:
     """Change options of a spec by flat name.
 
-    Raises
-    ------
-    UsageError
-        For an unknown name, and for a value out of bounds.
+    Raises UsageError for an unknown name, and for a value out of bounds.
     """
     known = {option.name: option for option in options()}
     changes: dict[str, dict[str, Any]] = {}

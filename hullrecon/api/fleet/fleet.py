@@ -159,22 +159,10 @@ def run_fleet(
 
     Parameters
     ----------
-    dives
-        Folder of dive packages.
-    runs
-        Folder of all runs.
     jobs
         Dives at a time. Each has its share of the cores.
-    scheduler
-        Address of a Dask scheduler for all dives.
     retry
         Run also what failed before and has not changed since.
-    progress
-        Shows how many dives have ended, nothing if None.
-    on_failure
-        Called with each failed dive, as it fails.
-    allow_outside
-        Dives may read files outside their packages.
     time_limit_s
         A dive that takes longer is ended and has failed.
 

@@ -134,14 +134,8 @@ class Listing:
 def list_folder(folder: Path, inside: Path, leave_out: tuple[str, ...] = ()) -> Listing:
     """List a folder. What cannot be read counts as absent.
 
-    Parameters
-    ----------
-    folder
-        The folder to list.
-    inside
-        Links to folders are followed only if they lead into this folder.
-    leave_out
-        Names at the folder's top that do not count.
+    `inside`: links to folders are followed only if they lead into this folder. `leave_out`: names
+    at the folder's top that do not count.
     """
     files, special, marks = list[str](), list[tuple[str, str]](), hashlib.sha256()
     seen = set[tuple[int, int]]()

@@ -64,20 +64,8 @@ def run_each(
     """Run hullrecon with each of these arguments, `jobs` at a time. Yield each as it ends.
 
     A command that takes longer than time_limit_s is ended, and so is what still runs when the
-    generator is closed.
-
-    Parameters
-    ----------
-    commands
-        Arguments of each command, by key.
-    jobs
-        Commands at a time.
-    scratch
-        Folder for what the commands print.
-    time_limit_s
-        Of each command.
-    on_start
-        Called with the key of each command that was started.
+    generator is closed. `commands`: arguments of each command, by key. `scratch`: folder for what
+    the commands print.
     """
     waiting, running = deque(commands.items()), list[_Running[Key]]()
     try:

@@ -61,16 +61,8 @@ def median_background(feet: Array, offset: Array, width_m: float) -> Background:
     """Estimate the hull by running medians over discs `width_m` wide.
 
     What covers less than half a disc is not hull. Landmarks are first thinned to medians of small
-    cells, so that a richly textured structure does not outvote the hull around it.
-
-    Parameters
-    ----------
-    feet
-        of the landmarks on the base (n, 3).
-    offset
-        of the landmarks from the base (n,) m.
-    width_m
-        of a disc.
+    cells, so that a richly textured structure does not outvote the hull around it. `feet`: of the
+    landmarks on the base (n, 3). `offset`: of the landmarks from the base (n,) m.
     """
     from scipy.spatial import cKDTree
 

@@ -97,16 +97,7 @@ def estimate_hull_as_found(
 ) -> HullAsFound:
     """Refine the base at landmarks and structures, and move it to the landmarks.
 
-    Parameters
-    ----------
-    base
-        the CAD model, or the survey's own surface.
-    measured
-        landmarks that measure it.
-    background
-        the hull without structures.
-    fusion
-        how regressed heights and the views' shapes become vertices.
+    `fusion`: how regressed heights and the views' shapes become vertices.
     """
     hull_at_foot, _ = background.at(measured.foot)
     height = measured.offset - hull_at_foot

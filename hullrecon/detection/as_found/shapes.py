@@ -30,14 +30,8 @@ def detect_shapes(
 
     Features beyond the threshold are points (f_x, f_y, |d|), clustered by DBSCAN; each cluster is
     meshed by its alpha shape in (f_x, f_y). Raised and sunken features are clustered apart: |d|
-    alone would join a bump with the hole beside it.
-
-    Parameters
-    ----------
-    in_camera
-        features (n, 3) m in the camera's frame.
-    deviation
-        from the hull (n,) m.
+    alone would join a bump with the hole beside it. `in_camera`: features (n, 3) m in the camera's
+    frame. `deviation`: from the hull (n,) m.
     """
     shapes = []
     for side in (1.0, -1.0):

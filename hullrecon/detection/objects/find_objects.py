@@ -229,13 +229,7 @@ def _rejection_reason(
     supporting: tuple[int, float],
     options: DetectOptions,
 ) -> str:
-    """Say why the region is not an object. Empty if it is.
-
-    Parameters
-    ----------
-    supporting
-        landmarks that agree, and their share.
-    """
+    """Say why the region is not an object. Empty if it is."""
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = _showing(found, region, area)
     core = float(area[region.core].sum())

@@ -39,14 +39,7 @@ def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Arou
     """Find where a region's footprint borders on vertices that no landmark decides.
 
     As much of a structure may be hidden as is seen: it may go on as far as its footprint reaches
-    from its middle.
-
-    Parameters
-    ----------
-    area
-        of the vertices of the base (n,) m2.
-    around
-        the vertices of the base.
+    from its middle. `area`: of the vertices of the base (n,) m2.
     """
     at, foot = found.base.vertices, region.foot
     reach = max(BAND_M, float(np.linalg.norm(at[foot] - at[foot].mean(axis=0), axis=1).max()))
@@ -88,14 +81,8 @@ def measure_size(
 ) -> ObjectSize:
     """Measure a region's footprint.
 
-    Its sigmas hold what may lie beyond the open edge.
-
-    Parameters
-    ----------
-    area
-        of the vertices (n,) m2.
-    height_sigma
-        m, of the region's height.
+    Its sigmas hold what may lie beyond the open edge. `area`: of the vertices (n,) m2.
+    `height_sigma`: m, of the region's height.
     """
     foot, at = region.foot, found.base.vertices[region.foot]
     extent, size = _extent(at, at, normal, chart), float(area[foot].sum())

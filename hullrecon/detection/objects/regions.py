@@ -117,12 +117,7 @@ class Region:
     def rise_of(self, feet: Array, offset: Array) -> Array:
         """Measure points above the hull around, m, positive on the region's side.
 
-        Parameters
-        ----------
-        feet
-            of the points on the base (n, 3).
-        offset
-            from the base (n,) m.
+        `feet`: of the points on the base (n, 3). `offset`: from the base (n,) m.
         """
         return self.side * (offset - self.hull.offset(feet))
 
@@ -214,10 +209,7 @@ def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
 def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
     """Grow a seed to a region. None if no hull was measured around it to count from.
 
-    Parameters
-    ----------
-    foreign
-        vertices of its neighbours.
+    `foreign`: vertices of its neighbours.
     """
     found, area, base = relief.found, relief.area, relief.found.base.vertices
     width = float(np.clip(RING_WIDTH * np.sqrt(area[seed].sum()), *RING_WIDTHS_M))

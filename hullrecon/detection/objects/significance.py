@@ -45,10 +45,7 @@ def relief_left(over_m: Array, sigma_m: Array) -> float:
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
     """Return the two-sided probability that bare hull reaches this height at any place.
 
-    Parameters
-    ----------
-    places
-        how many were looked at.
+    `places`: how many were looked at.
     """
     from scipy.special import ndtr  # not scipy.stats, which takes seconds to load
 

@@ -21,10 +21,7 @@ Match = tuple[ReportedObject, TrueStructure | None]
 def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) -> Figures:
     """Score reported objects against the nearest structures within reach.
 
-    Parameters
-    ----------
-    motion
-        the rigid motion that takes our trajectory onto the true one.
+    `motion`: the rigid motion that takes our trajectory onto the true one.
     """
     moved = [_move(found_object, motion) for found_object in found]
     structures, due = truth.structures(), truth.due()

@@ -43,14 +43,8 @@ class _SummaryFile(msgspec.Struct, frozen=True):
 def score_run(run: Path, package: Path) -> Score:
     """Score a run against its truth, by deliverable and name.
 
-    Raises InputError when there is nothing to score or no truth to score it by.
-
-    Parameters
-    ----------
-    run
-        RUNS/<dive> or its deliver/.
-    package
-        the simulated dive.
+    Raises InputError when there is nothing to score or no truth to score it by. `run`: RUNS/<dive>
+    or its deliver/.
     """
     deliver, truth = deliver_folder(run), read_truth(package)
     reader = _DeliveryReader(deliver, truth)

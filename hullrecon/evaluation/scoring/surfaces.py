@@ -21,14 +21,8 @@ _UNCLEAR_M = 0.02  # nearer the label boundary than this, neither label is wrong
 def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: int) -> Figures:
     """Score vertices with enough support where the true surface is known.
 
-    Figures named aligned_ are after the motion.
-
-    Parameters
-    ----------
-    motion
-        the rigid motion that takes our trajectory onto the true one.
-    min_support
-        views or returns behind a vertex.
+    Figures named aligned_ are after the motion. `motion`: the rigid motion that takes our
+    trajectory onto the true one. `min_support`: views or returns behind a vertex.
     """
     keep = truth.near(cloud.points, 0.25)
     for points in (cloud.points, motion.apply(cloud.points)):
@@ -85,10 +79,7 @@ def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
 def _score_labels(foot: Array, off: Mask, cad_model: Scene) -> Figures:
     """Return recall and precision of label 0, given feet (n, 3) on the true steel.
 
-    Parameters
-    ----------
-    off
-        landmarks with label 0.
+    `off`: landmarks with label 0.
     """
     away = np.abs(cad_model.closest(foot).distance)
     clear = np.abs(away - LABEL_BOUNDARY_M) > _UNCLEAR_M

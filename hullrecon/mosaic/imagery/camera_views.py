@@ -59,10 +59,7 @@ def images_of_camera(
 ) -> CameraImages:
     """Place a camera's usable images in the frame of the track.
 
-    Parameters
-    ----------
-    usable
-        by row of the camera's index (m,).
+    `usable`: by row of the camera's index (m,).
     """
     nodes = np.flatnonzero(track.image[:, camera.column] >= 0)
     nodes = nodes[usable[track.image[nodes, camera.column]]]
@@ -88,10 +85,7 @@ def compute_footprints(
 ) -> Footprints:
     """Find where images meet the surface.
 
-    Parameters
-    ----------
-    most_medians
-        of a view's median distance, beyond which what it meets is left out.
+    `most_medians`: of a view's median distance, beyond which what it meets is left out.
     """
     outlines = [image_view.outline(surface) for image_view in image_views]
     ranges = np.array(

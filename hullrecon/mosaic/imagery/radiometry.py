@@ -59,11 +59,6 @@ def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[
     """Start the fields from the median over each camera's images, smoothed.
 
     Evenly chosen MOST_IMAGES where there are more; about a mean of zero.
-
-    Parameters
-    ----------
-    thumbnails
-        (h, w, c) of FIELD's shape or larger.
     """
     fields = []
     for k in range(int(camera.max()) + 1):
@@ -109,13 +104,8 @@ def _gains(
 ) -> Array:
     """Estimate each view's level against the scene's mean, by sweeps.
 
-    Huber at 0.2, a fifth of the brightness: glints do not count more.
-
-    Parameters
-    ----------
-    pull
-        samples' worth of belief that a view is as bright as the others, which keeps a chain of
-        views from drifting.
+    Huber at 0.2, a fifth of the brightness: glints do not count more. `pull`: samples' worth of
+    belief that a view is as bright as the others, which keeps a chain of views from drifting.
     """
     gain = np.zeros(views)
     for _ in range(sweeps):

@@ -82,10 +82,7 @@ class SonarFan:
 def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarFan:
     """Build a fan from the beams' unit vectors in `sonar` (beams, 3).
 
-    Parameters
-    ----------
-    elevation_rad
-        full aperture out of the fan.
+    `elevation_rad`: full aperture out of the fan.
     """
     bearing = np.arctan2(directions[:, 1], directions[:, 2])
     order = np.argsort(bearing, kind="stable")

@@ -115,13 +115,6 @@ def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
     """Sum the area on the chart, m2, of gaps inside the outline of what was seen.
 
     Gaps of at least MIN_GAP_M2 count; those up to GAP_BRIDGE_M wide at the rim are inside.
-
-    Parameters
-    ----------
-    alpha
-        (h, w).
-    step_m
-        side of its pixels.
     """
     from scipy import ndimage
 

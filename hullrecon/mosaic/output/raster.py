@@ -64,12 +64,7 @@ def write_raster(
 
     GDAL's driver for cloud-optimised files copies a whole file with its overviews. Both, deflated,
     stay in memory: on a full disk GDAL raises errors of its own and prints on standard error, a
-    write of ours raises OSError.
-
-    Parameters
-    ----------
-    tiles
-        (size, size, bands), or (size, size).
+    write of ours raises OSError. `tiles`: (size, size, bands), or (size, size).
     """
     import rasterio
     from rasterio.io import MemoryFile

@@ -88,10 +88,7 @@ def face_shares(mesh: Mesh, scene: Scene, points: Array) -> tuple[Ints, Array]:
 def surface_bands(name: str, *, by_images: bool = True) -> RasterBands:
     """Describe the raster of that name.
 
-    Parameters
-    ----------
-    by_images
-        whether the support counts images, else returns of the DVL.
+    `by_images`: whether the support counts images, else returns of the DVL.
     """
     counts = name == "support"
     return RasterBands(

@@ -38,10 +38,7 @@ def build_textured_mesh(
 ) -> TexturedMesh:
     """Mesh the seen part of the surface regularly on the chart.
 
-    Parameters
-    ----------
-    alpha
-        of the mosaic reduced by that many texels.
+    `alpha`: of the mosaic reduced by that many texels.
     """
     seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
     step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / max_faces))
@@ -94,13 +91,7 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> byt
     """Encode a GLB file with normals, without which a viewer shades each triangle flat.
 
     Vertices are single precision, about a local origin that the node's matrix moves them from.
-
-    Parameters
-    ----------
-    texture
-        (h, w, 4) RGBA or (h, w, 2).
-    up
-        the axis of the frame that points up (3,).
+    `texture`: (h, w, 4) RGBA or (h, w, 2). `up`: the axis of the frame that points up (3,).
     """
     import trimesh
     from PIL import Image

@@ -126,12 +126,8 @@ def make_tiles(
     """Make every tile in threads, up to MAX_AT_A_TIME at a time.
 
     No more are in memory uncompressed, and the result does not depend on it. The small copy is
-    reduced to max_pixels a side, or as often as `size` can be halved.
-
-    Parameters
-    ----------
-    make
-        called from several threads.
+    reduced to max_pixels a side, or as often as `size` can be halved. `make`: called from several
+    threads.
     """
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:
@@ -169,14 +165,7 @@ def blend_tiles(
 ) -> TileStore:
     """Blend all views on every tile of the grid.
 
-    Parameters
-    ----------
-    footprints
-        of the views on the surface: only those that may see a tile are asked for it.
-    channels
-        3 of a camera, 1 of a sonar.
-    progress
-        wraps the sequence of tiles, with a word for it.
+    `footprints`: of the views on the surface: only those that may see a tile are asked for it.
     """
     windows = footprint_windows(grid, footprints)
     return make_tiles(

@@ -47,14 +47,7 @@ HEADINGS |= {"area": "area_m2", "p_value": "p_value"}
 def change_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict[str, bytes]:
     """Write document, table, layers and map of a comparison, by file name.
 
-    Parameters
-    ----------
-    change
-        The comparison.
-    outside
-        The map in which layers are given.
-    t_ns
-        Time of the second dive's last pose, written as the GeoPackage's time.
+    `t_ns`: time of the second dive's last pose, written as the GeoPackage's time.
     """
     layer = change_layer(change, outside)
     ids = range(1, len(layer.shapes) + 1)

@@ -60,19 +60,7 @@ def page_context(
     deliverables: Mapping[str, object],
     photos: Mapping[int, Crop],
 ) -> PageContext:
-    """Build the variables of the page's template.
-
-    Parameters
-    ----------
-    survey
-        All that the page draws on.
-    plots
-        Plots of the appendix.
-    deliverables
-        Entries with bytes and sha256, by name.
-    photos
-        Pictures of the objects, by number.
-    """
+    """Build the variables of the page's template."""
     view = hull_map(survey)
     layers = survey_layers(survey, view) if view else []
     dive = survey.facts.dive

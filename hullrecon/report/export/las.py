@@ -32,10 +32,6 @@ def las_bytes(
 
     Parameters
     ----------
-    surface
-        The hull as found.
-    split
-        Parts of the deviation, None without a CAD model.
     frame
         M or g.
     t_ns

@@ -32,17 +32,7 @@ def summary_document(
     deliverables: Mapping[str, FileEntry],
     failed: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, object]:
-    """Build summary.json (docs/deliverables.md).
-
-    Parameters
-    ----------
-    survey
-        All that a report draws on.
-    deliverables
-        Size and hash of what was written, by name.
-    failed
-        Why other deliverables could not be written, by name.
-    """
+    """Build summary.json (docs/deliverables.md)."""
     dive, provenance = survey.facts.dive, survey.provenance
     return {
         "schema": SCHEMA,

@@ -235,22 +235,7 @@ def standoff(dvl: DvlPings) -> Array:
 
 
 def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) -> Plot | None:
-    """Draw depth and distance to the hull over the dive, as far as they were measured.
-
-    Parameters
-    ----------
-    t_ns
-        Times of the nodes.
-    depth_m
-        At the nodes, None without a pressure sensor.
-    dvl
-        None without a DVL.
-
-    Returns
-    -------
-    plot
-        None if neither was measured.
-    """
+    """Draw depth and distance to the hull over the dive, as far as they were measured."""
     gap = standoff(dvl) if dvl is not None and np.isfinite(dvl.ranges).any() else None
     if depth_m is None and gap is None:
         return None

@@ -128,8 +128,6 @@ def find_corners(image: Pixels, sift: Floats32, most: int) -> tuple[Floats32, Fl
         Levelled (h, w).
     sift
         Places (k, 2) of its SIFT features, which no corner repeats.
-    most
-        Corners at most.
 
     Returns
     -------

@@ -63,13 +63,8 @@ def range_residuals(
 ) -> Array:
     """Compute predicted minus measured ranges (m,) m of beams that meet the CAD model.
 
-    This is [Ozog2016 eq. 4.14].
-
-    Parameters
-    ----------
-    deviation_at
-        the hull's normal offset (n,) m at points (n, 3) in M. The CAD model is moved outward by
-        it, as in the adjustment: cast - offset / cos(incidence).
+    This is [Ozog2016 eq. 4.14]. `deviation_at`: the hull's normal offset (n,) m at points (n, 3) in
+    M. The CAD model is moved outward by it, as in the adjustment: cast - offset / cos(incidence).
     """
     origins = beams.origins
     predicted = cad_model.cast(origins, beams.directions)

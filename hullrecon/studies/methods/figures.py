@@ -56,11 +56,6 @@ def draw_method_figures(
     """Draw [Ozog2016 Figs 4.10 (4.11), 4.12, 4.13, 4.14, 4.16] from solves.
 
     A figure without its data is left out.
-
-    Parameters
-    ----------
-    reported
-        the objects that the dive delivers, none where it has none.
     """
     figures = [cost_history([_history(v) for v in variants])]
     maxmix = [_history(v) for v in variants if v.method == "maxmix" and len(v.solution.landmarks)]

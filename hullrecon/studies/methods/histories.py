@@ -170,13 +170,7 @@ def _count(solve: SolveHistory) -> str:
 
 
 def _labels_converged(solve: SolveHistory, share: float = 0.001) -> str:
-    """Say after how many iterations of the last round few labels change.
-
-    Parameters
-    ----------
-    share
-        of the landmarks, fewer than which may still change.
-    """
+    """Say after how many iterations of the last round few labels change."""
     last = solve.round == solve.round.max()
     changing = np.flatnonzero(solve.label_changes[last] > share * solve.landmarks[last])
     iterations = int(changing.max()) if len(changing) else 0

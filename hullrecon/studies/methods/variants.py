@@ -122,10 +122,7 @@ def build_step(
 ) -> None:
     """Bring one step up to date in another workspace than that of its inputs.
 
-    Parameters
-    ----------
-    replaced
-        inputs that are not those of `upstream`, by step.
+    `replaced`: inputs that are not those of `upstream`, by step.
     """
     stage = chain.stage(name)
     job = make_job(

@@ -193,13 +193,7 @@ def in_hull(track: VehicleTrack, truth: Truth) -> Poses:
 def error_ellipses(
     track: VehicleTrack, in_hull: Poses, nodes: Ints, sigmas: float = 3.0
 ) -> list[Array]:
-    """Outline (k, 2) m the error of nodes as seen from above in M.
-
-    Parameters
-    ----------
-    in_hull
-        where the track lies.
-    """
+    """Outline (k, 2) m the error of nodes as seen from above in M."""
     turn = (in_hull[nodes].rotation * track.poses[nodes].rotation.inv()).as_matrix()
     covariance = (turn @ track.covariance[nodes, :3, :3] @ turn.swapaxes(1, 2))[:, :2, :2]
     values, vectors = np.linalg.eigh(covariance)

@@ -112,10 +112,7 @@ def lay_onto_cad_model(
 ) -> ReturnsOnHull:
     """Register the returns on a path to the CAD model, from where it truly lies.
 
-    Parameters
-    ----------
-    start
-        with returns.
+    `start`: with returns.
     """
     assert start.returns is not None
     points = start.rig.dvl_points(start.returns, path).points[~start.returns.flagged]

@@ -70,12 +70,8 @@ def measured_dive(
 
     Parameters
     ----------
-    rng
-        Of the errors.
     truth
         global_from_vehicle (n).
-    drift_deg_per_hour
-        Of the heading.
     semi_axes_m
         (3,) across, along and down.
     nearer_m
@@ -189,16 +185,10 @@ def measured_steps(
 
     Parameters
     ----------
-    rng
-        Of the white noise.
-    truth
-        The path.
     navigation
         Its first two: error of scale, and drift of the heading, rad/s.
     mount
         Turn (3,) of the DVL, rad.
-    step_s
-        Between poses.
     step_sigma
         White noise (6,) m, rad.
     """

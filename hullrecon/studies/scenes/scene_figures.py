@@ -137,11 +137,8 @@ def transferred_points() -> dict[str, TransferredPoints]:
 def _sampled(rng: np.random.Generator, xy: Array, sigma: Array) -> Array:
     """Draw where a point xy (2,) of the first image falls in the second, px (SAMPLES, 2).
 
-    Parameters
-    ----------
-    sigma
-        of the motion's translation, in the second camera's axes, and of its rotation, perturbed on
-        the right (6,).
+    `sigma`: of the motion's translation, in the second camera's axes, and of its rotation,
+    perturbed on the right (6,).
     """
     errors = sigma * rng.standard_normal((SAMPLES, 6))
     seen = xy + PIXEL_IDEAL * rng.standard_normal((SAMPLES, 2))

@@ -61,11 +61,6 @@ def search_ellipses(
     """Draw [Ozog2016 Fig. D.4]: samples and 99 % ellipses in the second image.
 
     A panel a size of the relative pose's sigmas.
-
-    Parameters
-    ----------
-    image_px
-        width and height.
     """
     figure, axes = new_canvas(4.4 * len(sizes), 4.4, 1, len(sizes))
     table, words = ["size,point,u_px,v_px,semi_axis_short_px,semi_axis_long_px,share_within_99"], []

@@ -21,21 +21,7 @@ def write_package(folder: Path, spec: DiveSpec, track: Track = without_progress)
     """Simulate a dive and write its package, truth and all.
 
     It is written under a temporary name, so that a simulation that fails or is interrupted leaves
-    nothing.
-
-    Parameters
-    ----------
-    folder
-        May exist, but must be empty.
-    spec
-        The dive.
-    track
-        Shows the images as they are written.
-
-    Raises
-    ------
-    StorageError
-        When the folder is not empty or cannot be written.
+    nothing. Raises StorageError when the folder is not empty or cannot be written.
     """
     with new_folder(folder) as partial:
         dive = simulate_dive(spec)

@@ -148,18 +148,8 @@ def photograph(
 ) -> NDArray[np.uint8]:
     """Render an image (h, w, 3) RGB.
 
-    Parameters
-    ----------
-    scene
-        The hull and the water.
-    view
-        The lens.
-    hull_from_camera
-        One pose, or one a row (h).
-    lamp
-        Its place (1, 3) or (h, 3) in the hull's frame.
-    random
-        Of particles and noise.
+    `hull_from_camera`: one pose, or one a row (h). `lamp`: its place (1, 3) or (h, 3) in the hull's
+    frame.
     """
     shape = view.vignetting.shape
     each = len(view.ray) // len(hull_from_camera)  # pixels that share a pose

@@ -80,10 +80,7 @@ class HullSkin:
     ) -> None:
         """Lay the grid over span_m and over the girths that every section has.
 
-        Raises
-        ------
-        InputError
-            Where the CAD model has no skin there.
+        Raises InputError where the CAD model has no skin there.
         """
         self._caster, self._zero_z_m = Rays(cad_model), zero_z_m
         self._high_z_m = float(cad_model.vertices[:, 2].max())

@@ -40,10 +40,7 @@ def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
 def hull_from_mesh(path: Path, length_m: float | None = None) -> Mesh:
     """Read a mesh as hull, its aft end at x = 0, its lowest point at z = 0, scaled to a length.
 
-    Raises
-    ------
-    InputError
-        When there is no such file, or it holds no triangles or none with a length.
+    Raises InputError when there is no such file, or it holds no triangles or none with a length.
     """
     import trimesh
 

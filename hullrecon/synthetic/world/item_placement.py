@@ -32,12 +32,8 @@ def place_items(
 ) -> tuple[Item, ...]:
     """Place the dive's items at random within a window of the chart, clear of each other.
 
-    Structures first, then marks, then barnacles, then structures added since.
-
-    Raises
-    ------
-    UsageError
-        When they do not fit, or more are to be changed than there are.
+    Structures first, then marks, then barnacles, then structures added since. Raises UsageError
+    when they do not fit, or more are to be changed than there are.
     """
     if spec.items.placed is not None:
         return spec.items.placed
