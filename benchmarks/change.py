@@ -25,7 +25,7 @@ from hullrecon.api.dive_run import run
 from hullrecon.geometry.poses import Poses, from_matrix
 from hullrecon.records.change import HullChange, HullSurvey
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.output.package import write_package
+from hullrecon.synthetic.package import write_package
 
 SMALLEST: dict[str, Any] = {
     "legs": 2,

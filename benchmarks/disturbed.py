@@ -30,7 +30,7 @@ from mcap.writer import Writer
 from scipy.spatial.transform import Rotation
 
 from benchmarks.legs import Figures, figures, hullrecon, without_cad_model
-from hullrecon.synthetic.output.mcap_log import store
+from hullrecon.synthetic.logs import store
 
 NS = 1_000_000_000
 HEADING_STEP_DEG, CLOCK_JUMP_S, NO_IMAGES_S = 3.0, 2.0, 50.0

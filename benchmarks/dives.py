@@ -26,8 +26,8 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.evaluation.scoring.score import score_run
-from hullrecon.evaluation.scoring.truth import read_truth
+from hullrecon.evaluation.score import score_run
+from hullrecon.evaluation.truth import read_truth
 from hullrecon.geometry.poses import Poses
 
 BASE = "--no-sonar --legs 4 --leg-length-m 5 --views 6"

@@ -34,7 +34,7 @@ from benchmarks.legs import NoErrors, cast, nearest_frames, true_revisits
 from benchmarks.links_in_graph import kept_by_graph, links_of, solved_graph
 from hullrecon.dive.config.load import LoadedConfig, load_config
 from hullrecon.dive.config.schema import Tray
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses

@@ -40,7 +40,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.disturbed import said
 from benchmarks.legs import figures
-from hullrecon.synthetic.output.mcap_log import store
+from hullrecon.synthetic.logs import store
 
 NS = 1_000_000_000
 Message = Any  # of rosbags

@@ -28,9 +28,9 @@ from typing import Any
 import numpy as np
 from mcap.reader import make_reader
 
-from hullrecon.evaluation.scoring.deliverables import TimedPoses
-from hullrecon.evaluation.scoring.trajectory import hull_from_start
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.deliverables import TimedPoses
+from hullrecon.evaluation.trajectory import hull_from_start
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.rigid_fit import fit_rigid, fit_scale
@@ -39,10 +39,10 @@ from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
 from hullrecon.synthetic.dive import simulate_dive
+from hullrecon.synthetic.logs import TOPICS, store
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.output.mcap_log import TOPICS, store
-from hullrecon.synthetic.output.package import write_package, write_parts
-from hullrecon.synthetic.sensors.recorder import InTurn, record
+from hullrecon.synthetic.package import write_package, write_parts
+from hullrecon.synthetic.recorder import InTurn, record
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.selection import footprint_overlap

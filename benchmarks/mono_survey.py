@@ -27,7 +27,7 @@ from benchmarks.dives import nees
 from benchmarks.false_links import read_dive
 from benchmarks.legs import figures, hullrecon, matched, true_revisits
 from benchmarks.links_in_graph import solved_graph
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.casting import Scene

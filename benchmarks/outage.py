@@ -23,7 +23,7 @@ from pathlib import Path
 
 from benchmarks.disturbed import Disturbance, disturb, said
 from benchmarks.legs import Figures, hullrecon, rigid_rms_mm
-from hullrecon.evaluation.scoring.truth import read_truth
+from hullrecon.evaluation.truth import read_truth
 from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
 
 

@@ -24,7 +24,7 @@ from scipy.sparse.linalg import splu
 from benchmarks.wrong_cad import measurements
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import adjust
-from hullrecon.evaluation.scoring.truth import read_truth
+from hullrecon.evaluation.truth import read_truth
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.typing import Array, Mask
 

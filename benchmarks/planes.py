@@ -22,18 +22,21 @@ from pathlib import Path
 import numpy as np
 
 from hullrecon.api.dive_run import run
-from hullrecon.evaluation.scoring.deliverables import TimedPoses
-from hullrecon.evaluation.scoring.trajectory import hull_from_start
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.deliverables import TimedPoses
+from hullrecon.evaluation.trajectory import hull_from_start
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.records.links import LinkedPath
 from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact
 from hullrecon.studies.methods.comparison import DeadReckoning
 from hullrecon.studies.methods.variants import read_dead_reckoning
-from hullrecon.studies.paths.distance_to_cad import ReturnsOnHull, distance_to_cad_model
-from hullrecon.studies.paths.path_figures import lay_onto_cad_model
+from hullrecon.studies.paths.path_figures import (
+    ReturnsOnHull,
+    distance_to_cad_model,
+    lay_onto_cad_model,
+)
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.output.package import write_package
+from hullrecon.synthetic.package import write_package
 from hullrecon.typing import Ints
 
 DRIFTS = tuple(range(15, 151, 15))  # deg/h

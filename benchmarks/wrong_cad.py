@@ -36,7 +36,7 @@ from hullrecon.dive.config import schema
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.mounts import guess_sigma
 from hullrecon.errors import StageError
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.meshes.casting import Scene
@@ -49,8 +49,8 @@ from hullrecon.steps.artifacts import (
     NavigateArtifact,
 )
 from hullrecon.steps.chain import stages
-from hullrecon.synthetic.spec import Ship
-from hullrecon.synthetic.world.hull_shapes import hull_from_mesh, ship_form
+from hullrecon.synthetic.hull_shapes import hull_from_mesh, ship_form
+from hullrecon.synthetic.options import Ship
 from hullrecon.typing import Array
 
 Change = Callable[[CadModel], CadModel]

@@ -17,7 +17,7 @@ from ..state import state_of
 @click.argument("package", type=FOLDER)
 def evaluate(run: Path, package: Path) -> None:
     """Score a run (RUNS/<dive> or its deliver/) against the truth in a simulated dive's PACKAGE."""
-    from hullrecon.evaluation.scoring.score import score_run, table_rows, without_nan
+    from hullrecon.evaluation.score import score_run, table_rows, without_nan
 
     figures = score_run(run, package)
     width = max(len(name) for name, _, _ in table_rows(figures))

@@ -54,7 +54,7 @@ def simulate(folder: Path, **values: object) -> None:
     --removed and --grown-m say what has changed since.
     """
     from hullrecon.artifacts.progress import choose_progress
-    from hullrecon.synthetic.output.package import write_package
+    from hullrecon.synthetic.package import write_package
 
     state = state_of()
     dive = write_package(folder, spec_from(**values), choose_progress(quiet=state.quiet).track)

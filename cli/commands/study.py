@@ -51,7 +51,7 @@ def _table_command(name: str, about: str) -> click.Command:
     def run(
         package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool
     ) -> None:
-        from hullrecon.evaluation.scoring.score import without_nan
+        from hullrecon.evaluation.score import without_nan
         from hullrecon.studies import run_studies
 
         dive = open_dive(package, runs, overrides, allow_outside=allow_outside)

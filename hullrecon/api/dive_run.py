@@ -22,7 +22,7 @@ from hullrecon.errors import InputError, StorageError
 
 if TYPE_CHECKING:
     from hullrecon.dive.config.load import LoadedConfig
-    from hullrecon.evaluation.scoring.score import Score
+    from hullrecon.evaluation.score import Score
 
 log = logging.getLogger(__name__)
 ASKS_FOR_BOW = frozenset({"hull", "hull.bow"})  # among what a step uses
@@ -207,7 +207,7 @@ def run(
 
 def evaluate(run: Path | str, package: Path | str) -> Score:
     """Score a run (RUNS/<dive> or its deliver/) against the truth of a simulated dive's package."""
-    from hullrecon.evaluation.scoring.score import score_run
+    from hullrecon.evaluation.score import score_run
 
     return score_run(Path(run), Path(package))
 

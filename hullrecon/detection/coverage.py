@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from hullrecon.detection.as_found.hull_as_found import refine_near
-from hullrecon.detection.base_surface import BaseSurface
-from hullrecon.detection.hull_position import HullError, area_sigma, hull_position
+from hullrecon.detection.base_surface import BaseSurface, HullError, area_sigma, hull_position
 from hullrecon.detection.views import GRAZING, CameraViews, Visibility, find_visibility
 from hullrecon.dive.config.schema import HullRegion
 from hullrecon.geometry.charts.chart import Chart

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.detection.as_found.background import Background, FieldBackground, median_background
 from hullrecon.detection.as_found.hull_as_found import (
     Fusion,
     as_found_surface,
@@ -16,7 +15,13 @@ from hullrecon.detection.as_found.hull_as_found import (
     fuse_heights,
     surface_on_cad_model,
 )
-from hullrecon.detection.as_found.landmarks import SurfaceLandmarks, measure_surface
+from hullrecon.detection.as_found.landmarks import (
+    Background,
+    FieldBackground,
+    SurfaceLandmarks,
+    measure_surface,
+    median_background,
+)
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.deviation import split_deviation
 from hullrecon.detection.objects.find_objects import find_objects

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.imagery.image_view import ImageView
+from hullrecon.mosaic.imagery.camera_views import ImageView
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
 from hullrecon.typing import Array, Floats32, Ints32, Mask
 

@@ -20,17 +20,28 @@ from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
-from hullrecon.report.content.object_images import Crop, object_crops, photo_jpeg
+from hullrecon.report.content.objects import Crop, object_crops, photo_jpeg
 from hullrecon.report.content.page_context import PageContext, page_context
-from hullrecon.report.export.chart_export import ChartMesh, chart_document, chart_mesh, chart_ply
-from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
-from hullrecon.report.export.geopackage import Layer, geojson, geopackage
+from hullrecon.report.export.geometry import (
+    ChartMesh,
+    alignment_document,
+    chart_document,
+    chart_mesh,
+    chart_ply,
+    landmarks_ply,
+    surface_ply,
+)
 from hullrecon.report.export.las import las_bytes
-from hullrecon.report.export.object_layers import object_layers, photo_name
-from hullrecon.report.export.objects_table import objects_table
+from hullrecon.report.export.layers import Layer, geojson, geopackage, object_layers, photo_name
 from hullrecon.report.export.summary import FileEntry
-from hullrecon.report.export.table import Table, csv_metadata, csv_text
-from hullrecon.report.export.trajectory import trajectory_table, trajectory_tum
+from hullrecon.report.export.tables import (
+    Table,
+    csv_metadata,
+    csv_text,
+    objects_table,
+    trajectory_table,
+    trajectory_tum,
+)
 from hullrecon.report.figures.plots import draw_all_plots
 from hullrecon.report.figures.style import Plot
 from hullrecon.report.foxglove.dive_result import dive_result_mcap

@@ -12,8 +12,14 @@ from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface
 from hullrecon.mosaic.options import OpticalOptions, SonarOptions
 from hullrecon.mosaic.output.deliverables import Presentation, make_deliverables
-from hullrecon.mosaic.output.raster import RasterBands, RasterLayout, write_raster
-from hullrecon.mosaic.output.surface_rasters import surface_bands, surface_tiles, surface_values
+from hullrecon.mosaic.output.raster import (
+    RasterBands,
+    RasterLayout,
+    surface_bands,
+    surface_tiles,
+    surface_values,
+    write_raster,
+)
 from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.records.solution import Mounts
 from hullrecon.records.surface import DeviationSplit, Surface

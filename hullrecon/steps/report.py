@@ -21,27 +21,25 @@ from hullrecon.report.about import AboutInspection, read_logo
 from hullrecon.report.change.chapter import ChangeChapter
 from hullrecon.report.deliver import deliver
 from hullrecon.report.deliverables import missing_deliverables
-from hullrecon.report.export.trajectory import track_of
-from hullrecon.report.step_documents import (
-    AdjustSummary,
-    DetectFacts,
-    LogFindings,
-    MosaicFacts,
-    NavigationFacts,
-    PairFacts,
-    SurfaceFacts,
-)
+from hullrecon.report.export.tables import track_of
 from hullrecon.report.survey import (
     AdjustedDive,
+    AdjustSummary,
     Carried,
+    DetectFacts,
     DiveFacts,
     Document,
     EarlierComparison,
     Findings,
+    LogFindings,
     Mosaic,
+    MosaicFacts,
     Mosaics,
+    NavigationFacts,
+    PairFacts,
     Provenance,
     StepRun,
+    SurfaceFacts,
     Surfaces,
     Survey,
 )

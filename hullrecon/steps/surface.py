@@ -17,13 +17,14 @@ from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.surface.build import Regression, gaussian_process
 from hullrecon.surface.from_returns import (
+    CadHull,
     Reference,
     SurfaceInputs,
+    UnknownHull,
     move_to_hull_frame,
     own_chart,
     surface_from_survey,
 )
-from hullrecon.surface.hull_reference import CadHull, UnknownHull
 from hullrecon.surface.options import SurfaceOptions
 
 DVL_KEYS = ("tray.origin", "dvl.mount")  # of the rig, what places the DVL's beams

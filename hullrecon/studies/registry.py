@@ -15,7 +15,7 @@ from hullrecon.studies.methods import variants as method_variants
 if TYPE_CHECKING:
     from hullrecon.api.dive_run import DiveRun
     from hullrecon.artifacts.runner import RunContext
-    from hullrecon.evaluation.scoring.truth import Truth
+    from hullrecon.evaluation.truth import Truth
     from hullrecon.studies.figure_style import PublishedFigure
     from hullrecon.studies.methods.comparison import DeadReckoning, SolvedVariant
 
@@ -30,7 +30,7 @@ class StudyDive:
     @cached_property
     def truth(self) -> Truth:
         """Read the truth of the package. Raises InputError when it holds none."""
-        from hullrecon.evaluation.scoring.truth import read_truth
+        from hullrecon.evaluation.truth import read_truth
 
         return read_truth(self.dive.chain.package)
 

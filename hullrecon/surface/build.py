@@ -18,9 +18,16 @@ from hullrecon.geometry.neighbours import count_within, nearest
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.surface import Surface
 from hullrecon.rows import Rows
-from hullrecon.surface.gaussian import Kernel, fit_robust, maximise_likelihood
+from hullrecon.surface.gaussian import (
+    MOST,
+    Kernel,
+    Observations,
+    cell_means,
+    fit_robust,
+    maximise_likelihood,
+    regress,
+)
 from hullrecon.surface.options import SurfaceOptions
-from hullrecon.surface.tiles import MOST, Observations, cell_means, regress
 from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, object]

@@ -4,16 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hullrecon.errors import StageError
 from hullrecon.estimation.landmark_variance import variance_along_normals
-from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.chart import Chart, chart_for_hull, chart_for_points
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.frames import Frame
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.solution import Solution
@@ -21,9 +23,73 @@ from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Returns, VehicleTrack
 from hullrecon.rig import Rig
 from hullrecon.surface.build import Regression, SurfacePoints, build_surface, gaussian_process
-from hullrecon.surface.hull_reference import HullReference
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.typing import Array, Ints, Mask
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """How far the surface depends on the CAD model that it is compared with."""
+
+    reference: str  # what the returns' offsets were regressed from
+    note: str | None  # what a comparison with the CAD model is worth, None without one
+
+
+@dataclass(frozen=True, kw_only=True)
+class CadHull:
+    """A hull with a CAD model, in M."""
+
+    mesh: Mesh
+    up: Sequence[float] | Array = (0.0, 0.0, 1.0)  # (3,) roughly up
+    bow: str | None = None  # as `chart_for_hull` has it
+    aft_perpendicular_m: float | None = None  # as `chart_for_hull` has it
+
+    def chart(self, points: Array, sensors: Array) -> Chart:
+        """Unroll the CAD model, whatever points and sensors are."""
+        return chart_for_hull(self.mesh, self.up, self.bow, self.aft_perpendicular_m)
+
+    def on_hull(self, label: Ints) -> Mask:
+        """Mark the landmarks (n,) labelled as lying on the CAD model's surface."""
+        return np.asarray(label == 1)
+
+    def deviation(self, vertices: Array) -> Array:
+        """Measure the signed distance (n,) m of vertices (n, 3), outward positive."""
+        return Scene(self.mesh).closest(vertices).distance
+
+    def comparison(self, poses_are_adjusted: bool) -> Comparison:
+        """Say how far the surface depends on the CAD model that it is compared with."""
+        note = (
+            "The surface is a regression of the returns' offsets from the CAD model and leans on "
+            "it between and beyond returns: a comparison with the CAD model is partly circular."
+        )
+        if poses_are_adjusted:
+            note += " The poses that place the returns were adjusted to the CAD model."
+        return Comparison(reference="cad", note=note)
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnknownHull:
+    """A hull without a CAD model: everything stays in g."""
+
+    def chart(self, points: Array, sensors: Array) -> Chart:
+        """Fit a plane through points (n, 3), its normal towards the sensors (m, 3)."""
+        return chart_for_points(points, toward=sensors)
+
+    def on_hull(self, label: Ints) -> Mask:
+        """Mark every landmark (n,): nothing tells those on the hull from others."""
+        return np.ones(len(label), bool)
+
+    def deviation(self, vertices: Array) -> Array:
+        """Return NaN (n,), as there is nothing to deviate from."""
+        return np.full(len(vertices), np.nan)
+
+    def comparison(self, poses_are_adjusted: bool) -> Comparison:
+        """Say that offsets are from a plane, with no CAD model to compare with."""
+        return Comparison(reference="plane", note=None)
+
+
+HullReference = CadHull | UnknownHull
+
 
 Facts = dict[str, object]
 OUTLIER_NEIGHBOURS = 30  # with which a return is compared [Ozog2016 3.2.2.1]

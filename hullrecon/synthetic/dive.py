@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from hullrecon.errors import UsageError
 from hullrecon.findings.logs import count_noun
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.synthetic.spec import DiveSpec, Survey
-from hullrecon.synthetic.vehicle.motion import Motion, leg_corners, simulate_path, ticks
-from hullrecon.synthetic.vehicle.rig import TrueRig, true_rig
-from hullrecon.synthetic.world.built_hull import BuiltHull
-from hullrecon.synthetic.world.hull_patch import HullSkin
-from hullrecon.synthetic.world.hull_shapes import hull_shape
-from hullrecon.synthetic.world.item_placement import place_items
-from hullrecon.synthetic.world.items import Item
+from hullrecon.synthetic.built_hull import BuiltHull, place_items
+from hullrecon.synthetic.hull_patch import HullSkin
+from hullrecon.synthetic.hull_shapes import hull_shape
+from hullrecon.synthetic.items import Item
+from hullrecon.synthetic.options import DiveSpec, Survey
+from hullrecon.synthetic.vehicle import Motion, TrueRig, leg_corners, simulate_path, ticks, true_rig
 from hullrecon.typing import Array
 
 Window = tuple[float, float]

@@ -10,8 +10,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from hullrecon.synthetic.output.package import write_package
-from hullrecon.synthetic.spec import Cameras, DiveSpec, InitialHullPose, Items, Survey
+from hullrecon.synthetic.options import Cameras, DiveSpec, InitialHullPose, Items, Survey
+from hullrecon.synthetic.package import write_package
 
 # From the side into the bilge where the bow begins to narrow: curvature both ways, so that the CAD
 # model holds the dive.

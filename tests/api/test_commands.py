@@ -35,7 +35,7 @@ def test_evaluate_of_a_package_without_truth_is_refused(deliver: Any, tmp_path: 
 
 
 def test_a_json_of_figures_has_no_nan(deliver: Any, package: Path) -> None:
-    from hullrecon.evaluation.scoring.score import score_run, without_nan
+    from hullrecon.evaluation.score import score_run, without_nan
 
     deliver.track()
     deliver.objects()

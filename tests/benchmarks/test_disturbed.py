@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.disturbed import DVL_TYPE, FAST_SOUND, fast_sound
-from hullrecon.synthetic.output.mcap_log import header, make, store, vector
+from hullrecon.synthetic.logs import header, make, store, vector
 
 
 def test_fast_sound_stretches_velocities_and_ranges_only():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.faulty_inputs import KINDS, NAMES, Seen, faults, outcome
-from hullrecon.synthetic.output.mcap_log import make, vector
+from hullrecon.synthetic.logs import make, vector
 
 
 def seen(error_mm: float = 5.0, code: int = 0, sigmas: float = 1.0, told: str = "") -> Seen:

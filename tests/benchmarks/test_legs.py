@@ -45,7 +45,7 @@ def test_dive_of_another_drift_reuses_images_and_equals_simulate(
         alone / "logs" / "dive.mcap"
     ).read_bytes()
     monkeypatch.setattr(
-        "hullrecon.synthetic.sensors.recorder.photographs",
+        "hullrecon.synthetic.recorder.photographs",
         lambda dive: pytest.fail("an image was rendered"),
     )
     other = legs.simulate("small", 3, 300.0, tmp_path, first)

@@ -16,8 +16,8 @@ from benchmarks import wrong_cad
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.poses import from_rpy
-from hullrecon.synthetic.spec import Ship
-from hullrecon.synthetic.world.hull_shapes import ship_form, write_stl
+from hullrecon.synthetic.hull_shapes import ship_form, write_stl
+from hullrecon.synthetic.options import Ship
 
 MESH = ship_form(Ship())
 GUESS = from_rpy([3.0, 4.0, 5.0], [0.0, 0.0, 0.7])

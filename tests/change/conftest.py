@@ -11,7 +11,7 @@ from change.simulated_surveys import BEFORE, drawn, survey
 
 from hullrecon.change.compare_surveys import compare_surveys
 from hullrecon.records.change import HullChange
-from hullrecon.synthetic.world.items import Item
+from hullrecon.synthetic.items import Item
 
 ADDED = (
     Item("recess", 32.2, 4.8, -0.04, (0.25, 0.25)),

@@ -20,10 +20,10 @@ from hullrecon.records.change import HullSurvey
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import Surface
-from hullrecon.synthetic.spec import DiveSpec, Ship
-from hullrecon.synthetic.world.built_hull import deviation_m
-from hullrecon.synthetic.world.hull_shapes import ship_form
-from hullrecon.synthetic.world.items import Item, height_of
+from hullrecon.synthetic.built_hull import deviation_m
+from hullrecon.synthetic.hull_shapes import ship_form
+from hullrecon.synthetic.items import Item, height_of
+from hullrecon.synthetic.options import DiveSpec, Ship
 
 ALONG, GIRTH, STEP = (30.0, 34.0), (4.2, 6.0), 0.02
 SIGMAS = np.array([0.15, 0.03, 0.02, 0.002, 0.002, 0.003])  # of a hull pose: m, rad

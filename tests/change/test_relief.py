@@ -11,8 +11,8 @@ from change.simulated_surveys import ALONG, BEFORE, GIRTH, NONE, Errors, chart, 
 from hullrecon.change.relief import blur, local_median, relief_on, seen_points
 from hullrecon.geometry.charts.lattice import Lattice
 from hullrecon.geometry.poses import exp
-from hullrecon.synthetic.spec import DiveSpec
-from hullrecon.synthetic.world.built_hull import deviation_m
+from hullrecon.synthetic.built_hull import deviation_m
+from hullrecon.synthetic.options import DiveSpec
 
 LATTICE = Lattice(origin=np.array([30.5, 4.5]), step_m=0.02, shape=(60, 50))
 

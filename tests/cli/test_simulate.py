@@ -92,7 +92,7 @@ def test_interrupted_simulation_leaves_nothing(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr("hullrecon.synthetic.output.package.write_truth", interrupt)
+        patched.setattr("hullrecon.synthetic.package.write_truth", interrupt)
         assert call(capfd, "simulate", tmp_path / "dive", *QUICK)[0] == 130
     assert list(tmp_path.iterdir()) == []
     assert call(capfd, "simulate", tmp_path / "dive", *QUICK)[0] == 0

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.detection.as_found.background import Background, MedianBackground
 from hullrecon.detection.as_found.hull_as_found import (
     HullAsFound,
     as_found_surface,
     estimate_hull_as_found,
 )
-from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
+from hullrecon.detection.as_found.landmarks import Background, MedianBackground, SurfaceLandmarks
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.objects.find_objects import find_objects
 from hullrecon.detection.options import DetectOptions

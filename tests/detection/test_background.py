@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.as_found.background import FieldBackground, median_background
+from hullrecon.detection.as_found.landmarks import FieldBackground, median_background
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.records.solution import DeviationField
 

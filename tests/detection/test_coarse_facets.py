@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from detection.conftest import Scenery, landmarks_on_wall, reported, views_along
 
-from hullrecon.detection.as_found.background import median_background
 from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found
+from hullrecon.detection.as_found.landmarks import median_background
 from hullrecon.detection.find_structures import BACKGROUND_WIDTH_M
 from hullrecon.detection.options import DetectOptions
 from hullrecon.geometry.charts.plane_chart import PlaneChart

@@ -9,8 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hullrecon.detection.base_surface import BaseSurface
-from hullrecon.detection.hull_position import HullError, area_sigma, hull_position
+from hullrecon.detection.base_surface import BaseSurface, HullError, area_sigma, hull_position
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.solution import HullPose

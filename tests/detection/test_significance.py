@@ -5,8 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.objects.regions import TOP_M2, find_regions
-from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
+from hullrecon.detection.objects.regions import (
+    TOP_M2,
+    find_regions,
+    height_sigma,
+    p_value,
+    relief_left,
+    roughness,
+)
 from hullrecon.detection.options import DetectOptions
 
 

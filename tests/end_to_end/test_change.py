@@ -34,7 +34,7 @@ from benchmarks.change import (
 )
 from hullrecon.api.change import RunComparison
 from hullrecon.api.dive_run import run
-from hullrecon.evaluation.scoring.truth import read_truth
+from hullrecon.evaluation.truth import read_truth
 from hullrecon.geometry.frames import Camera
 from hullrecon.steps.artifacts import SurfaceArtifact
 

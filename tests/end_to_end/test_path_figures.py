@@ -12,7 +12,7 @@ from hullrecon.api.dive_run import open_dive
 from hullrecon.artifacts.executor import choose_executor
 from hullrecon.artifacts.progress import Progress
 from hullrecon.artifacts.runner import RunContext
-from hullrecon.evaluation.scoring.truth import read_truth
+from hullrecon.evaluation.truth import read_truth
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.steps.artifacts import LinksArtifact
 from hullrecon.studies import run_studies

@@ -21,7 +21,7 @@ import pytest
 from end_to_end.shell import SAMPLE
 from PIL import Image
 
-from hullrecon.evaluation.scoring.score import Score, score_run
+from hullrecon.evaluation.score import Score, score_run
 
 ROOT = Path(__file__).resolve().parents[2]
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)( mm| %)?")

@@ -8,8 +8,8 @@ import numpy as np
 import pycolmap
 import pytest
 
-from hullrecon.evaluation.scoring.cameras import centre_figures, score_cameras
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.trajectory import centre_figures, score_cameras
+from hullrecon.evaluation.truth import Truth, read_truth
 
 
 @pytest.fixture(scope="module")

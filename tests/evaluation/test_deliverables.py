@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import InputError
-from hullrecon.evaluation.scoring.deliverables import (
+from hullrecon.evaluation.deliverables import (
     deliver_folder,
     read_cloud,
     read_table,

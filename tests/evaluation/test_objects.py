@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.scoring.objects import find_reported, reach_m, score_objects
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.objects import find_reported, reach_m, score_objects
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.poses import from_mount, identity
 from hullrecon.records.deliverables import ReportedObject
 

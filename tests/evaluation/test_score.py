@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.evaluation.scoring.score import score_run, table_rows, unit_of, without_nan
+from hullrecon.evaluation.score import score_run, table_rows, unit_of, without_nan
 
 STEEL_M = 0.012
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.scoring.statistics import rms, rms_length
+from hullrecon.evaluation.trajectory import rms, rms_length
 
 
 def test_a_root_mean_square_by_hand() -> None:

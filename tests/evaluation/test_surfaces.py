@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.scoring.deliverables import PointCloud
-from hullrecon.evaluation.scoring.surfaces import score_landmarks, score_surface
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.deliverables import PointCloud
+from hullrecon.evaluation.surfaces import score_landmarks, score_surface
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.poses import from_mount, identity
 from hullrecon.records.solution import LABEL_BOUNDARY_M
 

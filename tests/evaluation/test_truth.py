@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import InputError
-from hullrecon.evaluation.scoring.truth import read_mesh, read_truth
+from hullrecon.evaluation.truth import read_mesh, read_truth
 from hullrecon.geometry.poses import Poses
 
 

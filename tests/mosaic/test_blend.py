@@ -20,7 +20,7 @@ from hullrecon.mosaic.blend import (
     split_bands,
 )
 from hullrecon.mosaic.grid import TexelGrid
-from hullrecon.mosaic.imagery.image_view import CameraView
+from hullrecon.mosaic.imagery.camera_views import CameraView
 from hullrecon.mosaic.mosaic_surface import (
     MosaicSurface,
     SurfacePatch,

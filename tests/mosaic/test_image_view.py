@@ -8,7 +8,7 @@ import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.imagery.image_view import CameraView
+from hullrecon.mosaic.imagery.camera_views import CameraView
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from hullrecon.mosaic.grid import TexelGrid
-from hullrecon.mosaic.output.preview import Caption, preview_png, stretch_contrast
+from hullrecon.mosaic.output.deliverables import Caption, preview_png, stretch_contrast
 
 GRID = TexelGrid(west=-0.8, north=0.6, step_m=0.01, height=120, width=160)
 

@@ -12,10 +12,16 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.imagery.camera_views import compute_footprints
-from hullrecon.mosaic.imagery.sonar_fan import build_fan
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.sonar import LEVEL, ReturnLevels, SonarView, learn_levels, sonar_mosaic
+from hullrecon.mosaic.sonar import (
+    LEVEL,
+    ReturnLevels,
+    SonarView,
+    build_fan,
+    learn_levels,
+    sonar_mosaic,
+)
 from hullrecon.records.sensors import SonarPings
 
 BEARING = np.radians(np.linspace(-14, 14, 49))

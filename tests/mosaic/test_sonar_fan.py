@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.mosaic.imagery.sonar_fan import build_fan
+from hullrecon.mosaic.sonar import build_fan
 
 # numbered from port to starboard, as a driver may have it
 BEARING = np.radians(np.linspace(14, -14, 57))

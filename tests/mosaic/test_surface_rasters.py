@@ -12,8 +12,8 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
-from hullrecon.mosaic.output.raster import RasterLayout
-from hullrecon.mosaic.output.surface_rasters import (
+from hullrecon.mosaic.output.raster import (
+    RasterLayout,
     face_shares,
     surface_bands,
     surface_tiles,

@@ -24,13 +24,14 @@ from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.content import page_context
-from hullrecon.report.export.trajectory import track_of
+from hullrecon.report.export.tables import track_of
 from hullrecon.report.figures import map_pictures, plan_view, plots
-from hullrecon.report.step_documents import AdjustSummary, NavigationFacts
 from hullrecon.report.survey import (
     AdjustedDive,
+    AdjustSummary,
     DiveFacts,
     Findings,
+    NavigationFacts,
     Provenance,
     StepRun,
     Surfaces,

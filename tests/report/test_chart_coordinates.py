@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Hull
-from hullrecon.report.export.trajectory import (
+from hullrecon.report.export.tables import (
     chart_coordinates,
     trajectory_table,
     vehicle_depth,

@@ -18,11 +18,22 @@ from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory
-from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
-from hullrecon.report.export.objects_table import objects_table
-from hullrecon.report.export.ply import ply_bytes
-from hullrecon.report.export.table import csv_metadata, csv_text, numbers, seconds
-from hullrecon.report.export.trajectory import track_of, trajectory_table, trajectory_tum
+from hullrecon.report.export.geometry import (
+    alignment_document,
+    landmarks_ply,
+    ply_bytes,
+    surface_ply,
+)
+from hullrecon.report.export.tables import (
+    csv_metadata,
+    csv_text,
+    numbers,
+    objects_table,
+    seconds,
+    track_of,
+    trajectory_table,
+    trajectory_tum,
+)
 from hullrecon.report.survey import Survey
 
 Reader = Callable[[bytes], tuple[np.ndarray, np.ndarray | None]]

@@ -21,7 +21,7 @@ from report.conftest import NODES, START, FlatChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, from_mount, from_rpy
 from hullrecon.records.trajectory import Returns
-from hullrecon.report.foxglove import ship_model
+from hullrecon.report.foxglove import dive_result
 from hullrecon.report.foxglove.dive_result import TOPICS, dive_result_mcap
 from hullrecon.report.survey import Survey
 
@@ -224,10 +224,10 @@ def test_the_cad_model_stands_where_it_is_in_the_hull_frame(whole: Survey) -> No
 
 
 def test_a_fine_cad_model_is_thinned_and_keeps_its_size(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ship_model, "MAX_FACES", 200)
+    monkeypatch.setattr(dive_result, "MAX_FACES", 200)
     ball = trimesh.creation.icosphere(subdivisions=3, radius=2.0)
     seen = foxglove_sees(
-        ship_model.ship_glb(Mesh(np.array(ball.vertices), np.array(ball.faces, np.int32)))
+        dive_result.ship_glb(Mesh(np.array(ball.vertices), np.array(ball.faces, np.int32)))
     )
     assert len(seen) < 150
     np.testing.assert_allclose(np.linalg.norm(seen, axis=1), 2.0, atol=0.1)

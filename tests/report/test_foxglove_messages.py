@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from end_to_end.json_schema import violations
 
-from hullrecon.report.foxglove import messages, schemas
+from hullrecon.report.foxglove import messages
 
 
 def test_a_time_keeps_its_nanoseconds() -> None:
@@ -34,7 +34,7 @@ def test_a_clouds_fields_say_where_each_value_lies() -> None:
     assert np.frombuffer(data, "<f4", 1, 13)[0] == 2.5
     assert np.frombuffer(data, "<f8", 1, 17)[0] == -1.0
     assert data[12] == 7
-    assert violations(value, schemas.POINT_CLOUD) == []
+    assert violations(value, messages.POINT_CLOUD) == []
 
 
 def test_a_number_type_unknown_to_foxglove_is_refused() -> None:
@@ -46,14 +46,14 @@ def test_an_entity_without_a_required_list_breaks_the_schema() -> None:
     entity = messages.entity(
         0, "hull", "1", facts={"views": 3}, lines=[messages.line_loop(np.eye(3), (1, 0, 0, 1), 2.0)]
     )
-    assert violations(messages.scene_update([entity]), schemas.SCENE_UPDATE) == []
+    assert violations(messages.scene_update([entity]), messages.SCENE_UPDATE) == []
     assert entity["metadata"] == [{"key": "views", "value": "3"}]
     for name in ("arrows", "models", "lifetime"):
         spoiled = {key: value for key, value in entity.items() if key != name}
-        assert violations(messages.scene_update([spoiled]), schemas.SCENE_UPDATE)
+        assert violations(messages.scene_update([spoiled]), messages.SCENE_UPDATE)
 
 
 def test_a_kind_of_line_that_there_is_not_breaks_the_schema() -> None:
     line = messages.line_loop(np.eye(3), (1, 0, 0, 1), 2.0)
-    assert violations(line, schemas.LINE) == []
-    assert violations({**line, "type": 3}, schemas.LINE)
+    assert violations(line, messages.LINE) == []
+    assert violations({**line, "type": 3}, messages.LINE)

@@ -10,7 +10,7 @@ import struct
 import numpy as np
 import pytest
 
-from hullrecon.report.export.geopackage import SRS_ID, Layer, geometry_blob, geopackage_bytes
+from hullrecon.report.export.layers import SRS_ID, Layer, geometry_blob, geopackage_bytes
 
 SQUARE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
 WKT = 'LOCAL_CS["a wall",UNIT["metre",1]]'

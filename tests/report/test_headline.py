@@ -21,14 +21,18 @@ from hullrecon.report.content.headline import (
     weak_sentences,
 )
 from hullrecon.report.export.summary import counts
-from hullrecon.report.step_documents import (
+from hullrecon.report.survey import (
     AdjustSummary,
     LogFindings,
+    Mosaic,
     MosaicFacts,
+    Mosaics,
     PositionFacts,
+    Provenance,
+    StepRun,
     StereoContradictionFacts,
+    Survey,
 )
-from hullrecon.report.survey import Mosaic, Mosaics, Provenance, StepRun, Survey
 
 
 def line_with(survey: Survey, text: str) -> str:

@@ -18,10 +18,9 @@ import pytest
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.records.deliverables import ReportedObject
-from hullrecon.report.content.object_images import object_crops, photo_jpeg
-from hullrecon.report.export.chart_export import chart_document, chart_mesh, chart_ply
-from hullrecon.report.export.geopackage import geojson, geopackage
-from hullrecon.report.export.object_layers import object_layers, photo_name
+from hullrecon.report.content.objects import object_crops, photo_jpeg
+from hullrecon.report.export.geometry import chart_document, chart_mesh, chart_ply
+from hullrecon.report.export.layers import geojson, geopackage, object_layers, photo_name
 from hullrecon.report.survey import Survey
 
 CHART = PlaneChart(np.array([0.0, 0, 0]), np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, -1]]))

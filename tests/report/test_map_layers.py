@@ -30,8 +30,7 @@ from hullrecon.report.figures.map_pictures import (
     palette,
     survey_layers,
 )
-from hullrecon.report.step_documents import MosaicFacts
-from hullrecon.report.survey import Mosaic, Mosaics, Survey
+from hullrecon.report.survey import Mosaic, MosaicFacts, Mosaics, Survey
 
 SHADING = Shading(colours="RdBu_r", low=-10.0, high=10.0, label="form (mm)", extend="both")
 

@@ -13,8 +13,16 @@ import pytest
 
 from hullrecon.report import deliverables
 from hullrecon.report.deliverables import DELIVERABLES, missing_deliverables
-from hullrecon.report.step_documents import MosaicFacts
-from hullrecon.report.survey import Carried, Findings, Mosaic, Mosaics, Provenance, Surfaces, Survey
+from hullrecon.report.survey import (
+    Carried,
+    Findings,
+    Mosaic,
+    MosaicFacts,
+    Mosaics,
+    Provenance,
+    Surfaces,
+    Survey,
+)
 
 OF_DEVIATION = ("deviation.tif", "deviation_sigma.tif", "form.tif", "form_sigma.tif")
 RASTERS = (*OF_DEVIATION, "support.tif")

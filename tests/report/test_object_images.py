@@ -15,7 +15,7 @@ from PIL import Image
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.sensors import ImageIndex
-from hullrecon.report.content.object_images import best_crop, jpeg_uri, stretch_contrast
+from hullrecon.report.content.objects import best_crop, jpeg_uri, stretch_contrast
 from hullrecon.report.survey import ImageSource, Survey
 
 

@@ -22,14 +22,20 @@ from hullrecon.records.deliverables import (
     SensorCoverage,
 )
 from hullrecon.report.content.headline import headline, weak_sentences
-from hullrecon.report.content.object_card import object_rows
-from hullrecon.report.content.object_images import object_crops
+from hullrecon.report.content.objects import object_crops, object_rows
 from hullrecon.report.content.page_context import coverage_rows, page_context
 from hullrecon.report.export.summary import FileEntry, counts, summary_document
 from hullrecon.report.figures.plots import draw_all_plots
 from hullrecon.report.render import render_html, render_page
-from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, SuspectFacts
-from hullrecon.report.survey import Mosaic, Mosaics, Survey
+from hullrecon.report.survey import (
+    AdjustSummary,
+    LogFindings,
+    Mosaic,
+    MosaicFacts,
+    Mosaics,
+    Survey,
+    SuspectFacts,
+)
 
 FILES = {"trajectory.csv": FileEntry(bytes=1234, sha256="ab" * 32)}
 

@@ -20,8 +20,7 @@ from hullrecon.records.deliverables import (
     ReportedObject,
     SensorCoverage,
 )
-from hullrecon.report.content.object_card import card_context
-from hullrecon.report.content.object_images import object_crops
+from hullrecon.report.content.objects import card_context, object_crops
 from hullrecon.report.content.page_context import (
     coverage_rows,
     describe_position,
@@ -33,8 +32,7 @@ from hullrecon.report.content.page_context import (
 )
 from hullrecon.report.figures.hull_map import hull_map
 from hullrecon.report.figures.plan_view import survey_plan
-from hullrecon.report.step_documents import MosaicFacts
-from hullrecon.report.survey import Mosaic, Survey
+from hullrecon.report.survey import Mosaic, MosaicFacts, Survey
 
 
 def preview(width: int) -> bytes:

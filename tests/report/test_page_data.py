@@ -18,7 +18,7 @@ from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.links import NodePairs
 from hullrecon.report.content.page_context import page_context
 from hullrecon.report.content.page_data import script_json
-from hullrecon.report.export.object_layers import object_layers
+from hullrecon.report.export.layers import object_layers
 from hullrecon.report.render import render_page
 from hullrecon.report.survey import Survey
 

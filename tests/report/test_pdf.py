@@ -15,7 +15,7 @@ from pypdf import PdfReader
 from hullrecon import __version__
 from hullrecon.dive.config.schema import Dive
 from hullrecon.report.about import AboutInspection
-from hullrecon.report.content.object_images import object_crops
+from hullrecon.report.content.objects import object_crops
 from hullrecon.report.content.page_context import page_context
 from hullrecon.report.export.summary import FileEntry
 from hullrecon.report.figures.plots import draw_all_plots

@@ -21,8 +21,7 @@ from hullrecon.report.figures.plots import (
     residuals,
     standoff,
 )
-from hullrecon.report.step_documents import FactorResiduals
-from hullrecon.report.survey import Survey
+from hullrecon.report.survey import FactorResiduals, Survey
 
 
 def test_plots_of_a_survey_have_picture_words_and_numbers(survey: Survey) -> None:

@@ -11,15 +11,15 @@ import pytest
 
 from hullrecon.records.links import NodePairs
 from hullrecon.report.content.quality import WordTable, quality_tables
-from hullrecon.report.step_documents import (
+from hullrecon.report.survey import (
     AdjustSigmas,
     AdjustSummary,
     FactorResiduals,
     PositionFacts,
     RefinedParameter,
     SensorErrors,
+    Survey,
 )
-from hullrecon.report.survey import Survey
 
 
 @pytest.fixture

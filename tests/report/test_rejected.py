@@ -8,8 +8,14 @@ from dataclasses import replace
 
 from hullrecon.records.deliverables import RejectedRegion
 from hullrecon.report.content.rejected import rejected_groups, settings_rows
-from hullrecon.report.step_documents import AdjustSummary, LogFindings, NavigationFacts, PairFacts
-from hullrecon.report.survey import StepRun, Survey
+from hullrecon.report.survey import (
+    AdjustSummary,
+    LogFindings,
+    NavigationFacts,
+    PairFacts,
+    StepRun,
+    Survey,
+)
 
 
 def step(name: str, settings: dict[str, object]) -> StepRun:

@@ -15,7 +15,7 @@ import rasterio
 from PIL import Image
 
 from hullrecon.records.surface import DeviationSplit, Surface
-from hullrecon.report.content.object_images import jpeg_uri
+from hullrecon.report.content.objects import jpeg_uri
 from hullrecon.report.content.page_context import page_context
 from hullrecon.report.figures.hull_map import Extent, hull_map
 from hullrecon.report.figures.map_pictures import (

@@ -12,9 +12,14 @@ from typing import Any
 import pytest
 
 from hullrecon.records.deliverables import ReportedObject
-from hullrecon.report.export.objects_table import objects_table
-from hullrecon.report.export.table import UNITS, Column, Table, csv_metadata
-from hullrecon.report.export.trajectory import trajectory_table
+from hullrecon.report.export.tables import (
+    UNITS,
+    Column,
+    Table,
+    csv_metadata,
+    objects_table,
+    trajectory_table,
+)
 from hullrecon.report.survey import Survey
 
 

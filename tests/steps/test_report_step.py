@@ -18,7 +18,7 @@ from hullrecon.artifacts.stage import StageSettings
 from hullrecon.dive.config.schema import Dive, DiveConfig, Logs
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory
-from hullrecon.report.step_documents import SurfaceFacts
+from hullrecon.report.survey import SurfaceFacts
 from hullrecon.steps.report import (
     STAGE,
     TRACEBACKS,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from hullrecon.studies.paths.distance_to_cad import ReturnsOnHull, distance_to_cad_model
+from hullrecon.studies.paths.path_figures import ReturnsOnHull, distance_to_cad_model
 
 
 def on_hull(distance: np.ndarray) -> ReturnsOnHull:

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.scoring.truth import read_truth
+from hullrecon.evaluation.truth import read_truth
 from hullrecon.geometry.poses import pose_from_vector
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory
 from hullrecon.rig import Rig
-from hullrecon.studies.methods.dvl_residuals import (
+from hullrecon.studies.methods.sections import (
     adjusted_beams,
     dead_reckoned_beams,
     range_residuals,

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.geometry.poses import identity
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns

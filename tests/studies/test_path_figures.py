@@ -13,7 +13,7 @@ import pytest
 from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.chain import Chain
 from hullrecon.artifacts.workspace import Workspace
-from hullrecon.evaluation.scoring.truth import read_mesh, read_truth
+from hullrecon.evaluation.truth import read_mesh, read_truth
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.links import LinkedPath

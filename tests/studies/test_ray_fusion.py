@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found
 from hullrecon.detection.options import DetectOptions
-from hullrecon.studies.surfaces.ray_fusion import fuse_shapes, move_along_rays
+from hullrecon.studies.surfaces.regression import fuse_shapes, move_along_rays
 
 OPTIONS = DetectOptions()
 

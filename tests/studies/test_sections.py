@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.evaluation.truth import Truth, read_truth
 from hullrecon.studies.methods.sections import cut_section, cut_whole_hull
 
 NONE = np.zeros((0, 3))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from hullrecon.studies.paths.sonar_variance import VarianceMap, sonar_variance
+from hullrecon.studies.paths.path_figures import VarianceMap, sonar_variance
 
 
 def of_variance(mean: float, seed: int = 0) -> VarianceMap:

@@ -18,12 +18,12 @@ from hullrecon.records.trajectory import Returns, VehicleTrack
 from hullrecon.rig import rig_from_settings
 from hullrecon.surface.from_returns import (
     SurfaceInputs,
+    UnknownHull,
     move_to_hull_frame,
     pose_sigma_along,
     statistical_inliers,
     surface_from_survey,
 )
-from hullrecon.surface.hull_reference import UnknownHull
 from hullrecon.surface.options import SurfaceOptions
 
 FLOOR_M, HEIGHT_M, NODES = 6.0, 1.5, 40

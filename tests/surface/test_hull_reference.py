@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.surface.hull_reference import CadHull, UnknownHull
+from hullrecon.surface.from_returns import CadHull, UnknownHull
 from tests.geometry.conftest import barge
 
 SLAB = Mesh(  # the square z = 1, its outside up

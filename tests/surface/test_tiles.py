@@ -7,9 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.surface import tiles
-from hullrecon.surface.gaussian import Kernel, fit_robust
-from hullrecon.surface.tiles import Observations, cell_means
+from hullrecon.surface import gaussian
+from hullrecon.surface.gaussian import Kernel, Observations, cell_means, fit_robust
 
 KERNEL = Kernel((6.0, 2.0), 0.03)
 NOISE_M = 0.006
@@ -44,7 +43,7 @@ def wanted() -> np.ndarray:
 
 def test_few_observations_are_one_regression(seen: Observations, wanted: np.ndarray) -> None:
     found, exact = (
-        tiles.regress(KERNEL, seen, wanted),
+        gaussian.regress(KERNEL, seen, wanted),
         fit_robust(KERNEL, seen.at, seen.offset, seen.noise),
     )
     assert found.tiles == 1
@@ -54,7 +53,7 @@ def test_few_observations_are_one_regression(seen: Observations, wanted: np.ndar
 
 def test_tiles_agree_with_one_regression(seen: Observations, wanted: np.ndarray) -> None:
     exact = fit_robust(KERNEL, seen.at, seen.offset, seen.noise)
-    found = tiles.regress(KERNEL, seen, wanted, most=350)
+    found = gaussian.regress(KERNEL, seen, wanted, most=350)
     assert found.tiles >= 8
     off = np.abs(found.mean - exact.mean(wanted)) / exact.sigma(wanted)
     assert np.percentile(off, 95) < 0.4
@@ -64,7 +63,7 @@ def test_tiles_agree_with_one_regression(seen: Observations, wanted: np.ndarray)
 
 def test_where_tiles_meet_there_is_no_step(seen: Observations) -> None:
     line = np.column_stack([np.arange(0.5, 29.5, 0.01), np.full(2900, 1.5)])
-    found = tiles.regress(KERNEL, seen, line, most=350)
+    found = gaussian.regress(KERNEL, seen, line, most=350)
     one = fit_robust(KERNEL, seen.at, seen.offset, seen.noise).mean(line)
     assert np.abs(np.diff(found.mean)).max() < 1.5 * np.abs(np.diff(one)).max()
 
@@ -78,15 +77,15 @@ def test_no_tile_takes_more_than_it_may(
         taken.append(len(at))
         return fit_robust(kernel, at, values, noise)
 
-    monkeypatch.setattr(tiles, "fit_robust", counted)
-    tiles.regress(KERNEL, seen, wanted, most=350)
+    monkeypatch.setattr(gaussian, "fit_robust", counted)
+    gaussian.regress(KERNEL, seen, wanted, most=350)
     assert len(taken) >= 8
     assert max(taken) <= 350
 
 
 def test_tile_far_from_observations_gives_the_prior(seen: Observations) -> None:
     far = np.array([[500.0, 1.0], [1000.0, 1.0]])
-    found = tiles.regress(KERNEL, seen, far, most=350)
+    found = gaussian.regress(KERNEL, seen, far, most=350)
     np.testing.assert_array_equal(found.mean, 0.0)
     np.testing.assert_allclose(found.sigma, KERNEL.sigma)
 

@@ -9,9 +9,8 @@ from pathlib import Path
 import pytest
 
 from hullrecon.synthetic.dive import Dive
-from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.output.package import write_package
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.options import DiveSpec, spec_from
+from hullrecon.synthetic.package import write_package
 
 SMALL = spec_from(
     name="small",

@@ -12,9 +12,9 @@ import pytest
 from hullrecon.errors import UsageError
 from hullrecon.synthetic import dive as dive_module
 from hullrecon.synthetic.dive import Dive, simulate_dive
+from hullrecon.synthetic.hull_patch import HullSkin
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.sensors.recorder import record
-from hullrecon.synthetic.world.hull_patch import HullSkin
+from hullrecon.synthetic.recorder import record
 
 
 def test_views_set_frame_rate(dive: Dive) -> None:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from hullrecon.errors import UsageError
-from hullrecon.synthetic.options import options, spec_from, with_options
-from hullrecon.synthetic.spec import (
+from hullrecon.synthetic.options import (
     Cameras,
     DeviationField,
     DiveSpec,
@@ -16,6 +15,9 @@ from hullrecon.synthetic.spec import (
     SensorErrors,
     Ship,
     Survey,
+    options,
+    spec_from,
+    with_options,
 )
 
 

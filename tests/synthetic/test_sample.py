@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from hullrecon.synthetic.dive import Dive, simulate_dive
-from hullrecon.synthetic.output.dive_toml import dive_toml
-from hullrecon.synthetic.output.truth import write_truth
+from hullrecon.synthetic.dive_toml import dive_toml
 from hullrecon.synthetic.sample import SAMPLE
+from hullrecon.synthetic.truth import write_truth
 
 DEMO = Path(__file__).resolve().parents[2] / "sample_data" / "demo"
 

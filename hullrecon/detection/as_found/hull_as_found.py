@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.detection.as_found.background import Background
-from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
+from hullrecon.detection.as_found.landmarks import Background, SurfaceLandmarks
 from hullrecon.detection.as_found.shapes import count_shapes
 from hullrecon.detection.objects.heights import Heights, local_heights
 from hullrecon.detection.options import MIN_OFFSET_M, DetectOptions

@@ -10,16 +10,22 @@ import numpy as np
 
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
-from hullrecon.detection.base_surface import BaseSurface
-from hullrecon.detection.hull_position import MIDDLE_SHARE, hull_position
+from hullrecon.detection.base_surface import MIDDLE_SHARE, BaseSurface, hull_position
 from hullrecon.detection.objects.footprint import (
     find_open_edge,
     hidden_extent,
     measure_size,
     outline,
 )
-from hullrecon.detection.objects.regions import TOP_M2, Region, find_regions
-from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
+from hullrecon.detection.objects.regions import (
+    TOP_M2,
+    Region,
+    find_regions,
+    height_sigma,
+    p_value,
+    relief_left,
+    roughness,
+)
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, rows_in_image, visible_rows
 from hullrecon.geometry.meshes.casting import Scene

@@ -4,8 +4,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from io import BytesIO
+from textwrap import fill
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +17,137 @@ from numpy.typing import NDArray
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
-from hullrecon.mosaic.output.preview import Caption, preview_png
 from hullrecon.mosaic.output.textured_mesh import build_textured_mesh, encode_glb
 from hullrecon.mosaic.output.tile_store import TileStore
+
+INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Caption:
+    """What is written around the picture."""
+
+    title: str
+    legend: str  # the lines under the picture
+    frame: str
+    frame_spacing_m: float | None = None  # for frame numbers along the top, None without
+    # along grows to the left, girth downwards: the hull seen from outside
+    flips: tuple[bool, bool] = (False, False)
+
+
+def preview_png(
+    picture: NDArray[np.uint8], west: float, north: float, step_m: float, caption: Caption
+) -> bytes:
+    """Render a picture (h, w, 4) RGBA or (h, w, 2) gray and alpha as PNG.
+
+    Same input, same bytes.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    height, width = picture.shape[:2]
+    tall = 11.0 * height / width
+    scale = min(1.0, 9.0 / tall)
+    figure = Figure(
+        figsize=(max(5.0, 11.0 * scale) + 1.1, tall * scale + 1.75),
+        dpi=160,
+        facecolor=BACK,
+        layout="constrained",
+    )
+    axis = figure.add_subplot()
+    axis.set_facecolor(UNSEEN)
+    extent = (west, west + width * step_m, north - height * step_m, north)
+    axis.imshow(
+        stretch_contrast(_rgba(picture)), extent=extent, interpolation="antialiased", aspect="equal"
+    )
+    axis.set_title(caption.title, loc="left", fontsize=12, color=INK, fontweight="bold")
+    along, girth = _axis_names(caption)
+    # some 13 characters of this size fit an inch
+    legend = fill(caption.legend, int(13 * figure.get_figwidth()))
+    axis.set_xlabel(f"{along}\n{legend}", fontsize=9, color=INK)
+    axis.set_ylabel(girth, fontsize=9, color=INK)
+    axis.tick_params(labelsize=8, colors=INK)
+    if caption.frame_spacing_m:
+        _frame_numbers(axis, caption.frame_spacing_m)
+    _scale_bar(axis, extent, caption.flips)
+    FigureCanvasAgg(figure)
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png", metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def _axis_names(caption: Caption) -> tuple[str, str]:
+    """Name the axes: the ship's chart in M, a plane through the survey in g."""
+    if caption.frame != "M":
+        return "along the survey's plane (m)", "across the survey's plane (m)"
+    side = "left" if caption.flips[0] else "right"
+    return f"along the hull in M, forward to the {side} (m)", "girth from the keel (m)"
+
+
+def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Spread the brightness of the seen pixels over the range.
+
+    Colour grows less, or it would glare.
+    """
+    seen = picture[picture[..., 3] > 0][:, :3]
+    if not len(seen):
+        return picture
+    low, high = np.percentile(seen.mean(axis=1), (0.5, 99.5))
+    gain = 220 / max(high - low, 25)
+    level = picture[..., :3].mean(axis=2, keepdims=True)
+    color = (picture[..., :3] - level) * min(gain, 1.25)
+    out = picture.copy()
+    out[..., :3] = np.clip(15 + (level - low) * gain + color, 0, 255)
+    return out
+
+
+def _rgba(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    return (
+        np.concatenate([np.repeat(picture[..., :1], 3, axis=2), picture[..., 1:]], axis=2)
+        if picture.shape[2] == 2
+        else picture
+    )
+
+
+def _frame_numbers(axis: Any, spacing_m: float) -> None:
+    upper = axis.secondary_xaxis(
+        "top", functions=(lambda x: x / spacing_m, lambda f: f * spacing_m)
+    )
+    upper.set_xlabel("frame", fontsize=8, color=INK)
+    upper.tick_params(labelsize=8, colors=INK)
+
+
+def _scale_bar(
+    axis: Any, extent: tuple[float, float, float, float], flips: tuple[bool, bool]
+) -> None:
+    """Draw a bar of 1, 2 or 5 times a power of ten, a fifth of the width at most."""
+    span = extent[1] - extent[0]
+    power = 10.0 ** math.floor(math.log10(span / 5))
+    metres = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span / 5 + 1e-12)
+    middle = (
+        extent[0] + (0.025 if flips[0] else 0.975) * span + (0.5 if flips[0] else -0.5) * metres
+    )
+    low = extent[2] + (0.96 if flips[1] else 0.04) * (extent[3] - extent[2])
+    ends = [middle - metres / 2, middle + metres / 2]
+    if flips[0]:
+        axis.invert_xaxis()
+    if flips[1]:
+        axis.invert_yaxis()
+    box = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "boxstyle": "square,pad=0.25"}
+    axis.plot(ends, [low, low], color="white", linewidth=6, solid_capstyle="butt")
+    axis.plot(ends, [low, low], color="black", linewidth=3, solid_capstyle="butt")
+    text = f"{metres:g} m" if metres >= 1 else f"{100 * metres:g} cm"
+    axis.annotate(
+        text,
+        (middle, low),
+        (0, 7),
+        textcoords="offset points",
+        ha="center",
+        fontsize=9,
+        color=INK,
+        bbox=box,
+    )
+
 
 PERCENT = (50, 90, 95, 99)
 GAP_BRIDGE_M = 0.6  # narrower gaps at the rim are gaps of the mosaic, wider ones its shape

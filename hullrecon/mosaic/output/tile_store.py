@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from hullrecon.mosaic.blend import Tile, ViewLimits, blend_tile
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.imagery.camera_views import Footprints, footprint_windows
-from hullrecon.mosaic.imagery.image_view import ImageView
+from hullrecon.mosaic.imagery.camera_views import Footprints, ImageView, footprint_windows
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 
 TEXTURE_PX = 4096  # longer side of the small copy, which is the GLB's texture

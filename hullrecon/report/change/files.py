@@ -14,8 +14,8 @@ from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.records.change import HullChange, ObjectChange, SurfaceMove, SurveyOffset
 from hullrecon.report.change.chapter import change_chapter, verdict
 from hullrecon.report.change.map import change_png
-from hullrecon.report.export.geopackage import Fields, Layer, geojson, geopackage
-from hullrecon.report.export.table import csv_text
+from hullrecon.report.export.layers import Fields, Layer, geojson, geopackage
+from hullrecon.report.export.tables import csv_text
 from hullrecon.report.render import render_template
 from hullrecon.typing import Array
 

@@ -18,8 +18,7 @@ from hullrecon.report.content.phrases import (
     signed_range,
     with_sigma,
 )
-from hullrecon.report.step_documents import DetectSettings
-from hullrecon.report.survey import AdjustedDive, Survey
+from hullrecon.report.survey import AdjustedDive, DetectSettings, Survey
 
 _AXES = {
     "M": ("along x of the ship", "along y of the ship", "along z of the ship"),

@@ -21,8 +21,7 @@ from hullrecon.report.content.headline import (
     verdict,
     weak_sentences,
 )
-from hullrecon.report.content.object_card import card_context, object_rows
-from hullrecon.report.content.object_images import Crop, jpeg_uri
+from hullrecon.report.content.objects import Crop, card_context, jpeg_uri, object_rows
 from hullrecon.report.content.page_data import image_id, image_uri, page_data, script_json
 from hullrecon.report.content.phrases import area_words, length
 from hullrecon.report.content.quality import quality_tables

@@ -12,8 +12,7 @@ import numpy as np
 
 from hullrecon.records.links import NodePairs
 from hullrecon.report.content.phrases import count, duration, error_with_sigma, with_sigma
-from hullrecon.report.step_documents import AdjustSummary, FactorResiduals, SensorErrors
-from hullrecon.report.survey import Survey
+from hullrecon.report.survey import AdjustSummary, FactorResiduals, SensorErrors, Survey
 
 
 @dataclass(frozen=True, kw_only=True)

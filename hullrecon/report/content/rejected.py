@@ -9,8 +9,7 @@ from collections.abc import Iterable, Mapping
 from hullrecon.records.clock import NS, format_time
 from hullrecon.records.deliverables import RejectedRegion
 from hullrecon.report.content.phrases import count, with_sigma
-from hullrecon.report.step_documents import AdjustSummary, Interval, NavigationFacts
-from hullrecon.report.survey import StepRun, Survey
+from hullrecon.report.survey import AdjustSummary, Interval, NavigationFacts, StepRun, Survey
 
 
 def rejected_groups(survey: Survey) -> list[tuple[str, list[str]]]:

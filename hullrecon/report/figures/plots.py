@@ -18,7 +18,7 @@ from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.content.deviation import weighted_percentiles
 from hullrecon.report.content.phrases import count as phrase
 from hullrecon.report.content.phrases import signed_range
-from hullrecon.report.export.table import numbers, seconds
+from hullrecon.report.export.tables import numbers, seconds
 from hullrecon.report.figures.style import (
     BLUE,
     GRAY,
@@ -30,8 +30,7 @@ from hullrecon.report.figures.style import (
     new_figure,
     png_bytes,
 )
-from hullrecon.report.step_documents import FactorResiduals
-from hullrecon.report.survey import Survey
+from hullrecon.report.survey import FactorResiduals, Survey
 from hullrecon.typing import Array, Arrays, Ints
 
 if TYPE_CHECKING:

@@ -15,30 +15,72 @@ from numpy.typing import NDArray
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.geometry.meshes.local_origin import local_origin
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 from hullrecon.geometry.poses import from_matrix, from_rpy, tray_poses
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.surface import Surface
-from hullrecon.report.export.geometry_export import landmarks_in_hull
-from hullrecon.report.foxglove import messages, schemas
+from hullrecon.report.export.geometry import landmarks_in_hull
+from hullrecon.report.foxglove import messages
 from hullrecon.report.foxglove.messages import Message
-from hullrecon.report.foxglove.ship_model import Z_UP, ship_glb
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
+
+# triangles that a viewer still turns smoothly, to which a finer model is decimated
+MAX_FACES = 200_000
+# Foxglove turns glTF's y to the z of the frame, whichever axis of M is up
+Z_UP = np.array([0.0, 0.0, 1.0])
+STEEL = (150, 160, 170, 255)
+
+
+def ship_glb(mesh: Mesh) -> bytes:
+    """Encode a CAD model in M as a GLB of at most about MAX_FACES triangles."""
+    import trimesh
+
+    shown = _thinned(mesh)
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorFactor=STEEL,
+        metallicFactor=0.0,
+        roughnessFactor=1.0,
+        doubleSided=True,
+        name="cad_model",
+    )
+    ship = trimesh.Trimesh(
+        shown.vertices,
+        shown.faces,
+        vertex_normals=vertex_normals(shown),
+        visual=trimesh.visual.TextureVisuals(material=material),
+        process=False,
+    )
+    scene = trimesh.Scene()
+    scene.add_geometry(ship, node_name="ship", geom_name="ship", transform=gltf_from(Z_UP))
+    return bytes(scene.export(file_type="glb", include_normals=True))
+
+
+def _thinned(mesh: Mesh) -> Mesh:
+    if len(mesh.faces) <= MAX_FACES:
+        return mesh
+    import open3d as o3d
+
+    full = o3d.geometry.TriangleMesh(
+        o3d.utility.Vector3dVector(mesh.vertices), o3d.utility.Vector3iVector(mesh.faces)
+    )
+    thin = full.simplify_quadric_decimation(target_number_of_triangles=MAX_FACES)
+    return Mesh(np.asarray(thin.vertices), np.asarray(thin.triangles, np.int32))
+
 
 FILE = "dive_result.mcap"
 ORANGE, WHITE = (1.0, 0.5, 0.0, 1.0), (1.0, 1.0, 1.0, 1.0)
 LABEL_OFF_M = 0.15  # in front of an object, along the hull's normal
-TOPICS: Mapping[str, schemas.Schema] = {
-    "/tf": schemas.FRAME_TRANSFORM,
-    "/vehicle/pose": schemas.POSE_IN_FRAME,
-    "/vehicle/path": schemas.POSES_IN_FRAME,
-    "/vehicle/sigma": schemas.POSE_SIGMA,
-    "/dvl/returns": schemas.POINT_CLOUD,
-    "/landmarks": schemas.POINT_CLOUD,
-    "/hull/as_found": schemas.POINT_CLOUD,
-    "/hull/cad_model": schemas.SCENE_UPDATE,
-    "/objects": schemas.SCENE_UPDATE,
+TOPICS: Mapping[str, messages.Schema] = {
+    "/tf": messages.FRAME_TRANSFORM,
+    "/vehicle/pose": messages.POSE_IN_FRAME,
+    "/vehicle/path": messages.POSES_IN_FRAME,
+    "/vehicle/sigma": messages.POSE_SIGMA,
+    "/dvl/returns": messages.POINT_CLOUD,
+    "/landmarks": messages.POINT_CLOUD,
+    "/hull/as_found": messages.POINT_CLOUD,
+    "/hull/cad_model": messages.SCENE_UPDATE,
+    "/objects": messages.SCENE_UPDATE,
 }
 FRAMES = {"M": "hull", "g": "global"}
 

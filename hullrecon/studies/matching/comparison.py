@@ -14,9 +14,8 @@ from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.runner import RunContext, run_chain
 from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
 from hullrecon.errors import InputError
-from hullrecon.evaluation.scoring.statistics import rms_length
-from hullrecon.evaluation.scoring.trajectory import Figures
-from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.evaluation.trajectory import Figures, rms_length
+from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.steps import features, links
 from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
@@ -24,6 +23,27 @@ from hullrecon.studies.matching.corners import MatchWithCorners, extract_with_co
 from hullrecon.studies.methods.variants import build_step
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.matching import MatchStrategy
+from hullrecon.vision.pairs.two_view import TwoView, fit_both
+
+
+def fit_essential(first: Array, second: Array, tolerance: float) -> TwoView | None:
+    """Fit an essential matrix to matches (n, 2) as `two_view.fit` fits the likelier model."""
+    both = fit_both(first, second, tolerance)
+    return None if both is None else both.essential.within(tolerance)
+
+
+def fit_homography(first: Array, second: Array, tolerance: float) -> TwoView | None:
+    """Fit a homography to matches (n, 2) as `two_view.fit` fits the likelier model."""
+    both = fit_both(first, second, tolerance)
+    return None if both is None else both.homography.within(tolerance)
+
+
+TWO_VIEW_MODELS = {
+    "automatic": MatchStrategy(),
+    "essential": MatchStrategy(fit_two_views=fit_essential),
+    "homography": MatchStrategy(fit_two_views=fit_homography),
+}
+
 
 CORNERS = 0.5  # of the matches that may be corners: as many as SIFT's
 HEADS = ("links", "pairs joined", "across legs", "path, mm")

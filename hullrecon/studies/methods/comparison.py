@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.iterations import count

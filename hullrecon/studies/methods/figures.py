@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from hullrecon.evaluation.scoring.deliverables import TimedPoses
-from hullrecon.evaluation.scoring.objects import find_reported
-from hullrecon.evaluation.scoring.trajectory import score_trajectory
-from hullrecon.evaluation.scoring.truth import TrueStructure, Truth
+from hullrecon.evaluation.deliverables import TimedPoses
+from hullrecon.evaluation.objects import find_reported
+from hullrecon.evaluation.trajectory import score_trajectory
+from hullrecon.evaluation.truth import TrueStructure, Truth
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.poses import Poses
@@ -21,11 +21,6 @@ from hullrecon.records.solution import DeviationField
 from hullrecon.records.trajectory import Returns
 from hullrecon.studies.figure_style import PublishedFigure
 from hullrecon.studies.methods.comparison import DeadReckoning, SolvedVariant
-from hullrecon.studies.methods.dvl_residuals import (
-    adjusted_beams,
-    dead_reckoned_beams,
-    range_residuals,
-)
 from hullrecon.studies.methods.histories import SolveHistory, cost_history, label_frequency
 from hullrecon.studies.methods.method_figures import (
     METHODS,
@@ -43,7 +38,13 @@ from hullrecon.studies.methods.plots import (
     range_histogram,
     structure_heights,
 )
-from hullrecon.studies.methods.sections import cut_section, cut_whole_hull
+from hullrecon.studies.methods.sections import (
+    adjusted_beams,
+    cut_section,
+    cut_whole_hull,
+    dead_reckoned_beams,
+    range_residuals,
+)
 from hullrecon.typing import Array, Ints
 
 

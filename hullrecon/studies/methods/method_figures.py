@@ -10,18 +10,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.evaluation.scoring.cameras import centre_figures
-from hullrecon.evaluation.scoring.deliverables import PointCloud, TimedPoses
-from hullrecon.evaluation.scoring.surfaces import score_landmarks
-from hullrecon.evaluation.scoring.trajectory import Figures, score_trajectory
-from hullrecon.evaluation.scoring.truth import TrueStructure, Truth
+from hullrecon.evaluation.deliverables import PointCloud, TimedPoses
+from hullrecon.evaluation.surfaces import score_landmarks
+from hullrecon.evaluation.trajectory import Figures, centre_figures, score_trajectory
+from hullrecon.evaluation.truth import TrueStructure, Truth
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, VehiclePath
 from hullrecon.rig import Rig
-from hullrecon.studies.methods.dvl_residuals import adjusted_beams
+from hullrecon.studies.methods.sections import adjusted_beams
 from hullrecon.typing import Array, Mask
 
 MethodFigures = dict[str, Figures]

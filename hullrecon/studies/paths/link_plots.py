@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hullrecon.evaluation.scoring.deliverables import TimedPoses
-from hullrecon.evaluation.scoring.statistics import rms_length
-from hullrecon.evaluation.scoring.trajectory import hull_from_start
-from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.evaluation.deliverables import TimedPoses
+from hullrecon.evaluation.trajectory import hull_from_start, rms_length
+from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.records.links import NodePairs

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -18,7 +18,7 @@ from hullrecon.artifacts.chain import inputs_of
 from hullrecon.artifacts.runner import RunContext
 from hullrecon.artifacts.stage import settings_for
 from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
-from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.meshes.casting import Scene
@@ -34,18 +34,133 @@ from hullrecon.steps.links import pose_graph
 from hullrecon.steps.links import run as run_links
 from hullrecon.steps.mosaic_sonar import blend_pings, ping_poses
 from hullrecon.steps.mosaics import read_mosaic_inputs
-from hullrecon.studies.figure_style import PublishedFigure
-from hullrecon.studies.matching.two_view_models import TWO_VIEW_MODELS
+from hullrecon.studies.figure_style import (
+    COLOURS,
+    GREEN,
+    INK,
+    PublishedFigure,
+    finish_figure,
+    new_canvas,
+)
+from hullrecon.studies.matching.comparison import TWO_VIEW_MODELS
 from hullrecon.studies.methods.comparison import DeadReckoning
 from hullrecon.studies.methods.variants import build_step
-from hullrecon.studies.paths.distance_to_cad import ReturnsOnHull, distance_to_cad_model
 from hullrecon.studies.paths.link_plots import (
     LinkedBy,
     links_on_hull,
     sigma_along_path,
     two_view_models,
 )
-from hullrecon.studies.paths.sonar_variance import VarianceMap, sonar_variance
+from hullrecon.typing import Array
+
+MOST_DRAWN_PX = 700  # along either side of a map
+INKS = (COLOURS["geva"], COLOURS["naive"], GREEN, COLOURS["maxmix"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class VarianceMap:
+    """The variance of the intensities blended in each pixel."""
+
+    variance: Array  # (height, width) gray levels squared, NaN where fewer than two were blended
+    extent: tuple[float, float, float, float]  # left, right, bottom, top in m of the chart
+
+
+def sonar_variance(maps: Mapping[str, VarianceMap]) -> PublishedFigure:
+    """Draw a map per source of poses, and the share of pixels above each variance."""
+    figure, axes = new_canvas(9.6, 2.0 * -(-len(maps) // 2) + 3.2, -(-len(maps) // 2) + 1, 2)
+    blended = {name: found.variance[np.isfinite(found.variance)] for name, found in maps.items()}
+    most = max(
+        float(np.percentile(values, 95)) if len(values) else 1.0 for values in blended.values()
+    )
+    panels = [axis for row in axes[:-1] for axis in row]
+    for axis, (name, found) in zip(panels, maps.items(), strict=False):
+        step = max(1, max(found.variance.shape) // MOST_DRAWN_PX)
+        drawn = axis.imshow(
+            found.variance[::step, ::step],
+            extent=found.extent,
+            cmap="coolwarm",
+            vmin=0,
+            vmax=most,
+            aspect="equal",
+            interpolation="none",
+        )
+        axis.grid(False)
+        axis.set_title(name, fontsize=9)
+        axis.set(xlabel="along the hull (m)", ylabel="girth (m)")
+    for axis in panels[len(maps) :]:
+        axis.set_axis_off()
+    figure.colorbar(drawn, ax=panels, label="variance (gray levels squared)", shrink=0.8)
+    edges = np.linspace(0, 4 * most, 161)
+    table = [",".join(["variance_at_least", *(f"share_{name.replace(' ', '_')}" for name in maps)])]
+    beyond = {
+        name: 1 - np.searchsorted(np.sort(v), edges) / max(len(v), 1) for name, v in blended.items()
+    }
+    for (name, share), ink in zip(beyond.items(), (*INKS, INK), strict=False):
+        for axis in axes[-1]:
+            axis.plot(edges, 100 * share, color=ink, linewidth=1.6, label=name)
+    axes[-1][0].set(xlabel="variance of at least", ylabel="pixels (%)", xlim=(0, most))
+    axes[-1][1].set(
+        xlabel="variance of at least (the tail)",
+        ylabel="pixels (%)",
+        xlim=(most, 4 * most),
+        yscale="log",
+    )
+    axes[-1][0].legend(fontsize=8, frameon=False)
+    table += [
+        f"{edge:.3f}," + ",".join(f"{share[k]:.6f}" for share in beyond.values())
+        for k, edge in enumerate(edges)
+    ]
+    words = "; ".join(f"{name} {np.mean(v):.0f}" for name, v in blended.items() if len(v))
+    caption = (
+        "Variance of the intensities that a pixel of the sonar mosaic blends, by what the poses "
+        f"are from; means: {words}."
+    )
+    return finish_figure("sonar_variance", figure, table, caption)
+
+
+MOST_DRAWN = 4000
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReturnsOnHull:
+    """DVL returns on one path, registered to the CAD model."""
+
+    points: Array  # (n, 3) m in M
+    distance: Array  # (n,) m from its surface
+
+
+def distance_to_cad_model(paths: Mapping[str, ReturnsOnHull]) -> PublishedFigure:
+    """Draw the returns from above, a panel a path, and their distances' spread."""
+    figure, axes = new_canvas(4.2 * (len(paths) + 1), 3.6, 1, len(paths) + 1)
+    palette = dict(zip(paths, (COLOURS["geva"], COLOURS["maxmix"], INK), strict=False))
+    reach = max(float(np.percentile(np.abs(found.distance), 99)) for found in paths.values())
+    edges = np.linspace(0, max(reach, 1e-3), 61)
+    table, words = ["path,returns,mean_m,sigma_m,median_m,share_beyond_0.1_m"], []
+    for axis, (name, found) in zip(axes[0], paths.items(), strict=False):
+        few = slice(None, None, max(1, len(found.points) // MOST_DRAWN))
+        axis.scatter(
+            found.points[few, 0], found.points[few, 1], s=2, color=palette[name], linewidths=0
+        )
+        axis.set(title=name, xlabel="along the hull (m)", ylabel="across it (m)")
+        away = np.abs(found.distance)
+        share = 100 * np.histogram(away, edges)[0] / max(1, len(away))
+        axes[0][-1].stairs(share, 1e3 * edges, color=palette[name], linewidth=1.8, label=name)
+        beyond = float(np.mean(away > 0.1))
+        table.append(
+            f"{name},{len(away)},{np.mean(away):.5f},{np.std(away):.5f},{np.median(away):.5f},{beyond:.5f}"
+        )
+        words.append(
+            f"{name} {1e3 * np.mean(away):.0f} mm in the mean, {100 * beyond:.0f} % beyond 0.1 m"
+        )
+    axes[0][-1].set(xlabel="distance of a DVL return from the CAD model (mm)", ylabel="returns (%)")
+    axes[0][-1].legend(fontsize=8, frameon=False)
+    return finish_figure(
+        "distance_to_cad_model",
+        figure,
+        table,
+        f"DVL returns laid onto the CAD model: {'; '.join(words)}.",
+    )
+
 
 # m, rad: how far a path may have drifted
 TRUE_POSE_SIGMA = np.r_[1.0, 1.0, 0.3, np.radians([1.0, 1.0, 5.0])]

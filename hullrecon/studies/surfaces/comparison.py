@@ -13,20 +13,20 @@ from hullrecon.artifacts.runner import RunContext, run_chain
 from hullrecon.artifacts.stage import Stage
 from hullrecon.artifacts.workspace import COMPARE_FOLDER, Workspace
 from hullrecon.errors import InputError, StageError
-from hullrecon.evaluation.scoring.deliverables import PointCloud
-from hullrecon.evaluation.scoring.surfaces import score_surface
-from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.evaluation.deliverables import PointCloud
+from hullrecon.evaluation.surfaces import score_surface
+from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.poses import identity
 from hullrecon.records.surface import Surface
 from hullrecon.steps import detect, surface
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, SurfaceArtifact
 from hullrecon.studies.methods.variants import build_step
-from hullrecon.studies.surfaces.ray_fusion import move_along_rays
 from hullrecon.studies.surfaces.regression import (
     RadialKernel,
     WendlandKernel,
     by_triangles,
     heights_over_plane,
+    move_along_rays,
     offsets_from_plane,
 )
 from hullrecon.surface.build import gaussian_process

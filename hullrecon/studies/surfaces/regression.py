@@ -1,24 +1,28 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Regressions of the DVL's surface as in [Ozog2016 3.2.2], which the product does not use."""
+"""Surfaces by other kernels, by triangles and by rays."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from scipy import sparse
 
+from hullrecon.detection.as_found.hull_as_found import Unfused
+from hullrecon.detection.as_found.shapes import find_shape_hits
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.views import CameraViews
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.plane_chart import PlaneChart, fit_plane_chart
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.surface.build import MIN_FACING, Facts, SurfacePoints
-from hullrecon.surface.gaussian import Kernel, NotPositiveDefiniteError, compact
+from hullrecon.surface.gaussian import Kernel, NotPositiveDefiniteError, cell_means, compact
 from hullrecon.surface.options import SurfaceOptions
-from hullrecon.surface.tiles import cell_means
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
 
 INDEPENDENT = "The CAD model's shape does not enter the regression of the returns."
 MAX_FOLDED_SHARE = 0.01  # of the returns that may lie where the hull turns away from the plane
@@ -136,3 +140,39 @@ def heights_over_plane(
 
 def _plane(points: Array, sensors: Array) -> PlaneChart:
     return fit_plane_chart(points, sensors.mean(axis=0), np.array([0.0, 0.0, 1.0]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FusedShapes:
+    """Vertices moved to the shapes that rays to them met."""
+
+    vertex: Array  # (n, 3), running means of the intersections, the prior's where there were none
+    count: Ints  # (n,) views whose shapes met the ray to that vertex
+
+
+def fuse_shapes(
+    views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions
+) -> FusedShapes:
+    """Move vertices (n, 3) to the shapes that features (m, 3) with deviations (m,) make.
+
+    [Ozog2016 eq. 4.15] is a running mean in which the first observation replaces the prior: the
+    mean of all intersections.
+    """
+    total, count = np.zeros_like(vertices), np.zeros(len(vertices), np.int64)
+    for rows, points in find_shape_hits(views, features, deviation, vertices, options):
+        total[rows] += points
+        count[rows] += 1
+    vertex = np.where(count[:, None] > 0, total / np.maximum(count, 1)[:, None], vertices)
+    return FusedShapes(vertex=vertex, count=count)
+
+
+def move_along_rays(
+    given: Unfused, views: CameraViews, options: DetectOptions
+) -> tuple[Array, Array, Ints]:
+    """Move vertices along rays that saw shapes, and leave the others on the hull."""
+    at = given.mesh.vertices
+    fused = fuse_shapes(views, given.features, given.feature_height, at, options)
+    taken = fused.count > 0
+    moved = np.where(taken[:, None], fused.vertex, at + given.normal * given.hull[:, None])
+    off = np.einsum("ni,ni->n", moved - at, given.normal) - given.hull
+    return moved, np.where(taken, off, 0.0), fused.count

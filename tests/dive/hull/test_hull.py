@@ -16,8 +16,8 @@ from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.errors import HullreconError, InputError
 from hullrecon.findings.finding import Finding, sentences
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.synthetic.spec import Ship
-from hullrecon.synthetic.world.hull_shapes import hull_shape
+from hullrecon.synthetic.hull_shapes import hull_shape
+from hullrecon.synthetic.options import Ship
 
 QUICK = settings(
     max_examples=60,

@@ -12,8 +12,8 @@ from hullrecon.studies.matching.corners import (
     find_corners,
     is_corner,
     sample_patches,
+    zernike_magnitudes,
 )
-from hullrecon.studies.matching.zernike import zernike_magnitudes
 from hullrecon.vision.features.descriptors import sparse_distance, to_unit
 from hullrecon.vision.features.extraction import FeatureOptions, extract
 

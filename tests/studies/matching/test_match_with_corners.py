@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import exp
-from hullrecon.studies.matching.corners import MatchWithCorners, is_corner
-from hullrecon.studies.matching.zernike import orders
+from hullrecon.studies.matching.corners import MatchWithCorners, is_corner, orders
 from hullrecon.vision.appearance.recognition import learn_words
 from hullrecon.vision.features.descriptors import FeatureSet, match_descriptors
 from hullrecon.vision.features.extraction import Features, no_features

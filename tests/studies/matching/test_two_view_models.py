@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from vision.pairs.test_two_view import FOCAL, scene
 
-from hullrecon.studies.matching.two_view_models import TWO_VIEW_MODELS
+from hullrecon.studies.matching.comparison import TWO_VIEW_MODELS
 
 
 def test_model_asked_for_is_taken_whatever_fits_better():

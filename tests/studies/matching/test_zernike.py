@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hullrecon.studies.matching.zernike import (
+from hullrecon.studies.matching.corners import (
     ORDER,
     basis,
     disc_points,

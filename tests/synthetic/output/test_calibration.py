@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.synthetic.dive import Dive
-from hullrecon.synthetic.output.dive_toml import camera_info
+from hullrecon.synthetic.dive_toml import camera_info
 
 
 def test_camera_info_reads_as_ros_writes_it(dive: Dive) -> None:

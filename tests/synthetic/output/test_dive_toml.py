@@ -13,9 +13,9 @@ import pytest
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.geometry.poses import from_mount
 from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.dive_toml import dive_toml, initial_guess
 from hullrecon.synthetic.options import with_options
-from hullrecon.synthetic.output.dive_toml import dive_toml, initial_guess
-from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT, TRANSPONDER, true_rig
+from hullrecon.synthetic.vehicle import CAMERA_MOUNT, TRANSPONDER, true_rig
 
 
 def decode(text: str) -> DiveConfig:

@@ -10,11 +10,11 @@ import pytest
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
+from hullrecon.synthetic import instruments, sonar
 from hullrecon.synthetic.dive import Dive
-from hullrecon.synthetic.output.mcap_log import TOPICS
-from hullrecon.synthetic.sensors import instruments, sonar
-from hullrecon.synthetic.sensors.recorder import START_NS, stamp_ns
-from hullrecon.synthetic.sensors.sonar import pings
+from hullrecon.synthetic.logs import TOPICS
+from hullrecon.synthetic.recorder import START_NS, stamp_ns
+from hullrecon.synthetic.sonar import pings
 
 Messages = dict[str, list[Any]]
 

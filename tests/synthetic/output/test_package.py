@@ -13,11 +13,10 @@ import pytest
 
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.errors import StorageError
+from hullrecon.synthetic import package as package_module
 from hullrecon.synthetic.dive import Dive
-from hullrecon.synthetic.options import spec_from, with_options
-from hullrecon.synthetic.output import package as package_module
-from hullrecon.synthetic.output.package import write_package
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.options import DiveSpec, spec_from, with_options
+from hullrecon.synthetic.package import write_package
 
 
 def test_package_holds_what_format_names(package: Path) -> None:

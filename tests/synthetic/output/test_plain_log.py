@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.synthetic.output.plain_log import write_plain
-from hullrecon.synthetic.sensors import sonar
-from hullrecon.synthetic.sensors.instruments import Dvl, Imu, Series
-from hullrecon.synthetic.sensors.recorder import START_NS, InTurn, Streams
+from hullrecon.synthetic import sonar
+from hullrecon.synthetic.instruments import Dvl, Imu, Series
+from hullrecon.synthetic.logs import write_plain
+from hullrecon.synthetic.recorder import START_NS, InTurn, Streams
 
 
 def made() -> Streams:

@@ -15,9 +15,9 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.options import with_options
-from hullrecon.synthetic.output.truth import write_ply, write_truth
-from hullrecon.synthetic.sensors.recorder import START_NS
-from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
+from hullrecon.synthetic.recorder import START_NS
+from hullrecon.synthetic.truth import write_ply, write_truth
+from hullrecon.synthetic.vehicle import TRAY_ORIGIN
 
 
 def load(package: Path, name: str) -> dict:
@@ -66,7 +66,7 @@ def test_servo_is_true_one_with_its_play(package: Path, dive: Dive) -> None:
 
 def test_true_mounts_are_off_nominal_ones_by_millimetres(package: Path) -> None:
     from hullrecon.geometry.poses import from_mount
-    from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT
+    from hullrecon.synthetic.vehicle import CAMERA_MOUNT
 
     off = (
         from_mount(CAMERA_MOUNT).inverse() @ place(load(package, "extrinsics.json")["T_s_ct"])

@@ -15,11 +15,11 @@ from synthetic.sensors.test_rendering import CAMERA, TOWARDS, scene, shoot
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.dive_toml import cameras_of
 from hullrecon.synthetic.options import spec_from, with_options
-from hullrecon.synthetic.output.dive_toml import cameras_of
-from hullrecon.synthetic.output.truth import write_truth
-from hullrecon.synthetic.sensors.recorder import record
-from hullrecon.synthetic.sensors.rendering import lens, lens_error, photograph, row_times
+from hullrecon.synthetic.recorder import record
+from hullrecon.synthetic.rendering import lens, lens_error, photograph, row_times
+from hullrecon.synthetic.truth import write_truth
 
 SPOTS = ((900, 600), (650, 950))  # row, column of the atlas, whose texels are 2 mm
 

@@ -8,12 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, identity
 from hullrecon.geometry.rotations import roll_pitch_yaw
+from hullrecon.synthetic import instruments
 from hullrecon.synthetic.dive import Dive
-from hullrecon.synthetic.options import spec_from, with_options
-from hullrecon.synthetic.sensors import instruments
-from hullrecon.synthetic.spec import DiveSpec
-from hullrecon.synthetic.vehicle.motion import Motion
-from hullrecon.synthetic.vehicle.rig import BEAMS, TRANSPONDER, TRAY_ORIGIN
+from hullrecon.synthetic.options import DiveSpec, spec_from, with_options
+from hullrecon.synthetic.vehicle import BEAMS, TRANSPONDER, TRAY_ORIGIN, Motion
 
 
 @pytest.fixture

@@ -9,13 +9,13 @@ import cv2
 import numpy as np
 import pytest
 
+from hullrecon.synthetic import rendering
+from hullrecon.synthetic.atlas import Atlas, PlateAtlas
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import with_options
-from hullrecon.synthetic.sensors import rendering
-from hullrecon.synthetic.sensors.rendering import photographs
-from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
-from hullrecon.synthetic.world.atlas import Atlas, PlateAtlas
-from hullrecon.synthetic.world.texture import PAINT
+from hullrecon.synthetic.rendering import photographs
+from hullrecon.synthetic.texture import PAINT
+from hullrecon.synthetic.vehicle import TRAY_ORIGIN
 
 
 def test_stereo_rig_gives_two_different_images(dive: Dive) -> None:

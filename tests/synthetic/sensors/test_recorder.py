@@ -10,7 +10,7 @@ import pytest
 
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import with_options
-from hullrecon.synthetic.sensors.recorder import (
+from hullrecon.synthetic.recorder import (
     START_NS,
     InTurn,
     in_order,

@@ -10,13 +10,12 @@ import pytest
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic.atlas import Atlas
+from hullrecon.synthetic.built_hull import Block, build
+from hullrecon.synthetic.hull_patch import HullPatch, Rays
+from hullrecon.synthetic.items import Item
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.sensors.rendering import Lens, Scene, lens, photograph
-from hullrecon.synthetic.world.atlas import Atlas
-from hullrecon.synthetic.world.built_hull import Block, build
-from hullrecon.synthetic.world.hull_patch import HullPatch
-from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.ray_casting import Rays
+from hullrecon.synthetic.rendering import Lens, Scene, lens, photograph
 
 # a wall in the x-z plane seen from y > 0: camera x runs aft, its y down
 TOWARDS = np.array([[-1.0, 0, 0], [0, 0, -1], [0, -1, 0]]).T

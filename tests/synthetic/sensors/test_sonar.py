@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic import sonar
+from hullrecon.synthetic.built_hull import Block, build
 from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.hull_patch import HullPatch, Rays
+from hullrecon.synthetic.items import Item
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.sensors import sonar
-from hullrecon.synthetic.world.built_hull import Block, build
-from hullrecon.synthetic.world.hull_patch import HullPatch
-from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.ray_casting import Rays
 
 # a wall in the x-z plane, seen from y > 0; the sonar's z looks down at it at 45 degrees, its fan
 # spreads along x

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import from_mount, identity
-from hullrecon.synthetic.vehicle.motion import Motion, ticks, with_backlash
+from hullrecon.synthetic.vehicle import Motion, ticks, with_backlash
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.geometry.poses import from_mount
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.vehicle.rig import BOTTOM_IN_TOP, CAMERA_MOUNT, DVL_MOUNT, true_rig
+from hullrecon.synthetic.vehicle import BOTTOM_IN_TOP, CAMERA_MOUNT, DVL_MOUNT, true_rig
 
 
 def test_rig_is_off_nominal_by_little_and_by_its_seed_alone() -> None:

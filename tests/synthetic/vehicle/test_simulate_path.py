@@ -8,10 +8,8 @@ import pytest
 from hullrecon.geometry.poses import identity
 from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
-from hullrecon.synthetic.options import with_options
-from hullrecon.synthetic.spec import Survey
-from hullrecon.synthetic.vehicle.motion import leg_corners, simulate_path
-from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
+from hullrecon.synthetic.options import Survey, with_options
+from hullrecon.synthetic.vehicle import TRAY_ORIGIN, leg_corners, simulate_path
 
 
 def test_legs_go_back_and_forth_and_step_down() -> None:

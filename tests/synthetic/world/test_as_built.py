@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.spec import DiveSpec, Ship
-from hullrecon.synthetic.world.built_hull import AsBuilt, build, crop
-from hullrecon.synthetic.world.hull_patch import HullPatch, HullSkin
-from hullrecon.synthetic.world.hull_shapes import ship_form
-from hullrecon.synthetic.world.items import Item
+from hullrecon.synthetic.built_hull import AsBuilt, build, crop
+from hullrecon.synthetic.hull_patch import HullPatch, HullSkin
+from hullrecon.synthetic.hull_shapes import ship_form
+from hullrecon.synthetic.items import Item
+from hullrecon.synthetic.options import DiveSpec, Ship, spec_from
 
 CYLINDER = Item("cylinder", 25.3, -0.2, 0.11, (0.16, 0.16))
 RECESS = Item("recess", 25.9, 0.0, -0.05, (0.2, 0.2))

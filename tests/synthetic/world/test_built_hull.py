@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas
-from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.spec import Ship
-from hullrecon.synthetic.world.built_hull import KEPT_BLOCKS, BuiltHull
-from hullrecon.synthetic.world.hull_patch import MARGIN_M, HullSkin
-from hullrecon.synthetic.world.hull_shapes import ship_form
-from hullrecon.synthetic.world.items import Item
+from hullrecon.synthetic.built_hull import KEPT_BLOCKS, BuiltHull
+from hullrecon.synthetic.hull_patch import MARGIN_M, HullSkin
+from hullrecon.synthetic.hull_shapes import ship_form
+from hullrecon.synthetic.items import Item
+from hullrecon.synthetic.options import Ship, spec_from
 
 SPAN_M = (24.0, 44.0)
 STEP_M = 0.06  # twice the default: a quarter of the work

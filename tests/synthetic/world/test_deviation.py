@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.spec import DiveSpec
-from hullrecon.synthetic.world.built_hull import deviation_m
+from hullrecon.synthetic.built_hull import deviation_m
+from hullrecon.synthetic.options import DiveSpec, spec_from
 
 WIDE = np.meshgrid(np.arange(0, 300, 1.0), np.arange(0, 150, 1.0), indexing="ij")
 

@@ -8,9 +8,9 @@ import pytest
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.synthetic.spec import Ship
-from hullrecon.synthetic.world.hull_patch import HullPatch, HullSkin
-from hullrecon.synthetic.world.hull_shapes import ship_form
+from hullrecon.synthetic.hull_patch import HullPatch, HullSkin
+from hullrecon.synthetic.hull_shapes import ship_form
+from hullrecon.synthetic.options import Ship
 
 
 @pytest.fixture(scope="module")

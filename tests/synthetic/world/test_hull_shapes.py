@@ -10,9 +10,8 @@ import trimesh
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.spec import DiveSpec, Ship
-from hullrecon.synthetic.world.hull_shapes import hull_from_mesh, hull_shape, ship_form, write_stl
+from hullrecon.synthetic.hull_shapes import hull_from_mesh, hull_shape, ship_form, write_stl
+from hullrecon.synthetic.options import DiveSpec, Ship, spec_from
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hullrecon.synthetic.atlas import Atlas, paint_atlas
+from hullrecon.synthetic.items import Item, Kind
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.world.atlas import Atlas, paint_atlas
-from hullrecon.synthetic.world.items import Item, Kind
 
 WINDOW = ((10.0, 11.5), (4.0, 5.0))
 

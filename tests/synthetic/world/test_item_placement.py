@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import UsageError
-from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.spec import DiveSpec, Items
-from hullrecon.synthetic.world.item_placement import place_items
-from hullrecon.synthetic.world.items import MARKS, STRUCTURES, Item
+from hullrecon.synthetic.built_hull import place_items
+from hullrecon.synthetic.items import MARKS, STRUCTURES, Item
+from hullrecon.synthetic.options import DiveSpec, Items, spec_from
 
 ROOM = ((10.0, 16.0), (3.0, 6.0))
 

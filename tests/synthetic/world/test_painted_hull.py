@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import UsageError
+from hullrecon.synthetic.atlas import PaintedHull, PlateAtlas
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.world.atlas import PaintedHull, PlateAtlas
-from hullrecon.synthetic.world.texture import PAINT
+from hullrecon.synthetic.texture import PAINT
 
 START_M = 3.1
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hullrecon.synthetic import atlas as atlas_module
+from hullrecon.synthetic.atlas import PlateAtlas
+from hullrecon.synthetic.items import Item
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.world import atlas as atlas_module
-from hullrecon.synthetic.world.atlas import PlateAtlas
-from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.texture import PLATE_M
+from hullrecon.synthetic.texture import PLATE_M
 
 TEXEL_M = 0.004
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.synthetic.world.ray_casting import Rays
+from hullrecon.synthetic.hull_patch import Rays
 
 FAR = np.array([1000.0, -2000.0, 50.0])
 SQUARE = Mesh(

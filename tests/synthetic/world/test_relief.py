@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.synthetic.world.items import Item, Kind, height_of, local
+from hullrecon.synthetic.items import Item, Kind, height_of, local
 
 
 def at(item: Item, along: float, girth: float) -> float:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon.synthetic.atlas import Atlas, paint_atlas
+from hullrecon.synthetic.items import Item
 from hullrecon.synthetic.options import spec_from
-from hullrecon.synthetic.world.atlas import Atlas, paint_atlas
-from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.texture import value_noise
+from hullrecon.synthetic.texture import value_noise
 
 WINDOW = ((10.0, 11.5), (4.0, 5.0))
 

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which structures were found, how high, and what was reported that is none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hullrecon.evaluation.trajectory import Figures, rms
+from hullrecon.evaluation.truth import TrueStructure, Truth
+from hullrecon.geometry.poses import Poses
+from hullrecon.records.deliverables import ReportedObject
+
+Match = tuple[ReportedObject, TrueStructure | None]
+
+
+def score_objects(found: Sequence[ReportedObject], truth: Truth, motion: Poses) -> Figures:
+    """Score reported objects against the nearest structures within reach.
+
+    `motion`: the rigid motion that takes our trajectory onto the true one.
+    """
+    moved = [_move(found_object, motion) for found_object in found]
+    structures, due = truth.structures(), truth.due()
+    painted = [o for o in truth.objects if o.painted]
+    matches: list[Match] = [(d, _nearest(d, structures)) for d in moved]
+    false = [d for d, o in matches if o is None]
+    hit = {o.id for _, o in matches if o is not None}
+    best = [(_closest_in_height(o, matches), o) for o in due if o.id in hit]
+    errors = [abs(d.height - o.height) for d, o in best]
+    return {
+        "reported": len(found),
+        "reported_twice": len(matches) - len(false) - len(hit),
+        "due": len(due),
+        "recall": len(best) / max(1, len(due)),
+        "false_reports": len(false),
+        "false_on_paint": sum(_nearest(d, painted) is not None for d in false),
+        "height_error_median_m": float(np.median(errors)) if errors else float("nan"),
+        "height_error_worst_m": max(errors, default=float("nan")),
+        "missed": [o.id for o in due if o.id not in hit],
+        "lesser_structures_found": sum(o.id in hit and o not in due for o in structures),
+        "height_error_over_sigma": rms(
+            np.array([(d.height - o.height) / d.height_sigma for d, o in best if d.height_sigma])
+        ),
+    }
+
+
+def find_reported(
+    structure: TrueStructure, found: Sequence[ReportedObject], truth: Truth, motion: Poses
+) -> ReportedObject | None:
+    """Find the report of a structure with the most images. None when it was missed."""
+    moved = [_move(found_object, motion) for found_object in found]
+    own = [
+        d
+        for d in moved
+        if (o := _nearest(d, truth.structures())) is not None and o.id == structure.id
+    ]
+    return max(own, key=lambda d: (d.views, d.area), default=None)
+
+
+def reach_m(structure: TrueStructure) -> float:
+    """Bound the distance of a report's centre from its structure's."""
+    return 0.10 + 0.5 * max(structure.extent)
+
+
+def _move(found: ReportedObject, motion: Poses) -> ReportedObject:
+    x, y, z = motion.apply([found.center])[0].tolist()
+    return replace(found, center=(x, y, z))
+
+
+def _nearest(found: ReportedObject, structures: Sequence[TrueStructure]) -> TrueStructure | None:
+    gaps = [float(np.linalg.norm(np.subtract(found.center, o.center))) for o in structures]
+    near = [(gap, k) for k, gap in enumerate(gaps) if gap <= reach_m(structures[k])]
+    return structures[min(near)[1]] if near else None
+
+
+def _closest_in_height(structure: TrueStructure, matches: Sequence[Match]) -> ReportedObject:
+    own = [d for d, o in matches if o is not None and o.id == structure.id]
+    return min(own, key=lambda d: abs(d.height - structure.height))

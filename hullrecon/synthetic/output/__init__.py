@@ -1,3 +1,0 @@
-# SPDX-FileCopyrightText: 2026 the hullrecon authors
-# SPDX-License-Identifier: Apache-2.0
-"""The files of a simulated dive package."""

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""An imaging sonar: every beam integrates over its arc of elevation, and objects cast shadows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic.built_hull import Block
+from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.vehicle import SONAR_ELEVATION_DEG, SONAR_ORIGIN, ticks
+from hullrecon.typing import Array
+
+BEAM_COUNT, BIN_COUNT = 96, 256
+NEAR_M, FAR_M = 0.6, 3.0
+AZIMUTH = np.radians(np.linspace(14.5, -14.5, BEAM_COUNT))
+RANGE = np.linspace(NEAR_M, FAR_M, BIN_COUNT)
+ARC_RAYS, SUB_BEAMS = 260, 2
+LOOKS = 3.0
+RATE_HZ = 2.0
+
+
+@dataclass(frozen=True)
+class Fan:
+    """The rays of one ping, in the sonar's frame."""
+
+    direction: Array  # (n, 3)
+    beam: NDArray[np.int64]  # (n,) to which each belongs
+    gain: Array  # (n,) of the beam pattern
+
+
+def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
+    """Ping: times (n,), s, and images (beams, ranges), made as they are asked for."""
+    random = dive.spec.random("sonar")
+    t_s = ticks(dive.motion, RATE_HZ, random, 0.3)
+    at = dive.motion.on_tray(t_s, dive.rig.servo_from_sonar, SONAR_ORIGIN, dive.motion.sonar_tray)
+    hull_from_sonar, rays = dive.motion.in_hull(at), fan()
+    return t_s, (
+        ping(hull_from_sonar[k], dive.hull.near(hull_from_sonar.translation[k, 0]), rays, random)
+        for k in range(len(t_s))
+    )
+
+
+def beam_directions() -> Array:
+    """List the beams' unit vectors (beams, 3): the fan lies in the y-z plane."""
+    return np.stack([np.zeros(BEAM_COUNT), np.sin(AZIMUTH), np.cos(AZIMUTH)], axis=1)
+
+
+def fan() -> Fan:
+    """Fill the arc of elevation of every beam with rays."""
+    half = np.radians(SONAR_ELEVATION_DEG / 2)
+    step = abs(AZIMUTH[1] - AZIMUTH[0])
+    offset = (np.arange(SUB_BEAMS) + 0.5) / SUB_BEAMS - 0.5
+    elevation = half * (2 * (np.arange(ARC_RAYS) + 0.5) / ARC_RAYS - 1)
+    b, s, e = np.meshgrid(np.arange(BEAM_COUNT), offset * step, elevation, indexing="ij")
+    azimuth = (AZIMUTH[b] + s).ravel()
+    e = e.ravel()
+    direction = np.stack(
+        [np.sin(e), np.cos(e) * np.sin(azimuth), np.cos(e) * np.cos(azimuth)], axis=1
+    )
+    return Fan(direction, b.ravel().astype(np.int64), np.exp(-1.2 * (e / half) ** 2))
+
+
+def ping(
+    hull_from_sonar: Poses, block: Block, rays: Fan, random: np.random.Generator
+) -> NDArray[np.uint8]:
+    """Render an image (beams, ranges): Lambert's echoes by range bin, speckle, noise floor."""
+    direction = hull_from_sonar.rotation.apply(rays.direction)
+    hits = block.rays.cast(hull_from_sonar.translation, direction)
+    corner = block.built.mesh.faces[hits.face]
+    normal = np.einsum("nk,nkd->nd", hits.weight, block.built.normal[corner])
+    facing = np.clip(-np.einsum("nd,nd->n", normal, direction), 0, 1)
+    bins = np.rint((hits.range_m - NEAR_M) / (FAR_M - NEAR_M) * (BIN_COUNT - 1))
+    seen = hits.hit & (bins >= 0) & (bins < BIN_COUNT)
+    cell = rays.beam[seen] * BIN_COUNT + bins[seen].astype(np.int64)
+    total = np.bincount(
+        cell, (rays.gain * (0.3 * facing + 0.7 * facing**2))[seen], BEAM_COUNT * BIN_COUNT
+    )
+    echo = total.reshape(BEAM_COUNT, BIN_COUNT) * RANGE / (ARC_RAYS * SUB_BEAMS / 40.0)
+    speckle = random.gamma(LOOKS, 1 / LOOKS, echo.shape) * (
+        1 + 0.05 * random.standard_normal((BEAM_COUNT, 1))
+    )
+    floor = 0.004 * random.gamma(1.0, 1.0, echo.shape)
+    loud = 255 * np.sqrt(np.abs(0.65 * echo * speckle + floor))
+    return np.asarray(np.clip(loud, 0, 255), np.uint8)

@@ -1,0 +1,250 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The vehicle of a simulated dive: where its sensors sit, and how it moves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry import poses
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.poses import Poses, exp, from_mount, from_rpy
+from hullrecon.synthetic.hull_patch import HullSkin
+from hullrecon.synthetic.options import DiveSpec, Survey
+from hullrecon.typing import Array
+
+Six = tuple[float, float, float, float, float, float]
+
+TRAY_ORIGIN = (0.45, 0.0, 0.10)
+SONAR_ORIGIN = (0.45, 0.0, 0.25)
+TRANSPONDER = (-0.3, 0.15, -0.25)  # of USBL, in the vehicle
+DVL_MOUNT: Six = (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
+CAMERA_MOUNT: Six = (0.0, 0.0, -0.05, 90.0, 0.0, 90.0)
+BOTTOM_IN_TOP: Six = (0.001, 0.1, -0.001, 0.15, -0.1, 0.12)
+SONAR_MOUNT: Six = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+SONAR_ELEVATION_DEG = 14.0
+LAMP_IN_TOP = np.array([0.16, -0.26, 0.02])  # metres in camera_top
+BEAMS = np.array(
+    [[-0.5, 0.0, 0.75**0.5], [0.5, 0.0, 0.75**0.5], [0.0, 0.5, 0.75**0.5], [0.0, -0.5, 0.75**0.5]]
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrueRig:
+    """The true mounts (one pose each) and cameras."""
+
+    tray_from_dvl: Poses
+    tray_from_top: Poses
+    top_from_bottom: Poses
+    servo_from_sonar: Poses
+    camera_top: CameraModel
+    camera_bottom: CameraModel | None  # None on a mono rig
+
+
+def true_rig(spec: DiveSpec) -> TrueRig:
+    """Draw the true mounts: nominal but for millimetres and tenths of a degree."""
+    random = spec.random("rig")
+    width, height = spec.cameras.image_width, spec.cameras.image_height
+    f = 1.03 * width
+    top = CameraModel(
+        width, height, f, 1.0012 * f, 0.507 * width, 0.493 * height, -0.065, 0.035, 0.0006, -0.0004
+    )
+    bottom = CameraModel(
+        width,
+        height,
+        0.993 * f,
+        0.9942 * f,
+        0.495 * width,
+        0.509 * height,
+        -0.061,
+        0.03,
+        -0.0003,
+        0.0005,
+    )
+    return TrueRig(
+        tray_from_dvl=from_mount(DVL_MOUNT) @ _slip(random, 0.002, 0.2),
+        tray_from_top=from_mount(CAMERA_MOUNT) @ _slip(random, 0.003, 0.25),
+        top_from_bottom=from_mount(BOTTOM_IN_TOP),
+        servo_from_sonar=from_mount(SONAR_MOUNT),
+        camera_top=top,
+        camera_bottom=bottom if spec.cameras.carried == "stereo" else None,
+    )
+
+
+def _slip(random: np.random.Generator, shift_m: float, turn_deg: float) -> Poses:
+    return exp(
+        np.concatenate(
+            [shift_m * random.standard_normal(3), np.radians(turn_deg) * random.standard_normal(3)]
+        )
+    )
+
+
+STEP_S = 0.02  # of the path
+SETTLE_S = 0.7  # over which heading and tray follow the hull
+# The sonar looks that much lower than the cameras, rad, less where the bilge curves away, rad/rad.
+SONAR_BELOW = (0.72, 0.42)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """The path over n times."""
+
+    t_s: Array  # (n,) since the log's start
+    position: Array  # (n, 3) of the vehicle in global, m
+    roll_pitch_yaw: Array  # (n, 3) rad
+    encoder: Array  # (n,) angle that the tray's servo reports, rad
+    tray: Array  # (n,) angle that it truly has
+    sonar_tray: Array  # (n,) angle of the sonar's servo
+    global_from_hull: Poses
+
+    def vehicle(self, t_s: Array) -> Poses:
+        """Place the vehicle in global at times (n,)."""
+        return from_rpy(self._spline(self.position)(t_s), self._spline(self.roll_pitch_yaw)(t_s))
+
+    def angle(self, series: Array, t_s: Array) -> Array:
+        """Interpolate a servo's series at times (n,)."""
+        return np.interp(t_s, self.t_s, series)
+
+    def on_tray(
+        self,
+        t_s: Array,
+        mount: Poses,
+        origin_m: tuple[float, float, float],
+        series: Array | None = None,
+    ) -> Poses:
+        """Place in global what is mounted so on a servo, the camera tray's without `series`."""
+        angle = self.angle(self.tray if series is None else series, t_s)
+        return self.vehicle(t_s) @ poses.tray_poses(origin_m, angle) @ mount
+
+    def rates(self, t_s: Array, half_s: float = 0.01) -> Array:
+        """Compute the angular velocity (n, 3) in the vehicle, rad/s."""
+        before, after = self.vehicle(t_s - half_s).rotation, self.vehicle(t_s + half_s).rotation
+        return np.asarray((before.inv() * after).as_rotvec() / (2 * half_s))
+
+    def acceleration(self, t_s: Array) -> Array:
+        """Compute the acceleration (n, 3) of the vehicle in global, m/s2."""
+        return np.asarray(self._spline(self.position)(t_s, 2))
+
+    def in_hull(self, frames: Poses) -> Poses:
+        """Convert poses in global to poses in the hull's frame."""
+        return self.global_from_hull.inverse() @ frames
+
+    def _spline(self, values: Array) -> Callable[..., Array]:
+        from scipy.interpolate import CubicSpline
+
+        spline: Callable[..., Array] = CubicSpline(self.t_s, values)
+        return spline
+
+
+def with_backlash(command: Array, backlash: float) -> Array:
+    """Follow a command (n,) behind a gear with backlash, half its dead band.
+
+    The load stands still while the gear crosses the band.
+    """
+    out = np.empty_like(command)
+    at = float(command[0])
+    for k, c in enumerate(command.tolist()):
+        at = min(max(at, c - backlash), c + backlash)
+        out[k] = at
+    return out
+
+
+def ticks(
+    motion: Motion, rate_hz: float, random: np.random.Generator, first_s: float = 0.25
+) -> Array:
+    """Draw the times (n,) of a sensor, s, nearly even, inside the motion."""
+    t = np.arange(first_s, motion.t_s[-1] - 0.2, 1 / rate_hz)
+    return np.asarray(t + random.uniform(-0.01, 0.01, len(t)) / max(1.0, rate_hz / 5))
+
+
+def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
+    """List the corners (2 legs, 2) of the path as along, girth."""
+    rows = []
+    for k in range(survey.legs):
+        way = 0.5 * survey.leg_length_m * (1 if k % 2 else -1)
+        girth = top_girth_m - k * survey.leg_spacing_m
+        rows += [(middle_m - way, girth), (middle_m + way, girth)]
+    return np.array(rows)
+
+
+def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
+    """Move the vehicle over those corners (n, 2) of the chart."""
+    from scipy.ndimage import gaussian_filter1d
+
+    along, girth = _time_path(corners, spec.survey.speed_m_per_s)
+    t = STEP_S * np.arange(len(along), dtype=float)
+    point, normal = skin.follow(along, girth, width_m=0.5)
+    level = _trim(spec)
+    facing, out = level.apply(normal), level.apply(point)
+    port = level.apply([0.0, 1.0, 0.0])
+    # Under a flat bottom the normal alone gives no heading.
+    flat = facing[:, :2] + 0.1 * port[:2]
+    yaw = gaussian_filter1d(
+        np.unwrap(np.arctan2(-flat[:, 1], -flat[:, 0])), SETTLE_S / STEP_S, mode="nearest"
+    )
+    wobble = _wobble(spec, t)
+    attitude = np.stack([wobble[:, 3], wobble[:, 4], yaw + wobble[:, 5]], axis=1)
+    elevation = gaussian_filter1d(
+        np.arcsin(np.clip(facing[:, 2], -0.98, 0.98)), SETTLE_S / STEP_S, mode="nearest"
+    )
+    sensor = out + spec.survey.standoff_m * facing + wobble[:, :3]
+    position = sensor - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
+    smooth = gaussian_filter1d(position, 0.5 / STEP_S, axis=0, mode="nearest")
+    global_from_level = _start_of(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)
+    encoder = elevation + wobble[:, 6]
+    attitude[:, 2] -= attitude[0, 2]
+    hull = global_from_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
+    tray = with_backlash(encoder, np.radians(spec.errors.backlash_deg))
+    sonar = encoder - SONAR_BELOW[0] + SONAR_BELOW[1] * elevation
+    return Motion(
+        t_s=t,
+        position=global_from_level.apply(smooth),
+        roll_pitch_yaw=attitude,
+        encoder=encoder,
+        tray=tray,
+        sonar_tray=sonar,
+        global_from_hull=hull,
+    )
+
+
+def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
+    """Sample along and girth every STEP_S: half as fast between legs, a rest at both ends."""
+    from scipy.ndimage import gaussian_filter1d
+
+    way = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    seconds = way / np.where(np.arange(len(way)) % 2, 0.5 * speed, speed)
+    knots = np.concatenate(
+        [[0.0], 1.0 + np.concatenate([[0.0], np.cumsum(seconds)]), [2.0 + seconds.sum()]]
+    )
+    t = np.arange(0, knots[-1], STEP_S)
+    path = np.vstack([corners[:1], corners, corners[-1:]])
+    along, girth = (np.interp(t, knots, path[:, k]) for k in (0, 1))
+    along, girth = (gaussian_filter1d(v, 0.6 / STEP_S, mode="nearest") for v in (along, girth))
+    return along, girth
+
+
+def _trim(spec: DiveSpec) -> Rotation:
+    """Draw the turn from the hull's frame to a level one with z down: some trim and heel."""
+    heel, trim = np.radians(spec.random("trim").uniform(-0.5, 0.5, 2))
+    return Rotation.from_euler("xyz", [np.pi + heel, trim, 0.0])
+
+
+def _start_of(position: Array, yaw: float, draught_m: float) -> Poses:
+    """Place the level frame in global, which starts with the vehicle, z = 0 at the water."""
+    turn = from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, -yaw])
+    shift = -turn.apply(position[None])[0]
+    return Poses(turn.quaternion, np.array([[shift[0], shift[1], draught_m]]))
+
+
+def _wobble(spec: DiveSpec, t: Array, waves: int = 7) -> Array:
+    """Draw what the controller does not hold (n, 7): position, m, attitude and tray, rad."""
+    random = spec.random("wobble")
+    size = np.array([0.012, 0.012, 0.012, *np.radians([0.9, 0.9, 1.0, 0.7])])
+    rate = 2 * np.pi * random.uniform(0.03, 0.22, (waves, 7))
+    phase = random.uniform(0, 2 * np.pi, (waves, 7))
+    total = sum(np.sin(t[:, None] * w + p) for w, p in zip(rate, phase, strict=True))
+    return np.asarray(total * size * np.sqrt(2.0 / waves))
