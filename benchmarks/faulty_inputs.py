@@ -50,8 +50,8 @@ Files = Callable[[Path], None]  # changes files of a package other than its log
 
 KINDS = {
     "none": "--cameras none --legs 3 --leg-length-m 4 --structures 0",
-    "mono": "--cameras mono --legs 2 --leg-length-m 3 --structures 2",
-    "stereo": "--cameras stereo --legs 2 --leg-length-m 3 --structures 2",
+    "mono": "--cameras mono --legs 2 --leg-length-m 3 --structures 2 --marks 0 --barnacles 0",
+    "stereo": "--cameras stereo --legs 2 --leg-length-m 3 --structures 2 --marks 0 --barnacles 0",
 }
 COMMON = "--no-sonar --image-width 400 --image-height 320 --leg-spacing-m 0.5"
 AS_GOOD, AS_GOOD_MM = 1.5, 3.0  # times the error without the fault, or so much more
@@ -156,7 +156,8 @@ def joint(change: Callable[[float], float]) -> Edit:
 def picture(change: Callable[[np.ndarray], np.ndarray]) -> Edit:
     def edit(message: Message, t_s: float) -> Message:
         image = cv2.imdecode(np.asarray(message.data), cv2.IMREAD_COLOR)
-        message.data = cv2.imencode(".jpg", change(image), [cv2.IMWRITE_JPEG_QUALITY, 92])[1][:, 0]
+        encoded = cv2.imencode(".jpg", change(image), [cv2.IMWRITE_JPEG_QUALITY, 92])[1]
+        message.data = encoded.ravel()
         return message
 
     return edit
