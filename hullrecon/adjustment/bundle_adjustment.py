@@ -16,7 +16,7 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.cad_acceptance import Placement, place_cad_model
-from hullrecon.adjustment.contradictions import explain_refusal, hold_within_belief
+from hullrecon.adjustment.contradictions import explain_refusal, hold_within_belief, is_sheared
 from hullrecon.adjustment.exceeded_priors import contradicts_priors, widen_exceeded_priors
 from hullrecon.adjustment.options import PRODUCT, AdjustOptions, Strategy
 from hullrecon.adjustment.problem import iteration_history, selection, weighting
@@ -119,7 +119,7 @@ def solve_path(measured: Measurements, solver: RoundSolver) -> Stage:
     corrected = corrected.then(widen_exceeded_priors(corrected, solver))
 
     # So far, and not where another sensor explains the contradiction better.
-    if corrected is path and not contradicts_priors(path):
+    if corrected is path and not contradicts_priors(path) and not is_sheared(path, solver):
         return path
     return hold_within_belief(path, corrected, solver)
 

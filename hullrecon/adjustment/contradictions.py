@@ -16,8 +16,9 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS, MOUNTS, ROTATION, displacement
+from hullrecon.adjustment.readout import RowMotion, motion_by_row
 from hullrecon.adjustment.rounds import RoundResult, RoundSolver, Stage
-from hullrecon.adjustment.suspects import Trial, best_explanations, try_suspects
+from hullrecon.adjustment.suspects import Trial, best_explanations, least_gain, try_suspects
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.finding import Finding
 from hullrecon.rig import Rig
@@ -50,12 +51,15 @@ MOUNT_KEYS = {"tray_from_top": "camera.top.mount", "tray_from_dvl": "dvl.mount"}
 # makes a third.
 LARGEST_BASELINE_SHARE = 0.1
 LARGEST_STEREO_TURN_RAD = np.radians(3.0)
-# A calibration in water knows focal lengths to half a per cent, another medium's is a third off
-LARGEST_FOCAL_SHARE = 0.03
-LARGEST_CENTER_PX = 30.0
+# Of the focal length: a calibration in water knows focal lengths and principal point to half a per
+# cent, another medium's is a third off
+LARGEST_LENS_SHARE = 0.03
 # What is left out contradicts the rest grossly: by so many squares of its sigma a row
 GROSS = 4.0
 LEAST_WEIGHT = 1e-3  # of depths, which a path without noise makes nil
+# Squares that shearing the images explains at least, beyond which sensors are suspected: 0.3 at
+# most where lenses are 0.3 px off, 4 and more with 20 px of principal point or 20 ms of readout
+SHEARED = 2.0
 
 
 def hold_within_belief(path: Stage, corrected: Stage, solver: RoundSolver) -> Stage:
@@ -75,9 +79,20 @@ def hold_within_belief(path: Stage, corrected: Stage, solver: RoundSolver) -> St
         taken out explains more.
     """
     beyond = list(_beyond_belief(path.estimate.measured.rig, corrected))
-    trials = try_suspects(_as_stated(path.rounds[0]), solver.settings)
+    trials = _try_all(path, solver)
     _refuse(trials, beyond, solver)
     return replace(corrected, verdict=replace(corrected.verdict, suspects=trials))
+
+
+def is_sheared(path: Stage, solver: RoundSolver) -> bool:
+    """Tell whether a solved path would fit better if its images were sheared by the motion.
+
+    Legs beside each other show that before any prior is exceeded.
+    """
+    if not path.rounds:
+        return False
+    problem, by_row = _suspected(path.rounds[0])
+    return least_gain(problem, solver.settings, by_row) > SHEARED
 
 
 def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
@@ -92,9 +107,19 @@ def explain_refusal(path: Stage, placed: Stage, solver: RoundSolver) -> Stage:
         return placed
     trials = path.verdict.suspects
     if not trials:
-        trials = try_suspects(_as_stated(path.rounds[0]), solver.settings)
+        trials = _try_all(path, solver)
     _refuse(trials, [], solver)
     return replace(placed, verdict=replace(placed.verdict, suspects=trials))
+
+
+def _try_all(path: Stage, solver: RoundSolver) -> tuple[Trial, ...]:
+    problem, by_row = _suspected(path.rounds[0])
+    return try_suspects(problem, solver.settings, by_row)
+
+
+def _suspected(first: RoundResult) -> tuple[native.Problem, RowMotion]:
+    measured, state = first.after.measured, first.after.state
+    return _as_stated(first), motion_by_row(first.problem, measured, state)
 
 
 def _as_stated(solved: RoundResult) -> native.Problem:
@@ -124,17 +149,19 @@ def _as_stated(solved: RoundResult) -> native.Problem:
 def _refuse(trials: Sequence[Trial], beyond: Sequence[str], solver: RoundSolver) -> None:
     """Raise ContradictionError unless a correction explains what the trials show."""
     best = best_explanations(trials)
+    top = solver.calibrated.top
+    focal_px = 1.0 if top is None else top.fx
     for trial in trials:
         solver.report(f"left out or freed: {trial.suspect}: {trial.gain:.0f} squares are gone")
-    corrected = any(trial.corrects and _is_believable(trial) for trial in best)
-    if not beyond and (not best or corrected or not _is_gross(best[0])):
+    corrected = any(trial.corrects and _is_believable(trial, focal_px) for trial in best)
+    if not beyond and (not best or corrected or not _is_gross(best[0], focal_px)):
         return
     explanations = [[trial.suspect, trial.found] for trial in best]
     found = Finding("contradiction", {"beyond": ", ".join(beyond), "explanations": explanations})
     raise ContradictionError(found.sentence)
 
 
-def _is_believable(trial: Trial) -> bool:
+def _is_believable(trial: Trial, focal_px: float) -> bool:
     """Tell whether a suspect's own error is of a size that it may have."""
     largest = {
         "dvl-scale": LARGEST_ERRORS[0],
@@ -142,18 +169,19 @@ def _is_believable(trial: Trial) -> bool:
         "camera-mount": LARGEST_TURN_RAD,
         "imu": LARGEST_ERRORS[2],
         "stereo-rig": LARGEST_BASELINE_SHARE,
-        "focal-length": LARGEST_FOCAL_SHARE,
-        "principal-point": LARGEST_CENTER_PX,
-    }.get(trial.suspect)
-    if largest is None or trial.found is None:
+    }
+    if trial.suspect.startswith("principal-point"):
+        largest[trial.suspect] = LARGEST_LENS_SHARE * focal_px
+    if trial.suspect.startswith("focal-length"):
+        return trial.found is not None and abs(trial.found - 1) <= LARGEST_LENS_SHARE
+    if trial.suspect not in largest or trial.found is None:
         return False
-    about = 1.0 if trial.suspect == "focal-length" else 0.0
-    return bool(abs(trial.found - about) <= largest)
+    return bool(abs(trial.found) <= largest[trial.suspect])
 
 
-def _is_gross(trial: Trial) -> bool:
+def _is_gross(trial: Trial, focal_px: float) -> bool:
     """Tell whether a suspect contradicts the rest by more than small errors do."""
-    return not _is_believable(trial) and trial.gain > GROSS * trial.rows
+    return not _is_believable(trial, focal_px) and trial.gain > GROSS * trial.rows
 
 
 def _beyond_belief(stated: Rig, corrected: Stage) -> Iterator[str]:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon import native
+from hullrecon.adjustment.readout import RowMotion
 from hullrecon.findings.adjustment import CORRECTED
 
 LEFT_OUT = 1e3  # by which the sigmas of a measurement that is left out grow
@@ -24,15 +25,23 @@ LOOSE_TRAY_RAD = np.radians(10.0)  # of each reading of the tray: its angles are
 ITERATIONS = 50  # of a trial, which starts at the solved path
 TOLERANCE = 1e-5
 HELD, HELD_PX = 1e-6, 1e-3  # prior sigmas of intrinsics that stay
+READOUT_S = 0.01  # of a trial on either side of none; cameras have 5 to 50 ms
+SLOPE_S = 0.002  # for derivatives by the readout time
 # A suspect explains as much as the best if so large a share of the contradiction is gone without it
 EXPLAINS = 0.9
 CERTAIN = 3.0  # sigmas of the squares that rows without error take with them when they are left out
-FOCAL, CENTER = slice(0, 2), slice(2, 4)  # of a camera's intrinsics
+FOCAL, CENTER, RADIAL = slice(0, 2), slice(2, 4), slice(4, 6)  # of a camera's intrinsics
 SCALE, DRIFT, ROLL, PITCH = range(4)  # places among the errors of navigation
 # Truth over what a DVL measured, beyond which its scale explains nothing: feet are 3.28 to a metre
 LEAST_SCALE, MOST_SCALE = 0.25, 4.0
+# Readout times that cameras have [s]; less moves features by less than calibrations are wrong
+LEAST_READOUT_S, MOST_READOUT_S = 0.005, 0.2
 # Suspects as a whole, by their own errors
-WHOLES = {"dvl-velocities": {"dvl-scale", "dvl-mount"}}
+WHOLES = {
+    "dvl-velocities": {"dvl-scale", "dvl-mount"},
+    "focal-length": {"focal-length-top", "focal-length-bottom"},
+    "principal-point": {"principal-point-bottom"},
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +78,9 @@ class _Suspect:
     found: Callable[[native.Problem, native.Unknowns], float] | None = None
 
 
-def try_suspects(problem: native.Problem, settings: native.Options) -> tuple[Trial, ...]:
+def try_suspects(
+    problem: native.Problem, settings: native.Options, by_row: RowMotion
+) -> tuple[Trial, ...]:
     """Solve a path again without each suspect, the best explanation first.
 
     Parameters
@@ -78,10 +89,48 @@ def try_suspects(problem: native.Problem, settings: native.Options) -> tuple[Tri
         A round without the CAD model at its solution, its priors as the package states them.
     settings
         Of its solve.
+    by_row
+        How its features move if images are read out row by row.
     """
     before = _solved(problem, settings)[0]
     trials = [_try(suspect, problem, settings, before) for suspect in _suspects(problem)]
+    if len(problem.stereo.node) + len(problem.mono.node):
+        trials.append(_try_readout(problem, settings, before, by_row))
     return tuple(sorted(trials, key=lambda trial: -trial.gain))
+
+
+def least_gain(problem: native.Problem, settings: native.Options, by_row: RowMotion) -> float:
+    """Compute the squares that a readout time explains at least, without a solve.
+
+    The slope is that of the solved path as well, while what other unknowns follow makes the
+    parabola flatter than the one that is seen with them held: some twenty times on two legs.
+    """
+    if not len(problem.stereo.node) + len(problem.mono.node):
+        return 0.0
+    less, here, more = (
+        _squares(by_row.moved(problem, readout_s), replace(settings, method="naive"))
+        for readout_s in (-SLOPE_S, 0.0, SLOPE_S)
+    )
+    curvature = more + less - 2 * here
+    return float((more - less) ** 2 / (8 * curvature)) if curvature > 0 else 0.0
+
+
+def _try_readout(
+    problem: native.Problem, settings: native.Options, before: float, by_row: RowMotion
+) -> Trial:
+    """Solve with features moved for two readout times; the squares are a parabola of it."""
+    less, more = (
+        _solved(by_row.moved(problem, readout_s), settings)[0]
+        for readout_s in (-READOUT_S, READOUT_S)
+    )
+    slope, curvature = (more - less) / 2, more + less - 2 * before
+    found = -slope / curvature if curvature > 0 else 0.0
+    return Trial(
+        suspect="readout",
+        gain=-(slope * found + curvature * found**2 / 2) - 1,
+        rows=1,
+        found=READOUT_S * found,
+    )
 
 
 def _try(
@@ -114,9 +163,11 @@ def best_explanations(trials: Sequence[Trial]) -> tuple[Trial, ...]:
 
 def _is_absurd(trial: Trial) -> bool:
     """Tell whether a suspect's own error is one that no sensor has."""
-    if trial.suspect != "dvl-scale" or trial.found is None:
-        return False
-    return not LEAST_SCALE < 1 + trial.found < MOST_SCALE
+    if trial.suspect == "dvl-scale" and trial.found is not None:
+        return not LEAST_SCALE < 1 + trial.found < MOST_SCALE
+    if trial.suspect == "readout" and trial.found is not None:
+        return not LEAST_READOUT_S < trial.found < MOST_READOUT_S
+    return False
 
 
 def _solved(problem: native.Problem, settings: native.Options) -> tuple[float, native.Unknowns]:
@@ -125,9 +176,11 @@ def _solved(problem: native.Problem, settings: native.Options) -> tuple[float, n
     result = native.solve(
         problem, replace(naive, max_iterations=ITERATIONS, function_tolerance=TOLERANCE)
     )
-    solved = problem.started_from(result.unknowns)
-    cost = native.evaluate(solved, naive, jacobian=False).cost_by_factor
-    return 2 * sum(cost.values()), result.unknowns
+    return _squares(problem.started_from(result.unknowns), naive), result.unknowns
+
+
+def _squares(problem: native.Problem, settings: native.Options) -> float:
+    return 2 * sum(native.evaluate(problem, settings, jacobian=False).cost_by_factor.values())
 
 
 def _suspects(problem: native.Problem) -> list[_Suspect]:
@@ -150,13 +203,36 @@ def _suspects(problem: native.Problem) -> list[_Suspect]:
     if not has_images:
         return found
     found.append(_Suspect("dvl-velocities", _without_velocities, 3 * steps))
-    found.append(_Suspect("focal-length", _free_intrinsics(FOCAL), 2, _focal_ratio))
-    found.append(_Suspect("principal-point", _free_intrinsics(CENTER), 2, _center_shift_px))
+    found += _lenses(problem)
     if problem.priors.T_s_ct is not None:
         found.append(_Suspect("camera-mount", _free_mount("T_s_ct"), 6, _turn("T_s_ct")))
     if len(problem.stereo.node):
         found.append(_Suspect("stereo-rig", _free_stereo_rig, 6, _baseline))
     return found
+
+
+def _lenses(problem: native.Problem) -> list[_Suspect]:
+    """List what may be wrong in both calibrations, or in one of the two."""
+    cameras = ["intrinsics_top"]
+    if len(problem.stereo.node) or (problem.mono.camera == 1).any():
+        cameras.append("intrinsics_bottom")
+    both = tuple(cameras)
+    found = [
+        _Suspect("focal-length", _free_intrinsics(FOCAL, both), 2 * len(both), _focal_ratio(both)),
+        _Suspect(
+            "principal-point", _free_intrinsics(CENTER, both), 2 * len(both), _center_shift(both)
+        ),
+        _Suspect("distortion", _free_intrinsics(RADIAL, both), 2 * len(both)),
+    ]
+    if len(both) == 1:
+        return found
+    for name, key in (("top", "intrinsics_top"), ("bottom", "intrinsics_bottom")):
+        own = _free_intrinsics(FOCAL, (key,))
+        found.append(_Suspect(f"focal-length-{name}", own, 2, _focal_ratio((key,))))
+    # That of the top camera is told from the bottom one's by the mount alone.
+    own = _free_intrinsics(CENTER, ("intrinsics_bottom",))
+    shift = _center_shift(("intrinsics_bottom",))
+    return [*found, _Suspect("principal-point-bottom", own, 2, shift)]
 
 
 def _free_navigation(
@@ -193,13 +269,13 @@ def _free_stereo_rig(problem: native.Problem) -> native.Problem:
     return replace(problem, priors=replace(problem.priors, T_ct_cb=wide)).free("T_ct_cb")
 
 
-def _free_intrinsics(places: slice) -> Callable[[native.Problem], native.Problem]:
+def _free_intrinsics(
+    places: slice, cameras: Sequence[str]
+) -> Callable[[native.Problem], native.Problem]:
     def free(problem: native.Problem) -> native.Problem:
         sigma = np.r_[np.full(4, HELD_PX), np.full(5, HELD)]
-        sigma[places] = FREE_SHARE * problem.unknowns.intrinsics_top[FOCAL]
-        cameras = ["intrinsics_top"]
-        if len(problem.stereo.node) or (problem.mono.camera == 1).any():
-            cameras.append("intrinsics_bottom")
+        pixels = places != RADIAL
+        sigma[places] = FREE_SHARE * (problem.unknowns.intrinsics_top[FOCAL] if pixels else 1.0)
         priors = replace(problem.priors, intrinsics_sigma=sigma)
         return replace(problem, priors=priors).free(*cameras)
 
@@ -251,13 +327,26 @@ def _turn(block: str) -> Callable[[native.Problem, native.Unknowns], float]:
     return turn
 
 
-def _focal_ratio(problem: native.Problem, unknowns: native.Unknowns) -> float:
-    return float(np.mean(unknowns.intrinsics_top[:2] / problem.unknowns.intrinsics_top[:2]))
+def _focal_ratio(cameras: Sequence[str]) -> Callable[[native.Problem, native.Unknowns], float]:
+    """Take the ratio of focal lengths, of cameras and axes, that is farthest from one."""
+
+    def ratio(problem: native.Problem, unknowns: native.Unknowns) -> float:
+        ratios = np.concatenate(
+            [getattr(unknowns, c)[FOCAL] / getattr(problem.unknowns, c)[FOCAL] for c in cameras]
+        )
+        return float(ratios[np.abs(ratios - 1).argmax()])
+
+    return ratio
 
 
-def _center_shift_px(problem: native.Problem, unknowns: native.Unknowns) -> float:
-    shift = unknowns.intrinsics_top[CENTER] - problem.unknowns.intrinsics_top[CENTER]
-    return float(np.linalg.norm(shift))
+def _center_shift(cameras: Sequence[str]) -> Callable[[native.Problem, native.Unknowns], float]:
+    def shift_px(problem: native.Problem, unknowns: native.Unknowns) -> float:
+        shifts = [
+            getattr(unknowns, c)[CENTER] - getattr(problem.unknowns, c)[CENTER] for c in cameras
+        ]
+        return float(np.linalg.norm(shifts, axis=1).max())
+
+    return shift_px
 
 
 def _baseline(problem: native.Problem, unknowns: native.Unknowns) -> float:

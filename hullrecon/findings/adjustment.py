@@ -35,14 +35,23 @@ def _baseline(found: float | None) -> str:
     )
 
 
-def _focal_ratio(found: float | None) -> str:
-    ratio = found or 0.0
-    said = f"with focal lengths {ratio:.2f} times the calibration's"
-    if abs(ratio / WATER - 1) < NEAR:
-        return f"{said}, as where the camera was calibrated in air"
-    if abs(ratio * WATER - 1) < NEAR:
-        return f"{said}, as where a calibration in water was converted from air to water again"
-    return said
+def _focal_ratio(whose: str) -> Callable[[float | None], str]:
+    def say(found: float | None) -> str:
+        ratio = found or 0.0
+        said = f"with {whose}focal lengths {ratio:.2f} times the calibration's"
+        if abs(ratio / WATER - 1) < NEAR:
+            return f"{said}, as where the camera was calibrated in air"
+        if abs(ratio * WATER - 1) < NEAR:
+            return f"{said}, as where a calibration in water was converted from air to water again"
+        return said
+
+    return say
+
+
+def _center_shift(whose: str) -> Callable[[float | None], str]:
+    return lambda found: (
+        f"with {whose} principal point {found or 0.0:.0f} px from where the calibration has it"
+    )
 
 
 # By suspect: what makes the rest agree; found is its own error, where it was freed
@@ -56,11 +65,17 @@ SUSPECTS: Mapping[str, Callable[[float | None], str]] = {
     "tray": lambda _: "without the tray's angles",
     "positions": lambda _: "without the positions from outside",
     "camera-mount": _turned("camera.top.mount"),
-    "focal-length": _focal_ratio,
-    "principal-point": lambda found: (
-        f"with the principal point {found or 0.0:.0f} px from where the calibration has it"
-    ),
+    "focal-length": _focal_ratio(""),
+    "focal-length-top": _focal_ratio("the top camera's "),
+    "focal-length-bottom": _focal_ratio("the bottom camera's "),
+    "principal-point": _center_shift("the"),
+    "principal-point-bottom": _center_shift("the bottom camera's"),
+    "distortion": lambda _: "with another distortion than the calibration's",
     "stereo-rig": _baseline,
+    "readout": lambda found: (
+        f"with the rows of an image exposed one after another, {1e3 * (found or 0.0):.0f} ms from "
+        "the first to the last"
+    ),
 }
 # Suspects whose own error the adjustment estimates and takes out, up to a largest believable size
 CORRECTED = frozenset({"dvl-scale", "dvl-mount", "imu", "camera-mount", "stereo-rig"})
@@ -68,6 +83,7 @@ CORRECTED = frozenset({"dvl-scale", "dvl-mount", "imu", "camera-mount", "stereo-
 REMEDIES: Mapping[str, str] = {
     "pressure": "name the topic of the water's pressure, or leave topics.pressure away",
     "positions": "leave topics.position away",
+    "readout": "give that time, in s, as readout_s of camera.top and camera.bottom",
 }
 
 
@@ -98,12 +114,25 @@ def _number(value: object) -> float | None:
 
 
 def _explained_as_well(explanations: Sequence[Sequence[object]]) -> str:
-    others = " or ".join(SUSPECTS[str(name)](_number(found)) for name, found in explanations)
     return (
-        f"What was taken out is explained as well {others}: which of them is wrong is not known, "
-        "and if it is not what was corrected, the result is wrong by as much."
+        f"What was taken out is explained as well {_others(explanations)}: which of them is wrong "
+        "is not known, and if it is not what was corrected, the result is wrong by as much."
     )
 
 
+def _explained_better(explanations: Sequence[Sequence[object]]) -> str:
+    return (
+        f"The measurements agree better {_others(explanations)}. That is not taken out: the result "
+        "is wrong by as much, and so is what else was found to be off."
+    )
+
+
+def _others(explanations: Sequence[Sequence[object]]) -> str:
+    return " or ".join(SUSPECTS[str(name)](_number(found)) for name, found in explanations)
+
+
 ERRORS: dict[str, Words] = {"contradiction": _contradiction}
-WARNINGS: dict[str, Words] = {"explained-as-well": _explained_as_well}
+WARNINGS: dict[str, Words] = {
+    "explained-as-well": _explained_as_well,
+    "explained-better": _explained_better,
+}

@@ -152,6 +152,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=30,
+    version=31,
     run=run,
 )

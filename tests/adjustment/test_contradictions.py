@@ -7,17 +7,32 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from adjustment.simulated_dive import motion, records_poses, simulate
+from adjustment.simulated_dive import (
+    CAMERA,
+    STEP_S,
+    TOP_FROM_BOTTOM,
+    TRAY_FROM_TOP,
+    _tray_poses,
+    motion,
+    moved,
+    path,
+    pixels_of,
+    records_poses,
+    simulate,
+)
 from adjustment.solved_dives import solved
 
-from hullrecon.adjustment.bundle_adjustment import adjust
-from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.bundle_adjustment import adjust, solve_path
+from hullrecon.adjustment.options import PRODUCT, AdjustOptions
 from hullrecon.adjustment.results.summary import explained_as_well
+from hullrecon.adjustment.rounds import RoundSolver
 from hullrecon.adjustment.suspects import Trial, best_explanations
 from hullrecon.errors import ContradictionError
 from hullrecon.findings.adjustment import REMEDIES, SUSPECTS
+from hullrecon.geometry.frames import Camera
 
 OPTIONS = AdjustOptions(rounds=2)
+STEREO = {"landmarks": 250}
 CAMERA_ONLY = {"stereo": False, "cad": False, "landmarks": 250}
 
 
@@ -105,6 +120,77 @@ def test_a_package_that_allows_a_large_error_is_believed():
     assert not adjust(measured, OPTIONS, lambda _: None).verdict.suspects
 
 
+def with_pixels(measured, by_camera):
+    """The dive with other pixels, by those that were seen, camera by camera."""
+    tracks = measured.tracks
+    seen = {name: by_camera(name, getattr(tracks, name)) for name in ("top", "bottom")}
+    return replace(measured, tracks=replace(tracks, **seen))
+
+
+def read_out(dive, readout_s):
+    """The measurements with rows that were exposed one after another."""
+    tracks, per_leg = dive.measured.tracks, len(dive.tray) // 2
+
+    def by_camera(name, pixel):
+        def at(time):
+            poses, tray, _ = path(time, per_leg)
+            top = poses @ _tray_poses(tray) @ TRAY_FROM_TOP
+            camera = top if name == "top" else top @ TOP_FROM_BOTTOM
+            return pixels_of(moved(np.linalg.inv(camera), dive.landmark[tracks.landmark]))
+
+        late = readout_s * pixel[:, 1] / (CAMERA.height - 1) / STEP_S
+        return pixel + np.nan_to_num(at(tracks.node + np.nan_to_num(late)) - at(tracks.node + 0.0))
+
+    return with_pixels(dive.measured, by_camera)
+
+
+def path_rounds(measured):
+    solver = RoundSolver(
+        calibrated=measured.rig, options=OPTIONS, strategy=PRODUCT, report=lambda _: None
+    )
+    return solve_path(measured, solver)
+
+
+@pytest.mark.parametrize("scene", [STEREO, CAMERA_ONLY], ids=["stereo", "mono"])
+def test_readout_that_nobody_gave_is_named_and_its_remedy_heals(scene):
+    dive = simulate(**scene)
+    measured = read_out(dive, 0.02)
+    said = refused(measured)
+    assert "readout_s of camera.top" in said
+    (found,) = re.findall(r"one after another, (\d+) ms", said)
+    assert float(found) == pytest.approx(20, abs=2)
+    healed = read_out(replace(dive, measured=measured), -1e-3 * float(found))
+    assert path_rounds(healed).verdict.suspects == ()
+
+
+@pytest.mark.parametrize("name", ["fy", "cx"])
+def test_small_errors_of_a_lens_are_named_and_no_mount_is(name):
+    lens = {"fy": {"fy": lambda f: 1.05 * f}, "cx": {"cx": lambda c: c + 22.0}}[name]
+    said = refused(with_lens(simulate(**STEREO).measured, **lens))
+    assert {"fy": "focal lengths 0.95", "cx": "principal point 2"}[name] in said
+    assert "mount" not in said
+
+
+def test_the_camera_whose_focal_length_is_wrong_is_named():
+    measured = simulate(**STEREO).measured
+    models = dict(measured.rig.camera_models)
+    models[Camera.BOTTOM] = replace(CAMERA, fx=1.08 * CAMERA.fx, fy=1.08 * CAMERA.fy)
+    said = refused(replace(measured, rig=replace(measured.rig, camera_models=models)))
+    assert "all else agrees with the bottom camera's focal lengths 0.93" in said
+
+
+@pytest.mark.parametrize("scene", [STEREO, CAMERA_ONLY], ids=["stereo", "mono"])
+def test_smooth_errors_of_lenses_suspect_nobody(scene):
+    random = np.random.default_rng(5)
+
+    def by_camera(_, pixel):
+        u, v = (2 * pixel / [CAMERA.width, CAMERA.height] - 1).T
+        modes = np.stack([u * u - 1 / 3, u * v, v * v - 1 / 3, u**3 - 0.6 * u, u * v * v])
+        return pixel + 0.3 * (random.normal(size=(2, 5)) @ modes).T
+
+    assert path_rounds(with_pixels(simulate(**scene).measured, by_camera)).verdict.suspects == ()
+
+
 def trial(suspect, gain, rows, found=None):
     return Trial(suspect=suspect, gain=gain, rows=rows, found=found)
 
@@ -136,6 +222,8 @@ def test_a_correction_that_another_explains_as_well_is_doubted():
     assert "which of them is wrong is not known" in said
     assert SUSPECTS["pressure"](None) in said
     assert explained_as_well([SOUND]) == []
+    (said,) = explained_as_well([trial("focal-length", 600.0, 4, 0.98), SOUND])
+    assert "agree better with focal lengths 0.98" in said
     assert explained_as_well([]) == []
 
 

@@ -185,12 +185,14 @@ def _suspects(trials: Sequence[Trial]) -> dict[str, object]:
 
 
 def explained_as_well(trials: Sequence[Trial]) -> list[str]:
-    """Warn where a sensor whose error cannot be taken out explains what was corrected as well."""
+    """Warn where a sensor whose error cannot be taken out explains as much as any correction."""
     best = best_explanations(trials)
     others = [[trial.suspect, trial.found] for trial in best if not trial.corrects]
-    if not others or not any(trial.corrects for trial in best):
+    if not others:
         return []
-    return [Finding("explained-as-well", {"explanations": others}).sentence]
+    corrected = any(trial.corrects for trial in best)
+    code = "explained-as-well" if corrected else "explained-better"
+    return [Finding(code, {"explanations": others}).sentence]
 
 
 def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:
