@@ -7,6 +7,7 @@ passed again.
 import json
 import shutil
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from navigation.planar_dive import aligned, simulate
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.artifacts.runner import run_stage
 from hullrecon.dive.config import schema
+from hullrecon.errors import ContradictionError
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import PositionTies
 from hullrecon.steps.adjust import STAGE as ADJUST
@@ -162,3 +164,14 @@ def test_without_positions_neither_document_speaks_of_them(tied):
     links, adjust = tied
     assert "positions" not in links.facts
     assert "positions" not in adjust.summary
+
+
+def test_positions_in_another_unit_are_named_and_the_remedy_heals(dive, folder, tied, tmp_path):
+    shutil.copytree(folder, tmp_path / "dive")
+    right = positions(dive)
+    in_feet = replace(right, north_east=right.north_east / 0.3048)
+    np.savez(tmp_path / "dive" / "navigate" / "positions.npz", **to_arrays(in_feet))
+    with pytest.raises(ContradictionError, match=r"leave topics\.position away"):
+        run(tmp_path / "dive", tmp_path)
+    _, without = tied  # the same dive, topics.position left away
+    assert error_m(dive, without.solution.global_from_vehicle.translation) < 0.1
