@@ -36,6 +36,7 @@ from hullrecon.dive.logs.samples import (
     PositionSample,
     PressureSample,
     Sample,
+    are_written_twice,
     is_of_dvl,
 )
 from hullrecon.dive.logs.time_bases import BagStamps, join_time_bases
@@ -424,6 +425,7 @@ class _Source:
             [sample.t_ns for sample, *_ in rows],
             [logged for _, logged, _ in rows],
             [log for *_, log in rows],
+            spread=not are_written_twice([sample for sample, *_ in rows]),
         )
         self.notes += line.notes
         ordered = ((rows[i][0], int(t_ns)) for i, t_ns in zip(line.keep, line.t_ns, strict=True))

@@ -70,6 +70,19 @@ def _marked_lost(
     )
 
 
+def _in_bursts(count: int, bursts: int, within_s: float | None) -> str:
+    done = "the times of logging were taken, which come one by one"
+    if within_s is not None:
+        done = (
+            "they were spread evenly over the time from one burst to the next, and are known to "
+            f"some {within_s:.2g} s"
+        )
+    return (
+        f"its {count} stamps come in {bursts} bursts, as a computer received the readings or as a "
+        f"coarse clock showed, not as they were measured: {done}"
+    )
+
+
 def _of_dvl(sensor: str, count: int) -> str:
     what, other = ("attitudes", "the IMU") if sensor == "imu" else ("depths", "the pressure sensor")
     return f"{count} {what} by the DVL's own sensors were ignored, as {other} was logged"
@@ -128,12 +141,19 @@ NOTES: dict[str, Words] = {
     "stamps-doubled": "{doubled} of {count} stamps are duplicates; the first of each was kept",
     "stamps-unordered": "{count} readings stood out of order and were sorted",
     "stamps-far": _far,
+    "accelerations-in-unit": "half of its accelerations are {median:.3g} and more, as gravity in "
+    "{unit}: they were converted to m/s2",
+    "stamps-in-bursts": _in_bursts,
     "logged-late": "{count} readings were logged late, by up to {seconds:.1f} s, the first at "
     "{time}; their stamps were kept",
     "logs-overlap": "logs were read in another order than they were recorded, or overlap: "
     "{seconds:.1f} s back to {time}; their readings were sorted",
     "clock-jumps": _jumps,
     "time-base-joined": _joined,
+    "clock-drifts": lambda per_million: (
+        f"by when they were logged, its clock runs {abs(per_million):.0f} millionths "
+        f"{'fast' if per_million > 0 else 'slow'}; its stamps were put right"
+    ),
     # streams of one sensor
     "readings-not-finite": "{lost} of {count} readings are no finite numbers and were left out",
     "ranges-all-lost": "every range is lost; it measures no distance to the hull",

@@ -91,6 +91,16 @@ def _shifted(seconds: float, shared_s: float, length_s: float, key: str) -> str:
     )
 
 
+def _moved(seconds: float, key: str) -> str:
+    side = "late" if seconds > 0 else "early"
+    leap = " (GPS time is 18 s ahead of UTC)" if abs(abs(seconds) - 18) < 0.5 else ""
+    return (
+        f"its stamps are {abs(seconds):.1f} s {side}{leap}: so its log begins and ends beside the "
+        f"others, and depth and DVL show one motion; they were put right ({key} = {-seconds:.2f} "
+        "states it)"
+    )
+
+
 def _apart(
     others: Sequence[str],
     seconds: float,
@@ -98,7 +108,7 @@ def _apart(
     key: str,
     unset: bool,
     given_s: float,
-    hours: int | None,
+    hours: float | None,
     offset_s: float | None,
     by_motion: bool,
 ) -> str:
@@ -109,13 +119,15 @@ def _apart(
     clock = " (it counts from 1970: it was never set)" if unset else ""
     text = f"it {ends}, so that one of the clocks is wrong{clock}"
     if offset_s is None:
+        check = " (`hullrecon check` finds it where depth and DVL show one motion)"
         return (
-            f"{text}: give {key}, the seconds to add to its stamps, to within a minute "
-            "(`hullrecon check` finds it where depth and DVL show one motion)"
+            f"{text}: give {key}, the seconds to add to its stamps, to within a minute"
+            f"{check if key in ('dvl.time_offset', 'pressure.time_offset') else ''}"
         )
-    zone = f"{hours:+d} h, as of a time zone" if hours is not None else ""
+    zone = f"{hours:+g} h, as of a time zone" if hours is not None else ""
     motion = "by depth and DVL, which then show one motion" if by_motion else ""
-    why = "; ".join(part for part in (zone, motion) if part)
+    ends = "" if zone or motion else "it then begins and ends with the others"
+    why = "; ".join(part for part in (zone, motion, ends) if part)
     return f"{text}: {'set' if by_motion else 'try'} {key} = {offset_s:.2f} ({why})"
 
 
@@ -148,6 +160,7 @@ WARNINGS: dict[str, Words] = {
     "sensors-part": _contradict,
     "read-beside": _beside,
     "stream-shifted": _shifted,
+    "stream-moved": _moved,
     "imu-single-reading": "the IMU gave a single reading, which tells no attitude",
     "imu-upside-down": 'imu: gravity pulls upward with imu.frame = "{frame}": it is "{other}", or '
     "the accelerations are those of gravity, with the other sign",

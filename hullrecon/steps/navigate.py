@@ -13,7 +13,7 @@ import numpy as np
 from msgspec import Struct
 
 from hullrecon.artifacts.stage import Context, Stage, StageSettings
-from hullrecon.dive.check.time_overlap import Stream
+from hullrecon.dive.check.time_overlap import Stream, shifted_streams
 from hullrecon.dive.config.mounts import describe_mounts
 from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import ImageStore
@@ -118,6 +118,10 @@ def run(context: Context[NavigateOptions]) -> None:
     facts = {"suspects": [one.document() for one in judged.tried], **found.facts}
     # offsets of clocks are told by what follows, which estimates them
     told = [one for one in judged.findings if one.code != "sensors-late"]
+    if not facts.get("clocks"):
+        images = {c.key: ingest.image_index(c) for c in Camera}
+        index = {name: one for name, one in images.items() if one is not None}
+        told += shifted_streams({**judged.records.by_name(), **index})
     remarks = [*sentences(told), *found.remarks]
     _write(context, replace(found, facts=facts, remarks=remarks), source)
 

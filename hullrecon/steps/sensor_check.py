@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from hullrecon.dive.check.motion_offset import level_of, motions_apart
+from hullrecon.dive.check.motion_offset import level_of, mend_shifted, motions_apart
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.schema import Topics
 from hullrecon.dive.images.sink import SampledImages
@@ -54,7 +55,9 @@ def judge_sensors(
     apart = motions_apart(records, level)
     if apart:  # nothing else compares sensors whose clocks are apart
         return Judged(records=records, findings=apart, tried=[])
-    return judge(records, rig, atmosphere / (density * gravity), named, flows)
+    records, moved = mend_shifted(records, level)
+    judged = judge(records, rig, atmosphere / (density * gravity), named, flows)
+    return replace(judged, findings=[*moved, *judged.findings])
 
 
 def describe_sensors(

@@ -11,7 +11,12 @@ import pytest
 from navigation.instruments import RIG
 from navigation.wall_dive import AlongWall, logs_along_wall
 
-from hullrecon.dive.check.motion_offset import level_of, motions_apart, offset_by_motion
+from hullrecon.dive.check.motion_offset import (
+    level_of,
+    mend_shifted,
+    motions_apart,
+    offset_by_motion,
+)
 from hullrecon.records.sensors import SensorRecords
 
 NS = 10**9
@@ -73,3 +78,26 @@ def test_of_a_swell_that_repeats_itself_no_offset_is_told(right, period_s):
     )
     off = moved(steady, "dvl", 3600.0)
     assert offset_by_motion("dvl", off, level(off)) is None
+
+
+@pytest.mark.parametrize(("sensor", "late_s"), [("dvl", 18.0), ("pressure", -18.0)])
+def test_a_log_that_is_late_at_both_ends_is_moved_where_motion_agrees(right, sensor, late_s):
+    off = moved(right, sensor, late_s)
+    mended, (said,) = mend_shifted(off, level(off))
+    by = getattr(mended, sensor).t_ns - getattr(right, sensor).t_ns
+    assert np.abs(by).max() < 0.15 * NS
+    assert "GPS time is 18 s ahead" in said.sentence
+    assert mend_shifted(mended, level(mended))[1] == []
+
+
+def test_a_log_that_was_started_and_stopped_late_is_not_moved(right):
+    dvl = right.dvl
+    kept = (dvl.t_ns > dvl.t_ns[0] + 18 * NS) & (dvl.t_ns <= dvl.t_ns[-1])
+    later = replace(
+        dvl,
+        t_ns=dvl.t_ns[kept],
+        velocity=dvl.velocity[kept],
+        velocity_sigma=dvl.velocity_sigma[kept],
+        ranges=dvl.ranges[kept],
+    )
+    assert mend_shifted(replace(right, dvl=later), level(right))[1] == []

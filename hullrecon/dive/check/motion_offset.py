@@ -15,7 +15,7 @@ import numpy as np
 from scipy.signal import correlate
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.check.time_overlap import HOUR_S, clock_gaps
+from hullrecon.dive.check.time_overlap import HOUR_S, clock_gaps, shifted_streams
 from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.findings.finding import Finding
@@ -34,6 +34,7 @@ LEAST_CORRELATION = 0.7
 GAIN = 25.0  # by which chi-square is lower than at any other offset: five sigmas
 FAR_S = 60.0  # the step navigate finds what is less
 SAME_S = 30.0  # from whole hours; what is left of the offset is found by the step navigate
+SHIFTED_S = 2.0  # between what the ends of logs and motion tell; operators start logs by hand
 LONGEST_S = 12 * HOUR_S  # of a log: a dive is four hours at most, and a month is no grid
 INDEPENDENT_S = 2.0  # readings so far apart have errors and swell of their own
 
@@ -56,7 +57,7 @@ def _told_by_motion(finding: Finding, records: SensorRecords, level: Level | Non
         return finding
     hours, given_s = finding.values["hours"], finding.values["given_s"]
     assert isinstance(given_s, float)
-    assert isinstance(hours, int | None)
+    assert isinstance(hours, float | None)
     of_zone = hours is not None and abs(more_s - hours * HOUR_S) < SAME_S
     whole_s = given_s + (hours * HOUR_S if hours is not None and of_zone else round(more_s, 2))
     told = {"offset_s": whole_s, "hours": hours if of_zone else None, "by_motion": True}
@@ -70,6 +71,27 @@ def motions_apart(records: SensorRecords, level: Level | None) -> list[Finding]:
     if more_s is None or abs(more_s) < FAR_S or any(gap.severity == "error" for gap in gaps):
         return []
     return [Finding("motions-apart", {"seconds": round(more_s, 2)})]
+
+
+def mend_shifted(
+    records: SensorRecords, level: Level | None
+) -> tuple[SensorRecords, list[Finding]]:
+    """Put right the stamps of a DVL or pressure sensor that is seconds late, or early, throughout.
+
+    Its log begins and ends so much later than all others, and its motion agrees with theirs then.
+    """
+    for shifted in shifted_streams(records.by_name()):
+        more_s = offset_by_motion(shifted.where, records, level)
+        late_s = shifted.values["seconds"]
+        assert isinstance(late_s, float)
+        if more_s is None or abs(more_s + late_s) > SHIFTED_S:
+            continue
+        stream = getattr(records, shifted.where)
+        moved = replace(stream, t_ns=stream.t_ns + round(more_s * NS))
+        values = {"seconds": -more_s, "key": shifted.values["key"]}
+        finding = Finding("stream-moved", values, shifted.where)
+        return replace(records, **{shifted.where: moved}), [finding]
+    return records, []
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,6 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
+from hullrecon.dive.logs.timeline import UNSET_NS
 from hullrecon.findings.finding import Finding
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.clock import NS
@@ -26,10 +27,10 @@ ALONE = frozenset({"position", "tray", "sonar_tray"})
 LONG_ALONE_S = 3600.0  # from which on they are of another clock too
 HOUR_S, MOST_HOURS = 3600.0, 14  # between two time zones
 AGREE_S = 1.0  # between the starts, or the ends, of logs that one switch started and stopped
+ALIKE_S = 2.0  # between by how much one stream begins and ends late: two sensors' periods
 LEAST_SHIFT_S = 5.0  # of both ends, that is told
 TOGETHER_S = 300.0  # between starts, or ends, of logs that were started, or stopped, together
 FACTORS = (1000, 1_000_000)  # between s, ms, us
-UNSET_NS = 10 * 365 * 86400 * NS  # a clock before 1980 was never set
 Span = tuple[int, int]
 
 
@@ -75,7 +76,7 @@ def shifted_streams(streams: Mapping[str, Stream]) -> list[Finding]:
     spans = {
         name: (int(s.t_ns[0]) / NS, int(s.t_ns[-1]) / NS)
         for name, s in streams.items()
-        if len(s.t_ns) > 1 and name not in ALONE
+        if len(s.t_ns) > 1
     }
     out = []
     for name, (begin, end) in spans.items():
@@ -87,7 +88,7 @@ def shifted_streams(streams: Mapping[str, Stream]) -> list[Finding]:
             float(late.mean()),
             float(min(end, others[0, 1]) - max(begin, others[0, 0])),
         )
-        if abs(seconds) < LEAST_SHIFT_S or np.ptp(late) > AGREE_S or shared_s <= 0:
+        if abs(seconds) < LEAST_SHIFT_S or np.ptp(late) > ALIKE_S or shared_s <= 0:
             continue
         values = {"seconds": seconds, "shared_s": shared_s, "length_s": end - begin}
         out.append(Finding("stream-shifted", {**values, "key": KEYS[name]}, name))
@@ -121,18 +122,20 @@ def _describe(name: str, span: Span, others: list[str], whole: Span, given_s: fl
     after = span[0] > whole[1]
     gap_s = (span[0] - whole[1] if after else whole[0] - span[1]) / NS
     values: dict[str, object] = {"others": others, "seconds": gap_s, "after": after}
-    if name in ALONE and gap_s < LONG_ALONE_S:
+    hours, by_ends_s = whole_hours(span, whole), offset_by_ends(span, whole)
+    of_zone = hours is not None and by_ends_s is not None
+    if name in ALONE and gap_s < LONG_ALONE_S and not of_zone:
         return Finding("read-beside", values, name)
     factor = stamp_factor(span, whole)
     if factor is not None:
         return Finding("stamps-in-other-unit", {**values, "factor": factor}, name)
-    hours = whole_hours(span, whole)
+    found_s = by_ends_s if hours is None else hours * HOUR_S
     values |= {
         "key": KEYS[name],
         "unset": span[0] < UNSET_NS <= whole[0],
         "given_s": given_s,  # by dive.toml already
         "hours": hours,
-        "offset_s": None if hours is None else given_s + hours * HOUR_S,
+        "offset_s": None if found_s is None else given_s + found_s,
         "by_motion": False,
     }
     return Finding("clocks-apart", values, name)
@@ -147,15 +150,27 @@ def stamp_factor(span: Span, whole: Span) -> int | None:
     return next(near, None)
 
 
-def whole_hours(span: Span, whole: Span) -> int | None:
-    """Find the whole hours with which a stream begins or ends beside the others. None without any.
+def offset_by_ends(span: Span, whole: Span) -> float | None:
+    """Find what, added to its stamps, s, puts both ends of a stream where the others' are.
+
+    None where it lasts longer or less long than they do: one end alone says nothing.
+    """
+    early = np.subtract(whole, span) / NS
+    return round(float(early.mean()), 2) if np.ptp(early) < AGREE_S else None
+
+
+def whole_hours(span: Span, whole: Span) -> float | None:
+    """Find the hours with which a stream begins or ends beside the others. None without any.
+
+    Time zones are whole or half hours apart.
 
     span, whole: first and last stamp, ns, of the stream and of the others.
     """
-    hours = np.arange(-MOST_HOURS, MOST_HOURS + 1)
-    begin, end = (span[k] + hours * round(HOUR_S * NS) for k in (0, 1))
+    hours = 0.5 * np.arange(-2 * MOST_HOURS, 2 * MOST_HOURS + 1)
+    moved = np.round(hours * HOUR_S * NS).astype(np.int64)
+    begin, end = (span[k] + moved for k in (0, 1))
     shared = np.minimum(end, whole[1]) - np.maximum(begin, whole[0])
     apart = np.minimum(np.abs(begin - whole[0]), np.abs(end - whole[1]))
     least = 0.5 * min(span[1] - span[0], whole[1] - whole[0])
     fits = (shared > least) & (apart < TOGETHER_S * NS)
-    return int(hours[np.argmax(np.where(fits, shared, -1))]) if fits.any() else None
+    return float(hours[np.argmax(np.where(fits, shared, -1))]) if fits.any() else None

@@ -19,6 +19,7 @@ from hullrecon.typing import Array, Ints, Mask
 WORST_SIGMA_M_S = 0.4
 # from one ping to the next; no vehicle stops within less, whatever the time between them
 SUDDEN_M_S, SUDDEN_M_S2 = 0.02, 0.25
+NOTHING_M_S = 1e-6  # velocities below are zero; no DVL tells a tenth of a millimetre per second
 LEAST_NOISE = 3.0  # times its step: a sensor as noisy does not measure exactly zero on three axes
 LEAST_PINGS = 20  # to tell a sensor's noise, and that its values are not constant
 THIRD_DIFFERENCE = 20**0.5  # of white noise: its standard deviation over the noise's
@@ -80,6 +81,8 @@ def _held(t_ns: Ints, velocity: Array) -> tuple[Mask, Mask]:
     known = np.flatnonzero(np.isfinite(velocity).all(axis=1))
     if len(known) < 2:
         return zeros, repeats
+    # a zero that was turned or moved by a lever arm is not exactly zero any more
+    velocity = np.where(np.abs(velocity) < NOTHING_M_S, 0.0, velocity)
     measured, t_s = velocity[known], (t_ns[known] - t_ns[0]) / NS
     step = np.linalg.norm(np.diff(measured, axis=0), axis=1)
     sudden = step > SUDDEN_M_S + SUDDEN_M_S2 * np.diff(t_s)

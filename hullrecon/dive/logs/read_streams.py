@@ -146,7 +146,7 @@ def _sort(
         moved_ns = offset_ns.get("dvl" if is_of_dvl(read) else sensor, 0)
         sample = replace(read, t_ns=read.t_ns + moved_ns) if moved_ns else read
         logged_ns = message.t_ns + moved_ns
-        if window is not None and not window.holds(sample.t_ns):
+        if window is not None and not window.holds(window.time_of(sample.t_ns, logged_ns)):
             out.outside += 1
             if isinstance(sample, JointSample) and np.isfinite(sample.angle):
                 _note_joint_before(sample, logged_ns, log, out, window)
@@ -169,7 +169,7 @@ def _note_joint_before(
     known = out.joints_before.get(sample.name)
     if (
         window.first_ns is not None
-        and sample.t_ns < window.first_ns
+        and window.time_of(sample.t_ns, logged_ns) < window.first_ns
         and (known is None or sample.t_ns >= known[0].t_ns)
     ):
         out.joints_before[sample.name] = sample, logged_ns, log
@@ -188,14 +188,16 @@ def _start_joints(out: LogContents, window: TimeWindow) -> None:
         if isinstance(sample, JointSample):
             first[sample.name] = min(sample.t_ns, first.get(sample.name, sample.t_ns))
     for name, (sample, logged_ns, log) in out.joints_before.items():
-        start_ns = window.first_ns
-        if start_ns is None or first.get(name) == start_ns:
+        if window.first_ns is None:
+            continue
+        later_ns = window.first_ns - window.time_of(sample.t_ns, logged_ns)
+        if first.get(name) == sample.t_ns + later_ns:
             continue
         out.outside -= 1
-        out.samples["joints"].insert(0, replace(sample, t_ns=start_ns))
-        out.logged_ns["joints"].insert(0, logged_ns + start_ns - sample.t_ns)
+        out.samples["joints"].insert(0, replace(sample, t_ns=sample.t_ns + later_ns))
+        out.logged_ns["joints"].insert(0, logged_ns + later_ns)
         out.log["joints"].insert(0, log)
-        if start_ns - sample.t_ns > GAP_S * NS:
+        if later_ns > GAP_S * NS:
             values = {"time": format_time(sample.t_ns)}
             out.notes.append(Finding("joint-before-window", values, f"joint {name}"))
 

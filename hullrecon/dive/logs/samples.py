@@ -7,7 +7,9 @@ SI units, stamps in int64 nanoseconds since 1970, NaN for lost values.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,3 +146,16 @@ Sample = (
 def is_of_dvl(sample: object) -> bool:
     """Tell whether a sample is an attitude or a depth by sensors inside the DVL."""
     return isinstance(sample, ImuSample | DepthSample) and sample.of_dvl
+
+
+def are_written_twice(samples: Sequence[Sample]) -> bool:
+    """Tell whether most readings with the stamp of the one before are that one once more."""
+    alike = [_is_same(a, b) for a, b in itertools.pairwise(samples) if a.t_ns == b.t_ns]
+    return sum(alike) > len(alike) / 2
+
+
+def _is_same(one: Sample, other: Sample) -> bool:
+    names = [field.name for field in fields(one)]
+    return type(one) is type(other) and all(
+        repr(getattr(one, name)) == repr(getattr(other, name)) for name in names
+    )

@@ -60,6 +60,8 @@ DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
 PASCALS = {"Pa": 1.0, "mbar": 1e2, "hPa": 1e2, "kPa": 1e3, "dbar": 1e4, "bar": 1e5}
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 METRES_A_SECOND = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
+GRAVITY_M_S2, NEAR_GRAVITY = 9.80665, 0.1  # by CIPM; share by which a vehicle moves it
+ACCELERATIONS = {"g": GRAVITY_M_S2, "mg": 1e-3 * GRAVITY_M_S2}  # not those of a message
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
 
@@ -205,6 +207,7 @@ def imu_samples(
     _refuse_unfilled(quaternion[good], rates)
     rotation = Rotation.from_quat(quaternion[good])
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
+    acceleration = _in_m_s2(acceleration, notes)
     if any(s.of_dvl for s in samples):
         mount_deg = _require_mount_of_dvl(mount_deg)
         notes.append(Finding("attitude-of-dvl", where="imu"))
@@ -221,6 +224,18 @@ def imu_samples(
         angular_velocity=rates,
         acceleration=acceleration,
     )
+
+
+def _in_m_s2(acceleration: Array, notes: list[Finding]) -> Array:
+    """Convert accelerations (n, 3) to m/s2 where most are as large as gravity in g or mg."""
+    size = np.linalg.norm(acceleration, axis=1)
+    known = size[np.isfinite(size)]
+    felt = float(np.median(known)) if len(known) else 0.0
+    for name, scale in ACCELERATIONS.items():
+        if abs(felt * scale - GRAVITY_M_S2) < NEAR_GRAVITY * GRAVITY_M_S2:
+            notes.append(Finding("accelerations-in-unit", {"unit": name, "median": felt}, "imu"))
+            return scale * acceleration
+    return acceleration
 
 
 def _refuse_unfilled(quaternion: Array, rates: Array) -> None:

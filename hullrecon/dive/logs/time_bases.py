@@ -23,6 +23,10 @@ from hullrecon.typing import Ints
 # later; a stamp that lags further behind is of another clock
 LONGEST_DELAY_S = 60.0
 LEAST = 5  # readings that tell an offset
+# of a clock's error in rate; crystals are within 1e-4. A delay that grows faster is a queue's
+FASTEST_DRIFT = 1e-3
+LEAST_DRIFT_S = 0.05  # over the log, that is put right
+STRAIGHT = 0.2  # of the drift, that 80 % of the delays stay within of a line
 BLOCK_S = 2.0  # over which the offset of a clock that runs at another rate is constant
 
 
@@ -55,6 +59,28 @@ class BagStamps:
     def is_steady(self) -> bool:
         return self.spread_s < JUMP_S
 
+    @property
+    def runs_at_another_rate(self) -> bool:
+        """Tell whether the clock is far from the logger's, and comes nearer or goes away evenly."""
+        largest_s = float(np.abs(np.diff(self.delay_ns)).max()) / NS
+        is_even = largest_s < 0.5 * self.spread_s
+        return is_even and abs(self.median_ns) > LONGEST_DELAY_S * NS
+
+    def drift(self) -> tuple[float, Ints] | None:
+        """Measure how much faster the clock runs than the logger's, and its delays by that, ns.
+
+        None where the delays do not grow or shrink along a line.
+        """
+        at_s = (self.logged_ns - self.logged_ns[0]) / NS
+        delay_s = (self.delay_ns - self.delay_ns[0]) / NS
+        slope, start_s = np.polyfit(at_s, delay_s, 1) if np.ptp(at_s) > 0 else (0.0, 0.0)
+        grown_s = abs(slope) * float(np.ptp(at_s))
+        low, high = np.percentile(delay_s - start_s - slope * at_s, [10, 90])
+        if abs(slope) > FASTEST_DRIFT or max(LEAST_DRIFT_S, (high - low) / STRAIGHT) > grown_s:
+            return None
+        by_rate_s = start_s + slope * at_s
+        return -float(slope), self.delay_ns[0] + np.round(by_rate_s * NS).astype(np.int64)
+
 
 def join_time_bases(
     sensors: Mapping[str, BagStamps],
@@ -74,7 +100,13 @@ def join_time_bases(
     right = max(alike, key=lambda names: (len(names), -min(abs(offset_ns[n]) for n in names)))
     shifts: dict[str, Ints] = {}
     notes: list[Finding] = []
-    for name, stamps in known.items():
+    drifts = {name: found for name in known if (found := known[name].drift()) is not None}
+    if 0 < len(drifts) < len(right):
+        straight_ns = round(float(np.median([offset_ns[n] for n in right if n not in drifts])))
+        for name, (rate, delay_ns) in drifts.items():
+            shifts[name] = delay_ns - straight_ns
+            notes.append(Finding("clock-drifts", {"per_million": 1e6 * rate}, name))
+    for name, stamps in ((name, known[name]) for name in known if name not in shifts):
         shift = None if name in right else _shift(stamps, [known[other] for other in right])
         if shift is None:
             continue
@@ -101,10 +133,14 @@ def _shift(stamps: BagStamps, right: Sequence[BagStamps]) -> Ints | None:
         shift_ns = stamps.median_ns - round(float(np.median(steady)))
         is_late = stamps.is_stamped and -JUMP_S * NS < shift_ns < LONGEST_DELAY_S * NS
         return None if is_late else np.full(len(stamps.stamp_ns), shift_ns, np.int64)
-    if steady or stamps.is_stamped:
-        return None
-    # the clock of all others runs at another rate than the logger's, as a simulator's does
-    return _follow(stamps.logged_ns, max(right, key=lambda other: len(other.stamp_ns)))
+    if steady and not stamps.runs_at_another_rate:
+        return None  # it jumps, or was logged late now and then
+    # of two clocks one runs at another rate than the logger's, as a simulator's does
+    logged = stamps.logged_ns - (stamps.median_ns if stamps.is_steady else 0)
+    if steady:
+        return logged - round(float(np.median(steady))) - stamps.stamp_ns
+    longest = max(right, key=lambda other: len(other.stamp_ns))
+    return logged + _follow(logged, longest) - stamps.stamp_ns
 
 
 def _follow(logged_ns: Ints, other: BagStamps) -> Ints:
@@ -117,5 +153,13 @@ def _follow(logged_ns: Ints, other: BagStamps) -> Ints:
         np.array([float(np.median(values[part] - values[0])) for part in parts]) / NS
         for values in (at, delay)
     )
+    if len(middle_s) > 1:  # the first and last readings lie beyond the middles
+        ends_s = np.array([0.0, (at[-1] - at[0]) / NS])
+        slope = [(delay_s[k + 1] - delay_s[k]) / (middle_s[k + 1] - middle_s[k]) for k in (0, -2)]
+        beyond_s = delay_s[[0, -1]] + slope * (ends_s - middle_s[[0, -1]])
+        middle_s, delay_s = (
+            np.concatenate([end[:1], inner, end[1:]])
+            for end, inner in ((ends_s, middle_s), (beyond_s, delay_s))
+        )
     more_s = np.interp((logged_ns - at[0]) / NS, middle_s, delay_s)
     return np.asarray(-delay[0] - np.round(more_s * NS), np.int64)

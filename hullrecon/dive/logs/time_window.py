@@ -16,6 +16,8 @@ from hullrecon.records.clock import NS, format_time
 
 Instant = datetime | float | None  # an hour of a day, or s from the log's start; None: no limit
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+# between the clocks of sensor and logger: one of them is a simulator's, or was never set
+FAR_NS = 86400 * NS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +32,16 @@ class TimeWindow:
         return (self.first_ns is None or t_ns >= self.first_ns) and (
             self.last_ns is None or t_ns <= self.last_ns
         )
+
+    def time_of(self, t_ns: int, logged_ns: int) -> int:
+        """Choose the clock that the limits are told by, the sensor's or the logger's.
+
+        It is the sensor's, but where they are a day apart the one that is nearer to a limit.
+        """
+        limit = self.last_ns if self.first_ns is None else self.first_ns
+        if limit is None or abs(logged_ns - t_ns) < FAR_NS:
+            return t_ns
+        return min(t_ns, logged_ns, key=lambda time: abs(time - limit))
 
     def describe(self) -> str:
         """Describe the window in words."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hullrecon.dive.logs.bursts import spread_bursts
 from hullrecon.errors import InputError
 from hullrecon.findings.finding import Finding
 from hullrecon.records.clock import NS, format_time
@@ -27,6 +28,7 @@ STEADY = 0.1  # of a jump: what half of the offsets around it may scatter by
 LASTING = 20
 # from the stamps of the dive: a clock that was not set yet, or a stamp that is damaged
 FAR_S = 86400.0
+UNSET_NS = 10 * 365 * 86400 * NS  # a clock before 1980 was never set
 FAR_SHARE = 0.05  # of a sensor's readings; more are another dive, which is not ours to leave out
 FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
 MOST_GAPS = 5  # that are told one by one
@@ -42,7 +44,12 @@ class Timeline:
 
 
 def put_in_order(
-    name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike, log: ArrayLike | None = None
+    name: str,
+    stamp_ns: ArrayLike,
+    logged_ns: ArrayLike,
+    log: ArrayLike | None = None,
+    *,
+    spread: bool = False,
 ) -> Timeline:
     """Sort readings by time, correct clock jumps, and drop duplicates and stray stamps.
 
@@ -54,6 +61,7 @@ def put_in_order(
     name : of the stream, for the notes
     stamp_ns, logged_ns : (n,) stamps of sensor and logger, in the order of the logs
     log : (n,) number of the log of each reading, None where there is one log
+    spread : readings that were received in bursts are put where they were measured
 
     Raises
     ------
@@ -71,11 +79,16 @@ def put_in_order(
     jumped, far = jumped[near], np.delete(stamp, near)
     stamp, logged, number = stamp[near], logged[near], number[near]
     set_back = _set_back(stamp - jumped, logged, number)
-    right = stamp - jumped - set_back
+    right, bursts = stamp - jumped - set_back, list[Finding]()
+    if spread:
+        right = spread_bursts(name, right, logged, bursts)
+    _refuse_two_bases(name, right)
     order = np.argsort(right, kind="stable")
     kept = np.ones(len(order), bool)
     kept[1:] = np.diff(right[order]) > 0
-    notes = _describe_jumps(name, stamp, logged, number, jumped, set_back)
+    notes = bursts
+    if not bursts or (jumped + set_back).any():
+        notes += _describe_jumps(name, stamp, logged, number, jumped, set_back)
     doubled = int(np.count_nonzero(~kept))
     if doubled:
         notes.append(Finding("stamps-doubled", {"doubled": doubled, "count": len(stamp)}, name))
@@ -87,6 +100,22 @@ def put_in_order(
         notes.insert(0, Finding("stamps-far", values, name))
     keep = order[kept]
     return Timeline(near[keep], right[keep], notes)
+
+
+def _refuse_two_bases(name: str, stamp: Ints) -> None:
+    """Raise InputError for stamps (n,) of which a part counts from 1970.
+
+    The clock was set, or lost its time, amid the log, and nothing tells by how much.
+    """
+    unset = stamp < UNSET_NS
+    if min(unset.sum(), (~unset).sum()) < LASTING:
+        return
+    first = format_time(int(stamp[~unset].min()))
+    raise InputError(
+        f"{name}: the clock was set anew amid the log: {unset.sum()} of {len(stamp)} stamps count "
+        f"from 1970, the others begin at {first}",
+        remedy=f"leave those that count from 1970 out with dive.from = {first}, or write them anew",
+    )
 
 
 def _far_from_all(stamp: Ints) -> Mask:

@@ -29,6 +29,12 @@ from hullrecon.typing import Array, Mask
 # Units in which readings may have been logged in place of Pa, m, m/s
 PASCAL = {u: pa for u, pa in PASCALS.items() if u not in ("Pa", "mbar")} | {"psi": 6894.757}
 METRES_PER_SECOND = {"cm/s": 0.01, "mm/s": 0.001, "ft/s": 0.3048, "kn": 0.514444}
+RADIANS_A_SECOND = {
+    "deg/s": np.pi / 180,
+    "mdeg/s": np.pi / 180e3,
+    "mrad/s": 1e-3,
+    "rpm": np.pi / 30,
+}
 # by which a length may be too short or too long: steps that the comparisons tolerate
 FACTORS = [*np.geomspace(0.5, 0.93, 10), *np.geomspace(1.07, 2.0, 10)]
 WATER = 1.333  # refractive index of water: a calibration made in air has focal lengths that short
@@ -117,7 +123,7 @@ def _of_dvl(records: SensorRecords, dvl: DvlPings) -> Iterator[Hypothesis]:
 
 def _of_rates(records: SensorRecords, imu: ImuSamples) -> Iterator[Hypothesis]:
     degree = np.pi / 180
-    readings = {("unit", "deg/s"): degree * imu.angular_velocity}
+    readings = {("unit", unit): f * imu.angular_velocity for unit, f in RADIANS_A_SECOND.items()}
     for name, turn in signed_axes():
         readings["axes", name] = imu.angular_velocity @ turn.T
         readings["axes", f"{name}, deg/s"] = degree * imu.angular_velocity @ turn.T

@@ -24,12 +24,12 @@ def test_streams_that_overlap_have_no_gap():
     assert clock_gaps(sensors(camera_top=99.0, tray=-98.0)) == []
 
 
-@pytest.mark.parametrize("hours", [-5, 2])
+@pytest.mark.parametrize("hours", [-5, 2, 5.5])
 def test_a_clock_of_another_time_zone_is_told_with_its_key(hours):
     (found,) = clock_gaps(sensors(dvl=3600.0 * hours + 20))
     assert (found.code, found.severity, found.where) == ("clocks-apart", "error", "dvl")
     assert f"try dvl.time_offset = {-3600.0 * hours:.2f}" in found.sentence
-    assert f"({-hours:+d} h, as of a time zone)" in found.sentence
+    assert f"({-hours:+g} h, as of a time zone)" in found.sentence
 
 
 def test_hours_are_not_guessed_where_logs_begin_and_end_elsewhere():
@@ -65,7 +65,7 @@ def test_a_clock_that_was_never_set_is_the_one_that_is_named():
         "tray": "tray.time_offset",
     }
     assert "it counts from 1970" in found[0].sentence
-    assert "give dvl.time_offset" in found[0].sentence
+    assert "try dvl.time_offset = 1777886796.60 (it then begins and ends" in found[0].sentence
     assert found[0].sentence.startswith("dvl: it ends 56.3 years before imu and pressure begin")
 
 
@@ -76,6 +76,11 @@ def test_the_lone_clock_of_three_is_the_one_that_is_named():
 @pytest.mark.parametrize(("late_s", "severity"), [(-500.0, "warning"), (-9000.0, "error")])
 def test_fixes_at_the_surface_before_the_dive_are_no_gap(late_s, severity):
     assert [f.severity for f in clock_gaps(sensors(position=late_s))] == [severity]
+
+
+def test_a_servo_an_hour_before_the_dive_that_lasts_as_long_is_of_another_clock():
+    (found,) = clock_gaps(sensors(tray=-3600.0))
+    assert (found.code, found.values["offset_s"]) == ("clocks-apart", 3600.0)
 
 
 def test_a_single_reading_says_nothing_about_a_clock():

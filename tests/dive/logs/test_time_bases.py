@@ -71,3 +71,33 @@ def test_a_clock_that_jumps_is_left_to_its_stream():
     late = np.where(np.arange(len(half.stamp_ns)) < 250, logged().stamp_ns, half.stamp_ns)
     sensors = {"imu": logged(), "pressure": logged(), "dvl": BagStamps(late, half.logged_ns)}
     assert join_time_bases(sensors) == ({}, [])
+
+
+@pytest.mark.parametrize("rate", [0.5, 2.0])
+def test_a_wall_clock_beside_a_simulator_of_another_rate_follows_it(rate):
+    simulated = {name: logged(12.3 - WALL_S, rate=rate) for name in ("dvl", "imu", "joints")}
+    shifts, _ = join_time_bases({**simulated, "pressure": logged(delay_s=0.03)})
+    joined = logged().stamp_ns + shifts["pressure"]
+    np.testing.assert_allclose(joined, simulated["dvl"].stamp_ns, atol=0.2 * NS)
+
+
+def test_a_simulated_clock_of_another_rate_beside_wall_clocks_joins_them():
+    others = {name: logged() for name in ("imu", "pressure")}
+    shifts, _ = join_time_bases({**others, "dvl": logged(12.3 - WALL_S, rate=0.5)})
+    joined = logged(12.3 - WALL_S, rate=0.5).stamp_ns + shifts["dvl"]
+    np.testing.assert_allclose(joined, others["imu"].stamp_ns, atol=0.01 * NS)
+
+
+@pytest.mark.parametrize("rate", [1 + 8e-4, 1 - 8e-4])
+def test_a_clock_that_runs_fast_or_slow_is_put_right(rate):
+    sensors = {"imu": logged(), "pressure": logged(), "dvl": logged(rate=rate)}
+    shifts, notes = join_time_bases(sensors)
+    joined = sensors["dvl"].stamp_ns + shifts["dvl"]
+    np.testing.assert_allclose(joined, sensors["imu"].stamp_ns, atol=0.001 * NS)
+    (said,) = sentences(notes)
+    assert f"runs 800 millionths {'fast' if rate > 1 else 'slow'}" in said
+
+
+def test_a_queue_that_grows_is_no_drift_of_a_clock():
+    sensors = {"imu": logged(), "pressure": logged(), "dvl": logged(rate=0.98)}
+    assert join_time_bases(sensors) == ({}, [])

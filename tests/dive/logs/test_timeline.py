@@ -257,3 +257,12 @@ def test_a_sensor_that_began_late_or_ended_early_is_named() -> None:
         "pressure: begins 6.5 s after the log does", "pressure: ends 2.0 s before the log does",
     ]  # fmt: skip
     assert sentences(describe_ends("imu", ns(0.5, 7, 9), 0, 10 * NS)) == []
+
+
+@pytest.mark.parametrize("parts_s", [(1.777e9, 3.0), (3.0, 1.777e9)])
+def test_a_clock_that_is_set_amid_a_table_is_refused_with_the_way_to_use_the_rest(parts_s):
+    stamp = np.concatenate([start_s + np.arange(50.0) for start_s in parts_s]) * NS
+    with pytest.raises(InputError, match="50 of 100 stamps count from 1970") as raised:
+        put_in_order("dvl", stamp.astype(np.int64), stamp.astype(np.int64))
+    assert "dive.from = 2026-04-24T03:06:40.000Z" in raised.value.line()
+    assert len(put_in_order("dvl", *2 * [stamp[stamp >= 1.777e9 * NS]]).t_ns) == 50
