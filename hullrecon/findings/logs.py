@@ -141,6 +141,8 @@ NOTES: dict[str, Words] = {
     "stamps-doubled": "{doubled} of {count} stamps are duplicates; the first of each was kept",
     "stamps-unordered": "{count} readings stood out of order and were sorted",
     "stamps-far": _far,
+    "rates-unfilled": "all {count} angular velocities are zero while the orientation turns: they "
+    "were not filled in, and are left out",
     "accelerations-in-unit": "half of its accelerations are {median:.3g} and more, as gravity in "
     "{unit}: they were converted to m/s2",
     "stamps-in-bursts": _in_bursts,

@@ -91,13 +91,12 @@ def _shifted(seconds: float, shared_s: float, length_s: float, key: str) -> str:
     )
 
 
-def _moved(seconds: float, key: str) -> str:
+def _moved(seconds: float) -> str:
     side = "late" if seconds > 0 else "early"
     leap = " (GPS time is 18 s ahead of UTC)" if abs(abs(seconds) - 18) < 0.5 else ""
     return (
         f"its stamps are {abs(seconds):.1f} s {side}{leap}: so its log begins and ends beside the "
-        f"others, and depth and DVL show one motion; they were put right ({key} = {-seconds:.2f} "
-        "states it)"
+        "others, and depth and DVL show one motion; they were put right"
     )
 
 

@@ -32,6 +32,7 @@ LEAST_SHARE = 0.5  # of the shorter one, that both measured
 OTHER_S = 10.0  # between the best offset and another one
 LEAST_CORRELATION = 0.7
 GAIN = 25.0  # by which chi-square is lower than at any other offset: five sigmas
+GAIN_OF_FEW = 9.0  # where it is one of few: three sigmas
 FAR_S = 60.0  # the step navigate finds what is less
 SAME_S = 30.0  # from whole hours; what is left of the offset is found by the step navigate
 SHIFTED_S = 2.0  # between what the ends of logs and motion tell; operators start logs by hand
@@ -81,15 +82,14 @@ def mend_shifted(
     Its log begins and ends so much later than all others, and its motion agrees with theirs then.
     """
     for shifted in shifted_streams(records.by_name()):
-        more_s = offset_by_motion(shifted.where, records, level)
         late_s = shifted.values["seconds"]
         assert isinstance(late_s, float)
+        more_s = offset_by_motion(shifted.where, records, level, (0.0, -late_s))
         if more_s is None or abs(more_s + late_s) > SHIFTED_S:
             continue
         stream = getattr(records, shifted.where)
         moved = replace(stream, t_ns=stream.t_ns + round(more_s * NS))
-        values = {"seconds": -more_s, "key": shifted.values["key"]}
-        finding = Finding("stream-moved", values, shifted.where)
+        finding = Finding("stream-moved", {"seconds": -more_s}, shifted.where)
         return replace(records, **{shifted.where: moved}), [finding]
     return records, []
 
@@ -121,10 +121,17 @@ def level_of(
     return Level(t_ns=imu.t_ns, down=np.asarray(down), below=np.asarray(below))
 
 
-def offset_by_motion(sensor: str, records: SensorRecords, level: Level | None) -> float | None:
+def offset_by_motion(
+    sensor: str,
+    records: SensorRecords,
+    level: Level | None,
+    among_s: Sequence[float] = (),
+) -> float | None:
     """Estimate what to add to the stamps of "dvl" or "pressure", s. None where motion is silent.
 
     All others are on one time base.
+
+    among_s: if given, it is near one of these, SHIFTED_S.
     """
     dvl, pressure = records.dvl, records.pressure
     if sensor not in ("dvl", "pressure") or dvl is None or pressure is None or level is None:
@@ -146,14 +153,18 @@ def offset_by_motion(sensor: str, records: SensorRecords, level: Level | None) -
     below, _ = _on_grid(level.t_ns, level.below[:, None], at, count)
     if sensor == "dvl":
         rate, is_sunk = _rate(depth + below, is_read & is_level)
-        lag_s = _best_lag(down, rate, is_sunk, velocity, is_heard)
-        return None if lag_s is None else lag_s + (begin["pressure"] - begin["dvl"]) / NS
+        later_s = (begin["pressure"] - begin["dvl"]) / NS
+        lags_s = [offset_s - later_s for offset_s in among_s]
+        lag_s = _best_lag(down, rate, is_sunk, velocity, is_heard, lags_s)
+        return None if lag_s is None else lag_s + later_s
     rate, is_sunk = _rate(depth, is_read)
     swept, is_swept = _rate(below, is_level)
     sinking = (down * velocity).sum(axis=1) - swept
     ones = np.ones((len(rate), 1))
-    lag_s = _best_lag(ones, rate, is_sunk, sinking[:, None], is_heard & is_swept)
-    return None if lag_s is None else -(lag_s + (begin["pressure"] - begin["dvl"]) / NS)
+    later_s = (begin["pressure"] - begin["dvl"]) / NS
+    lags_s = [-offset_s - later_s for offset_s in among_s]
+    lag_s = _best_lag(ones, rate, is_sunk, sinking[:, None], is_heard & is_swept, lags_s)
+    return None if lag_s is None else -(lag_s + later_s)
 
 
 def _on_grid(
@@ -187,7 +198,12 @@ def _rate(depth: Array, known: Mask) -> tuple[Array, Mask]:
 
 
 def _best_lag(
-    fixed: Array, rate: Array, is_fixed: Mask, moving: Array, is_moving: Mask
+    fixed: Array,
+    rate: Array,
+    is_fixed: Mask,
+    moving: Array,
+    is_moving: Mask,
+    among_s: Sequence[float],
 ) -> float | None:
     """Find the lag, s, at which the sum over k of fixed times moving is the rate.
 
@@ -195,6 +211,7 @@ def _best_lag(
     ----------
     fixed, rate, is_fixed : (n, k), (n,), (n,) on one grid
     moving, is_moving : (m, k), (m,) on another grid. Its start is to be put at the lag
+    among_s : if given, the lags near which it is searched, so that less tells them apart
     """
     on, off = is_fixed.astype(float), is_moving.astype(float)
     fixed, moving, rate = fixed * on[:, None], moving * off[:, None], rate * on
@@ -215,6 +232,10 @@ def _best_lag(
     found = (product / count - mean * mean_rate) / np.sqrt(np.maximum(scatter, max(floor, 1e-18)))
     least = max(LEAST_S / STEP_S, LEAST_SHARE * min(on.sum(), off.sum()))
     found = np.clip(np.where(count >= least, found, -1.0), -1.0, 0.999)
+    if among_s:
+        lags_s = STEP_S * (np.arange(len(found)) - (len(moving) - 1))
+        away_s = np.abs(lags_s[:, None] - np.array(among_s))
+        found = np.where(away_s.min(axis=1) <= SHIFTED_S, found, -1.0)
     best = int(np.argmax(found))
     apart = np.abs(np.arange(len(found)) - best) >= OTHER_S / STEP_S
     other = float(found[apart].max(initial=-1.0))
@@ -223,7 +244,7 @@ def _best_lag(
     # by how much chi-square is larger at any other offset
     independent = max(count[best] * STEP_S / INDEPENDENT_S - 1.0, 0.0)
     gain = independent * np.log((1 - max(other, 0.0) ** 2) / (1 - found[best] ** 2))
-    if gain < GAIN:
+    if gain < (GAIN_OF_FEW if among_s else GAIN):
         return None
     low, middle, high = found[best - 1 : best + 2] if 0 < best < len(found) - 1 else (0.0, 1.0, 0.0)
     bend = low - 2 * middle + high

@@ -10,15 +10,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hullrecon.dive.logs.samples import DepthSample, PressureSample, Sample
-from hullrecon.dive.logs.streams import DEEPEST_HULL_M, PASCALS
+from hullrecon.dive.logs.streams import DEEPEST_HULL_M, PASCALS, STILL_M
 from hullrecon.records.clock import NS
 from hullrecon.typing import Array
 
 MOST_READINGS = 512  # of a topic, evenly over the log
 LOWEST_AIR_PA, AIR_PA = 80e3, 101325.0  # at any sea 87 kPa at least
 PASCALS_A_METRE = 1025 * 9.81
-# of its readings from the 5th to the 95th percentile; the air in a sealed enclosure stays within
-STILL_M = 0.15
 FOLLOWS = 3.0  # times as much has the depth of the same dive changed at least
 
 

@@ -54,6 +54,7 @@ UNIT_QUATERNION = 0.05  # how far the length of an attitude's quaternion may be 
 BRIGHT_PINGS_PERCENT = 99.0
 FASTEST_M_S = 15.0  # no vehicle at a hull is faster
 FASTEST_MEDIAN_M_S = 4.0  # of a dive: a survey of a hull is ten times slower
+STILL_M = 0.15  # of a depth from the 5th to the 95th percentile; an enclosure's air stays within
 HIGHEST_M = 1.0  # median height over the water, beyond which depths are wrong
 HIGHEST_DECK_M = 6.0  # from which a vehicle is launched; zero pascal is 10 m above the water
 DEEPEST_HULL_M = 40.0  # the largest ships draw 25 m
@@ -205,6 +206,9 @@ def imu_samples(
     rates = np.array([s.rates for s in samples]).reshape(-1, 3)[good]
     rates = np.radians(rates) if rates_unit == "deg/s" else rates
     _refuse_unfilled(quaternion[good], rates)
+    if len(rates) >= LEAST_ATTITUDES and not rates.any() and np.ptp(quaternion[good], axis=0).any():
+        notes.append(Finding("rates-unfilled", {"count": len(rates)}, "imu"))
+        rates = np.full_like(rates, np.nan)
     rotation = Rotation.from_quat(quaternion[good])
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
     acceleration = _in_m_s2(acceleration, notes)
@@ -319,7 +323,10 @@ def _above_water(
         other = "down" if samples[0].is_up else "up"  # type: ignore[union-attr]
         if model.z_axis is not None:
             other = "down" if model.z_axis == "up" else "up"
-        return InputError(what, where="pressure", remedy=f'give pressure.z_axis = "{other}"')
+        remedy = (
+            f'give pressure.z_axis = "{other}" where they grow so; a height above another level'
+        )
+        return InputError(what, where="pressure", remedy=f"{remedy} than the water is no depth")
     fitting = []
     for name in {scale: name for name, scale in PASCALS.items()}.values():  # hPa stands for mbar
         depth = [_depth(s, replace(model, unit=name)) for s in samples]
@@ -327,6 +334,12 @@ def _above_water(
         if low > -HIGHEST_M and high < DEEPEST_HULL_M:
             fitting.append(f'pressure.unit = "{name}" ({low:.1f} to {high:.1f} m deep then)')
     relative = "pressure.atmosphere = 0 for a pressure over that of the air"
+    still_m = float(np.ptp(np.percentile([_depth(s, model) for s in samples], [5, 95])))
+    if still_m < STILL_M:
+        relative += (
+            f"; readings that stay within {still_m:.2f} m may be the air's in an enclosure: then "
+            "name another topic, or none"
+        )
     return InputError(
         f"{what}, as no absolute pressure in {unit} does",
         where="pressure",
