@@ -90,8 +90,7 @@ def _register_from(
     target = _target_cloud(
         cad_model.mesh, np.vstack([start.inverse().apply(points[::10]) for start in starts]), seed
     )
-    candidates = [_gicp(points, target, start) for start in starts if len(target)]
-    candidates.append(starts[0])
+    candidates = [*(_gicp(points, target, starts) if len(target) else []), starts[0]]
     distances = [
         np.abs(cad_model.mesh.index.closest(pose.inverse().apply(points)).distance)
         for pose in candidates
@@ -158,11 +157,8 @@ def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
 
     The turn is on the right, in the axes of M.
     """
-    moved = global_from_hull @ frame_at(center)
-    turned = Poses(moved.quaternion, moved.translation + step[:3]) @ poses.exp(
-        np.r_[np.zeros(3), step[3:]]
-    )
-    return turned @ frame_at(center).inverse()
+    turned = global_from_hull @ poses.exp(np.r_[center, step[3:]])  # its origin is the centre
+    return Poses(turned.quaternion, turned.translation + step[:3]) @ frame_at(-center)
 
 
 def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
@@ -202,8 +198,8 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
     return np.asarray(samples[np.isfinite(gap)])
 
 
-def _gicp(points: Array, target: Array, start: Poses) -> Poses:
-    """Register points in g to samples in M by generalised ICP."""
+def _gicp(points: Array, target: Array, starts: list[Poses]) -> list[Poses]:
+    """Register points in g to samples in M by generalised ICP from each start."""
     import open3d as o3d
 
     def cloud(xyz: Array) -> o3d.geometry.PointCloud:
@@ -212,16 +208,20 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
         return out
 
     register = o3d.pipelines.registration
-    result = register.registration_generalized_icp(
-        cloud(points),
-        cloud(target),
-        1.0,
-        start.inverse().matrix()[0],
-        register.TransformationEstimationForGeneralizedICP(),
-        register.ICPConvergenceCriteria(max_iteration=40),
-    )
+    surveyed, sampled = cloud(points), cloud(target)
+    found = [
+        register.registration_generalized_icp(
+            surveyed,
+            sampled,
+            1.0,
+            start.inverse().matrix()[0],
+            register.TransformationEstimationForGeneralizedICP(),
+            register.ICPConvergenceCriteria(max_iteration=40),
+        ).transformation
+        for start in starts
+    ]
     # its sums differ in the last digit from call to call: rounding keeps what follows repeatable
-    return poses.from_matrix(np.round(result.transformation, 6)).inverse()
+    return [poses.from_matrix(np.round(each, 6)).inverse() for each in found]
 
 
 def share_within(points: Array, found: Registration, sigma_range: float) -> float:
@@ -241,11 +241,8 @@ def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> A
 
     The step is what `guess_sigma` whitens.
     """
-    return np.asarray(
-        (
-            (cad_model.guess @ frame_at(center)).inverse() @ global_from_hull @ frame_at(center)
-        ).log()[0]
-    )
+    apart = cad_model.guess.inverse() @ global_from_hull
+    return np.asarray(np.r_[apart.apply(center)[0] - center, apart.log()[0, 3:]])
 
 
 def trimmed_cost(
