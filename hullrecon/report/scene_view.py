@@ -25,6 +25,7 @@ import numpy as np
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.meshes.local_origin import local_origin
 from hullrecon.geometry.meshes.mesh import vertex_normals
+from hullrecon.geometry.open3d_import import import_open3d
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.figures.hull_map import HullMap
 from hullrecon.report.survey import Surfaces, Survey
@@ -112,10 +113,9 @@ def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
     """
     if part is None or len(part.faces) <= most:
         return part
-    import open3d as o3d
     from scipy.spatial import cKDTree
 
-    found = part.as_found()
+    o3d, found = import_open3d(), part.as_found()
     mesh = o3d.geometry.TriangleMesh(
         o3d.utility.Vector3dVector(found), o3d.utility.Vector3iVector(part.faces.astype(np.int32))
     )

@@ -10,13 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.open3d_import import import_open3d
 from hullrecon.typing import Array, Floats32
 
 
@@ -38,11 +39,10 @@ class Rays:
     """A mesh to cast rays at. `middle` is taken off every origin."""
 
     def __init__(self, mesh: Mesh) -> None:
-        import open3d as o3d
-
+        o3d = import_open3d()
         self.middle: Array = mesh.vertices.mean(0)
-        self._tensor = cast(Any, o3d.core.Tensor)
-        self._scene = cast(Any, o3d.t.geometry.RaycastingScene(nthreads=2))
+        self._tensor = o3d.core.Tensor
+        self._scene = o3d.t.geometry.RaycastingScene(nthreads=2)
         self._scene.add_triangles(
             self._tensor(np.ascontiguousarray(mesh.vertices - self.middle, np.float32)),
             self._tensor(np.ascontiguousarray(mesh.faces, np.uint32)),

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -21,6 +22,7 @@ from hullrecon.adjustment.hull_pose import cad_error
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.mesh import Mesh, face_areas
+from hullrecon.geometry.open3d_import import import_open3d
 from hullrecon.geometry.pose_solver import LinearisedCost, minimise_over_pose
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, CholeskyFactor
@@ -200,9 +202,9 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
 
 def _gicp(points: Array, target: Array, starts: list[Poses]) -> list[Poses]:
     """Register points in g to samples in M by generalised ICP from each start."""
-    import open3d as o3d
+    o3d = import_open3d()
 
-    def cloud(xyz: Array) -> o3d.geometry.PointCloud:
+    def cloud(xyz: Array) -> Any:
         out = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(xyz))
         out.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(20))
         return out

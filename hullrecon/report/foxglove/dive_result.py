@@ -16,6 +16,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.geometry.meshes.local_origin import local_origin
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
+from hullrecon.geometry.open3d_import import import_open3d
 from hullrecon.geometry.poses import from_matrix, from_rpy, tray_poses
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.surface import Surface
@@ -59,8 +60,7 @@ def ship_glb(mesh: Mesh) -> bytes:
 def _thinned(mesh: Mesh) -> Mesh:
     if len(mesh.faces) <= MAX_FACES:
         return mesh
-    import open3d as o3d
-
+    o3d = import_open3d()
     full = o3d.geometry.TriangleMesh(
         o3d.utility.Vector3dVector(mesh.vertices), o3d.utility.Vector3iVector(mesh.faces)
     )
