@@ -56,7 +56,7 @@ def seen_once_by_both(tracks, landmark):
 
 
 def test_landmark_behind_cameras_is_dropped():
-    measured = simulate().measured
+    measured = simulate(cad=False).measured
     landmark = well_seen(measured.tracks)
     lone = seen_once_by_both(measured.tracks, landmark)
     assert landmark in quietly(replace(measured, tracks=lone)).chosen.landmarks
@@ -68,7 +68,7 @@ def test_landmark_behind_cameras_is_dropped():
 
 
 def test_observation_far_from_its_landmark_is_dropped():
-    measured = simulate().measured
+    measured = simulate(cad=False).measured
     tracks, landmark = measured.tracks, well_seen(measured.tracks)
     row = int(np.flatnonzero(tracks.landmark == landmark)[0])
     top = tracks.top.copy()

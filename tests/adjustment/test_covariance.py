@@ -18,7 +18,7 @@ def moved(nodes, step):
     return Poses(turned.as_quat(), nodes.translation + step[:, :3])
 
 
-def samples_of_a_joint_normal(rng, count=40000):
+def samples_of_a_joint_normal(rng, count=4000):
     root = (
         rng.standard_normal((12, 12))
         * np.r_[np.full(3, 2e-3), np.full(3, 1e-3), np.full(3, 3e-3), np.full(3, 1e-3)][:, None]
@@ -35,21 +35,11 @@ def test_covariance_of_a_pose_in_the_hull_equals_sampling():
         joint[None, :6, :6], joint[None, :6, 6:], joint[6:, 6:], one, HULL, CENTER
     )[0]
     many = moved(one[np.zeros(len(draws), int)], draws[:, :6])
-    in_hull = poses.identity(0)
-    in_hull = Poses(
-        np.vstack(
-            [
-                (perturb_pose(HULL, CENTER, d[6:]).inverse() @ many[i]).quaternion
-                for i, d in enumerate(draws[:4000])
-            ]
-        ),
-        np.vstack(
-            [
-                (perturb_pose(HULL, CENTER, d[6:]).inverse() @ many[i]).translation
-                for i, d in enumerate(draws[:4000])
-            ]
-        ),
-    )
+    drawn = [
+        (perturb_pose(HULL, CENTER, d[6:]).inverse() @ many[i]).vectors()
+        for i, d in enumerate(draws)
+    ]
+    in_hull = Poses(np.vstack(drawn)[:, 3:], np.vstack(drawn)[:, :3])
     mean = HULL.inverse() @ one
     error = np.c_[
         in_hull.translation - mean.translation, (mean.rotation.inv() * in_hull.rotation).as_rotvec()
